@@ -1,0 +1,87 @@
+#include "pilotage/base/output_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "pilotage/base/error.h"
+
+namespace pilotage {
+namespace {
+
+namespace fs = std::filesystem;
+
+void sync_to_disk(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) throw DataError(path.string() + ": cannot be opened: " + std::strerror(errno));
+  const int result = ::fsync(descriptor);
+  const int error = errno;
+  ::close(descriptor);
+  if (result != 0) throw DataError(path.string() + ": cannot be written to disk: " + std::strerror(error));
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path destination, bool overwrite) : destination_(std::move(destination)) {
+  std::error_code ignored;
+  const fs::path folder = destination_.has_parent_path() ? destination_.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored)) {
+    throw DataError(destination_.string() + ": the folder " + folder.string() + " does not exist");
+  }
+  if (fs::is_directory(destination_, ignored)) throw DataError(destination_.string() + ": is a folder");
+  if (!overwrite && fs::exists(destination_, ignored)) {
+    throw DataError(destination_.string() + ": exists already; give --overwrite to replace it");
+  }
+  temporary_ = folder / ("." + destination_.stem().string() + ".partial-" + std::to_string(::getpid()) +
+                         destination_.extension().string());
+  fs::remove(temporary_, ignored);
+}
+
+OutputFile::~OutputFile() {
+  if (committed_) return;
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+void OutputFile::commit() {
+  sync_to_disk(temporary_);
+  std::error_code error;
+  fs::rename(temporary_, destination_, error);
+  if (error) throw DataError(destination_.string() + ": cannot be created: " + error.message());
+  committed_ = true;
+}
+
+void write_file(const fs::path& destination, std::string_view content, bool overwrite) {
+  OutputFile output(destination, overwrite);
+  {
+    std::ofstream stream(output.temporary_path(), std::ios::binary);
+    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+    stream.flush();
+    if (!stream) throw DataError(destination.string() + ": cannot be written: " + std::strerror(errno));
+  }
+  output.commit();
+}
+
+std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw DataError(path.string() + ": is a folder, not a file");
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
+  if (size > max_bytes) {
+    throw DataError(path.string() + ": has " + std::to_string(size) + " bytes, at most " + std::to_string(max_bytes) +
+                    " are allowed");
+  }
+  std::string content(size, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(content.data(), static_cast<std::streamsize>(size));
+  if (!stream) throw DataError(path.string() + ": cannot be read");
+  return content;
+}
+
+}  // namespace pilotage

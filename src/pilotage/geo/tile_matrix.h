@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+
+#include "pilotage/geo/geo_transform.h"
+
+namespace pilotage {
+
+/// A rectangle of whole pixels.
+struct PixelWindow {
+  std::int64_t col = 0;  ///< First column.
+  std::int64_t row = 0;  ///< First row.
+  int width = 0;
+  int height = 0;
+
+  bool operator==(const PixelWindow&) const = default;
+};
+
+/// One level of tiles over a pixel grid, in the words of OGC 17-083r4 (Two Dimensional Tile Matrix Set): point of origin
+/// at the top left, columns to the right, rows downwards. Unlike a TileMatrixSet, neighbouring tiles overlap when
+/// stride_px < tile_size_px. Tiles are square; each lies wholly inside the grid.
+struct TileMatrix {
+  int level = 0;  ///< tileMatrix identifier: 0 is the finest.
+  GeoTransform map_from_pixel;
+  std::int64_t grid_width_px = 0;
+  std::int64_t grid_height_px = 0;
+  int tile_size_px = 0;
+  int stride_px = 0;
+
+  /// Number of tile columns; 0 when the grid is narrower than a tile.
+  std::int64_t matrix_width() const { return count(grid_width_px); }
+  std::int64_t matrix_height() const { return count(grid_height_px); }
+  std::int64_t tile_count() const { return matrix_width() * matrix_height(); }
+
+  PixelWindow tile_window(std::int64_t column, std::int64_t row) const {
+    return {column * stride_px, row * stride_px, tile_size_px, tile_size_px};
+  }
+
+  /// The search area of a tile: its window grown by `radius_px` on each side and cut to the grid.
+  PixelWindow search_window(std::int64_t column, std::int64_t row, int radius_px) const;
+
+ private:
+  std::int64_t count(std::int64_t extent_px) const {
+    return extent_px < tile_size_px ? 0 : (extent_px - tile_size_px) / stride_px + 1;
+  }
+};
+
+}  // namespace pilotage

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pilotage/geo/geodetic_point.h"
+
+namespace pilotage {
+
+/// The numbers of a correlation surface (docs/methods/uniqueness.md). NaN where the surface is not defined (flat tile, too
+/// little valid ground, no room to search).
+struct SurfaceScores {
+  double peak = std::numeric_limits<double>::quiet_NaN();         ///< R1: NCC at the true position, −1 … 1.
+  double rival = std::numeric_limits<double>::quiet_NaN();        ///< R2: highest NCC outside the main lobe.
+  double margin = std::numeric_limits<double>::quiet_NaN();       ///< R1 − R2; negative when a rival wins.
+  double rival_ratio = std::numeric_limits<double>::quiet_NaN();  ///< R2 / R1.
+  double psr = std::numeric_limits<double>::quiet_NaN();          ///< Peak-to-sidelobe ratio, (R1 − mean) / σ outside the lobe.
+  double rivals = std::numeric_limits<double>::quiet_NaN();       ///< Number of local maxima above 0.8 R1 outside the lobe.
+  double half_width_px = std::numeric_limits<double>::quiet_NaN();      ///< Half width at half height of the main lobe.
+  double expected_error_px = std::numeric_limits<double>::quiet_NaN();  ///< σ of the fix from curvature and noise.
+  double rival_dx_px = std::numeric_limits<double>::quiet_NaN();  ///< Where the rival lies, columns to the right.
+  double rival_dy_px = std::numeric_limits<double>::quiet_NaN();  ///< Where the rival lies, rows down.
+};
+
+enum class TileStatus {
+  kScored,
+  kTooLittleGround,  ///< valid_fraction below the stated minimum.
+  kFlat,             ///< All valid pixels have the same gray value.
+};
+
+/// The scores of one tile. What was not asked for, or is not defined, is NaN.
+struct TileScore {
+  std::int64_t tile_id = 0;
+  int level = 0;
+  std::int64_t column = 0;
+  std::int64_t row = 0;
+  TileStatus status = TileStatus::kScored;
+  double valid_fraction = 0;
+  double gray_variance = std::numeric_limits<double>::quiet_NaN();    ///< Eq. 1: V, gray levels (with the square root).
+  double frieden_entropy = std::numeric_limits<double>::quiet_NaN();  ///< Eq. 2–3: H.
+  double frieden_deficit = std::numeric_limits<double>::quiet_NaN();  ///< N (1 − H/e) − 1 ≈ (σ/f̄)².
+  SurfaceScores clean;
+  SurfaceScores degraded;  ///< Mean over the degraded copies (rival position: of the copy with the smallest margin).
+};
+
+}  // namespace pilotage

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <functional>
+
+#include "pilotage/geo/tile_matrix.h"
+#include "pilotage/raster/raster.h"
+
+namespace pilotage {
+
+/// A grid of gray pixels of any size that is read window by window, so that imagery larger than memory streams.
+struct GraySource {
+  std::int64_t width_px = 0;
+  std::int64_t height_px = 0;
+  GeoTransform map_from_pixel;
+  int depth = 0;  ///< OpenCV depth of what `read` returns: CV_8U, CV_16U or CV_64F (everything else is widened to it).
+
+  /// The pixels of a window that lies inside the grid, as one channel of type `depth`. May be called by several threads at a
+  /// time. Throws DataError when the data cannot be read.
+  std::function<Raster(const PixelWindow& window)> read;
+};
+
+/// A source over pixels already in memory (shared, not copied).
+GraySource gray_source_from(const Raster& raster);
+
+}  // namespace pilotage

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pilotage {
+
+/// A key point: where a descriptor was taken. Pixel centres lie at +0.5.
+struct Feature {
+  float x_px = 0;  ///< Columns to the right, in pixels of the level (octave 0), whatever the octave.
+  float y_px = 0;
+  int octave = 0;         ///< Pyramid step it was found on; 0 = full resolution.
+  float angle_deg = 0;    ///< 0 for upright features.
+  float response = 0;     ///< Corner strength; comparable within one octave.
+};
+
+/// Features and their descriptors, one row of `descriptor_bytes` after the other.
+struct FeatureSet {
+  std::vector<Feature> features;
+  int descriptor_bytes = 32;
+  std::vector<std::uint8_t> descriptors;
+
+  std::size_t size() const { return features.size(); }
+  const std::uint8_t* descriptor(std::size_t index) const {
+    return descriptors.data() + index * static_cast<std::size_t>(descriptor_bytes);
+  }
+};
+
+}  // namespace pilotage
