@@ -3,10 +3,13 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pilotage/camera/camera.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/geo/tile_matrix.h"
+#include "pilotage/ins/ins_options.h"
 #include "pilotage/route/route.h"
 
 namespace pilotage {
@@ -33,6 +36,15 @@ struct PlanLevel {
   int search_radius_px = 0;
 };
 
+/// A point of the route on the mission grid.
+struct PlanSample : RouteSample {
+  Eigen::Vector2d point_map_m = Eigen::Vector2d::Zero();
+  int level = kNoLevel;
+
+  /// Too low for any level: just after take-off or before landing.
+  static constexpr int kNoLevel = -1;
+};
+
 struct PlanImagery {
   std::string dataset;  ///< As given: a GDAL dataset string.
   double gsd_m = 0;
@@ -52,8 +64,11 @@ struct TilePlan {
   std::vector<PlanImagery> imagery;
   std::string elevation;  ///< GDAL dataset string, "" when none was given.
   Route route;
-  std::vector<RouteSample> route_samples;  ///< The route every few metres, heights above ground resolved.
+  std::vector<PlanSample> route_samples;  ///< The route every few metres, heights above ground resolved.
+  double min_agl_m = 0;                   ///< Below it no matching is expected.
   Camera camera;
+  InsOptions ins;
+  double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.
   double corridor_half_width_m = 0;
   double footprint_width_m = 0;   ///< At the route's typical height above ground.
   double footprint_height_m = 0;

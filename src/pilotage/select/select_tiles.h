@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/tile_scores.h"
+#include "pilotage/select/select_options.h"
+
+namespace pilotage {
+
+/// The most bytes that stored ground can take; the budget is held against these, so that a map never exceeds it.
+struct StoredSize {
+  double bytes_per_m2 = 0;    ///< Descriptors and key points.
+  double bytes_per_tile = 0;  ///< A row of the tiles layer with its scores and index entries.
+  double bytes_fixed = 0;     ///< Everything that does not depend on the tiles.
+};
+
+/// Whether a frame can be expected to match this tile: scored, covered by imagery (min_valid_fraction), and its peak stands
+/// min_peak_margin above every rival. Judged on degraded copies; on the clean surface only where no degraded one was
+/// computed, because clean uniqueness can point the wrong way (docs/methods/uniqueness.md). A tile without either is
+/// judged by its status alone.
+bool is_matchable(const TileScore& score, const SelectOptions& options);
+
+/// Chooses the tiles that are stored and predicts what the flight looks like with them.
+///
+/// Default: every matchable tile. `sparse`: the fewest matching areas such that no gap lets the error exceed the limit (greedy
+/// interval cover along the route); an area is every matchable tile whose centre lies within the corridor's half width of the
+/// point of the fix, because the aircraft may be anywhere in it. `budget`: first the sparse areas, then the remaining matchable
+/// tiles, nearest to the route first and by margin among equals, while they fit.
+///
+/// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not of this plan.
+Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& scores, const StoredSize& size,
+                       const SelectOptions& options);
+
+}  // namespace pilotage
