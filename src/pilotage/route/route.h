@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pilotage/camera/route_camera.h"
 #include "pilotage/geo/geodetic_point.h"
 
 namespace pilotage {
@@ -27,16 +28,6 @@ struct RouteLeg {
   double length_m = 0;
 };
 
-/// The camera that a survey plan names (QGroundControl's CameraCalc).
-struct RouteCamera {
-  std::string name;
-  double sensor_width_mm = 0;
-  double sensor_height_mm = 0;
-  double focal_length_mm = 0;
-  int image_width_px = 0;
-  int image_height_px = 0;
-};
-
 struct Route {
   std::string name;    ///< Name of the file, without its folder.
   std::string format;  ///< "QGroundControl plan", "QGC WPL 110", "GPX", …
@@ -51,7 +42,7 @@ struct Route {
 struct RouteSample {
   GeodeticPoint point;
   int leg = 0;
-  double distance_m = 0;  ///< From the start of the route, along it.
+  double distance_m = 0;   ///< From the start of the route, along it.
   double azimuth_deg = 0;  ///< Direction of flight, clockwise from north.
   double amsl_m = std::numeric_limits<double>::quiet_NaN();
   double agl_m = std::numeric_limits<double>::quiet_NaN();
