@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pilotage/camera/route_camera.h"
 #include "pilotage/geo/geodetic_point.h"
 
 namespace pilotage {
@@ -29,16 +30,6 @@ struct RouteLeg {
   int from = 0;  ///< Index of a vertex.
   int to = 0;
   double length_m = 0;
-};
-
-/// The camera that a survey plan names (QGroundControl's CameraCalc).
-struct RouteCamera {
-  std::string name;
-  double sensor_width_mm = 0;
-  double sensor_height_mm = 0;
-  double focal_length_mm = 0;
-  int image_width_px = 0;
-  int image_height_px = 0;
 };
 
 /// What became of one item (mission command, feature) of the file.
