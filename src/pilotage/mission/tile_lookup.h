@@ -10,12 +10,12 @@
 
 namespace pilotage {
 
-/// The tile_id of a matrix cell: ids count the cells of level 0 row by row, then those of level 1, and so on, so that they are
-/// unique over all levels and ascend in (level, row, column).
+/// The tile_id of a matrix cell: ids count the cells of level 0 row by row, then those of level 1, and so on, so that
+/// they are unique over all levels and ascend in (level, row, column).
 std::int64_t tile_id_of(const std::vector<PlanLevel>& levels, int level, std::int64_t column, std::int64_t row);
 
-/// Finds the tile of a plan that a frame over a point of the route is compared with: the one of the sample's level whose
-/// centre is nearest, which is within half a stride in both axes. The plan must outlive the lookup.
+/// Finds the tile of a plan that a frame over a point of the route is compared with: the one of the sample's level
+/// whose centre is nearest, which is within half a stride in both axes. The plan must outlive the lookup.
 class TileLookup {
  public:
   explicit TileLookup(const TilePlan& plan);

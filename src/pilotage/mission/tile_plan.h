@@ -10,6 +10,7 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/ins/ins_options.h"
+#include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/route/route.h"
 
 namespace pilotage {
@@ -20,7 +21,7 @@ struct PlanTile {
   int level = 0;
   std::int64_t column = 0;
   std::int64_t row = 0;
-  Bounds bounds;          ///< In the CRS of the mission grid.
+  Bounds bounds;  ///< In the CRS of the mission grid.
   GeodeticPoint center;
   double valid_fraction = 0;    ///< Share of its pixels that the imagery covers, 0 … 1.
   double route_distance_m = 0;  ///< Of the nearest point of the route, along the route.
@@ -62,6 +63,7 @@ struct TilePlan {
   std::vector<PlanLevel> levels;
   std::vector<PlanTile> tiles;  ///< Ascending tile_id.
   std::vector<PlanImagery> imagery;
+  ImageryOptions imagery_options;
   std::string elevation;  ///< GDAL dataset string, "" when none was given.
   Route route;
   std::vector<PlanSample> route_samples;  ///< The route every few metres, heights above ground resolved.
@@ -70,9 +72,10 @@ struct TilePlan {
   InsOptions ins;
   double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.
   double corridor_half_width_m = 0;
-  double footprint_width_m = 0;   ///< At the route's typical height above ground.
+  double footprint_width_m = 0;  ///< At the route's typical height above ground.
   double footprint_height_m = 0;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  ///< What the planner should look at.
+  std::vector<std::string> notes;     ///< What was chosen, and why.
 };
 
 }  // namespace pilotage

@@ -13,8 +13,7 @@ namespace pilotage {
 
 std::int64_t parse_byte_budget(std::string_view text) {
   static constexpr std::pair<std::string_view, double> kUnits[] = {
-      {"", 1},          {"b", 1},          {"kb", 1e3},       {"kib", 1024.0},
-      {"mb", 1e6},      {"mib", 0x1p20},   {"gb", 1e9},       {"gib", 0x1p30}};
+      {"", 1}, {"b", 1}, {"kb", 1e3}, {"kib", 1024.0}, {"mb", 1e6}, {"mib", 0x1p20}, {"gb", 1e9}, {"gib", 0x1p30}};
   const auto unit_at = std::min(text.find_first_not_of("0123456789."), text.size());
   std::string unit(text.substr(unit_at));
   unit.erase(0, unit.find_first_not_of(' ') == std::string::npos ? unit.size() : unit.find_first_not_of(' '));

@@ -48,8 +48,9 @@ std::vector<CorridorTile> corridor_tiles(const std::vector<std::vector<GridSampl
         index_range(std::min(a.y(), b.y()), std::max(a.y(), b.y()), matrix, matrix.matrix_height());
     for (std::int64_t row = first_row; row <= last_row; ++row) {
       for (std::int64_t column = first_column; column <= last_column; ++column) {
-        const Eigen::Vector2d center = matrix.map_from_pixel.map_from_pixel(
-            {static_cast<double>(column * matrix.stride_px) + half_px, static_cast<double>(row * matrix.stride_px) + half_px});
+        const Eigen::Vector2d center =
+            matrix.map_from_pixel.map_from_pixel({static_cast<double>(column * matrix.stride_px) + half_px,
+                                                  static_cast<double>(row * matrix.stride_px) + half_px});
         const NearestPoint nearest = nearest_on_segment(center, from.point_m, to.point_m);
         if (nearest.offset_m > half_width_m) continue;
         const CorridorTile tile{column, row, from.distance_m + nearest.fraction * (to.distance_m - from.distance_m),

@@ -23,8 +23,8 @@ struct CorridorTile {
 };
 
 /// The tiles of `matrix` whose centre lies within `half_width_m` of the polyline through the samples of each run,
-/// ascending in (row, column), each once. A run of one sample is a point. Where the route passes a tile more than once, the nearest
-/// passage counts (the earlier one on a tie). Tiles outside the matrix are left out.
+/// ascending in (row, column), each once. A run of one sample is a point. Where the route passes a tile more than once,
+/// the nearest passage counts (the earlier one on a tie). Tiles outside the matrix are left out.
 std::vector<CorridorTile> corridor_tiles(const std::vector<std::vector<GridSample>>& runs, double half_width_m,
                                          const TileMatrix& matrix);
 
