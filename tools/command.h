@@ -68,7 +68,7 @@ struct CommandResult {
 struct Command {
   std::string word;
   CommandGroup group = CommandGroup::kStages;
-  std::string summary;  ///< At most 60 characters, no full stop.
+  std::string summary;  ///< At most 64 characters, begins with a capital, no full stop.
   std::vector<CommandExample> examples;
   InputSpec inputs;
   OutputSpec output;

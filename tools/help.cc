@@ -43,6 +43,7 @@ std::string range_text(const Range& range) {
 }
 
 std::string value_name(const OptionField& field) {
+  if (field.flag == "gdal-config") return " KEY=VALUE";
   switch (field.type) {
     case OptionType::kBool:
       return "";
@@ -147,7 +148,7 @@ std::string overview_help(const std::vector<Command>& commands) {
     }
     if (!lines.empty()) text += std::string(heading) + ":\n" + lines;
   }
-  return text + "pilotage COMMAND --help explains a command; pilotage --version says what is used.\n";
+  return text + "`pilotage COMMAND --help` explains a command; `pilotage --version` names versions.\n";
 }
 
 std::string command_help(const Command& command, const OptionList& common) {

@@ -90,7 +90,7 @@ TEST(CliOptions, ErrorsNameTheFlagAsTyped) {
   EXPECT_EQ(error_of({"--size-px", "32", "--size-px", "64"}), "--size-px takes one value, 2 given");
   EXPECT_EQ(error_of({"--loud=maybe"}), "--loud = \"maybe\" is not true or false");
   EXPECT_EQ(error_of({"--fate", "gat"}),
-            "--fate = \"gat\" is not one of: done, gate, data, usage, integrity, memory, other, stopped");
+            "--fate = \"gat\" is not one of: done, gate, data, usage, integrity, memory, other, stopped, endless");
   EXPECT_EQ(error_of({"--steps", "0,,1"}), "--steps = \"\" is not a number");
   EXPECT_EQ(error_of({"--offset-m", "nan"}), "--offset-m = nan is not a finite number");
   EXPECT_EQ(error_of({"--size-px", "99999999999999999999"}), "--size-px = \"99999999999999999999\" is not an integer");

@@ -1,17 +1,21 @@
 #pragma once
 
+#include <chrono>
+#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "command.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
 
 namespace pilotage {
 
-enum class Fate { kDone, kGate, kDataError, kUsageError, kIntegrityError, kNoMemory, kOther, kStopped };
+enum class Fate { kDone, kGate, kDataError, kUsageError, kIntegrityError, kNoMemory, kOther, kStopped, kEndless };
 inline EnumNames<Fate> enum_names(Fate) {
   return {{Fate::kDone, "done"},
           {Fate::kGate, "gate"},
@@ -20,7 +24,8 @@ inline EnumNames<Fate> enum_names(Fate) {
           {Fate::kIntegrityError, "integrity"},
           {Fate::kNoMemory, "memory"},
           {Fate::kOther, "other"},
-          {Fate::kStopped, "stopped"}};
+          {Fate::kStopped, "stopped"},
+          {Fate::kEndless, "endless"}};
 }
 
 struct ToyCamera {
@@ -64,11 +69,21 @@ struct ToyOptions {
   }
 };
 
+/// Has an output half written, and works until somebody stops it.
+[[noreturn]] inline void work_for_ever(const Invocation& invocation) {
+  const OutputFile output(invocation.output, invocation.overwrite);
+  std::ofstream(output.temporary_path()) << "half";
+  for (std::int64_t done = 0;; ++done) {
+    report_progress(invocation.progress, "toying", done, 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
 /// A command with a way to end in every way a command can.
 inline Command make_toy_command() {
   Command command;
   command.word = "toy";
-  command.summary = "does nothing in every possible way";
+  command.summary = "Does nothing in every possible way";
   command.examples = {{"The usual.", "pilotage toy a.tif -o b.tif"}};
   command.inputs = {.name = "RASTER", .help = "The imagery.", .min = 1, .max = 2};
   command.output = {.kind = OutputKind::kFile, .help = "The toy.", .required = false};
@@ -89,6 +104,7 @@ inline Command make_toy_command() {
       default:
         break;
     }
+    if (options.fate == Fate::kEndless) work_for_ever(invocation);
     report_progress(invocation.progress, "toying", 1, 1);
     CommandResult result;
     result.exit_code = options.fate == Fate::kGate ? kExitGateNotMet : kExitDone;
