@@ -1,7 +1,6 @@
 #include "pilotage/base/options_json.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <vector>
 
@@ -58,31 +57,10 @@ Json value_to_json(const OptionValue& value) {
       value);
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substitution = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substitution, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
 std::string nearest_path(const OptionList& list, std::string_view path) {
-  std::string nearest;
-  std::size_t best = path.size() / 2 + 1;
-  for (const auto& field : list.fields) {
-    const std::size_t distance = edit_distance(path, field.path);
-    if (distance < best) {
-      best = distance;
-      nearest = field.path;
-    }
-  }
-  return nearest;
+  std::vector<std::string> paths;
+  for (const auto& field : list.fields) paths.push_back(field.path);
+  return nearest_word(path, paths);
 }
 
 void set_object(const OptionList& list, const Json& json, const std::string& prefix, const std::string& name) {
@@ -156,12 +134,24 @@ Json element_schema(const OptionField& field, const char* type) {
 Json field_schema(const OptionField& field) {
   Json schema;
   switch (field.type) {
-    case OptionType::kBool: schema = {{"type", "boolean"}}; break;
-    case OptionType::kInteger: schema = element_schema(field, "integer"); break;
-    case OptionType::kNumber: schema = element_schema(field, "number"); break;
-    case OptionType::kString: schema = element_schema(field, "string"); break;
-    case OptionType::kStringList: schema = {{"type", "array"}, {"items", element_schema(field, "string")}}; break;
-    case OptionType::kNumberList: schema = {{"type", "array"}, {"items", element_schema(field, "number")}}; break;
+    case OptionType::kBool:
+      schema = {{"type", "boolean"}};
+      break;
+    case OptionType::kInteger:
+      schema = element_schema(field, "integer");
+      break;
+    case OptionType::kNumber:
+      schema = element_schema(field, "number");
+      break;
+    case OptionType::kString:
+      schema = element_schema(field, "string");
+      break;
+    case OptionType::kStringList:
+      schema = {{"type", "array"}, {"items", element_schema(field, "string")}};
+      break;
+    case OptionType::kNumberList:
+      schema = {{"type", "array"}, {"items", element_schema(field, "number")}};
+      break;
   }
   schema["description"] = field.help;
   if (!std::holds_alternative<std::monostate>(field.default_value)) {

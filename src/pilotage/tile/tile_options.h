@@ -32,10 +32,10 @@ struct TileOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.field("imagery", self.imagery, "Georeferenced imagery: GDAL datasets, later ones on top.");
-    fields.field("route", self.route,
+    fields.path("imagery", self.imagery, "Georeferenced imagery: GDAL datasets, later ones on top.");
+    fields.path("route", self.route,
                  "Route file: QGroundControl plan, QGC WPL 110, KML, KMZ, GPX, GeoJSON, GeoPackage.");
-    fields.field("elevation", self.elevation, "Elevation model: a GDAL dataset, metres above mean sea level.");
+    fields.path("elevation", self.elevation, "Elevation model: a GDAL dataset, metres above mean sea level.");
     RouteOptions::describe(self.route_options, fields);
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("camera", self.camera, "How the aircraft sees the ground.");
