@@ -1,11 +1,11 @@
 #include "pilotage/select/route_error.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 
-#include "pilotage/ins/drift.h"
 #include "select/straight_plan.h"
+#include <gtest/gtest.h>
+
+#include "pilotage/ins/drift.h"
 
 namespace pilotage {
 namespace {

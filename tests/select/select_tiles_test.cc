@@ -1,13 +1,13 @@
 #include "pilotage/select/select_tiles.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "pilotage/base/error.h"
 #include "select/straight_plan.h"
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
 
 namespace pilotage {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 using testing::good_scores;
 using testing::straight_plan;
 
-constexpr StoredSize kSize{.bytes_per_m2 = 0.5, .bytes_per_tile = 700, .bytes_fixed = 100000};
+constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fixed = 100000};
 
 TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
   SelectOptions options;

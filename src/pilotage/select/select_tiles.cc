@@ -51,8 +51,8 @@ class StorageCount {
     return count;
   }
   double cell_bytes(const PlanTile& tile) const {
-    const double side_m = matrix_of(tile).stride_px * matrix_of(tile).map_from_pixel.x_per_col;
-    return side_m * side_m * size_.bytes_per_m2;
+    const double stride_px = matrix_of(tile).stride_px;
+    return stride_px * stride_px * size_.bytes_per_px;
   }
   const TileMatrix& matrix_of(const PlanTile& tile) const {
     return plan_.levels[static_cast<std::size_t>(tile.level)].matrix;

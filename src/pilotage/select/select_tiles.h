@@ -3,18 +3,12 @@
 #include <vector>
 
 #include "pilotage/mission/selection.h"
+#include "pilotage/mission/stored_size.h"
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/select/select_options.h"
 
 namespace pilotage {
-
-/// The most bytes that stored ground can take; the budget is held against these, so that a map never exceeds it.
-struct StoredSize {
-  double bytes_per_m2 = 0;    ///< Descriptors and key points.
-  double bytes_per_tile = 0;  ///< A row of the tiles layer with its scores and index entries.
-  double bytes_fixed = 0;     ///< Everything that does not depend on the tiles.
-};
 
 /// Whether a frame can be expected to match this tile: scored, covered by imagery (min_valid_fraction), and its peak
 /// stands min_peak_margin above every rival. Judged on degraded copies; on the clean surface only where no degraded one
