@@ -13,6 +13,7 @@
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/mapdb/enu_from_grid.h"
 #include "pilotage/mapdb/map_writer.h"
+#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
@@ -96,9 +97,7 @@ class LevelBuilder {
         owner_(level.matrix, cells_of(tiles_)),
         transform_(Crs::from_user_input(plan.crs_wkt)) {
     if (!plan.elevation.empty()) elevation_.emplace(plan.elevation);
-    source_ = stretch_to_8bit(open_gray_on_grid(dataset_names(plan), Crs::from_user_input(plan.crs_wkt),
-                                                level.matrix.map_from_pixel, level.matrix.grid_width_px,
-                                                level.matrix.grid_height_px, plan.imagery_options));
+    source_ = stretch_to_8bit(open_plan_imagery(plan, level));
   }
 
   /// Returns the number of descriptors written.
@@ -121,12 +120,6 @@ class LevelBuilder {
     std::vector<TileOwner::Cell> cells;
     for (const PlanTile* tile : tiles) cells.push_back({tile->column, tile->row});
     return cells;
-  }
-
-  static std::vector<std::string> dataset_names(const TilePlan& plan) {
-    std::vector<std::string> names;
-    for (const PlanImagery& imagery : plan.imagery) names.push_back(imagery.dataset);
-    return names;
   }
 
   // The parts of the selected tiles' windows between two rows of pixels.

@@ -145,6 +145,7 @@ Json plan_to_json(const TilePlan& plan) {
                {"crs_wkt", plan.crs_wkt},
                {"max_scale_distortion", plan.max_scale_distortion},
                {"elevation", plan.elevation},
+               {"route_file", plan.route_file},
                {"imagery_options", json_of(plan.imagery_options)},
                {"camera", camera_to_json(plan.camera)},
                {"ins", json_of(plan.ins)},
@@ -186,6 +187,7 @@ TilePlan plan_from_json(const Json& json, const std::string& name) {
   plan.crs_wkt = object.text("crs_wkt");
   plan.max_scale_distortion = object.number("max_scale_distortion");
   plan.elevation = object.text("elevation");
+  plan.route_file = object.text("route_file");
   plan.imagery_options = options_of<ImageryOptions>(object, "imagery_options");
   plan.camera = camera_from_json(object.path("camera"), object.value("camera"));
   plan.ins = options_of<InsOptions>(object, "ins");

@@ -64,7 +64,8 @@ struct TilePlan {
   std::vector<PlanTile> tiles;  ///< Ascending tile_id.
   std::vector<PlanImagery> imagery;
   ImageryOptions imagery_options;
-  std::string elevation;  ///< GDAL dataset string, "" when none was given.
+  std::string elevation;   ///< GDAL dataset string, "" when none was given.
+  std::string route_file;  ///< As given.
   Route route;
   std::vector<PlanSample> route_samples;  ///< The route every few metres, heights above ground resolved.
   double min_agl_m = 0;                   ///< Below it no matching is expected.

@@ -289,6 +289,7 @@ TilePlan plan_tiles(const TileOptions& options, const Progress& progress) {
   const auto infos = inspect_all(options);
   add_imagery(plan, infos);
   plan.elevation = options.elevation;
+  plan.route_file = options.route;
   plan.imagery_options = options.imagery_options;
   plan.route = read_route(options.route, options.route_options);
   plan.camera = make_camera(options.camera, plan.route.camera);
