@@ -20,7 +20,7 @@ struct RouteVertex {
   double speed_mps = std::numeric_limits<double>::quiet_NaN();  ///< Over ground, of the legs that lead to it.
   int source_item = -1;    ///< Index of the item in the file that it came from (RouteItem::index); -1 for home.
   std::string kind;        ///< What the item is: "waypoint", "takeoff", "survey", "home", "return", "track point", …
-  bool on_ground = false;  ///< Takeoff or landing: the aircraft may touch the ground here.
+  bool on_ground = false;  ///< Landing: the aircraft touches the ground here, or nearly.
 };
 
 /// A leg flies the WGS 84 geodesic between two vertices. Legs stand in the order of flight, and each distinct leg
