@@ -42,7 +42,7 @@ struct Route {
 struct RouteSample {
   GeodeticPoint point;
   int leg = 0;
-  double distance_m = 0;   ///< From the start of the route, along it.
+  double distance_m = 0;  ///< From the start of the route, along it.
   double azimuth_deg = 0;  ///< Direction of flight, clockwise from north.
   double amsl_m = std::numeric_limits<double>::quiet_NaN();
   double agl_m = std::numeric_limits<double>::quiet_NaN();
