@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include <Eigen/LU>
+
 namespace pilotage {
 namespace {
 
@@ -180,7 +182,8 @@ std::optional<Eigen::Vector2d> pixel_from_ray(const Lens& lens, const Eigen::Vec
 std::optional<Eigen::Vector3d> ray_from_pixel(const Lens& lens, const Eigen::Vector2d& pixel) {
   const Camera& camera = lens.camera;
   const Eigen::Vector2d distorted((pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px);
-  if (!distorted.allFinite()) return std::nullopt;
+  // Farther out nothing can be seen, and squares would overflow.
+  if (!(distorted.cwiseAbs().maxCoeff() <= 1e9)) return std::nullopt;
   if (camera.distortion_model == DistortionModel::kFisheye) {
     const double distorted_radius = distorted.norm();
     if (distorted_radius > lens.max_distorted_radius) return std::nullopt;
