@@ -38,7 +38,7 @@ struct Camera {
   double cy_px = 0;
   DistortionModel distortion_model = DistortionModel::kNone;
   std::array<double, 5> distortion{};  ///< k1, k2, p1, p2, k3 or k1, k2, k3, k4, 0.
-  CameraMount mount;
+  CameraMount mount{};
 
   bool operator==(const Camera&) const = default;
 };
