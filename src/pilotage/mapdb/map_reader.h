@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pilotage/mapdb/map_types.h"
@@ -65,7 +66,7 @@ class MapReader {
   std::optional<MapChip> chip(std::int64_t tile_id, int level);
 
  private:
-  void check_header(const std::filesystem::path& path) const;
+  static void check_header(const std::filesystem::path& path);
   void check_tables();
   void read_info();
   void read_levels();

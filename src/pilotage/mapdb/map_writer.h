@@ -61,29 +61,42 @@ class MapWriter {
   struct LineLayer {
     std::string name;
     bool written = false;
-    Bounds extent_deg;
+    std::string geometry_type;
+    std::vector<MapColumn> columns;
+    Bounds extent_deg;  // x = longitude, y = latitude
+  };
+  static LineLayer line_layer(const char* name) {
+    LineLayer layer;
+    layer.name = name;
+    return layer;
+  }
+  struct StoredTile {
+    std::int64_t tile_id;
+    Bounds bounds;
   };
 
   void create_tables();
+  MapLevel& level_of(int level, const std::string& where);
+  void check_window(std::int64_t tile_id, int level, const PixelWindow& window, const std::string& where);
   void write_lines(LineLayer& layer, const std::vector<MapColumn>& columns, const std::vector<MapLine>& lines);
   void write_levels();
   void write_contents();
-  const MapLevel& level_of(int level, const std::string& where) const;
+  void write_extensions();
 
-  MapHeader header_;
+  MapHeader header_;  // its levels gather max_tile_radius_m
   OutputFile output_;
   Database database_;
   std::string timestamp_;
   std::int64_t srs_id_ = 0;
-  std::vector<double> max_tile_radius_m_;  // per level
   Bounds tile_extent_;
-  std::vector<std::pair<std::int64_t, int>> tiles_;  // (tile_id, level), ascending
+  std::vector<StoredTile> tiles_;  // ascending tile_id
   std::optional<std::pair<std::int64_t, int>> last_descriptors_;
   std::optional<std::pair<std::int64_t, int>> last_chip_;
   std::set<std::string> info_keys_;
-  LineLayer route_{"route", false, {}};
-  LineLayer legs_{"legs", false, {}};
+  LineLayer route_ = line_layer("route");
+  LineLayer legs_ = line_layer("legs");
   std::optional<Statement> insert_tile_;
+  std::optional<Statement> insert_box_;
   std::optional<Statement> insert_center_;
   std::optional<Statement> insert_descriptors_;
   std::optional<Statement> insert_chip_;
