@@ -23,13 +23,15 @@ const EpochLook& epoch_look(SceneEpoch epoch) {
                                 .gain = {1.02F, 1.02F, 1.00F},
                                 .haze = 4,
                                 .contrast = 1.0F,
+                                .saturation = 0.84F,
                                 .water_level_m = 0,
                                 .foliage = 1};
   static const EpochLook kSecond{.to_sun = towards(214),
                                  .tan_elevation = tangent(36),
                                  .gain = {1.00F, 0.96F, 0.90F},
                                  .haze = 13,
-                                 .contrast = 1.10F,
+                                 .contrast = 1.06F,
+                                 .saturation = 0.80F,
                                  .water_level_m = -1.5F,
                                  .foliage = 0.93F};
   return epoch == SceneEpoch::kFirst ? kFirst : kSecond;

@@ -20,6 +20,7 @@ struct EpochLook {
   Rgb gain;                  ///< Exposure and white balance.
   float haze = 0;            ///< Added to every channel.
   float contrast = 1;        ///< Exponent of the tone curve: above 1 is darker and harder.
+  float saturation = 1;      ///< Of the camera's colours.
   float water_level_m = 0;   ///< Above the mean shore line.
   float foliage = 1;         ///< Size of broad-leaved crowns.
 };

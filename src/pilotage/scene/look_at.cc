@@ -109,34 +109,34 @@ Surface ground_surface(const GroundPoint& at) {
   return parcel_surface(at);
 }
 
-/// The sunlight that the edge of a wood towards the sun leaves on the ground outside it.
+/// True where trees of a wood stand.
+bool wood_stands(const World& world, const GroundPoint& at, const Vector2d& p) {
+  const GroundPoint there = locate(world, at.epoch, p, at.footprint_m);
+  return is_wood(there.parcel->use) && there.node.water_m < -4 && !is_clearing(there) &&
+         there.edge_m > there.edge->half_width_m + verge_m(there.edge->kind);
+}
+
+/// The sunlight that woods leave on ground outside them: none where the ray towards the sun meets one below its height.
 float wood_shadow(const World& world, const GroundPoint& at, const Surface& surface) {
-  if (is_wood(at.parcel->use) && surface.cover == LandCover::kForest) return 1;
+  if (surface.cover == LandCover::kForest) return 1;
   const EpochLook& look = epoch_look(at.epoch);
   const double height = 14.5 + 3.0 * gradient_noise(at.seed + 4, at.p.x() / 7, at.p.y() / 7) - surface.height_m;
   const double reach = height / look.tan_elevation;
   if (reach <= 0) return 1;
-  // Where the ray leaves this parcel, and what grows behind.
-  double leaves = std::numeric_limits<double>::infinity();
-  double half_width = 0;
-  const ParcelEdge* edges = world.parcels.edges_of(*at.parcel);
-  for (int i = 0; i < at.parcel->edge_count; ++i) {
-    const double approach = -edges[i].normal.dot(look.to_sun);
-    if (approach <= 1e-9) continue;
-    const double t = edges[i].distance_m(at.q) / approach;
-    if (t >= leaves) continue;
-    leaves = t;
-    half_width = edges[i].half_width_m / std::max(approach, 0.2);
+  if (!is_wood(at.parcel->use)) {
+    // Nothing to look for unless the ray leaves the parcel.
+    double leaves = std::numeric_limits<double>::infinity();
+    const ParcelEdge* edges = world.parcels.edges_of(*at.parcel);
+    for (int i = 0; i < at.parcel->edge_count; ++i) {
+      const double approach = -edges[i].normal.dot(look.to_sun);
+      if (approach > 1e-9) leaves = std::min(leaves, edges[i].distance_m(at.q) / approach);
+    }
+    if (leaves > reach) return 1;
   }
-  // Within a wood's own parcel the road lies along its edge: the ray may still end in the same wood.
-  if (is_wood(at.parcel->use) && leaves > reach)
-    leaves = std::max(0.0, at.edge->half_width_m + verge_m(at.edge->kind) - at.edge_m);
-  const double wood_m = leaves + half_width + 0.5;
-  if (wood_m > reach) return 1;
-  const Vector2d behind = at.q + look.to_sun * wood_m;
-  const Parcel& neighbour = world.parcels.parcels[static_cast<std::size_t>(world.parcels.locate(behind))];
-  if (!is_wood(neighbour.use)) return 1;
-  return smooth_step(-1.2F, 0.3F, static_cast<float>(wood_m - reach));
+  for (const double share : {1.0, 0.7, 0.42, 0.2}) {
+    if (wood_stands(world, at, at.p + look.to_sun * (share * reach))) return 0;
+  }
+  return 1;
 }
 
 }  // namespace
@@ -148,7 +148,7 @@ Sight look_at(const World& world, SceneEpoch epoch, const Vector2d& p, double fo
   const float sun = std::min(objects, wood_shadow(world, at, surface));
   const float hill = at.node.sunlight[static_cast<std::size_t>(epoch_index(epoch))];
   // Skylight, bluer than the sun, reaches into the shadow.
-  const Rgb light = blend({0.40F, 0.44F, 0.52F}, {hill, hill, hill}, sun);
+  const Rgb light = blend({0.45F, 0.48F, 0.55F}, {hill, hill, hill}, sun);
   return {surface.colour * light * surface.light, surface.cover};
 }
 

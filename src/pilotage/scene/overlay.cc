@@ -42,7 +42,7 @@ bool segment_meets(const Vector2d& from, const Vector2d& step, double half_x, do
 /// Light on a roof side that falls towards `downhill` with slope `slope`, relative to level ground.
 float side_light(const Vector2d& downhill, double slope, const EpochLook& look) {
   const double facing = (look.tan_elevation + slope * downhill.dot(look.to_sun)) / look.tan_elevation;
-  return static_cast<float>(std::clamp(facing / std::sqrt(1 + slope * slope), 0.35, 1.55));
+  return static_cast<float>(std::clamp(facing / std::sqrt(1 + slope * slope), 0.42, 1.32));
 }
 
 Surface pitched_roof(const GroundPoint& at, const Box& box, const Vector2d& in) {
@@ -163,8 +163,8 @@ float overlay_objects(const ObjectIndex& objects, const GroundPoint& at, Surface
     const Tree& tree = objects.trees[objects.tree_ids[i]];
     const Vector2d from_center = at.p - tree.center_m;
     if (from_center.squaredNorm() > 1.3 * tree.radius_m * tree.radius_m) continue;
-    const double ragged =
-        tree.radius_m * look.foliage * (1 + 0.14 * detail_noise(tree.seed, at.p.x(), at.p.y(), 1.6, at.footprint_m));
+    const double ragged = tree.radius_m * look.foliage *
+                          (1 + 0.20 * detail_noise(tree.seed + at.fresh_seed, at.p.x(), at.p.y(), 1.9, at.footprint_m));
     const double d2 = from_center.squaredNorm() / (ragged * ragged);
     const auto height = static_cast<float>(tree.height_m * (1 - 0.45 * d2));
     if (d2 < 1 && height > surface.height_m) surface = tree_surface(at, tree, from_center / ragged, height);

@@ -117,7 +117,8 @@ class Splitter {
       const Vector2d through =
           along * (low + share * (high - low)) + across * (low_across + share * (high_across - low_across));
       const Line line{normal, normal.dot(through)};
-      const double cost = std::abs(share - 0.5) + 4 * lake_share(polygon, line) + 0.2 * random_.uniform();
+      const double cost =
+          std::abs(share - 0.5) + 4 * share_of_cut(polygon, line, plan_.in_lake) + 0.2 * random_.uniform();
       if (cost < best_cost) {
         best_cost = cost;
         best = line;
@@ -126,23 +127,28 @@ class Splitter {
     return best;
   }
 
-  /// Share of the line's chord in the polygon that lies in the lake.
-  double lake_share(const Polygon& polygon, const Line& line) const {
+  /// Share of the line's chord in the polygon on which `covers` holds.
+  static double share_of_cut(const Polygon& polygon, const Line& line,
+                             const std::function<bool(const Vector2d&)>& covers) {
     const Polygon half = clip(polygon, line, EdgeKind::kStreet);
     for (std::size_t i = 0; i < half.corners.size(); ++i) {
       const Vector2d& a = half.corners[i];
       const Vector2d& b = half.corners[(i + 1) % half.corners.size()];
-      if (std::abs(line.normal.dot(a) - line.offset_m) > 1e-6 || std::abs(line.normal.dot(b) - line.offset_m) > 1e-6)
-        continue;
-      int inside = 0;
-      for (int step = 0; step < 16; ++step) inside += plan_.in_lake(a + (b - a) * ((step + 0.5) / 16)) ? 1 : 0;
-      return inside / 16.0;
+      const auto off_line = [&](const Vector2d& corner) {
+        return std::abs(line.normal.dot(corner) - line.offset_m) > 1e-6;
+      };
+      if (off_line(a) || off_line(b)) continue;
+      int covered = 0;
+      for (int step = 0; step < 16; ++step) covered += covers(a + (b - a) * ((step + 0.5) / 16)) ? 1 : 0;
+      return covered / 16.0;
     }
     return 0;
   }
 
-  EdgeKind choose_kind(int depth, bool town, const Vector2d& center) {
+  EdgeKind choose_kind(int depth, const Polygon& polygon, const Line& line) {
     const double r = random_.uniform();
+    const Vector2d center = center_of(polygon);
+    const bool town = share_of_cut(polygon, line, plan_.in_town) > 0.35;
     if (plan_.in_lake(center) && depth > 3) return EdgeKind::kStrip;
     if (depth <= 1) return EdgeKind::kMainRoad;
     if (town) return EdgeKind::kStreet;
@@ -168,7 +174,7 @@ class Splitter {
       return index;
     }
     const Line line = choose_line(polygon);
-    const EdgeKind kind = choose_kind(depth, town && area < 250000, center);
+    const EdgeKind kind = choose_kind(depth, polygon, line);
     const Line other{-line.normal, -line.offset_m};
     const int above = split(clip(polygon, line, kind), depth + 1);
     const int below = split(clip(polygon, other, kind), depth + 1);

@@ -193,15 +193,15 @@ void build_dwellings(const GroundGrid& ground, const Parcels& parcels, const Par
 void build_works(const GroundGrid& ground, const Parcels& parcels, const Parcel& block, Stands& stands) {
   Random random(block.seed);
   const std::size_t first = stands.boxes.size();
-  for (int i = 0; i < 5; ++i) {
-    const auto q = random_point(random, parcels, block, 17);
+  for (int i = 0; i < 14; ++i) {
+    const auto q = random_point(random, parcels, block, 14);
     if (!q) continue;
     const Pose pose = on_ground(ground, *q, block.rows);
     Box hall;
     hall.center_m = pose.center_m;
     hall.along = random.uniform() < 0.7 ? pose.along : left_of(pose.along);
-    hall.half_length_m = random.uniform(12, 27);
-    hall.half_width_m = random.uniform(7, 13);
+    hall.half_length_m = random.uniform(9, 25);
+    hall.half_width_m = random.uniform(6, 12.5);
     hall.height_m = random.uniform(5.5, 9.5);
     const bool gabled = random.uniform() < 0.4;
     hall.rise_m = gabled ? hall.half_width_m * 0.28 : 0;

@@ -47,6 +47,9 @@ Surface works_surface(const GroundPoint& at);
 Surface water_surface(const GroundPoint& at, float depth_m);
 Surface bank_surface(const GroundPoint& at, float depth_m);
 
+/// Where a wood leaves a glade; a meadow grows there.
+bool is_clearing(const GroundPoint& at);
+
 /// Grass of a given tone with blades, tufts and paler patches.
 Rgb grass_colour(const GroundPoint& at, const Rgb& tone, float patchiness);
 

@@ -25,8 +25,9 @@ struct Stand {
   double gaps = 0.05;  ///< Share of cells without a tree.
 };
 
-constexpr Stand kBroadleaved{};
-constexpr Stand kConifers{3.7, 0.13, 0.44, 0.60, 16, 0.65F, 0.03};
+constexpr Stand kBroadleaved{8.2, 0.34, 0.40, 0.61, 18, 0.36F, 0.14};
+constexpr Stand kUndergrowth{4.6, 0.33, 0.42, 0.62, 13, 0.40F, 0.10};
+constexpr Stand kConifers{4.3, 0.24, 0.42, 0.62, 17, 0.60F, 0.04};
 
 /// Highest crown over point `f`, of the four cells whose corner is nearest.
 Canopy canopy_at(std::uint64_t seed, const Stand& stand, const Vector2d& f, float foliage) {
@@ -52,51 +53,69 @@ Canopy canopy_at(std::uint64_t seed, const Stand& stand, const Vector2d& f, floa
   return best;
 }
 
-Rgb crown_colour(const Canopy& crown, bool conifers, SceneEpoch epoch) {
+/// Highest of the crowns of a wood: great trees over lesser ones, or conifers alone.
+Canopy wood_canopy(const GroundPoint& at, const Vector2d& f, float foliage) {
+  if (at.parcel->use == LandUse::kConifers) return canopy_at(at.seed + 51, kConifers, f, foliage);
+  const Canopy great = canopy_at(at.seed + 50, kBroadleaved, f, foliage);
+  const Canopy lesser = canopy_at(at.seed + 49, kUndergrowth, f, foliage);
+  return great.height_m >= lesser.height_m ? great : lesser;
+}
+
+Rgb crown_colour(const Canopy& crown, const GroundPoint& at) {
   const float tone = hash_signed(crown.seed, 1);
   const float hue = hash_part(crown.seed, 0);
-  if (conifers) return Rgb{52 + 5 * tone, 70 + 7 * tone, 46 + 4 * tone};
-  if (epoch == SceneEpoch::kFirst) return Rgb{70 + 14 * hue + 7 * tone, 92 + 9 * tone, 48 + 6 * tone};
-  // Some crowns turn yellow or brown.
-  const float turned = smooth_step(0.45F, 0.95F, hue);
-  return blend(Rgb{76 + 8 * tone, 88 + 9 * tone, 50 + 5 * tone}, Rgb{128 + 10 * tone, 104 + 10 * tone, 54}, turned);
+  const float parcel = hash_signed(at.parcel->seed, 2);
+  if (at.parcel->use == LandUse::kConifers)
+    return Rgb{58 + 5 * tone, 72 + 6 * tone, 52 + 4 * tone} * (1 + 0.10F * parcel);
+  const Rgb june{78 + 12 * hue + 6 * tone + 5 * parcel, 96 + 8 * tone + 4 * hue, 58 + 5 * tone};
+  if (at.epoch == SceneEpoch::kFirst) return june;
+  // Some crowns turn yellow or brown, in some stands more than in others.
+  const float turned = smooth_step(0.40F, 1.05F, hue + 0.18F * parcel + 0.12F * at.node.stand);
+  return blend(Rgb{82 + 7 * tone, 90 + 7 * tone, 56 + 5 * tone}, Rgb{128 + 9 * tone, 108 + 9 * tone, 68}, turned);
 }
 
 }  // namespace
 
 float crown_light(const Vector2d& offset, const EpochLook& look) {
-  // A dome: the side towards the sun is bright, the far side dark.
+  // A dome, flat on top: the side towards the sun is bright, the far side dark.
   const auto facing = static_cast<float>(offset.dot(look.to_sun));
   const auto edge = static_cast<float>(offset.squaredNorm());
-  return 1.05F + 0.42F * facing - 0.22F * edge;
+  return 1.03F + facing * (0.20F + 0.14F * edge) - 0.16F * edge;
+}
+
+bool is_clearing(const GroundPoint& at) {
+  return at.node.stand + 0.25F * detail_noise(at.seed + 58, at.p.x(), at.p.y(), 15, at.footprint_m) > 0.80F;
 }
 
 Surface forest_surface(const GroundPoint& at) {
+  if (is_clearing(at)) return meadow_surface(at);
   const EpochLook& look = epoch_look(at.epoch);
-  const bool conifers = at.parcel->use == LandUse::kConifers;
-  const Stand& stand = conifers ? kConifers : kBroadleaved;
-  const float foliage = conifers ? 1.0F : look.foliage;
-  const std::uint64_t seed = at.seed + (conifers ? 51 : 50);
-  // Clumps: crowns are wider and higher where the stand is good; leaves stir the outline.
-  const double stir = 0.55;
-  const Vector2d f = at.p + stir * Vector2d(detail_noise(at.fresh_seed + 52, at.p.x(), at.p.y(), 2.1, at.footprint_m),
-                                            detail_noise(at.fresh_seed + 53, at.p.x(), at.p.y(), 2.1, at.footprint_m));
-  const float vigour = 1 + 0.13F * at.node.stand;
-  const Canopy crown = canopy_at(seed, stand, f, foliage * vigour);
-  const float leaves = 0.13F * detail_noise(at.fresh_seed + 54, at.p.x(), at.p.y(), 1.5, at.footprint_m) +
-                       0.09F * detail_noise(at.fresh_seed + 55, at.p.x(), at.p.y(), 0.6, at.footprint_m);
+  const double x = at.p.x();
+  const double y = at.p.y();
+  const double fp = at.footprint_m;
+  // Trees stand on no lattice, and leaves stir the outline of crowns; the one stays, the other is drawn anew.
+  const Vector2d f =
+      at.p +
+      1.7 * Vector2d(gradient_noise(at.seed + 52, x / 13, y / 13), gradient_noise(at.seed + 53, x / 13, y / 13)) +
+      0.75 * Vector2d(detail_noise(at.fresh_seed + 52, x, y, 2.3, fp), detail_noise(at.fresh_seed + 53, x, y, 2.3, fp));
+  const float vigour = 1 + 0.10F * at.node.stand + 0.05F * hash_signed(at.parcel->seed, 1);
+  const float foliage = (at.parcel->use == LandUse::kConifers ? 1.0F : look.foliage) * std::fmin(vigour, 1.12F);
+  const Canopy crown = wood_canopy(at, f, foliage);
+  const float leaves =
+      0.13F * detail_noise(at.fresh_seed + 54, x, y, 1.9, fp) + 0.09F * detail_noise(at.fresh_seed + 55, x, y, 0.7, fp);
   // A neighbour towards the sun shades the crown when it stands above the ray.
   float shade = 1;
-  for (const double step_m : {2.4, 5.2}) {
-    const Canopy sunward = canopy_at(seed, stand, f + look.to_sun * step_m, foliage * vigour);
+  for (const double step_m : {2.2, 5.0}) {
+    const Canopy sunward = wood_canopy(at, f + look.to_sun * step_m, foliage);
     const float above = sunward.height_m - crown.height_m - static_cast<float>(step_m * look.tan_elevation);
-    shade *= 1 - 0.50F * smooth_step(-0.6F, 1.4F, above);
+    shade *= 1 - 0.46F * smooth_step(-1.0F, 2.4F, above);
   }
   if (crown.height_m <= 0) {
-    const Rgb floor_colour = at.epoch == SceneEpoch::kFirst ? Rgb{58, 66, 42} : Rgb{80, 70, 50};
-    return {floor_colour * (1 + 2 * leaves), LandCover::kForest, 0.7F * shade, 0};
+    const Rgb floor_colour = at.epoch == SceneEpoch::kFirst ? Rgb{60, 66, 46} : Rgb{78, 70, 54};
+    return {floor_colour * (1 + 2 * leaves), LandCover::kForest, 0.78F * shade, 0};
   }
-  const Rgb colour = crown_colour(crown, conifers, at.epoch) * (1 + leaves + 0.08F * at.node.stand);
+  const float depth = 0.80F + 0.20F * smooth_step(7, 15, crown.height_m);
+  const Rgb colour = crown_colour(crown, at) * (depth * (1 + leaves + 0.11F * at.node.stand));
   return {colour, LandCover::kForest, crown_light(crown.offset, look) * shade, crown.height_m};
 }
 

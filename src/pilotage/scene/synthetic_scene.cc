@@ -63,12 +63,14 @@ cv::Vec3b develop(const EpochLook& look, std::uint64_t seed, const Vector2d& p, 
   const std::uint64_t noise =
       scene_detail::lattice_hash(seed, scene_detail::floor_to_int(p.x() * 64), scene_detail::floor_to_int(p.y() * 64));
   const float gray = 1.7F * (scene_detail::hash_signed(noise, 0) + scene_detail::hash_signed(noise, 1));
+  const float luma = 0.3F * seen.r + 0.59F * seen.g + 0.11F * seen.b;
+  const Rgb muted = scene_detail::blend({luma, luma, luma}, seen, look.saturation);
   const auto level = [](float value) {
     return static_cast<unsigned char>(std::lround(std::clamp(value, 0.0F, 255.0F)));
   };
-  return {level(tone(seen.r, look.gain.r) + gray + 0.8F * scene_detail::hash_signed(noise, 2)),
-          level(tone(seen.g, look.gain.g) + gray),
-          level(tone(seen.b, look.gain.b) + gray + 1.2F * scene_detail::hash_signed(noise, 3))};
+  return {level(tone(muted.r, look.gain.r) + gray + 0.8F * scene_detail::hash_signed(noise, 2)),
+          level(tone(muted.g, look.gain.g) + gray),
+          level(tone(muted.b, look.gain.b) + gray + 1.2F * scene_detail::hash_signed(noise, 3))};
 }
 
 /// One row of samples at sub-pixel row `row` (in parts of pixels), `count` of them from `first`, `offset` added to
