@@ -79,16 +79,16 @@ ParsedLine parse_line(const std::vector<const OptionList*>& lists, const std::ve
 }
 
 void apply_flags(const OptionList& list, const ParsedLine& line) {
-  for (const auto& [flag, values] : line.flags) {
-    const auto field = std::find_if(list.fields.begin(), list.fields.end(),
-                                    [&](const OptionField& candidate) { return candidate.flag == flag; });
-    if (field == list.fields.end()) continue;
+  for (const OptionField& field : list.fields) {
+    const auto given =
+        std::find_if(line.flags.begin(), line.flags.end(), [&](const auto& flag) { return flag.first == field.flag; });
+    if (given == line.flags.end()) continue;
     try {
-      set_from_text(*field, values);
+      set_from_text(field, given->second);
     } catch (const UsageError& error) {
       const std::string message = error.what();
-      throw UsageError(message.starts_with(field->path) ? "--" + flag + message.substr(field->path.size())
-                                                        : "--" + flag + ": " + message);
+      throw UsageError("--" + field.flag +
+                       (message.starts_with(field.path) ? message.substr(field.path.size()) : ": " + message));
     }
   }
 }

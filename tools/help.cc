@@ -148,7 +148,7 @@ std::string overview_help(const std::vector<Command>& commands) {
     }
     if (!lines.empty()) text += std::string(heading) + ":\n" + lines;
   }
-  return text + "`pilotage COMMAND --help` explains a command; `pilotage --version` names versions.\n";
+  return text + "`pilotage COMMAND --help` explains a command; `--version` names the versions.\n";
 }
 
 std::string command_help(const Command& command, const OptionList& common) {

@@ -12,6 +12,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// What walks over JSON (dump(), our own readers) recurses; no file of ours nests a tenth of it.
+constexpr int kMaxJsonDepth = 100;
+
 OptionValue value_from_json(const Json& json, const std::string& where) {
   if (json.is_null()) return std::monostate{};
   if (json.is_boolean()) return json.get<bool>();
@@ -67,6 +70,9 @@ void set_object(const OptionList& list, const Json& json, const std::string& pre
   for (const auto& [key, value] : json.items()) {
     if (key.starts_with("$")) continue;
     const std::string path = prefix.empty() ? key : prefix + "." + key;
+    if (key.find('.') != std::string::npos) {
+      throw UsageError(name + ": unknown key \"" + path + "\"; nested options are written as objects");
+    }
     if (const OptionField* field = list.find(path)) {
       const bool is_list = field->type == OptionType::kStringList || field->type == OptionType::kNumberList;
       try {
@@ -166,7 +172,8 @@ Json parse_json(const std::string& name, std::string_view text) {
   // One set of keys for each open object; nlohmann keeps the last of a repeated key without a word.
   std::vector<std::set<std::string>> open_objects;
   std::string repeated;
-  const auto watch_keys = [&](int /*depth*/, Json::parse_event_t event, Json& parsed) {
+  const auto watch_keys = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    if (depth > kMaxJsonDepth) throw DataError(name + ": nested more than " + std::to_string(kMaxJsonDepth) + " deep");
     if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
     if (event == Json::parse_event_t::object_end) open_objects.pop_back();
     if (event == Json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second) {
@@ -177,7 +184,7 @@ Json parse_json(const std::string& name, std::string_view text) {
   Json json;
   try {
     json = Json::parse(text, watch_keys);
-  } catch (const Json::parse_error& error) {
+  } catch (const Json::exception& error) {
     throw DataError(name + ": not valid JSON: " + error.what());
   }
   if (!repeated.empty()) throw DataError(name + ": the key \"" + repeated + "\" stands twice in one object");
