@@ -2,9 +2,10 @@
 
 #include <cstdint>
 #include <limits>
-#include <opencv2/core/mat.hpp>
 #include <variant>
 #include <vector>
+
+#include <opencv2/core/mat.hpp>
 
 namespace pilotage {
 
@@ -21,9 +22,9 @@ struct GrayStatistics {
   double frieden_deficit = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// V, H and the deficit of all valid pixels of `gray` (CV_8U, CV_16U, CV_32F or CV_64F, one channel), by two passes over
-/// the pixels; the oracle of PowerSums. `valid` is CV_8U of the same size (0 = no ground); pixels that are not finite
-/// count as not valid. Relative error of V and H below 1e-12, of the deficit below 1e-12 of its largest term.
+/// V, H and the deficit of all valid pixels of `gray` (CV_8U, CV_16U, CV_32F or CV_64F, one channel), by two passes
+/// over the pixels; the oracle of PowerSums. `valid` is CV_8U of the same size (0 = no ground); pixels that are not
+/// finite count as not valid. Relative error of V and H below 1e-12, of the deficit below 1e-12 of its largest term.
 GrayStatistics gray_statistics(const cv::Mat& gray, const cv::Mat& valid);
 
 /// Integral images of the power sums S_k = Σ f^k, k = 0 … 4, of a grid: the statistics of any window in constant time.
@@ -32,9 +33,10 @@ GrayStatistics gray_statistics(const cv::Mat& gray, const cv::Mat& valid);
 /// 1/N, are doubles. CV_32F and CV_64F: sums of powers cannot reach the bound (the variance is a difference of large
 /// numbers), so a window is evaluated by gray_statistics, in time proportional to its area.
 ///
-/// H is the series e·(1 − P2 + P3/2 − P4/6), P_k = S_k / S1^k. Its remainder is at most P5/24; a window where that is not
-/// below 1e-13 of the result (small windows, a few bright pixels on black) is summed exactly: from a histogram of its
-/// pixels for CV_8U, pixel by pixel for CV_16U. Relative error of V and H below 1e-9 for every window.
+/// H is the series e·(1 − P2 + P3/2 − P4/6), P_k = S_k / S1^k. Its remainder is at most P5/24; a window where that is
+/// not below 1e-13 of H and 1e-11 of the deficit (small windows, a few bright pixels on black) is summed exactly: from
+/// a histogram of its pixels for CV_8U, pixel by pixel for CV_16U. Relative error of V and H below 1e-9 for every
+/// window.
 class PowerSums {
  public:
   /// Keeps a reference to both images. Throws UsageError on another type or sizes that differ.

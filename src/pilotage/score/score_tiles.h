@@ -45,10 +45,11 @@ struct ScoreOptions {
     fields.field("stride_px", self.stride_px, "Distance between neighbouring tiles.", Range{1, 65536});
     fields.field("search_radius_px", self.search_radius_px,
                  "How far from its place a tile is looked for, in columns and rows.", Range{0, 4096});
-    fields.field("min_valid_fraction", self.min_valid_fraction,
-                 "Tiles with a smaller share of ground are not scored; positions that overlap less of the tile's ground "
-                 "are no rivals.",
-                 Range{0.01, 1});
+    fields.field(
+        "min_valid_fraction", self.min_valid_fraction,
+        "Tiles with a smaller share of ground are not scored; positions that overlap less of the tile's ground "
+        "are no rivals.",
+        Range{0.01, 1});
     fields.field("degraded_copies", self.degraded_copies, "Degraded copies per tile; scores are their mean.",
                  Range{1, 64});
     fields.group("degradation", self.degradation, "How the degraded copies differ from the reference.");
@@ -58,27 +59,29 @@ struct ScoreOptions {
   bool measure(Measure which) const;
 };
 
-/// The tiles of `options` over all of `source`, level 0. Throws DataError naming both sizes when the tile is larger than
-/// the imagery.
+/// The tiles of `options` over all of `source`, level 0. Throws DataError naming both sizes when the tile is larger
+/// than the imagery.
 TileMatrix score_matrix(const GraySource& source, const ScoreOptions& options);
 
 /// Scores tiles of `matrix`, whose pixel grid is that of `source`. Result i belongs to `tile_indices[i]`, where index =
-/// row · matrix_width + column; an empty list means all tiles, in this order. tile_id is set to the index. Tile size and
-/// stride are the matrix's, the search radius is `search_radius_px`: those of `options` only serve score_matrix.
+/// row · matrix_width + column; an empty list means all tiles, in this order. tile_id is set to the index. Tile size
+/// and stride are the matrix's, the search radius is `search_radius_px`: those of `options` only serve score_matrix.
 ///
 /// What is defined for special tiles:
 ///  - valid fraction below min_valid_fraction: status kTooLittleGround, all measures NaN;
 ///  - all valid pixels equal: kFlat, V = 0, H and deficit as the formulas say, surface scores NaN;
-///  - partly covered tile or search area: V and H over the valid pixels, surfaces by masked correlation (fft_correlation.h),
+///  - partly covered tile or search area: V and H over the valid pixels, surfaces by masked correlation
+///  (fft_correlation.h),
 ///    positions with too little overlap excluded;
 ///  - the search area is cut at the edge of the grid.
 ///
-/// Streams `source` in strips, each pixel read about once; memory does not grow with the height of the grid and stays below
-/// 2 GiB for grids 30,000 px wide with the default options. Deterministic: the same bytes for any `threads` and any
-/// choice of tiles that holds a given tile.
+/// Streams `source` in strips, each pixel read about once; memory does not grow with the height of the grid and stays
+/// below 2 GiB for grids 30,000 px wide with the default options. Deterministic: the same bytes for any `threads` and
+/// any choice of tiles that holds a given tile.
 ///
 /// Throws UsageError when an option is out of range, no measure is asked for, or a surface is asked for with radius 0;
-/// DataError when the tile is larger than the grid, the matrix is not that of the source, or reading fails; Interrupted.
+/// DataError when the tile is larger than the grid, the matrix is not that of the source, or reading fails;
+/// Interrupted.
 std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
                                    std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
                                    std::uint64_t seed = 1, int threads = 0, const Progress& progress = {});
