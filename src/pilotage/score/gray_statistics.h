@@ -34,8 +34,9 @@ GrayStatistics gray_statistics(const cv::Mat& gray, const cv::Mat& valid);
 /// numbers), so a window is evaluated by gray_statistics, in time proportional to its area.
 ///
 /// H is the series e·(1 − P2 + P3/2 − P4/6), P_k = S_k / S1^k. Its remainder is at most P5/24; a window where that is
-/// not below 1e-13 of the result (small windows, a few bright pixels on black) is summed exactly: from a histogram of
-/// its pixels for CV_8U, pixel by pixel for CV_16U. Relative error of V and H below 1e-9 for every window.
+/// not below 1e-13 of H and 1e-11 of the deficit (small windows, a few bright pixels on black) is summed exactly: from
+/// a histogram of its pixels for CV_8U, pixel by pixel for CV_16U. Relative error of V and H below 1e-9 for every
+/// window.
 class PowerSums {
  public:
   /// Keeps a reference to both images. Throws UsageError on another type or sizes that differ.

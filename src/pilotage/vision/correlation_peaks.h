@@ -6,13 +6,13 @@ namespace pilotage {
 
 /// What a correlation surface says about its main peak. NaN where a number is not defined.
 struct CorrelationPeaks {
-  double peak = 0;         ///< R1: the surface at the true position.
-  double rival = 0;        ///< R2: highest value outside the main lobe; NaN when nothing lies outside it.
-  double margin = 0;       ///< R1 − R2.
-  double rival_ratio = 0;  ///< R2 / R1; NaN when R1 ≤ 0.
-  double psr = 0;          ///< (R1 − mean) / σ of the surface outside the main lobe (σ with N); NaN when σ = 0.
-  double rivals = 0;       ///< Local maxima of at least 0.8 R1 outside the main lobe; NaN when R1 ≤ 0.
-  double half_width_px = 0;      ///< sqrt(area/π) of the connected region around R1 that exceeds R1/2; NaN when R1 ≤ 0.
+  double peak = 0;           ///< R1: the surface at the true position.
+  double rival = 0;          ///< R2: highest value outside the main lobe; NaN when nothing lies outside it.
+  double margin = 0;         ///< R1 − R2.
+  double rival_ratio = 0;    ///< R2 / R1; NaN when R1 ≤ 0.
+  double psr = 0;            ///< (R1 − mean) / σ of the surface outside the main lobe (σ with N); NaN when σ = 0.
+  double rivals = 0;         ///< Local maxima of at least 0.8 R1 outside the main lobe; NaN when R1 ≤ 0.
+  double half_width_px = 0;  ///< sqrt(area/π) of the connected region around R1 that exceeds R1/2; NaN when R1 ≤ 0.
   double expected_error_px = 0;  ///< σ of the fix per axis; NaN when the peak has no maximum in both directions.
   double rival_dx_px = 0;        ///< Position of R2 minus the true position, columns to the right.
   double rival_dy_px = 0;        ///< Rows down.
@@ -21,8 +21,8 @@ struct CorrelationPeaks {
 /// Reads the peaks of `surface` (CV_32F; NaN = position excluded) around the true position `truth` (column, row), which
 /// must lie inside it, in one pass over the surface. `tile_size_px` is the side of the template.
 ///
-/// Main lobe: the square of half side m around the true position, m = min(2·reach, max(2, tile_size_px/16)), at least 2,
-/// where reach is how far (in columns or rows) the 4-connected region above R1/2 extends, itself looked for within
+/// Main lobe: the square of half side m around the true position, m = min(2·reach, max(2, tile_size_px/16)), at least
+/// 2, where reach is how far (in columns or rows) the 4-connected region above R1/2 extends, itself looked for within
 /// tile_size_px/16. So a sharp peak hides little of its surroundings, and ground that is smooth over more than a
 /// sixteenth of the tile has its own shoulder as rival. A local maximum exceeds its left and upper neighbours, and its
 /// right and lower ones or equals them.
@@ -30,10 +30,10 @@ struct CorrelationPeaks {
 /// Expected error: with C the matrix of second differences of −R at the peak and ρ = min(R1, 0.9) (a second picture of
 /// the ground is never the same: the clean R1 = 1 would promise 0 px),
 ///   σ² = (1 − ρ²) / (ρ·n) · trace(C⁻¹)/2,   n = N / lobe area independent samples of N = tile_size_px² pixels,
-/// the Cramér-Rao bound of a shift between two noisy pictures (D. Robinson, P. Milanfar, "Fundamental performance limits
-/// in image registration", IEEE Trans. Image Processing 13(9), 2004, eq. 9–11) with the signal-to-noise ratio that
-/// R1 implies and noise as correlated as the ground itself (docs/methods/uniqueness.md). Throws UsageError when the
-/// surface is not CV_32F or `truth` lies outside it.
+/// the Cramér-Rao bound of a shift between two noisy pictures (D. Robinson, P. Milanfar, "Fundamental performance
+/// limits in image registration", IEEE Trans. Image Processing 13(9), 2004, eq. 9–11) with the signal-to-noise ratio
+/// that R1 implies and noise as correlated as the ground itself (docs/methods/uniqueness.md). Throws UsageError when
+/// the surface is not CV_32F or `truth` lies outside it.
 CorrelationPeaks correlation_peaks(const cv::Mat& surface, const cv::Point& truth, int tile_size_px);
 
 }  // namespace pilotage

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+
 #include <opencv2/core/mat.hpp>
 
 #include "pilotage/base/options.h"
@@ -28,7 +29,8 @@ struct DegradationOptions {
     fields.field("texture_scale_px", self.texture_scale_px,
                  "Structures finer than this Gaussian sigma count as texture.", Range{0.5, 64});
     fields.field("illumination", self.illumination,
-                 "Amplitude of a smooth brightness factor across the tile: it runs from 1 - this to 1 + this.", Range{0, 0.9});
+                 "Amplitude of a smooth brightness factor across the tile: it runs from 1 - this to 1 + this.",
+                 Range{0, 0.9});
     fields.field("gamma", self.gamma, "Exponent of the tone curve: 1/(1 + this) or 1 + this.", Range{0, 2});
     fields.field("blur_px", self.blur_px, "Sigma of a Gaussian blur.", Range{0, 16});
     fields.field("noise", self.noise, "Sigma of white noise, in standard deviations of the tile.", Range{0, 4});
@@ -38,11 +40,11 @@ struct DegradationOptions {
 /// A degraded copy of `tile` (CV_32F, one channel, any level and contrast) as CV_32F of the same size: what a camera
 /// might see of it on another day. In this order: rotation and scale about the centre, fine texture partly drawn anew
 /// (random phase, the local strength of the old one; coarse structure stays), illumination, tone curve, blur, noise.
-/// Rotation and scale take their full stated size with alternating sign: copy 0 and 1 differ in all signs, and every tile
-/// meets the same change, so that scores compare tiles and not luck. Fields of noise are drawn from (seed, copy).
+/// Rotation and scale take their full stated size with alternating sign: copy 0 and 1 differ in all signs, and every
+/// tile meets the same change, so that scores compare tiles and not luck. Fields of noise are drawn from (seed, copy).
 ///
-/// `tile` may be larger than the result: `margin_px` pixels on each side are context for the rotation and are cut off, so
-/// that no border has to be invented when the margin is at least rotation_margin_px. Pixels beyond are mirrored.
+/// `tile` may be larger than the result: `margin_px` pixels on each side are context for the rotation and are cut off,
+/// so that no border has to be invented when the margin is at least rotation_margin_px. Pixels beyond are mirrored.
 /// Throws UsageError on another type, options out of range, or nothing left after the margin.
 class Degrader {
  public:

@@ -1,0 +1,295 @@
+#include "pilotage/mission/tile_table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A column of tiles.csv: how its cell is written, and how it is read (false = malformed).
+struct Cell {
+  std::string name;
+  std::function<std::string(const TileRow&)> write;
+  std::function<bool(TileRow&, std::string_view)> read;
+};
+
+Cell integer_cell(std::string name, std::function<std::int64_t(const TileRow&)> get,
+                  std::function<bool(TileRow&, std::int64_t)> set) {
+  return {std::move(name), [get = std::move(get)](const TileRow& row) { return std::to_string(get(row)); },
+          [set = std::move(set)](TileRow& row, std::string_view text) {
+            std::int64_t value = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+            return error == std::errc{} && end == text.data() + text.size() && set(row, value);
+          }};
+}
+
+/// `required`: an empty cell (NaN) is refused.
+Cell number_cell(std::string name, bool required, std::function<double(const TileRow&)> get,
+                 std::function<void(TileRow&, double)> set) {
+  return {std::move(name),
+          [get = std::move(get)](const TileRow& row) {
+            const double value = get(row);
+            return std::isnan(value) ? std::string() : format_number(value);
+          },
+          [required, set = std::move(set)](TileRow& row, std::string_view text) {
+            if (text.empty() && !required) {
+              set(row, kNaN);
+              return true;
+            }
+            const std::optional<double> value = parse_number(text);
+            if (!value || std::isnan(*value)) return false;
+            set(row, *value);
+            return true;
+          }};
+}
+
+Cell status_cell() {
+  return {"status", [](const TileRow& row) { return std::string(tile_status_name(row.score.status)); },
+          [](TileRow& row, std::string_view text) {
+            for (const TileStatus status : {TileStatus::kScored, TileStatus::kTooLittleGround, TileStatus::kFlat}) {
+              if (text != tile_status_name(status)) continue;
+              row.score.status = status;
+              return true;
+            }
+            return false;
+          }};
+}
+
+std::vector<Cell> make_cells() {
+  std::vector<Cell> cells;
+  const auto tile_number = [&](std::string name, double& (*member)(TileRow&)) {
+    cells.push_back(number_cell(
+        std::move(name), true,
+        [member](const TileRow& row) {
+          TileRow copy = row;
+          return member(copy);
+        },
+        [member](TileRow& row, double value) { member(row) = value; }));
+  };
+  cells.push_back(integer_cell(
+      "tile_id", [](const TileRow& row) { return row.tile.tile_id; },
+      [](TileRow& row, std::int64_t value) {
+        row.tile.tile_id = row.score.tile_id = value;
+        return true;
+      }));
+  cells.push_back(integer_cell(
+      "level", [](const TileRow& row) { return row.tile.level; },
+      [](TileRow& row, std::int64_t value) {
+        row.tile.level = row.score.level = static_cast<int>(value);
+        return value >= 0 && value <= 1000;
+      }));
+  cells.push_back(integer_cell(
+      "column", [](const TileRow& row) { return row.tile.column; },
+      [](TileRow& row, std::int64_t value) {
+        row.tile.column = row.score.column = value;
+        return true;
+      }));
+  cells.push_back(integer_cell(
+      "row", [](const TileRow& row) { return row.tile.row; },
+      [](TileRow& row, std::int64_t value) {
+        row.tile.row = row.score.row = value;
+        return true;
+      }));
+  tile_number("center_lon_deg", [](TileRow& row) -> double& { return row.tile.center.lon_deg; });
+  tile_number("center_lat_deg", [](TileRow& row) -> double& { return row.tile.center.lat_deg; });
+  tile_number("min_x_m", [](TileRow& row) -> double& { return row.tile.bounds.min_x_m; });
+  tile_number("min_y_m", [](TileRow& row) -> double& { return row.tile.bounds.min_y_m; });
+  tile_number("max_x_m", [](TileRow& row) -> double& { return row.tile.bounds.max_x_m; });
+  tile_number("max_y_m", [](TileRow& row) -> double& { return row.tile.bounds.max_y_m; });
+  cells.push_back(integer_cell(
+      "min_col_px", [](const TileRow& row) { return row.min_col_px; },
+      [](TileRow& row, std::int64_t value) {
+        row.min_col_px = value;
+        return true;
+      }));
+  cells.push_back(integer_cell(
+      "min_row_px", [](const TileRow& row) { return row.min_row_px; },
+      [](TileRow& row, std::int64_t value) {
+        row.min_row_px = value;
+        return true;
+      }));
+  cells.push_back(number_cell(
+      "valid_fraction", true, [](const TileRow& row) { return row.score.valid_fraction; },
+      [](TileRow& row, double value) { row.tile.valid_fraction = row.score.valid_fraction = value; }));
+  cells.push_back(status_cell());
+  for (const ScoreColumn& column : score_columns()) {
+    cells.push_back(number_cell(
+        column.name, false, [&column](const TileRow& row) { return column.get(row.score); },
+        [&column](TileRow& row, double value) { column.set(row.score, value); }));
+  }
+  return cells;
+}
+
+const std::vector<Cell>& cells() {
+  static const std::vector<Cell> list = make_cells();
+  return list;
+}
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const std::size_t comma = line.find(',');
+    parts.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return parts;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+/// Takes the first line off `text`; the last one may lack its newline, and a carriage return before it is dropped.
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+/// For each column of the file, the cell it holds, or nullptr for one this version does not know.
+std::vector<const Cell*> read_header(const std::string& name, std::string_view line) {
+  std::vector<const Cell*> order;
+  std::map<std::string_view, int> seen;
+  for (const std::string_view column : split(line)) {
+    if (++seen[column] > 1) throw DataError(name + ": line 1: column \"" + std::string(column) + "\" stands twice");
+    const auto found =
+        std::find_if(cells().begin(), cells().end(), [&](const Cell& cell) { return cell.name == column; });
+    order.push_back(found == cells().end() ? nullptr : &*found);
+  }
+  for (const Cell& cell : cells()) {
+    if (!seen.contains(cell.name)) throw DataError(name + ": line 1: column \"" + cell.name + "\" is missing");
+  }
+  return order;
+}
+
+void add_surface_columns(std::vector<ScoreColumn>& columns, const std::string& prefix, const std::string& which,
+                         SurfaceScores TileScore::*surface) {
+  const auto add = [&](const char* name, const char* unit, const char* description, double SurfaceScores::*member) {
+    columns.push_back({prefix + name, unit, which + description,
+                       [=](const TileScore& score) { return score.*surface.*member; },
+                       [=](TileScore& score, double value) { score.*surface.*member = value; }});
+  };
+  add("peak", "", "correlation at the true position (R1)", &SurfaceScores::peak);
+  add("rival", "", "highest correlation outside the main lobe (R2)", &SurfaceScores::rival);
+  add("peak_margin", "", "R1 - R2; negative where a wrong position wins", &SurfaceScores::margin);
+  add("rival_ratio", "", "R2 / R1", &SurfaceScores::rival_ratio);
+  add("psr", "", "peak-to-sidelobe ratio, (R1 - mean) / sigma outside the main lobe", &SurfaceScores::psr);
+  add("rivals", "", "number of other local maxima of at least 0.8 R1", &SurfaceScores::rivals);
+  add("half_width_px", "px", "half width of the main lobe at half its height", &SurfaceScores::half_width_px);
+  add("expected_error_px", "px", "expected error of a fix per axis, from curvature and noise",
+      &SurfaceScores::expected_error_px);
+  add("rival_dx_px", "px", "offset of the strongest rival, to the right", &SurfaceScores::rival_dx_px);
+  add("rival_dy_px", "px", "offset of the strongest rival, downwards", &SurfaceScores::rival_dy_px);
+}
+
+std::vector<ScoreColumn> make_score_columns() {
+  std::vector<ScoreColumn> columns;
+  const auto add = [&](const char* name, const char* unit, const char* description, double TileScore::*member) {
+    columns.push_back({name, unit, description, [member](const TileScore& score) { return score.*member; },
+                       [member](TileScore& score, double value) { score.*member = value; }});
+  };
+  add("gray_variance", "gray levels", "gray variance V, with the square root", &TileScore::gray_variance);
+  add("frieden_entropy", "", "Frieden entropy H", &TileScore::frieden_entropy);
+  add("frieden_deficit", "", "N (1 - H/e) - 1, about (sigma/mean)^2", &TileScore::frieden_deficit);
+  add_surface_columns(columns, "clean_", "Clean surface: ", &TileScore::clean);
+  add_surface_columns(columns, "degraded_", "Degraded copies: ", &TileScore::degraded);
+  return columns;
+}
+
+}  // namespace
+
+const std::vector<ScoreColumn>& score_columns() {
+  static const std::vector<ScoreColumn> columns = make_score_columns();
+  return columns;
+}
+
+const ScoreColumn* find_score_column(std::string_view name) {
+  for (const ScoreColumn& column : score_columns()) {
+    if (column.name == name) return &column;
+  }
+  return nullptr;
+}
+
+std::string_view tile_status_name(TileStatus status) {
+  switch (status) {
+    case TileStatus::kTooLittleGround:
+      return "too_little_ground";
+    case TileStatus::kFlat:
+      return "flat";
+    case TileStatus::kScored:
+      break;
+  }
+  return "scored";
+}
+
+std::vector<TileRow> tile_rows(const TilePlan& plan, std::span<const TileScore> scores) {
+  std::vector<TileRow> rows;
+  for (const TileScore& score : scores) {
+    const auto tile =
+        std::lower_bound(plan.tiles.begin(), plan.tiles.end(), score.tile_id,
+                         [](const PlanTile& candidate, std::int64_t id) { return candidate.tile_id < id; });
+    if (tile == plan.tiles.end() || tile->tile_id != score.tile_id) {
+      throw DataError("score of tile " + std::to_string(score.tile_id) + ": the plan has no such tile");
+    }
+    const auto level = std::find_if(plan.levels.begin(), plan.levels.end(),
+                                    [&](const PlanLevel& candidate) { return candidate.matrix.level == tile->level; });
+    if (level == plan.levels.end()) {
+      throw DataError("tile " + std::to_string(tile->tile_id) + ": the plan has no level " +
+                      std::to_string(tile->level));
+    }
+    const PixelWindow window = level->matrix.tile_window(tile->column, tile->row);
+    rows.push_back({*tile, window.col, window.row, score});
+  }
+  std::sort(rows.begin(), rows.end(),
+            [](const TileRow& a, const TileRow& b) { return a.tile.tile_id < b.tile.tile_id; });
+  return rows;
+}
+
+std::string tile_table_to_csv(std::span<const TileRow> rows) {
+  std::string text;
+  for (const Cell& cell : cells()) text += (text.empty() ? "" : ",") + cell.name;
+  text += '\n';
+  for (const TileRow& row : rows) {
+    bool first = true;
+    for (const Cell& cell : cells()) {
+      if (!first) text += ',';
+      first = false;
+      text += cell.write(row);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::vector<TileRow> tile_table_from_csv(const std::string& name, std::string_view text) {
+  if (text.empty()) throw DataError(name + ": empty, expected a table of tiles");
+  const std::vector<const Cell*> order = read_header(name, take_line(text));
+  std::vector<TileRow> rows;
+  for (std::int64_t line = 2; !text.empty(); ++line) {
+    const std::vector<std::string_view> parts = split(take_line(text));
+    const std::string where = name + ": line " + std::to_string(line) + ": ";
+    if (parts.size() != order.size()) {
+      throw DataError(where + std::to_string(parts.size()) + " cells, expected " + std::to_string(order.size()));
+    }
+    TileRow row;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (order[i] == nullptr || order[i]->read(row, parts[i])) continue;
+      throw DataError(where + order[i]->name + " = \"" + std::string(parts[i].substr(0, 40)) + "\" is not allowed");
+    }
+    if (!rows.empty() && rows.back().tile.tile_id >= row.tile.tile_id) {
+      throw DataError(where + "tile_id " + std::to_string(row.tile.tile_id) + " does not follow " +
+                      std::to_string(rows.back().tile.tile_id));
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace pilotage
