@@ -18,6 +18,8 @@ namespace {
 
 constexpr double kRadius_m = 6378137;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
+// The background of the page's map (page.css): ground without imagery is not drawn.
+const cv::Scalar kNoGround(0xd9, 0xdd, 0xe1);
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 using PlaneFunction = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
@@ -151,16 +153,6 @@ Raster shrink(const Raster& imagery, double picture_pixel_m) {
   return result;
 }
 
-void hatch(cv::Mat& rgb, const cv::Mat& valid) {
-  for (int row = 0; row < rgb.rows; ++row) {
-    for (int col = 0; col < rgb.cols; ++col) {
-      if (valid.at<std::uint8_t>(row, col) != 0) continue;
-      const std::uint8_t gray = (row + col) % 12 < 3 ? 168 : 214;
-      rgb.at<cv::Vec3b>(row, col) = {gray, gray, gray};
-    }
-  }
-}
-
 }  // namespace
 
 Eigen::Vector2d mercator_from_geodetic(GeodeticPoint point) {
@@ -237,7 +229,7 @@ cv::Mat warp_imagery(const Raster& imagery, const cv::Mat& map_xy) {
   cv::remap(source.pixels, picture, positions, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   cv::remap(source.valid, valid, positions, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, 0);
   if (picture.channels() == 1) cv::cvtColor(picture, picture, cv::COLOR_GRAY2RGB);
-  hatch(picture, valid);
+  picture.setTo(kNoGround, valid == 0);
   return picture;
 }
 

@@ -44,7 +44,7 @@ cv::Mat map_from_display(const DisplayGrid& grid,
                          const Eigen::Vector2d& start);
 
 /// The imagery resampled into a picture, red-green-blue CV_8UC3: bilinear, or the mean over the covered pixels where
-/// the picture is coarser. Pixels without imagery are hatched light gray.
+/// the picture is coarser. Pixels without imagery are the gray of the map's background.
 cv::Mat warp_imagery(const Raster& imagery, const cv::Mat& map_xy);
 
 /// Baseline JPEG of a red-green-blue picture with the best quality of 88, 80, 70, 60, 45, 30 that keeps it within

@@ -132,10 +132,10 @@
     map.fitBounds(bounds);
     map.setMaxBounds(bounds.pad(0.6));
     map.setMinZoom(map.getZoom() - 2);
-    [['heat', 300], ['outline', 420], ['route', 440], ['cursor', 460]].forEach(([name, order]) => {
+    [['imagery', 250], ['heat', 300], ['outline', 420], ['route', 440], ['cursor', 460]].forEach(([name, order]) => {
       map.createPane(name).style.zIndex = order;
     });
-    if (display.imagery) layers.imagery = L.imageOverlay(display.imagery, bounds, { alt: 'Imagery of the corridor' }).addTo(map);
+    if (display.imagery) layers.imagery = L.imageOverlay(display.imagery, bounds, { pane: 'imagery', alt: 'Imagery of the corridor' }).addTo(map);
     cellStyle.hatch = hatchPattern();
     const heatCanvas = L.canvas({ pane: 'heat', padding: 0.2 });
     layers.heat = L.layerGroup();
@@ -164,7 +164,7 @@
     layers.route = L.layerGroup();
     display.gap_lines_m.forEach((flat, i) => {
       const color = report.route.gaps[i].within_limit ? '#e69f00' : '#d5008a';
-      layers.route.addLayer(L.polyline(lineLatLngs(flat), Object.assign({ color: color, weight: 16, opacity: 0.45, lineCap: 'butt' }, options)));
+      layers.route.addLayer(L.polyline(lineLatLngs(flat), Object.assign({ color: color, weight: 18, opacity: 0.6, lineCap: 'butt' }, options)));
     });
     display.leg_lines_m.forEach((flat, i) => {
       const points = lineLatLngs(flat);

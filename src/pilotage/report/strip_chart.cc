@@ -153,7 +153,7 @@ std::string strip_chart_svg(const Report& report) {
   if (std::isfinite(report.max_error_m)) {
     const double y = axes.y(report.max_error_m);
     svg += line("limit", kLeft, y, kRight, y);
-    svg += text("limit-label", kRight - 6, y < kTop + 24 ? y + 18 : y - 6, "limit " + error_text(report.max_error_m));
+    svg += text("limit-label", kLeft + 8, y < kTop + 24 ? y + 18 : y - 6, "limit " + error_text(report.max_error_m));
   }
   svg += line("axis-line", kLeft, kBottom, kRight, kBottom) + ribbons(report, axes);
   svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + n(kTop) + "\" y2=\"" +
