@@ -1,10 +1,12 @@
 #include <cmath>
+#include <csignal>
 
 #include "raster/raster_maker.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <sys/resource.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
@@ -117,11 +119,34 @@ TEST(WriteScoreRaster, RefusesWhatIsNotRight) {
   EXPECT_NO_THROW(write_score_raster(folder / "a.tif", {{"a", "", good}}, kUtm, kPlace, true));
 }
 
+/// No file may grow beyond `bytes` while it lives: what a full disk does to a writer.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
 TEST(WriteScoreRaster, AFullDiskIsAnErrorAndLeavesNothing) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
   const TemporaryFolder folder;
-  // A temporary path that leads to a full device: the writer must notice.
-  EXPECT_THROW(write_score_raster("/dev/full/scores.tif", two_bands(30, 20), kUtm, kPlace, true), DataError);
+  const std::vector<ScoreBand> bands = two_bands(700, 600);  // about 4 MB when complete
+  for (const rlim_t bytes : {rlim_t{0}, rlim_t{1000}, rlim_t{100'000}, rlim_t{2'000'000}}) {
+    const FileSizeLimit limit(bytes);
+    EXPECT_THROW(write_score_raster(folder / "scores.tif", bands, kUtm, kPlace, false), DataError) << bytes;
+    EXPECT_EQ(files_in(folder), 0U) << bytes;
+  }
 }
 
 TEST(WriteClassRaster, HoldsColoursAndNames) {
