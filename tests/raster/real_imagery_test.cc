@@ -36,7 +36,7 @@ const RealRaster kRasters[] = {
     {"odd/road_mask_input.tif", 1300, 1300, 1690000, 944686000.0, 398.0, 0.243, 1e-3},
     {"odd/sample_geotiff.tif", 900, 900, 810000, 370160351.0, 686.0, 0.5, 1e-3},
     {"odd/sample_geotiff_custom_proj.tif", 512, 512, 262144, 281379245.404, 1676.275, 30, 0.3},
-    {"odd/sar_vv.tif", 200, 200, 40000, 51622974.08964777, 1117.1951904296875, 2.5, 0.01},
+    {"odd/sar_vv.tif", 200, 200, 40000, 51622974.12237513, 1117.1951485752165, 2.5, 0.01},
     {"autzen/autzen.tif", 3248, 4385, 14242480, 1789766782.0, 165.0, 0.3048, 1e-3},
     {"zanzibar/zanzibar_z20.tif", 4096, 2048, 8388608, 1100841834.0, 142.0, 0.14846, 1e-3},
     {"port/port_2019-08.tif", 3953, 3927, 6589896, 625692960.0, 65.0, 0.3, 1e-3},
@@ -93,8 +93,9 @@ TEST_P(RealImagery, GoesOntoAMissionGrid) {
   // A coarse grid keeps the mean gray and the area (the JPEG overviews of some keep them to a few per cent only).
   const double own_mean = cv::mean(own.pixels, own.valid)[0];
   EXPECT_NEAR(cv::mean(raster.pixels, raster.valid)[0], own_mean, 0.05 * own_mean);
-  const double area_m2 = cv::countNonZero(raster.valid) * gsd_m * gsd_m;
-  EXPECT_NEAR(area_m2 / (cv::countNonZero(own.valid) * info.gsd_x_m * info.gsd_y_m), 1, 0.05);
+  const cv::Mat valid = read_valid_on_grid({path_}, mission.crs, place, 100, 100);
+  const double area_m2 = cv::countNonZero(valid) * gsd_m * gsd_m;
+  EXPECT_NEAR(area_m2 / (cv::countNonZero(own.valid) * info.gsd_x_m * info.gsd_y_m), 1, 0.02);
   const Raster picture = read_rgb8_on_grid({path_}, mission.crs, place, 100, 100);
   EXPECT_EQ(picture.pixels.type(), CV_8UC3);
 }
