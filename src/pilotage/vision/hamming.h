@@ -80,6 +80,9 @@ class HammingIndex {
     alignas(64) std::uint64_t lanes[8];
   };
 
+  /// Band of a row; rows above the first and below the last band belong to them.
+  std::uint32_t band_of_y(double y_px, std::size_t bands) const;
+
   int words_ = 4;
   std::vector<Block> blocks_;         ///< words_ for each eight slots: word w of all eight, then word w + 1.
   std::vector<std::uint32_t> order_;  ///< Index of a slot's feature.
