@@ -46,11 +46,24 @@ std::vector<std::uint8_t> describe_by_orb(const cv::Mat& gray, const std::vector
   return descriptors;
 }
 
-/// Offset of a test's point turned by the patch's angle.
-int turned_offset(int x, int y, double cosine, double sine, std::size_t step) {
-  const auto column = static_cast<int>(std::lround(x * cosine - y * sine));
-  const auto row = static_cast<int>(std::lround(x * sine + y * cosine));
-  return row * static_cast<int>(step) + column;
+/// Both points of a test as offsets in memory from the corner's pixel.
+struct PairOffsets {
+  std::ptrdiff_t first;
+  std::ptrdiff_t second;
+};
+
+/// The pattern turned by an angle, in an image of `step` bytes a row.
+std::vector<PairOffsets> turned_pattern(const std::vector<BriefPair>& pattern, float angle_deg, std::ptrdiff_t step) {
+  const double angle_rad = static_cast<double>(angle_deg) * std::numbers::pi / 180;
+  const double cosine = std::cos(angle_rad);
+  const double sine = std::sin(angle_rad);
+  const auto offset = [&](int x, int y) {
+    return cvRound(x * sine + y * cosine) * step + cvRound(x * cosine - y * sine);
+  };
+  std::vector<PairOffsets> offsets;
+  offsets.reserve(pattern.size());
+  for (const BriefPair& pair : pattern) offsets.push_back({offset(pair.x1, pair.y1), offset(pair.x2, pair.y2)});
+  return offsets;
 }
 
 std::vector<std::uint8_t> describe_by_brief(const cv::Mat& gray, const std::vector<Corner>& corners,
@@ -59,20 +72,20 @@ std::vector<std::uint8_t> describe_by_brief(const cv::Mat& gray, const std::vect
   const std::size_t bytes = pattern.size() / 8;
   cv::Mat smooth;
   cv::GaussianBlur(gray, smooth, cv::Size(7, 7), 2, 2, cv::BORDER_REFLECT_101);
-  const std::size_t step = smooth.step;
+  const auto step = static_cast<std::ptrdiff_t>(smooth.step);
   std::vector<std::uint8_t> descriptors(corners.size() * bytes);
+  std::vector<PairOffsets> offsets;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const double angle_rad = static_cast<double>(angles_deg[i]) * std::numbers::pi / 180;
-    const double cosine = std::cos(angle_rad);
-    const double sine = std::sin(angle_rad);
+    // Upright corners share one angle.
+    if (i == 0 || angles_deg[i] != angles_deg[i - 1]) offsets = turned_pattern(pattern, angles_deg[i], step);
     const std::uint8_t* const center = smooth.ptr<std::uint8_t>(corners[i].y) + corners[i].x;
-    for (std::size_t bit = 0; bit < pattern.size(); ++bit) {
-      const BriefPair& pair = pattern[bit];
-      const std::uint8_t first = center[turned_offset(pair.x1, pair.y1, cosine, sine, step)];
-      const std::uint8_t second = center[turned_offset(pair.x2, pair.y2, cosine, sine, step)];
-      if (first < second) {
-        descriptors[i * bytes + bit / 8] = static_cast<std::uint8_t>(descriptors[i * bytes + bit / 8] | 1U << bit % 8);
+    for (std::size_t byte = 0; byte < bytes; ++byte) {
+      unsigned bits = 0;
+      for (std::size_t bit = 0; bit < 8; ++bit) {
+        const PairOffsets& pair = offsets[byte * 8 + bit];
+        bits |= static_cast<unsigned>(center[pair.first] < center[pair.second]) << bit;
       }
+      descriptors[i * bytes + byte] = static_cast<std::uint8_t>(bits);
     }
   }
   return descriptors;

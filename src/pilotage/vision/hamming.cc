@@ -68,9 +68,17 @@ void check_query(const FeatureSet& queries, int descriptor_bytes, int k) {
   }
 }
 
-/// Sorting needs an order: NaN goes where no window reaches it.
-float sortable(float position) {
-  return std::isnan(position) ? std::numeric_limits<float>::infinity() : position;
+/// Smallest and largest finite value of a coordinate; 0, 0 when there is none.
+std::pair<double, double> extent(const std::vector<Feature>& features, float Feature::*coordinate) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Feature& feature : features) {
+    const auto value = static_cast<double>(feature.*coordinate);
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
 }
 
 std::array<std::uint64_t, 8> query_words(const FeatureSet& queries, std::size_t query) {
@@ -130,41 +138,35 @@ HammingIndex::HammingIndex(const FeatureSet& features) {
   }
   words_ = features.descriptor_bytes / 8;
 
-  // Bands of rows, about as many features high as 1/5 of a row is long: a window then wastes little at its edges, and
-  // its ranges stay long enough for the search to run at full speed.
-  double max_y_px = -std::numeric_limits<double>::infinity();
-  double min_y_px = std::numeric_limits<double>::infinity();
-  for (const Feature& feature : features.features) {
-    if (!std::isfinite(feature.y_px)) continue;
-    min_y_px = std::min(min_y_px, static_cast<double>(feature.y_px));
-    max_y_px = std::max(max_y_px, static_cast<double>(feature.y_px));
-  }
-  const auto bands = std::max<std::size_t>(1, static_cast<std::size_t>(std::sqrt(static_cast<double>(count)) / 5));
-  if (min_y_px < max_y_px) {
-    band_min_y_px_ = min_y_px;
-    band_height_px_ = (max_y_px - min_y_px) / static_cast<double>(bands);
-  }
-  std::vector<std::uint32_t> band_of(count);
-  for (std::size_t i = 0; i < count; ++i) band_of[i] = band_of_y(features.features[i].y_px, bands);
+  // Rows of cells hold some 10 √n features, cells about 16: a window's ranges are then long enough for the search to
+  // run at full speed, and little of them lies outside it.
+  const auto make_axis = [&](float Feature::*coordinate, double cells) {
+    const auto [low, high] = extent(features.features, coordinate);
+    Axis axis{low, 1, std::max<std::size_t>(1, static_cast<std::size_t>(cells))};
+    if (high > low) axis.cell_px = (high - low) / static_cast<double>(axis.count);
+    return axis;
+  };
+  rows_ = make_axis(&Feature::y_px, std::sqrt(static_cast<double>(count)) / 10);
+  cols_ = make_axis(&Feature::x_px, static_cast<double>(count) / static_cast<double>(rows_.count) / 16);
 
+  std::vector<std::size_t> cell_of(count);
+  cell_begin_.assign(rows_.count * cols_.count + 1, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Feature& feature = features.features[i];
+    const std::size_t row = rows_.cell(static_cast<double>(feature.y_px));
+    cell_of[i] = row * cols_.count + cols_.cell(static_cast<double>(feature.x_px));
+    ++cell_begin_[cell_of[i] + 1];
+  }
+  std::partial_sum(cell_begin_.begin(), cell_begin_.end(), cell_begin_.begin());
   order_.resize(count);
-  std::iota(order_.begin(), order_.end(), 0U);
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (band_of[a] != band_of[b]) return band_of[a] < band_of[b];
-    const float x_a = sortable(features.features[a].x_px);
-    const float x_b = sortable(features.features[b].x_px);
-    return x_a != x_b ? x_a < x_b : a < b;
-  });
-
-  band_begin_.assign(bands + 1, 0);
-  for (const std::uint32_t band : band_of) ++band_begin_[band + 1];
-  std::partial_sum(band_begin_.begin(), band_begin_.end(), band_begin_.begin());
+  std::vector<std::size_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
+  for (std::size_t i = 0; i < count; ++i) order_[next[cell_of[i]]++] = static_cast<std::uint32_t>(i);
 
   const auto words = static_cast<std::size_t>(words_);
   blocks_.resize((count + kSlotsPerBlock - 1) / kSlotsPerBlock * words);
   for (std::size_t slot = 0; slot < count; ++slot) {
     const Feature& feature = features.features[order_[slot]];
-    x_px_.push_back(sortable(feature.x_px));
+    x_px_.push_back(feature.x_px);
     y_px_.push_back(feature.y_px);
     for (std::size_t word = 0; word < words; ++word) {
       blocks_[slot / kSlotsPerBlock * words + word].lanes[slot % kSlotsPerBlock] =
@@ -173,10 +175,10 @@ HammingIndex::HammingIndex(const FeatureSet& features) {
   }
 }
 
-std::uint32_t HammingIndex::band_of_y(double y_px, std::size_t bands) const {
-  const double band = (y_px - band_min_y_px_) / band_height_px_;
-  if (!(band > 0)) return 0;  // NaN too
-  return static_cast<std::uint32_t>(std::min(band, static_cast<double>(bands - 1)));
+std::size_t HammingIndex::Axis::cell(double position_px) const {
+  const double cell = (position_px - min_px) / cell_px;
+  if (!(cell > 0)) return 0;  // NaN too
+  return static_cast<std::size_t>(std::min(cell, static_cast<double>(count - 1)));
 }
 
 HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, int k, HammingPath path) const {
@@ -214,7 +216,6 @@ HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, std::span<c
   const Scan scan = scan_of(path);
   HammingMatches result = empty_matches(queries.size(), k);
   if (size() == 0) return result;
-  const std::size_t bands = band_begin_.size() - 1;
   Nearest nearest;
   nearest.k = k;
   nearest.order = order_.data();
@@ -227,14 +228,12 @@ HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, std::span<c
     nearest.window = &window;
     // A window with a NaN edge holds nothing.
     if (window.min_x_px <= window.max_x_px && window.min_y_px <= window.max_y_px) {
-      const std::size_t last_band = band_of_y(window.max_y_px, bands);
-      for (std::size_t band = band_of_y(window.min_y_px, bands); band <= last_band; ++band) {
-        const auto first = x_px_.begin() + static_cast<std::ptrdiff_t>(band_begin_[band]);
-        const auto last = x_px_.begin() + static_cast<std::ptrdiff_t>(band_begin_[band + 1]);
-        const auto from = std::partition_point(first, last, [&](float x) { return x < window.min_x_px; });
-        const auto to = std::partition_point(from, last, [&](float x) { return x <= window.max_x_px; });
-        scan(blocks_[0].lanes, words_, words.data(), static_cast<std::size_t>(from - x_px_.begin()),
-             static_cast<std::size_t>(to - x_px_.begin()), nearest);
+      const std::size_t first_col = cols_.cell(window.min_x_px);
+      const std::size_t last_col = cols_.cell(window.max_x_px);
+      const std::size_t last_row = rows_.cell(window.max_y_px);
+      for (std::size_t row = rows_.cell(window.min_y_px); row <= last_row; ++row) {
+        scan(blocks_[0].lanes, words_, words.data(), cell_begin_[row * cols_.count + first_col],
+             cell_begin_[row * cols_.count + last_col + 1], nearest);
       }
     }
     store(nearest, result.matches.data() + query * static_cast<std::size_t>(k));
