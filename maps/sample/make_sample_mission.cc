@@ -13,7 +13,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/raster/gdal_write.h"
+#include "pilotage/raster/gdal_geotiff.h"
 #include "pilotage/scene/synthetic_scene.h"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "pilotage/raster/gdal_write.h"
+#include "pilotage/raster/gdal_geotiff.h"
 
 #include <array>
 #include <limits>
