@@ -1,5 +1,6 @@
 // The committed files of maps/sample against the scene they are flown over.
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>

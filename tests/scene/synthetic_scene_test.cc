@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -12,6 +13,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
+#include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
@@ -180,6 +182,18 @@ TEST(SyntheticScene, WhatStaysBetweenTheDatesOrdersTheKindsOfGround) {
   const TwoDates town = compare_dates(scene().sites.town);
   const TwoDates forest = compare_dates(scene().sites.forest);
   const TwoDates water = compare_dates(scene().sites.lake);
+  const TwoDates orchard = compare_dates(scene().sites.orchard);
+  const TwoDates fields = compare_dates(scene().sites.fields);
+  // For the table in docs/methods/synthetic-scene.md: --gtest_output=json:FILE shows these.
+  const auto record = [](const std::string& name, const TwoDates& measured) {
+    RecordProperty(name + "_ncc", format_fixed(measured.ncc, 2));
+    RecordProperty(name + "_deviation", format_fixed(measured.deviation, 1));
+  };
+  record("town", town);
+  record("forest", forest);
+  record("water", water);
+  record("orchard", orchard);
+  record("fields", fields);
   EXPECT_GT(town.ncc, 0.45);
   EXPECT_GT(town.ncc, forest.ncc + 0.15);
   EXPECT_GT(forest.ncc, water.ncc + 0.05);
