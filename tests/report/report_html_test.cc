@@ -12,7 +12,6 @@ namespace pilotage {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
 ReportInput scene(double drift) {
@@ -24,10 +23,15 @@ ReportInput scene(double drift) {
   return testing::report_scene(options);
 }
 
+// Whole pages are not printed on failure.
+bool contains(const std::string& page, const std::string& text) {
+  return page.find(text) != std::string::npos;
+}
+
 std::string between(const std::string& text, const std::string& open, const std::string& close) {
   const std::size_t from = text.find(open);
   if (from == std::string::npos) return "";
-  return text.substr(from + open.size(), text.find(close, from) - from - open.size());
+  return text.substr(from + open.size(), text.find(close, from + open.size()) - from - open.size());
 }
 
 Json page_data(const std::string& html) {
@@ -35,7 +39,7 @@ Json page_data(const std::string& html) {
 }
 
 TEST(ReportHtml, CarriesTheNumbersOfReportJson) {
-  const Report report = make_report(scene(0.03));
+  const Report report = make_report(scene(0.04));
   const Json json = report_json(report);
   const std::string html = report_html(report);
   EXPECT_EQ(page_data(html)["report"], json);
@@ -47,18 +51,18 @@ TEST(ReportHtml, CarriesTheNumbersOfReportJson) {
 }
 
 TEST(ReportHtml, TheVerdictComesFirstAndIsWordShapeAndColour) {
-  EXPECT_THAT(report_html(scene(0.03)), HasSubstr("<header class=\"verdict bad\">"));
-  EXPECT_THAT(report_html(scene(0.018)), HasSubstr("<header class=\"verdict good\">"));
-  const std::string html = report_html(scene(0.026));
-  EXPECT_THAT(html, HasSubstr("<header class=\"verdict marginal\">"));
+  EXPECT_TRUE(contains(report_html(scene(0.04)), "<header class=\"verdict bad\">"));
+  EXPECT_TRUE(contains(report_html(scene(0.018)), "<header class=\"verdict good\">"));
+  const std::string html = report_html(scene(0.03));
+  EXPECT_TRUE(contains(html, "<header class=\"verdict marginal\">"));
   const std::string body = html.substr(html.find("<body>"));
   EXPECT_LT(body.find("MARGINAL"), body.find("<main>"));
 }
 
 TEST(ReportHtml, NeedsNoOtherFileAndNoNetwork) {
-  std::string html = report_html(scene(0.03));
-  EXPECT_THAT(html, HasSubstr("default-src 'none'"));
-  EXPECT_THAT(html, Not(HasSubstr("sourceMappingURL")));
+  std::string html = report_html(scene(0.04));
+  EXPECT_TRUE(contains(html, "default-src 'none'"));
+  EXPECT_FALSE(contains(html, "sourceMappingURL"));
   const std::regex outside(R"re((?:src|href)\s*=\s*"(?!data:)|url\((?!data:)|@import)re");
   // Leaflet's script builds such texts from options that the page does not set; everything else must have none.
   const std::size_t script = html.find("<script>");
@@ -66,13 +70,13 @@ TEST(ReportHtml, NeedsNoOtherFileAndNoNetwork) {
   ASSERT_NE(script, std::string::npos);
   EXPECT_FALSE(std::regex_search(before, outside));
   const std::string own = html.substr(html.rfind("<script>"));
-  EXPECT_THAT(own, Not(HasSubstr("http")));
-  EXPECT_THAT(own, Not(HasSubstr("fetch(")));
+  EXPECT_FALSE(contains(own, "http"));
+  EXPECT_FALSE(contains(own, "fetch("));
 }
 
 TEST(ReportHtml, TextIsNeverMarkup) {
   const std::string evil = "</script><img src=x onerror=alert(1)>\"'&{{data}}\xFF\x01";
-  ReportInput input = scene(0.03);
+  ReportInput input = scene(0.04);
   input.title = evil;
   input.software_version = evil;
   input.plan.route.name = evil;
@@ -87,8 +91,8 @@ TEST(ReportHtml, TextIsNeverMarkup) {
   input.inputs = {{evil, evil, evil, evil}};
   input.parameters = {{evil, {{evil, evil}}}, {"list", {evil}}};
   const std::string html = report_html(input);
-  EXPECT_THAT(html, Not(HasSubstr("<img src=x")));
-  EXPECT_THAT(html, Not(HasSubstr("\xFF")));
+  EXPECT_FALSE(contains(html, "<img src=x"));
+  EXPECT_FALSE(contains(html, "\xFF"));
   EXPECT_EQ(page_data(html)["report"]["warnings"][0],
             "</script><img src=x onerror=alert(1)>\"'&{{data}}\xEF\xBF\xBD\x01");
   const auto count = [&](const std::string& what) {
@@ -101,7 +105,7 @@ TEST(ReportHtml, TextIsNeverMarkup) {
 }
 
 TEST(ReportHtml, ImageryLiesUnderTheCells) {
-  ReportInput input = scene(0.03);
+  ReportInput input = scene(0.04);
   // One tile of level 0 painted white: in the picture the middle of its cell must be white.
   const PlanTile& tile = input.plan.tiles[60];
   const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.min_x_m, tile.bounds.max_y_m});
@@ -132,7 +136,7 @@ TEST(ReportHtml, ImageryLiesUnderTheCells) {
 }
 
 TEST(ReportHtml, EveryTileHasAShadeOfEveryMeasure) {
-  const Report report = make_report(scene(0.03));
+  const Report report = make_report(scene(0.04));
   const Json display = page_data(report_html(report))["display"];
   ASSERT_EQ(display["shades"].size(), report.measures.size());
   for (std::size_t m = 0; m < report.measures.size(); ++m) {
@@ -147,7 +151,7 @@ TEST(ReportHtml, EveryTileHasAShadeOfEveryMeasure) {
 }
 
 TEST(ReportHtml, ControlsAreRealAndLabelled) {
-  const std::string html = report_html(scene(0.03));
+  const std::string html = report_html(scene(0.04));
   const std::regex control(R"re(<(?:input|button)[^>]*>)re");
   const std::string panel = between(html, "<main>", "<section aria-labelledby=\"quality-heading\">");
   int controls = 0;
@@ -164,15 +168,15 @@ TEST(ReportHtml, ControlsAreRealAndLabelled) {
 }
 
 TEST(ReportHtml, IsSmallAndTheSameEachTime) {
-  const ReportInput input = scene(0.03);
+  const ReportInput input = scene(0.04);
   const std::string html = report_html(input);
   EXPECT_LT(html.size(), 3U << 20);
-  EXPECT_EQ(report_html(input), html);
+  EXPECT_TRUE(report_html(input) == html);
 }
 
 // Noise is what JPEG likes least: the picture must keep its budget all the same.
 TEST(ReportHtml, NoisyImageryStaysSmall) {
-  ReportInput input = scene(0.03);
+  ReportInput input = scene(0.04);
   input.imagery.pixels.create(3000, 900, CV_8UC3);
   cv::RNG(3).fill(input.imagery.pixels, cv::RNG::UNIFORM, 0, 256);
   input.imagery.valid = cv::Mat(3000, 900, CV_8UC1, cv::Scalar(255));
