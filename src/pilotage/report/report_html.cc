@@ -48,9 +48,8 @@ std::string legs_html(const Report& report) {
   std::string html;
   for (const int index : report.worst_legs) {
     const ReportLeg& leg = report.legs[static_cast<std::size_t>(index)];
-    html += "<tr data-from-m=\"" + format_number(std::isfinite(leg.from_distance_m) ? leg.from_distance_m : 0) + "\">" +
-            heading("Leg " + std::to_string(leg.status.leg + 1)) + "<td>" + badge(status_name(leg.quality)) + "</td>" +
-            cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
+    html += "<tr>" + heading("Leg " + std::to_string(leg.status.leg + 1)) + "<td>" + badge(status_name(leg.quality)) +
+            "</td>" + cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
             cell(percent_text(leg.status.matchable_fraction)) + cell(length_text(leg.status.length_m)) +
             copy_cell(leg.from, leg.to) + "</tr>\n";
   }
