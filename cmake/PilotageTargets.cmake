@@ -13,6 +13,12 @@ if(PILOTAGE_SANITIZE)
   add_compile_options(-fsanitize=${PILOTAGE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PILOTAGE_SANITIZE})
 endif()
+if(PILOTAGE_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "PILOTAGE_FUZZ needs clang; use the preset fuzz")
+  endif()
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
 
 # pilotage_add_tests(<folder> <file>_test.cc ...): one GoogleTest program per source folder, its cases known to ctest one by one.
 function(pilotage_add_tests folder)

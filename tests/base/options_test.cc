@@ -10,7 +10,9 @@ namespace pilotage {
 namespace {
 
 enum class Colour { kRed, kBlue };
-EnumNames<Colour> enum_names(Colour) { return {{Colour::kRed, "red"}, {Colour::kBlue, "blue"}}; }
+EnumNames<Colour> enum_names(Colour) {
+  return {{Colour::kRed, "red"}, {Colour::kBlue, "blue"}};
+}
 
 struct Inner {
   double angle_deg = 10;
@@ -67,8 +69,10 @@ TEST(Options, FlagsAndPathsFollowTheDescription) {
 TEST(Options, JsonWritesThrough) {
   Outer outer;
   const OptionList list = list_options(outer);
-  set_options_from_json(list, parse_json("m.json", R"({"$schema": "x", "count": 10, "colour": "blue", "palette": ["blue","red"],
-      "steps": [0, 0.5], "inner": {"angle_deg": 45, "width_px": 7}})"), "m.json");
+  set_options_from_json(
+      list, parse_json("m.json", R"({"$schema": "x", "count": 10, "colour": "blue", "palette": ["blue","red"],
+      "steps": [0, 0.5], "inner": {"angle_deg": 45, "width_px": 7}})"),
+      "m.json");
   EXPECT_EQ(outer.count, 10);
   EXPECT_EQ(outer.colour, Colour::kBlue);
   EXPECT_EQ(outer.palette, (std::vector{Colour::kBlue, Colour::kRed}));
@@ -89,12 +93,20 @@ TEST(Options, JsonIsStrict) {
   EXPECT_EQ(error_of(R"({"limit": 4294967296})"), "m.json: limit = 4294967296 is outside [0, 4294967295]");
   EXPECT_EQ(error_of(R"({"inner": {"angel_deg": 1}})"),
             "m.json: unknown key \"inner.angel_deg\"; did you mean \"inner.angle_deg\"?");
+  EXPECT_EQ(error_of(R"({"inner.angle_deg": 1})"),
+            "m.json: unknown key \"inner.angle_deg\"; nested options are written as objects");
   EXPECT_EQ(error_of(R"({"inner": 3})"), "m.json: inner is not an object");
   EXPECT_EQ(error_of(R"({"colour": "green"})"), "m.json: colour = \"green\" is not one of: red, blue");
   EXPECT_EQ(error_of(R"({"steps": [0, 2]})"), "m.json: steps = 2 is outside [0, 1]");
   EXPECT_EQ(error_of(R"({"count": null})"), "m.json: count is nothing, expected an integer");
   EXPECT_THAT(error_of(R"({"count": 1, "count": 2})"), ::testing::HasSubstr("\"count\" stands twice"));
+  EXPECT_THAT(error_of(R"({"count": 1e999})"), ::testing::HasSubstr("m.json: not valid JSON"));  // found by fuzzing
   EXPECT_THAT(error_of("{"), ::testing::HasSubstr("m.json: not valid JSON"));
+}
+
+TEST(Options, DeepNestingIsAnErrorNotACrash) {
+  const std::string deep = R"({"steps": )" + std::string(1'000'000, '[') + std::string(1'000'000, ']') + "}";
+  EXPECT_EQ(error_of(deep.c_str()), "m.json: nested more than 100 deep");
 }
 
 TEST(Options, TextIsStrict) {

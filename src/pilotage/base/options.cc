@@ -12,7 +12,7 @@ namespace pilotage {
 namespace {
 
 std::string describe_type(const OptionValue& value) {
-  static constexpr const char* kNames[] = {"nothing", "a boolean",        "an integer",       "a number",
+  static constexpr const char* kNames[] = {"nothing",  "a boolean",         "an integer",       "a number",
                                            "a string", "a list of strings", "a list of numbers"};
   return kNames[value.index()];
 }
@@ -21,7 +21,9 @@ std::string describe_type(const OptionValue& value) {
   throw UsageError(path + " is " + describe_type(value) + ", expected " + wanted);
 }
 
-std::string allowed_list(const std::vector<std::string>& choices) { return join(choices, ", "); }
+std::string allowed_list(const std::vector<std::string>& choices) {
+  return join(choices, ", ");
+}
 
 void check_choice(const std::string& path, const std::string& text, const std::vector<std::string>& choices) {
   if (choices.empty() || std::find(choices.begin(), choices.end(), text) != choices.end()) return;
@@ -127,7 +129,7 @@ std::string flag_of(std::string_view prefix, std::string_view name) {
 }  // namespace options_detail
 
 void set_from_text(const OptionField& field, const std::vector<std::string>& texts) {
-  if (field.type == OptionType::kStringList) return field.set(split_lists(texts));
+  if (field.type == OptionType::kStringList) return field.set(field.is_path ? texts : split_lists(texts));
   if (field.type == OptionType::kNumberList) {
     std::vector<double> numbers;
     for (const auto& part : split_lists(texts)) numbers.push_back(number_from_text(field, part));

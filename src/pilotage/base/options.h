@@ -29,7 +29,9 @@ namespace pilotage {
 ///   };
 ///
 /// Field names are snake_case with the unit as suffix; the flag of `camera.hfov_deg` is `--camera-hfov-deg`. A group
-/// described with FlagPrefix::kNone keeps its place in JSON but lends its flags no prefix.
+/// described with FlagPrefix::kNone keeps its place in JSON but lends its flags no prefix. `fields.path(…)` instead of
+/// `fields.field(…)` says that strings are files or GDAL dataset strings: in a configuration file they are looked for
+/// beside that file (base/config_file.h), and lists of them are not split at commas, which dataset strings may hold.
 
 /// Closed interval of allowed values; NaN is never inside.
 struct Range {
@@ -48,7 +50,8 @@ struct EnumName {
 template <class E>
 using EnumNames = std::vector<EnumName<E>>;
 
-/// The value of one option, whatever its type; std::monostate means "not given" and is allowed for std::optional fields.
+/// The value of one option, whatever its type; std::monostate means "not given" and is allowed for std::optional
+/// fields.
 using OptionValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<std::string>,
                                  std::vector<double>>;
 
@@ -61,6 +64,7 @@ struct OptionField {
   std::string help;
   OptionType type = OptionType::kString;
   bool optional = false;             ///< The field is a std::optional: it may be left unset.
+  bool is_path = false;              ///< Its strings are files or GDAL dataset strings.
   std::optional<Range> range;        ///< Inclusive; for lists it holds for each element.
   std::vector<std::string> choices;  ///< Allowed strings of an enum; empty when any string will do.
   OptionValue default_value;         ///< The value the object had when the list was made.
@@ -152,8 +156,7 @@ struct OptionTraits<bool> {
 };
 
 template <std::integral T>
-  requires(!std::same_as<T, bool>)
-struct OptionTraits<T> {
+requires(!std::same_as<T, bool>) struct OptionTraits<T> {
   static constexpr OptionType kType = OptionType::kInteger;
   static OptionValue get(T value) { return static_cast<std::int64_t>(value); }
   static T set(const OptionField& field, const OptionValue& value) {
@@ -265,6 +268,13 @@ class FieldCollector {
     list_.fields.push_back(std::move(field));
   }
 
+  /// A std::string, std::optional of one, or a list of them, that holds files or GDAL dataset strings.
+  template <class T>
+  void path(std::string_view name, T& member, std::string_view help) {
+    field(name, member, help);
+    list_.fields.back().is_path = true;
+  }
+
   template <class Options>
   void group(std::string_view name, Options& options, std::string_view help,
              FlagPrefix prefix = FlagPrefix::kGroupName) {
@@ -304,8 +314,9 @@ void check_options(const Options& options) {
   for (const OptionField& field : list.fields) field.set(field.get());
 }
 
-/// Writes `text` (as typed on a command line or found in an environment variable) into `field`; lists are split at commas.
-/// Throws UsageError when the text is not a value of the field's type or is outside its range.
+/// Writes `text` (as typed on a command line or found in an environment variable) into `field`; lists are split at
+/// commas, except lists of paths. Throws UsageError when the text is not a value of the field's type or is outside its
+/// range.
 void set_from_text(const OptionField& field, const std::vector<std::string>& texts);
 
 /// The value as a person would type it; lists joined by commas, unset as "".

@@ -1,7 +1,6 @@
 #include "pilotage/base/options_json.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <vector>
 
@@ -12,6 +11,9 @@ namespace pilotage {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// What walks over JSON (dump(), our own readers) recurses; no file of ours nests a tenth of it.
+constexpr int kMaxJsonDepth = 100;
 
 OptionValue value_from_json(const Json& json, const std::string& where) {
   if (json.is_null()) return std::monostate{};
@@ -58,37 +60,19 @@ Json value_to_json(const OptionValue& value) {
       value);
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substitution = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substitution, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
 std::string nearest_path(const OptionList& list, std::string_view path) {
-  std::string nearest;
-  std::size_t best = path.size() / 2 + 1;
-  for (const auto& field : list.fields) {
-    const std::size_t distance = edit_distance(path, field.path);
-    if (distance < best) {
-      best = distance;
-      nearest = field.path;
-    }
-  }
-  return nearest;
+  std::vector<std::string> paths;
+  for (const auto& field : list.fields) paths.push_back(field.path);
+  return nearest_word(path, paths);
 }
 
 void set_object(const OptionList& list, const Json& json, const std::string& prefix, const std::string& name) {
   for (const auto& [key, value] : json.items()) {
     if (key.starts_with("$")) continue;
     const std::string path = prefix.empty() ? key : prefix + "." + key;
+    if (key.find('.') != std::string::npos) {
+      throw UsageError(name + ": unknown key \"" + path + "\"; nested options are written as objects");
+    }
     if (const OptionField* field = list.find(path)) {
       const bool is_list = field->type == OptionType::kStringList || field->type == OptionType::kNumberList;
       try {
@@ -156,12 +140,24 @@ Json element_schema(const OptionField& field, const char* type) {
 Json field_schema(const OptionField& field) {
   Json schema;
   switch (field.type) {
-    case OptionType::kBool: schema = {{"type", "boolean"}}; break;
-    case OptionType::kInteger: schema = element_schema(field, "integer"); break;
-    case OptionType::kNumber: schema = element_schema(field, "number"); break;
-    case OptionType::kString: schema = element_schema(field, "string"); break;
-    case OptionType::kStringList: schema = {{"type", "array"}, {"items", element_schema(field, "string")}}; break;
-    case OptionType::kNumberList: schema = {{"type", "array"}, {"items", element_schema(field, "number")}}; break;
+    case OptionType::kBool:
+      schema = {{"type", "boolean"}};
+      break;
+    case OptionType::kInteger:
+      schema = element_schema(field, "integer");
+      break;
+    case OptionType::kNumber:
+      schema = element_schema(field, "number");
+      break;
+    case OptionType::kString:
+      schema = element_schema(field, "string");
+      break;
+    case OptionType::kStringList:
+      schema = {{"type", "array"}, {"items", element_schema(field, "string")}};
+      break;
+    case OptionType::kNumberList:
+      schema = {{"type", "array"}, {"items", element_schema(field, "number")}};
+      break;
   }
   schema["description"] = field.help;
   if (!std::holds_alternative<std::monostate>(field.default_value)) {
@@ -176,7 +172,8 @@ Json parse_json(const std::string& name, std::string_view text) {
   // One set of keys for each open object; nlohmann keeps the last of a repeated key without a word.
   std::vector<std::set<std::string>> open_objects;
   std::string repeated;
-  const auto watch_keys = [&](int /*depth*/, Json::parse_event_t event, Json& parsed) {
+  const auto watch_keys = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    if (depth > kMaxJsonDepth) throw DataError(name + ": nested more than " + std::to_string(kMaxJsonDepth) + " deep");
     if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
     if (event == Json::parse_event_t::object_end) open_objects.pop_back();
     if (event == Json::parse_event_t::key && !open_objects.back().insert(parsed.get<std::string>()).second) {
@@ -187,7 +184,7 @@ Json parse_json(const std::string& name, std::string_view text) {
   Json json;
   try {
     json = Json::parse(text, watch_keys);
-  } catch (const Json::parse_error& error) {
+  } catch (const Json::exception& error) {
     throw DataError(name + ": not valid JSON: " + error.what());
   }
   if (!repeated.empty()) throw DataError(name + ": the key \"" + repeated + "\" stands twice in one object");

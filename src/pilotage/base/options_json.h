@@ -1,14 +1,16 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/options.h"
 
 namespace pilotage {
 
-/// Parses JSON text; throws DataError with `name`, line and column when it is not JSON, or repeats a key.
+/// Parses JSON text; throws DataError with `name`, line and column when it is not JSON, repeats a key, or
+/// nests more than 100 deep.
 nlohmann::ordered_json parse_json(const std::string& name, std::string_view text);
 
 /// Writes the values of a JSON object into the fields of `list`. Strict: an unknown key (with the nearest known one),

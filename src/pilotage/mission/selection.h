@@ -8,7 +8,7 @@ namespace pilotage {
 
 /// A stretch of the route over which the aircraft gets no fix.
 struct RouteGap {
-  int leg = 0;  ///< Leg on which it starts.
+  int leg = 0;                 ///< Leg on which it starts.
   double from_distance_m = 0;  ///< Along the route.
   double to_distance_m = 0;
   double duration_s = 0;

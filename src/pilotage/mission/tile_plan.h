@@ -3,10 +3,14 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pilotage/camera/camera.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/geo/tile_matrix.h"
+#include "pilotage/ins/ins_options.h"
+#include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/route/route.h"
 
 namespace pilotage {
@@ -17,7 +21,7 @@ struct PlanTile {
   int level = 0;
   std::int64_t column = 0;
   std::int64_t row = 0;
-  Bounds bounds;          ///< In the CRS of the mission grid.
+  Bounds bounds;  ///< In the CRS of the mission grid.
   GeodeticPoint center;
   double valid_fraction = 0;    ///< Share of its pixels that the imagery covers, 0 … 1.
   double route_distance_m = 0;  ///< Of the nearest point of the route, along the route.
@@ -31,6 +35,15 @@ struct PlanLevel {
   double min_agl_m = 0;
   double max_agl_m = 0;
   int search_radius_px = 0;
+};
+
+/// A point of the route on the mission grid.
+struct PlanSample : RouteSample {
+  Eigen::Vector2d point_map_m = Eigen::Vector2d::Zero();
+  int level = kNoLevel;
+
+  /// Too low for any level: just after take-off or before landing.
+  static constexpr int kNoLevel = -1;
 };
 
 struct PlanImagery {
@@ -50,14 +63,20 @@ struct TilePlan {
   std::vector<PlanLevel> levels;
   std::vector<PlanTile> tiles;  ///< Ascending tile_id.
   std::vector<PlanImagery> imagery;
-  std::string elevation;  ///< GDAL dataset string, "" when none was given.
+  ImageryOptions imagery_options;
+  std::string elevation;   ///< GDAL dataset string, "" when none was given.
+  std::string route_file;  ///< As given.
   Route route;
-  std::vector<RouteSample> route_samples;  ///< The route every few metres, heights above ground resolved.
+  std::vector<PlanSample> route_samples;  ///< The route every few metres, heights above ground resolved.
+  double min_agl_m = 0;                   ///< Below it no matching is expected.
   Camera camera;
+  InsOptions ins;
+  double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.
   double corridor_half_width_m = 0;
-  double footprint_width_m = 0;   ///< At the route's typical height above ground.
+  double footprint_width_m = 0;  ///< At the route's typical height above ground.
   double footprint_height_m = 0;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  ///< What the planner should look at.
+  std::vector<std::string> notes;     ///< What was chosen, and why.
 };
 
 }  // namespace pilotage

@@ -8,19 +8,19 @@
 
 namespace pilotage {
 
-/// The numbers of a correlation surface (docs/methods/uniqueness.md). NaN where the surface is not defined (flat tile, too
-/// little valid ground, no room to search).
+/// The numbers of a correlation surface (docs/methods/uniqueness.md). NaN where the surface is not defined (flat tile,
+/// too little valid ground, no room to search).
 struct SurfaceScores {
   double peak = std::numeric_limits<double>::quiet_NaN();         ///< R1: NCC at the true position, −1 … 1.
   double rival = std::numeric_limits<double>::quiet_NaN();        ///< R2: highest NCC outside the main lobe.
   double margin = std::numeric_limits<double>::quiet_NaN();       ///< R1 − R2; negative when a rival wins.
   double rival_ratio = std::numeric_limits<double>::quiet_NaN();  ///< R2 / R1.
-  double psr = std::numeric_limits<double>::quiet_NaN();          ///< Peak-to-sidelobe ratio, (R1 − mean) / σ outside the lobe.
-  double rivals = std::numeric_limits<double>::quiet_NaN();       ///< Number of local maxima above 0.8 R1 outside the lobe.
+  double psr = std::numeric_limits<double>::quiet_NaN();  ///< Peak-to-sidelobe ratio, (R1 − mean) / σ outside the lobe.
+  double rivals = std::numeric_limits<double>::quiet_NaN();  ///< Number of local maxima above 0.8 R1 outside the lobe.
   double half_width_px = std::numeric_limits<double>::quiet_NaN();      ///< Half width at half height of the main lobe.
   double expected_error_px = std::numeric_limits<double>::quiet_NaN();  ///< σ of the fix from curvature and noise.
-  double rival_dx_px = std::numeric_limits<double>::quiet_NaN();  ///< Where the rival lies, columns to the right.
-  double rival_dy_px = std::numeric_limits<double>::quiet_NaN();  ///< Where the rival lies, rows down.
+  double rival_dx_px = std::numeric_limits<double>::quiet_NaN();        ///< Where the rival lies, columns to the right.
+  double rival_dy_px = std::numeric_limits<double>::quiet_NaN();        ///< Where the rival lies, rows down.
 };
 
 enum class TileStatus {

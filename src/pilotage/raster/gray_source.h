@@ -14,8 +14,8 @@ struct GraySource {
   GeoTransform map_from_pixel;
   int depth = 0;  ///< OpenCV depth of what `read` returns: CV_8U, CV_16U or CV_64F (everything else is widened to it).
 
-  /// The pixels of a window that lies inside the grid, as one channel of type `depth`. May be called by several threads at a
-  /// time. Throws DataError when the data cannot be read.
+  /// The pixels of a window that lies inside the grid, as one channel of type `depth`. May be called by several threads
+  /// at a time. Throws DataError when the data cannot be read.
   std::function<Raster(const PixelWindow& window)> read;
 };
 

@@ -1,0 +1,132 @@
+// Makes the imagery and the elevation of the sample mission; run by the build (target sample_mission).
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/raster/gdal_geotiff.h"
+#include "pilotage/scene/synthetic_scene.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Raise when the same options give other pictures.
+constexpr int kGeneratorVersion = 1;
+
+struct SampleOptions {
+  pilotage::SceneOptions scene;
+  double gsd_m = 0.5;
+  double elevation_gsd_m = 5;
+  int jpeg_quality = 88;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.group("scene", self.scene, "The world.");
+    fields.field("gsd_m", self.gsd_m, "Pixel of the imagery.", pilotage::Range{0.1, 10});
+    fields.field("elevation_gsd_m", self.elevation_gsd_m, "Pixel of the elevation.", pilotage::Range{1, 100});
+    fields.field("jpeg_quality", self.jpeg_quality, "Of the imagery.", pilotage::Range{1, 100});
+  }
+};
+
+struct Picture {
+  const char* file;
+  pilotage::SceneEpoch epoch;
+  const char* taken;
+};
+
+constexpr std::array<Picture, 2> kPictures = {{
+    {"ortho.tif", pilotage::SceneEpoch::kFirst, "2023:06:14 09:40:00"},
+    {"ortho_second_epoch.tif", pilotage::SceneEpoch::kSecond, "2024:09:26 14:10:00"},
+}};
+constexpr const char* kElevationFile = "elevation.tif";
+constexpr const char* kStampFile = ".sample_mission_stamp.json";
+
+/// What the files are made from: when it equals the stamp beside them they are current.
+std::string stamp_of(const SampleOptions& options) {
+  SampleOptions copy = options;
+  nlohmann::ordered_json stamp;
+  stamp["generator_version"] = kGeneratorVersion;
+  stamp["options"] = pilotage::options_to_json(pilotage::list_options(copy));
+  return stamp.dump(2) + "\n";
+}
+
+bool is_current(const fs::path& folder, const std::string& stamp) {
+  std::error_code ignored;
+  for (const Picture& picture : kPictures) {
+    if (!fs::is_regular_file(folder / picture.file, ignored)) return false;
+  }
+  if (!fs::is_regular_file(folder / kElevationFile, ignored) || !fs::is_regular_file(folder / kStampFile, ignored))
+    return false;
+  return pilotage::read_file(folder / kStampFile) == stamp;
+}
+
+void write_picture(const fs::path& folder, const pilotage::Scene& scene, const SampleOptions& options,
+                   const Picture& picture) {
+  const int width_px = static_cast<int>(std::floor(scene.options.width_m / options.gsd_m));
+  const int height_px = static_cast<int>(std::floor(scene.options.height_m / options.gsd_m));
+  const pilotage::Raster raster = pilotage::render_rgb8(
+      scene, picture.epoch, pilotage::whole_scene_grid(scene, options.gsd_m), width_px, height_px);
+  pilotage::GeotiffOptions geotiff;
+  geotiff.compression = pilotage::GeotiffCompression::kJpeg;
+  geotiff.jpeg_quality = options.jpeg_quality;
+  geotiff.metadata = {{"TIFFTAG_DATETIME", picture.taken},
+                      {"TIFFTAG_IMAGEDESCRIPTION", "Computed picture of a place that does not exist"}};
+  pilotage::write_rgb8_geotiff(folder / picture.file, raster, scene.crs(), geotiff, true);
+}
+
+void write_elevation(const fs::path& folder, const pilotage::Scene& scene, const SampleOptions& options) {
+  const int width_px = static_cast<int>(std::floor(scene.options.width_m / options.elevation_gsd_m));
+  const int height_px = static_cast<int>(std::floor(scene.options.height_m / options.elevation_gsd_m));
+  pilotage::Raster raster;
+  raster.map_from_pixel = pilotage::whole_scene_grid(scene, options.elevation_gsd_m);
+  raster.pixels = pilotage::elevation(scene, raster.map_from_pixel, width_px, height_px);
+  raster.valid = cv::Mat(height_px, width_px, CV_8U, cv::Scalar(255));
+  pilotage::GeotiffOptions geotiff;
+  geotiff.metadata = {{"TIFFTAG_IMAGEDESCRIPTION", "Computed ground heights in metres of a place that does not exist"}};
+  pilotage::write_float32_geotiff(folder / kElevationFile, raster, scene.crs(), geotiff, true);
+}
+
+void make_sample_mission(const fs::path& folder) {
+  const SampleOptions options;
+  const std::string stamp = stamp_of(options);
+  if (is_current(folder, stamp)) return;
+  const auto start = std::chrono::steady_clock::now();
+  const pilotage::Scene scene = pilotage::make_scene(options.scene);
+  std::error_code ignored;
+  fs::remove(folder / kStampFile, ignored);
+  for (const Picture& picture : kPictures) write_picture(folder, scene, options, picture);
+  write_elevation(folder, scene, options);
+  pilotage::write_file(folder / kStampFile, stamp, true);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  std::cerr << "sample mission written to " << folder.string() << " in " << std::llround(seconds.count()) << " s\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::cerr << "usage: make_sample_mission FOLDER\n"
+                 "Writes ortho.tif, ortho_second_epoch.tif and elevation.tif there unless they are current.\n";
+    return 2;
+  }
+  try {
+    make_sample_mission(argv[1]);
+    return 0;
+  } catch (const pilotage::UsageError& error) {
+    std::cerr << "make_sample_mission: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << "make_sample_mission: " << error.what() << '\n';
+    return 1;
+  }
+}

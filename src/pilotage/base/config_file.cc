@@ -1,0 +1,55 @@
+#include "pilotage/base/config_file.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kMaxConfigBytes = std::uintmax_t{16} << 20;
+
+/// The value at a dotted path, or nullptr.
+Json* find_value(Json& root, const std::string& path) {
+  Json* at = &root;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('.', begin), path.size());
+    const std::string key = path.substr(begin, end - begin);
+    if (!at->is_object() || !at->contains(key)) return nullptr;
+    at = &(*at)[key];
+    begin = end + 1;
+  }
+  return at;
+}
+
+void resolve(Json& value, const std::filesystem::path& folder) {
+  if (value.is_string()) value = path_beside(value.get<std::string>(), folder);
+  if (!value.is_array()) return;
+  for (Json& element : value) {
+    if (element.is_string()) element = path_beside(element.get<std::string>(), folder);
+  }
+}
+
+}  // namespace
+
+std::string path_beside(const std::string& path, const std::filesystem::path& folder) {
+  if (path.empty() || path.front() == '/') return path;
+  const std::filesystem::path beside = folder / path;
+  std::error_code ignored;
+  return std::filesystem::exists(beside, ignored) ? beside.lexically_normal().string() : path;
+}
+
+void load_config_file(const OptionList& list, const std::filesystem::path& file) {
+  Json json = parse_json(file.string(), read_file(file, kMaxConfigBytes));
+  for (const OptionField& field : list.fields) {
+    if (!field.is_path) continue;
+    if (Json* value = find_value(json, field.path)) resolve(*value, file.parent_path());
+  }
+  set_options_from_json(list, json, file.string());
+}
+
+}  // namespace pilotage

@@ -1,0 +1,273 @@
+#include "pilotage/build/build_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/text.h"
+#include "pilotage/build/tile_owner.h"
+#include "pilotage/camera/camera_text.h"
+#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/mapdb/map_writer.h"
+#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/mission/tile_table.h"
+#include "pilotage/raster/elevation.h"
+#include "pilotage/raster/gdal_io.h"
+#include "pilotage/raster/gray_stretch.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kJacobianStep_m = 100;
+
+struct SelectedTile {
+  const PlanTile* tile = nullptr;
+  const TileScore* score = nullptr;
+};
+
+std::vector<SelectedTile> selected_tiles(const TilePlan& plan, const std::vector<TileScore>& scores,
+                                         const Selection& selection) {
+  std::map<std::int64_t, const TileScore*> score_of_id;
+  for (const TileScore& score : scores) score_of_id[score.tile_id] = &score;
+  std::vector<SelectedTile> selected;
+  auto tile = plan.tiles.begin();
+  for (const std::int64_t id : selection.tile_ids) {
+    tile = std::find_if(tile, plan.tiles.end(), [&](const PlanTile& candidate) { return candidate.tile_id == id; });
+    if (tile == plan.tiles.end()) {
+      throw DataError("the selection names tile " + std::to_string(id) +
+                      ", which the plan does not have in this place");
+    }
+    const auto score = score_of_id.find(id);
+    if (score == score_of_id.end()) throw DataError("tile " + std::to_string(id) + " of the selection has no score");
+    selected.push_back({&*tile, score->second});
+  }
+  return selected;
+}
+
+MapHeader make_header(const TilePlan& plan) {
+  MapHeader header;
+  header.crs = {plan.crs_name, plan.crs_wkt, Crs::from_user_input(plan.crs_wkt).authority()};
+  for (const PlanLevel& level : plan.levels) {
+    header.levels.push_back({level.matrix, level.gsd_m, level.min_agl_m, level.max_agl_m, 0});
+  }
+  header.tile_columns.push_back({"status", MapColumnType::kText, "What became of the tile when it was scored"});
+  header.tile_columns.push_back({"valid_fraction", MapColumnType::kReal, "Share of the tile that imagery covers"});
+  header.tile_columns.push_back({"route_distance_m", MapColumnType::kReal, "Along the route, at its nearest point"});
+  header.tile_columns.push_back({"route_offset_m", MapColumnType::kReal, "From the route to the tile's centre"});
+  for (const ScoreColumn& column : score_columns()) {
+    header.tile_columns.push_back({column.name, MapColumnType::kReal,
+                                   column.description + (column.unit.empty() ? "" : " [" + column.unit + "]")});
+  }
+  header.description = "Reference map for visual navigation along " + plan.route.name;
+  return header;
+}
+
+void write_tiles(MapWriter& writer, const TilePlan& plan, const std::vector<SelectedTile>& selected) {
+  const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
+  const auto geodetic_from_map = [&](const Eigen::Vector2d& point) { return transform.geodetic_from_map(point); };
+  for (const auto& [tile, score] : selected) {
+    MapTile row;
+    row.tile_id = tile->tile_id;
+    row.level = tile->level;
+    row.column = tile->column;
+    row.row = tile->row;
+    row.bounds = tile->bounds;
+    row.center = tile->center;
+    row.enu_from_grid = enu_from_grid(tile->bounds.center_m(), kJacobianStep_m, geodetic_from_map);
+    std::vector<MapValue> values{std::string(tile_status_name(score->status)), score->valid_fraction,
+                                 tile->route_distance_m, tile->route_offset_m};
+    for (const ScoreColumn& column : score_columns()) values.emplace_back(column.get(*score));
+    writer.add_tile(row, values);
+  }
+}
+
+// Collects the features of one level strip by strip and hands them on tile by tile, in ascending tile_id.
+class LevelBuilder {
+ public:
+  LevelBuilder(MapWriter& writer, const TilePlan& plan, const PlanLevel& level, std::vector<const PlanTile*> tiles,
+               const FeatureOptions& features)
+      : writer_(writer),
+        level_(level),
+        tiles_(std::move(tiles)),
+        features_(features),
+        owner_(level.matrix, cells_of(tiles_)),
+        transform_(Crs::from_user_input(plan.crs_wkt)) {
+    if (!plan.elevation.empty()) elevation_.emplace(plan.elevation);
+    source_ = stretch_to_8bit(open_plan_imagery(plan, level));
+  }
+
+  /// Returns the number of descriptors written.
+  std::int64_t build(int threads, const Progress& progress) {
+    const TileMatrix& matrix = level_.matrix;
+    constexpr std::int64_t kStrip_px = 4 * kFeatureBlockPx;  // whole blocks, so that none is computed twice
+    std::int64_t begin_px = tiles_.front()->row * matrix.stride_px / kFeatureBlockPx * kFeatureBlockPx;
+    const std::int64_t end_px = tiles_.back()->row * matrix.stride_px + matrix.tile_size_px;
+    for (; begin_px < end_px; begin_px += kStrip_px) {
+      add_strip(begin_px, begin_px + kStrip_px, threads);
+      write_tiles_above(begin_px + kStrip_px);
+      report_progress(progress, "describing level " + std::to_string(matrix.level), static_cast<std::int64_t>(written_),
+                      static_cast<std::int64_t>(tiles_.size()));
+    }
+    return descriptors_;
+  }
+
+ private:
+  static std::vector<TileOwner::Cell> cells_of(const std::vector<const PlanTile*>& tiles) {
+    std::vector<TileOwner::Cell> cells;
+    for (const PlanTile* tile : tiles) cells.push_back({tile->column, tile->row});
+    return cells;
+  }
+
+  // The parts of the selected tiles' windows between two rows of pixels.
+  std::vector<PixelWindow> windows_of_strip(std::int64_t begin_px, std::int64_t end_px) const {
+    std::vector<PixelWindow> windows;
+    for (const PlanTile* tile : tiles_) {
+      PixelWindow window = level_.matrix.tile_window(tile->column, tile->row);
+      const std::int64_t top = std::max(window.row, begin_px);
+      const std::int64_t bottom = std::min(window.row + window.height, end_px);
+      if (top >= bottom) continue;
+      window.row = top;
+      window.height = static_cast<int>(bottom - top);
+      windows.push_back(window);
+    }
+    return windows;
+  }
+
+  void add_strip(std::int64_t begin_px, std::int64_t end_px, int threads) {
+    const FeatureSet found = extract_features_of_map(source_, windows_of_strip(begin_px, end_px), features_, threads);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      Feature feature = found.features[i];
+      const auto cell = owner_.owner_of(feature.x_px, feature.y_px);
+      if (!cell) continue;
+      const auto key = std::pair(cell->row, cell->column);
+      TileDescriptors& stored = pending_[key];
+      stored.window = level_.matrix.tile_window(cell->column, cell->row);
+      stored.features.descriptor_bytes = found.descriptor_bytes;
+      if (elevation_) stored.ground_height_m.push_back(ground_height_m(feature));
+      feature.x_px -= static_cast<float>(stored.window.col);
+      feature.y_px -= static_cast<float>(stored.window.row);
+      stored.features.features.push_back(feature);
+      const std::uint8_t* descriptor = found.descriptor(i);
+      stored.features.descriptors.insert(stored.features.descriptors.end(), descriptor,
+                                         descriptor + found.descriptor_bytes);
+    }
+  }
+
+  float ground_height_m(const Feature& feature) const {
+    const auto point =
+        transform_.geodetic_from_map(level_.matrix.map_from_pixel.map_from_pixel({feature.x_px, feature.y_px}));
+    return point ? static_cast<float>(elevation_->amsl_m(*point)) : std::numeric_limits<float>::quiet_NaN();
+  }
+
+  // Tiles that end above this row of pixels get no more features.
+  void write_tiles_above(std::int64_t row_px) {
+    while (written_ < tiles_.size()) {
+      const PlanTile& tile = *tiles_[written_];
+      if (tile.row * level_.matrix.stride_px + level_.matrix.tile_size_px > row_px) return;
+      ++written_;
+      auto found = pending_.extract({tile.row, tile.column});
+      if (found.empty()) continue;
+      found.mapped().tile_id = tile.tile_id;
+      found.mapped().level = tile.level;
+      descriptors_ += static_cast<std::int64_t>(found.mapped().features.size());
+      writer_.add_descriptors(found.mapped());
+    }
+  }
+
+  MapWriter& writer_;
+  const PlanLevel& level_;
+  std::vector<const PlanTile*> tiles_;  // ascending tile_id: by row, then column
+  FeatureOptions features_;
+  TileOwner owner_;
+  CrsTransform transform_;
+  std::optional<Elevation> elevation_;
+  GraySource source_;
+  std::map<std::pair<std::int64_t, std::int64_t>, TileDescriptors> pending_;  // by (row, column)
+  std::size_t written_ = 0;
+  std::int64_t descriptors_ = 0;
+};
+
+// The route and its legs as layers. A leg that the selection does not speak of has no status.
+void write_route(MapWriter& writer, const TilePlan& plan, const Selection& selection) {
+  std::vector<MapLine> legs;
+  MapLine route;
+  for (std::size_t i = 0; i < plan.route.legs.size(); ++i) {
+    MapLine leg;
+    leg.id = static_cast<std::int64_t>(i);
+    for (const PlanSample& sample : plan.route_samples) {
+      if (sample.leg == static_cast<int>(i)) leg.points.push_back(sample.point);
+    }
+    route.points.insert(route.points.end(), leg.points.begin(), leg.points.end());
+    const LegStatus status = i < selection.legs.size() ? selection.legs[i] : LegStatus{};
+    leg.values = {plan.route.legs[i].length_m, status.matchable_fraction, status.max_error_m,
+                  static_cast<std::int64_t>(status.within_limit ? 1 : 0)};
+    legs.push_back(std::move(leg));
+  }
+  route.values = {plan.route.name, route_length_m(plan.route)};
+  writer.write_route({{"name", MapColumnType::kText, "Name of the route file"},
+                      {"length_m", MapColumnType::kReal, "Length of all legs [m]"}},
+                     {route});
+  writer.write_legs({{"length_m", MapColumnType::kReal, "Length [m]"},
+                     {"matchable_fraction", MapColumnType::kReal, "Share of the length over matching areas"},
+                     {"max_error_m", MapColumnType::kReal, "Largest predicted position error, k sigma [m]"},
+                     {"within_limit", MapColumnType::kInteger, "1 when the error stays within its limit"}},
+                    legs);
+}
+
+void write_info(MapWriter& writer, const TilePlan& plan, const Selection& selection, const BuildOptions& options,
+                const std::vector<MapProvenance>& provenance) {
+  for (const auto& [key, value] : camera_to_text(plan.camera)) writer.add_info("camera." + key, value);
+  BuildOptions described = options;
+  for (const OptionField& field : list_options(described).fields) {
+    writer.add_info("features." + field.path, option_to_text(field.get()));
+  }
+  writer.add_info("max_error_m", format_number(selection.max_error_m));
+  writer.add_info("sigma_multiple", format_number(selection.sigma_multiple));
+  writer.add_info("max_scale_distortion", format_number(plan.max_scale_distortion));
+  for (const auto& [key, value] : provenance) writer.add_info(key, value);
+}
+
+}  // namespace
+
+StoredSize stored_size(const BuildOptions& options) {
+  constexpr double kKeypointBytes = 16;   // schemas/pilotage_descriptors.md, rounded up
+  constexpr double kPageBytes = 4096;     // the last page of a blob is half empty on average, full at worst
+  constexpr double kTileRowBytes = 1200;  // geometry, scores, R-tree entry
+  constexpr double kEmptyMapBytes = 262144;
+  constexpr double kFullPages = 1.02;  // page headers and overflow pointers
+  const double bytes_per_feature = kKeypointBytes + options.features.descriptor_bits / 8.0;
+  return {options.features.features_per_mpx * 1e-6 * bytes_per_feature * kFullPages, kPageBytes + kTileRowBytes,
+          kEmptyMapBytes};
+}
+
+BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
+                     const Selection& selection, const std::vector<MapProvenance>& provenance,
+                     const BuildOptions& options, bool overwrite, int threads, const Progress& progress) {
+  check_options(options);
+  check_feature_options(options.features);
+  const auto selected = selected_tiles(plan, scores, selection);
+
+  MapWriter writer(path, make_header(plan), overwrite);
+  write_tiles(writer, plan, selected);
+  BuildStats stats;
+  stats.tiles = static_cast<std::int64_t>(selected.size());
+  for (const PlanLevel& level : plan.levels) {
+    std::vector<const PlanTile*> tiles;
+    for (const SelectedTile& entry : selected) {
+      if (entry.tile->level == level.matrix.level) tiles.push_back(entry.tile);
+    }
+    if (tiles.empty()) continue;
+    stats.descriptors += LevelBuilder(writer, plan, level, std::move(tiles), options.features).build(threads, progress);
+  }
+  write_route(writer, plan, selection);
+  write_info(writer, plan, selection, options, provenance);
+  stats.content_digest = writer.finish();
+  stats.bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
+  return stats;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/stored_size.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/tile_scores.h"
+#include "pilotage/vision/features.h"
+
+namespace pilotage {
+
+/// What is stored for each matching area.
+struct BuildOptions {
+  FeatureOptions features;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    FeatureOptions::describe(self.features, fields);
+  }
+};
+
+/// A line for map_info: what the map was made from.
+struct MapProvenance {
+  std::string key;
+  std::string value;
+};
+
+struct BuildStats {
+  std::int64_t tiles = 0;
+  std::int64_t descriptors = 0;
+  std::int64_t bytes = 0;      ///< Of the file.
+  std::string content_digest;  ///< 64 hex digits.
+};
+
+/// The most that the map database can take with these options.
+StoredSize stored_size(const BuildOptions& options);
+
+/// Writes the onboard map database (schemas/map-database.md) of the selected tiles.
+///
+/// Scored tiles overlap, stored ground does not: each feature belongs to the selected tile, among those it lies in,
+/// whose centre is nearest (the larger of both axis distances; the lower tile_id on a tie), so that every descriptor is
+/// stored once and the descriptors of a tile's footprint are found in the tiles that overlap it. Imagery streams in
+/// strips; features of a piece of ground do not depend on the selection. The layer `tiles` has one row per selected
+/// tile with every score.
+///
+/// The file appears complete or not at all. The same input gives the same bytes for any number of threads. Throws
+/// UsageError for options out of range, DataError when the selection or the scores are not of this plan, or when
+/// reading or writing fails; Interrupted.
+BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
+                     const Selection& selection, const std::vector<MapProvenance>& provenance,
+                     const BuildOptions& options, bool overwrite, int threads = 0, const Progress& progress = {});
+
+}  // namespace pilotage

@@ -1,0 +1,147 @@
+#include "pilotage/camera/projection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pilotage {
+namespace {
+
+constexpr int kPointsPerSide = 32;  // a multiple of 2: the middle of each side is a point
+constexpr int kAnchorGrid = 33;
+
+double max_distance(const View& view) {
+  return view.agl_m * std::tan(view.max_off_nadir_deg * std::numbers::pi / 180);
+}
+
+/// The point of the image that shows ground and lies nearest to its middle, of a regular grid with the middle on it.
+std::optional<Eigen::Vector2d> ground_showing_pixel(const View& view) {
+  const Eigen::Vector2d size(view.lens.camera.width_px, view.lens.camera.height_px);
+  std::optional<Eigen::Vector2d> nearest;
+  double nearest_distance = std::numeric_limits<double>::infinity();
+  for (int row = 0; row < kAnchorGrid; ++row) {
+    for (int col = 0; col < kAnchorGrid; ++col) {
+      const Eigen::Vector2d pixel = size.cwiseProduct(Eigen::Vector2d(col, row)) / (kAnchorGrid - 1);
+      const double distance = (pixel - size / 2).norm();
+      if (distance < nearest_distance && ground_from_pixel(view, pixel)) {
+        nearest = pixel;
+        nearest_distance = distance;
+      }
+    }
+  }
+  return nearest;
+}
+
+/// The ground seen farthest along the segment from `anchor`, which shows ground, to `pixel`.
+Eigen::Vector2d last_ground_towards(const View& view, const Eigen::Vector2d& anchor, const Eigen::Vector2d& pixel) {
+  double seen = 0;
+  double unseen = 1;
+  Eigen::Vector2d ground = *ground_from_pixel(view, anchor);
+  for (int step = 0; step < 40; ++step) {
+    const double middle = (seen + unseen) / 2;
+    const auto point = ground_from_pixel(view, anchor + middle * (pixel - anchor));
+    (point ? seen : unseen) = middle;
+    if (point) ground = *point;
+  }
+  return ground;
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+double distance_to_segment(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (a + t * along - point).norm();
+}
+
+/// Area and centroid by the shoelace formula, relative to the first point so that small far polygons keep their digits.
+void measure(Footprint& footprint) {
+  const auto& polygon = footprint.polygon_m;
+  const Eigen::Vector2d origin = polygon.front();
+  double twice_area = 0;
+  Eigen::Vector2d moment(0, 0);
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d a = polygon[i] - origin;
+    const Eigen::Vector2d b = polygon[(i + 1) % polygon.size()] - origin;
+    twice_area += cross(a, b);
+    moment += cross(a, b) * (a + b);
+  }
+  footprint.area_m2 = std::abs(twice_area) / 2;
+  footprint.center_m = twice_area != 0 ? Eigen::Vector2d(origin + moment / (3 * twice_area)) : origin;
+  double radius = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    radius = std::min(radius, distance_to_segment(footprint.center_m, polygon[i], polygon[(i + 1) % polygon.size()]));
+  }
+  footprint.inscribed_radius_m = radius;
+  const auto middle = [&](int side) {
+    return polygon[static_cast<std::size_t>(side * kPointsPerSide + kPointsPerSide / 2)];
+  };
+  footprint.along_m = (middle(0) - middle(2)).norm();
+  footprint.across_m = (middle(1) - middle(3)).norm();
+}
+
+}  // namespace
+
+std::optional<View> make_view(const Camera& camera, const Attitude& attitude, double agl_m, double max_off_nadir_deg) {
+  if (!camera_problem(camera).empty()) return std::nullopt;
+  if (!std::isfinite(attitude.yaw_deg) || !std::isfinite(attitude.pitch_deg) || !std::isfinite(attitude.roll_deg)) {
+    return std::nullopt;
+  }
+  if (!(agl_m > 0 && agl_m <= 1e6)) return std::nullopt;
+  if (!(max_off_nadir_deg > 0 && max_off_nadir_deg < 89.9)) return std::nullopt;
+  return View{make_lens(camera), enu_from_camera(camera.mount, attitude), agl_m, max_off_nadir_deg};
+}
+
+std::optional<Eigen::Vector2d> ground_from_pixel(const View& view, const Eigen::Vector2d& pixel) {
+  const auto ray_camera = ray_from_pixel(view.lens, pixel);
+  if (!ray_camera) return std::nullopt;
+  const Eigen::Vector3d ray = view.enu_from_camera * *ray_camera;
+  if (!(ray.z() < 0)) return std::nullopt;
+  const Eigen::Vector2d ground = ray.head<2>() * (view.agl_m / -ray.z());
+  if (!(ground.norm() <= max_distance(view))) return std::nullopt;
+  return ground;
+}
+
+std::optional<Eigen::Vector2d> pixel_from_ground(const View& view, const Eigen::Vector2d& ground_m) {
+  if (!(ground_m.norm() <= max_distance(view))) return std::nullopt;
+  const Eigen::Vector3d ray(ground_m.x(), ground_m.y(), -view.agl_m);
+  return pixel_from_ray(view.lens, view.enu_from_camera.transpose() * ray);
+}
+
+Footprint footprint(const View& view) {
+  Footprint footprint;
+  const auto anchor = ground_showing_pixel(view);
+  if (!anchor) return footprint;
+  const double width = view.lens.camera.width_px;
+  const double height = view.lens.camera.height_px;
+  const std::array<Eigen::Vector2d, 5> corners{Eigen::Vector2d(0, 0), Eigen::Vector2d(width, 0),
+                                               Eigen::Vector2d(width, height), Eigen::Vector2d(0, height),
+                                               Eigen::Vector2d(0, 0)};
+  for (std::size_t side = 0; side < 4; ++side) {
+    for (int step = 0; step < kPointsPerSide; ++step) {
+      const double t = static_cast<double>(step) / kPointsPerSide;
+      const Eigen::Vector2d pixel = corners[side] + t * (corners[side + 1] - corners[side]);
+      const auto ground = ground_from_pixel(view, pixel);
+      footprint.cut |= !ground;
+      footprint.polygon_m.push_back(ground ? *ground : last_ground_towards(view, *anchor, pixel));
+    }
+  }
+  measure(footprint);
+  return footprint;
+}
+
+Footprint footprint(const Camera& camera, const Attitude& attitude, double agl_m) {
+  const auto view = make_view(camera, attitude, agl_m);
+  return view ? footprint(*view) : Footprint{};
+}
+
+GroundSampleDistance gsd_m(const Camera& camera, double agl_m) {
+  return {agl_m / camera.fx_px, agl_m / camera.fy_px};
+}
+
+}  // namespace pilotage

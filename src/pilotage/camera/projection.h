@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pilotage/camera/attitude.h"
+#include "pilotage/camera/camera.h"
+#include "pilotage/camera/lens.h"
+
+namespace pilotage {
+
+/// A camera in the air over flat ground. Ground points are (east, north) in metres from the point straight below the
+/// camera.
+struct View {
+  Lens lens;
+  Eigen::Matrix3d enu_from_camera;
+  double agl_m = 0;  ///< Height above the ground.
+  /// Ground farther than agl_m·tan(max_off_nadir_deg) from the point below is not seen: beyond it the horizon begins.
+  double max_off_nadir_deg = 80;
+};
+
+/// Nothing when the attitude is not finite, when `agl_m` is not in (0, 1e6], or when the camera has a problem. Never
+/// throws.
+std::optional<View> make_view(const Camera& camera, const Attitude& attitude, double agl_m,
+                              double max_off_nadir_deg = 80);
+
+/// Where the ray of `pixel` meets the ground. Nothing when it points above View::max_off_nadir_deg or the pixel is
+/// outside the lens's domain; pixels outside the image are answered like others.
+std::optional<Eigen::Vector2d> ground_from_pixel(const View& view, const Eigen::Vector2d& pixel);
+
+/// Where a point of the ground appears. Nothing when it lies behind the camera, beyond max_off_nadir_deg or outside the
+/// lens's domain; the pixel may lie outside the image.
+std::optional<Eigen::Vector2d> pixel_from_ground(const View& view, const Eigen::Vector2d& ground_m);
+
+/// The ground that a frame shows.
+struct Footprint {
+  /// Outline (east, north), from the frame's top left corner clockwise around the image; several points a side, so that
+  /// distortion is followed. Empty when no ground is seen.
+  std::vector<Eigen::Vector2d> polygon_m;
+  double area_m2 = 0;
+  Eigen::Vector2d center_m{0, 0};  ///< Centroid of the polygon.
+  double across_m =
+      0;  ///< Mean ground length of the outline's left-right extent: between the middles of its left and right side.
+  double along_m = 0;             ///< The same between the middles of its top and bottom side.
+  double inscribed_radius_m = 0;  ///< Largest circle around center_m inside the outline.
+  bool cut = false;  ///< Part of the frame shows no ground (horizon or edge of the lens); the outline is cut there.
+};
+
+/// `footprint` of a view; an empty polygon when nothing is seen.
+Footprint footprint(const View& view);
+
+/// The same; empty for any camera, attitude or height from which no view can be made. Never throws.
+Footprint footprint(const Camera& camera, const Attitude& attitude, double agl_m);
+
+/// Ground length of one pixel at the principal point, looking straight down.
+struct GroundSampleDistance {
+  double across_m = 0;
+  double along_m = 0;
+};
+GroundSampleDistance gsd_m(const Camera& camera, double agl_m);
+
+}  // namespace pilotage

@@ -1,0 +1,114 @@
+#include "pilotage/ins/ins_error_model.h"
+
+#include <numbers>
+
+#include "pilotage/base/error.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kHour_s = 3600;
+constexpr double kRootHour = 60;  // √3600 s
+constexpr double kStandardGravity_mps2 = 9.80665;
+
+/// Figures of a grade in datasheet units, one standard deviation of one axis.
+struct GradeFigures {
+  double accel_bias_mg;
+  double gyro_bias_deg_h;
+  double velocity_random_walk_mps_rt_h;
+  double angle_random_walk_deg_rt_h;
+  double accel_scale_ppm;
+  double gyro_scale_ppm;
+  double bias_correlation_s;
+  double start_velocity_sigma_mps;
+  double start_tilt_sigma_deg;
+  double start_heading_sigma_deg;
+  double odometry_drift_percent;
+};
+
+// docs/methods/ins.md says for each number whether it is published, converted or representative.
+GradeFigures grade_figures(InsGrade grade) {
+  switch (grade) {
+    case InsGrade::kConsumer:
+      return {3, 50, 0.1353, 0.9, 5000, 5000, 1000, 0.3, 1.0, 3.0, 0};
+    case InsGrade::kIndustrial:
+      return {0.5, 15, 0.037, 0.34, 1000, 1000, 1000, 0.1, 0.3, 1.0, 0};
+    case InsGrade::kTactical:
+      return {0.75, 5, 0.06, 0.15, 300, 500, 1000, 0.05, 0.05, 0.3, 0};
+    case InsGrade::kNavigation:
+      return {0.025, 0.0035, 0.003, 0.002, 100, 5, 3600, 0.03, 0.0025, 0.02, 0};
+    case InsGrade::kVisualOdometry:
+      return {0, 15, 0, 0.34, 0, 1000, 1000, 0, 0.3, 1.0, 1.0};
+    case InsGrade::kCustom:
+      return {};
+  }
+  return {};
+}
+
+}  // namespace
+
+InsErrorModel make_ins_error_model(const InsOptions& options) {
+  check_options(options);
+  const GradeFigures grade = grade_figures(options.grade);
+  InsErrorModel model;
+  model.accel_bias_mps2 = options.accel_bias_mg.value_or(grade.accel_bias_mg) * 1e-3 * kStandardGravity_mps2;
+  model.gyro_bias_radps = options.gyro_bias_deg_h.value_or(grade.gyro_bias_deg_h) * kDegree / kHour_s;
+  model.velocity_random_walk_mps_rt_s =
+      options.velocity_random_walk_mps_rt_h.value_or(grade.velocity_random_walk_mps_rt_h) / kRootHour;
+  model.angle_random_walk_rad_rt_s =
+      options.angle_random_walk_deg_rt_h.value_or(grade.angle_random_walk_deg_rt_h) * kDegree / kRootHour;
+  model.accel_scale = options.accel_scale_ppm.value_or(grade.accel_scale_ppm) * 1e-6;
+  model.gyro_scale = options.gyro_scale_ppm.value_or(grade.gyro_scale_ppm) * 1e-6;
+  model.bias_correlation_s = options.bias_correlation_s.value_or(grade.bias_correlation_s);
+  model.start_velocity_sigma_mps = options.start_velocity_sigma_mps.value_or(grade.start_velocity_sigma_mps);
+  model.start_tilt_sigma_rad = options.start_tilt_sigma_deg.value_or(grade.start_tilt_sigma_deg) * kDegree;
+  model.start_heading_sigma_rad = options.start_heading_sigma_deg.value_or(grade.start_heading_sigma_deg) * kDegree;
+  model.odometry_drift = options.odometry_drift_percent.value_or(grade.odometry_drift_percent) * 1e-2;
+  model.velocity_aid_sigma_mps = options.velocity_aid_sigma_mps.value_or(0);
+  model.velocity_aid_correlation_s = options.velocity_aid_correlation_s;
+  model.start_sigma_m = options.start_sigma_m;
+  model.fix_sigma_m = options.fix_sigma_m;
+  model.sigma_multiple = options.sigma_multiple;
+  if (options.bias_correlation_s && *options.bias_correlation_s > 0 && *options.bias_correlation_s < 1) {
+    throw UsageError("bias_correlation_s is below 1; a bias that wanders this fast is noise: give it as random walk");
+  }
+  const bool grows = model.accel_bias_mps2 > 0 || model.gyro_bias_radps > 0 ||
+                     model.velocity_random_walk_mps_rt_s > 0 || model.angle_random_walk_rad_rt_s > 0 ||
+                     model.start_velocity_sigma_mps > 0 || model.start_tilt_sigma_rad > 0 || model.odometry_drift > 0;
+  if (!grows) {
+    throw UsageError(
+        "grade = custom needs figures that make the error grow: accel_bias_mg, gyro_bias_deg_h, "
+        "velocity_random_walk_mps_rt_h, angle_random_walk_deg_rt_h, start_velocity_sigma_mps, "
+        "start_tilt_sigma_deg or odometry_drift_percent");
+  }
+  return model;
+}
+
+std::string ins_grade_source(InsGrade grade) {
+  switch (grade) {
+    case InsGrade::kConsumer:
+      return "TDK InvenSense ICM-20948 (DS-000189): noise densities as published; biases after calibration and "
+             "alignment "
+             "representative";
+    case InsGrade::kIndustrial:
+      return "Analog Devices ADIS16470: random walks as published (typical); biases representative, above the "
+             "published "
+             "in-run stability";
+    case InsGrade::kTactical:
+      return "Sensonor STIM300 (10 g): random walks, scale errors and accelerometer bias repeatability as published; "
+             "gyro bias "
+             "over temperature as published; alignment representative";
+    case InsGrade::kNavigation:
+      return "Honeywell HG9900: biases, angle random walk and scale errors as published; velocity random walk and "
+             "alignment "
+             "representative";
+    case InsGrade::kVisualOdometry:
+      return "Visual odometry of 1 % of the distance, representative; heading of an industrial gyro (ADIS16470)";
+    case InsGrade::kCustom:
+      return "figures given by the user";
+  }
+  return "";
+}
+
+}  // namespace pilotage

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "pilotage/ins/ins_options.h"
+
+namespace pilotage {
+
+/// The figures of InsOptions in SI units, grade resolved. Each is one standard deviation of one axis.
+struct InsErrorModel {
+  double accel_bias_mps2 = 0;
+  double gyro_bias_radps = 0;
+  double velocity_random_walk_mps_rt_s = 0;  ///< √ of the spectral density: σ of velocity after 1 s.
+  double angle_random_walk_rad_rt_s = 0;     ///< σ of an angle after 1 s.
+  double accel_scale = 0;                    ///< Fraction of the acceleration in manoeuvres.
+  double gyro_scale = 0;                     ///< Fraction of the angle turned.
+  double bias_correlation_s = 0;             ///< 0: constant biases.
+  double start_velocity_sigma_mps = 0;
+  double start_tilt_sigma_rad = 0;
+  double start_heading_sigma_rad = 0;
+  double odometry_drift = 0;          ///< Radial rms error per distance flown; above 0 the model is visual odometry.
+  double velocity_aid_sigma_mps = 0;  ///< 0: no aiding velocity.
+  double velocity_aid_correlation_s = 300;
+  double start_sigma_m = 3;
+  double fix_sigma_m = 2;
+  double sigma_multiple = 3;
+
+  bool is_odometry() const { return odometry_drift > 0; }
+};
+
+/// Grade and given figures to one model. Throws UsageError when a figure is outside its range, or when grade `custom`
+/// comes with no figure that makes an error grow.
+InsErrorModel make_ins_error_model(const InsOptions& options);
+
+/// Where the figures of a grade come from, for reports: product, datasheet, and what of it is representative only.
+std::string ins_grade_source(InsGrade grade);
+
+}  // namespace pilotage

@@ -1,0 +1,249 @@
+#include "pilotage/ins/ins_state.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kGravity_mps2 = 9.80665;
+constexpr double kEarthRadius_m = 6371000;
+/// Longest step of the series below, in seconds and in correlation times; the terms left out are then below 1e-9 of the
+/// result.
+constexpr double kMaxStep_s = 10;
+constexpr double kMaxStepOfCorrelation = 0.1;
+/// Longest step between two uses of the aiding velocity, and its noise beside the slow error.
+constexpr double kAidStep_s = 0.5;
+constexpr double kAidNoise_mps_rt_hz = 0.1;
+
+constexpr int kPosition = 0;
+constexpr int kVelocity = 2;
+constexpr int kTilt = 4;
+constexpr int kHeading = 6;
+constexpr int kAccelBias = 7;
+constexpr int kGyroBias = 9;
+constexpr int kGyroBiasZ = 11;
+constexpr int kAccelScale = 12;
+constexpr int kGyroScale = 13;
+constexpr int kAid = 14;
+
+using Matrix = InsState::Covariance;
+
+/// Columns: forward and right of a heading, in east-north.
+Eigen::Matrix2d enu_from_body(double heading_deg) {
+  const double s = std::sin(heading_deg * kDegree);
+  const double c = std::cos(heading_deg * kDegree);
+  return (Eigen::Matrix2d() << s, c, c, -s).finished();
+}
+
+/// d(error)/dt = F · error for constant heading and speed.
+Matrix system_matrix(const InsErrorModel& model, double heading_deg, double speed_mps) {
+  const Eigen::Matrix2d rotation = enu_from_body(heading_deg);
+  const double decay = model.bias_correlation_s > 0 ? -1 / model.bias_correlation_s : 0;
+  Matrix f = Matrix::Zero();
+  if (model.is_odometry()) {
+    // The odometer's velocity is off by a fraction along and across the track, and turned by the heading error.
+    f.block<2, 2>(kPosition, kAid) = speed_mps * rotation;
+    f.block<2, 1>(kPosition, kHeading) = speed_mps * rotation.col(1);
+  } else {
+    f.block<2, 2>(kPosition, kVelocity).setIdentity();
+    f.block<2, 2>(kVelocity, kTilt) = kGravity_mps2 * Eigen::Matrix2d::Identity();
+    f.block<2, 2>(kVelocity, kAccelBias) = rotation;
+    f.block<2, 2>(kTilt, kVelocity) = -Eigen::Matrix2d::Identity() / kEarthRadius_m;  // Schuler feedback
+    if (model.velocity_aid_sigma_mps > 0) {
+      f.block<2, 2>(kAid, kAid).diagonal().setConstant(-1 / model.velocity_aid_correlation_s);
+    }
+  }
+  f.block<2, 2>(kTilt, kGyroBias) = rotation;
+  f(kHeading, kGyroBiasZ) = 1;
+  for (int i = kAccelBias; i <= kGyroBiasZ; ++i) f(i, i) = decay;
+  return f;
+}
+
+/// Spectral densities of the white noise that drives each state.
+Matrix noise_density(const InsErrorModel& model) {
+  const auto square = [](double x) { return x * x; };
+  Matrix q = Matrix::Zero();
+  if (!model.is_odometry()) {
+    q.block<2, 2>(kVelocity, kVelocity).diagonal().setConstant(square(model.velocity_random_walk_mps_rt_s));
+    q.block<2, 2>(kAid, kAid)
+        .diagonal()
+        .setConstant(2 * square(model.velocity_aid_sigma_mps) / model.velocity_aid_correlation_s);
+  }
+  for (int i = kTilt; i <= kHeading; ++i) q(i, i) = square(model.angle_random_walk_rad_rt_s);
+  if (model.bias_correlation_s > 0) {
+    // A first-order Gauss-Markov process that starts, and stays, at its standard deviation.
+    for (int i = kAccelBias; i < kGyroBias; ++i) q(i, i) = 2 * square(model.accel_bias_mps2) / model.bias_correlation_s;
+    for (int i = kGyroBias; i <= kGyroBiasZ; ++i)
+      q(i, i) = 2 * square(model.gyro_bias_radps) / model.bias_correlation_s;
+  }
+  return q;
+}
+
+/// exp(F t) by its series. The chains bias → tilt → velocity → position end after four factors; what remains are the
+/// Schuler loop (ω t ≤ 0.013) and the decay of the biases, both small for t ≤ kMaxStep_s.
+class Transition {
+ public:
+  explicit Transition(const Matrix& f) {
+    powers_[0] = f;
+    for (std::size_t k = 1; k < powers_.size(); ++k) powers_[k].noalias() = powers_[k - 1] * f;
+  }
+
+  Matrix at(double t_s) const {
+    Matrix phi = Matrix::Identity();
+    double factor = 1;
+    for (std::size_t k = 0; k < powers_.size(); ++k) {
+      factor *= t_s / static_cast<double>(k + 1);
+      phi += factor * powers_[k];
+    }
+    return phi;
+  }
+
+ private:
+  std::array<Matrix, 8> powers_;
+};
+
+/// ∫ Φ(s) Q Φ(s)ᵀ ds from 0 to dt by Gauss-Legendre with four nodes: exact for polynomials of degree 7, and the longest
+/// chain of the noise (bias → tilt → velocity → position) has degree 6.
+Matrix step_noise(const Transition& transition, const Matrix& q, double dt_s) {
+  constexpr std::array<double, 4> kNodes = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281,
+                                            0.9305681557970263};
+  constexpr std::array<double, 4> kWeights = {0.17392742256872692, 0.3260725774312731, 0.3260725774312731,
+                                              0.17392742256872692};
+  Matrix sum = Matrix::Zero();
+  for (std::size_t i = 0; i < kNodes.size(); ++i) {
+    const Matrix partial = transition.at(kNodes[i] * dt_s);
+    sum += (kWeights[i] * dt_s) * (partial * q * partial.transpose());
+  }
+  return sum;
+}
+
+/// The longest step for which the series holds.
+double longest_step_s(const InsErrorModel& model, bool aided) {
+  double step_s = aided ? kAidStep_s : kMaxStep_s;
+  if (model.bias_correlation_s > 0) step_s = std::min(step_s, kMaxStepOfCorrelation * model.bias_correlation_s);
+  if (aided) step_s = std::min(step_s, kMaxStepOfCorrelation * model.velocity_aid_correlation_s);
+  return step_s;
+}
+
+/// Kalman update in Joseph form: `h` picks two states' combination, each with measurement variance `variance`.
+void update(Matrix& covariance, const Eigen::Matrix<double, 2, InsState::kSize>& h, double variance) {
+  const Eigen::Matrix<double, InsState::kSize, 2> ph = covariance * h.transpose();
+  const Eigen::Matrix2d innovation = h * ph + variance * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix<double, InsState::kSize, 2> gain = innovation.ldlt().solve(ph.transpose()).transpose();
+  const Matrix keep = Matrix::Identity() - gain * h;
+  const Matrix next = keep * covariance * keep.transpose() + variance * gain * gain.transpose();
+  covariance = 0.5 * (next + next.transpose());
+}
+
+/// A change of heading and speed at one instant: what a turn and an acceleration do to the errors.
+void manoeuvre(InsState& state, double heading_deg, double speed_mps, const InsErrorModel& model) {
+  const double turn_rad = std::remainder(heading_deg - state.heading_deg, 360.0) * kDegree;
+  if (turn_rad == 0 && speed_mps == state.speed_mps) return;
+  Matrix jump = Matrix::Identity();
+  jump(kHeading, kGyroScale) = turn_rad;
+  if (!model.is_odometry()) {
+    const Eigen::Vector2d change_mps =
+        enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(state.heading_deg).col(0) * state.speed_mps;
+    jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
+    // The acceleration is resolved along axes turned clockwise by the heading error (half of the turn's own share).
+    const Eigen::Vector2d turned(change_mps.y(), -change_mps.x());
+    jump.block<2, 1>(kVelocity, kHeading) = turned;
+    jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
+  }
+  state.covariance = (jump * state.covariance * jump.transpose()).eval();
+  state.heading_deg = heading_deg;
+  state.speed_mps = speed_mps;
+}
+
+double largest_variance(const Eigen::Matrix2d& covariance) {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  return mean + std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+}
+
+}  // namespace
+
+InsState initial_ins_state(const InsErrorModel& model, double heading_deg, double speed_mps) {
+  const auto square = [](double x) { return x * x; };
+  InsState state;
+  state.heading_deg = heading_deg;
+  state.speed_mps = speed_mps;
+  Matrix& p = state.covariance;
+  p.block<2, 2>(kPosition, kPosition).diagonal().setConstant(square(model.start_sigma_m));
+  p.block<2, 2>(kTilt, kTilt).diagonal().setConstant(square(model.start_tilt_sigma_rad));
+  p(kHeading, kHeading) = square(model.start_heading_sigma_rad);
+  p.block<3, 3>(kGyroBias, kGyroBias).diagonal().setConstant(square(model.gyro_bias_radps));
+  p(kGyroScale, kGyroScale) = square(model.gyro_scale);
+  if (model.is_odometry()) {
+    // Radial rms = drift: each of the two axes takes half of the variance.
+    p.block<2, 2>(kAid, kAid).diagonal().setConstant(square(model.odometry_drift) / 2);
+    return state;
+  }
+  p.block<2, 2>(kVelocity, kVelocity).diagonal().setConstant(square(model.start_velocity_sigma_mps));
+  p.block<2, 2>(kAccelBias, kAccelBias).diagonal().setConstant(square(model.accel_bias_mps2));
+  p(kAccelScale, kAccelScale) = square(model.accel_scale);
+  p.block<2, 2>(kAid, kAid).diagonal().setConstant(square(model.velocity_aid_sigma_mps));
+  return state;
+}
+
+InsState propagate(const InsState& state, double dt_s, double heading_deg, double speed_mps,
+                   const InsErrorModel& model) {
+  if (!(dt_s >= 0 && dt_s <= 1e6)) throw UsageError("dt_s = " + format_number(dt_s) + " is outside [0, 1e6]");
+  if (!(speed_mps >= 0 && speed_mps <= 1e4)) {
+    throw UsageError("speed_mps = " + format_number(speed_mps) + " is outside [0, 1e4]");
+  }
+  if (!std::isfinite(heading_deg)) throw UsageError("heading_deg is not finite");
+  InsState next = state;
+  manoeuvre(next, heading_deg, speed_mps, model);
+  if (dt_s == 0) return next;
+  const bool aided = !model.is_odometry() && model.velocity_aid_sigma_mps > 0;
+  const double count = std::ceil(dt_s / longest_step_s(model, aided));
+  const double step_s = dt_s / count;
+  const Transition transition(system_matrix(model, heading_deg, speed_mps));
+  const Matrix phi = transition.at(step_s);
+  const Matrix noise = step_noise(transition, noise_density(model), step_s);
+  Eigen::Matrix<double, 2, InsState::kSize> aid = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
+  aid.block<2, 2>(0, kVelocity).setIdentity();
+  aid.block<2, 2>(0, kAid) = -Eigen::Matrix2d::Identity();
+  for (double i = 0; i < count; ++i) {
+    const Matrix grown = phi * next.covariance * phi.transpose() + noise;
+    next.covariance = 0.5 * (grown + grown.transpose());
+    if (aided) update(next.covariance, aid, kAidNoise_mps_rt_hz * kAidNoise_mps_rt_hz / step_s);
+  }
+  next.time_s += dt_s;
+  return next;
+}
+
+InsState update_with_fix(const InsState& state, double fix_sigma_m) {
+  if (!(fix_sigma_m > 0) || !std::isfinite(fix_sigma_m)) {
+    throw UsageError("fix_sigma_m = " + format_number(fix_sigma_m) + " is not a positive length");
+  }
+  InsState next = state;
+  Eigen::Matrix<double, 2, InsState::kSize> h = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
+  h.block<2, 2>(0, kPosition).setIdentity();
+  update(next.covariance, h, fix_sigma_m * fix_sigma_m);
+  return next;
+}
+
+double position_error_m(const InsState& state, double sigma_multiple) {
+  return sigma_multiple * std::sqrt(largest_variance(state.covariance.block<2, 2>(kPosition, kPosition)));
+}
+
+double position_drms_m(const InsState& state) {
+  return std::sqrt(state.covariance(0, 0) + state.covariance(1, 1));
+}
+
+AttitudeError attitude_error(const InsState& state, double sigma_multiple) {
+  return {sigma_multiple * std::sqrt(largest_variance(state.covariance.block<2, 2>(kTilt, kTilt))),
+          sigma_multiple * std::sqrt(state.covariance(kHeading, kHeading))};
+}
+
+}  // namespace pilotage

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pilotage/ins/ins_error_model.h"
+
+namespace pilotage {
+
+/// Covariance of the horizontal errors of an inertial system, in an east-north frame that moves with the aircraft (its
+/// rotation over a leg is neglected). Order of the error states:
+///   0–1   position east, north (m)
+///   2–3   velocity east, north (m/s)
+///   4–5   tilt (rad): the lean of the computed vertical towards east and north, so that d(velocity)/dt = g·tilt
+///   6     heading (rad, clockwise)
+///   7–8   accelerometer bias forward, right (m/s²)
+///   9–10  gyro bias that tilts forward, right (rad/s)
+///   11    gyro bias about the vertical, clockwise (rad/s)
+///   12    accelerometer scale error, 13 gyro scale error (fractions)
+///   14–15 error of the aiding velocity east, north (m/s), or with visual odometry the drift along and across the track
+///   as
+///         fractions of the distance
+/// Method: linear error-state propagation, docs/methods/ins.md; the equations are the horizontal channels of the
+/// ψ-angle error model (D. Titterton, J. Weston, Strapdown Inertial Navigation Technology, 2nd ed., 2004, ch. 12; P.
+/// Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013, ch. 14).
+struct InsState {
+  static constexpr int kSize = 16;
+  using Covariance = Eigen::Matrix<double, kSize, kSize>;
+
+  Covariance covariance = Covariance::Zero();
+  double heading_deg = 0;  ///< Direction of flight, clockwise from north, at the end of the last step.
+  double speed_mps = 0;    ///< At the end of the last step.
+  double time_s = 0;
+};
+
+/// The state when GNSS is lost (position error start_sigma_m), flying in direction `heading_deg` at `speed_mps`. Errors
+/// are uncorrelated, which for tilt and accelerometer bias is cautious: an alignment in flight leaves them partly
+/// cancelled.
+InsState initial_ins_state(const InsErrorModel& model, double heading_deg, double speed_mps);
+
+/// The state `dt_s` seconds later, flown at `heading_deg` and `speed_mps`; a change of either happens at the start of
+/// the step (the shorter way round). Exact in dt for constant heading and speed but for terms below 1e-9 of the result;
+/// with an aiding velocity, steps are split so that the fusion is settled (below 1 s). Throws UsageError unless dt_s is
+/// in [0, 1e6], the speed in [0, 1e4] and all are finite.
+InsState propagate(const InsState& state, double dt_s, double heading_deg, double speed_mps,
+                   const InsErrorModel& model);
+
+/// Kalman update with a position fix of error `fix_sigma_m` on each axis (Joseph form). Each fix bounds the position
+/// error, and several also bound velocity, tilt and biases. Throws UsageError unless fix_sigma_m is positive and
+/// finite.
+InsState update_with_fix(const InsState& state, double fix_sigma_m);
+
+/// k times the standard deviation of position along the worst direction (largest axis of the error ellipse): a circle
+/// of this radius holds the error with 98.9 % (round ellipse) to 99.7 % (thin one) for k = 3.
+double position_error_m(const InsState& state, double sigma_multiple);
+
+/// √(σ_east² + σ_north²), for comparison with data that state radial errors.
+double position_drms_m(const InsState& state);
+
+/// k times the standard deviations of attitude.
+struct AttitudeError {
+  double tilt_rad = 0;  ///< Of the vertical, along the worst direction.
+  double heading_rad = 0;
+};
+AttitudeError attitude_error(const InsState& state, double sigma_multiple);
+
+}  // namespace pilotage

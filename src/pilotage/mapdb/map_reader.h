@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pilotage/mapdb/map_types.h"
+#include "pilotage/mapdb/sqlite.h"
+
+namespace pilotage {
+
+/// What a map says about itself.
+struct MapInfo {
+  int schema_version = 0;
+  MapCrs crs;
+  std::vector<MapInfoEntry> entries;  ///< In the order they were written.
+
+  /// The value of a key, or nothing.
+  std::optional<std::string> find(std::string_view key) const;
+};
+
+/// Reads an onboard map database (schemas/map-database.md) in flight: SQLite only, read-only, no locks, no writes
+/// beside the file. Safe on any bytes: whatever the file holds, a function returns a value or throws DataError that
+/// names file, table and tile. It does not compute digests: check the file with verify_map and verify_signature before
+/// the flight.
+///
+/// One reader serves one thread at a time; several readers may open the same file. The file must not change while it is
+/// open.
+class MapReader {
+ public:
+  /// Opens and checks the file: size, format, version, tables, levels. Throws DataError.
+  explicit MapReader(const std::filesystem::path& path);
+
+  const MapInfo& info() const { return info_; }
+  const std::vector<MapLevel>& levels() const { return levels_; }  ///< Ascending by level.
+  const MapLevel* find_level(int level) const;                     ///< Or nullptr.
+
+  /// Tiles (of one level, or of all) whose footprint comes within `radius_m` of a point on the ground, nearest first,
+  /// ties by tile_id. Needs no projection library. Right to the linearisation of MapTile::enu_from_grid: millimetres at
+  /// 1 km. Works across the antimeridian and at the poles. Throws UsageError unless the point is on Earth and radius_m
+  /// in [0, 100000].
+  std::vector<NearTile> tiles_near(GeodeticPoint point, double radius_m, std::optional<int> level = {});
+
+  /// The same with a point in the grid CRS, and distances in the grid; `radius_m` may be any finite number ≥ 0.
+  std::vector<NearTile> tiles_near(const Eigen::Vector2d& point_m, double radius_m, std::optional<int> level = {});
+
+  /// The tile, or nothing when the map has none of that number.
+  std::optional<MapTile> tile(std::int64_t tile_id);
+
+  /// All tiles by ascending tile_id (of one level, or of all).
+  std::vector<MapTile> tiles(std::optional<int> level = {});
+
+  /// The columns that stages added to the layer tiles (scores, status), and their values for one tile in the same
+  /// order; nothing when the map has no such tile.
+  const std::vector<MapColumn>& tile_columns() const { return tile_columns_; }
+  std::optional<std::vector<MapValue>> tile_values(std::int64_t tile_id);
+
+  /// Nothing when the tile has no descriptors at that level.
+  std::optional<TileDescriptors> descriptors(std::int64_t tile_id, int level);
+
+  /// Whether the map has a table of chips, and the chip of a tile, or nothing.
+  bool has_chips() const { return has_chips_; }
+  std::optional<MapChip> chip(std::int64_t tile_id, int level);
+
+ private:
+  static void check_header(const std::filesystem::path& path);
+  void check_tables();
+  void read_info();
+  void read_levels();
+  void read_tile_columns();
+
+  Database database_;
+  MapInfo info_;
+  std::vector<MapLevel> levels_;
+  std::vector<MapColumn> tile_columns_;
+  bool has_chips_ = false;
+  // Prepared when first needed: parsing costs more than reading a tile.
+  std::optional<Statement> near_geodetic_;
+  std::optional<Statement> near_grid_;
+  std::optional<Statement> tile_;
+  std::optional<Statement> tile_values_;
+  std::optional<Statement> descriptors_;
+  std::optional<Statement> chip_;
+};
+
+}  // namespace pilotage

@@ -1,0 +1,254 @@
+#include "pilotage/mapdb/map_schema.h"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+
+#include "pilotage/base/error.h"
+#include "pilotage/mapdb/map_tables.h"
+
+namespace pilotage {
+namespace {
+
+constexpr std::size_t kMaxColumns = 500;
+constexpr std::size_t kMaxNameLength = 60;
+
+std::string column_list(const std::vector<MapColumn>& columns) {
+  std::string sql;
+  for (const MapColumn& column : columns) sql += ", \"" + column.name + "\" " + sql_type(column.type);
+  return sql;
+}
+
+bool good_name(std::string_view name) {
+  const auto good = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  return !name.empty() && name.size() <= kMaxNameLength && !(name[0] >= '0' && name[0] <= '9') &&
+         std::all_of(name.begin(), name.end(), good);
+}
+
+bool reserved_name(std::string_view name) {
+  for (const char* reserved : {"fid", "geom", "rowid", "oid", "_rowid_", "ogc_fid"}) {
+    if (name == reserved) return true;
+  }
+  return std::find(kOwnTileColumns.begin(), kOwnTileColumns.end(), name) != kOwnTileColumns.end();
+}
+
+/// Length of the UTF-8 sequence at the start of `text` (RFC 3629), 0 when there is none.
+std::size_t utf8_sequence(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if (byte(i) < 0x80 || byte(i) > 0xBF) return 0;
+  }
+  // overlong forms, surrogates, beyond U+10FFFF
+  if ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F)) return 0;
+  if ((first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F)) return 0;
+  return length;
+}
+
+}  // namespace
+
+std::string create_geopackage_tables(bool with_wkt2) {
+  return std::string(R"sql(
+CREATE TABLE gpkg_spatial_ref_sys (
+  srs_name TEXT NOT NULL,
+  srs_id INTEGER NOT NULL PRIMARY KEY,
+  organization TEXT NOT NULL,
+  organization_coordsys_id INTEGER NOT NULL,
+  definition TEXT NOT NULL,
+  description TEXT)sql") +
+         (with_wkt2 ? ",\n  definition_12_063 TEXT NOT NULL);" : ");") + R"sql(
+CREATE TABLE gpkg_contents (
+  table_name TEXT NOT NULL PRIMARY KEY,
+  data_type TEXT NOT NULL,
+  identifier TEXT UNIQUE,
+  description TEXT DEFAULT '',
+  last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')),
+  min_x DOUBLE,
+  min_y DOUBLE,
+  max_x DOUBLE,
+  max_y DOUBLE,
+  srs_id INTEGER,
+  CONSTRAINT fk_gc_r_srs_id FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id));
+CREATE TABLE gpkg_geometry_columns (
+  table_name TEXT NOT NULL,
+  column_name TEXT NOT NULL,
+  geometry_type_name TEXT NOT NULL,
+  srs_id INTEGER NOT NULL,
+  z TINYINT NOT NULL,
+  m TINYINT NOT NULL,
+  CONSTRAINT pk_geom_cols PRIMARY KEY (table_name, column_name),
+  CONSTRAINT uk_gc_table_name UNIQUE (table_name),
+  CONSTRAINT fk_gc_tn FOREIGN KEY (table_name) REFERENCES gpkg_contents (table_name),
+  CONSTRAINT fk_gc_srs FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id));
+CREATE TABLE gpkg_extensions (
+  table_name TEXT,
+  column_name TEXT,
+  extension_name TEXT NOT NULL,
+  definition TEXT NOT NULL,
+  scope TEXT NOT NULL,
+  CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name));
+CREATE TABLE gpkg_data_columns (
+  table_name TEXT NOT NULL,
+  column_name TEXT NOT NULL,
+  name TEXT,
+  title TEXT,
+  description TEXT,
+  mime_type TEXT,
+  constraint_name TEXT,
+  CONSTRAINT pk_gdc PRIMARY KEY (table_name, column_name),
+  CONSTRAINT gdc_tn UNIQUE (table_name, name));
+CREATE TABLE gpkg_data_column_constraints (
+  constraint_name TEXT NOT NULL,
+  constraint_type TEXT NOT NULL,
+  value TEXT,
+  min NUMERIC,
+  min_is_inclusive BOOLEAN,
+  max NUMERIC,
+  max_is_inclusive BOOLEAN,
+  description TEXT,
+  CONSTRAINT gdcc_ntv UNIQUE (constraint_name, constraint_type, value));
+)sql";
+}
+
+std::string create_map_tables(const std::vector<MapColumn>& tile_columns, bool chips) {
+  std::string sql = R"sql(
+CREATE TABLE map_info (id INTEGER PRIMARY KEY NOT NULL, key TEXT NOT NULL UNIQUE, value TEXT NOT NULL);
+CREATE TABLE pilotage_levels (
+  level INTEGER PRIMARY KEY NOT NULL,
+  gsd_m REAL NOT NULL,
+  min_agl_m REAL,
+  max_agl_m REAL,
+  origin_x REAL NOT NULL,
+  x_per_col REAL NOT NULL,
+  x_per_row REAL NOT NULL,
+  origin_y REAL NOT NULL,
+  y_per_col REAL NOT NULL,
+  y_per_row REAL NOT NULL,
+  grid_width_px INTEGER NOT NULL,
+  grid_height_px INTEGER NOT NULL,
+  tile_size_px INTEGER NOT NULL,
+  stride_px INTEGER NOT NULL,
+  max_tile_radius_m REAL NOT NULL);
+CREATE TABLE tiles (
+  tile_id INTEGER PRIMARY KEY NOT NULL,
+  geom POLYGON NOT NULL,
+  level INTEGER NOT NULL,
+  "column" INTEGER NOT NULL,
+  "row" INTEGER NOT NULL,
+  min_x_m REAL NOT NULL,
+  min_y_m REAL NOT NULL,
+  max_x_m REAL NOT NULL,
+  max_y_m REAL NOT NULL,
+  center_lon_deg REAL NOT NULL,
+  center_lat_deg REAL NOT NULL,
+  east_per_x REAL NOT NULL,
+  east_per_y REAL NOT NULL,
+  north_per_x REAL NOT NULL,
+  north_per_y REAL NOT NULL)sql";
+  sql += column_list(tile_columns) + R"sql();
+CREATE VIRTUAL TABLE rtree_tiles_geom USING rtree(id, minx, maxx, miny, maxy);
+CREATE VIRTUAL TABLE pilotage_tile_centers USING rtree(tile_id, min_lon, max_lon, min_lat, max_lat);
+CREATE TABLE pilotage_descriptors (
+  id INTEGER PRIMARY KEY NOT NULL,
+  tile_id INTEGER NOT NULL,
+  level INTEGER NOT NULL,
+  window_col_px INTEGER NOT NULL,
+  window_row_px INTEGER NOT NULL,
+  window_width_px INTEGER NOT NULL,
+  window_height_px INTEGER NOT NULL,
+  count INTEGER NOT NULL,
+  descriptor_bytes INTEGER NOT NULL,
+  ground_base_m REAL,
+  digest BLOB NOT NULL,
+  keypoints BLOB NOT NULL,
+  descriptors BLOB NOT NULL,
+  UNIQUE (tile_id, level));
+)sql";
+  if (chips) {
+    sql += R"sql(
+CREATE TABLE pilotage_chips (
+  id INTEGER PRIMARY KEY NOT NULL,
+  tile_id INTEGER NOT NULL,
+  level INTEGER NOT NULL,
+  window_col_px INTEGER NOT NULL,
+  window_row_px INTEGER NOT NULL,
+  window_width_px INTEGER NOT NULL,
+  window_height_px INTEGER NOT NULL,
+  encoding TEXT NOT NULL,
+  digest BLOB NOT NULL,
+  data BLOB NOT NULL,
+  UNIQUE (tile_id, level));
+)sql";
+  }
+  return sql;
+}
+
+std::string create_line_table(const std::string& table, const std::string& geometry_type,
+                              const std::vector<MapColumn>& columns) {
+  return "CREATE TABLE " + table + " (fid INTEGER PRIMARY KEY NOT NULL, geom " + geometry_type + " NOT NULL" +
+         column_list(columns) + ");";
+}
+
+// OGC 12-128r17 (GeoPackage 1.3), Annex F.3, with the names of our table and columns.
+std::string create_rtree_triggers() {
+  const std::string box = "NEW.tile_id, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom)";
+  const std::string put = "INSERT OR REPLACE INTO rtree_tiles_geom VALUES (" + box + ");";
+  const std::string filled = "(NEW.geom NOTNULL AND NOT ST_IsEmpty(NEW.geom))";
+  const std::string empty = "(NEW.geom ISNULL OR ST_IsEmpty(NEW.geom))";
+  const std::string remove = "DELETE FROM rtree_tiles_geom WHERE id = OLD.tile_id;";
+  return "CREATE TRIGGER rtree_tiles_geom_insert AFTER INSERT ON tiles WHEN " + filled + " BEGIN " + put + " END;\n" +
+         "CREATE TRIGGER rtree_tiles_geom_update1 AFTER UPDATE OF geom ON tiles WHEN OLD.tile_id = NEW.tile_id AND " +
+         filled + " BEGIN " + put + " END;\n" +
+         "CREATE TRIGGER rtree_tiles_geom_update2 AFTER UPDATE OF geom ON tiles WHEN OLD.tile_id = NEW.tile_id AND " +
+         empty + " BEGIN " + remove + " END;\n" +
+         "CREATE TRIGGER rtree_tiles_geom_update3 AFTER UPDATE ON tiles WHEN OLD.tile_id != NEW.tile_id AND " + filled +
+         " BEGIN " + remove + " " + put + " END;\n" +
+         "CREATE TRIGGER rtree_tiles_geom_update4 AFTER UPDATE ON tiles WHEN OLD.tile_id != NEW.tile_id AND " + empty +
+         " BEGIN DELETE FROM rtree_tiles_geom WHERE id IN (OLD.tile_id, NEW.tile_id); END;\n" +
+         "CREATE TRIGGER rtree_tiles_geom_delete AFTER DELETE ON tiles WHEN OLD.geom NOT NULL BEGIN " + remove +
+         " END;\n";
+}
+
+std::string sql_type(MapColumnType type) {
+  switch (type) {
+    case MapColumnType::kInteger:
+      return "INTEGER";
+    case MapColumnType::kText:
+      return "TEXT";
+    case MapColumnType::kReal:
+      break;
+  }
+  return "REAL";
+}
+
+void check_columns(const std::string& table, const std::vector<MapColumn>& columns) {
+  if (columns.size() > kMaxColumns) {
+    throw UsageError(table + ": has " + std::to_string(columns.size()) + " columns, at most " +
+                     std::to_string(kMaxColumns) + " are allowed");
+  }
+  std::set<std::string> names;
+  for (const MapColumn& column : columns) {
+    const std::string where = table + ": column \"" + column.name + "\"";
+    if (!good_name(column.name)) throw UsageError(where + ": a name is at most 60 of a-z, 0-9, _ and no digit first");
+    if (reserved_name(column.name)) throw UsageError(where + ": the name is one that every map has already");
+    if (!names.insert(column.name).second) throw UsageError(where + ": is given twice");
+    check_text(where, column.description);
+  }
+}
+
+void check_text(const std::string& where, const std::string& text) {
+  if (text.size() > static_cast<std::size_t>(kMaxMapBlobBytes) / 2) {
+    throw UsageError(where + ": the text has " + std::to_string(text.size()) + " bytes, too many for a map");
+  }
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t length = rest[0] == '\0' ? 0 : utf8_sequence(rest);
+    if (length == 0) throw UsageError(where + ": the text is not UTF-8 without NUL");
+    rest.remove_prefix(length);
+  }
+}
+
+}  // namespace pilotage

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pilotage {
+
+/// One thing that is wrong with a map.
+struct MapProblem {
+  enum class Kind {
+    kDamaged,  ///< The file is not what the specification says.
+    kDigest,   ///< A digest does not match what it stands for.
+  };
+  Kind kind = Kind::kDamaged;
+  std::string table;                    ///< "" when it concerns the whole file.
+  std::optional<std::int64_t> tile_id;  ///< When it concerns one tile.
+  std::string message;                  ///< A sentence that begins with the file's name.
+};
+
+struct VerifyReport {
+  std::vector<MapProblem> problems;  ///< Empty when the map is as it was written. At most 100 are listed.
+  std::int64_t tiles = 0;
+  std::int64_t descriptor_rows = 0;
+  std::int64_t descriptors = 0;
+  std::int64_t chips = 0;
+  std::int64_t bytes = 0;
+  std::string content_digest;  ///< Computed, 64 hex digits; "" when the file cannot be read through.
+
+  bool ok() const { return problems.empty(); }
+};
+
+/// Checks everything that can be checked without a key: file size and header, version, SQLite's integrity_check, both
+/// R-trees against the tiles, geometry against bounds, rows that refer to nothing, lengths and values in blobs, the
+/// digest of every descriptor row and chip, and the digest over all rows of all tables. Damage is reported, not thrown;
+/// throws DataError only when there is no file to read.
+VerifyReport verify_map(const std::filesystem::path& path);
+
+/// Throws IntegrityError with the first wrong digest, else DataError with the first damage, else nothing.
+void require_intact(const VerifyReport& report);
+
+}  // namespace pilotage

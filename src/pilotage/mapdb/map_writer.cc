@@ -1,0 +1,463 @@
+#include "pilotage/mapdb/map_writer.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <string_view>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/mapdb/descriptor_row.h"
+#include "pilotage/mapdb/geometry_blob.h"
+#include "pilotage/mapdb/map_digest.h"
+#include "pilotage/mapdb/map_schema.h"
+#include "pilotage/mapdb/map_tables.h"
+
+namespace pilotage {
+namespace {
+
+constexpr std::int64_t kCustomSrsId = 100000;
+constexpr const char* kDefinition = "schemas/pilotage_descriptors.md";
+constexpr const char* kWgs84Wkt =
+    R"wkt(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],)wkt"
+    R"wkt(AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],)wkt"
+    R"wkt(UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],)wkt"
+    R"wkt(AXIS["Latitude",NORTH],AXIS["Longitude",EAST],AUTHORITY["EPSG","4326"]])wkt";
+constexpr const char* kWgs84Wkt2 =
+    R"wkt(GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563]],)wkt"
+    R"wkt(CS[ellipsoidal,2],AXIS["geodetic latitude (Lat)",north],AXIS["geodetic longitude (Lon)",east],)wkt"
+    R"wkt(ANGLEUNIT["degree",0.0174532925199433],ID["EPSG",4326]])wkt";
+
+/// SOURCE_DATE_EPOCH (https://reproducible-builds.org/specs/source-date-epoch) or 0, as GeoPackage writes dates.
+std::string timestamp() {
+  std::int64_t seconds = 0;
+  if (const char* variable = std::getenv("SOURCE_DATE_EPOCH")) {
+    const std::string_view text = variable;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+    constexpr std::int64_t kEndOfYear9999 = 253402300799;
+    if (error != std::errc{} || end != text.data() + text.size() || seconds < 0 || seconds > kEndOfYear9999) {
+      throw UsageError("SOURCE_DATE_EPOCH = \"" + std::string(text) + "\" is not a number of seconds from 0 to " +
+                       std::to_string(kEndOfYear9999));
+    }
+  }
+  using std::chrono::days;
+  const std::chrono::sys_seconds time{std::chrono::seconds(seconds)};
+  const auto day = std::chrono::floor<days>(time);
+  const std::chrono::year_month_day date(day);
+  const std::chrono::hh_mm_ss clock(time - day);
+  char buffer[96];
+  std::snprintf(buffer, sizeof buffer, "%04d-%02u-%02uT%02d:%02d:%02d.000Z", static_cast<int>(date.year()),
+                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
+                static_cast<int>(clock.seconds().count()));
+  return buffer;
+}
+
+/// WKT 2 begins with another keyword than WKT 1 (OGC 18-010r11, clause 7.2.2).
+bool is_wkt2(std::string_view wkt) {
+  for (const char* keyword : {"PROJCRS", "PROJECTEDCRS", "GEOGCRS", "GEODCRS", "GEODETICCRS", "GEOGRAPHICCRS",
+                              "BOUNDCRS", "DERIVEDPROJCRS", "COMPOUNDCRS", "ENGCRS", "ENGINEERINGCRS"}) {
+    if (wkt.starts_with(keyword)) return true;
+  }
+  return false;
+}
+
+/// The code of an authority like "EPSG:32750", when it may serve as srs_id.
+std::optional<std::int64_t> authority_code(const std::string& authority) {
+  const std::size_t colon = authority.find(':');
+  if (colon == std::string::npos || colon == 0) return std::nullopt;
+  std::int64_t code = 0;
+  const char* last = authority.data() + authority.size();
+  const auto [end, error] = std::from_chars(authority.data() + colon + 1, last, code);
+  if (error != std::errc{} || end != last || code < 1 || code >= kCustomSrsId || code == 4326) return std::nullopt;
+  return code;
+}
+
+void bind_value(Statement& statement, int index, const MapValue& value, const MapColumn& column,
+                const std::string& where) {
+  struct Visitor {
+    Statement& statement;
+    int index;
+    const MapColumn& column;
+    const std::string& where;
+
+    void operator()(std::monostate) const { statement.bind_null(index); }
+    void operator()(std::int64_t integer) const {
+      if (column.type == MapColumnType::kText) fail("an integer");
+      statement.bind(index, integer);
+    }
+    void operator()(double number) const {
+      if (column.type != MapColumnType::kReal) fail("a number");
+      statement.bind(index, number);
+    }
+    void operator()(const std::string& text) const {
+      if (column.type != MapColumnType::kText) fail("text");
+      check_text(where + ": column " + column.name, text);
+      statement.bind(index, std::string_view(text));
+    }
+    [[noreturn]] void fail(const char* given) const {
+      throw UsageError(where + ": column " + column.name + " is " + sql_type(column.type) + ", but is given " + given);
+    }
+  };
+  std::visit(Visitor{statement, index, column, where}, value);
+}
+
+void bind_values(Statement& statement, int first_index, const std::vector<MapValue>& values,
+                 const std::vector<MapColumn>& columns, const std::string& where) {
+  if (values.size() != columns.size()) {
+    throw UsageError(where + ": has " + std::to_string(values.size()) + " values for " +
+                     std::to_string(columns.size()) + " columns");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    bind_value(statement, first_index + static_cast<int>(i), values[i], columns[i], where);
+  }
+}
+
+std::string insert_sql(std::string_view table, int count) {
+  std::string sql = "INSERT INTO ";
+  sql.append(table).append(" VALUES (?");
+  for (int i = 1; i < count; ++i) sql += ",?";
+  return sql + ")";
+}
+
+void check_ascending(std::optional<std::pair<std::int64_t, int>>& last, std::pair<std::int64_t, int> key,
+                     const std::string& where) {
+  if (last && key <= *last) throw UsageError(where + ": rows must come in ascending order of tile and level");
+  last = key;
+}
+
+}  // namespace
+
+MapWriter::MapWriter(const std::filesystem::path& path, MapHeader header, bool overwrite)
+    : header_(std::move(header)),
+      output_(path, overwrite),
+      database_(Database::create(output_.temporary_path(), path.string())),
+      timestamp_(timestamp()) {
+  if (header_.crs.wkt.empty() || header_.crs.name.empty()) throw UsageError("crs: name or wkt is empty");
+  check_text("crs", header_.crs.name);
+  check_text("crs", header_.crs.wkt);
+  check_text("crs", header_.crs.authority);
+  check_text("description", header_.description);
+  check_columns("tiles", header_.tile_columns);
+  if (header_.levels.empty()) throw UsageError("levels: a map needs one at least");
+  for (std::size_t i = 0; i < header_.levels.size(); ++i) {
+    MapLevel& level = header_.levels[i];
+    level.max_tile_radius_m = 0;
+    const std::string problem = level_problem(level);
+    if (!problem.empty()) throw UsageError("level " + std::to_string(level.matrix.level) + ": " + problem);
+    if (i > 0 && header_.levels[i - 1].matrix.level >= level.matrix.level) {
+      throw UsageError("levels: must come in ascending order, each once");
+    }
+  }
+  create_tables();
+  add_info("schema_version", std::to_string(kMapSchemaVersion));
+}
+
+void MapWriter::create_tables() {
+  const bool wkt2 = is_wkt2(header_.crs.wkt);
+  const std::optional<std::int64_t> code = authority_code(header_.crs.authority);
+  srs_id_ = code.value_or(kCustomSrsId);
+  database_.execute("PRAGMA application_id=" + std::to_string(kGeoPackageId) +
+                    "; PRAGMA user_version=" + std::to_string(kGeoPackageVersion) + "; BEGIN;");
+  database_.execute(create_geopackage_tables(wkt2));
+  database_.execute(create_map_tables(header_.tile_columns, header_.chips));
+
+  Statement insert = database_.prepare(insert_sql("gpkg_spatial_ref_sys", wkt2 ? 7 : 6), "gpkg_spatial_ref_sys");
+  const auto add = [&](const std::string& name, std::int64_t id, const std::string& organization,
+                       const std::string& definition, const std::string& definition2) {
+    insert.bind(1, std::string_view(name)).bind(2, id).bind(3, std::string_view(organization)).bind(4, id);
+    insert.bind(5, std::string_view(definition)).bind_null(6);
+    if (wkt2) insert.bind(7, std::string_view(definition2));
+    insert.run();
+  };
+  add("Undefined Cartesian SRS", -1, "NONE", "undefined", "undefined");
+  add("Undefined geographic SRS", 0, "NONE", "undefined", "undefined");
+  add("WGS 84 geodetic", 4326, "EPSG", kWgs84Wkt, kWgs84Wkt2);
+  const std::string organization =
+      code ? header_.crs.authority.substr(0, header_.crs.authority.find(':')) : std::string("NONE");
+  add(header_.crs.name, srs_id_, organization, wkt2 ? "undefined" : header_.crs.wkt, header_.crs.wkt);
+
+  const int tile_values = static_cast<int>(kOwnTileColumns.size() + 1 + header_.tile_columns.size());
+  insert_tile_.emplace(database_.prepare(insert_sql("tiles", tile_values), "tiles"));
+  insert_box_.emplace(database_.prepare(insert_sql(kGridIndex, 5), kGridIndex));
+  insert_center_.emplace(database_.prepare(insert_sql(kCenterIndex, 5), kCenterIndex));
+  insert_info_.emplace(database_.prepare("INSERT INTO map_info (key, value) VALUES (?, ?)", "map_info"));
+}
+
+void MapWriter::add_tile(const MapTile& tile, const std::vector<MapValue>& values) {
+  const std::string where = "tile " + std::to_string(tile.tile_id);
+  if (tile.tile_id < 0) throw UsageError(where + ": a tile_id is at least 0");
+  if (!tiles_.empty() && tile.tile_id <= tiles_.back().tile_id) {
+    throw UsageError(where + ": comes after tile " + std::to_string(tiles_.back().tile_id) +
+                     "; tiles must come in ascending order");
+  }
+  const std::string problem = tile_problem(tile);
+  if (!problem.empty()) throw UsageError(where + ": " + problem);
+  MapLevel& level = level_of(tile.level, where);
+  level.max_tile_radius_m = std::max(level.max_tile_radius_m, tile_radius_m(tile));
+
+  const Bounds& b = tile.bounds;
+  Statement& row = *insert_tile_;
+  row.bind(1, tile.tile_id).bind(2, std::span<const std::uint8_t>(polygon_blob(b, static_cast<std::int32_t>(srs_id_))));
+  row.bind(3, std::int64_t{tile.level}).bind(4, tile.column).bind(5, tile.row);
+  row.bind(6, b.min_x_m).bind(7, b.min_y_m).bind(8, b.max_x_m).bind(9, b.max_y_m);
+  row.bind(10, tile.center.lon_deg).bind(11, tile.center.lat_deg);
+  row.bind(12, tile.enu_from_grid(0, 0)).bind(13, tile.enu_from_grid(0, 1));
+  row.bind(14, tile.enu_from_grid(1, 0)).bind(15, tile.enu_from_grid(1, 1));
+  bind_values(row, 16, values, header_.tile_columns, where);
+  row.run();
+  insert_box_->bind(1, tile.tile_id).bind(2, b.min_x_m).bind(3, b.max_x_m).bind(4, b.min_y_m).bind(5, b.max_y_m);
+  insert_box_->run();
+  const GeodeticPoint c = tile.center;
+  insert_center_->bind(1, tile.tile_id).bind(2, c.lon_deg).bind(3, c.lon_deg).bind(4, c.lat_deg).bind(5, c.lat_deg);
+  insert_center_->run();
+  tile_extent_.extend({b.min_x_m, b.min_y_m});
+  tile_extent_.extend({b.max_x_m, b.max_y_m});
+  tiles_.push_back({tile.tile_id, b});
+}
+
+MapLevel& MapWriter::level_of(int level, const std::string& where) {
+  for (MapLevel& candidate : header_.levels) {
+    if (candidate.matrix.level == level) return candidate;
+  }
+  throw UsageError(where + ": level " + std::to_string(level) + " is not one of the map's levels");
+}
+
+// tiles_near finds a tile by its footprint, so nothing that belongs to it may lie outside.
+void MapWriter::check_window(std::int64_t tile_id, int level, const PixelWindow& window, const std::string& where) {
+  const std::string problem = window_problem(window);
+  if (!problem.empty()) throw UsageError(where + ": " + problem);
+  const MapLevel& map_level = level_of(level, where);
+  const auto tile = std::lower_bound(tiles_.begin(), tiles_.end(), tile_id,
+                                     [](const StoredTile& stored, std::int64_t id) { return stored.tile_id < id; });
+  if (tile == tiles_.end() || tile->tile_id != tile_id) throw UsageError(where + ": its tile has not been added");
+  const GeoTransform& transform = map_level.matrix.map_from_pixel;
+  const Bounds allowed = tile->bounds.grown(std::sqrt(std::abs(transform.determinant())));
+  const auto col = static_cast<double>(window.col);
+  const auto row = static_cast<double>(window.row);
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(col, row), Eigen::Vector2d(col + window.width, row), Eigen::Vector2d(col, row + window.height),
+        Eigen::Vector2d(col + window.width, row + window.height)}) {
+    const Eigen::Vector2d p = transform.map_from_pixel(corner);
+    if (p.x() < allowed.min_x_m || p.x() > allowed.max_x_m || p.y() < allowed.min_y_m || p.y() > allowed.max_y_m) {
+      throw UsageError(where + ": its window reaches (" + format_number(p.x()) + ", " + format_number(p.y()) +
+                       "), more than a pixel outside the footprint of its tile");
+    }
+  }
+}
+
+void MapWriter::add_descriptors(const TileDescriptors& descriptors) {
+  const std::string where =
+      "descriptors of tile " + std::to_string(descriptors.tile_id) + ", level " + std::to_string(descriptors.level);
+  check_window(descriptors.tile_id, descriptors.level, descriptors.window, where);
+  check_ascending(last_descriptors_, {descriptors.tile_id, descriptors.level}, where);
+  const EncodedKeypoints keypoints = encode_keypoints(descriptors, where);
+  DescriptorRow row;
+  row.tile_id = descriptors.tile_id;
+  row.level = descriptors.level;
+  row.window = descriptors.window;
+  row.count = static_cast<std::int64_t>(descriptors.features.size());
+  row.descriptor_bytes = descriptors.features.descriptor_bytes;
+  row.ground_base_m = keypoints.ground_base_m;
+  row.keypoints = keypoints.bytes;
+  row.descriptors = descriptors.features.descriptors;
+  const Digest digest = descriptor_digest(row);
+
+  if (!insert_descriptors_) {
+    insert_descriptors_.emplace(database_.prepare(
+        "INSERT INTO pilotage_descriptors (" + std::string(kDescriptorColumns) + ") VALUES (?,?,?,?,?,?,?,?,?,?,?,?)",
+        "pilotage_descriptors"));
+  }
+  Statement& insert = *insert_descriptors_;
+  insert.bind(1, row.tile_id).bind(2, std::int64_t{row.level});
+  insert.bind(3, row.window.col).bind(4, row.window.row);
+  insert.bind(5, std::int64_t{row.window.width}).bind(6, std::int64_t{row.window.height});
+  insert.bind(7, row.count).bind(8, std::int64_t{row.descriptor_bytes});
+  insert.bind(9, row.ground_base_m.value_or(std::numeric_limits<double>::quiet_NaN()));
+  insert.bind(10, row.keypoints).bind(11, row.descriptors).bind(12, std::span<const std::uint8_t>(digest));
+  insert.run();
+}
+
+void MapWriter::add_chip(const MapChip& chip) {
+  const std::string where = "chip of tile " + std::to_string(chip.tile_id) + ", level " + std::to_string(chip.level);
+  if (!header_.chips) throw UsageError(where + ": the map was begun without chips");
+  check_window(chip.tile_id, chip.level, chip.window, where);
+  check_ascending(last_chip_, {chip.tile_id, chip.level}, where);
+  check_text(where, chip.encoding);
+  const std::string problem = chip_problem(chip);
+  if (!problem.empty()) throw UsageError(where + ": " + problem);
+  const Digest digest = chip_digest(chip);
+  if (!insert_chip_) {
+    insert_chip_.emplace(database_.prepare(
+        "INSERT INTO pilotage_chips (" + std::string(kChipColumns) + ") VALUES (?,?,?,?,?,?,?,?,?)", "pilotage_chips"));
+  }
+  Statement& insert = *insert_chip_;
+  insert.bind(1, chip.tile_id).bind(2, std::int64_t{chip.level});
+  insert.bind(3, chip.window.col).bind(4, chip.window.row);
+  insert.bind(5, std::int64_t{chip.window.width}).bind(6, std::int64_t{chip.window.height});
+  insert.bind(7, std::string_view(chip.encoding)).bind(8, std::span<const std::uint8_t>(chip.data));
+  insert.bind(9, std::span<const std::uint8_t>(digest));
+  insert.run();
+}
+
+void MapWriter::write_route(const std::vector<MapColumn>& columns, const std::vector<MapLine>& lines) {
+  write_lines(route_, columns, lines);
+}
+
+void MapWriter::write_legs(const std::vector<MapColumn>& columns, const std::vector<MapLine>& lines) {
+  write_lines(legs_, columns, lines);
+}
+
+void MapWriter::write_lines(LineLayer& layer, const std::vector<MapColumn>& columns,
+                            const std::vector<MapLine>& lines) {
+  if (layer.written) throw UsageError(layer.name + ": is written twice");
+  check_columns(layer.name, columns);
+  std::vector<std::vector<std::vector<GeodeticPoint>>> parts;
+  bool multi = false;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string where = layer.name + ": line " + std::to_string(lines[i].id);
+    if (i > 0 && lines[i].id <= lines[i - 1].id) throw UsageError(where + ": ids must ascend");
+    if (lines[i].points.size() < 2) throw UsageError(where + ": has less than two points");
+    for (const GeodeticPoint point : lines[i].points) {
+      if (!std::isfinite(point.lon_deg) || !(std::abs(point.lat_deg) <= 90)) {
+        throw UsageError(where + ": (lon " + format_number(point.lon_deg) + ", lat " + format_number(point.lat_deg) +
+                         ") is not on Earth");
+      }
+    }
+    parts.push_back(cut_at_antimeridian(lines[i].points));
+    multi = multi || parts.back().size() > 1;
+  }
+  layer.written = true;
+  layer.columns = columns;
+  layer.geometry_type = multi ? "MULTILINESTRING" : "LINESTRING";
+  database_.execute(create_line_table(layer.name, layer.geometry_type, columns));
+  Statement insert = database_.prepare(insert_sql(layer.name, 2 + static_cast<int>(columns.size())), layer.name);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string where = layer.name + ": line " + std::to_string(lines[i].id);
+    insert.bind(1, lines[i].id).bind(2, std::span<const std::uint8_t>(line_blob(parts[i], multi)));
+    bind_values(insert, 3, lines[i].values, columns, where);
+    insert.run();
+    for (const auto& part : parts[i]) {
+      for (const GeodeticPoint point : part) layer.extent_deg.extend({point.lon_deg, point.lat_deg});
+    }
+  }
+}
+
+void MapWriter::add_info(const std::string& key, const std::string& value) {
+  const std::string where = "map_info: key \"" + key + "\"";
+  check_text(where, key);
+  check_text(where, value);
+  const bool own = key == "content_digest" || (key == "schema_version" && !info_keys_.empty());
+  if (own) throw UsageError(where + ": is written by the map itself");
+  if (key.empty() || !info_keys_.insert(key).second) throw UsageError(where + ": is empty or given twice");
+  insert_info_->bind(1, std::string_view(key)).bind(2, std::string_view(value));
+  insert_info_->run();
+}
+
+void MapWriter::write_levels() {
+  Statement insert = database_.prepare(
+      "INSERT INTO pilotage_levels (" + std::string(kLevelColumns) + ") VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
+      "pilotage_levels");
+  for (const MapLevel& level : header_.levels) {
+    const TileMatrix& m = level.matrix;
+    const GeoTransform& t = m.map_from_pixel;
+    insert.bind(1, std::int64_t{m.level}).bind(2, level.gsd_m).bind(3, level.min_agl_m).bind(4, level.max_agl_m);
+    insert.bind(5, t.origin_x).bind(6, t.x_per_col).bind(7, t.x_per_row);
+    insert.bind(8, t.origin_y).bind(9, t.y_per_col).bind(10, t.y_per_row);
+    insert.bind(11, m.grid_width_px).bind(12, m.grid_height_px);
+    insert.bind(13, std::int64_t{m.tile_size_px}).bind(14, std::int64_t{m.stride_px});
+    insert.bind(15, level.max_tile_radius_m);
+    insert.run();
+  }
+}
+
+void MapWriter::write_contents() {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Statement contents = database_.prepare(insert_sql("gpkg_contents", 10), "gpkg_contents");
+  const auto add = [&](std::string_view table, std::string_view type, std::string_view description,
+                       const Bounds& extent, std::optional<std::int64_t> srs_id) {
+    contents.bind(1, table).bind(2, type).bind(3, table).bind(4, description).bind(5, std::string_view(timestamp_));
+    contents.bind(6, extent.empty() ? kNone : extent.min_x_m).bind(7, extent.empty() ? kNone : extent.min_y_m);
+    contents.bind(8, extent.empty() ? kNone : extent.max_x_m).bind(9, extent.empty() ? kNone : extent.max_y_m);
+    if (srs_id) contents.bind(10, *srs_id);
+    contents.run();
+  };
+  add("tiles", "features", header_.description, tile_extent_, srs_id_);
+  add("route", "features", "The planned route.", route_.extent_deg, 4326);
+  add("legs", "features", "The legs of the route and whether they can be matched.", legs_.extent_deg, 4326);
+  add("map_info", "attributes", "How the map was made.", {}, std::nullopt);
+
+  Statement geometry = database_.prepare(insert_sql("gpkg_geometry_columns", 6), "gpkg_geometry_columns");
+  const auto add_geometry = [&](std::string_view table, std::string_view type, std::int64_t srs_id) {
+    geometry.bind(1, table).bind(2, std::string_view("geom")).bind(3, type).bind(4, srs_id);
+    geometry.bind(5, std::int64_t{0}).bind(6, std::int64_t{0});
+    geometry.run();
+  };
+  add_geometry("tiles", "POLYGON", srs_id_);
+  add_geometry("route", route_.geometry_type, 4326);
+  add_geometry("legs", legs_.geometry_type, 4326);
+}
+
+void MapWriter::write_extensions() {
+  Statement insert = database_.prepare(insert_sql("gpkg_extensions", 5), "gpkg_extensions");
+  const auto add = [&](std::string_view table, std::string_view column, std::string_view name,
+                       std::string_view definition, std::string_view scope) {
+    insert.bind(1, table).bind(3, name).bind(4, definition).bind(5, scope);
+    if (!column.empty()) insert.bind(2, column);
+    insert.run();
+  };
+  add("tiles", "geom", "gpkg_rtree_index", "http://www.geopackage.org/spec130/#extension_rtree", "write-only");
+  if (is_wkt2(header_.crs.wkt)) {
+    add("gpkg_spatial_ref_sys", "definition_12_063", "gpkg_crs_wkt",
+        "http://www.geopackage.org/spec130/#extension_crs_wkt", "read-write");
+  }
+  for (const char* table : {"gpkg_data_columns", "gpkg_data_column_constraints"}) {
+    add(table, "", "gpkg_schema", "http://www.geopackage.org/spec130/#extension_schema", "read-write");
+  }
+  for (const std::string_view table :
+       {std::string_view("pilotage_levels"), std::string_view("pilotage_descriptors"), kCenterIndex}) {
+    add(table, "", "pilotage_descriptors", kDefinition, "read-write");
+  }
+  if (header_.chips) add("pilotage_chips", "", "pilotage_chips", kDefinition, "read-write");
+
+  Statement columns = database_.prepare(
+      "INSERT INTO gpkg_data_columns (table_name, column_name, description) VALUES (?, ?, ?)", "gpkg_data_columns");
+  const auto describe = [&](std::string_view table, const std::vector<MapColumn>& list) {
+    for (const MapColumn& column : list) {
+      if (column.description.empty()) continue;
+      columns.bind(1, table).bind(2, std::string_view(column.name)).bind(3, std::string_view(column.description));
+      columns.run();
+    }
+  };
+  describe("tiles", header_.tile_columns);
+  describe("route", route_.columns);
+  describe("legs", legs_.columns);
+}
+
+std::string MapWriter::finish() {
+  if (finished_) throw UsageError("the map is finished already");
+  if (!route_.written) write_lines(route_, {}, {});
+  if (!legs_.written) write_lines(legs_, {}, {});
+  write_levels();
+  write_contents();
+  write_extensions();
+  database_.execute(create_rtree_triggers());
+  const std::string digest = to_hex(content_digest(database_));
+  insert_info_->bind(1, std::string_view("content_digest")).bind(2, std::string_view(digest));
+  insert_info_->run();
+  database_.execute("COMMIT;");
+  for (auto* statement :
+       {&insert_tile_, &insert_box_, &insert_center_, &insert_descriptors_, &insert_chip_, &insert_info_}) {
+    statement->reset();
+  }
+  database_.close();
+  output_.commit();
+  finished_ = true;
+  return digest;
+}
+
+}  // namespace pilotage

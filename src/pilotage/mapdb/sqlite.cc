@@ -1,0 +1,236 @@
+#include "pilotage/mapdb/sqlite.h"
+
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include <sqlite3.h>
+
+#include "pilotage/base/error.h"
+
+namespace pilotage {
+namespace {
+
+/// The path as SQLite's URI file name; everything but letters, digits and a few marks is escaped.
+std::string uri_of(const std::filesystem::path& path, const char* query) {
+  static constexpr char kHex[] = "0123456789ABCDEF";
+  std::string uri = "file://";
+  for (const char c : std::filesystem::absolute(path).string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' ||
+                       c == '-' || c == '_' || c == '.' || c == '~';
+    if (plain) {
+      uri += c;
+    } else {
+      uri += {'%', kHex[byte >> 4], kHex[byte & 15]};
+    }
+  }
+  return uri + query;
+}
+
+}  // namespace
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+
+Statement::Statement(sqlite3* database, std::string name, std::string_view sql) : name_(std::move(name)) {
+  sqlite3_stmt* statement = nullptr;
+  const int code = sqlite3_prepare_v3(database, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
+                                      &statement, nullptr);
+  statement_.reset(statement);
+  if (code != SQLITE_OK || statement == nullptr) throw DataError(name_ + ": " + sqlite3_errmsg(database));
+}
+
+void Statement::check(int code) const {
+  if (code != SQLITE_OK) throw DataError(name_ + ": " + sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
+}
+
+void Statement::throw_wrong_type(int column, const char* expected) const {
+  static constexpr const char* kNames[] = {"an integer", "a number", "text", "a blob", "NULL"};
+  throw DataError(name_ + ": column " + column_name(column) + " holds " + kNames[static_cast<int>(type(column))] +
+                  ", expected " + expected);
+}
+
+Statement& Statement::bind(int index, std::int64_t value) {
+  check(sqlite3_bind_int64(statement_.get(), index, value));
+  return *this;
+}
+
+Statement& Statement::bind(int index, double value) {
+  if (std::isnan(value)) return bind_null(index);
+  check(sqlite3_bind_double(statement_.get(), index, value));
+  return *this;
+}
+
+// Values are copied: a bound value may be a temporary, and binding is never the slow part.
+Statement& Statement::bind(int index, std::string_view value) {
+  const char* data = value.empty() ? "" : value.data();
+  check(sqlite3_bind_text64(statement_.get(), index, data, value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+  return *this;
+}
+
+Statement& Statement::bind(int index, std::span<const std::uint8_t> value) {
+  if (value.empty()) {
+    check(sqlite3_bind_zeroblob(statement_.get(), index, 0));
+  } else {
+    check(sqlite3_bind_blob64(statement_.get(), index, value.data(), value.size(), SQLITE_TRANSIENT));
+  }
+  return *this;
+}
+
+Statement& Statement::bind_null(int index) {
+  check(sqlite3_bind_null(statement_.get(), index));
+  return *this;
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_.get());
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  throw DataError(name_ + ": " + sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
+}
+
+void Statement::reset() {
+  sqlite3_reset(statement_.get());  // its result repeats that of step(), which was checked
+  sqlite3_clear_bindings(statement_.get());
+}
+
+void Statement::run() {
+  const StatementScope scope(*this);
+  while (step()) {
+  }
+}
+
+int Statement::column_count() const {
+  return sqlite3_column_count(statement_.get());
+}
+
+std::string Statement::column_name(int column) const {
+  const char* name = sqlite3_column_name(statement_.get(), column);
+  return name == nullptr ? std::string() : std::string(name);
+}
+
+Statement::Type Statement::type(int column) const {
+  switch (sqlite3_column_type(statement_.get(), column)) {
+    case SQLITE_INTEGER:
+      return Type::kInteger;
+    case SQLITE_FLOAT:
+      return Type::kReal;
+    case SQLITE_TEXT:
+      return Type::kText;
+    case SQLITE_BLOB:
+      return Type::kBlob;
+    default:
+      return Type::kNull;
+  }
+}
+
+std::int64_t Statement::integer(int column) const {
+  if (type(column) != Type::kInteger) throw_wrong_type(column, "an integer");
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+int Statement::integer(int column, int min, int max) const {
+  const std::int64_t value = integer(column);
+  if (value < min || value > max) {
+    throw DataError(name_ + ": column " + column_name(column) + " holds " + std::to_string(value) + ", outside [" +
+                    std::to_string(min) + ", " + std::to_string(max) + "]");
+  }
+  return static_cast<int>(value);
+}
+
+double Statement::real(int column) const {
+  const Type found = type(column);
+  if (found != Type::kReal && found != Type::kInteger) throw_wrong_type(column, "a number");
+  return sqlite3_column_double(statement_.get(), column);
+}
+
+std::string_view Statement::text(int column) const {
+  if (type(column) != Type::kText) throw_wrong_type(column, "text");
+  const void* data = sqlite3_column_text(statement_.get(), column);
+  if (data == nullptr) throw DataError(name_ + ": out of memory");
+  return {static_cast<const char*>(data), static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
+std::span<const std::uint8_t> Statement::blob(int column) const {
+  if (type(column) != Type::kBlob) throw_wrong_type(column, "a blob");
+  const void* data = sqlite3_column_blob(statement_.get(), column);
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  if (data == nullptr && size > 0) throw DataError(name_ + ": out of memory");
+  return {static_cast<const std::uint8_t*>(data), size};
+}
+
+void Database::Close::operator()(sqlite3* database) const {
+  sqlite3_close_v2(database);
+}
+
+Database::Database(const std::filesystem::path& path, std::string name, const std::string& file, int flags)
+    : name_(std::move(name)) {
+  sqlite3* database = nullptr;
+  const int code = sqlite3_open_v2(file.c_str(), &database, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  database_.reset(database);
+  if (code == SQLITE_OK) return;
+  std::error_code ignored;
+  const bool missing = (flags & SQLITE_OPEN_READONLY) != 0 && !std::filesystem::exists(path, ignored);
+  throw DataError(
+      name_ + (missing ? std::string(": does not exist") : std::string(": cannot be opened: ") + sqlite3_errstr(code)));
+}
+
+Database Database::create(const std::filesystem::path& path, std::string name) {
+  Database database(path, std::move(name), uri_of(path, "?mode=rwc"),
+                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_URI);
+  database.execute(
+      "PRAGMA page_size=4096; PRAGMA encoding='UTF-8'; PRAGMA auto_vacuum=NONE; PRAGMA journal_mode=OFF;"
+      "PRAGMA synchronous=OFF; PRAGMA locking_mode=EXCLUSIVE; PRAGMA temp_store=MEMORY; PRAGMA foreign_keys=OFF;");
+  return database;
+}
+
+Database Database::open_untrusted(const std::filesystem::path& path, int max_value_bytes) {
+  Database result(path, path.string(), uri_of(path, "?mode=ro&immutable=1"), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+  sqlite3* database = result.database_.get();
+  for (const auto& [option, value] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1},
+                                      {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+                                      {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0},
+                                      {SQLITE_DBCONFIG_ENABLE_VIEW, 0},
+                                      {SQLITE_DBCONFIG_ENABLE_LOAD_EXTENSION, 0},
+                                      // a quoted name that is no column is an error, not a string
+                                      {SQLITE_DBCONFIG_DQS_DML, 0},
+                                      {SQLITE_DBCONFIG_DQS_DDL, 0}}) {
+    if (sqlite3_db_config(database, option, value, nullptr) != SQLITE_OK) {
+      throw DataError(result.name_ + ": this SQLite library lacks the protection " + std::to_string(option));
+    }
+  }
+  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, max_value_bytes);
+  sqlite3_limit(database, SQLITE_LIMIT_SQL_LENGTH, 100000);
+  sqlite3_limit(database, SQLITE_LIMIT_EXPR_DEPTH, 50);
+  sqlite3_limit(database, SQLITE_LIMIT_ATTACHED, 0);
+  sqlite3_limit(database, SQLITE_LIMIT_WORKER_THREADS, 0);
+  result.execute("PRAGMA cell_size_check=ON; PRAGMA temp_store=MEMORY; PRAGMA mmap_size=0;");
+  return result;
+}
+
+void Database::close() {
+  if (sqlite3_close(database_.get()) != SQLITE_OK) throw DataError(name_ + ": " + sqlite3_errmsg(database_.get()));
+  static_cast<void>(database_.release());
+}
+
+Statement Database::prepare(std::string_view sql, std::string_view subject) const {
+  std::string name = name_;
+  if (!subject.empty()) name.append(": ").append(subject);
+  return Statement(database_.get(), std::move(name), sql);
+}
+
+void Database::execute(const std::string& sql) const {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) {
+    throw DataError(name_ + ": " + sqlite3_errmsg(database_.get()));
+  }
+}
+
+std::int64_t Database::query_integer(std::string_view sql, std::string_view subject) const {
+  Statement statement = prepare(sql, subject);
+  if (!statement.step()) throw DataError(statement.name_ + ": has no row");
+  return statement.integer(0);
+}
+
+}  // namespace pilotage

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+// The only file pair that includes SQLite: objects that close themselves, errors as DataError.
+
+namespace pilotage {
+
+/// A prepared statement. Values are read by column index from 0 after step() returned true and live until the next
+/// step() or reset(). Reading is strict: a value of another type than asked for throws. Every failure throws DataError
+/// that begins with the database's name and what the statement reads.
+class Statement {
+ public:
+  /// Parameters are numbered from 1. A NaN is bound as NULL.
+  Statement& bind(int index, std::int64_t value);
+  Statement& bind(int index, double value);
+  Statement& bind(int index, std::string_view value);
+  Statement& bind(int index, std::span<const std::uint8_t> value);
+  Statement& bind_null(int index);
+
+  bool step();   ///< True when there is a row.
+  void reset();  ///< Makes it ready to run again; forgets the bound values.
+  void run();    ///< step() to the end, reset().
+
+  enum class Type { kInteger, kReal, kText, kBlob, kNull };
+  int column_count() const;
+  std::string column_name(int column) const;
+  Type type(int column) const;
+  bool is_null(int column) const { return type(column) == Type::kNull; }
+  std::int64_t integer(int column) const;
+  /// The value as int; throws when it is outside [min, max].
+  int integer(int column, int min, int max) const;
+  double real(int column) const;  ///< Integers are numbers too.
+  std::string_view text(int column) const;
+  std::span<const std::uint8_t> blob(int column) const;
+
+ private:
+  friend class Database;
+  Statement(sqlite3* database, std::string name, std::string_view sql);
+  void check(int code) const;
+  [[noreturn]] void throw_wrong_type(int column, const char* expected) const;
+
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  std::string name_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+};
+
+/// Resets a statement when the scope ends, however it ends, so that a thrown error leaves it usable.
+class StatementScope {
+ public:
+  explicit StatementScope(Statement& statement) : statement_(statement) {}
+  ~StatementScope() { statement_.reset(); }
+  StatementScope(const StatementScope&) = delete;
+  StatementScope& operator=(const StatementScope&) = delete;
+
+ private:
+  Statement& statement_;
+};
+
+/// A connection; used by one thread at a time.
+class Database {
+ public:
+  /// Creates a new database at `path`, called `name` in messages, for bulk writing: no journal, so that a failure
+  /// leaves it useless and it must be thrown away.
+  static Database create(const std::filesystem::path& path, std::string name);
+
+  /// Opens an existing file that may hold anything: read-only and immutable (nothing is locked, no journal is looked
+  /// for), schema not trusted, cell sizes checked, defensive, no views and triggers, lengths limited to
+  /// `max_value_bytes`.
+  static Database open_untrusted(const std::filesystem::path& path, int max_value_bytes);
+
+  /// Ends the connection; every statement must be gone. Throws DataError.
+  void close();
+
+  const std::string& name() const { return name_; }
+  /// `subject` (a table) is named in messages.
+  Statement prepare(std::string_view sql, std::string_view subject = "") const;
+  void execute(const std::string& sql) const;  ///< One or several statements without result.
+  /// The first value of the first row; throws DataError when there is none.
+  std::int64_t query_integer(std::string_view sql, std::string_view subject = "") const;
+
+ private:
+  Database(const std::filesystem::path& path, std::string name, const std::string& file, int flags);
+
+  struct Close {
+    void operator()(sqlite3* database) const;
+  };
+  std::string name_;
+  std::unique_ptr<sqlite3, Close> database_;
+};
+
+}  // namespace pilotage

@@ -1,0 +1,230 @@
+#include "pilotage/mission/plan_file.h"
+
+#include <cmath>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/camera/camera_json.h"
+#include "pilotage/mission/tile_lookup.h"
+#include "pilotage/route/route_json.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kPlanVersion = 1;
+
+Json matrix_to_json(const PlanLevel& level) {
+  const TileMatrix& matrix = level.matrix;
+  return {{"level", matrix.level},
+          {"gsd_m", level.gsd_m},
+          {"min_agl_m", level.min_agl_m},
+          {"max_agl_m", level.max_agl_m},
+          {"search_radius_px", level.search_radius_px},
+          {"point_of_origin", {matrix.map_from_pixel.origin_x, matrix.map_from_pixel.origin_y}},
+          {"cell_size_m", matrix.map_from_pixel.x_per_col},
+          {"grid_width_px", matrix.grid_width_px},
+          {"grid_height_px", matrix.grid_height_px},
+          {"tile_size_px", matrix.tile_size_px},
+          {"stride_px", matrix.stride_px},
+          {"matrix_width", matrix.matrix_width()},
+          {"matrix_height", matrix.matrix_height()}};
+}
+
+PlanLevel level_from_json(JsonObject json, int expected_level) {
+  constexpr std::int64_t kMaxGrid_px = std::int64_t{1} << 31;
+  PlanLevel level;
+  TileMatrix& matrix = level.matrix;
+  matrix.level = json.small_integer("level", expected_level, expected_level);
+  level.gsd_m = json.number("gsd_m");
+  level.min_agl_m = json.number("min_agl_m");
+  level.max_agl_m = json.number("max_agl_m");
+  level.search_radius_px = json.small_integer("search_radius_px", 1, 100000);
+  const auto origin = json.numbers("point_of_origin", 2);
+  const double cell_size_m = json.number("cell_size_m");
+  if (!(cell_size_m > 0)) throw DataError(json.path("cell_size_m") + " must be above 0");
+  matrix.map_from_pixel = GeoTransform::north_up(origin[0], origin[1], cell_size_m);
+  matrix.grid_width_px = json.integer("grid_width_px", 1, kMaxGrid_px);
+  matrix.grid_height_px = json.integer("grid_height_px", 1, kMaxGrid_px);
+  matrix.tile_size_px = json.small_integer("tile_size_px", 16, 8192);
+  matrix.stride_px = json.small_integer("stride_px", 1, 8192);
+  json.integer("matrix_width", matrix.matrix_width(), matrix.matrix_width());
+  json.integer("matrix_height", matrix.matrix_height(), matrix.matrix_height());
+  json.finish();
+  return level;
+}
+
+Json tile_to_json(const PlanTile& tile) {
+  return {{"tile_id", tile.tile_id},
+          {"level", tile.level},
+          {"column", tile.column},
+          {"row", tile.row},
+          {"bounds_m", {tile.bounds.min_x_m, tile.bounds.min_y_m, tile.bounds.max_x_m, tile.bounds.max_y_m}},
+          {"center_lon_deg", tile.center.lon_deg},
+          {"center_lat_deg", tile.center.lat_deg},
+          {"valid_fraction", tile.valid_fraction},
+          {"route_distance_m", tile.route_distance_m},
+          {"route_offset_m", tile.route_offset_m}};
+}
+
+PlanTile tile_from_json(JsonObject json, const std::vector<PlanLevel>& levels) {
+  PlanTile tile;
+  tile.tile_id = json.integer("tile_id", 0);
+  tile.level = json.small_integer("level", 0, static_cast<int>(levels.size()) - 1);
+  const TileMatrix& matrix = levels[static_cast<std::size_t>(tile.level)].matrix;
+  tile.column = json.integer("column", 0, matrix.matrix_width() - 1);
+  tile.row = json.integer("row", 0, matrix.matrix_height() - 1);
+  if (tile.tile_id != tile_id_of(levels, tile.level, tile.column, tile.row)) {
+    throw DataError(json.path("tile_id") + " = " + std::to_string(tile.tile_id) +
+                    " does not belong to its column and row");
+  }
+  const auto bounds = json.numbers("bounds_m", 4);
+  tile.bounds = {bounds[0], bounds[1], bounds[2], bounds[3]};
+  tile.center = {json.number("center_lon_deg"), json.number("center_lat_deg")};
+  tile.valid_fraction = json.number("valid_fraction");
+  tile.route_distance_m = json.number("route_distance_m");
+  tile.route_offset_m = json.number("route_offset_m");
+  json.finish();
+  return tile;
+}
+
+Json sample_to_json(const PlanSample& sample) {
+  return {{"lon_deg", sample.point.lon_deg},
+          {"lat_deg", sample.point.lat_deg},
+          {"x_m", sample.point_map_m.x()},
+          {"y_m", sample.point_map_m.y()},
+          {"leg", sample.leg},
+          {"distance_m", sample.distance_m},
+          {"azimuth_deg", sample.azimuth_deg},
+          {"amsl_m", json_number(sample.amsl_m)},
+          {"agl_m", sample.agl_m},
+          {"speed_mps", sample.speed_mps},
+          {"level", sample.level}};
+}
+
+PlanSample sample_from_json(JsonObject json, const TilePlan& plan) {
+  PlanSample sample;
+  sample.point = {json.number("lon_deg"), json.number("lat_deg")};
+  sample.point_map_m = {json.number("x_m"), json.number("y_m")};
+  sample.leg = json.small_integer("leg", 0, static_cast<int>(plan.route.legs.size()) - 1);
+  sample.distance_m = json.number("distance_m");
+  sample.azimuth_deg = json.number("azimuth_deg");
+  sample.amsl_m = json.number_or_nan("amsl_m");
+  sample.agl_m = json.number("agl_m");
+  sample.speed_mps = json.number("speed_mps");
+  if (!(sample.speed_mps > 0)) throw DataError(json.path("speed_mps") + " must be above 0");
+  sample.level = json.small_integer("level", PlanSample::kNoLevel, static_cast<int>(plan.levels.size()) - 1);
+  json.finish();
+  return sample;
+}
+
+template <class Options>
+Options options_of(JsonObject& json, const std::string& key) {
+  Options options;
+  try {
+    set_options_from_json(list_options(options), json.value(key), json.path(key));
+  } catch (const UsageError& error) {
+    throw DataError(error.what());  // in a file of ours it is the file that is wrong
+  }
+  return options;
+}
+
+template <class Options>
+Json json_of(Options options) {
+  return options_to_json(list_options(options));
+}
+
+}  // namespace
+
+Json plan_to_json(const TilePlan& plan) {
+  Json json = {{"pilotage_plan", kPlanVersion},
+               {"crs_name", plan.crs_name},
+               {"crs_wkt", plan.crs_wkt},
+               {"max_scale_distortion", plan.max_scale_distortion},
+               {"elevation", plan.elevation},
+               {"route_file", plan.route_file},
+               {"imagery_options", json_of(plan.imagery_options)},
+               {"camera", camera_to_json(plan.camera)},
+               {"ins", json_of(plan.ins)},
+               {"max_error_m", plan.max_error_m},
+               {"min_agl_m", plan.min_agl_m},
+               {"corridor_half_width_m", plan.corridor_half_width_m},
+               {"footprint_width_m", plan.footprint_width_m},
+               {"footprint_height_m", plan.footprint_height_m},
+               {"warnings", plan.warnings},
+               {"notes", plan.notes},
+               {"imagery", Json::array()},
+               {"levels", Json::array()},
+               {"route", route_to_json(plan.route)},
+               {"route_samples", Json::array()},
+               {"tiles", Json::array()}};
+  for (const PlanImagery& image : plan.imagery) {
+    json["imagery"].push_back({{"dataset", image.dataset},
+                               {"gsd_m", image.gsd_m},
+                               {"crs", image.crs},
+                               {"acquired", image.acquired},
+                               {"width_px", image.width_px},
+                               {"height_px", image.height_px}});
+  }
+  for (const PlanLevel& level : plan.levels) json["levels"].push_back(matrix_to_json(level));
+  for (const PlanSample& sample : plan.route_samples) json["route_samples"].push_back(sample_to_json(sample));
+  for (const PlanTile& tile : plan.tiles) json["tiles"].push_back(tile_to_json(tile));
+  return json;
+}
+
+TilePlan plan_from_json(const Json& json, const std::string& name) {
+  JsonObject object(json, name);
+  TilePlan plan;
+  const std::int64_t version = object.integer("pilotage_plan", 1);
+  if (version > kPlanVersion) {
+    throw DataError(name + ": plan version " + std::to_string(version) + " is newer than this program reads (" +
+                    std::to_string(kPlanVersion) + ")");
+  }
+  plan.crs_name = object.text("crs_name");
+  plan.crs_wkt = object.text("crs_wkt");
+  plan.max_scale_distortion = object.number("max_scale_distortion");
+  plan.elevation = object.text("elevation");
+  plan.route_file = object.text("route_file");
+  plan.imagery_options = options_of<ImageryOptions>(object, "imagery_options");
+  plan.camera = camera_from_json(object.path("camera"), object.value("camera"));
+  plan.ins = options_of<InsOptions>(object, "ins");
+  plan.max_error_m = object.number("max_error_m");
+  plan.min_agl_m = object.number("min_agl_m");
+  plan.corridor_half_width_m = object.number("corridor_half_width_m");
+  plan.footprint_width_m = object.number("footprint_width_m");
+  plan.footprint_height_m = object.number("footprint_height_m");
+  plan.warnings = object.texts("warnings");
+  plan.notes = object.texts("notes");
+  for (JsonObject& image : object.objects("imagery")) {
+    plan.imagery.push_back({image.text("dataset"), image.number("gsd_m"), image.text("crs"), image.text("acquired"),
+                            image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
+                            image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
+    image.finish();
+  }
+  for (JsonObject& level : object.objects("levels")) {
+    plan.levels.push_back(level_from_json(level, static_cast<int>(plan.levels.size())));
+  }
+  if (plan.levels.empty()) throw DataError(object.path("levels") + " is empty");
+  plan.route = route_from_json(object.value("route"), object.path("route"));
+  for (JsonObject& sample : object.objects("route_samples"))
+    plan.route_samples.push_back(sample_from_json(sample, plan));
+  if (plan.route_samples.empty()) throw DataError(object.path("route_samples") + " is empty");
+  for (JsonObject& tile : object.objects("tiles")) {
+    plan.tiles.push_back(tile_from_json(tile, plan.levels));
+    if (plan.tiles.size() > 1 && plan.tiles.back().tile_id <= plan.tiles[plan.tiles.size() - 2].tile_id) {
+      throw DataError(object.path("tiles") + ": tile_id " + std::to_string(plan.tiles.back().tile_id) +
+                      " is out of order");
+    }
+  }
+  object.finish();
+  return plan;
+}
+
+TilePlan read_plan(const std::filesystem::path& path) {
+  return plan_from_json(parse_json(path.string(), read_file(path)), path.string());
+}
+
+}  // namespace pilotage

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "pilotage/mission/tile_plan.h"
+
+namespace pilotage {
+
+/// The tile plan as a file (schemas/plan.schema.json): what `tile` writes and `score`, `select`, `build` and `report`
+/// read. Numbers read back exactly.
+nlohmann::ordered_json plan_to_json(const TilePlan& plan);
+
+/// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path.
+TilePlan plan_from_json(const nlohmann::ordered_json& json, const std::string& name);
+
+/// plan_from_json of a file. Throws DataError.
+TilePlan read_plan(const std::filesystem::path& path);
+
+}  // namespace pilotage

@@ -1,0 +1,83 @@
+#include "pilotage/mission/score_raster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "pilotage/base/error.h"
+
+namespace pilotage {
+namespace {
+
+struct CellRange {
+  std::int64_t first_column = std::numeric_limits<std::int64_t>::max();
+  std::int64_t first_row = std::numeric_limits<std::int64_t>::max();
+  std::int64_t last_column = -1;
+  std::int64_t last_row = -1;
+};
+
+CellRange range_of(const TileMatrix& matrix, std::span<const TileRow> rows) {
+  CellRange range;
+  for (const TileRow& row : rows) {
+    const PlanTile& tile = row.tile;
+    if (tile.level != matrix.level) continue;
+    if (tile.column < 0 || tile.row < 0 || tile.column >= matrix.matrix_width() || tile.row >= matrix.matrix_height()) {
+      throw DataError("tile " + std::to_string(tile.tile_id) + " lies outside the tile matrix of level " +
+                      std::to_string(matrix.level));
+    }
+    range.first_column = std::min(range.first_column, tile.column);
+    range.first_row = std::min(range.first_row, tile.row);
+    range.last_column = std::max(range.last_column, tile.column);
+    range.last_row = std::max(range.last_row, tile.row);
+  }
+  return range;
+}
+
+// The transform of pixels of one stride each, the first of which lies around the centre of the first tile.
+GeoTransform cell_transform(const TileMatrix& matrix, const CellRange& range) {
+  const double inset_px = (matrix.tile_size_px - matrix.stride_px) / 2.0;
+  GeoTransform transform =
+      matrix.map_from_pixel.shifted(static_cast<double>(range.first_column * matrix.stride_px) + inset_px,
+                                    static_cast<double>(range.first_row * matrix.stride_px) + inset_px);
+  transform.x_per_col *= matrix.stride_px;
+  transform.x_per_row *= matrix.stride_px;
+  transform.y_per_col *= matrix.stride_px;
+  transform.y_per_row *= matrix.stride_px;
+  return transform;
+}
+
+template <class Get>
+cv::Mat draw(const TileMatrix& matrix, std::span<const TileRow> rows, const CellRange& range, Get get) {
+  cv::Mat values(static_cast<int>(range.last_row - range.first_row + 1),
+                 static_cast<int>(range.last_column - range.first_column + 1), CV_64FC1,
+                 cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
+  for (const TileRow& row : rows) {
+    if (row.tile.level != matrix.level) continue;
+    values.at<double>(static_cast<int>(row.tile.row - range.first_row),
+                      static_cast<int>(row.tile.column - range.first_column)) = get(row);
+  }
+  return values;
+}
+
+}  // namespace
+
+ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows) {
+  ScoreRaster raster;
+  const CellRange range = range_of(matrix, rows);
+  if (range.last_row < 0) return raster;
+  raster.map_from_pixel = cell_transform(matrix, range);
+  raster.bands.push_back(
+      {"valid_fraction", "", draw(matrix, rows, range, [](const TileRow& row) { return row.score.valid_fraction; })});
+  for (const ScoreColumn& column : score_columns()) {
+    const bool measured = std::any_of(rows.begin(), rows.end(), [&](const TileRow& row) {
+      return row.tile.level == matrix.level && !std::isnan(column.get(row.score));
+    });
+    if (!measured) continue;
+    raster.bands.push_back({column.name, column.unit,
+                            draw(matrix, rows, range, [&](const TileRow& row) { return column.get(row.score); })});
+  }
+  return raster;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pilotage/geo/tile_matrix.h"
+#include "pilotage/mission/tile_table.h"
+#include "pilotage/raster/gdal_write.h"
+
+namespace pilotage {
+
+/// Scores as a raster: one pixel per tile, drawn as the stride-sized cell around the tile's centre.
+struct ScoreRaster {
+  std::vector<ScoreBand> bands;  ///< valid_fraction, then score_columns() by name; NaN where there is no tile.
+  GeoTransform map_from_pixel;
+};
+
+/// The raster of the rows of one level, cropped to the tiles there are; columns that no row has a value for are left
+/// out. Empty bands when there is no row. Throws DataError when a row lies outside `matrix`.
+ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows);
+
+}  // namespace pilotage

@@ -1,0 +1,95 @@
+#include "pilotage/mission/selection_file.h"
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSelectionVersion = 1;
+constexpr int kMaxLeg = 1'000'000;
+
+}  // namespace
+
+Json selection_to_json(const Selection& selection) {
+  Json json = {{"pilotage_selection", kSelectionVersion},
+               {"max_error_m", selection.max_error_m},
+               {"sigma_multiple", selection.sigma_multiple},
+               {"within_limit", selection.within_limit},
+               {"matchable_fraction", selection.matchable_fraction},
+               {"estimated_bytes", selection.estimated_bytes},
+               {"notes", selection.notes},
+               {"gaps", Json::array()},
+               {"legs", Json::array()},
+               {"error_profile", Json::array()},
+               {"tile_ids", selection.tile_ids}};
+  for (const RouteGap& gap : selection.gaps) {
+    json["gaps"].push_back({{"leg", gap.leg},
+                            {"from_distance_m", gap.from_distance_m},
+                            {"to_distance_m", gap.to_distance_m},
+                            {"duration_s", gap.duration_s},
+                            {"error_m", gap.error_m},
+                            {"within_limit", gap.within_limit}});
+  }
+  for (const LegStatus& leg : selection.legs) {
+    json["legs"].push_back({{"leg", leg.leg},
+                            {"length_m", leg.length_m},
+                            {"matchable_fraction", leg.matchable_fraction},
+                            {"max_error_m", leg.max_error_m},
+                            {"within_limit", leg.within_limit}});
+  }
+  for (const ErrorSample& sample : selection.error_profile) {
+    json["error_profile"].push_back(
+        {{"distance_m", sample.distance_m}, {"error_m", sample.error_m}, {"matchable", sample.matchable}});
+  }
+  return json;
+}
+
+Selection selection_from_json(const Json& json, const std::string& name) {
+  JsonObject object(json, name);
+  Selection selection;
+  object.integer("pilotage_selection", 1, kSelectionVersion);
+  selection.max_error_m = object.number("max_error_m");
+  selection.sigma_multiple = object.number("sigma_multiple");
+  selection.within_limit = object.boolean("within_limit");
+  selection.matchable_fraction = object.number("matchable_fraction");
+  selection.estimated_bytes = object.integer("estimated_bytes", 0);
+  selection.notes = object.texts("notes");
+  for (JsonObject& gap : object.objects("gaps")) {
+    selection.gaps.push_back({gap.small_integer("leg", 0, kMaxLeg), gap.number("from_distance_m"),
+                              gap.number("to_distance_m"), gap.number("duration_s"), gap.number("error_m"),
+                              gap.boolean("within_limit")});
+    gap.finish();
+  }
+  for (JsonObject& leg : object.objects("legs")) {
+    selection.legs.push_back({leg.small_integer("leg", 0, kMaxLeg), leg.number("length_m"),
+                              leg.number("matchable_fraction"), leg.number("max_error_m"),
+                              leg.boolean("within_limit")});
+    leg.finish();
+  }
+  for (JsonObject& sample : object.objects("error_profile")) {
+    selection.error_profile.push_back(
+        {sample.number("distance_m"), sample.number("error_m"), sample.boolean("matchable")});
+    sample.finish();
+  }
+  const Json& ids = object.value("tile_ids");
+  if (!ids.is_array()) throw DataError(object.path("tile_ids") + " is not a list");
+  for (const Json& id : ids) {
+    const bool ascending =
+        id.is_number_unsigned() && (selection.tile_ids.empty() || id.get<std::int64_t>() > selection.tile_ids.back());
+    if (!ascending) throw DataError(object.path("tile_ids") + ": " + id.dump() + " is not an ascending tile_id");
+    selection.tile_ids.push_back(id.get<std::int64_t>());
+  }
+  object.finish();
+  return selection;
+}
+
+Selection read_selection(const std::filesystem::path& path) {
+  return selection_from_json(parse_json(path.string(), read_file(path)), path.string());
+}
+
+}  // namespace pilotage

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace pilotage {
+
+/// The most bytes that stored ground can take in the map database; `select` holds the budget against these, so that a
+/// map never exceeds it.
+struct StoredSize {
+  double bytes_per_px = 0;    ///< Descriptors and key points, per pixel of a level.
+  double bytes_per_tile = 0;  ///< A row of the tiles layer with its scores, index entries and unused ends of pages.
+  double bytes_fixed = 0;     ///< Everything that does not depend on the tiles.
+};
+
+}  // namespace pilotage

@@ -1,0 +1,139 @@
+#include "pilotage/prepare/prepare.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include <unistd.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/mission/plan_file.h"
+#include "pilotage/mission/score_raster.h"
+#include "pilotage/mission/selection_file.h"
+#include "pilotage/mission/tile_table.h"
+#include "pilotage/raster/gdal_io.h"
+#include "pilotage/report/plan_report.h"
+#include "pilotage/report/report.h"
+#include "pilotage/score/score_plan.h"
+#include "pilotage/select/select_tiles.h"
+#include "pilotage/tile/plan_tiles.h"
+
+namespace pilotage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The outputs grow in a hidden folder inside the output folder and move out together at the end.
+class StagingFolder {
+ public:
+  explicit StagingFolder(const fs::path& output_folder)
+      : output_folder_(output_folder), path_(output_folder / (".partial-" + std::to_string(::getpid()))) {
+    std::error_code error;
+    made_output_folder_ = fs::create_directories(output_folder_, error);
+    if (!error) fs::remove_all(path_, error);
+    if (!error) fs::create_directory(path_, error);
+    if (error) throw DataError(output_folder_.string() + ": the folder cannot be made: " + error.message());
+  }
+  ~StagingFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+    if (made_output_folder_) fs::remove(output_folder_, ignored);  // only when it is empty
+  }
+  StagingFolder(const StagingFolder&) = delete;
+  StagingFolder& operator=(const StagingFolder&) = delete;
+
+  fs::path operator/(const std::string& name) const { return path_ / name; }
+
+  void publish(const std::vector<std::string>& names) const {
+    for (const std::string& name : names) {
+      std::error_code error;
+      fs::rename(path_ / name, output_folder_ / name, error);
+      if (error) throw DataError((output_folder_ / name).string() + ": cannot be created: " + error.message());
+    }
+  }
+
+ private:
+  fs::path output_folder_;
+  fs::path path_;
+  bool made_output_folder_ = false;
+};
+
+std::string score_raster_name(int level) {
+  return level == 0 ? "scores.tif" : "scores_level" + std::to_string(level) + ".tif";
+}
+
+void refuse_existing(const fs::path& folder, bool overwrite) {
+  if (overwrite) return;
+  for (const char* name :
+       {"plan.json", "tiles.csv", "scores.tif", "selection.json", "map.gpkg", "report.html", "report.json"}) {
+    if (fs::exists(folder / name)) {
+      throw DataError((folder / name).string() + ": exists already; give --overwrite to replace it");
+    }
+  }
+}
+
+nlohmann::ordered_json described(PrepareOptions options) {
+  return options_to_json(list_options(options));
+}
+
+std::vector<MapProvenance> provenance_of(const TilePlan& plan, const PrepareOptions& options, const PrepareRun& run) {
+  std::vector<MapProvenance> provenance{{"tool_version", run.software_version}, {"options", described(options).dump()}};
+  int index = 0;
+  for (const ReportFile& file : input_files(plan)) {
+    provenance.push_back(
+        {"input." + std::to_string(index++), file.role + " " + file.name + " " + file.date + " " + file.digest});
+  }
+  return provenance;
+}
+
+}  // namespace
+
+PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
+  check_options(options);
+  refuse_existing(run.output_folder, run.overwrite);
+
+  const TilePlan plan = plan_tiles(options.tile, progress);
+  const StagingFolder staging(run.output_folder);
+  PrepareResult result;
+  const auto publish_later = [&](const std::string& name) {
+    result.files.push_back(name);
+    return staging / name;
+  };
+  write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
+
+  const std::vector<TileScore> scores = score_plan(plan, options.score, run.seed, run.threads, progress);
+  const std::vector<TileRow> rows = tile_rows(plan, scores);
+  write_file(publish_later("tiles.csv"), tile_table_to_csv(rows), true);
+  for (const PlanLevel& level : plan.levels) {
+    const ScoreRaster raster = score_raster(level.matrix, rows);
+    if (raster.bands.empty()) continue;
+    write_score_raster(publish_later(score_raster_name(level.matrix.level)), raster.bands,
+                       Crs::from_user_input(plan.crs_wkt), raster.map_from_pixel, true);
+  }
+
+  const Selection selection = select_tiles(plan, scores, stored_size(options.build), options.select);
+  write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
+
+  result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, provenance_of(plan, options, run),
+                         options.build, true, run.threads, progress);
+
+  ReportInput input = make_report_input(plan, scores, selection, run.software_version);
+  input.parameters = described(options);
+  input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
+  const Report report = make_report(input);
+  write_file(publish_later("report.json"), report_json(report).dump(1) + "\n", true);
+  write_file(publish_later("report.html"), report_html(report), true);
+  staging.publish(result.files);
+
+  result.verdict = report.verdict_text;
+  result.planned_tiles = static_cast<std::int64_t>(plan.tiles.size());
+  result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
+  result.matchable_fraction = selection.matchable_fraction;
+  result.within_limit = selection.within_limit;
+  result.warnings = plan.warnings;
+  return result;
+}
+
+}  // namespace pilotage

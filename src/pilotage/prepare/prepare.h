@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
+#include "pilotage/build/build_map.h"
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/score/score_tiles.h"
+#include "pilotage/select/select_options.h"
+#include "pilotage/tile/tile_options.h"
+
+namespace pilotage {
+
+/// A mission: what tile, score, select and build need. mission.json has these keys.
+struct PrepareOptions {
+  TileOptions tile;
+  ScoreOptions score;
+  SelectOptions select;
+  BuildOptions build;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    TileOptions::describe(self.tile, fields);
+    fields.group("score", self.score, "How tiles are scored.", FlagPrefix::kNone);
+    fields.group("select", self.select, "Which tiles become matching areas.", FlagPrefix::kNone);
+    fields.group("build", self.build, "What is stored of them.", FlagPrefix::kNone);
+  }
+};
+
+/// Where the outputs go, and how the work is done.
+struct PrepareRun {
+  std::filesystem::path output_folder;
+  bool overwrite = false;
+  std::uint64_t seed = 1;
+  int threads = 0;
+  std::string software_version;
+};
+
+struct PrepareResult {
+  std::string verdict;  ///< The report's first sentence.
+  BuildStats map;
+  std::int64_t planned_tiles = 0;
+  std::int64_t selected_tiles = 0;
+  double matchable_fraction = 0;
+  bool within_limit = false;
+  std::vector<std::string> files;     ///< Written, in the output folder.
+  std::vector<std::string> warnings;  ///< For the planner.
+};
+
+/// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …
+/// for further levels), selection.json, map.gpkg, report.html and report.json into the output folder, which is made
+/// when it does not exist. All of them appear at the end, together; when anything fails before, none does. Throws as
+/// the stages; DataError when an output exists and overwrite is not set.
+PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
+
+}  // namespace pilotage

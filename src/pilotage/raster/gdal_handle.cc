@@ -1,0 +1,66 @@
+#include "pilotage/raster/gdal_handle.h"
+
+#include <mutex>
+#include <string>
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <gdal_priv.h>
+
+#include "pilotage/base/error.h"
+
+namespace pilotage {
+namespace {
+
+constexpr GIntBig kBlockCacheBytes = GIntBig{256} << 20;
+
+void CPL_STDCALL collect_error(CPLErr level, CPLErrorNum number, const char* text) {
+  if (level == CE_Debug) return CPLDefaultErrorHandler(level, number, text);  // CPL_DEBUG: someone asked for it
+  static_cast<GdalErrors*>(CPLGetErrorHandlerUserData())->add(level >= CE_Failure, text);
+}
+
+void register_gdal() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // for errors outside any GdalErrors, as in GDAL's own threads
+    if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(kBlockCacheBytes);
+    GDALAllRegister();
+  });
+}
+
+}  // namespace
+
+GdalErrors::GdalErrors() {
+  register_gdal();
+  CPLPushErrorHandlerEx(collect_error, this);
+}
+
+GdalErrors::~GdalErrors() {
+  CPLPopErrorHandler();
+}
+
+void GdalErrors::throw_data_error(const std::string& what) const {
+  throw DataError(message().empty() ? what : what + ": " + message());
+}
+
+void GdalErrors::add(bool is_failure, const char* text) {
+  if (!is_failure) {
+    warning_ = text;
+  } else if (failure_.empty()) {
+    failure_ = text;
+  }
+}
+
+void DatasetCloser::operator()(GDALDataset* dataset) const {
+  const GdalErrors errors;  // closing may report too
+  GDALClose(GDALDataset::ToHandle(dataset));
+}
+
+DatasetPtr open_raster(const std::string& dataset) {
+  const GdalErrors errors;
+  DatasetPtr opened(GDALDataset::Open(dataset.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
+  if (opened == nullptr) errors.throw_data_error(dataset + ": cannot be opened as a raster");
+  return opened;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+class GDALDataset;
+
+// Private to raster/gdal_*.cc and route/ogr_*.cc: GDAL's errors, registration and handles.
+
+namespace pilotage {
+
+/// Catches what GDAL and PROJ report in this thread while it lives, instead of letting them print.
+class GdalErrors {
+ public:
+  GdalErrors();  ///< Registers GDAL's drivers the first time.
+  ~GdalErrors();
+  GdalErrors(const GdalErrors&) = delete;
+  GdalErrors& operator=(const GdalErrors&) = delete;
+
+  /// The first failure, else the last warning, else "".
+  const std::string& message() const { return failure_.empty() ? warning_ : failure_; }
+  bool failed() const { return !failure_.empty(); }
+  /// DataError "`what`: `message()`".
+  [[noreturn]] void throw_data_error(const std::string& what) const;
+
+  void add(bool is_failure, const char* text);  ///< For the callback.
+
+ private:
+  std::string failure_;
+  std::string warning_;
+};
+
+struct DatasetCloser {
+  void operator()(GDALDataset* dataset) const;
+};
+using DatasetPtr = std::unique_ptr<GDALDataset, DatasetCloser>;
+
+/// Opens a raster to read; throws DataError with the dataset's name.
+DatasetPtr open_raster(const std::string& dataset);
+
+}  // namespace pilotage

@@ -1,0 +1,330 @@
+#include "pilotage/raster/gdal_imagery.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gdal_priv.h>
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/geo/geodesic.h"
+#include "pilotage/raster/gdal_handle.h"
+
+namespace pilotage {
+namespace {
+
+constexpr std::int64_t kManyPixels = 64'000'000;  // above this, coarse grids without overviews are slow
+constexpr double kScaleTolerance = 0.01;
+
+struct Georeference {
+  GeoTransform map_from_pixel;
+  const OGRSpatialReference* reference = nullptr;  // owned by the dataset
+  bool from_points = false;
+};
+
+GeoTransform from_gdal(const std::array<double, 6>& numbers) {
+  return {numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]};
+}
+
+bool usable(const GeoTransform& transform) {
+  const double determinant = transform.determinant();
+  return std::isfinite(determinant) && determinant != 0 && std::isfinite(transform.origin_x) &&
+         std::isfinite(transform.origin_y);
+}
+
+Georeference find_georeference(GDALDataset& dataset, const std::string& name) {
+  Georeference result;
+  std::array<double, 6> numbers{};
+  if (dataset.GetGeoTransform(numbers.data()) == CE_None) {
+    result.map_from_pixel = from_gdal(numbers);
+    result.reference = dataset.GetSpatialRef();
+  } else if (dataset.GetGCPCount() > 0) {
+    if (GDALGCPsToGeoTransform(dataset.GetGCPCount(), dataset.GetGCPs(), numbers.data(), FALSE) == 0) {
+      throw DataError(
+          name + ": has " + std::to_string(dataset.GetGCPCount()) +
+          " ground control points that no affine transform fits; warp it first, for instance with gdalwarp -tps");
+    }
+    result = {from_gdal(numbers), dataset.GetGCPSpatialRef(), true};
+  } else if (dataset.GetMetadata("RPC") != nullptr) {
+    throw DataError(name + ": is georeferenced by RPC only; ortho-rectify it first, for instance with gdalwarp -rpc");
+  } else {
+    throw DataError(name + ": has no georeference (no geotransform, world file or ground control points)");
+  }
+  if (!usable(result.map_from_pixel)) throw DataError(name + ": its geotransform cannot be inverted");
+  return result;
+}
+
+Crs crs_of(const OGRSpatialReference& reference) {
+  char* text = nullptr;
+  const char* const options[] = {"FORMAT=WKT2_2019", nullptr};
+  reference.exportToWkt(&text, options);
+  const std::string wkt = text != nullptr ? text : "";
+  CPLFree(text);
+  return Crs::from_user_input(wkt);
+}
+
+Crs find_crs(const OGRSpatialReference* reference, const std::string& name, const std::string& stand_in,
+             std::vector<std::string>& warnings) {
+  if (reference == nullptr || reference->IsEmpty()) {
+    if (stand_in.empty()) throw DataError(name + ": states no CRS; give --imagery-crs, for instance EPSG:32633");
+    return Crs::from_user_input(stand_in);
+  }
+  Crs crs;
+  try {
+    crs = crs_of(*reference);
+  } catch (const UsageError& error) {
+    throw DataError(name + ": its CRS cannot be used: " + error.what());
+  }
+  if (!crs.is_projected() && !crs.is_geographic()) {
+    throw DataError(name + ": its CRS \"" + crs.name() + "\" is neither projected nor geographic");
+  }
+  if (!stand_in.empty() && !crs.same_as(Crs::from_user_input(stand_in))) {
+    warnings.push_back(name + ": states its own CRS \"" + crs.name() + "\"; the one given, " + stand_in +
+                       ", is not used");
+  }
+  return crs;
+}
+
+std::vector<int> bands_by_color(GDALDataset& dataset) {
+  std::array<int, 3> rgb{};
+  std::vector<int> others;
+  for (int band = 1; band <= dataset.GetRasterCount(); ++band) {
+    const GDALColorInterp color = dataset.GetRasterBand(band)->GetColorInterpretation();
+    if (color == GCI_AlphaBand) continue;
+    others.push_back(band);
+    const int place = color - GCI_RedBand;  // red, green, blue follow each other
+    if (place >= 0 && place < 3 && rgb[static_cast<std::size_t>(place)] == 0)
+      rgb[static_cast<std::size_t>(place)] = band;
+  }
+  if (rgb[0] > 0 && rgb[1] > 0 && rgb[2] > 0) return {rgb[0], rgb[1], rgb[2]};
+  others.resize(others.size() >= 3 ? 3 : std::min<std::size_t>(others.size(), 1));
+  return others;
+}
+
+std::vector<int> choose_bands(GDALDataset& dataset, const std::string& name, const std::vector<double>& asked) {
+  const int count = dataset.GetRasterCount();
+  if (asked.empty()) {
+    const std::vector<int> bands = bands_by_color(dataset);
+    if (bands.empty()) throw DataError(name + ": has no band of pixels");
+    return bands;
+  }
+  if (asked.size() != 1 && asked.size() != 3) {
+    throw UsageError("bands has " + std::to_string(asked.size()) + " values; give one band, or red, green and blue");
+  }
+  std::vector<int> bands;
+  for (const double number : asked) {
+    if (number != std::floor(number) || number < 1 || number > count) {
+      throw UsageError("bands = " + format_number(number) + ": " + name + " has bands 1 to " + std::to_string(count));
+    }
+    bands.push_back(static_cast<int>(number));
+  }
+  return bands;
+}
+
+bool is_palette(GDALDataset& dataset, const std::vector<int>& bands) {
+  GDALRasterBand* band = dataset.GetRasterBand(bands.front());
+  return bands.size() == 1 && band->GetColorInterpretation() == GCI_PaletteIndex && band->GetColorTable() != nullptr;
+}
+
+bool all_of_type(GDALDataset& dataset, const std::vector<int>& bands, GDALDataType type) {
+  return std::all_of(bands.begin(), bands.end(),
+                     [&](int band) { return dataset.GetRasterBand(band)->GetRasterDataType() == type; });
+}
+
+MaskKind find_mask(GDALDataset& dataset, const std::vector<int>& bands, bool nodata_given) {
+  for (int band = 1; band <= dataset.GetRasterCount(); ++band) {
+    if (dataset.GetRasterBand(band)->GetColorInterpretation() == GCI_AlphaBand) return MaskKind::kAlpha;
+  }
+  if (nodata_given) return MaskKind::kNoData;
+  const int flags = dataset.GetRasterBand(bands.front())->GetMaskFlags();
+  if ((flags & GMF_ALL_VALID) != 0) return MaskKind::kNone;
+  return (flags & GMF_NODATA) != 0 ? MaskKind::kNoData : MaskKind::kMaskBand;
+}
+
+/// "YYYY-MM-DD" from a text that starts with year, month and day, with or without separators; "" otherwise.
+std::string date_of(std::string_view text) {
+  std::string digits;
+  for (const char c : text) {
+    if (digits.size() == 8) break;
+    if (c >= '0' && c <= '9') {
+      digits += c;
+    } else if ((c != ':' && c != '-' && c != '/') || (digits.size() != 4 && digits.size() != 6)) {
+      break;
+    }
+  }
+  if (digits.size() != 8) return "";
+  const int year = std::stoi(digits.substr(0, 4));
+  const int month = std::stoi(digits.substr(4, 2));
+  const int day = std::stoi(digits.substr(6, 2));
+  if (year < 1826 || month < 1 || month > 12 || day < 1 || day > 31) return "";
+  return digits.substr(0, 4) + "-" + digits.substr(4, 2) + "-" + digits.substr(6, 2);
+}
+
+/// From what tells the time of the exposure to what may tell the time of processing.
+std::string find_acquisition_date(GDALDataset& dataset) {
+  struct Item {
+    const char* domain;
+    const char* name;
+  };
+  static constexpr std::array<Item, 10> kItems{{{"IMAGERY", "ACQUISITIONDATETIME"},
+                                                {"", "ACQUISITION_DATE"},
+                                                {"", "acquisition_start"},
+                                                {"", "DATE_ACQUIRED"},
+                                                {"", "PRODUCT_START_TIME"},
+                                                {"", "NITF_IDATIM"},
+                                                {"", "EXIF_DateTimeOriginal"},
+                                                {"EXIF", "EXIF_DateTimeOriginal"},
+                                                {"", "EXIF_DateTime"},
+                                                {"", "TIFFTAG_DATETIME"}}};
+  for (const Item& item : kItems) {
+    const char* text = dataset.GetMetadataItem(item.name, item.domain);
+    if (text == nullptr) continue;
+    if (const std::string date = date_of(text); !date.empty()) return date;
+  }
+  return "";
+}
+
+void measure_gsd(ImageryInfo& info) {
+  CrsTransform transform(info.crs);
+  const Eigen::Vector2d middle(info.width_px / 2.0, info.height_px / 2.0);
+  const auto at = [&](double col, double row) {
+    const auto point =
+        transform.geodetic_from_map(info.map_from_pixel.map_from_pixel(middle + Eigen::Vector2d(col, row)));
+    if (!point) throw DataError(info.dataset + ": its centre has no longitude and latitude; is its CRS right?");
+    return *point;
+  };
+  const double half_x = std::min(8.0, middle.x());
+  const double half_y = std::min(8.0, middle.y());
+  info.center = at(0, 0);
+  info.gsd_x_m = geodesic_between(at(-half_x, 0), at(half_x, 0)).length_m / (2 * half_x);
+  info.gsd_y_m = geodesic_between(at(0, -half_y), at(0, half_y)).length_m / (2 * half_y);
+}
+
+void read_bands(GDALDataset& dataset, const ImageryOptions& options, ImageryInfo& info) {
+  info.gray_bands = choose_bands(dataset, info.dataset, options.bands);
+  for (int band = 1; band <= dataset.GetRasterCount(); ++band) {
+    info.band_colors.emplace_back(
+        GDALGetColorInterpretationName(dataset.GetRasterBand(band)->GetColorInterpretation()));
+  }
+  GDALRasterBand* first = dataset.GetRasterBand(info.gray_bands.front());
+  info.band_type = GDALGetDataTypeName(first->GetRasterDataType());
+  const char* pixel_type = first->GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
+  if (pixel_type != nullptr && std::string_view(pixel_type) == "SIGNEDBYTE") {
+    throw DataError(info.dataset +
+                    ": holds signed 8-bit values, which are not supported; convert it, for instance with "
+                    "gdal_translate -ot Int16");
+  }
+  info.palette = is_palette(dataset, info.gray_bands);
+  if (info.palette || all_of_type(dataset, info.gray_bands, GDT_Byte)) {
+    info.depth = CV_8U;
+  } else {
+    info.depth = all_of_type(dataset, info.gray_bands, GDT_UInt16) ? CV_16U : CV_64F;
+  }
+  info.mask = find_mask(dataset, info.gray_bands, options.nodata.has_value());
+  info.overviews = first->GetOverviewCount();
+  info.scale = first->GetScale();
+  info.offset = first->GetOffset();
+  info.unit = first->GetUnitType();
+}
+
+void add_warnings(GDALDataset& dataset, bool from_points, ImageryInfo& info) {
+  const auto warn = [&](const std::string& text) { info.warnings.push_back(info.dataset + ": " + text); };
+  if (from_points) warn("its place comes from ground control points, which one affine transform fits");
+  if (GDALDataTypeIsComplex(dataset.GetRasterBand(info.gray_bands.front())->GetRasterDataType()) != 0) {
+    warn("holds complex values; gray is their magnitude");
+  }
+  if (std::abs(info.gsd_x_m / info.gsd_y_m - 1) > kScaleTolerance) {
+    warn("its pixels are not square on the ground: " + format_fixed(info.gsd_x_m, 4) + " m × " +
+         format_fixed(info.gsd_y_m, 4) + " m");
+  }
+  if (info.overviews == 0 && std::int64_t{info.width_px} * info.height_px > kManyPixels) {
+    warn("has no overviews; reading it on a coarser grid is slow (gdaladdo makes them)");
+  }
+}
+
+}  // namespace
+
+ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options) {
+  check_options(options);
+  const DatasetPtr opened = open_raster(dataset);
+  const GdalErrors errors;
+  ImageryInfo info;
+  info.dataset = dataset;
+  info.driver = opened->GetDriverName();
+  info.width_px = opened->GetRasterXSize();
+  info.height_px = opened->GetRasterYSize();
+  if (opened->GetRasterCount() == 0) {
+    const char* first = opened->GetMetadataItem("SUBDATASET_1_NAME", "SUBDATASETS");
+    throw DataError(dataset + ": has no band of pixels" +
+                    (first != nullptr ? "; it holds several rasters, the first is " + std::string(first) : ""));
+  }
+  const Georeference georeference = find_georeference(*opened, dataset);
+  info.map_from_pixel = georeference.map_from_pixel;
+  info.crs = find_crs(georeference.reference, dataset, options.imagery_crs, info.warnings);
+  read_bands(*opened, options, info);
+  info.acquired = find_acquisition_date(*opened);
+  try {
+    measure_gsd(info);
+  } catch (const DataError& error) {
+    const std::string message = error.what();
+    throw DataError(message.starts_with(dataset) ? message : dataset + ": " + message);
+  }
+  add_warnings(*opened, georeference.from_points, info);
+  return info;
+}
+
+Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs) {
+  constexpr int kSteps = 64;  // per edge; the bulge between two steps of a curved edge is below 1/16,000 of its own
+  const CrsTransform from(info.crs);
+  const CrsTransform to(crs);
+  const bool same = info.crs.same_as(crs);
+  Bounds bounds;
+  const auto add = [&](double x_share, double y_share) {
+    const Eigen::Vector2d pixel(info.width_px * x_share, info.height_px * y_share);
+    const Eigen::Vector2d map = info.map_from_pixel.map_from_pixel(pixel);
+    if (same) return bounds.extend(map);
+    const auto geodetic = from.geodetic_from_map(map);
+    const auto point = geodetic ? to.map_from_geodetic(*geodetic) : std::nullopt;
+    if (point) bounds.extend(*point);
+  };
+  for (int i = 0; i <= kSteps; ++i) {
+    const double share = static_cast<double>(i) / kSteps;
+    add(share, 0);
+    add(share, 1);
+    add(0, share);
+    add(1, share);
+  }
+  return bounds;
+}
+
+std::vector<std::string> imagery_warnings(const std::vector<ImageryInfo>& infos, double camera_gsd_m) {
+  std::vector<std::string> warnings;
+  for (const ImageryInfo& info : infos) {
+    warnings.insert(warnings.end(), info.warnings.begin(), info.warnings.end());
+    const double gsd_m = std::max(info.gsd_x_m, info.gsd_y_m);
+    if (camera_gsd_m > 0 && gsd_m > camera_gsd_m * (1 + kScaleTolerance)) {
+      warnings.push_back(info.dataset + ": its pixels (" + format_fixed(gsd_m, 3) +
+                         " m) are coarser than the camera's (" + format_fixed(camera_gsd_m, 3) +
+                         " m); the map is limited by the imagery");
+    }
+    const ImageryInfo& first = infos.front();
+    const double ratio = std::sqrt(info.gsd_x_m * info.gsd_y_m / (first.gsd_x_m * first.gsd_y_m));
+    if (std::max(ratio, 1 / ratio) > 1 + kScaleTolerance) {
+      warnings.push_back(info.dataset + ": its ground sample distance is " + format_fixed(ratio, 4) +
+                         " times that of " + first.dataset + " (more than 1 % apart)");
+    }
+    if (info.depth != first.depth) {
+      warnings.push_back(info.dataset + ": holds " + info.band_type + " values, " + first.dataset + " " +
+                         first.band_type + "; their gray values may not be comparable");
+    }
+  }
+  return warnings;
+}
+
+}  // namespace pilotage

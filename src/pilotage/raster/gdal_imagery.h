@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pilotage/base/options.h"
+#include "pilotage/geo/bounds.h"
+#include "pilotage/geo/geo_transform.h"
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/raster/gdal_crs.h"
+
+namespace pilotage {
+
+/// How imagery is brought onto a mission grid (docs/methods/imagery.md says why these).
+enum class Resampling {
+  kAuto,  ///< Average of the covered pixels where the grid is more than 1.5 times coarser, cubic otherwise.
+  kNearest,
+  kBilinear,
+  kCubic,
+  kAverage,
+};
+
+inline EnumNames<Resampling> enum_names(Resampling) {
+  return {{Resampling::kAuto, "auto"},
+          {Resampling::kNearest, "nearest"},
+          {Resampling::kBilinear, "bilinear"},
+          {Resampling::kCubic, "cubic"},
+          {Resampling::kAverage, "average"}};
+}
+
+/// How imagery is read. Meant to be described in a group with FlagPrefix::kNone.
+struct ImageryOptions {
+  std::vector<double> bands;
+  std::string imagery_crs;
+  std::optional<double> nodata;
+  Resampling resampling = Resampling::kAuto;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("bands", self.bands,
+                 "Bands to make gray of, counted from 1: one band, or red, green, blue. Default: by colour "
+                 "interpretation, else the first three, else the first.",
+                 Range{1, 65535});
+    fields.field("imagery_crs", self.imagery_crs, "CRS of imagery that states none, for instance EPSG:32633.");
+    fields.field("nodata", self.nodata, "Value that means no data in imagery that does not say so itself.");
+    fields.field("resampling", self.resampling, "How imagery is brought onto the mission grid.");
+  }
+};
+
+/// Where a raster says which pixels are ground. Pixels that are NaN or infinite never are.
+enum class MaskKind {
+  kNone,      ///< All pixels are valid.
+  kNoData,    ///< A no-data value.
+  kMaskBand,  ///< A mask of the whole dataset.
+  kAlpha,     ///< An alpha band (with or without a no-data value).
+};
+
+inline EnumNames<MaskKind> enum_names(MaskKind) {
+  return {{MaskKind::kNone, "none"},
+          {MaskKind::kNoData, "no-data value"},
+          {MaskKind::kMaskBand, "mask band"},
+          {MaskKind::kAlpha, "alpha band"}};
+}
+
+/// What a raster is.
+struct ImageryInfo {
+  std::string dataset;  ///< As given: a GDAL dataset string.
+  std::string driver;   ///< GDAL's short name: "GTiff".
+  int width_px = 0;
+  int height_px = 0;
+  GeoTransform map_from_pixel;
+  Crs crs;
+  int depth = 0;                         ///< OpenCV depth of the gray values: CV_8U, CV_16U or CV_64F.
+  std::string band_type;                 ///< GDAL's name of the first used band's type: "Byte", "UInt16", "CFloat32".
+  std::vector<std::string> band_colors;  ///< Colour interpretation of every band, as GDAL names it: "Red", "Alpha".
+  std::vector<int> gray_bands;           ///< Bands (from 1) that gray is made of: one, or red, green, blue.
+  bool palette = false;                  ///< The one gray band holds indices of colours.
+  MaskKind mask = MaskKind::kNone;
+  int overviews = 0;
+  /// Ground distance between neighbouring pixels at the centre of the raster, along a row and along a column: metres on
+  /// the ellipsoid, whatever the CRS (degrees, feet, the stretched metres of EPSG:3857). Good to 1e-6 relative.
+  double gsd_x_m = 0;
+  double gsd_y_m = 0;
+  GeodeticPoint center;
+  std::string acquired;  ///< "YYYY-MM-DD", or with less where the metadata say less; "" when they say nothing.
+  double scale = 1;  ///< Value = stored · scale + offset, as the first used band states it; gray values leave it out.
+  double offset = 0;
+  std::string unit;  ///< Of the first used band's values: "m", "ft", or "".
+  std::vector<std::string> warnings;
+};
+
+/// Opens a raster and says what it is. `dataset` is anything GDAL opens (a file, /vsicurl/…, a VRT, a WMTS
+/// description). A raster whose only georeference is ground control points is accepted when they fit one affine
+/// transform exactly. Throws DataError, naming the dataset, when it cannot be opened, has no georeference, no CRS (and
+/// none is given), no bands, or bands of a kind that cannot be made gray; UsageError when `options` do not fit it.
+ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options = {});
+
+/// The rectangle around a raster in another CRS; its edges are followed point by point because they may curve. Empty
+/// when no point of it has an image there.
+Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs);
+
+/// What a planner should know before these rasters are used together, as sentences: what inspect_imagery said of each;
+/// parts whose ground sample distance differs by more than 1 % (with a scale error of s, features a footprint w apart
+/// no longer agree by s·w); parts with differing depths; imagery coarser than the camera's own pixels on the ground,
+/// `camera_gsd_m` (0 = not known).
+std::vector<std::string> imagery_warnings(const std::vector<ImageryInfo>& infos, double camera_gsd_m);
+
+}  // namespace pilotage

@@ -1,0 +1,231 @@
+#include "pilotage/raster/gdal_view.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gdal_priv.h>
+#include <gdal_utils.h>
+#include <gdal_vrt.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+
+namespace pilotage {
+namespace {
+
+GDALDataType gdal_type(int depth) {
+  return depth == CV_8U ? GDT_Byte : depth == CV_16U ? GDT_UInt16 : GDT_Float64;
+}
+
+/// The arguments of a GDAL utility as it wants them.
+class Arguments {
+ public:
+  explicit Arguments(std::vector<std::string> texts) : texts_(std::move(texts)) {
+    for (std::string& text : texts_) pointers_.push_back(text.data());
+    pointers_.push_back(nullptr);
+  }
+  char** get() { return pointers_.data(); }
+
+ private:
+  std::vector<std::string> texts_;
+  std::vector<char*> pointers_;
+};
+
+const char* utility_name(Resampling resampling) {
+  switch (resampling) {
+    case Resampling::kNearest:
+      return "near";
+    case Resampling::kBilinear:
+      return "bilinear";
+    case Resampling::kAverage:
+      return "average";
+    default:
+      return "cubic";
+  }
+}
+
+std::vector<std::string> warp_arguments(const ImageryInfo& info, const TargetGrid& grid, Resampling resampling) {
+  const Eigen::Vector2d top_left = grid.map_from_pixel.map_from_pixel({0, 0});
+  const Eigen::Vector2d bottom_right =
+      grid.map_from_pixel.map_from_pixel({static_cast<double>(grid.width_px), static_cast<double>(grid.height_px)});
+  return {"-of", "VRT", "-dstalpha", "-ovr", "AUTO", "-t_srs", grid.crs.wkt(), "-te", format_number(top_left.x()),
+          format_number(bottom_right.y()), format_number(bottom_right.x()), format_number(top_left.y()), "-ts",
+          std::to_string(grid.width_px), std::to_string(grid.height_px), "-r", utility_name(resampling), "-et", "0.05",
+          "-wo",
+          // The same rule as RasterView::read_valid: YES = all bands hold the no-data value, PARTIAL = any does.
+          info.depth == CV_8U ? "UNIFIED_SRC_NODATA=YES" : "UNIFIED_SRC_NODATA=PARTIAL"};
+}
+
+}  // namespace
+
+RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options)
+    : info_(info), channels_(info.palette ? 3 : static_cast<int>(info.gray_bands.size())) {
+  stack_.push_back(open_raster(info.dataset));
+  const GdalErrors errors;
+  if (top().GetRasterXSize() != info.width_px || top().GetRasterYSize() != info.height_px) {
+    throw DataError(info.dataset + ": has changed while it was read");
+  }
+  if (info.palette) {
+    expand_palette(options);
+  } else if (GDALDataTypeIsComplex(top().GetRasterBand(info.gray_bands.front())->GetRasterDataType()) != 0) {
+    take_magnitude();
+  } else {
+    select_bands(options);
+  }
+  const GeoTransform& place = info.map_from_pixel;
+  std::array<double, 6> numbers{place.origin_x, place.x_per_col, place.x_per_row,
+                                place.origin_y, place.y_per_col, place.y_per_row};
+  top().SetGeoTransform(numbers.data());
+  top().SetProjection(info.crs.wkt().c_str());
+}
+
+RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, const TargetGrid& grid,
+                       Resampling resampling)
+    : RasterView(info, options) {
+  const GdalErrors errors;
+  Arguments arguments(warp_arguments(info, grid, resampling));
+  const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> warp_options(
+      GDALWarpAppOptionsNew(arguments.get(), nullptr), GDALWarpAppOptionsFree);
+  GDALDatasetH source = GDALDataset::ToHandle(&top());
+  DatasetPtr warped(warp_options == nullptr
+                        ? nullptr
+                        : GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, warp_options.get(), nullptr)));
+  if (warped == nullptr) fail(errors, "cannot be warped onto the mission grid");
+  stack_.push_back(std::move(warped));
+  has_alpha_ = true;
+  warped_ = true;
+}
+
+RasterView::~RasterView() {
+  while (!stack_.empty()) stack_.pop_back();  // what was made last refers to what was made first
+}
+
+void RasterView::fail(const GdalErrors& errors, const char* what) const {
+  errors.throw_data_error(info_.dataset + ": " + what);
+}
+
+void RasterView::translate(const std::vector<std::string>& arguments) {
+  const GdalErrors errors;
+  Arguments list(arguments);
+  const std::unique_ptr<GDALTranslateOptions, decltype(&GDALTranslateOptionsFree)> options(
+      GDALTranslateOptionsNew(list.get(), nullptr), GDALTranslateOptionsFree);
+  DatasetPtr made(options == nullptr ? nullptr
+                                     : GDALDataset::FromHandle(
+                                           GDALTranslate("", GDALDataset::ToHandle(&top()), options.get(), nullptr)));
+  if (made == nullptr) fail(errors, "its bands cannot be selected");
+  stack_.push_back(std::move(made));
+}
+
+void RasterView::select_bands(const ImageryOptions& options) {
+  std::vector<std::string> arguments{"-of", "VRT"};
+  for (const int band : info_.gray_bands) arguments.insert(arguments.end(), {"-b", std::to_string(band)});
+  for (int band = 1; band <= top().GetRasterCount() && !has_alpha_; ++band) {
+    if (top().GetRasterBand(band)->GetColorInterpretation() != GCI_AlphaBand) continue;
+    arguments.insert(arguments.end(), {"-b", std::to_string(band)});
+    has_alpha_ = true;
+  }
+  const GDALDataType type = top().GetRasterBand(info_.gray_bands.front())->GetRasterDataType();
+  if (options.nodata) {
+    arguments.insert(arguments.end(), {"-a_nodata", format_number(*options.nodata)});
+  } else if (info_.mask == MaskKind::kNone && (type == GDT_Float32 || type == GDT_Float64)) {
+    arguments.insert(arguments.end(), {"-a_nodata", "nan"});  // so that warping keeps NaN out of its neighbours
+  }
+  translate(arguments);
+}
+
+/// Colours instead of indices; the index that means no data becomes a transparent colour.
+void RasterView::expand_palette(const ImageryOptions& options) {
+  translate({"-of", "VRT", "-b", std::to_string(info_.gray_bands.front())});
+  GDALRasterBand* band = top().GetRasterBand(1);
+  const std::unique_ptr<GDALColorTable> colors(band->GetColorTable()->Clone());
+  int has_nodata = 0;
+  const double nodata = options.nodata ? *options.nodata : band->GetNoDataValue(&has_nodata);
+  if ((options.nodata || has_nodata != 0) && nodata >= 0 && nodata < colors->GetColorEntryCount()) {
+    GDALColorEntry entry = *colors->GetColorEntry(static_cast<int>(nodata));
+    entry.c4 = 0;
+    colors->SetColorEntry(static_cast<int>(nodata), &entry);
+    band->SetColorTable(colors.get());
+  }
+  for (int i = 0; i < colors->GetColorEntryCount(); ++i) has_alpha_ = has_alpha_ || colors->GetColorEntry(i)->c4 < 255;
+  translate({"-of", "VRT", "-expand", has_alpha_ ? "rgba" : "rgb"});
+}
+
+/// Complex values → their magnitude, before anything is resampled: their phases would cancel each other.
+void RasterView::take_magnitude() {
+  const GdalErrors errors;
+  DatasetPtr made(GDALDataset::FromHandle(VRTCreate(info_.width_px, info_.height_px)));
+  for (const int band : info_.gray_bands) {
+    const char* const options[] = {"subclass=VRTDerivedRasterBand", "PixelFunctionType=mod",
+                                   "SourceTransferType=CFloat64", nullptr};
+    const bool added = made != nullptr && GDALAddBand(GDALDataset::ToHandle(made.get()), GDT_Float64,
+                                                      const_cast<char**>(options)) == CE_None;
+    if (!added ||
+        VRTAddSimpleSource(static_cast<VRTSourcedRasterBandH>(made->GetRasterBand(made->GetRasterCount())),
+                           GDALRasterBand::ToHandle(top().GetRasterBand(band)), 0, 0, info_.width_px, info_.height_px,
+                           0, 0, info_.width_px, info_.height_px, "near", VRT_NODATA_UNSET) != CE_None) {
+      fail(errors, "its complex values cannot be read");
+    }
+  }
+  stack_.push_back(std::move(made));
+}
+
+cv::Mat RasterView::read_pixels(const PixelWindow& window) const {
+  const GdalErrors errors;
+  cv::Mat pixels(window.height, window.width, CV_MAKETYPE(info_.depth, channels_));
+  std::array<int, 3> bands{1, 2, 3};
+  const auto element = static_cast<GSpacing>(pixels.elemSize1());
+  const CPLErr result =
+      top().RasterIO(GF_Read, static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height,
+                     pixels.data, window.width, window.height, gdal_type(info_.depth), channels_, bands.data(),
+                     element * channels_, static_cast<GSpacing>(pixels.step[0]), element, nullptr);
+  if (result != CE_None) fail(errors, "cannot be read");
+  return pixels;
+}
+
+cv::Mat RasterView::read_valid(const PixelWindow& window) const {
+  const GdalErrors errors;
+  const auto read = [&](GDALRasterBand& band) {
+    cv::Mat mask(window.height, window.width, CV_8U);
+    if (band.RasterIO(GF_Read, static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height,
+                      mask.data, window.width, window.height, GDT_Byte, 1, static_cast<GSpacing>(mask.step[0]),
+                      nullptr) != CE_None) {
+      fail(errors, "its mask cannot be read");
+    }
+    return cv::Mat(mask != 0);
+  };
+  cv::Mat valid(window.height, window.width, CV_8U, cv::Scalar(255));
+  if (has_alpha_) valid = read(*top().GetRasterBand(channels_ + 1));
+  if (warped_) return valid;
+
+  const int flags = top().GetRasterBand(1)->GetMaskFlags();
+  if ((flags & (GMF_ALL_VALID | GMF_ALPHA)) != 0) return valid;
+  cv::Mat masks = read(*top().GetRasterBand(1)->GetMaskBand());
+  for (int band = 2; band <= channels_ && (flags & GMF_PER_DATASET) == 0; ++band) {
+    const cv::Mat mask = read(*top().GetRasterBand(band)->GetMaskBand());
+    masks = info_.depth == CV_8U ? cv::Mat(masks | mask) : cv::Mat(masks & mask);
+  }
+  return valid & masks;
+}
+
+std::unique_ptr<RasterView> ViewPool::take() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      std::unique_ptr<RasterView> view = std::move(idle_.back());
+      idle_.pop_back();
+      return view;
+    }
+  }
+  return open_();
+}
+
+void ViewPool::give_back(std::unique_ptr<RasterView> view) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(view));
+}
+
+}  // namespace pilotage

@@ -1,0 +1,166 @@
+#include "pilotage/raster/gdal_write.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gdal_priv.h>
+
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/raster/gdal_handle.h"
+
+namespace pilotage {
+namespace {
+
+/// A GDAL configuration option of this thread while it lives.
+class LocalConfig {
+ public:
+  LocalConfig(const char* key, const char* value) : key_(key) { CPLSetThreadLocalConfigOption(key, value); }
+  ~LocalConfig() { CPLSetThreadLocalConfigOption(key_, nullptr); }
+  LocalConfig(const LocalConfig&) = delete;
+  LocalConfig& operator=(const LocalConfig&) = delete;
+
+ private:
+  const char* key_;
+};
+
+DatasetPtr create_in_memory(const cv::Size& size, int bands, GDALDataType type, const Crs& crs,
+                            const GeoTransform& place, const std::string& path) {
+  const GdalErrors errors;
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("MEM");
+  DatasetPtr dataset(driver == nullptr ? nullptr : driver->Create("", size.width, size.height, bands, type, nullptr));
+  if (dataset == nullptr) errors.throw_data_error(path + ": no memory for the raster");
+  std::array<double, 6> numbers{place.origin_x, place.x_per_col, place.x_per_row,
+                                place.origin_y, place.y_per_col, place.y_per_row};
+  dataset->SetGeoTransform(numbers.data());
+  dataset->SetProjection(crs.wkt().c_str());
+  return dataset;
+}
+
+void fill(GDALRasterBand& band, const cv::Mat& values, GDALDataType type, const std::string& path) {
+  const GdalErrors errors;
+  cv::Mat rows = values.isContinuous() ? values : values.clone();
+  if (band.RasterIO(GF_Write, 0, 0, rows.cols, rows.rows, rows.data, rows.cols, rows.rows, type, 0, 0, nullptr) !=
+      CE_None) {
+    errors.throw_data_error(path + ": cannot be written");
+  }
+}
+
+/// Over the finite values, in two passes from left to right and top to bottom, so that the last digit never changes.
+void set_statistics(GDALRasterBand& band, const cv::Mat& values) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  double sum = 0;
+  double count = 0;
+  const auto for_each = [&](const auto& use) {
+    for (int row = 0; row < values.rows; ++row) {
+      const auto* value = values.ptr<double>(row);
+      for (int col = 0; col < values.cols; ++col) {
+        if (std::isfinite(value[col])) use(value[col]);
+      }
+    }
+  };
+  for_each([&](double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+    sum += value;
+    count += 1;
+  });
+  const std::string percent = format_number(100 * count / static_cast<double>(values.total()));
+  band.SetMetadataItem("STATISTICS_VALID_PERCENT", percent.c_str());
+  if (count == 0) return;
+  const double mean = sum / count;
+  double squares = 0;
+  for_each([&](double value) { squares += (value - mean) * (value - mean); });
+  band.SetMetadataItem("STATISTICS_MINIMUM", format_number(low).c_str());
+  band.SetMetadataItem("STATISTICS_MAXIMUM", format_number(high).c_str());
+  band.SetMetadataItem("STATISTICS_MEAN", format_number(mean).c_str());
+  band.SetMetadataItem("STATISTICS_STDDEV", format_number(std::sqrt(squares / count)).c_str());
+}
+
+void write_cog(GDALDataset& source, const std::filesystem::path& path, bool overwrite,
+               const std::vector<std::string>& options) {
+  const GdalErrors errors;
+  const LocalConfig no_side_car("GDAL_PAM_ENABLED", "NO");
+  OutputFile output(path, overwrite);
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("COG");
+  if (driver == nullptr) throw DataError(path.string() + ": this GDAL has no COG driver");
+  std::vector<const char*> list;
+  for (const std::string& option : options) list.push_back(option.c_str());
+  list.push_back(nullptr);
+  DatasetPtr written(driver->CreateCopy(output.temporary_path().c_str(), &source, TRUE, const_cast<char**>(list.data()),
+                                        nullptr, nullptr));
+  const bool created = written != nullptr;
+  written.reset();
+  if (!created || errors.failed()) errors.throw_data_error(path.string() + ": cannot be written");
+  output.commit();
+}
+
+void check_size(const std::string& name, const cv::Mat& values, const cv::Size& size, int type) {
+  if (values.empty() || values.type() != type) {
+    throw UsageError("band \"" + name + "\" is empty or of a type other than " + (type == CV_8U ? "CV_8U" : "CV_64F"));
+  }
+  if (values.size() != size) {
+    throw UsageError("band \"" + name + "\" has " + std::to_string(values.cols) + " x " + std::to_string(values.rows) +
+                     " pixels, the first " + std::to_string(size.width) + " x " + std::to_string(size.height));
+  }
+}
+
+}  // namespace
+
+void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
+                        const GeoTransform& map_from_pixel, bool overwrite) {
+  if (bands.empty()) throw UsageError("a score raster needs a band");
+  const cv::Size size = bands.front().values.size();
+  for (const ScoreBand& band : bands) check_size(band.name, band.values, size, CV_64F);
+  const DatasetPtr memory =
+      create_in_memory(size, static_cast<int>(bands.size()), GDT_Float64, crs, map_from_pixel, path.string());
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    GDALRasterBand& band = *memory->GetRasterBand(static_cast<int>(i) + 1);
+    fill(band, bands[i].values, GDT_Float64, path.string());
+    band.SetDescription(bands[i].name.c_str());
+    if (!bands[i].unit.empty()) band.SetUnitType(bands[i].unit.c_str());
+    band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+    set_statistics(band, bands[i].values);
+  }
+  write_cog(*memory, path, overwrite,
+            {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=1"});
+}
+
+void write_class_raster(const std::filesystem::path& path, const std::string& name, const cv::Mat& values,
+                        const std::vector<RasterClass>& classes, const Crs& crs, const GeoTransform& map_from_pixel,
+                        bool overwrite) {
+  check_size(name, values, values.size(), CV_8U);
+  if (classes.empty() || classes.size() > kNoClass) {
+    throw UsageError(std::to_string(classes.size()) + " classes; a class raster holds 1 to 255");
+  }
+  const cv::Mat wrong = (values >= static_cast<double>(classes.size())) & (values != kNoClass);
+  if (cv::countNonZero(wrong) > 0) throw UsageError("band \"" + name + "\" holds values that are no class");
+
+  const DatasetPtr memory = create_in_memory(values.size(), 1, GDT_Byte, crs, map_from_pixel, path.string());
+  GDALRasterBand& band = *memory->GetRasterBand(1);
+  fill(band, values, GDT_Byte, path.string());
+  band.SetDescription(name.c_str());
+  band.SetNoDataValue(kNoClass);
+  GDALColorTable colors;
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const GDALColorEntry entry{classes[i].rgb[0], classes[i].rgb[1], classes[i].rgb[2], 255};
+    colors.SetColorEntry(static_cast<int>(i), &entry);
+    band.SetMetadataItem(("CLASS_" + std::to_string(i)).c_str(), classes[i].name.c_str());
+  }
+  const GDALColorEntry transparent{0, 0, 0, 0};
+  colors.SetColorEntry(kNoClass, &transparent);
+  band.SetColorTable(&colors);
+  band.SetColorInterpretation(GCI_PaletteIndex);
+  write_cog(*memory, path, overwrite,
+            {"COMPRESS=DEFLATE", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=MODE", "NUM_THREADS=1"});
+}
+
+}  // namespace pilotage

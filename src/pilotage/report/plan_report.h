@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/tile_scores.h"
+#include "pilotage/report/report_input.h"
+
+namespace pilotage {
+
+/// Reads what a report shows beyond plan, scores and selection: a picture of the corridor, and the digests of the input
+/// files (files of this machine only; what GDAL fetches from elsewhere has none). Throws DataError when imagery cannot
+/// be read.
+ReportInput make_report_input(const TilePlan& plan, const std::vector<TileScore>& scores, const Selection& selection,
+                              const std::string& software_version);
+
+/// The files that went into a plan, with digest and date.
+std::vector<ReportFile> input_files(const TilePlan& plan);
+
+}  // namespace pilotage

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pilotage/report/report_input.h"
+
+namespace pilotage {
+
+enum class QualityStatus { kGood, kMarginal, kBad };
+
+/// "good", "marginal", "bad"
+std::string_view status_name(QualityStatus status);
+
+/// "GO", "MARGINAL", "NO-GO"
+std::string_view verdict_name(QualityStatus status);
+
+/// One line of the quality table: a number beside the thresholds it is judged by.
+struct QualityRow {
+  std::string name;   ///< For machines: "largest_error".
+  std::string label;  ///< For people.
+  double number = std::numeric_limits<double>::quiet_NaN();
+  std::string unit;
+  std::string value;      ///< The number for people, with its unit.
+  std::string threshold;  ///< What is good, marginal and bad.
+  QualityStatus status = QualityStatus::kGood;
+  bool decides = false;  ///< Only rows that decide enter the verdict; the others give advice.
+  std::string advice;    ///< What to do about it; "" when it is good.
+};
+
+/// The published thresholds. Where they come from stands in docs/methods/report.md.
+struct QualityThresholds {
+  static constexpr double kErrorShareGood = 0.8;  ///< Largest error as a share of the limit.
+  static constexpr double kMatchableGood = 0.5;   ///< Share of the route's length over selected tiles.
+  static constexpr double kCoverageGood = 0.99;   ///< Share of the corridor that the imagery covers.
+  static constexpr double kCoverageMarginal = 0.9;
+  static constexpr double kDistortionGood = 0.001;  ///< |scale − 1| of the mission grid.
+  static constexpr double kDistortionMarginal = 0.005;
+  static constexpr double kGsdFinest_m = 0.5;  ///< Ground sample distances that match best across dates.
+  static constexpr double kGsdCoarsest_m = 1.0;
+  static constexpr double kFootprintPixelsGood = 256;  ///< Map pixels across the camera's footprint.
+  static constexpr double kFootprintPixelsMarginal = 128;
+  static constexpr double kScoredGood = 0.95;  ///< Share of the tiles that could be scored.
+  static constexpr double kScoredMarginal = 0.8;
+};
+
+/// Judges a predicted error against the limit: good up to 80 % of it, marginal up to it, bad beyond or when NaN.
+QualityStatus judge_error(double error_m, double limit_m);
+
+/// Largest predicted error of the profile, the gaps and the legs; NaN when one of them is NaN or there is none.
+double largest_error_m(const Selection& selection);
+
+std::vector<QualityRow> quality_rows(const ReportInput& input);
+
+/// The worst status of the rows that decide; kBad when none does.
+QualityStatus verdict_of(const std::vector<QualityRow>& rows);
+
+/// "NO-GO: matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there 61 m > 50 m"
+std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const ReportInput& input);
+
+}  // namespace pilotage

@@ -1,0 +1,233 @@
+#include "pilotage/report/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "pilotage/base/error.h"
+#include "pilotage/report/display.h"
+#include "pilotage/report/error_profile.h"
+#include "pilotage/report/route_line.h"
+#include "pilotage/report/safe_text.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+std::vector<std::string> valid_texts(const std::vector<std::string>& texts) {
+  std::vector<std::string> result;
+  for (const std::string& text : texts) result.push_back(valid_utf8(text));
+  return result;
+}
+
+void check_route(const ReportInput& input) {
+  const Route& route = input.plan.route;
+  const int vertices = static_cast<int>(route.vertices.size());
+  const int legs = static_cast<int>(route.legs.size());
+  const auto check_leg = [&](int leg, const std::string& what) {
+    if (leg >= 0 && leg < legs) return;
+    throw DataError("report: " + what + " names leg " + std::to_string(leg) + ", the route has " +
+                    std::to_string(legs) + " legs");
+  };
+  for (const RouteLeg& leg : route.legs) {
+    if (leg.from >= 0 && leg.from < vertices && leg.to >= 0 && leg.to < vertices) continue;
+    throw DataError("report: a leg of the route joins vertices " + std::to_string(leg.from) + " and " +
+                    std::to_string(leg.to) + ", the route has " + std::to_string(vertices) + " vertices");
+  }
+  double last_m = -std::numeric_limits<double>::infinity();
+  for (const RouteSample& sample : input.plan.route_samples) {
+    check_leg(sample.leg, "a sample of the route");
+    if (!(sample.distance_m >= last_m))
+      throw DataError("report: the samples of the route are not in order of distance");
+    last_m = sample.distance_m;
+  }
+  for (const LegStatus& leg : input.selection.legs) check_leg(leg.leg, "the selection");
+  for (const RouteGap& gap : input.selection.gaps) check_leg(gap.leg, "a gap of the selection");
+}
+
+void check_imagery(const Raster& imagery) {
+  if (imagery.pixels.empty()) return;
+  if (imagery.pixels.type() != CV_8UC3 && imagery.pixels.type() != CV_8UC1) {
+    throw DataError("report: the overview of the imagery has OpenCV type " + std::to_string(imagery.pixels.type()) +
+                    ", allowed are CV_8UC3 and CV_8UC1");
+  }
+  if (imagery.valid.size() != imagery.pixels.size() || imagery.valid.type() != CV_8UC1) {
+    throw DataError("report: the mask of the imagery's overview does not fit its pixels");
+  }
+  if (!(std::abs(imagery.map_from_pixel.determinant()) > 0)) {
+    throw DataError("report: the overview of the imagery has no place (its transform cannot be inverted)");
+  }
+}
+
+std::string reason_for(const ReportTile& tile) {
+  if (tile.selected) return "";
+  if (!tile.scored) return "It was not scored.";
+  if (tile.score.status == TileStatus::kTooLittleGround) {
+    return "Too little ground: the imagery covers " + percent_text(tile.score.valid_fraction) + " of it.";
+  }
+  if (tile.score.status == TileStatus::kFlat) return "Flat: all its pixels have the same gray value.";
+  if (tile.score.degraded.margin <= 0) {
+    return "A rival in its search area looks as much like it as itself (margin " +
+           number_text(tile.score.degraded.margin, 3) + " on degraded copies).";
+  }
+  return "It can be scored, but the selection left it out (size budget, minimum score or sparse areas).";
+}
+
+std::vector<ReportTile> join_tiles(const ReportInput& input) {
+  std::vector<ReportTile> tiles;
+  std::map<std::int64_t, std::size_t> index;
+  for (const PlanTile& tile : input.plan.tiles) {
+    if (!index.emplace(tile.tile_id, tiles.size()).second) {
+      throw DataError("report: tile " + std::to_string(tile.tile_id) + " comes twice in the plan");
+    }
+    const bool known = std::any_of(input.plan.levels.begin(), input.plan.levels.end(),
+                                   [&](const PlanLevel& level) { return level.matrix.level == tile.level; });
+    if (!known) {
+      throw DataError("report: tile " + std::to_string(tile.tile_id) + " lies on level " + std::to_string(tile.level) +
+                      ", which the plan does not have");
+    }
+    ReportTile joined;
+    joined.tile = tile;
+    joined.score.tile_id = tile.tile_id;
+    joined.score.valid_fraction = tile.valid_fraction;
+    tiles.push_back(joined);
+  }
+  const auto find = [&](std::int64_t tile_id, const std::string& what) -> ReportTile& {
+    const auto found = index.find(tile_id);
+    if (found == index.end())
+      throw DataError("report: " + what + " name tile " + std::to_string(tile_id) + ", which the plan does not have");
+    return tiles[found->second];
+  };
+  for (const TileScore& score : input.scores) {
+    ReportTile& tile = find(score.tile_id, "the scores");
+    if (tile.scored) throw DataError("report: tile " + std::to_string(score.tile_id) + " comes twice in the scores");
+    tile.score = score;
+    tile.scored = true;
+  }
+  for (const std::int64_t tile_id : input.selection.tile_ids) {
+    ReportTile& tile = find(tile_id, "the selected tiles");
+    if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " comes twice in the selection");
+    tile.selected = true;
+  }
+  std::sort(tiles.begin(), tiles.end(),
+            [](const ReportTile& a, const ReportTile& b) { return a.tile.tile_id < b.tile.tile_id; });
+  for (ReportTile& tile : tiles) tile.reason = reason_for(tile);
+  return tiles;
+}
+
+std::vector<ReportGap> place_gaps(const ReportInput& input) {
+  std::vector<ReportGap> gaps;
+  for (const RouteGap& gap : input.selection.gaps) {
+    ReportGap placed;
+    placed.gap = gap;
+    placed.length_m = gap.to_distance_m - gap.from_distance_m;
+    placed.speed_mps = gap.duration_s > 0 ? placed.length_m / gap.duration_s : std::numeric_limits<double>::quiet_NaN();
+    placed.from = route_point_at(input.plan.route_samples, gap.from_distance_m);
+    placed.to = route_point_at(input.plan.route_samples, gap.to_distance_m);
+    gaps.push_back(placed);
+  }
+  return gaps;
+}
+
+std::vector<ReportLeg> place_legs(const ReportInput& input) {
+  const Route& route = input.plan.route;
+  std::map<int, double> starts_m;
+  for (const RouteSample& sample : input.plan.route_samples) starts_m.try_emplace(sample.leg, sample.distance_m);
+  std::vector<ReportLeg> legs;
+  for (const LegStatus& status : input.selection.legs) {
+    const RouteLeg& leg = route.legs[static_cast<std::size_t>(status.leg)];
+    ReportLeg placed;
+    placed.status = status;
+    const auto start = starts_m.find(status.leg);
+    placed.from_distance_m = start != starts_m.end() ? start->second : std::numeric_limits<double>::quiet_NaN();
+    placed.from = route.vertices[static_cast<std::size_t>(leg.from)].point;
+    placed.to = route.vertices[static_cast<std::size_t>(leg.to)].point;
+    placed.quality = judge_error(status.max_error_m, input.selection.max_error_m);
+    if (!status.within_limit) placed.quality = QualityStatus::kBad;
+    legs.push_back(placed);
+  }
+  return legs;
+}
+
+// Worst first: unknown errors, then the largest; equal ones in the order of flight.
+std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
+  std::vector<int> order;
+  for (std::size_t i = 0; i < legs.size(); ++i) order.push_back(static_cast<int>(i));
+  const auto badness = [&](int i) {
+    const double error_m = legs[static_cast<std::size_t>(i)].status.max_error_m;
+    return std::isnan(error_m) ? std::numeric_limits<double>::infinity() : error_m;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return badness(a) > badness(b); });
+  order.resize(std::min<std::size_t>(order.size(), 10));
+  return order;
+}
+
+double route_length_m(const TilePlan& plan) {
+  double length_m = 0;
+  for (const RouteLeg& leg : plan.route.legs) length_m += leg.length_m;
+  return length_m;
+}
+
+}  // namespace
+
+Report make_report(const ReportInput& input) {
+  check_route(input);
+  check_imagery(input.imagery);
+  const TilePlan& plan = input.plan;
+  const Selection& selection = input.selection;
+  Report report;
+  report.tiles = join_tiles(input);
+  report.quality = quality_rows(input);
+  report.verdict = verdict_of(report.quality);
+  report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, input));
+  for (QualityRow& row : report.quality) row.value = valid_utf8(row.value);
+
+  report.route_name = valid_utf8(plan.route.name);
+  report.route_format = valid_utf8(plan.route.format);
+  report.title = valid_utf8(input.title.empty() ? plan.route.name : input.title);
+  report.software_version = valid_utf8(input.software_version);
+  report.route_length_m = route_length_m(plan);
+  report.matchable_fraction = selection.matchable_fraction;
+  report.largest_error_m = largest_error_m(selection);
+  report.max_error_m = selection.max_error_m;
+  report.sigma_multiple = selection.sigma_multiple;
+  report.legs = place_legs(input);
+  report.worst_legs = rank_legs(report.legs);
+  report.gaps = place_gaps(input);
+  report.fixes = fix_stretches(selection.error_profile);
+  report.error_profile = thin_profile(selection.error_profile, 2000);
+
+  for (const Measure& measure : report_measures()) report.measures.push_back(measure_scale(measure, input.scores));
+  report.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
+  report.estimated_bytes = selection.estimated_bytes;
+
+  report.crs_name = valid_utf8(plan.crs_name);
+  report.max_scale_distortion = plan.max_scale_distortion;
+  report.corridor_half_width_m = plan.corridor_half_width_m;
+  report.footprint_width_m = plan.footprint_width_m;
+  report.footprint_height_m = plan.footprint_height_m;
+  report.levels = plan.levels;
+  for (const PlanImagery& imagery : plan.imagery) {
+    PlanImagery& copy = report.imagery.emplace_back(imagery);
+    copy.dataset = valid_utf8(imagery.dataset);
+    copy.crs = valid_utf8(imagery.crs);
+    copy.acquired = valid_utf8(imagery.acquired);
+  }
+  report.elevation = valid_utf8(plan.elevation);
+  for (const ReportFile& file : input.inputs) {
+    report.inputs.push_back(
+        {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
+  }
+  report.parameters = valid_utf8_json(input.parameters);
+  report.warnings = valid_texts(plan.warnings);
+  report.notes = valid_texts(plan.route.notes);
+  for (const auto* more : {&selection.notes, &input.assumptions}) {
+    for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
+  }
+  report.display = make_display(input, report);
+  return report;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "pilotage/report/measure.h"
+#include "pilotage/report/quality.h"
+#include "pilotage/report/report_input.h"
+
+// The `report` stage: what a planner decides on. make_report() computes every number and sentence once; report_json()
+// and report_html() only write them down, so that the page and the file for machines cannot disagree.
+
+namespace pilotage {
+
+/// A gap of the selection with its place on the ground.
+struct ReportGap {
+  RouteGap gap;
+  double length_m = 0;
+  double speed_mps = 0;  ///< Mean over the gap: length / duration; NaN when it has no duration.
+  GeodeticPoint from;
+  GeodeticPoint to;
+};
+
+/// A leg of the route with its place and its judgement: kGood up to 80 % of the limit, kMarginal up to it, kBad beyond.
+struct ReportLeg {
+  LegStatus status;
+  double from_distance_m = 0;  ///< Along the route.
+  GeodeticPoint from;
+  GeodeticPoint to;
+  QualityStatus quality = QualityStatus::kGood;
+};
+
+/// A tile of the plan with its score.
+struct ReportTile {
+  PlanTile tile;
+  TileScore score;  ///< All NaN when `scored` is false.
+  bool scored = false;
+  bool selected = false;
+  std::string reason;  ///< Why it is not selected, as one sentence; "" when it is.
+};
+
+/// A stretch of the route over selected tiles.
+struct FixStretch {
+  double from_distance_m = 0;
+  double to_distance_m = 0;
+};
+
+/// What is drawn and is no number of its own: pictures and shapes in the plane of EPSG:3857 (docs/methods/report.md).
+struct ReportDisplay {
+  bool drawn = false;   ///< False where that plane does not reach (beyond 85.05° of latitude, no tile and no route).
+  std::string missing;  ///< Why there is no map, as one sentence.
+  double min_x_m = 0;   ///< Edges in EPSG:3857 metres; x may lie beyond ±20,037,508 when the corridor crosses 180°.
+  double min_y_m = 0;
+  double max_x_m = 0;
+  double max_y_m = 0;
+  std::string imagery_jpeg;                                  ///< Covers exactly these edges; "" without imagery.
+  std::vector<std::array<Eigen::Vector2d, 4>> cells_m;       ///< Per tile of the report: the cell it stands for.
+  std::vector<std::vector<Eigen::Vector2d>> leg_lines_m;     ///< Per leg of the report.
+  std::vector<std::vector<Eigen::Vector2d>> gap_lines_m;     ///< Per gap of the report.
+  std::vector<std::pair<double, Eigen::Vector2d>> places_m;  ///< Points by distance along the route, ascending.
+};
+
+struct Report {
+  std::string title;
+  std::string software_version;
+  QualityStatus verdict = QualityStatus::kBad;  ///< Worst of the quality rows that decide; said as GO, MARGINAL, NO-GO.
+  std::string verdict_text;                     ///< "NO-GO: matchable on 87 % of its length; longest gap 3.4 km = …".
+  std::vector<QualityRow> quality;
+
+  std::string route_name;
+  std::string route_format;
+  double route_length_m = 0;
+  double matchable_fraction = 0;
+  double largest_error_m = 0;  ///< Largest predicted error (k·σ) of the route; NaN when there is none.
+  double max_error_m = 0;      ///< The limit.
+  double sigma_multiple = 3;
+  std::vector<ReportLeg> legs;
+  std::vector<int> worst_legs;  ///< Indices into `legs`, largest error first, at most ten.
+  std::vector<ReportGap> gaps;
+  std::vector<FixStretch> fixes;
+  std::vector<ErrorSample> error_profile;  ///< Thinned to at most 2,000 samples; extremes are kept.
+
+  std::vector<MeasureScale> measures;
+  std::vector<ReportTile> tiles;  ///< Ascending tile_id.
+  std::int64_t selected_tiles = 0;
+  std::int64_t estimated_bytes = 0;
+
+  std::string crs_name;
+  double max_scale_distortion = 0;
+  double corridor_half_width_m = 0;
+  double footprint_width_m = 0;
+  double footprint_height_m = 0;
+  std::vector<PlanLevel> levels;
+  std::vector<PlanImagery> imagery;
+  std::string elevation;
+  std::vector<ReportFile> inputs;
+  nlohmann::ordered_json parameters;
+  std::vector<std::string> warnings;
+  std::vector<std::string> notes;
+
+  ReportDisplay display;  ///< Not part of report.json.
+};
+
+/// Joins plan, scores and selection and judges them. All text is made valid UTF-8 (bad bytes become U+FFFD).
+/// Throws DataError when a score or a selected tile is not in the plan or comes twice, when a leg or level of the
+/// selection or of a tile does not exist, when the samples of the route go backwards or the imagery is neither CV_8UC3
+/// nor CV_8UC1.
+Report make_report(const ReportInput& input);
+
+/// report.json (schemas/report.schema.json). Numbers carry six significant digits, entropies twelve, coordinates seven
+/// decimals; what is not defined is null.
+nlohmann::ordered_json report_json(const Report& report);
+inline nlohmann::ordered_json report_json(const ReportInput& input) {
+  return report_json(make_report(input));
+}
+
+/// report.html: one page that needs no network and no other file.
+std::string report_html(const Report& report);
+inline std::string report_html(const ReportInput& input) {
+  return report_html(make_report(input));
+}
+
+}  // namespace pilotage

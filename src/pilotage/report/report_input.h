@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/tile_scores.h"
+#include "pilotage/raster/raster.h"
+
+namespace pilotage {
+
+/// A file that went into the plan, as the report lists it. Strings may hold any bytes; they are shown as text only.
+struct ReportFile {
+  std::string role;    ///< "imagery", "route", "elevation", "map", …
+  std::string name;    ///< As the user gave it.
+  std::string date;    ///< Of the data, not of the file; "" when unknown.
+  std::string digest;  ///< With its algorithm, "blake2b-256:…"; "" when it was not computed.
+};
+
+/// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.crs_wkt`).
+struct ReportInput {
+  std::string title;  ///< Of the page; "" takes the route's name.
+  TilePlan plan;
+  std::vector<TileScore> scores;  ///< Any order; a tile of the plan without a score is shown as not scored.
+  Selection selection;
+
+  /// Overview of the imagery in the mission grid's CRS, CV_8UC3 (red, green, blue) or CV_8UC1, of any size; it may be
+  /// empty. 1,000 to 4,000 pixels on the longer side are enough: the page carries at most 1,600.
+  Raster imagery;
+
+  /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be
+  /// inverted over the corridor. Called from one thread, some 10,000 times and four times per tile.
+  std::function<GeodeticPoint(Eigen::Vector2d)> geodetic_from_map;
+
+  nlohmann::ordered_json parameters =
+      nlohmann::ordered_json::object();  ///< All options, as options_to_json gives them.
+  std::vector<ReportFile> inputs;
+  std::string software_version;
+  std::vector<std::string>
+      assumptions;  ///< Sentences for the planner beyond the plan's warnings and the route's notes.
+};
+
+}  // namespace pilotage

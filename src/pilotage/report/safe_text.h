@@ -1,0 +1,32 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+namespace pilotage {
+
+/// `text` with every byte that is not part of well-formed UTF-8 (RFC 3629) replaced by U+FFFD.
+std::string valid_utf8(std::string_view text);
+
+/// valid_utf8 of every string and key in `json`.
+nlohmann::ordered_json valid_utf8_json(const nlohmann::ordered_json& json);
+
+/// Text for HTML content and for attributes in quotes: & < > " ' become entities, control characters other than tab and
+/// line feed become U+FFFD.
+std::string html_escape(std::string_view text);
+
+/// JSON for the inside of a <script> element: no `<`, `>`, `&`, U+2028 or U+2029 stands in it unescaped, so that no
+/// string can close the element. It parses to the same value. Strings must be valid UTF-8.
+std::string script_json(const nlohmann::ordered_json& json);
+
+/// RFC 4648 with padding.
+std::string base64(std::string_view bytes);
+
+/// Replaces each `{{name}}` of `page` by its value, in one pass: what a value holds is never expanded again. Throws
+/// std::logic_error when a name of the page has no value.
+std::string fill_template(std::string_view page, const std::map<std::string, std::string, std::less<>>& values);
+
+}  // namespace pilotage

@@ -1,0 +1,164 @@
+#include "pilotage/report/strip_chart.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotage/base/text.h"
+#include "pilotage/report/safe_text.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kWidth = 1200;
+constexpr double kHeight = 290;
+constexpr double kLeft = 64;
+constexpr double kRight = 1184;
+constexpr double kTop = 16;
+constexpr double kBottom = 200;
+
+struct Axes {
+  double distance_m = 1;  ///< At the right end.
+  double error_m = 1;     ///< At the top.
+
+  double x(double at_m) const { return kLeft + std::clamp(at_m / distance_m, 0.0, 1.0) * (kRight - kLeft); }
+  // What is unknown or unbounded is drawn at the top.
+  double y(double at_m) const {
+    const double share = std::isfinite(at_m) ? std::clamp(at_m / error_m, 0.0, 1.0) : 1.0;
+    return kBottom - share * (kBottom - kTop);
+  }
+};
+
+std::string n(double value) {
+  return format_number(std::round(value * 10) / 10);
+}
+
+std::string line(const std::string& type, double x1, double y1, double x2, double y2) {
+  return "<line class=\"" + type + "\" x1=\"" + n(x1) + "\" y1=\"" + n(y1) + "\" x2=\"" + n(x2) + "\" y2=\"" + n(y2) +
+         "\"/>\n";
+}
+
+std::string rect(const std::string& type, double x1, double y1, double x2, double y2, const std::string& title = "") {
+  return "<rect class=\"" + type + "\" x=\"" + n(x1) + "\" y=\"" + n(y1) + "\" width=\"" + n(std::max(x2 - x1, 1.0)) +
+         "\" height=\"" + n(y2 - y1) + "\">" + (title.empty() ? "" : "<title>" + html_escape(title) + "</title>") +
+         "</rect>\n";
+}
+
+std::string text(const std::string& type, double x, double y, const std::string& content) {
+  return "<text class=\"" + type + "\" x=\"" + n(x) + "\" y=\"" + n(y) + "\">" + html_escape(content) + "</text>\n";
+}
+
+Axes make_axes(const Report& report) {
+  Axes axes;
+  axes.distance_m = std::max(report.route_length_m, 1.0);
+  if (!report.error_profile.empty())
+    axes.distance_m = std::max(axes.distance_m, report.error_profile.back().distance_m);
+  for (const ReportGap& gap : report.gaps) {
+    if (std::isfinite(gap.gap.to_distance_m)) axes.distance_m = std::max(axes.distance_m, gap.gap.to_distance_m);
+  }
+  double most_m = std::isfinite(report.max_error_m) ? std::max(report.max_error_m, 1.0) : 1.0;
+  for (const ErrorSample& sample : report.error_profile) {
+    if (std::isfinite(sample.error_m)) most_m = std::max(most_m, sample.error_m);
+  }
+  axes.error_m = most_m * 1.08;
+  return axes;
+}
+
+std::string grid_lines(const Axes& axes) {
+  std::string svg;
+  const double step_m = tick_step(axes.error_m, 5);
+  for (int i = 0; i * step_m <= axes.error_m; ++i) {
+    svg += line("grid", kLeft, axes.y(i * step_m), kRight, axes.y(i * step_m));
+    svg += text("tick-y", kLeft - 8, axes.y(i * step_m) + 5, format_number(i * step_m));
+  }
+  const bool kilometres = axes.distance_m >= 2000;
+  const double unit_m = kilometres ? 1000 : 1;
+  const double along_step_m = tick_step(axes.distance_m / unit_m, 12) * unit_m;
+  for (int i = 0; i * along_step_m <= axes.distance_m; ++i) {
+    const double x = axes.x(i * along_step_m);
+    svg += line("tick", x, kBottom, x, kBottom + 6);
+    svg += text("tick-x", x, kBottom + 22, format_number(std::round(i * along_step_m / unit_m * 1e6) / 1e6));
+  }
+  svg += text("axis", (kLeft + kRight) / 2, kHeight - 6,
+              std::string("Distance along the route (") + (kilometres ? "km)" : "m)"));
+  svg += "<text class=\"axis\" transform=\"translate(16 " + n((kTop + kBottom) / 2) +
+         ") rotate(-90)\">Predicted error (m)</text>\n";
+  return svg;
+}
+
+std::string error_curve(const Report& report, const Axes& axes) {
+  if (report.error_profile.empty())
+    return text("axis", (kLeft + kRight) / 2, (kTop + kBottom) / 2, "No prediction along the route");
+  std::string path;
+  for (const ErrorSample& sample : report.error_profile) {
+    path += (path.empty() ? "M" : "L") + n(axes.x(sample.distance_m)) + " " + n(axes.y(sample.error_m));
+  }
+  const std::string area = path + "L" + n(axes.x(report.error_profile.back().distance_m)) + " " + n(kBottom) + "L" +
+                           n(axes.x(report.error_profile.front().distance_m)) + " " + n(kBottom) + "Z";
+  return "<path class=\"area\" d=\"" + area + "\"/>\n<path class=\"curve\" d=\"" + path + "\"/>\n";
+}
+
+std::string ribbons(const Report& report, const Axes& axes) {
+  std::string svg;
+  const double leg_top = kBottom + 30;
+  for (const ReportLeg& leg : report.legs) {
+    if (!std::isfinite(leg.from_distance_m)) continue;
+    const double x1 = axes.x(leg.from_distance_m);
+    const double x2 = axes.x(leg.from_distance_m + leg.status.length_m);
+    const std::string number = std::to_string(leg.status.leg + 1);
+    svg += rect("leg " + std::string(status_name(leg.quality)), x1, leg_top, x2, leg_top + 16,
+                "Leg " + number + ": largest error " + comparison_text(leg.status.max_error_m, report.max_error_m));
+    if (x2 - x1 >= 26) svg += text("leg-number", (x1 + x2) / 2, leg_top + 12.5, number);
+  }
+  svg += text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
+  const double fix_top = leg_top + 20;
+  std::string path;
+  for (const FixStretch& fix : report.fixes) {
+    const double x1 = axes.x(fix.from_distance_m);
+    path +=
+        "M" + n(x1) + " " + n(fix_top) + "h" + n(std::max(axes.x(fix.to_distance_m) - x1, 1.0)) + "v10H" + n(x1) + "Z";
+  }
+  if (!path.empty())
+    svg += "<path class=\"fixes\" d=\"" + path + "\"><title>Over selected tiles: fixes are expected</title></path>\n";
+  svg += text("ribbon", kLeft - 8, fix_top + 10, "Fixes");
+  return svg;
+}
+
+}  // namespace
+
+double tick_step(double extent, int most) {
+  if (!(extent > 0) || !std::isfinite(extent)) return 1;
+  const double power = std::pow(10, std::floor(std::log10(extent / most)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (extent / (factor * power) <= most) return factor * power;
+  }
+  return 10 * power;
+}
+
+std::string strip_chart_svg(const Report& report) {
+  const Axes axes = make_axes(report);
+  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + n(kWidth) + " " + n(kHeight) +
+                    "\" role=\"img\" aria-label=\"" +
+                    html_escape("Predicted position error along the route. " + report.verdict_text) +
+                    "\" data-left=\"" + n(kLeft) + "\" data-right=\"" + n(kRight) + "\" data-top=\"" + n(kTop) +
+                    "\" data-bottom=\"" + n(kBottom) + "\" data-distance-m=\"" + format_number(axes.distance_m) +
+                    "\" data-error-m=\"" + format_number(axes.error_m) + "\">\n";
+  for (const ReportGap& gap : report.gaps) {
+    svg += rect(gap.gap.within_limit ? "gap" : "gap over", axes.x(gap.gap.from_distance_m), kTop,
+                axes.x(gap.gap.to_distance_m), kBottom,
+                "Gap of " + length_text(gap.length_m) + ", error at its end " +
+                    comparison_text(gap.gap.error_m, report.max_error_m));
+  }
+  svg += grid_lines(axes) + error_curve(report, axes);
+  if (std::isfinite(report.max_error_m)) {
+    const double y = axes.y(report.max_error_m);
+    svg += line("limit", kLeft, y, kRight, y);
+    svg += text("limit-label", kLeft + 8, y < kTop + 24 ? y + 18 : y - 6, "limit " + error_text(report.max_error_m));
+  }
+  svg += line("axis-line", kLeft, kBottom, kRight, kBottom) + ribbons(report, axes);
+  svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + n(kTop) + "\" y2=\"" +
+         n(kBottom) + "\"/><circle class=\"cursor-dot\" r=\"5\"/></g>\n</svg>";
+  return svg;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "pilotage/report/report.h"
+
+namespace pilotage {
+
+/// The chart along the route as inline SVG: predicted error with the limit, gaps as bands, legs and stretches over
+/// selected tiles as ribbons. Coloured by the page's classes. Its data-* attributes (left, right, top, bottom in its
+/// own units, distance_m and error_m at the far ends) let the page's script find a distance under the pointer.
+std::string strip_chart_svg(const Report& report);
+
+/// 1, 2 or 5 times a power of ten: the smallest step that cuts `extent` into at most `most` pieces; 1 when extent is
+/// not positive.
+double tick_step(double extent, int most);
+
+}  // namespace pilotage

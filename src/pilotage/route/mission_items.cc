@@ -1,0 +1,350 @@
+#include "pilotage/route/mission_items.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/geo/geodesic.h"
+#include "pilotage/route/mission_command.h"
+#include "pilotage/route/route_builder.h"
+
+namespace pilotage {
+namespace {
+
+enum class AltitudeFrame { kAmsl, kRelative, kTerrain };
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+/// More than any autopilot stores, and few enough to follow every jump.
+constexpr std::size_t kMaxSteps = 2'000'000;
+/// A takeoff within this distance of home happens at home.
+constexpr double kAtHome_m = 1;
+
+/// Where the aircraft is while the items are followed.
+struct Cursor {
+  std::size_t item = 0;
+  int vertex = -1;
+  double speed_mps = kUnknown;
+};
+
+/// The state of following a mission; lives for one call of append_mission.
+struct Follower {
+  Route& route;
+  const Mission& mission;
+  const RouteOptions& options;
+  std::map<int, std::size_t> item_of_sequence{};
+  std::map<int, std::size_t> item_of_tag{};
+  std::vector<int> vertex_of_item{};  ///< -1: none yet.
+  std::vector<std::string> became{};  ///< Per mission item; empty: not reached.
+  std::set<std::pair<int, int>> legs{};
+  std::set<std::pair<std::size_t, int>> visited{};
+  std::vector<Cursor> open{};  ///< Ways still to follow, last first.
+};
+
+std::string where(const Follower& follower, const MissionItem& item) {
+  return follower.route.name + ": item " + std::to_string(item.index) + " (" + mission_command_name(item.command) + ")";
+}
+
+bool has_position(const Follower& follower, const MissionItem& item) {
+  const double lat = item.params[4];
+  const double lon = item.params[5];
+  if (lat == 0 && lon == 0) return false;
+  if (std::isnan(lat) && std::isnan(lon)) {
+    if (command_info(item.command).role != CommandRole::kPath || (item.command >= 17 && item.command <= 19))
+      return false;
+    throw DataError(where(follower, item) + ": has no latitude and longitude (null)");
+  }
+  return true;
+}
+
+AltitudeFrame altitude_frame(const Follower& follower, const MissionItem& item) {
+  switch (item.frame) {
+    case 0:
+    case 5:
+      return AltitudeFrame::kAmsl;
+    case 3:
+    case 6:
+      return AltitudeFrame::kRelative;
+    case 10:
+    case 11:
+      return AltitudeFrame::kTerrain;
+    default:
+      throw DataError(where(follower, item) + ": coordinate frame " + std::to_string(item.frame) +
+                      " is not supported; allowed are 0, 5 (sea level), 3, 6 (home) and 10, 11 (terrain)");
+  }
+}
+
+void set_height(const Follower& follower, const MissionItem& item, RouteVertex& vertex) {
+  const AltitudeFrame frame = altitude_frame(follower, item);
+  if (follower.options.agl_m) return;  // apply_options sets it
+  const double altitude_m = item.params[6];
+  if (!std::isfinite(altitude_m)) {
+    throw DataError(where(follower, item) + ": has no altitude; give --agl-m to fly at a constant height above ground");
+  }
+  switch (frame) {
+    case AltitudeFrame::kAmsl:
+      vertex.amsl_m = altitude_m;
+      break;
+    case AltitudeFrame::kTerrain:
+      vertex.agl_m = altitude_m;
+      break;
+    case AltitudeFrame::kRelative: {
+      const double home_m =
+          follower.options.home_amsl_m.value_or(follower.mission.home ? follower.mission.home->amsl_m : kUnknown);
+      if (!std::isfinite(home_m)) {
+        throw DataError(
+            where(follower, item) + ": its altitude " + format_number(altitude_m) +
+            " m is relative to home, but the file does not say home's height; give --home-amsl-m or --agl-m");
+      }
+      vertex.amsl_m = home_m + altitude_m;
+      break;
+    }
+  }
+  checked_height_m(vertex.amsl_m, where(follower, item));
+  checked_height_m(vertex.agl_m, where(follower, item));
+}
+
+void fly_to(Follower& follower, Cursor& cursor, int vertex) {
+  if (cursor.vertex >= 0 && cursor.vertex != vertex && follower.legs.emplace(cursor.vertex, vertex).second) {
+    append_leg(follower.route, cursor.vertex, vertex);
+  }
+  cursor.vertex = vertex;
+}
+
+/// The vertex of a takeoff, landing or waypoint at `point`, made on the first visit.
+void fly_to_item(Follower& follower, Cursor& cursor, GeodeticPoint point) {
+  const MissionItem& item = follower.mission.items[cursor.item];
+  const CommandInfo info = command_info(item.command);
+  int& known = follower.vertex_of_item[cursor.item];
+  if (known >= 0) {
+    fly_to(follower, cursor, known);
+    return;
+  }
+  RouteVertex vertex;
+  vertex.point = point;
+  vertex.speed_mps = cursor.speed_mps;
+  vertex.source_item = item.index;
+  vertex.kind = item.kind.empty() ? std::string(info.name) : item.kind;
+  vertex.on_ground = info.role == CommandRole::kLand;
+  set_height(follower, item, vertex);
+  const auto& home = follower.mission.home;
+  if (info.role == CommandRole::kTakeoff && cursor.vertex < 0 && home &&
+      geodesic_between(home->point, point).length_m > kAtHome_m) {
+    RouteVertex start = vertex;
+    start.point = home->point;
+    start.source_item = -1;
+    start.kind = "home";
+    fly_to(follower, cursor, append_vertex(follower.route, start));
+    add_note(follower.route,
+             "The aircraft is assumed to climb over home and to fly from there to the takeoff position.");
+  }
+  const auto count = follower.route.vertices.size();
+  known = append_vertex(follower.route, vertex);
+  const bool is_new = follower.route.vertices.size() > count;
+  follower.became[cursor.item] = is_new ? "vertex" : "no vertex: same place and height as the vertex before";
+  fly_to(follower, cursor, known);
+}
+
+void visit_path_item(Follower& follower, Cursor& cursor) {
+  const MissionItem& item = follower.mission.items[cursor.item];
+  std::string& became = follower.became[cursor.item];
+  if (has_position(follower, item)) {
+    fly_to_item(follower, cursor, checked_point(item.params[4], item.params[5], where(follower, item)));
+    return;
+  }
+  altitude_frame(follower, item);
+  const bool is_takeoff = command_info(item.command).role == CommandRole::kTakeoff;
+  if (is_takeoff && cursor.vertex >= 0) {
+    fly_to_item(follower, cursor, follower.route.vertices[static_cast<std::size_t>(cursor.vertex)].point);
+  } else if (is_takeoff && follower.mission.home) {
+    fly_to_item(follower, cursor, follower.mission.home->point);
+  } else if (is_takeoff) {
+    became = "left out: it has no position, and the file has no home";
+    add_note(follower.route,
+             "The takeoff has no position and the file no home: the route starts at the next position.");
+  } else {
+    became = "no vertex: it has no position (lat = lon = 0) and happens where the aircraft is";
+  }
+}
+
+void visit_return(Follower& follower, Cursor& cursor) {
+  std::string& became = follower.became[cursor.item];
+  if (!follower.mission.home) {
+    became = "left out: the file has no home to return to";
+    add_note(follower.route, "The return to launch is left out, because the file has no home position.");
+    return;
+  }
+  if (cursor.vertex < 0) {
+    became = "left out: the aircraft has not been anywhere";
+    return;
+  }
+  int& known = follower.vertex_of_item[cursor.item];
+  if (known < 0) {
+    RouteVertex vertex = follower.route.vertices[static_cast<std::size_t>(cursor.vertex)];
+    vertex.point = follower.mission.home->point;
+    vertex.speed_mps = cursor.speed_mps;
+    vertex.source_item = follower.mission.items[cursor.item].index;
+    vertex.kind = "return";
+    vertex.on_ground = false;
+    known = append_vertex(follower.route, vertex);
+    became = "leg to home";
+    add_note(follower.route,
+             "The return to launch is assumed to be flown straight to home at the height of the position before; the "
+             "autopilot's own return height is not in the file.");
+  }
+  fly_to(follower, cursor, known);
+}
+
+void visit_speed(Follower& follower, Cursor& cursor) {
+  const MissionItem& item = follower.mission.items[cursor.item];
+  const double type = item.params[0];
+  const double speed_mps = item.params[1];
+  std::string& became = follower.became[cursor.item];
+  const bool horizontal = std::isnan(type) || type == 0 || type == 1;
+  if (!horizontal || !(speed_mps > 0) || speed_mps > 1000) {
+    became = "no change of speed over ground";
+    return;
+  }
+  cursor.speed_mps = speed_mps;
+  became = "speed " + format_number(speed_mps) + " m/s from here on";
+  if (type != 1) add_note(follower.route, "Airspeed is taken for speed over ground: no wind is assumed.");
+}
+
+/// Where a jump leads, and what is left of the way that does not jump.
+void visit_jump(Follower& follower, Cursor& cursor, bool by_tag) {
+  const MissionItem& item = follower.mission.items[cursor.item];
+  const auto& targets = by_tag ? follower.item_of_tag : follower.item_of_sequence;
+  const double number = item.params[0];
+  const double times = std::isnan(item.params[1]) ? 0 : item.params[1];
+  const bool in_range = std::isfinite(number) && std::abs(number) < 1e9;
+  const auto target = in_range ? targets.find(static_cast<int>(number)) : targets.end();
+  if (target == targets.end()) {
+    throw DataError(where(follower, item) + ": jumps to " + (by_tag ? "tag " : "item ") + format_number(number) +
+                    ", which does not exist");
+  }
+  std::string& became = follower.became[cursor.item];
+  const std::size_t next = cursor.item + 1;
+  if (times == 0) {
+    became = "no leg: it jumps 0 times";
+    cursor.item = next;
+    return;
+  }
+  became = "jump, each leg of the loop stands once";
+  if (times > 0) {
+    follower.open.push_back({next, cursor.vertex, cursor.speed_mps});
+  } else {
+    add_note(follower.route, "Item " + std::to_string(item.index) + " jumps without end; the loop is flown once.");
+  }
+  add_note(follower.route,
+           "The mission loops: each distinct leg stands once, so distances along the route count it once.");
+  cursor.item = target->second;
+}
+
+/// One item; moves the cursor on.
+void visit(Follower& follower, Cursor& cursor) {
+  const MissionItem& item = follower.mission.items[cursor.item];
+  const CommandInfo info = command_info(item.command);
+  std::string& became = follower.became[cursor.item];
+  switch (info.role) {
+    case CommandRole::kPath:
+    case CommandRole::kTakeoff:
+    case CommandRole::kLand:
+      visit_path_item(follower, cursor);
+      break;
+    case CommandRole::kReturn:
+      visit_return(follower, cursor);
+      break;
+    case CommandRole::kSpeed:
+      visit_speed(follower, cursor);
+      break;
+    case CommandRole::kJump:
+      visit_jump(follower, cursor, false);
+      return;
+    case CommandRole::kJumpToTag:
+      visit_jump(follower, cursor, true);
+      return;
+    case CommandRole::kTag:
+      became = "target of jumps";
+      break;
+    case CommandRole::kLocal:
+      throw DataError(where(follower, item) + ": paths in local coordinates are not supported");
+    case CommandRole::kPlaceNotFlownTo:
+      became = "left out: its position is not flown to";
+      if (item.command == 179) {
+        add_note(follower.route,
+                 "\"Set home\" is not followed: return and relative heights stay with the planned home.");
+      }
+      break;
+    case CommandRole::kNoPlace:
+      became = "left out: it has no position";
+      break;
+    case CommandRole::kUnknown:
+      became = "left out: an unknown command";
+      add_note(follower.route, "Item " + std::to_string(item.index) + " is left out: command " +
+                                   std::to_string(item.command) + " is not known.");
+      break;
+  }
+  ++cursor.item;
+}
+
+void follow(Follower& follower) {
+  follower.open.push_back({0, -1, follower.mission.speed_mps});
+  while (!follower.open.empty()) {
+    Cursor cursor = follower.open.back();
+    follower.open.pop_back();
+    while (cursor.item < follower.mission.items.size() && follower.visited.emplace(cursor.item, cursor.vertex).second) {
+      if (follower.visited.size() > kMaxSteps) throw DataError(follower.route.name + ": has too many jumps to follow");
+      visit(follower, cursor);
+    }
+  }
+}
+
+/// What the mission items of each file item became, in one sentence each.
+void append_items(Follower& follower) {
+  const auto& items = follower.mission.items;
+  for (std::size_t first = 0; first < items.size();) {
+    std::size_t end = first + 1;
+    while (end < items.size() && items[end].index == items[first].index) ++end;
+    RouteItem summary{items[first].index, items[first].command, mission_command_name(items[first].command), ""};
+    if (end - first == 1 && items[first].kind.empty()) {
+      summary.became = follower.became[first].empty() ? "not reached: a jump leads past it" : follower.became[first];
+    } else {
+      std::size_t vertices = 0;
+      for (std::size_t i = first; i < end; ++i) vertices += follower.became[i] == "vertex" ? 1 : 0;
+      summary.command = -1;
+      summary.what = items[first].kind;
+      summary.became =
+          std::to_string(vertices) + " vertices from its " + std::to_string(end - first) + " mission items";
+    }
+    follower.route.items.push_back(std::move(summary));
+    first = end;
+  }
+}
+
+}  // namespace
+
+std::string mission_command_name(int command) {
+  const CommandInfo info = command_info(command);
+  return info.role == CommandRole::kUnknown ? "command " + std::to_string(command) : std::string(info.name);
+}
+
+void append_mission(Route& route, const Mission& mission, const RouteOptions& options) {
+  Follower follower{route, mission, options};
+  follower.vertex_of_item.assign(mission.items.size(), -1);
+  follower.became.resize(mission.items.size());
+  for (std::size_t i = 0; i < mission.items.size(); ++i) {
+    const MissionItem& item = mission.items[i];
+    follower.item_of_sequence.emplace(item.sequence, i);
+    if (item.command == 600 && std::abs(item.params[0]) < 1e9) {
+      follower.item_of_tag.emplace(static_cast<int>(item.params[0]), i);
+    }
+  }
+  route.home = mission.home;
+  if (route.home && options.home_amsl_m) route.home->amsl_m = *options.home_amsl_m;
+  follow(follower);
+  append_items(follower);
+}
+
+}  // namespace pilotage

@@ -1,0 +1,519 @@
+#include "pilotage/route/ogr_route.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_vsi.h>
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+#include <ogrsf_frmts.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/geo/geodesic.h"
+#include "pilotage/route/read_route.h"
+#include "pilotage/route/route_builder.h"
+
+namespace pilotage {
+namespace {
+
+struct LinePoint {
+  double x = 0;  ///< Easting or longitude.
+  double y = 0;
+  double z_m = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A line (or the points of a layer) that could be the route.
+struct Line {
+  std::string layer;
+  std::string name;
+  std::string what;  ///< "line", "route", "track", "points"
+  std::vector<std::vector<LinePoint>> parts;
+  HeightReference heights = HeightReference::kAuto;  ///< As the file says; kAuto when it does not.
+
+  std::size_t point_count() const {
+    std::size_t count = 0;
+    for (const auto& part : parts) count += part.size();
+    return count;
+  }
+};
+
+/// The bytes as a file of GDAL's memory file system, gone with the object.
+class MemoryFile {
+ public:
+  MemoryFile(std::string_view bytes, const std::string& extension) {
+    static std::atomic<unsigned> counter{0};
+    path_ = "/vsimem/pilotage-route-" + std::to_string(counter++) + "." + extension;
+    copy_.assign(bytes.begin(), bytes.end());
+    VSIFCloseL(VSIFileFromMemBuffer(path_.c_str(), copy_.data(), copy_.size(), FALSE));
+  }
+  ~MemoryFile() { VSIUnlink(path_.c_str()); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  std::vector<GByte> copy_;
+};
+
+/// GDAL's messages stay off stderr and do not outlive the object.
+class QuietErrors {
+ public:
+  QuietErrors() { CPLPushErrorHandler(CPLQuietErrorHandler); }
+  ~QuietErrors() {
+    CPLPopErrorHandler();
+    CPLErrorReset();
+  }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+};
+
+struct FormatInfo {
+  const char* title;
+  const char* extension;
+  std::vector<const char*> drivers;
+};
+
+FormatInfo format_info(OgrFormat format) {
+  switch (format) {
+    case OgrFormat::kKml:
+      return {"KML", "kml", {"LIBKML", "KML", nullptr}};
+    case OgrFormat::kKmz:
+      return {"KMZ", "kmz", {"LIBKML", nullptr}};
+    case OgrFormat::kGpx:
+      return {"GPX", "gpx", {"GPX", nullptr}};
+    case OgrFormat::kGeoJson:
+      return {"GeoJSON", "geojson", {"GeoJSON", nullptr}};
+    case OgrFormat::kGeoPackage:
+      return {"GeoPackage", "gpkg", {"GPKG", nullptr}};
+  }
+  return {};
+}
+
+void register_drivers() {
+  static std::once_flag once;
+  std::call_once(once, [] { GDALAllRegister(); });
+}
+
+/// A small archive may unpack to any size; refuse before OGR does.
+void check_unpacked_size(const std::string& name, const std::string& archive) {
+  const std::string folder = "/vsizip/" + archive;
+  char** entries = VSIReadDirRecursive(folder.c_str());
+  std::uint64_t total = 0;
+  for (char** entry = entries; entry != nullptr && *entry != nullptr; ++entry) {
+    VSIStatBufL status{};
+    if (VSIStatL((folder + "/" + *entry).c_str(), &status) == 0) total += static_cast<std::uint64_t>(status.st_size);
+  }
+  CSLDestroy(entries);
+  if (total > kMaxRouteBytes) {
+    throw DataError(name + ": unpacks to " + std::to_string(total) + " bytes, at most " +
+                    std::to_string(kMaxRouteBytes) + " are allowed");
+  }
+}
+
+std::string text_field(const OGRFeature& feature, const char* field) {
+  const int index = feature.GetFieldIndex(field);
+  return index >= 0 && feature.IsFieldSetAndNotNull(index) ? feature.GetFieldAsString(index) : "";
+}
+
+std::string feature_name(const OGRFeature& feature) {
+  for (const char* field : {"name", "Name", "NAME", "title"}) {
+    std::string name = text_field(feature, field);
+    if (!name.empty()) return name;
+  }
+  return "";
+}
+
+HeightReference kml_heights(const OGRFeature& feature) {
+  const std::string mode = text_field(feature, "altitudeMode");
+  if (mode == "absolute") return HeightReference::kAmsl;
+  if (mode == "relativeToGround") return HeightReference::kAgl;
+  return HeightReference::kAuto;
+}
+
+void append_points(const OGRSimpleCurve& curve, std::vector<LinePoint>& points) {
+  for (int i = 0; i < curve.getNumPoints(); ++i) {
+    LinePoint point{curve.getX(i), curve.getY(i)};
+    if (curve.Is3D() != 0) point.z_m = curve.getZ(i);
+    points.push_back(point);
+  }
+}
+
+/// Collects lines and points of a geometry, whatever it is nested in; counts what is neither.
+struct GeometryParts {
+  std::vector<std::vector<LinePoint>> lines;
+  std::vector<LinePoint> points;
+  int others = 0;
+};
+
+void collect(const OGRGeometry& geometry, GeometryParts& parts, int depth = 0) {
+  if (depth > 32 || geometry.IsEmpty() != 0) return;
+  const auto type = wkbFlatten(geometry.getGeometryType());
+  if (type == wkbLineString) {
+    parts.lines.emplace_back();
+    append_points(*geometry.toLineString(), parts.lines.back());
+  } else if (type == wkbPoint) {
+    const OGRPoint& point = *geometry.toPoint();
+    parts.points.push_back({point.getX(), point.getY()});
+    if (point.Is3D() != 0) parts.points.back().z_m = point.getZ();
+  } else if (OGR_GT_IsSubClassOf(type, wkbGeometryCollection) != 0 && type != wkbMultiPolygon &&
+             type != wkbMultiSurface) {
+    for (const OGRGeometry* part : *geometry.toGeometryCollection()) collect(*part, parts, depth + 1);
+  } else {
+    ++parts.others;
+  }
+}
+
+/// Longitude and latitude out of the layer's CRS; coordinates that look like degrees need none.
+class ToWgs84 {
+ public:
+  ToWgs84(OGRLayer& layer, const std::string& where) : where_(where) {
+    const OGRSpatialReference* crs = layer.GetSpatialRef();
+    if (crs == nullptr) return;
+    OGRSpatialReference wgs84;
+    wgs84.SetWellKnownGeogCS("WGS84");
+    wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    std::unique_ptr<OGRSpatialReference> source(crs->Clone());
+    source->StripVertical();
+    source->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    if (source->IsSame(&wgs84) != 0) return;
+    transform_.reset(OGRCreateCoordinateTransformation(source.get(), &wgs84));
+    if (!transform_) throw DataError(where_ + ": its coordinate reference system cannot be brought to WGS 84");
+  }
+
+  void apply(std::vector<LinePoint>& points) const {
+    if (!transform_) return;
+    for (LinePoint& point : points) {
+      const double x = point.x;
+      const double y = point.y;
+      if (transform_->Transform(1, &point.x, &point.y) == FALSE) {
+        throw DataError(where_ + ": the point " + format_number(x) + ", " + format_number(y) +
+                        " cannot be brought to WGS 84");
+      }
+    }
+  }
+
+ private:
+  std::string where_;
+  std::unique_ptr<OGRCoordinateTransformation> transform_;
+};
+
+void check_point_count(const std::string& name, std::size_t count) {
+  if (count > kMaxRouteVertices) {
+    throw DataError(name + ": has more than " + std::to_string(kMaxRouteVertices) + " positions");
+  }
+}
+
+/// Lines of a layer, or its points as one line when it has no line.
+std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
+  const bool is_kml = format == OgrFormat::kKml || format == OgrFormat::kKmz;
+  const ToWgs84 to_wgs84(layer, route.name + ": layer \"" + layer.GetName() + "\"");
+  if (layer.GetSpatialRef() == nullptr) {
+    add_note(route,
+             "Layer \"" + std::string(layer.GetName()) +
+                 "\" names no coordinate reference system: its coordinates are taken as longitude and latitude.");
+  }
+  std::vector<Line> lines;
+  Line points{layer.GetName(), layer.GetName(), "points", {{}}};
+  std::size_t count = 0;
+  for (const auto& feature : layer) {
+    const OGRGeometry* geometry = feature->GetGeometryRef();
+    if (geometry == nullptr) continue;
+    GeometryParts parts;
+    collect(*geometry, parts);
+    const HeightReference heights = is_kml ? kml_heights(*feature) : HeightReference::kAuto;
+    if (!parts.lines.empty()) {
+      lines.push_back({layer.GetName(), feature_name(*feature), "line", std::move(parts.lines), heights});
+      for (auto& part : lines.back().parts) to_wgs84.apply(part);
+      count += lines.back().point_count();
+    } else if (!parts.points.empty()) {
+      to_wgs84.apply(parts.points);
+      const bool first = points.parts[0].empty();
+      if (first) points.heights = heights;
+      if (points.heights != heights) points.heights = HeightReference::kAuto;
+      points.parts[0].insert(points.parts[0].end(), parts.points.begin(), parts.points.end());
+      count += parts.points.size();
+    } else if (parts.others > 0) {
+      route.items.push_back({static_cast<int>(route.items.size()), -1,
+                             std::string(geometry->getGeometryName()) + " \"" + feature_name(*feature) + "\"",
+                             "left out: neither a line nor a point"});
+    }
+    check_point_count(route.name, count);
+  }
+  if (lines.empty() && !points.parts[0].empty()) lines.push_back(std::move(points));
+  return lines;
+}
+
+std::vector<Line> vector_lines(Route& route, GDALDataset& dataset, OgrFormat format) {
+  std::vector<Line> lines;
+  std::vector<Line> points;
+  for (OGRLayer* layer : dataset.GetLayers()) {
+    for (Line& line : layer_lines(route, *layer, format)) (line.what == "line" ? lines : points).push_back(line);
+  }
+  return lines.empty() ? points : lines;
+}
+
+/// GPX points one by one: only there does OGR say which of them have an elevation.
+std::vector<Line> gpx_point_lines(const std::string& name, OGRLayer& named, OGRLayer& point_layer,
+                                  const char* fid_field, const char* segment_field, const std::string& what) {
+  std::map<GIntBig, std::string> names;
+  for (const auto& feature : named) names[feature->GetFID()] = feature_name(*feature);
+  std::map<GIntBig, Line> lines;
+  int last_segment = -1;
+  GIntBig last_line = -1;
+  std::size_t count = 0;
+  for (const auto& feature : point_layer) {
+    const OGRGeometry* geometry = feature->GetGeometryRef();
+    if (geometry == nullptr || wkbFlatten(geometry->getGeometryType()) != wkbPoint) continue;
+    const GIntBig id = feature->GetFieldAsInteger64(fid_field);
+    const int segment = segment_field == nullptr ? 0 : feature->GetFieldAsInteger(segment_field);
+    Line& line =
+        lines.try_emplace(id, Line{named.GetName(), names[id], what, {}, HeightReference::kAmsl}).first->second;
+    if (id != last_line || segment != last_segment) line.parts.emplace_back();
+    last_line = id;
+    last_segment = segment;
+    LinePoint point{geometry->toPoint()->getX(), geometry->toPoint()->getY()};
+    const int elevation = feature->GetFieldIndex("ele");
+    if (elevation >= 0 && feature->IsFieldSetAndNotNull(elevation)) point.z_m = feature->GetFieldAsDouble(elevation);
+    line.parts.back().push_back(point);
+    check_point_count(name, ++count);
+  }
+  std::vector<Line> result;
+  for (auto& [id, line] : lines) result.push_back(std::move(line));
+  return result;
+}
+
+std::vector<Line> gpx_waypoints(const std::string& name, OGRLayer& layer) {
+  Line line{layer.GetName(), layer.GetName(), "points", {{}}, HeightReference::kAmsl};
+  for (const auto& feature : layer) {
+    const OGRGeometry* geometry = feature->GetGeometryRef();
+    if (geometry == nullptr || wkbFlatten(geometry->getGeometryType()) != wkbPoint) continue;
+    LinePoint point{geometry->toPoint()->getX(), geometry->toPoint()->getY()};
+    const int elevation = feature->GetFieldIndex("ele");
+    if (elevation >= 0 && feature->IsFieldSetAndNotNull(elevation)) point.z_m = feature->GetFieldAsDouble(elevation);
+    line.parts[0].push_back(point);
+    check_point_count(name, line.parts[0].size());
+  }
+  return line.parts[0].empty() ? std::vector<Line>{} : std::vector<Line>{line};
+}
+
+std::vector<Line> gpx_lines(Route& route, GDALDataset& dataset, const std::string& wanted_layer) {
+  OGRLayer* layers[] = {dataset.GetLayerByName("routes"), dataset.GetLayerByName("route_points"),
+                        dataset.GetLayerByName("tracks"), dataset.GetLayerByName("track_points"),
+                        dataset.GetLayerByName("waypoints")};
+  for (const OGRLayer* layer : layers) {
+    if (layer == nullptr) throw DataError(route.name + ": OGR cannot list its routes and tracks");
+  }
+  const std::vector<std::function<std::vector<Line>()>> kinds = {
+      [&] { return gpx_point_lines(route.name, *layers[0], *layers[1], "route_fid", nullptr, "route"); },
+      [&] { return gpx_point_lines(route.name, *layers[2], *layers[3], "track_fid", "track_seg_id", "track"); },
+      [&] { return gpx_waypoints(route.name, *layers[4]); }};
+  std::vector<Line> chosen;
+  for (const auto& kind : kinds) {
+    std::vector<Line> lines = kind();
+    if (lines.empty()) continue;
+    if (chosen.empty() && (wanted_layer.empty() || lines.front().layer == wanted_layer)) {
+      chosen = std::move(lines);
+    } else {
+      for (const Line& line : lines) {
+        route.items.push_back({static_cast<int>(route.items.size()), -1, line.what + " \"" + line.name + "\"",
+                               "left out: layer " + line.layer + " is not the one that is flown"});
+      }
+    }
+  }
+  return chosen;
+}
+
+std::string list_lines(const std::vector<Line>& lines) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < lines.size() && i < 12; ++i) {
+    texts.push_back(std::to_string(i + 1) + ": " + lines[i].what + " \"" + lines[i].name + "\" of layer \"" +
+                    lines[i].layer + "\" (" + std::to_string(lines[i].point_count()) + " points)");
+  }
+  if (lines.size() > texts.size()) texts.push_back("and " + std::to_string(lines.size() - texts.size()) + " more");
+  return join(texts, "; ");
+}
+
+/// The line that the options mean, or the only one.
+Line choose_line(Route& route, std::vector<Line> lines, const RouteOptions& options) {
+  if (!options.layer.empty()) {
+    const auto all = lines;
+    std::erase_if(lines, [&](const Line& line) { return line.layer != options.layer; });
+    if (lines.empty()) {
+      throw DataError(route.name + ": layer \"" + options.layer + "\" holds no line" +
+                      (all.empty() ? "" : "; there are " + list_lines(all)));
+    }
+  }
+  if (lines.empty()) throw DataError(route.name + ": has no position to fly to (no line and no point)");
+  std::vector<std::size_t> matches;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (options.feature.empty() || lines[i].name == options.feature) matches.push_back(i);
+  }
+  const auto number = parse_number(options.feature);
+  if (matches.empty() && number && *number >= 1 && *number <= static_cast<double>(lines.size()) &&
+      *number == std::floor(*number)) {
+    matches.push_back(static_cast<std::size_t>(*number) - 1);
+  }
+  if (matches.size() != 1) {
+    const std::string asked = options.feature.empty() ? "" : " named \"" + options.feature + "\"";
+    throw DataError(route.name + ": has " + std::to_string(matches.size()) + " lines" + asked +
+                    " to fly; choose one with --layer and --feature (name or number): " + list_lines(lines));
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i == matches[0]) continue;
+    route.items.push_back({static_cast<int>(route.items.size()), -1, lines[i].what + " \"" + lines[i].name + "\"",
+                           "left out: another line was chosen"});
+  }
+  return lines[matches[0]];
+}
+
+/// Ellipsoidal heights to heights above the EGM96 geoid.
+void to_sea_level(const std::string& name, std::vector<RouteVertex>& vertices) {
+  OGRSpatialReference ellipsoid;
+  OGRSpatialReference geoid;
+  ellipsoid.importFromProj4("+proj=longlat +datum=WGS84 +vunits=m +no_defs +type=crs +geoidgrids=@null");
+  geoid.importFromProj4("+proj=longlat +datum=WGS84 +geoidgrids=egm96_15.gtx +vunits=m +no_defs +type=crs");
+  for (auto* crs : {&ellipsoid, &geoid}) crs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> transform(OGRCreateCoordinateTransformation(&ellipsoid, &geoid));
+  // The geoid lies about 17 m above the ellipsoid at 0, 0; without its grid PROJ would change nothing and say nothing.
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  if (!transform || transform->Transform(1, &x, &y, &z) == FALSE || std::abs(z + 17.16) > 0.5) {
+    throw DataError(name + ": heights above the ellipsoid need PROJ's grid egm96_15.gtx (Debian package proj-data)");
+  }
+  for (RouteVertex& vertex : vertices) {
+    if (std::isnan(vertex.amsl_m)) continue;
+    x = vertex.point.lon_deg;
+    y = vertex.point.lat_deg;
+    if (transform->Transform(1, &x, &y, &vertex.amsl_m) == FALSE || !std::isfinite(vertex.amsl_m)) {
+      throw DataError(name + ": the height at lat " + format_number(y) + ", lon " + format_number(x) +
+                      " cannot be brought from the ellipsoid to sea level");
+    }
+  }
+}
+
+/// Writes the heights of `line` (now in amsl_m of the vertices) to where they belong.
+void resolve_heights(Route& route, const Line& line, const RouteOptions& options) {
+  if (options.agl_m) return;
+  const HeightReference reference =
+      options.height_reference == HeightReference::kAuto ? line.heights : options.height_reference;
+  std::size_t known = 0;
+  for (const RouteVertex& vertex : route.vertices) known += std::isnan(vertex.amsl_m) ? 0 : 1;
+  if (known == 0) {
+    add_note(route, "The file tells no heights.");
+    return;
+  }
+  if (known < route.vertices.size()) {
+    add_note(route, std::to_string(route.vertices.size() - known) + " of " + std::to_string(route.vertices.size()) +
+                        " positions have no height.");
+  }
+  const auto for_each = [&](const auto& change) {
+    for (RouteVertex& vertex : route.vertices) change(vertex);
+  };
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  switch (reference) {
+    case HeightReference::kAuto:
+      for_each([&](RouteVertex& vertex) { vertex.amsl_m = kNone; });
+      add_note(route,
+               "The heights of the file are not used, because it does not say what they are measured from; "
+               "--height-reference says it.");
+      break;
+    case HeightReference::kAmsl:
+      add_note(route, "Heights are taken as above mean sea level (EGM96).");
+      break;
+    case HeightReference::kEllipsoid:
+      to_sea_level(route.name, route.vertices);
+      add_note(route, "Heights above the WGS 84 ellipsoid were brought to sea level with the EGM96 geoid.");
+      break;
+    case HeightReference::kAgl:
+      for_each([&](RouteVertex& vertex) {
+        vertex.agl_m = vertex.amsl_m;
+        vertex.amsl_m = kNone;
+      });
+      add_note(route, "Heights are taken as above the ground.");
+      break;
+    case HeightReference::kHome:
+      if (!options.home_amsl_m) {
+        throw UsageError("height_reference = home needs home_amsl_m, the height of the launch site above sea level");
+      }
+      for_each([&](RouteVertex& vertex) { vertex.amsl_m += *options.home_amsl_m; });
+      add_note(route, "Heights are taken as above the launch site, which lies at " +
+                          format_number(*options.home_amsl_m) + " m above sea level.");
+      break;
+  }
+}
+
+void append_line(Route& route, const Line& line) {
+  const int item = static_cast<int>(route.items.size());
+  int last = -1;
+  double longest_join_m = 0;
+  for (std::size_t part = 0; part < line.parts.size(); ++part) {
+    for (std::size_t i = 0; i < line.parts[part].size(); ++i) {
+      const LinePoint& point = line.parts[part][i];
+      const std::string where =
+          route.name + ": " + line.what + " \"" + line.name + "\", point " + std::to_string(i + 1);
+      RouteVertex vertex;
+      vertex.point = checked_point(point.y, point.x, where, 360);
+      if (std::isinf(point.z_m)) throw DataError(where + ": its height is not finite");
+      vertex.amsl_m = checked_height_m(point.z_m, where);
+      vertex.source_item = item;
+      vertex.kind = line.what == "points" ? "waypoint" : line.what + " point";
+      const int index = append_vertex(route, vertex);
+      const bool flown = last >= 0 && index != last && append_leg(route, last, index);
+      if (flown && i == 0 && part > 0) longest_join_m = std::max(longest_join_m, route.legs.back().length_m);
+      last = index;
+    }
+  }
+  if (longest_join_m > 0) {
+    add_note(route, "The " + std::to_string(line.parts.size()) + " parts of the " + line.what +
+                        " are joined by straight legs in the order of the file; the longest of them has " +
+                        format_fixed(longest_join_m, 0) + " m.");
+  }
+  route.items.push_back(
+      {item, -1, line.what + " \"" + line.name + "\"", std::to_string(route.vertices.size()) + " vertices"});
+}
+
+}  // namespace
+
+Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat format, const RouteOptions& options) {
+  if (options.home_amsl_m && options.height_reference != HeightReference::kHome) {
+    throw UsageError("home_amsl_m is of no use for " + name + " without height_reference = home");
+  }
+  register_drivers();
+  const QuietErrors quiet;
+  const FormatInfo info = format_info(format);
+  const MemoryFile file(bytes, info.extension);
+  if (format == OgrFormat::kKmz) check_unpacked_size(name, file.path());
+  const std::unique_ptr<GDALDataset> dataset(
+      GDALDataset::Open(file.path().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
+  if (!dataset) throw DataError(name + ": cannot be read as " + info.title + ": " + CPLGetLastErrorMsg());
+  Route route;
+  route.name = name;
+  route.format = info.title;
+  CPLErrorReset();
+  std::vector<Line> lines =
+      format == OgrFormat::kGpx ? gpx_lines(route, *dataset, options.layer) : vector_lines(route, *dataset, format);
+  if (CPLGetLastErrorType() >= CE_Failure) {
+    throw DataError(name + ": is damaged: " + CPLGetLastErrorMsg());
+  }
+  const Line line = choose_line(route, std::move(lines), options);
+  append_line(route, line);
+  resolve_heights(route, line, options);
+  apply_options(route, options);
+  require_legs(route);
+  return route;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,100 @@
+#include "pilotage/route/read_route.h"
+
+#include <array>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/route/ogr_route.h"
+#include "pilotage/route/qgc_plan.h"
+#include "pilotage/route/qgc_wpl.h"
+
+namespace pilotage {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+bool is_geojson(const nlohmann::ordered_json& json) {
+  const auto type = json.find("type");
+  if (type == json.end() || !type->is_string()) return false;
+  constexpr std::array<std::string_view, 9> kTypes = {"FeatureCollection", "Feature",      "Point",
+                                                      "LineString",        "Polygon",      "MultiPoint",
+                                                      "MultiLineString",   "MultiPolygon", "GeometryCollection"};
+  const auto text = type->get<std::string>();
+  for (const auto known : kTypes) {
+    if (text == known) return true;
+  }
+  return false;
+}
+
+/// Mission files say themselves what heights mean and hold one mission.
+void refuse_vector_options(const std::string& name, const RouteOptions& options) {
+  const auto refuse = [&](const char* option) {
+    throw UsageError(std::string(option) + " is for KML, GPX, GeoJSON and GeoPackage; " + name + " is a mission file");
+  };
+  if (options.height_reference != HeightReference::kAuto) refuse("height_reference");
+  if (!options.layer.empty()) refuse("layer");
+  if (!options.feature.empty()) refuse("feature");
+}
+
+Route parse_json_route(const std::string& name, std::string_view text, const RouteOptions& options) {
+  const nlohmann::ordered_json json = parse_json(name, text);
+  if (!json.is_object()) throw DataError(name + ": is JSON, but neither a QGroundControl plan nor GeoJSON");
+  if (json.contains("fileType") || json.contains("mission")) {
+    refuse_vector_options(name, options);
+    return parse_qgc_plan(name, json, options);
+  }
+  if (is_geojson(json)) return parse_ogr_route(name, text, OgrFormat::kGeoJson, options);
+  throw DataError(name +
+                  ": is JSON, but neither a QGroundControl plan (\"fileType\": \"Plan\") nor GeoJSON (\"type\")");
+}
+
+}  // namespace
+
+Route parse_route(const std::string& name, std::string_view bytes, const RouteOptions& options) {
+  check_options(options);
+  if (bytes.size() > kMaxRouteBytes) {
+    throw DataError(name + ": has " + std::to_string(bytes.size()) + " bytes, at most " +
+                    std::to_string(kMaxRouteBytes) + " are allowed");
+  }
+  if (is_qgc_wpl(bytes)) {
+    refuse_vector_options(name, options);
+    return parse_qgc_wpl(name, bytes, options);
+  }
+  if (bytes.starts_with(std::string_view("SQLite format 3\0", 16))) {
+    return parse_ogr_route(name, bytes, OgrFormat::kGeoPackage, options);
+  }
+  if (bytes.starts_with("PK\x03\x04")) return parse_ogr_route(name, bytes, OgrFormat::kKmz, options);
+
+  std::string_view text = bytes;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) throw DataError(name + ": is empty");
+  if (text[first] == '{' || text[first] == '[') return parse_json_route(name, text, options);
+  if (text[first] == '<') {
+    const std::string_view head = text.substr(first, 4096);
+    if (head.find("<gpx") != std::string_view::npos || head.find(":gpx") != std::string_view::npos) {
+      return parse_ogr_route(name, text.substr(first), OgrFormat::kGpx, options);
+    }
+    if (head.find("<kml") != std::string_view::npos || head.find(":kml") != std::string_view::npos) {
+      return parse_ogr_route(name, text.substr(first), OgrFormat::kKml, options);
+    }
+  }
+  throw DataError(name +
+                  ": is not a route file that is known here: QGroundControl .plan, QGC WPL 110, KML, KMZ, GPX, "
+                  "GeoJSON or GeoPackage");
+}
+
+Route read_route(const std::filesystem::path& path, const RouteOptions& options) {
+  check_options(options);
+  const std::string bytes = read_file(path, kMaxRouteBytes);
+  try {
+    return parse_route(path.filename().string(), bytes, options);
+  } catch (const DataError& error) {
+    // Messages start with the file's name; the folder is needed to find it.
+    const std::string folder = path.parent_path().string();
+    throw DataError(folder.empty() ? error.what() : folder + "/" + error.what());
+  }
+}
+
+}  // namespace pilotage

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "pilotage/route/route.h"
+#include "pilotage/route/route_options.h"
+
+namespace pilotage {
+
+/// Reads a route: QGroundControl .plan, QGC WPL 110, KML, KMZ, GPX, GeoJSON or GeoPackage, told apart by content and
+/// not by extension. Every assumption made stands in Route::notes and the fate of each item in Route::items.
+///
+/// Throws UsageError for options outside their range, and DataError naming the file and the item when the file cannot
+/// be read or is none of these formats; is of a wrong version or fileType; has fewer than two positions; has a latitude
+/// outside
+/// [-90, 90], a longitude outside [-180, 180] or a number that is not finite; has heights relative to a home that it
+/// does not name; uses a local coordinate frame; or is larger than kMaxRouteBytes.
+Route read_route(const std::filesystem::path& path, const RouteOptions& options = {});
+
+/// The same from the bytes of a file; `name` stands in messages and becomes Route::name. Survives any bytes.
+Route parse_route(const std::string& name, std::string_view bytes, const RouteOptions& options = {});
+
+/// Largest route file that is read; far above any mission, and below what would exhaust memory.
+inline constexpr std::size_t kMaxRouteBytes = std::size_t{128} << 20;
+
+/// Most vertices that a route may have.
+inline constexpr std::size_t kMaxRouteVertices = 1'000'000;
+
+}  // namespace pilotage

@@ -1,0 +1,35 @@
+#include "pilotage/score/score_plan.h"
+
+#include <string>
+
+#include "pilotage/mission/plan_imagery.h"
+
+namespace pilotage {
+
+std::vector<TileScore> score_plan(const TilePlan& plan, const ScoreOptions& options, std::uint64_t seed, int threads,
+                                  const Progress& progress) {
+  std::vector<TileScore> scores;
+  scores.reserve(plan.tiles.size());
+  for (const PlanLevel& level : plan.levels) {
+    std::vector<const PlanTile*> tiles;
+    std::vector<std::int64_t> indices;
+    for (const PlanTile& tile : plan.tiles) {
+      if (tile.level != level.matrix.level) continue;
+      tiles.push_back(&tile);
+      indices.push_back(tile.row * level.matrix.matrix_width() + tile.column);
+    }
+    if (tiles.empty()) continue;
+    std::vector<TileScore> of_level = score_tiles(open_plan_imagery(plan, level), level.matrix, level.search_radius_px,
+                                                  indices, options, seed, threads, progress);
+    for (std::size_t i = 0; i < of_level.size(); ++i) {
+      of_level[i].tile_id = tiles[i]->tile_id;
+      of_level[i].level = tiles[i]->level;
+      of_level[i].column = tiles[i]->column;
+      of_level[i].row = tiles[i]->row;
+      scores.push_back(of_level[i]);
+    }
+  }
+  return scores;
+}
+
+}  // namespace pilotage

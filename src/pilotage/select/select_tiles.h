@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/stored_size.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/tile_scores.h"
+#include "pilotage/select/select_options.h"
+
+namespace pilotage {
+
+/// Whether a frame can be expected to match this tile: scored, covered by imagery (min_valid_fraction), and its peak
+/// stands min_peak_margin above every rival. Judged on degraded copies; on the clean surface only where no degraded one
+/// was computed, because clean uniqueness can point the wrong way (docs/methods/uniqueness.md). A tile without either
+/// is judged by its status alone.
+bool is_matchable(const TileScore& score, const SelectOptions& options);
+
+/// Chooses the tiles that are stored and predicts what the flight looks like with them.
+///
+/// Default: every matchable tile. `sparse`: the fewest matching areas such that no gap lets the error exceed the limit
+/// (greedy interval cover along the route); an area is every matchable tile whose centre lies within the corridor's
+/// half width of the point of the fix, because the aircraft may be anywhere in it. `budget`: first the sparse areas,
+/// then the remaining matchable tiles, nearest to the route first and by margin among equals, while they fit.
+///
+/// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
+/// of this plan.
+Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& scores, const StoredSize& size,
+                       const SelectOptions& options);
+
+}  // namespace pilotage

@@ -1,0 +1,328 @@
+#include "pilotage/tile/plan_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/camera/projection.h"
+#include "pilotage/ins/drift.h"
+#include "pilotage/ins/ins_error_model.h"
+#include "pilotage/mission/tile_lookup.h"
+#include "pilotage/raster/elevation.h"
+#include "pilotage/raster/gdal_io.h"
+#include "pilotage/raster/gray_stretch.h"
+#include "pilotage/raster/mission_crs.h"
+#include "pilotage/route/read_route.h"
+#include "pilotage/route/sample_route.h"
+#include "pilotage/tile/corridor.h"
+#include "pilotage/tile/plan_levels.h"
+#include "pilotage/tile/working_gsd.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kSampleStep_m = 10;
+// The corridor's coverage is measured on a grid this much coarser than the working one.
+constexpr int kCoverageReduction = 4;
+
+void require(bool given, const char* what) {
+  if (!given) throw UsageError(std::string(what) + " is missing");
+}
+
+std::vector<ImageryInfo> inspect_all(const TileOptions& options) {
+  std::vector<ImageryInfo> infos;
+  for (const auto& dataset : options.imagery) infos.push_back(inspect_imagery(dataset, options.imagery_options));
+  return infos;
+}
+
+double coarsest_gsd_m(const std::vector<ImageryInfo>& infos) {
+  double gsd_m = 0;
+  for (const auto& info : infos) gsd_m = std::max({gsd_m, info.gsd_x_m, info.gsd_y_m});
+  return gsd_m;
+}
+
+std::vector<PlanSample> sample_plan_route(const TileOptions& options, const Route& route) {
+  std::optional<Elevation> elevation;
+  TerrainHeight terrain;
+  if (!options.elevation.empty()) {
+    elevation.emplace(options.elevation);
+    terrain = [&elevation](GeodeticPoint point) { return elevation->amsl_m(point); };
+  }
+  std::vector<PlanSample> samples;
+  for (const RouteSample& sample : sample_route(route, kSampleStep_m, terrain)) {
+    samples.push_back(PlanSample{sample});
+    if (!std::isfinite(sample.speed_mps)) {
+      throw UsageError(route.name + ": leg " + std::to_string(sample.leg) +
+                       " has no speed; give --speed-mps (metres per second over ground)");
+    }
+  }
+  return samples;
+}
+
+MissionCrs mission_crs(const TileOptions& options, const Route& route, double half_width_m) {
+  std::vector<GeodeticPoint> points;
+  for (const RouteVertex& vertex : route.vertices) points.push_back(vertex.point);
+  if (options.crs.empty()) return choose_mission_crs(points, half_width_m);
+  return check_mission_crs(Crs::from_user_input(options.crs), points, half_width_m);
+}
+
+void place_samples(std::vector<PlanSample>& samples, const Crs& crs) {
+  const CrsTransform transform(crs);
+  for (PlanSample& sample : samples) {
+    const auto point = transform.map_from_geodetic(sample.point);
+    if (!point) {
+      throw DataError("the route at lon " + format_fixed(sample.point.lon_deg, 6) + ", lat " +
+                      format_fixed(sample.point.lat_deg, 6) + " has no image in " + crs.name());
+    }
+    sample.point_map_m = *point;
+  }
+}
+
+// The side of the square with the area of the footprint of a level flight at this height.
+double footprint_side_m(const Camera& camera, double agl_m) {
+  const Footprint shape = footprint(camera, Attitude{}, agl_m);
+  if (shape.polygon_m.empty()) {
+    throw DataError("the camera sees no ground from " + format_number(agl_m) + " m in level flight; look at its mount");
+  }
+  return std::sqrt(shape.area_m2);
+}
+
+// Runs of consecutive samples of one level, on the grid.
+std::vector<std::vector<GridSample>> runs_of_level(const std::vector<PlanSample>& samples, int level) {
+  std::vector<std::vector<GridSample>> runs;
+  const PlanSample* before = nullptr;
+  for (const PlanSample& sample : samples) {
+    if (sample.level == level) {
+      const bool joined = before != nullptr && before->level == level && before->leg == sample.leg;
+      if (!joined) runs.emplace_back();
+      runs.back().push_back({sample.point_map_m, sample.distance_m});
+    }
+    before = &sample;
+  }
+  return runs;
+}
+
+PlanLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size_px, double overlap, double reach_m,
+                     const std::vector<PlanSample>& samples) {
+  PlanLevel level;
+  level.gsd_m = gsd_m;
+  level.min_agl_m = band.min_agl_m;
+  level.max_agl_m = band.max_agl_m;
+  level.matrix.level = index;
+  level.matrix.tile_size_px = tile_size_px;
+  level.matrix.stride_px = std::max(1, static_cast<int>(std::lround(tile_size_px * (1 - overlap))));
+
+  Bounds bounds;
+  for (const PlanSample& sample : samples) {
+    if (sample.level == index) bounds.extend(sample.point_map_m);
+  }
+  const Bounds grid = bounds.grown(reach_m + tile_size_px * gsd_m);
+  const double min_x_m = std::floor(grid.min_x_m / gsd_m) * gsd_m;
+  const double max_y_m = std::ceil(grid.max_y_m / gsd_m) * gsd_m;
+  level.matrix.map_from_pixel = GeoTransform::north_up(min_x_m, max_y_m, gsd_m);
+  level.matrix.grid_width_px = static_cast<std::int64_t>(std::ceil((grid.max_x_m - min_x_m) / gsd_m));
+  level.matrix.grid_height_px = static_cast<std::int64_t>(std::ceil((max_y_m - grid.min_y_m) / gsd_m));
+  return level;
+}
+
+// Gives every sample its level; returns the bands of heights.
+std::vector<AglBand> serve_heights(TilePlan& plan) {
+  std::vector<double> heights_m;
+  for (const PlanSample& sample : plan.route_samples) {
+    if (sample.agl_m >= plan.min_agl_m) heights_m.push_back(sample.agl_m);
+  }
+  if (heights_m.empty()) {
+    throw DataError(plan.route.name + ": no part of the route is higher than min_agl_m = " +
+                    format_number(plan.min_agl_m) + " above the ground");
+  }
+  const std::vector<AglBand> bands = agl_bands(heights_m);
+  double low_m = 0;
+  const PlanSample* before = nullptr;
+  for (PlanSample& sample : plan.route_samples) {
+    const bool high_enough = sample.agl_m >= plan.min_agl_m;
+    sample.level = high_enough ? band_of(bands, sample.agl_m) : PlanSample::kNoLevel;
+    if (before != nullptr && !high_enough) low_m += sample.distance_m - before->distance_m;
+    before = &sample;
+  }
+  if (low_m > 0) {
+    plan.warnings.push_back(format_fixed(low_m, 0) + " m of the route are flown lower than " +
+                            format_number(plan.min_agl_m) + " m above the ground, where no matching is expected");
+  }
+  return bands;
+}
+
+// One level for each band: its ground sample distance, tile size, grid and search radius.
+void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& infos, const std::vector<AglBand>& bands,
+                TilePlan& plan) {
+  const double tilt_rad =
+      attitude_error(initial_ins_state(make_ins_error_model(plan.ins), 0, plan.route_samples.front().speed_mps),
+                     plan.ins.sigma_multiple)
+          .tilt_rad;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const double agl_m = bands[i].typical_agl_m;
+    const double side_m = footprint_side_m(plan.camera, agl_m);
+    const GroundSampleDistance camera_gsd = gsd_m(plan.camera, agl_m);
+    const double camera_gsd_m = std::max(camera_gsd.across_m, camera_gsd.along_m);
+    const WorkingGsd working = choose_working_gsd(options.gsd_m, coarsest_gsd_m(infos), camera_gsd_m, side_m);
+    plan.notes.push_back("Level " + std::to_string(i) + ": " + format_fixed(working.gsd_m, 3) + " m/px, " +
+                         working.reason);
+    const int tile_size_px =
+        options.tile_size_px.value_or(std::clamp(static_cast<int>(std::lround(side_m / working.gsd_m)), 16, 8192));
+    const double radius_m = search_radius_m(plan.max_error_m, 0, bands[i].max_agl_m, tilt_rad);
+    PlanLevel level = make_level(static_cast<int>(i), bands[i], working.gsd_m, tile_size_px, options.tile_overlap,
+                                 plan.corridor_half_width_m + radius_m, plan.route_samples);
+    level.search_radius_px = std::max(1, static_cast<int>(std::ceil(radius_m / working.gsd_m)));
+    plan.levels.push_back(level);
+    if (i == 0) {
+      const Footprint shape = footprint(plan.camera, Attitude{}, agl_m);
+      plan.footprint_width_m = shape.across_m;
+      plan.footprint_height_m = shape.along_m;
+      for (auto& warning : imagery_warnings(infos, camera_gsd_m)) plan.warnings.push_back(std::move(warning));
+    }
+  }
+}
+
+Bounds tile_bounds(const TileMatrix& matrix, std::int64_t column, std::int64_t row) {
+  const PixelWindow window = matrix.tile_window(column, row);
+  const auto col = static_cast<double>(window.col);
+  const auto first_row = static_cast<double>(window.row);
+  Bounds bounds;
+  bounds.extend(matrix.map_from_pixel.map_from_pixel({col, first_row}));
+  bounds.extend(matrix.map_from_pixel.map_from_pixel({col + window.width, first_row + window.height}));
+  return bounds;
+}
+
+// Coverage of each tile, from a coarser copy of the mosaic.
+void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatrix& matrix, std::span<PlanTile> tiles,
+                      const Progress& progress) {
+  const double coarse_m = matrix.map_from_pixel.x_per_col * kCoverageReduction;
+  const GraySource source = open_gray_on_grid(
+      options.imagery, crs,
+      GeoTransform::north_up(matrix.map_from_pixel.origin_x, matrix.map_from_pixel.origin_y, coarse_m),
+      (matrix.grid_width_px + kCoverageReduction - 1) / kCoverageReduction,
+      (matrix.grid_height_px + kCoverageReduction - 1) / kCoverageReduction, options.imagery_options);
+  const int size_px = std::max(1, matrix.tile_size_px / kCoverageReduction);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const PixelWindow window = matrix.tile_window(tiles[i].column, tiles[i].row);
+    tiles[i].valid_fraction =
+        valid_fraction(source, {window.col / kCoverageReduction, window.row / kCoverageReduction, size_px, size_px});
+    report_progress(progress, "coverage", static_cast<std::int64_t>(i + 1), static_cast<std::int64_t>(tiles.size()));
+  }
+}
+
+std::vector<PlanTile> cut_tiles(const TilePlan& plan, int level) {
+  const TileMatrix& matrix = plan.levels[static_cast<std::size_t>(level)].matrix;
+  const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
+  std::vector<PlanTile> tiles;
+  for (const CorridorTile& cell :
+       corridor_tiles(runs_of_level(plan.route_samples, level), plan.corridor_half_width_m, matrix)) {
+    PlanTile tile;
+    tile.tile_id = tile_id_of(plan.levels, level, cell.column, cell.row);
+    tile.level = level;
+    tile.column = cell.column;
+    tile.row = cell.row;
+    tile.bounds = tile_bounds(matrix, cell.column, cell.row);
+    tile.center = transform.geodetic_from_map(tile.bounds.center_m()).value();
+    tile.route_distance_m = cell.route_distance_m;
+    tile.route_offset_m = cell.route_offset_m;
+    tiles.push_back(tile);
+  }
+  return tiles;
+}
+
+double distance_outside_m(const Bounds& bounds, const Eigen::Vector2d& point_m) {
+  const double dx = std::max({bounds.min_x_m - point_m.x(), 0.0, point_m.x() - bounds.max_x_m});
+  const double dy = std::max({bounds.min_y_m - point_m.y(), 0.0, point_m.y() - bounds.max_y_m});
+  return std::hypot(dx, dy);
+}
+
+// Names the stretches of the route that lie outside the rectangle of every raster; "" when there are none.
+std::string uncovered_route(const std::vector<PlanSample>& samples, const std::vector<ImageryInfo>& infos,
+                            const Crs& crs) {
+  std::vector<Bounds> extents;
+  for (const auto& info : infos) extents.push_back(imagery_bounds(info, crs));
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < samples.size();) {
+    const std::size_t first = i;
+    double farthest_m = 0;
+    for (; i < samples.size(); ++i) {
+      double nearest_m = std::numeric_limits<double>::infinity();
+      for (const Bounds& extent : extents)
+        nearest_m = std::min(nearest_m, distance_outside_m(extent, samples[i].point_map_m));
+      if (nearest_m <= 0) break;
+      farthest_m = std::max(farthest_m, nearest_m);
+    }
+    if (i > first) {
+      parts.push_back("from " + format_fixed(samples[first].distance_m / 1000, 2) + " km to " +
+                      format_fixed(samples[i - 1].distance_m / 1000, 2) + " km (lon " +
+                      format_fixed(samples[first].point.lon_deg, 6) + ", lat " +
+                      format_fixed(samples[first].point.lat_deg, 6) + "), up to " + format_fixed(farthest_m, 0) +
+                      " m outside");
+    }
+    if (i == first) ++i;
+  }
+  return join(parts, "; ");
+}
+
+void add_imagery(TilePlan& plan, const std::vector<ImageryInfo>& infos) {
+  for (const auto& info : infos) {
+    plan.imagery.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), info.acquired,
+                            info.width_px, info.height_px});
+  }
+}
+
+}  // namespace
+
+TilePlan plan_tiles(const TileOptions& options, const Progress& progress) {
+  check_options(options);
+  require(!options.imagery.empty(), "imagery");
+  require(!options.route.empty(), "route");
+
+  TilePlan plan;
+  const auto infos = inspect_all(options);
+  add_imagery(plan, infos);
+  plan.elevation = options.elevation;
+  plan.route_file = options.route;
+  plan.imagery_options = options.imagery_options;
+  plan.route = read_route(options.route, options.route_options);
+  plan.camera = make_camera(options.camera, plan.route.camera);
+  plan.ins = options.ins;
+  plan.max_error_m = options.max_error_m;
+  plan.min_agl_m = options.min_agl_m;
+  plan.corridor_half_width_m = options.corridor_half_width_m.value_or(options.max_error_m);
+  plan.route_samples = sample_plan_route(options, plan.route);
+
+  const MissionCrs grid = mission_crs(options, plan.route, plan.corridor_half_width_m);
+  plan.crs_wkt = grid.crs.wkt();
+  plan.crs_name = grid.crs.name();
+  plan.max_scale_distortion = grid.max_scale_distortion;
+  plan.notes.push_back("Mission grid: " + grid.reason);
+  place_samples(plan.route_samples, grid.crs);
+
+  const std::string uncovered = uncovered_route(plan.route_samples, infos, grid.crs);
+  if (!uncovered.empty()) {
+    const std::string sentence = plan.route.name + ": the route leaves the imagery " + uncovered;
+    if (!options.allow_uncovered)
+      throw DataError(sentence + "; add imagery, or give --allow-uncovered to plan with a gap there");
+    plan.warnings.push_back(sentence);
+  }
+
+  const std::vector<AglBand> bands = serve_heights(plan);
+  cut_levels(options, infos, bands, plan);
+  for (std::size_t level = 0; level < plan.levels.size(); ++level) {
+    std::vector<PlanTile> tiles = cut_tiles(plan, static_cast<int>(level));
+    measure_coverage(options, grid.crs, plan.levels[level].matrix, tiles, progress);
+    plan.tiles.insert(plan.tiles.end(), tiles.begin(), tiles.end());
+  }
+  if (plan.tiles.empty()) throw DataError("the corridor holds no tile; look at corridor_half_width_m and tile_size_px");
+  return plan;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pilotage/base/options.h"
+#include "pilotage/camera/camera_options.h"
+#include "pilotage/ins/ins_options.h"
+#include "pilotage/raster/gdal_imagery.h"
+#include "pilotage/route/route_options.h"
+
+namespace pilotage {
+
+/// The mission as a planner states it: imagery, route, camera, inertial system.
+struct TileOptions {
+  std::vector<std::string> imagery;
+  std::string route;
+  std::string elevation;
+  ImageryOptions imagery_options;
+  RouteOptions route_options;
+  CameraOptions camera;
+  InsOptions ins;
+  double max_error_m = 50;
+  std::string crs;
+  std::optional<double> gsd_m;
+  std::optional<int> tile_size_px;
+  double tile_overlap = 0.5;
+  std::optional<double> corridor_half_width_m;
+  double min_agl_m = 30;
+  bool allow_uncovered = false;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.path("imagery", self.imagery, "Georeferenced imagery: GDAL datasets, later ones on top.");
+    fields.path("route", self.route,
+                 "Route file: QGroundControl plan, QGC WPL 110, KML, KMZ, GPX, GeoJSON, GeoPackage.");
+    fields.path("elevation", self.elevation, "Elevation model: a GDAL dataset, metres above mean sea level.");
+    RouteOptions::describe(self.route_options, fields);
+    ImageryOptions::describe(self.imagery_options, fields);
+    fields.group("camera", self.camera, "How the aircraft sees the ground.");
+    fields.group("ins", self.ins, "How the position error grows without GNSS.");
+    fields.field("max_error_m", self.max_error_m, "Position error (k sigma) that the mission allows.", Range{1, 10000});
+    fields.field("crs", self.crs,
+                 "CRS of the mission grid, projected in metres; chosen with the least distortion if not given.");
+    fields.field("gsd_m", self.gsd_m,
+                 "Working ground sample distance; chosen from camera, height and imagery if not given.",
+                 Range{0.01, 1000});
+    fields.field("tile_size_px", self.tile_size_px, "Side of a tile; the size of the camera's footprint if not given.",
+                 Range{16, 8192});
+    fields.field("tile_overlap", self.tile_overlap, "Share of its side that a tile has in common with the next one.",
+                 Range{0, 0.95});
+    fields.field("corridor_half_width_m", self.corridor_half_width_m,
+                 "How far from the route tiles are cut; the allowed error if not given.", Range{1, 100000});
+    fields.field("min_agl_m", self.min_agl_m, "Lower than this above the ground no matching is expected.",
+                 Range{1, 30000});
+    fields.field("allow_uncovered", self.allow_uncovered,
+                 "Plan on where a part of the route lies outside the imagery: it becomes a gap.");
+  }
+};
+
+}  // namespace pilotage

@@ -1,0 +1,34 @@
+#include "pilotage/tile/working_gsd.h"
+
+#include <algorithm>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kFinest_m = 0.5;
+constexpr double kCoarsest_m = 1.0;
+constexpr double kFootprint_px = 256;
+constexpr double kImageryTolerance = 0.01;  // ground GSD varies over a raster by its scale distortion
+
+}  // namespace
+
+WorkingGsd choose_working_gsd(std::optional<double> wanted_gsd_m, double imagery_gsd_m, double camera_gsd_m,
+                              double footprint_side_m) {
+  if (wanted_gsd_m) {
+    if (*wanted_gsd_m < imagery_gsd_m * (1 - kImageryTolerance)) {
+      throw UsageError("gsd_m = " + format_number(*wanted_gsd_m) + " is finer than the imagery, which has " +
+                       format_fixed(imagery_gsd_m, 3) + " m/px");
+    }
+    return {*wanted_gsd_m, "as asked for"};
+  }
+  WorkingGsd result{std::clamp(footprint_side_m / kFootprint_px, kFinest_m, kCoarsest_m),
+                    "where frames match best across dates and sensors (0.5 to 1 m/px)"};
+  if (camera_gsd_m > result.gsd_m) result = {camera_gsd_m, "what the camera resolves at this height"};
+  if (imagery_gsd_m > result.gsd_m) result = {imagery_gsd_m, "the imagery's own"};
+  return result;
+}
+
+}  // namespace pilotage

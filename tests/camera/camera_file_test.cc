@@ -1,0 +1,179 @@
+#include "pilotage/camera/camera_file.h"
+
+#include "testing/temporary_folder.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/random.h"
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kRos = R"(image_width: 640
+image_height: 480
+camera_name: narrow_stereo
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [600.5, 0., 319.5, 0., 601.25, 239.5, 0., 0., 1.]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [-0.25, 0.07, 1.5e-4, -2E-4, 0.001]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
+)";
+
+const std::string kOpenCv = R"(%YAML:1.0
+---
+calibration_time: "Thu 02 Jan 2020 03:04:05"
+image_width: 640
+image_height: 480
+flags: 0
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 6.0050000000000000e+02, 0., 3.1950000000000000e+02, 0.,
+       6.0125000000000000e+02, 2.3950000000000000e+02, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ -2.5000000000000000e-01, 7.0000000000000007e-02,
+       1.5e-04, -2.0e-04, 1.0e-03 ]
+)";
+
+const std::string kKalibr = R"(cam0:
+  cam_overlaps: []
+  camera_model: pinhole
+  distortion_coeffs: [-0.25, 0.07, 1.5e-4, -2e-4]
+  distortion_model: radtan
+  intrinsics: [600.5, 601.25, 319.5, 239.5]
+  resolution: [640, 480]
+  rostopic: /cam0/image_raw
+)";
+
+Camera expected_camera(double k3) {
+  Camera camera{640, 480, 600.5, 601.25, 320, 240};
+  camera.distortion_model = DistortionModel::kBrownConrady;
+  camera.distortion = {-0.25, 0.07, 1.5e-4, -2e-4, k3};
+  return camera;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string error_of(const std::string& yaml) {
+  try {
+    parse_camera_yaml("c.yaml", yaml);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CameraFile, ThreeDialectsOneCamera) {
+  EXPECT_EQ(parse_camera_yaml("c.yaml", kRos), expected_camera(0.001));
+  EXPECT_EQ(parse_camera_yaml("c.yaml", kOpenCv), expected_camera(0.001));
+  EXPECT_EQ(parse_camera_yaml("c.yaml", kKalibr), expected_camera(0));
+}
+
+TEST(CameraFile, ReadsFromDisk) {
+  const testing::TemporaryFolder folder;
+  write_file(folder / "c.yaml", kOpenCv, false);
+  EXPECT_EQ(read_camera_file(folder / "c.yaml"), expected_camera(0.001));
+  EXPECT_THROW(read_camera_file(folder / "absent.yaml"), DataError);
+  EXPECT_THROW(read_camera_file(folder.path()), DataError);
+}
+
+TEST(CameraFile, OtherSpellings) {
+  std::string text = replaced(kOpenCv, "camera_matrix", "cameraMatrix");
+  text = replaced(text, "distortion_coefficients", "distCoeffs");
+  text = replaced(text, "image_width", "image_Width");
+  EXPECT_EQ(parse_camera_yaml("c.yaml", text), expected_camera(0.001));
+  EXPECT_EQ(parse_camera_yaml("c.yaml", replaced(kKalibr, "cam0:\n", "cam3:\n")), expected_camera(0));
+}
+
+TEST(CameraFile, Fisheye) {
+  std::string text = replaced(kRos, "plumb_bob", "equidistant");
+  text = replaced(text, "cols: 5\n  data: [-0.25, 0.07, 1.5e-4, -2E-4, 0.001]", "cols: 4\n  data: [0, 0, 0, 0]");
+  EXPECT_EQ(parse_camera_yaml("c.yaml", text).distortion_model, DistortionModel::kFisheye);
+  const Camera kalibr = parse_camera_yaml("c.yaml", replaced(kKalibr, "radtan", "equidistant"));
+  EXPECT_EQ(kalibr.distortion_model, DistortionModel::kFisheye);
+  EXPECT_EQ(kalibr.distortion[3], -2e-4);
+  text = replaced(kOpenCv, "flags: 0", "fisheye_model: 1");
+  text = replaced(text, "1.0e-03", "0.");
+  EXPECT_EQ(parse_camera_yaml("c.yaml", text).distortion_model, DistortionModel::kFisheye);
+}
+
+TEST(CameraFile, ZeroDistortionIsNone) {
+  const std::string text = replaced(kRos, "[-0.25, 0.07, 1.5e-4, -2E-4, 0.001]", "[0, 0, 0, 0, 0.0]");
+  EXPECT_EQ(parse_camera_yaml("c.yaml", text).distortion_model, DistortionModel::kNone);
+}
+
+TEST(CameraFile, LongerModelsOnlyWhenTheyAddNothing) {
+  const std::string zero = replaced(kRos, "cols: 5\n  data: [-0.25, 0.07, 1.5e-4, -2E-4, 0.001]",
+                                    "cols: 8\n  data: [-0.25, 0.07, 1.5e-4, -2E-4, 0.001, 0, 0, 0]");
+  EXPECT_EQ(parse_camera_yaml("c.yaml", zero), expected_camera(0.001));
+  EXPECT_EQ(
+      error_of(replaced(zero, "0, 0, 0]", "0, 0.5, 0]")),
+      "c.yaml: distortion_coefficients has a coefficient 0.5 beyond the first 5, of a distortion model that cannot "
+      "be used");
+}
+
+TEST(CameraFile, ErrorsNameTheKey) {
+  EXPECT_EQ(error_of(replaced(kRos, "image_width: 640\n", "")), "c.yaml: \"image_width\" is missing");
+  EXPECT_EQ(error_of(replaced(kRos, "640", "-640")), "c.yaml: image_width = -640 is not a whole number in [1, 100000]");
+  EXPECT_EQ(error_of(replaced(kRos, "600.5", "six")), "c.yaml: camera_matrix: data = \"six\" is not a finite number");
+  EXPECT_EQ(error_of(replaced(kRos, "600.5", ".nan")), "c.yaml: camera_matrix: data = \".nan\" is not a finite number");
+  EXPECT_EQ(error_of(replaced(kRos, "600.5", "-600.5")), "c.yaml: fx_px = -600.5 is not in [0.001, 1e9]");
+  EXPECT_EQ(error_of(replaced(kRos, "600.5, 0.", "600.5, 3")), "c.yaml: camera_matrix has skew 3, only 0 can be used");
+  EXPECT_EQ(error_of(replaced(kRos, "cols: 3", "cols: 4")),
+            "c.yaml: camera_matrix: data has 9 numbers, rows x cols is 12");
+  EXPECT_THAT(error_of(replaced(kRos, "plumb_bob", "mei")), HasSubstr("distortion_model = \"mei\" is not one of"));
+  EXPECT_EQ(error_of(replaced(kRos, "image_height: 480\n", "image_height: 480\nimage_height: 481\n")),
+            "c.yaml: \"image_height\" and \"image_height\" both stand there");
+  EXPECT_EQ(error_of(replaced(kKalibr, "pinhole", "omni")),
+            "c.yaml: cam0: camera_model = \"omni\" cannot be used, only pinhole");
+  EXPECT_EQ(error_of(replaced(kKalibr, "[640, 480]", "[640]")), "c.yaml: cam0: resolution is not [width, height]");
+  EXPECT_EQ(error_of(kKalibr + replaced(kKalibr, "cam0:\n", "cam1:\n")),
+            "c.yaml: holds 2 cameras (cam0, cam1); keep one of them");
+  EXPECT_THAT(error_of("a: 1"), HasSubstr("not a camera calibration of ROS or OpenCV"));
+  EXPECT_THAT(error_of("[1, 2]"), HasSubstr("not a map of keys"));
+  EXPECT_THAT(error_of(""), HasSubstr("not a map of keys"));
+  EXPECT_THAT(error_of("a: [1, 2"), HasSubstr("not valid YAML"));
+}
+
+TEST(CameraFile, SurvivesTruncationAndFlippedBytes) {
+  Random random(seed_from_name("SurvivesTruncationAndFlippedBytes"));
+  for (const std::string& text : {kRos, kOpenCv, kKalibr}) {
+    for (std::size_t length = 0; length < text.size(); ++length) {
+      try {
+        const Camera camera = parse_camera_yaml("c.yaml", text.substr(0, length));
+        EXPECT_EQ(camera_problem(camera), "");
+      } catch (const DataError&) {
+      }
+      std::string flipped = text;
+      flipped[length] = static_cast<char>(random.below(256));
+      try {
+        const Camera camera = parse_camera_yaml("c.yaml", flipped);
+        EXPECT_EQ(camera_problem(camera), "");
+      } catch (const DataError&) {
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,91 @@
+#include "help.h"
+
+#include <sstream>
+
+#include "cli/toy_command.h"
+#include "common_options.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string toy_help() {
+  const Command command = make_toy_command();
+  CommonOptions common;
+  return command_help(command, common_fields_for(command, common));
+}
+
+TEST(Help, TellsRangeUnitDefaultAndChoices) {
+  std::string flat = toy_help();
+  flat.erase(std::remove(flat.begin(), flat.end(), '\n'), flat.end());
+  std::istringstream stream(flat);
+  std::string text;
+  for (std::string word; stream >> word;) text += word + " ";
+  EXPECT_THAT(text, HasSubstr("--size-px INTEGER Side of a tile. [pixels; 16 to 4096; default 256]"));
+  EXPECT_THAT(text, HasSubstr("--speed-mps NUMBER Speed over ground. [m/s; 0 to 400]"));
+  EXPECT_THAT(text, HasSubstr("--fate NAME How it ends. [done | gate | data"));
+  EXPECT_THAT(text, HasSubstr("--no-check Do not: Look twice."));
+  EXPECT_THAT(text, HasSubstr("--imagery PATH Rasters. [may be repeated]"));
+  EXPECT_THAT(text, HasSubstr("How the aircraft sees the ground --camera-hfov-deg NUMBER"));
+  EXPECT_THAT(text, HasSubstr("Usage: pilotage toy [OPTIONS] RASTER... [-o OUTPUT]"));
+  EXPECT_THAT(text, HasSubstr("-o, --output PATH The toy."));
+  EXPECT_THAT(text, HasSubstr("pilotage toy a.tif -o b.tif"));
+}
+
+TEST(Help, LinesFitEightyColumns) {
+  std::istringstream lines(toy_help());
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+}
+
+TEST(Help, NamesEveryFlagOnce) {
+  const Command command = make_toy_command();
+  CommonOptions common;
+  const OptionList fields = common_fields_for(command, common);
+  const std::string text = toy_help();
+  for (const OptionField& field : fields.fields) EXPECT_THAT(text, HasSubstr("--" + field.flag));
+  for (const OptionField& field : command.options.fields) EXPECT_THAT(text, HasSubstr(field.flag));
+}
+
+TEST(Help, WithoutOutputThereAreNoOutputFlags) {
+  Command command = make_toy_command();
+  command.output = {};
+  CommonOptions common;
+  const std::string text = command_help(command, common_fields_for(command, common));
+  EXPECT_THAT(text, Not(HasSubstr("--output")));
+  EXPECT_THAT(text, Not(HasSubstr("--overwrite")));
+}
+
+TEST(Help, ACommandsOwnFlagReplacesTheCommonOne) {
+  struct Seeded {
+    int seed = 7;
+    static void describe(Seeded& self, options_detail::FieldCollector& fields) {
+      fields.field("seed", self.seed, "Mine.");
+    }
+  };
+  Command command = make_toy_command();
+  bind_options<Seeded>(command, [](const Seeded&, const Invocation&) { return CommandResult{}; });
+  CommonOptions common;
+  const OptionList fields = common_fields_for(command, common);
+  EXPECT_EQ(fields.find("seed"), nullptr);
+  EXPECT_NE(fields.find("threads"), nullptr);
+}
+
+TEST(Help, OverviewGroupsByTheWayOfTheData) {
+  Command look = make_toy_command();
+  look.word = "look";
+  look.group = CommandGroup::kInspect;
+  const std::string text = overview_help({look, make_toy_command()});
+  EXPECT_LT(text.find("Stage by stage:\n  toy "), text.find("Look at files:\n  look "));
+}
+
+TEST(Help, WrapCountsCharactersNotBytes) {
+  EXPECT_EQ(wrap_text("één twéé drie", 2, 10), "  één twéé\n  drie\n");
+  EXPECT_EQ(wrap_text("unbreakable-word", 2, 8), "  unbreakable-word\n");
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,12 @@
+# Files are around 100 lines and seldom over 400; over 600 they hold more than one idea.
+include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
+our_files(files *.h *.cc)
+foreach(file IN LISTS files)
+  execute_process(COMMAND wc -l INPUT_FILE ${SOURCE}/${file} OUTPUT_VARIABLE lines OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(lines GREATER 600)
+    problem("${file}: ${lines} lines")
+  elseif(lines GREATER 400)
+    message(STATUS "${file}: ${lines} lines; seldom over 400")
+  endif()
+endforeach()
+finish("at most 600 lines in a file")

@@ -1,0 +1,12 @@
+# "build/" without the slash in front would hide src/pilotage/build from version control.
+include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
+file(STRINGS ${SOURCE}/.gitignore lines)
+if(NOT "/build/" IN_LIST lines)
+  problem(".gitignore: no line /build/")
+endif()
+foreach(line IN LISTS lines)
+  if(line MATCHES "^(\\*\\*/)?build/?$")
+    problem(".gitignore: ${line} is not anchored")
+  endif()
+endforeach()
+finish("build trees are ignored at the top of the repository only")

@@ -1,0 +1,16 @@
+# What flies loads SQLite and four OpenCV modules, and none of the libraries of the ground. Input: PROGRAM.
+include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
+execute_process(COMMAND ldd ${PROGRAM} OUTPUT_VARIABLE libraries RESULT_VARIABLE result ERROR_VARIABLE error)
+if(NOT result EQUAL 0)
+  problem("ldd ${PROGRAM}: ${error}")
+endif()
+foreach(forbidden gdal GeographicLib ceres fftw sodium yaml-cpp opencv_imgcodecs opencv_highgui opencv_dnn proj geos
+                  curl "not found")
+  if(libraries MATCHES "[^\n]*${forbidden}[^\n]*")
+    problem("loads${CMAKE_MATCH_0}")
+  endif()
+endforeach()
+if(NOT libraries MATCHES "libopencv_core")
+  problem("loads no OpenCV: the program does not hold the library")
+endif()
+finish("pilotage::onboard links SQLite, Eigen and OpenCV core, imgproc, features2d, calib3d")

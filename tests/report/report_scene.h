@@ -1,0 +1,22 @@
+#pragma once
+
+#include "pilotage/report/report.h"
+
+namespace pilotage::testing {
+
+struct ReportSceneOptions {
+  GeodeticPoint origin{7.6, 51.96};
+  double turn_deg = 8;        ///< Of the grid's y axis against north, so that grid and page are not parallel.
+  double limit_m = 50;        ///< max_error_m of the selection.
+  double matchable_from = 0;  ///< Along-route share where selected ground ends and starts again: one gap between them.
+  double matchable_to = 0;
+  double drift = 0.018;  ///< Metres of error per metre of gap.
+  int tiles_across = 7;  ///< Columns; rows follow the route.
+  int tiles_along = 48;
+};
+
+/// A mission over drawn ground: two levels, a route of four legs up the middle of the corridor, tiles of every status,
+/// one gap.
+ReportInput report_scene(const ReportSceneOptions& options);
+
+}  // namespace pilotage::testing

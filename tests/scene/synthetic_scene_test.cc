@@ -1,0 +1,3 @@
+#include "pilotage/scene/synthetic_scene.h"
+
+#include <gtest/gtest.h>

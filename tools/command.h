@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "exit_code.h"
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
+
+namespace pilotage {
+
+/// Where a command stands in the way of the data; `pilotage --help` lists the groups in this order.
+enum class CommandGroup { kPrepare, kStages, kInspect, kFlight, kStudy };
+
+struct CommandExample {
+  std::string what;  ///< One line: what it does.
+  std::string line;  ///< What is typed, "pilotage score ortho.tif -o scores.tif".
+};
+
+/// The arguments without a flag.
+struct InputSpec {
+  static constexpr int kMany = std::numeric_limits<int>::max();
+
+  std::string name = "INPUT";  ///< As usage shows it, in capitals.
+  std::string help;
+  int min = 0;
+  int max = 0;             ///< kMany: any number.
+  bool is_config = false;  ///< The one input is a configuration file: `pilotage prepare mission.json`.
+};
+
+/// What `-o` means. With kFile, an output that exists is refused before any work is done unless --overwrite is given;
+/// a command that makes a folder decides for the files in it.
+enum class OutputKind { kNone, kFile, kFolder };
+
+struct OutputSpec {
+  OutputKind kind = OutputKind::kNone;
+  std::string help;
+  bool required = true;
+};
+
+/// What a command is run with, besides its own options.
+struct Invocation {
+  std::vector<std::string> inputs;  ///< As typed; GDAL dataset strings are allowed where imagery is.
+  std::string output;               ///< "" when none was given.
+  bool overwrite = false;
+  int threads = 0;  ///< 0 = all cores.
+  std::uint64_t seed = 1;
+  Progress progress;  ///< Never empty: also carries the user's wish to stop.
+};
+
+/// What a command has to say; the caller prints it.
+struct CommandResult {
+  int exit_code = kExitDone;
+  std::string text;                   ///< For people, on stdout, whole lines.
+  nlohmann::ordered_json json;        ///< For programs, on stdout with --json: the same content. An object.
+  std::vector<std::string> warnings;  ///< On stderr, and as "warnings" in the JSON.
+};
+
+/// A subcommand: one per library folder, each in its own command_<word>.cc as `Command make_<word>_command()`.
+/// `options` is bound to an options object that `run` keeps alive (bind_options, below).
+struct Command {
+  std::string word;
+  CommandGroup group = CommandGroup::kStages;
+  std::string summary;  ///< At most 64 characters, begins with a capital, no full stop.
+  std::vector<CommandExample> examples;
+  InputSpec inputs;
+  OutputSpec output;
+  OptionList options;
+  /// Called once, after `options` hold the configuration file and the command line. Throws as the library does.
+  std::function<CommandResult(const Invocation&)> run;
+};
+
+/// Binds a command to the options struct of its library function: `run` is called with the options as the user set
+/// them.
+///
+///   bind_options<ScoreOptions>(command, [](const ScoreOptions& options, const Invocation& invocation) { … });
+template <class Options, class Run>
+void bind_options(Command& command, Run run) {
+  auto options = std::make_shared<Options>();
+  command.options = list_options(*options);
+  command.run = [options, run](const Invocation& invocation) -> CommandResult { return run(*options, invocation); };
+}
+
+}  // namespace pilotage

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+
+#include "pilotage/base/options.h"
+
+namespace pilotage {
+
+enum class ProgressMode { kAuto, kNone, kJson };
+inline EnumNames<ProgressMode> enum_names(ProgressMode) {
+  return {{ProgressMode::kAuto, "auto"}, {ProgressMode::kNone, "none"}, {ProgressMode::kJson, "json"}};
+}
+
+enum class ProgressStyle { kNone, kBar, kJson };
+
+/// One line of at most `width` characters: what, a bar, percent, rate and the time that remains at that rate.
+std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t total, double elapsed_s, int width);
+
+/// Shows progress on a stream, at most ten times a second as a bar that redraws itself and four times as JSON lines
+/// {"what", "done", "total", "elapsed_s"}; the first and the last report of each kind of work always show as JSON.
+class ProgressMeter {
+ public:
+  /// `width`: columns of the terminal. `escapes`: the terminal understands "erase to the end of the line".
+  ProgressMeter(std::ostream& stream, ProgressStyle style, int width, bool escapes);
+
+  void report(std::string_view what, std::int64_t done, std::int64_t total);
+
+  /// Takes the bar away, so that other lines can be written.
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void draw(const std::string& line);
+
+  std::ostream& stream_;
+  ProgressStyle style_;
+  int width_;
+  bool escapes_;
+  std::string what_;
+  Clock::time_point began_;
+  Clock::time_point shown_;
+  bool bar_visible_ = false;
+};
+
+}  // namespace pilotage

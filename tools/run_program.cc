@@ -1,0 +1,245 @@
+#include "run_program.h"
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <ostream>
+
+#include "cli_options.h"
+#include "common_options.h"
+#include "help.h"
+#include "interruption.h"
+#include "terminal.h"
+#include "version.h"
+#include <opencv2/core/utility.hpp>
+
+#include "pilotage/base/config_file.h"
+#include "pilotage/base/error.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/text.h"
+#include "pilotage/raster/gdal_config.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+int print(std::ostream& out, const std::string& text) {
+  out << text;
+  return kExitDone;
+}
+
+std::string dump(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Command& find_command(std::vector<Command>& commands, const std::string& word) {
+  const auto found = std::find_if(commands.begin(), commands.end(), [&](const auto& c) { return c.word == word; });
+  if (found != commands.end()) return *found;
+  std::vector<std::string> words;
+  for (const Command& command : commands) words.push_back(command.word);
+  const std::string nearest = nearest_word(word, words);
+  throw UsageError((word.starts_with("-") ? "unknown option " + word : "unknown command \"" + word + "\"") +
+                   (nearest.empty() ? "; pilotage --help lists them" : "; did you mean \"" + nearest + "\"?"));
+}
+
+void check_inputs(const Command& command, const std::vector<std::string>& inputs) {
+  const auto count = static_cast<int>(std::min<std::size_t>(inputs.size(), InputSpec::kMany));
+  if (count < command.inputs.min) {
+    throw UsageError(count == 0 ? command.inputs.name + " is missing: " + command.inputs.help
+                                : "at least " + std::to_string(command.inputs.min) + " of " + command.inputs.name +
+                                      " are needed, " + std::to_string(count) + " given");
+  }
+  if (count > command.inputs.max) {
+    const auto first_extra = inputs[static_cast<std::size_t>(command.inputs.max)];
+    throw UsageError("unexpected argument \"" + first_extra + "\"");
+  }
+}
+
+void check_output(const Command& command, const CommonOptions& common, const std::vector<std::string>& inputs) {
+  if (command.output.kind == OutputKind::kNone) return;
+  if (common.output.empty()) {
+    if (command.output.required) throw UsageError("-o OUTPUT is missing: " + command.output.help);
+    return;
+  }
+  std::error_code ignored;
+  for (const std::string& input : inputs) {
+    if (std::filesystem::equivalent(input, common.output, ignored)) {
+      throw UsageError("--output = \"" + common.output + "\" is also an input");
+    }
+  }
+  if (!std::filesystem::exists(common.output, ignored)) return;
+  const bool is_folder = std::filesystem::is_directory(common.output, ignored);
+  if (command.output.kind == OutputKind::kFolder && !is_folder) throw DataError(common.output + ": is not a folder");
+  if (command.output.kind == OutputKind::kFile && is_folder) throw DataError(common.output + ": is a folder");
+  if (command.output.kind == OutputKind::kFile && !common.overwrite) {
+    throw DataError(common.output + ": exists already; give --overwrite to replace it");
+  }
+}
+
+/// Defaults, then the configuration file, then the command line.
+void fill_options(const Command& command, const CommonOptions& common, const ParsedLine& line) {
+  std::string config = common.config;
+  if (command.inputs.is_config && !line.inputs.empty()) {
+    if (!config.empty()) throw UsageError("--config and " + command.inputs.name + " name the same thing; give one");
+    config = line.inputs.front();
+  }
+  if (!config.empty()) load_config_file(command.options, config);
+  apply_flags(command.options, line);
+}
+
+/// A command may describe "threads" or "seed" itself; the invocation carries the same numbers either way.
+std::int64_t own_integer(const Command& command, const char* flag, std::int64_t otherwise) {
+  for (const OptionField& field : command.options.fields) {
+    if (field.flag != flag) continue;
+    const OptionValue value = field.get();
+    if (const auto* number = std::get_if<std::int64_t>(&value)) return *number;
+  }
+  return otherwise;
+}
+
+Invocation make_invocation(const Command& command, const CommonOptions& common, const ParsedLine& line,
+                           ProgressMeter& meter) {
+  Invocation invocation;
+  invocation.inputs = line.inputs;
+  invocation.output = common.output;
+  invocation.overwrite = common.overwrite;
+  invocation.threads = static_cast<int>(own_integer(command, "threads", common.threads));
+  invocation.seed = static_cast<std::uint64_t>(own_integer(command, "seed", static_cast<std::int64_t>(common.seed)));
+  invocation.progress = [&meter](std::string_view what, std::int64_t done, std::int64_t total) {
+    meter.report(what, done, total);
+    return !interruption_requested();
+  };
+  return invocation;
+}
+
+void print_result(const Command& command, const CommonOptions& common, const CommandResult& result, std::ostream& out,
+                  std::ostream& err) {
+  if (!common.quiet) {
+    for (const std::string& warning : result.warnings) {
+      err << "pilotage " << command.word << ": warning: " << warning << "\n";
+    }
+  }
+  if (common.json) {
+    Json json = result.json.is_null() ? Json::object() : result.json;
+    if (!json.contains("warnings")) json["warnings"] = result.warnings;
+    out << dump(json);
+  } else {
+    out << result.text;
+  }
+}
+
+int run_command(const Command& command, const std::vector<std::string>& arguments, std::ostream& out,
+                std::ostream& err) {
+  CommonOptions common;
+  const OptionList common_fields = common_fields_for(command, common);
+  const ParsedLine line = parse_line({&command.options, &common_fields}, arguments);
+  if (line.help) return print(out, command_help(command, common_fields));
+  if (line.version) return print(out, version_text());
+  apply_flags(common_fields, line);
+  if (common.print_schema) {
+    return print(out, dump(options_schema(command.options, "pilotage " + command.word)));
+  }
+  check_inputs(command, line.inputs.empty() && common.print_config
+                            ? std::vector<std::string>(static_cast<std::size_t>(command.inputs.min))
+                            : line.inputs);
+  fill_options(command, common, line);
+  if (common.print_config) return print(out, dump(options_to_json(command.options)));
+
+  check_output(command, common, line.inputs);
+  for (const std::string& key_value : common.gdal_config) set_gdal_config(key_value);
+  watch_for_interruption();
+  ProgressMeter meter = make_progress_meter(common.quiet ? ProgressMode::kNone : common.progress, err);
+  const Invocation invocation = make_invocation(command, common, line, meter);
+  cv::setNumThreads(1);  // work is shared out by parallel_for; OpenCV's own threads would come on top of it
+  CommandResult result;
+  try {
+    result = command.run(invocation);
+  } catch (...) {
+    meter.clear();
+    throw;
+  }
+  meter.clear();
+  print_result(command, common, result, out, err);
+  return result.exit_code;
+}
+
+int dispatch(std::vector<Command>& commands, const std::vector<std::string>& arguments, std::ostream& out,
+             std::ostream& err) {
+  if (arguments.empty()) {
+    err << overview_help(commands);
+    return kExitUsage;
+  }
+  const std::string& word = arguments.front();
+  const std::vector<std::string> rest(arguments.begin() + 1, arguments.end());
+  if (word == "--version") return print(out, version_text());
+  if (word == "--help" || word == "-h" || (word == "help" && rest.empty())) {
+    return print(out, overview_help(commands));
+  }
+  if (word == "help") return run_command(find_command(commands, rest.front()), {"--help"}, out, err);
+  return run_command(find_command(commands, word), rest, out, err);
+}
+
+/// How an error is told: its exit code, and its kind for programs.
+struct Failure {
+  int exit_code;
+  const char* kind;
+  std::string message;
+};
+
+Failure describe_current_exception() {
+  try {
+    throw;
+  } catch (const Interrupted&) {
+    return {kExitInterrupted, "interrupted", "interrupted; nothing was written"};
+  } catch (const UsageError& error) {
+    return {kExitUsage, "usage", error.what()};
+  } catch (const IntegrityError& error) {
+    return {kExitIntegrity, "integrity", error.what()};
+  } catch (const DataError& error) {
+    return {kExitFailed, "data", error.what()};
+  } catch (const std::bad_alloc&) {
+    return {kExitFailed, "memory", "not enough memory"};
+  } catch (const std::exception& error) {
+    return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
+  } catch (...) {
+    return {kExitFailed, "internal", "unexpected error"};
+  }
+}
+
+bool wants_json(const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    if (argument == "--") return false;
+    if (argument == "--json" || argument == "--json=true") return true;
+  }
+  return false;
+}
+
+void tell_failure(const Failure& failure, const std::vector<std::string>& arguments, std::ostream& out,
+                  std::ostream& err) {
+  const bool has_word = !arguments.empty() && !arguments.front().starts_with("-");
+  const std::string who =
+      "pilotage" + (has_word && failure.message.find("unknown command") != 0 ? " " + arguments.front() : std::string());
+  const bool colour = wants_colour(err);
+  err << (colour ? "\x1b[31m" : "") << who << ":" << (colour ? "\x1b[0m" : "") << " " << failure.message << std::endl;
+  if (wants_json(arguments)) {
+    out << dump({{"error", {{"kind", failure.kind}, {"message", failure.message}, {"exit_code", failure.exit_code}}}});
+  }
+}
+
+}  // namespace
+
+int run_program(std::vector<Command> commands, const std::vector<std::string>& arguments, std::ostream& out,
+                std::ostream& err) {
+  try {
+    const int exit_code = dispatch(commands, arguments, out, err);
+    if (!out.flush()) throw DataError("standard output cannot be written");
+    return exit_code;
+  } catch (...) {
+    const Failure failure = describe_current_exception();
+    tell_failure(failure, arguments, out, err);
+    return failure.exit_code;
+  }
+}
+
+}  // namespace pilotage

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <iosfwd>
+
+#include "progress_meter.h"
+
+namespace pilotage {
+
+/// A meter for standard error: a bar only when `stream` is std::cerr and that is a terminal.
+ProgressMeter make_progress_meter(ProgressMode mode, std::ostream& stream);
+
+/// Colours are for terminals that understand them, and for people who have not set NO_COLOR (no-color.org).
+bool wants_colour(const std::ostream& stream);
+
+}  // namespace pilotage

@@ -1,0 +1,15 @@
+#include "version.h"
+
+#include <opencv2/core/utility.hpp>
+#include <sqlite3.h>
+
+#include "pilotage/raster/gdal_config.h"
+
+namespace pilotage {
+
+std::string version_text() {
+  return std::string("pilotage ") + PILOTAGE_VERSION + "\nGDAL " + gdal_version() + "\nOpenCV " +
+         cv::getVersionString() + "\nSQLite " + sqlite3_libversion() + "\n";
+}
+
+}  // namespace pilotage
