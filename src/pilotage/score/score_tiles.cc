@@ -1,0 +1,358 @@
+#include "pilotage/score/score_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <map>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
+#include "pilotage/base/random.h"
+#include "pilotage/score/gray_statistics.h"
+#include "pilotage/score/map_strip.h"
+#include "pilotage/score/tile_surfaces.h"
+#include "pilotage/vision/correlation_peaks.h"
+
+namespace pilotage {
+namespace {
+
+/// Memory for spectra and surfaces of the tile columns that are worked on together, and how many these are at most.
+constexpr std::size_t kColumnMemory = std::size_t{400} << 20;
+constexpr std::int64_t kMostColumns = 64;
+/// Pixels of a strip: the map is held in memory in pieces of about this size (twice: one is read while one is worked on).
+constexpr std::int64_t kStripPixels = 8 << 20;
+/// Integral images of power sums serve square groups of tiles of at most this side.
+constexpr int kGroupSide = 1024;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Tiles of a few columns and a few rows: what is worked on with one strip in memory.
+struct Piece {
+  std::int64_t first_column = 0;
+  std::int64_t columns = 0;
+  PixelWindow window;
+  std::map<std::int64_t, std::vector<std::int64_t>> columns_of_row;  // tiles asked for
+};
+
+struct Job {
+  const GraySource& source;
+  const TileMatrix& matrix;
+  const ScoreOptions& options;
+  int radius_px;  // 0 when no surface is asked for
+  int margin_px;  // context of degraded copies
+  int threads;
+  double center = 0;
+  std::vector<Degrader> copies{};
+  std::vector<std::pair<std::int64_t, std::size_t>> order{};  // tile index and its place in the result, ascending
+
+  bool clean() const { return options.measure(ScoreMeasure::kUniqueness); }
+  bool degraded() const { return options.measure(ScoreMeasure::kDegraded); }
+  bool surfaces() const { return clean() || degraded(); }
+  std::size_t place_of(std::int64_t index) const {
+    return std::lower_bound(order.begin(), order.end(), std::pair{index, std::size_t{0}})->second;
+  }
+  std::int64_t index_of(std::int64_t column, std::int64_t row) const { return row * matrix.matrix_width() + column; }
+};
+
+void check_request(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options) {
+  check_options(options);
+  if (options.measures.empty()) throw UsageError("measures: none is asked for");
+  if (search_radius_px < 0) {
+    throw UsageError("search_radius_px = " + std::to_string(search_radius_px) + " is negative");
+  }
+  if (options.measures_surface() && search_radius_px == 0) {
+    throw UsageError("search_radius_px = 0: uniqueness and degraded need room to search, at least 1 px");
+  }
+  if (matrix.tile_size_px < 1 || matrix.stride_px < 1) throw UsageError("tile size and stride must be at least 1 px");
+  if (matrix.grid_width_px != source.width_px || matrix.grid_height_px != source.height_px) {
+    throw DataError("the tile matrix is that of a grid of " + std::to_string(matrix.grid_width_px) + " x " +
+                    std::to_string(matrix.grid_height_px) + " px, the imagery has " + std::to_string(source.width_px) +
+                    " x " + std::to_string(source.height_px) + " px");
+  }
+  if (matrix.tile_count() == 0) {
+    throw DataError("a tile of " + std::to_string(matrix.tile_size_px) + " x " + std::to_string(matrix.tile_size_px) +
+                    " px is larger than the imagery of " + std::to_string(source.width_px) + " x " +
+                    std::to_string(source.height_px) + " px");
+  }
+  for (const std::int64_t index : tile_indices) {
+    if (index < 0 || index >= matrix.tile_count()) {
+      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " + std::to_string(matrix.tile_count() - 1) +
+                       "]");
+    }
+  }
+}
+
+std::int64_t columns_per_piece(const Job& job) {
+  std::size_t bytes = 1;
+  if (job.clean()) bytes += CleanSurfaces::bytes_per_column(job.matrix, job.radius_px);
+  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px);
+  return std::clamp<std::int64_t>(static_cast<std::int64_t>(kColumnMemory / bytes), 1, kMostColumns);
+}
+
+/// The pieces that hold a tile that is asked for: down one group of columns, then the next. Their borders do not depend on
+/// which tiles are asked for.
+std::vector<Piece> make_pieces(const Job& job) {
+  const TileMatrix& matrix = job.matrix;
+  const std::int64_t columns = columns_per_piece(job);
+  const int halo = std::max(job.radius_px, job.margin_px);
+  const auto extent = [&](std::int64_t tiles) { return (tiles - 1) * matrix.stride_px + matrix.tile_size_px + 2 * halo; };
+  const std::int64_t rows = std::max<std::int64_t>(
+      1, (kStripPixels / extent(columns) - 2 * halo - matrix.tile_size_px) / matrix.stride_px + 1);
+  std::map<std::pair<std::int64_t, std::int64_t>, Piece> pieces;
+  for (const auto& [index, place] : job.order) {
+    const std::int64_t column = index % matrix.matrix_width();
+    const std::int64_t row = index / matrix.matrix_width();
+    Piece& piece = pieces[{column / columns, row / rows}];
+    piece.columns_of_row[row].push_back(column);
+    if (piece.columns > 0) continue;
+    piece.first_column = column / columns * columns;
+    piece.columns = std::min(columns, matrix.matrix_width() - piece.first_column);
+    const std::int64_t first_row = row / rows * rows;
+    const std::int64_t last_row = std::min(first_row + rows, matrix.matrix_height()) - 1;
+    const PixelWindow first = matrix.search_window(piece.first_column, first_row, halo);
+    const PixelWindow last = matrix.search_window(piece.first_column + piece.columns - 1, last_row, halo);
+    piece.window = {first.col, first.row, static_cast<int>(last.col + last.width - first.col),
+                    static_cast<int>(last.row + last.height - first.row)};
+  }
+  std::vector<Piece> list;
+  for (auto& [key, piece] : pieces) list.push_back(std::move(piece));
+  return list;
+}
+
+void set_statistics(const Job& job, const GrayStatistics& statistics, TileScore& score) {
+  const double area = static_cast<double>(job.matrix.tile_size_px) * job.matrix.tile_size_px;
+  score.valid_fraction = static_cast<double>(statistics.count) / area;
+  if (score.valid_fraction < job.options.min_valid_fraction) {
+    score.status = TileStatus::kTooLittleGround;
+    return;
+  }
+  score.status = statistics.count < 2 || statistics.gray_variance == 0 ? TileStatus::kFlat : TileStatus::kScored;
+  if (job.options.measure(ScoreMeasure::kGrayVariance)) score.gray_variance = statistics.gray_variance;
+  if (job.options.measure(ScoreMeasure::kFriedenEntropy)) {
+    score.frieden_entropy = statistics.frieden_entropy;
+    score.frieden_deficit = statistics.frieden_deficit;
+  }
+}
+
+/// V and H of a piece's tiles, and their status; groups of neighbouring tiles share their integral images.
+void score_statistics(const Job& job, const Piece& piece, const MapStrip& strip, std::vector<TileScore>& scores) {
+  const int side = job.matrix.tile_size_px;
+  const std::int64_t across = std::max(1, (kGroupSide - side) / job.matrix.stride_px + 1);
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::int64_t>> groups;
+  for (const auto& [row, columns] : piece.columns_of_row) {
+    for (const std::int64_t column : columns) {
+      groups[{row / across, column / across}].push_back(job.index_of(column, row));
+    }
+  }
+  std::vector<std::vector<std::int64_t>> list;
+  for (auto& [key, tiles] : groups) list.push_back(std::move(tiles));
+  parallel_for(list.size(), job.threads, [&](std::size_t group, int) {
+    const auto window_of = [&](std::int64_t index) {
+      return job.matrix.tile_window(index % job.matrix.matrix_width(), index / job.matrix.matrix_width());
+    };
+    PixelWindow all = window_of(list[group].front());
+    for (const std::int64_t index : list[group]) {
+      const PixelWindow tile = window_of(index);
+      const std::int64_t end_col = std::max(all.col + all.width, tile.col + side);
+      const std::int64_t end_row = std::max(all.row + all.height, tile.row + side);
+      all.col = std::min(all.col, tile.col);
+      all.row = std::min(all.row, tile.row);
+      all.width = static_cast<int>(end_col - all.col);
+      all.height = static_cast<int>(end_row - all.row);
+    }
+    const cv::Mat pixels = strip.view(strip.pixels, all);
+    const cv::Mat valid = strip.view(strip.valid, all);
+    const bool alone = list[group].size() == 1 && side > kGroupSide;
+    const std::optional<PowerSums> sums = alone ? std::nullopt : std::optional<PowerSums>(std::in_place, pixels, valid);
+    for (const std::int64_t index : list[group]) {
+      const PixelWindow tile = window_of(index);
+      const cv::Rect rect(static_cast<int>(tile.col - all.col), static_cast<int>(tile.row - all.row), side, side);
+      set_statistics(job, sums ? sums->at(rect) : gray_statistics(pixels, valid), scores[job.place_of(index)]);
+    }
+  });
+}
+
+SurfaceScores surface_scores(const cv::Mat& surface, const SearchArea& area) {
+  if (surface.empty()) return {};
+  const CorrelationPeaks peaks = correlation_peaks(surface, area.truth, area.tile.width);
+  return {peaks.peak,          peaks.rival,  peaks.margin,        peaks.rival_ratio,       peaks.psr,
+          peaks.rivals,        peaks.half_width_px, peaks.expected_error_px, peaks.rival_dx_px, peaks.rival_dy_px};
+}
+
+/// Mean of what is defined over the copies; the rival's place is that of the copy with the smallest margin.
+SurfaceScores mean_scores(const std::vector<SurfaceScores>& copies) {
+  SurfaceScores result;
+  for (double SurfaceScores::*const member :
+       {&SurfaceScores::peak, &SurfaceScores::rival, &SurfaceScores::margin, &SurfaceScores::rival_ratio,
+        &SurfaceScores::psr, &SurfaceScores::rivals, &SurfaceScores::half_width_px, &SurfaceScores::expected_error_px}) {
+    double sum = 0;
+    int count = 0;
+    for (const SurfaceScores& copy : copies) {
+      if (std::isnan(copy.*member)) continue;
+      sum += copy.*member;
+      ++count;
+    }
+    if (count > 0) result.*member = sum / count;
+  }
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const SurfaceScores& copy : copies) {
+    if (!(copy.margin < smallest)) continue;
+    smallest = copy.margin;
+    result.rival_dx_px = copy.rival_dx_px;
+    result.rival_dy_px = copy.rival_dy_px;
+  }
+  return result;
+}
+
+/// A tile whose search area is not all ground: masked correlation. The mask of a degraded copy loses a border as wide as the
+/// copy may have moved, so that what it shows is ground.
+void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area, TileScore& score) {
+  const cv::Mat tile = strip.view(strip.centred, area.tile);
+  const cv::Mat tile_valid = strip.view(strip.valid, area.tile);
+  const cv::Mat region = strip.view(strip.centred, area.window);
+  const cv::Mat region_valid = strip.view(strip.valid, area.window);
+  const double overlap = job.options.min_valid_fraction;
+  if (job.clean()) {
+    score.clean = surface_scores(masked_correlation_surface(tile, tile_valid, region, region_valid, overlap), area);
+  }
+  if (!job.degraded()) return;
+  cv::Mat kept = tile_valid;
+  if (cv::countNonZero(tile_valid) < tile_valid.rows * tile_valid.cols) {
+    const int side = 2 * job.margin_px + 1;
+    cv::erode(tile_valid, kept, cv::Mat::ones(side, side, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  }
+  if (cv::countNonZero(kept) < 2) return;
+  std::vector<SurfaceScores> copies;
+  for (const Degrader& degrader : job.copies) {
+    const cv::Mat copy = degraded_tile(strip, area.tile, degrader, job.margin_px);
+    copies.push_back(surface_scores(masked_correlation_surface(copy, kept, region, region_valid, overlap), area));
+  }
+  score.degraded = mean_scores(copies);
+}
+
+/// Surfaces of the tiles of one row of a piece.
+void score_row(const Job& job, const MapStrip& strip, std::int64_t row, const std::vector<std::int64_t>& asked,
+               std::optional<CleanSurfaces>& clean, std::optional<DegradedSurfaces>& degraded,
+               std::vector<TileScore>& scores) {
+  std::vector<std::int64_t> whole;    // search area all ground
+  std::vector<std::int64_t> partial;  // not all
+  for (const std::int64_t column : asked) {
+    if (scores[job.place_of(job.index_of(column, row))].status != TileStatus::kScored) continue;
+    const SearchArea area(job.matrix, column, row, job.radius_px);
+    const std::int64_t pixels = static_cast<std::int64_t>(area.window.width) * area.window.height;
+    (strip.count_valid(area.window) == pixels ? whole : partial).push_back(column);
+  }
+  if (clean && !whole.empty()) clean->prepare(strip, row, whole, job.threads);
+  if (degraded && !whole.empty()) degraded->prepare(strip, row, whole, job.threads);
+  std::vector<cv::Mat> scratch(static_cast<std::size_t>(thread_count(job.threads)));
+  parallel_for(whole.size() + partial.size(), job.threads, [&](std::size_t index, int worker) {
+    const bool all_ground = index < whole.size();
+    const std::int64_t column = all_ground ? whole[index] : partial[index - whole.size()];
+    const SearchArea area(job.matrix, column, row, job.radius_px);
+    TileScore& score = scores[job.place_of(job.index_of(column, row))];
+    if (!all_ground) {
+      score_masked(job, strip, area, score);
+      return;
+    }
+    cv::Mat& space = scratch[static_cast<std::size_t>(worker)];
+    if (clean) score.clean = surface_scores(clean->surface(strip, area, column, row, space), area);
+    if (!degraded) return;
+    std::vector<SurfaceScores> copies;
+    for (std::size_t copy = 0; copy < job.copies.size(); ++copy) {
+      copies.push_back(surface_scores(degraded->surface(strip, area, column, row, copy, worker, space), area));
+    }
+    score.degraded = mean_scores(copies);
+  });
+}
+
+MapStrip load(const Job& job, const Piece& piece, const MapStrip* previous) {
+  return load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.surfaces(), previous, job.threads);
+}
+
+}  // namespace
+
+bool ScoreOptions::measure(ScoreMeasure which) const {
+  return std::find(measures.begin(), measures.end(), which) != measures.end();
+}
+
+bool ScoreOptions::measures_surface() const { return measure(ScoreMeasure::kUniqueness) || measure(ScoreMeasure::kDegraded); }
+
+TileMatrix score_matrix(const GraySource& source, const ScoreGridOptions& grid) {
+  check_options(grid);
+  const TileMatrix matrix{0, source.map_from_pixel, source.width_px, source.height_px, grid.tile_size_px, grid.stride_px};
+  if (matrix.tile_count() == 0) {
+    throw DataError("tile_size_px = " + std::to_string(grid.tile_size_px) + ": a tile of " +
+                    std::to_string(grid.tile_size_px) + " x " + std::to_string(grid.tile_size_px) +
+                    " px is larger than the imagery of " + std::to_string(source.width_px) + " x " +
+                    std::to_string(source.height_px) + " px");
+  }
+  return matrix;
+}
+
+std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
+                                   std::uint64_t seed, int threads, const Progress& progress) {
+  check_request(source, matrix, search_radius_px, tile_indices, options);
+  std::vector<std::int64_t> indices(tile_indices.begin(), tile_indices.end());
+  if (indices.empty()) {
+    indices.resize(static_cast<std::size_t>(matrix.tile_count()));
+    std::iota(indices.begin(), indices.end(), 0);
+  }
+
+  Job job{source, matrix, options, options.measures_surface() ? search_radius_px : 0, 0, thread_count(threads)};
+  if (job.degraded()) {
+    job.margin_px = rotation_margin_px(matrix.tile_size_px, options.degradation);
+    for (int copy = 0; copy < options.degraded_copies; ++copy) {
+      job.copies.emplace_back(matrix.tile_size_px, job.margin_px, options.degradation, seed, copy);
+    }
+  }
+  if (job.surfaces()) job.center = sample_center(source);
+  std::vector<TileScore> scores(indices.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const std::int64_t index = indices[i];
+    job.order.emplace_back(index, i);
+    scores[i].tile_id = index;
+    scores[i].level = matrix.level;
+    scores[i].column = index % matrix.matrix_width();
+    scores[i].row = index / matrix.matrix_width();
+  }
+
+  std::sort(job.order.begin(), job.order.end());
+  const auto twice = std::adjacent_find(job.order.begin(), job.order.end(),
+                                        [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (twice != job.order.end()) throw UsageError("tile index " + std::to_string(twice->first) + " stands twice");
+
+  const std::vector<Piece> pieces = make_pieces(job);
+  std::optional<CleanSurfaces> clean;
+  std::optional<DegradedSurfaces> degraded;
+  std::int64_t done = 0;
+  report_progress(progress, "score", 0, static_cast<std::int64_t>(indices.size()));
+  MapStrip strip = load(job, pieces.front(), nullptr);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Piece& piece = pieces[i];
+    std::future<MapStrip> next;  // read while this piece is worked on
+    if (i + 1 < pieces.size()) {
+      next = std::async(std::launch::async, [&job, &pieces, &strip, i] { return load(job, pieces[i + 1], &strip); });
+    }
+    if (i == 0 || pieces[i - 1].first_column != piece.first_column) {
+      if (job.clean()) clean.emplace(matrix, job.radius_px, piece.first_column, piece.columns);
+      if (job.degraded()) {
+        degraded.emplace(matrix, job.radius_px, piece.first_column, piece.columns, job.copies, job.margin_px);
+      }
+    }
+    score_statistics(job, piece, strip, scores);
+    for (const auto& [row, columns] : piece.columns_of_row) {
+      if (job.surfaces()) score_row(job, strip, row, columns, clean, degraded, scores);
+      done += static_cast<std::int64_t>(columns.size());
+      report_progress(progress, "score", done, static_cast<std::int64_t>(indices.size()));
+    }
+    if (next.valid()) strip = next.get();
+  }
+  return scores;
+}
+
+}  // namespace pilotage
