@@ -10,7 +10,9 @@ namespace pilotage {
 namespace {
 
 enum class Colour { kRed, kBlue };
-EnumNames<Colour> enum_names(Colour) { return {{Colour::kRed, "red"}, {Colour::kBlue, "blue"}}; }
+EnumNames<Colour> enum_names(Colour) {
+  return {{Colour::kRed, "red"}, {Colour::kBlue, "blue"}};
+}
 
 struct Inner {
   double angle_deg = 10;
@@ -67,8 +69,10 @@ TEST(Options, FlagsAndPathsFollowTheDescription) {
 TEST(Options, JsonWritesThrough) {
   Outer outer;
   const OptionList list = list_options(outer);
-  set_options_from_json(list, parse_json("m.json", R"({"$schema": "x", "count": 10, "colour": "blue", "palette": ["blue","red"],
-      "steps": [0, 0.5], "inner": {"angle_deg": 45, "width_px": 7}})"), "m.json");
+  set_options_from_json(
+      list, parse_json("m.json", R"({"$schema": "x", "count": 10, "colour": "blue", "palette": ["blue","red"],
+      "steps": [0, 0.5], "inner": {"angle_deg": 45, "width_px": 7}})"),
+      "m.json");
   EXPECT_EQ(outer.count, 10);
   EXPECT_EQ(outer.colour, Colour::kBlue);
   EXPECT_EQ(outer.palette, (std::vector{Colour::kBlue, Colour::kRed}));
@@ -95,6 +99,7 @@ TEST(Options, JsonIsStrict) {
   EXPECT_EQ(error_of(R"({"count": null})"), "m.json: count is nothing, expected an integer");
   EXPECT_THAT(error_of(R"({"count": 1, "count": 2})"), ::testing::HasSubstr("\"count\" stands twice"));
   EXPECT_THAT(error_of("{"), ::testing::HasSubstr("m.json: not valid JSON"));
+  EXPECT_THAT(error_of(R"({"count": 9e999})"), ::testing::HasSubstr("m.json: not valid JSON")) << "not a parse_error";
 }
 
 TEST(Options, TextIsStrict) {

@@ -187,7 +187,7 @@ Json parse_json(const std::string& name, std::string_view text) {
   Json json;
   try {
     json = Json::parse(text, watch_keys);
-  } catch (const Json::parse_error& error) {
+  } catch (const Json::exception& error) {
     throw DataError(name + ": not valid JSON: " + error.what());
   }
   if (!repeated.empty()) throw DataError(name + ": the key \"" + repeated + "\" stands twice in one object");
