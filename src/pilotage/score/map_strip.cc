@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/parallel.h"
@@ -16,8 +17,8 @@ void drop_not_finite(const cv::Mat& pixels, cv::Mat& valid) {
   for (int row = 0; row < pixels.rows; ++row) {
     std::uint8_t* mask = valid.ptr(row);
     for (int col = 0; col < pixels.cols; ++col) {
-      const double value = pixels.depth() == CV_64F ? pixels.at<double>(row, col)
-                                                    : static_cast<double>(pixels.at<float>(row, col));
+      const double value =
+          pixels.depth() == CV_64F ? pixels.at<double>(row, col) : static_cast<double>(pixels.at<float>(row, col));
       if (!std::isfinite(value)) mask[col] = 0;
     }
   }
@@ -65,7 +66,9 @@ cv::Rect rect_in(const PixelWindow& outer, const PixelWindow& part) {
 
 }  // namespace
 
-cv::Mat MapStrip::view(const cv::Mat& image, const PixelWindow& part) const { return image(rect_in(window, part)); }
+cv::Mat MapStrip::view(const cv::Mat& image, const PixelWindow& part) const {
+  return image(rect_in(window, part));
+}
 
 cv::Mat MapStrip::centred_window(const PixelWindow& part) const {
   const cv::Rect wanted = rect_in(window, part);
@@ -120,7 +123,8 @@ MapStrip load_strip(const GraySource& source, const PixelWindow& window, double 
   int known = 0;
   if (previous != nullptr && previous->window.col == window.col && previous->window.width == window.width &&
       previous->window.row <= window.row) {
-    known = static_cast<int>(std::clamp<std::int64_t>(previous->window.row + previous->window.height - window.row, 0, window.height));
+    known = static_cast<int>(
+        std::clamp<std::int64_t>(previous->window.row + previous->window.height - window.row, 0, window.height));
     const auto first = static_cast<int>(window.row - previous->window.row);
     if (known > 0) {
       previous->pixels.rowRange(first, first + known).copyTo(strip.pixels.rowRange(0, known));

@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/parallel.h"
+#include "pilotage/vision/correlation_kernels.h"
 
 namespace pilotage {
 namespace {
 
-/// Tiles of more blocks than this along a side are not put together from blocks: the sums would cost more than they save.
+/// Tiles of more blocks than this along a side are not put together from blocks: the sums would cost more than they
+/// save.
 constexpr int kMostBlocks = 8;
 
 int blocks_per_side(const TileMatrix& matrix) {
@@ -28,30 +31,18 @@ void ensure_workspaces(std::vector<RealFft2d::Workspace>& workspaces, const Bloc
   }
 }
 
-cv::Mat make_surface(int radius_px) { return {2 * radius_px + 1, 2 * radius_px + 1, CV_32F}; }
+cv::Mat make_surface(int radius_px) {
+  return {2 * radius_px + 1, 2 * radius_px + 1, CV_32F};
+}
 
 /// out = terms[0] + … , in this order.
-void add_rows(std::span<const float* const> terms, int count, float* out) {
+void add_rows(std::span<const float* const> terms, std::size_t count, float* out) {
   if (terms.size() == 4) {  // the usual number, worth one pass
-    const float* a = terms[0];
-    const float* b = terms[1];
-    const float* c = terms[2];
-    const float* d = terms[3];
-    for (int i = 0; i < count; ++i) out[i] = ((a[i] + b[i]) + c[i]) + d[i];
+    add_four(terms[0], terms[1], terms[2], terms[3], count, out);
     return;
   }
   std::copy(terms[0], terms[0] + count, out);
-  for (const float* term : terms.subspan(1)) {
-    for (int i = 0; i < count; ++i) out[i] += term[i];
-  }
-}
-
-/// out = (out − mean·window_sum)·scale·inverse_norm, kept within ±1.
-void normalise_row(const float* window_sum, const float* inverse_norm, float mean, float scale, int count, float* out) {
-  for (int i = 0; i < count; ++i) {
-    const float value = (out[i] - mean * window_sum[i]) * (scale * inverse_norm[i]);
-    out[i] = std::min(1.0F, std::max(-1.0F, value));
-  }
+  for (const float* term : terms.subspan(1)) add_to(term, count, out);
 }
 
 }  // namespace
@@ -101,15 +92,16 @@ void CleanSurfaces::prepare_block_row(const MapStrip& strip, std::int64_t block_
                                       const std::vector<std::int64_t>& tile_columns, int threads) {
   std::vector<bool> needed(static_cast<std::size_t>(columns_ + blocks_ - 1), false);
   for (const std::int64_t column : tile_columns) {
-    for (int block = 0; block < blocks_; ++block) needed[static_cast<std::size_t>(column - first_column_ + block)] = true;
+    for (int block = 0; block < blocks_; ++block)
+      needed[static_cast<std::size_t>(column - first_column_ + block)] = true;
   }
   spectra_.prepare(
       strip, block_row, [&](std::int64_t column) { return needed[static_cast<std::size_t>(column - first_column_)]; },
       workspaces_, threads);
 
   // One run of tiles per thread: neighbours share blocks, and runs share none, so runs are not cut finer than needed.
-  const std::size_t runs = std::clamp<std::size_t>(tile_columns.size() / static_cast<std::size_t>(2 * blocks_), 1,
-                                                   workspaces_.size());
+  const std::size_t runs =
+      std::clamp<std::size_t>(tile_columns.size() / static_cast<std::size_t>(2 * blocks_), 1, workspaces_.size());
   parallel_for(runs, threads, [&](std::size_t run, int thread) {
     const std::size_t first = tile_columns.size() * run / runs;
     const std::size_t last = tile_columns.size() * (run + 1) / runs;
@@ -143,8 +135,9 @@ void CleanSurfaces::add_up(const MapStrip& strip, std::int64_t block_row, std::s
     if (sum.surface.empty()) sum.surface = make_surface(correlator_.radius_px());
     std::vector<const float*> rows(terms.size());
     for (int row = 0; row < sum.surface.rows; ++row) {
-      std::transform(terms.begin(), terms.end(), rows.begin(), [row](const cv::Mat* term) { return term->ptr<float>(row); });
-      add_rows(rows, sum.surface.cols, sum.surface.ptr<float>(row));
+      std::transform(terms.begin(), terms.end(), rows.begin(),
+                     [row](const cv::Mat* term) { return term->ptr<float>(row); });
+      add_rows(rows, static_cast<std::size_t>(sum.surface.cols), sum.surface.ptr<float>(row));
     }
     sum.row = block_row;
   }
@@ -153,21 +146,23 @@ void CleanSurfaces::add_up(const MapStrip& strip, std::int64_t block_row, std::s
 cv::Mat CleanSurfaces::surface(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column,
                                std::int64_t tile_row, cv::Mat& scratch) const {
   scratch.create(area.lags.size(), CV_32F);
-  const cv::Point tile(static_cast<int>(area.tile.col - strip.window.col), static_cast<int>(area.tile.row - strip.window.row));
+  const cv::Point tile(static_cast<int>(area.tile.col - strip.window.col),
+                       static_cast<int>(area.tile.row - strip.window.row));
   const float mean = strip.window_sum.at<float>(tile) / static_cast<float>(area.tile.width * area.tile.height);
   const float scale = strip.inverse_norm.at<float>(tile) / static_cast<float>(correlator_.scale());
   const int first_col = static_cast<int>(area.window.col - strip.window.col);
   const int first_row = static_cast<int>(area.window.row - strip.window.row);
   std::vector<const float*> terms(static_cast<std::size_t>(blocks_));
+  const auto width = static_cast<std::size_t>(scratch.cols);
   for (int row = 0; row < scratch.rows; ++row) {
     for (int block = 0; block < blocks_; ++block) {
       terms[static_cast<std::size_t>(block)] =
           row_sum(tile_column, tile_row + block).surface.ptr<float>(area.lags.y + row) + area.lags.x;
     }
     float* out = scratch.ptr<float>(row);
-    add_rows(terms, scratch.cols, out);
-    normalise_row(strip.window_sum.ptr<float>(first_row + row) + first_col,
-                  strip.inverse_norm.ptr<float>(first_row + row) + first_col, mean, scale, scratch.cols, out);
+    add_rows(terms, width, out);
+    normalise(strip.window_sum.ptr<float>(first_row + row) + first_col,
+              strip.inverse_norm.ptr<float>(first_row + row) + first_col, mean, scale, width, out);
   }
   return scratch;
 }
@@ -210,23 +205,24 @@ cv::Mat DegradedSurfaces::surface(const MapStrip& strip, const SearchArea& area,
   const int first_col = static_cast<int>(area.window.col - strip.window.col);
   const int first_row = static_cast<int>(area.window.row - strip.window.row);
   for (int row = 0; row < surface.rows; ++row) {
-    normalise_row(strip.window_sum.ptr<float>(first_row + row) + first_col,
-                  strip.inverse_norm.ptr<float>(first_row + row) + first_col, 0, scale, surface.cols,
-                  surface.ptr<float>(row));
+    normalise(strip.window_sum.ptr<float>(first_row + row) + first_col,
+              strip.inverse_norm.ptr<float>(first_row + row) + first_col, 0, scale,
+              static_cast<std::size_t>(surface.cols), surface.ptr<float>(row));
   }
   return surface;
 }
 
 cv::Mat degraded_tile(const MapStrip& strip, const PixelWindow& tile, const Degrader& degrader, int margin_px) {
-  const PixelWindow around{tile.col - margin_px, tile.row - margin_px, tile.width + 2 * margin_px, tile.height + 2 * margin_px};
+  const PixelWindow around{tile.col - margin_px, tile.row - margin_px, tile.width + 2 * margin_px,
+                           tile.height + 2 * margin_px};
   const PixelWindow& have = strip.window;
   const auto past = [](std::int64_t value) { return static_cast<int>(std::max<std::int64_t>(0, value)); };
   const int left = past(have.col - around.col);
   const int top = past(have.row - around.row);
   const int right = past(around.col + around.width - have.col - have.width);
   const int bottom = past(around.row + around.height - have.row - have.height);
-  const cv::Mat inside = strip.view(strip.centred, {around.col + left, around.row + top, around.width - left - right,
-                                                    around.height - top - bottom});
+  const cv::Mat inside = strip.view(
+      strip.centred, {around.col + left, around.row + top, around.width - left - right, around.height - top - bottom});
   if (left + top + right + bottom == 0) return degrader.apply(inside);
   cv::Mat padded;
   cv::copyMakeBorder(inside, padded, top, bottom, left, right, cv::BORDER_REFLECT_101);

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core/mat.hpp>
 #include <span>
 #include <vector>
+
+#include <opencv2/core/mat.hpp>
 
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/score/map_strip.h"
@@ -23,9 +24,9 @@ struct SearchArea {
   SearchArea(const TileMatrix& matrix, std::int64_t column, std::int64_t row, int radius_px);
 };
 
-/// Surfaces of the tiles of a few columns, row by row, from the correlations of blocks: the sum of products of a tile of n × n
-/// blocks is the sum of those of its blocks, and each block belongs to up to n × n tiles. n = 1 when tiles do not overlap by
-/// whole blocks.
+/// Surfaces of the tiles of a few columns, row by row, from the correlations of blocks: the sum of products of a tile
+/// of n × n blocks is the sum of those of its blocks, and each block belongs to up to n × n tiles. n = 1 when tiles do
+/// not overlap by whole blocks.
 class CleanSurfaces {
  public:
   /// For tiles of columns [first_column, first_column + columns) of `matrix`.
@@ -58,7 +59,8 @@ class CleanSurfaces {
   const RowSum& row_sum(std::int64_t column, std::int64_t block_row) const;
   void prepare_block_row(const MapStrip& strip, std::int64_t block_row, const std::vector<std::int64_t>& tile_columns,
                          int threads);
-  void add_up(const MapStrip& strip, std::int64_t block_row, std::span<const std::int64_t> tile_columns, Worker& worker);
+  void add_up(const MapStrip& strip, std::int64_t block_row, std::span<const std::int64_t> tile_columns,
+              Worker& worker);
 
   int stride_px_;
   int blocks_;  // n

@@ -9,8 +9,8 @@
 
 namespace pilotage {
 
-/// The transforms of the map windows that the blocks of a few neighbouring rows share (BlockCorrelator): computed once, kept
-/// while the rows that need them are worked on, and forgotten as newer rows take their place.
+/// The transforms of the map windows that the blocks of a few neighbouring rows share (BlockCorrelator): computed once,
+/// kept while the rows that need them are worked on, and forgotten as newer rows take their place.
 ///
 /// Blocks stand on a grid: block (column, row) has its first pixel at (column, row)·stride. Window (column, row) has it
 /// radius further up and left.
