@@ -7,9 +7,13 @@
 
 namespace pilotage {
 
+std::string version_line() {
+  return std::string("pilotage ") + PILOTAGE_VERSION;
+}
+
 std::string version_text() {
-  return std::string("pilotage ") + PILOTAGE_VERSION + "\nGDAL " + gdal_version() + "\nOpenCV " +
-         cv::getVersionString() + "\nSQLite " + sqlite3_libversion() + "\n";
+  return version_line() + "\nGDAL " + gdal_version() + "\nOpenCV " + cv::getVersionString() + "\nSQLite " +
+         sqlite3_libversion() + "\n";
 }
 
 }  // namespace pilotage

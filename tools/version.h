@@ -4,7 +4,10 @@
 
 namespace pilotage {
 
-/// "pilotage 0.1.0" and, on the following lines, the libraries in use.
+/// "pilotage 0.1.0"
+std::string version_line();
+
+/// version_line() and, on the following lines, the libraries in use.
 std::string version_text();
 
 }  // namespace pilotage

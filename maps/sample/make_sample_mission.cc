@@ -1,5 +1,6 @@
 // Makes the imagery and the elevation of the sample mission; run by the build (target sample_mission).
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -7,12 +8,14 @@
 #include <iostream>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/random.h"
 #include "pilotage/raster/gdal_geotiff.h"
 #include "pilotage/scene/synthetic_scene.h"
 
@@ -20,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Raise when the same options give other pictures.
+/// Raise when this program writes other files from the same pictures.
 constexpr int kGeneratorVersion = 1;
 
 struct SampleOptions {
@@ -51,11 +54,24 @@ constexpr std::array<Picture, 2> kPictures = {{
 constexpr const char* kElevationFile = "elevation.tif";
 constexpr const char* kStampFile = ".sample_mission_stamp.json";
 
+/// Hash of all files of a folder, by name.
+std::string sources_hash(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::string content;
+  for (const fs::path& file : files) content += file.filename().string() + '\n' + pilotage::read_file(file) + '\n';
+  return std::to_string(pilotage::seed_from_name(content));
+}
+
 /// What the files are made from: when it equals the stamp beside them they are current.
-std::string stamp_of(const SampleOptions& options) {
+std::string stamp_of(const SampleOptions& options, const fs::path& sources) {
   SampleOptions copy = options;
   nlohmann::ordered_json stamp;
   stamp["generator_version"] = kGeneratorVersion;
+  stamp["scene_sources"] = sources_hash(sources);
   stamp["options"] = pilotage::options_to_json(pilotage::list_options(copy));
   return stamp.dump(2) + "\n";
 }
@@ -96,9 +112,9 @@ void write_elevation(const fs::path& folder, const pilotage::Scene& scene, const
   pilotage::write_float32_geotiff(folder / kElevationFile, raster, scene.crs(), geotiff, true);
 }
 
-void make_sample_mission(const fs::path& folder) {
+void make_sample_mission(const fs::path& folder, const fs::path& sources) {
   const SampleOptions options;
-  const std::string stamp = stamp_of(options);
+  const std::string stamp = stamp_of(options, sources);
   if (is_current(folder, stamp)) return;
   const auto start = std::chrono::steady_clock::now();
   const pilotage::Scene scene = pilotage::make_scene(options.scene);
@@ -114,13 +130,14 @@ void make_sample_mission(const fs::path& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::cerr << "usage: make_sample_mission FOLDER\n"
-                 "Writes ortho.tif, ortho_second_epoch.tif and elevation.tif there unless they are current.\n";
+  if (argc != 3) {
+    std::cerr << "usage: make_sample_mission FOLDER SCENE_SOURCES\n"
+                 "Writes ortho.tif, ortho_second_epoch.tif and elevation.tif there unless they are current:\n"
+                 "made with the same options by the same sources of the scene.\n";
     return 2;
   }
   try {
-    make_sample_mission(argv[1]);
+    make_sample_mission(argv[1], argv[2]);
     return 0;
   } catch (const pilotage::UsageError& error) {
     std::cerr << "make_sample_mission: " << error.what() << '\n';

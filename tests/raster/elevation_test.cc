@@ -1,1 +1,133 @@
+#include "pilotage/raster/elevation.h"
+
+#include <cmath>
+
+#include "raster/raster_maker.h"
+#include "testing/temporary_folder.h"
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/random.h"
+#include "pilotage/raster/gdal_crs.h"
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::make_raster;
+using testing::RasterSpec;
+using testing::TemporaryFolder;
+
+RasterSpec heights(GDALDataType type) {
+  RasterSpec spec;
+  spec.width = 600;
+  spec.height = 400;
+  spec.type = type;
+  spec.place = GeoTransform::north_up(500000, 5'000'000, 10);
+  spec.value = [](int, int col, int row) { return (col * 37 + row * 11) % 500 - 20; };
+  return spec;
+}
+
+TEST(Elevation, IsBilinearBetweenPixelCentres) {
+  const TemporaryFolder folder;
+  const RasterSpec spec = heights(GDT_Int16);
+  const Elevation elevation(make_raster(folder / "dem.tif", spec));
+  const CrsTransform utm(Crs::from_user_input("EPSG:32633"));
+  Random random(seed_from_name("Elevation"));
+  for (int trial = 0; trial < 500; ++trial) {
+    const double x = random.uniform(0.5, 599.4);  // pixel centres, so that the four neighbours exist
+    const double y = random.uniform(0.5, 399.4);
+    const auto point = utm.geodetic_from_map(spec.place.map_from_pixel({x, y}));
+    const int col = static_cast<int>(std::floor(x - 0.5));
+    const int row = static_cast<int>(std::floor(y - 0.5));
+    const double fx = x - 0.5 - col;
+    const double fy = y - 0.5 - row;
+    const auto at = [&](int c, int r) { return spec.value(0, c, r); };
+    const double expected = (1 - fy) * ((1 - fx) * at(col, row) + fx * at(col + 1, row)) +
+                            fy * ((1 - fx) * at(col, row + 1) + fx * at(col + 1, row + 1));
+    ASSERT_NEAR(elevation.amsl_m(*point), expected, 1e-4);
+  }
+  EXPECT_THAT(elevation.vertical_datum(), HasSubstr("assumed to be metres above mean sea level"));
+  EXPECT_NEAR(elevation.resolution_m(), 10, 0.01);
+}
+
+TEST(Elevation, SaysNothingOutsideAndWhereThereIsNoData) {
+  const TemporaryFolder folder;
+  RasterSpec spec = heights(GDT_Float32);
+  spec.value = [](int, int col, int row) { return col == 100 && row == 100 ? -9999 : 7; };
+  spec.finish = [](GDALDataset& dataset) { dataset.GetRasterBand(1)->SetNoDataValue(-9999); };
+  const Elevation elevation(make_raster(folder / "dem.tif", spec));
+  const CrsTransform utm(Crs::from_user_input("EPSG:32633"));
+  const auto at = [&](double col, double row) {
+    return elevation.amsl_m(*utm.geodetic_from_map(spec.place.map_from_pixel({col, row})));
+  };
+  EXPECT_EQ(at(0.1, 0.1), 7);  // within the outer half pixel
+  EXPECT_EQ(at(599.9, 399.9), 7);
+  EXPECT_TRUE(std::isnan(at(-0.1, 5)));
+  EXPECT_TRUE(std::isnan(at(5, 400.1)));
+  EXPECT_TRUE(std::isnan(at(100.2, 100.7)));
+  EXPECT_TRUE(std::isnan(at(101.2, 100.7)));
+  EXPECT_EQ(at(102.2, 100.7), 7);
+  EXPECT_TRUE(std::isnan(elevation.amsl_m({-120, -45})));
+  EXPECT_TRUE(std::isnan(elevation.amsl_m({NAN, 45})));
+}
+
+TEST(Elevation, KnowsUnitScaleAndOffset) {
+  const TemporaryFolder folder;
+  RasterSpec spec = heights(GDT_Int16);
+  spec.value = [](int, int, int) { return 1000; };
+  spec.finish = [](GDALDataset& dataset) {
+    dataset.GetRasterBand(1)->SetUnitType("ft");
+    dataset.GetRasterBand(1)->SetScale(0.5);
+    dataset.GetRasterBand(1)->SetOffset(-100);
+  };
+  const Elevation elevation(make_raster(folder / "dem.tif", spec));
+  EXPECT_NEAR(elevation.amsl_m({15.005, 45.14}), 400 * 0.3048, 1e-9);
+  EXPECT_THAT(elevation.vertical_datum(), HasSubstr("in ft"));
+}
+
+TEST(Elevation, TakesTheGeoidOffEllipsoidalHeights) {
+  const TemporaryFolder folder;
+  RasterSpec spec;
+  spec.type = GDT_Float32;
+  spec.srs = "EPSG:4979";
+  spec.place = GeoTransform::north_up(-0.3, 0.2, 0.01);
+  spec.value = [](int, int, int) { return 100; };
+  const Elevation elevation(make_raster(folder / "dem.tif", spec));
+  EXPECT_NEAR(elevation.amsl_m({0, 0}), 100 - 17.16, 0.05);  // EGM96 at 0° N, 0° E
+  EXPECT_THAT(elevation.vertical_datum(), HasSubstr("transformed"));
+}
+
+TEST(Elevation, LeavesHeightsOfEgm96Alone) {
+  const TemporaryFolder folder;
+  RasterSpec spec = heights(GDT_Float32);
+  spec.srs = "EPSG:32633+5773";
+  spec.value = [](int, int, int) { return 123; };
+  EXPECT_NEAR(Elevation(make_raster(folder / "dem.tif", spec)).amsl_m({15.005, 45.14}), 123, 1e-6);
+}
+
+TEST(Elevation, ReachesAcrossTheAntimeridian) {
+  const TemporaryFolder folder;
+  RasterSpec spec;
+  spec.type = GDT_Int16;
+  spec.srs = "EPSG:4326";
+  spec.place = GeoTransform::north_up(179.7, -16.8, 0.01);
+  spec.value = [](int, int col, int) { return col; };
+  const Elevation elevation(make_raster(folder / "dem.tif", spec));
+  EXPECT_NEAR(elevation.amsl_m({179.8, -17}), 9.5, 1e-6);
+  EXPECT_NEAR(elevation.amsl_m({-179.9, -17}), 39.5, 1e-6);
+}
+
+TEST(Elevation, BadInputIsNamed) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(Elevation("missing.tif"), DataError);
+  RasterSpec spec = heights(GDT_Int16);
+  spec.srs = "";
+  const std::string bare = make_raster(folder / "bare.tif", spec);
+  EXPECT_THROW(Elevation{bare}, DataError);
+  EXPECT_NO_THROW(Elevation(bare, "EPSG:32633"));
+}
+
+}  // namespace
+}  // namespace pilotage

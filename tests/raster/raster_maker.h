@@ -21,7 +21,7 @@ struct RasterSpec {
   std::string srs = "EPSG:32633";  ///< "" = states none.
   GeoTransform place = GeoTransform::north_up(500000, 5'000'000, 0.5);
   bool georeferenced = true;
-  std::vector<std::string> creation_options;
+  std::vector<std::string> creation_options{};
   /// Value of a band (from 0) at a pixel.
   std::function<double(int band, int col, int row)> value = [](int band, int col, int row) {
     return (band * 50 + col * 3 + row * 7) % 251;

@@ -1,0 +1,104 @@
+#include "pilotage/report/measure.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace pilotage {
+namespace {
+
+std::vector<TileScore> scores_with_variance(const std::vector<double>& values) {
+  std::vector<TileScore> scores;
+  for (const double value : values) {
+    TileScore score;
+    score.gray_variance = value;
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+const Measure& measure_named(std::string_view name) {
+  for (const Measure& measure : report_measures()) {
+    if (measure.name == name) return measure;
+  }
+  throw std::out_of_range("no such measure");
+}
+
+// Rec. 709 luminance of sRGB, IEC 61966-2-1.
+double luminance(Rgb color) {
+  const auto linear = [](double value) {
+    value /= 255;
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+  };
+  return 0.2126 * linear(color.red) + 0.7152 * linear(color.green) + 0.0722 * linear(color.blue);
+}
+
+TEST(ColorTable, EndsAreThePublishedColours) {
+  EXPECT_EQ(hex_color(color_table(ColorMap::kViridis).front()), "#440154");
+  EXPECT_EQ(hex_color(color_table(ColorMap::kViridis).back()), "#fde725");
+  const Rgb low = color_table(ColorMap::kCividis).front();
+  const Rgb high = color_table(ColorMap::kCividis).back();
+  EXPECT_GT(low.blue, low.red);    // dark blue
+  EXPECT_GT(high.red, high.blue);  // yellow
+}
+
+TEST(ColorTable, BrightnessGrowsSoThatItReadsWithoutHue) {
+  for (const ColorMap map : {ColorMap::kViridis, ColorMap::kCividis}) {
+    const auto table = color_table(map);
+    for (std::size_t i = 16; i < table.size(); ++i) EXPECT_GT(luminance(table[i]), luminance(table[i - 16])) << i;
+  }
+}
+
+TEST(MeasureScale, SpansTheSecondToTheNinetyEighthPercentile) {
+  std::vector<double> values;
+  for (int i = 1; i <= 100; ++i) values.push_back(i);
+  values.push_back(std::numeric_limits<double>::quiet_NaN());
+  const MeasureScale scale = measure_scale(measure_named("gray_variance"), scores_with_variance(values));
+  EXPECT_EQ(scale.low, 2);
+  EXPECT_EQ(scale.high, 98);
+  EXPECT_EQ(scale.least, 1);
+  EXPECT_EQ(scale.most, 100);
+}
+
+TEST(MeasureScale, OneValueOrNoneStillSpansSomething) {
+  const MeasureScale one = measure_scale(measure_named("gray_variance"), scores_with_variance({12, 12}));
+  EXPECT_LT(one.low, 12);
+  EXPECT_GT(one.high, 12);
+  const MeasureScale zero = measure_scale(measure_named("gray_variance"), scores_with_variance({0}));
+  EXPECT_GT(zero.high, zero.low);
+  const MeasureScale none = measure_scale(measure_named("gray_variance"), {});
+  EXPECT_GT(none.high, none.low);
+  EXPECT_TRUE(std::isnan(none.least));
+}
+
+TEST(MeasureScale, CoverageSpansZeroToOne) {
+  std::vector<TileScore> scores(3);
+  for (TileScore& score : scores) score.valid_fraction = 0.95;
+  const MeasureScale scale = measure_scale(measure_named("valid_fraction"), scores);
+  EXPECT_EQ(scale.low, 0);
+  EXPECT_EQ(scale.high, 1);
+}
+
+TEST(Shade, ClampsAndTellsNoValueFromLow) {
+  MeasureScale scale;
+  scale.low = 10;
+  scale.high = 20;
+  EXPECT_EQ(shade(scale, 5), 0);
+  EXPECT_EQ(shade(scale, 10), 0);
+  EXPECT_EQ(shade(scale, 15), 128);
+  EXPECT_EQ(shade(scale, 20), 255);
+  EXPECT_EQ(shade(scale, 99), 255);
+  EXPECT_EQ(shade(scale, std::numeric_limits<double>::quiet_NaN()), -1);
+}
+
+TEST(Measures, EveryOneHasUnitAndMeaning) {
+  for (const Measure& measure : report_measures()) {
+    EXPECT_FALSE(measure.unit.empty()) << measure.name;
+    EXPECT_FALSE(measure.meaning.empty()) << measure.name;
+    EXPECT_NE(measure.value, nullptr) << measure.name;
+  }
+}
+
+}  // namespace
+}  // namespace pilotage

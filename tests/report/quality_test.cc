@@ -1,0 +1,181 @@
+#include "pilotage/report/quality.h"
+
+#include <cmath>
+#include <limits>
+
+#include "report/report_scene.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// A plan that is good in every row, with one gap of 3.4 km at 28 m/s.
+ReportInput plain_input(double gap_error_m, double limit_m) {
+  ReportInput input;
+  PlanLevel level;
+  level.gsd_m = 0.6;
+  level.matrix.tile_size_px = 256;
+  level.matrix.stride_px = 256;
+  input.plan.levels = {level};
+  for (int i = 0; i < 4; ++i) {
+    PlanTile tile;
+    tile.tile_id = i;
+    tile.valid_fraction = 1;
+    input.plan.tiles.push_back(tile);
+    TileScore score;
+    score.tile_id = i;
+    score.degraded.margin = 0.2;
+    input.scores.push_back(score);
+    input.selection.tile_ids.push_back(i);
+  }
+  input.plan.imagery = {{"a.tif", 0.3, "EPSG:32632", "2024-06-01", 100, 100}};
+  RouteGap gap;
+  gap.leg = 2;
+  gap.from_distance_m = 1000;
+  gap.to_distance_m = 4416;
+  gap.duration_s = 122;
+  gap.error_m = gap_error_m;
+  gap.within_limit = gap_error_m <= limit_m;
+  input.selection.gaps = {gap};
+  input.selection.error_profile = {{0, 3, true}, {4416, gap_error_m, false}};
+  input.selection.matchable_fraction = 0.87;
+  input.selection.max_error_m = limit_m;
+  input.selection.within_limit = gap.within_limit;
+  return input;
+}
+
+QualityRow row_named(const ReportInput& input, const std::string& name) {
+  for (const QualityRow& row : quality_rows(input)) {
+    if (row.name == name) return row;
+  }
+  throw std::out_of_range(name);
+}
+
+std::string sentence(const ReportInput& input) {
+  const auto rows = quality_rows(input);
+  return verdict_sentence(verdict_of(rows), rows, input);
+}
+
+TEST(Verdict, NoGoSaysWhereAndWhy) {
+  EXPECT_EQ(sentence(plain_input(61, 50)),
+            "NO-GO: matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there 61 m > 50 m");
+}
+
+TEST(Verdict, GoAndMarginal) {
+  EXPECT_EQ(sentence(plain_input(31, 50)),
+            "GO: matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there 31 m ≤ 50 m");
+  EXPECT_THAT(sentence(plain_input(45, 50)), StartsWith("MARGINAL: "));
+  EXPECT_THAT(sentence(plain_input(40, 50)), StartsWith("GO: "));
+  EXPECT_THAT(sentence(plain_input(50, 50)), StartsWith("MARGINAL: "));
+}
+
+TEST(Verdict, WithoutGapTheLargestErrorIsSaid) {
+  ReportInput input = plain_input(12, 50);
+  input.selection.gaps.clear();
+  EXPECT_EQ(sentence(input), "GO: matchable on 87 % of its length; no gap; largest error 12 m ≤ 50 m");
+}
+
+TEST(Verdict, AWorseErrorElsewhereIsSaid) {
+  ReportInput input = plain_input(31, 50);
+  input.selection.legs.push_back({3, 100, 0.5, 70, false});
+  EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
+  EXPECT_THAT(sentence(input), HasSubstr("drift there 31 m ≤ 50 m; largest error 70 m > 50 m"));
+}
+
+TEST(Verdict, UnknownAndUnboundedErrorsAreNoGo) {
+  EXPECT_THAT(sentence(plain_input(kNan, 50)), HasSubstr("drift there unknown > 50 m"));
+  EXPECT_THAT(sentence(plain_input(kNan, 50)), StartsWith("NO-GO: "));
+  EXPECT_THAT(sentence(plain_input(std::numeric_limits<double>::infinity(), 50)), HasSubstr("unbounded > 50 m"));
+  ReportInput empty = plain_input(31, 50);
+  empty.selection.gaps.clear();
+  empty.selection.error_profile.clear();
+  EXPECT_THAT(sentence(empty), StartsWith("NO-GO: "));
+}
+
+TEST(Verdict, TheSelectionsOwnFlagIsNotOverruled) {
+  ReportInput input = plain_input(31, 50);
+  input.selection.within_limit = false;
+  EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
+}
+
+TEST(Verdict, DistortionAndAnEmptyMapEnterIt) {
+  ReportInput input = plain_input(31, 50);
+  input.plan.max_scale_distortion = 0.002;
+  EXPECT_THAT(sentence(input), StartsWith("MARGINAL: "));
+  EXPECT_THAT(sentence(input), HasSubstr("Scale distortion of the mission grid: 0.200 %"));
+  input.plan.max_scale_distortion = 0.01;
+  EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
+  ReportInput empty = plain_input(31, 50);
+  empty.selection.tile_ids.clear();
+  EXPECT_THAT(sentence(empty), StartsWith("MARGINAL: "));
+  EXPECT_THAT(sentence(empty), HasSubstr("0 of 4"));
+}
+
+TEST(Verdict, AdviceAloneDoesNotStopAFlight) {
+  ReportInput input = plain_input(31, 50);
+  input.selection.matchable_fraction = 0.12;  // a sparse map
+  input.plan.imagery.front().acquired = "";
+  EXPECT_THAT(sentence(input), StartsWith("GO: matchable on 12 %"));
+}
+
+TEST(QualityRows, AllGoodWithoutAdvice) {
+  for (const QualityRow& row : quality_rows(plain_input(31, 50))) {
+    EXPECT_EQ(row.status, QualityStatus::kGood) << row.name;
+    EXPECT_EQ(row.advice, "") << row.name;
+    EXPECT_NE(row.threshold, "") << row.name;
+    EXPECT_THAT(row.value, Not(HasSubstr("nan"))) << row.name;
+  }
+}
+
+TEST(QualityRows, ThresholdsAreWhereTheySay) {
+  ReportInput input = plain_input(31, 50);
+  input.plan.tiles.front().valid_fraction = 0.8;  // mean 0.95
+  EXPECT_EQ(row_named(input, "imagery_coverage").status, QualityStatus::kMarginal);
+  EXPECT_EQ(row_named(input, "imagery_coverage").number, 0.95);
+  input.plan.tiles.front().valid_fraction = 0;  // mean 0.75
+  EXPECT_EQ(row_named(input, "imagery_coverage").status, QualityStatus::kBad);
+  input.plan.levels.front().gsd_m = 0.2;
+  EXPECT_THAT(row_named(input, "map_gsd").advice, HasSubstr("--gsd-m 0.5"));
+  input.plan.levels.front().gsd_m = 3;
+  EXPECT_THAT(row_named(input, "map_gsd").advice, HasSubstr("finer imagery"));
+  input.plan.levels.front().matrix.tile_size_px = 128;
+  EXPECT_EQ(row_named(input, "footprint_pixels").status, QualityStatus::kMarginal);
+  input.plan.levels.front().matrix.tile_size_px = 127;
+  EXPECT_EQ(row_named(input, "footprint_pixels").status, QualityStatus::kBad);
+}
+
+TEST(QualityRows, TilesByStatus) {
+  ReportInput input = plain_input(31, 50);
+  input.scores[0].status = TileStatus::kFlat;
+  input.scores[1].status = TileStatus::kTooLittleGround;
+  input.scores.pop_back();
+  const QualityRow row = row_named(input, "scored_tiles");
+  EXPECT_EQ(row.value, "25 % (1 scored, 1 with too little ground, 1 flat, 1 not scored)");
+  EXPECT_EQ(row.status, QualityStatus::kBad);
+}
+
+TEST(QualityRows, AmbiguousTilesAreCountedAmongTheSelected) {
+  ReportInput input = plain_input(31, 50);
+  input.scores[0].degraded.margin = -0.1;
+  input.scores[1].degraded.margin = -0.1;
+  input.selection.tile_ids = {1, 2, 3};
+  EXPECT_EQ(row_named(input, "ambiguous_tiles").value, "1 of 3");
+  for (TileScore& score : input.scores) score.degraded.margin = kNan;
+  EXPECT_EQ(row_named(input, "ambiguous_tiles").value, "not judged");
+}
+
+TEST(QualityRows, NothingAtAllIsNotGood) {
+  const auto rows = quality_rows(ReportInput{});
+  EXPECT_EQ(verdict_of(rows), QualityStatus::kBad);
+  EXPECT_EQ(verdict_of({}), QualityStatus::kBad);
+}
+
+}  // namespace
+}  // namespace pilotage

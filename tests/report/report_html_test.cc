@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <regex>
+
+#include "report/report_scene.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "pilotage/report/report.h"
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::ordered_json;
+
+ReportInput scene(double drift) {
+  testing::ReportSceneOptions options;
+  options.matchable_from = 0.3;
+  options.matchable_to = 0.9;
+  options.drift = drift;
+  options.tiles_along = 30;
+  return testing::report_scene(options);
+}
+
+// Whole pages are not printed on failure.
+bool contains(const std::string& page, const std::string& text) {
+  return page.find(text) != std::string::npos;
+}
+
+std::string between(const std::string& text, const std::string& open, const std::string& close) {
+  const std::size_t from = text.find(open);
+  if (from == std::string::npos) return "";
+  return text.substr(from + open.size(), text.find(close, from + open.size()) - from - open.size());
+}
+
+Json page_data(const std::string& html) {
+  return Json::parse(between(html, "<script type=\"application/json\" id=\"data\">", "</script>"));
+}
+
+TEST(ReportHtml, CarriesTheNumbersOfReportJson) {
+  const Report report = make_report(scene(0.04));
+  const Json json = report_json(report);
+  const std::string html = report_html(report);
+  EXPECT_EQ(page_data(html)["report"], json);
+  for (const auto& row : json["quality"])
+    EXPECT_THAT(between(html, "<tbody id=\"quality\">", "</tbody>"), HasSubstr(row["status"])) << row;
+  const std::string verdict = json["verdict"]["text"];
+  EXPECT_EQ(between(html, "<p class=\"word\">", "</p>") + ": " + between(html, "<p class=\"sentence\">", "</p>"),
+            std::regex_replace(verdict, std::regex(">"), "&gt;"));
+}
+
+TEST(ReportHtml, TheVerdictComesFirstAndIsWordShapeAndColour) {
+  EXPECT_TRUE(contains(report_html(scene(0.04)), "<header class=\"verdict bad\">"));
+  EXPECT_TRUE(contains(report_html(scene(0.018)), "<header class=\"verdict good\">"));
+  const std::string html = report_html(scene(0.03));
+  EXPECT_TRUE(contains(html, "<header class=\"verdict marginal\">"));
+  const std::string body = html.substr(html.find("<body>"));
+  EXPECT_LT(body.find("MARGINAL"), body.find("<main>"));
+}
+
+TEST(ReportHtml, NeedsNoOtherFileAndNoNetwork) {
+  std::string html = report_html(scene(0.04));
+  EXPECT_TRUE(contains(html, "default-src 'none'"));
+  EXPECT_FALSE(contains(html, "sourceMappingURL"));
+  const std::regex outside(R"re((?:src|href)\s*=\s*"(?!data:)|url\((?!data:)|@import)re");
+  // Leaflet's script builds such texts from options that the page does not set; everything else must have none.
+  const std::size_t script = html.find("<script>");
+  const std::string before = html.substr(0, html.find("<script type=\"application/json\""));
+  ASSERT_NE(script, std::string::npos);
+  EXPECT_FALSE(std::regex_search(before, outside));
+  const std::string own = html.substr(html.rfind("<script>"));
+  EXPECT_FALSE(contains(own, "http"));
+  EXPECT_FALSE(contains(own, "fetch("));
+}
+
+TEST(ReportHtml, TextIsNeverMarkup) {
+  const std::string evil = "</script><img src=x onerror=alert(1)>\"'&{{data}}\xFF\x01";
+  ReportInput input = scene(0.04);
+  input.title = evil;
+  input.software_version = evil;
+  input.plan.route.name = evil;
+  input.plan.route.format = evil;
+  input.plan.crs_name = evil;
+  input.plan.elevation = evil;
+  input.plan.warnings = {evil};
+  input.plan.route.notes = {evil};
+  input.selection.notes = {evil};
+  input.assumptions = {evil};
+  input.plan.imagery = {{evil, 0.3, evil, evil, 10, 10}};
+  input.inputs = {{evil, evil, evil, evil}};
+  input.parameters = {{evil, {{evil, evil}}}, {"list", {evil}}};
+  const std::string html = report_html(input);
+  EXPECT_FALSE(contains(html, "<img src=x"));
+  EXPECT_FALSE(contains(html, "\xFF"));
+  EXPECT_EQ(page_data(html)["report"]["warnings"][0],
+            "</script><img src=x onerror=alert(1)>\"'&{{data}}\xEF\xBF\xBD\x01");
+  const auto count = [&](const std::string& what) {
+    std::size_t times = 0;
+    for (std::size_t at = html.find(what); at != std::string::npos; at = html.find(what, at + 1)) ++times;
+    return times;
+  };
+  EXPECT_EQ(count("</script>"), 3U);
+  EXPECT_EQ(count("<script"), 3U);
+}
+
+TEST(ReportHtml, ImageryLiesUnderTheCells) {
+  ReportInput input = scene(0.04);
+  // One tile of level 0 painted white: in the picture the middle of its cell must be white.
+  const PlanTile& tile = input.plan.tiles[60];
+  const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.min_x_m, tile.bounds.max_y_m});
+  const Eigen::Vector2d b = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.max_x_m, tile.bounds.min_y_m});
+  input.imagery.pixels.setTo(cv::Scalar(0, 0, 0));
+  input.imagery
+      .pixels(cv::Rect(cv::Point(static_cast<int>(a.x()), static_cast<int>(a.y())),
+                       cv::Point(static_cast<int>(b.x()), static_cast<int>(b.y()))))
+      .setTo(cv::Scalar(255, 255, 255));
+  const Report report = make_report(input);
+  const ReportDisplay& display = report.display;
+  const cv::Mat picture =
+      cv::imdecode(std::vector<char>(display.imagery_jpeg.begin(), display.imagery_jpeg.end()), cv::IMREAD_COLOR);
+  ASSERT_FALSE(picture.empty());
+  const auto brightness = [&](const Eigen::Vector2d& point) {
+    const double pixel_m = (display.max_x_m - display.min_x_m) / picture.cols;
+    return picture.at<cv::Vec3b>(static_cast<int>((display.max_y_m - point.y()) / pixel_m),
+                                 static_cast<int>((point.x() - display.min_x_m) / pixel_m))[1];
+  };
+  const auto& cell = display.cells_m[60];
+  const Eigen::Vector2d middle = (cell[0] + cell[2]) / 2;
+  EXPECT_GT(brightness(middle), 230);
+  // The tile reaches twice as far as its cell (stride is half a tile): 90 % of the way is white, 110 % is black.
+  for (const Eigen::Vector2d& corner : cell) {
+    EXPECT_GT(brightness(middle + 1.8 * (corner - middle)), 200);
+    EXPECT_LT(brightness(middle + 2.2 * (corner - middle)), 55);
+  }
+}
+
+TEST(ReportHtml, EveryTileHasAShadeOfEveryMeasure) {
+  const Report report = make_report(scene(0.04));
+  const Json display = page_data(report_html(report))["display"];
+  ASSERT_EQ(display["shades"].size(), report.measures.size());
+  for (std::size_t m = 0; m < report.measures.size(); ++m) {
+    ASSERT_EQ(display["shades"][m].size(), report.tiles.size());
+    for (std::size_t i = 0; i < report.tiles.size(); ++i) {
+      EXPECT_EQ(display["shades"][m][i],
+                shade(report.measures[m], report.measures[m].measure.value(report.tiles[i].score)));
+    }
+  }
+  EXPECT_EQ(display["colors"]["viridis"].size(), 256U);
+  EXPECT_EQ(display["colors"]["cividis"][0], hex_color(color_table(ColorMap::kCividis)[0]));
+}
+
+TEST(ReportHtml, ControlsAreRealAndLabelled) {
+  const std::string html = report_html(scene(0.04));
+  const std::regex control(R"re(<(?:input|button)[^>]*>)re");
+  const std::string panel = between(html, "<main>", "<section aria-labelledby=\"quality-heading\">");
+  int controls = 0;
+  for (std::sregex_iterator it(panel.begin(), panel.end(), control); it != std::sregex_iterator(); ++it, ++controls) {
+    const std::string tag = it->str();
+    const std::string id = between(tag, "id=\"", "\"");
+    const bool labelled = tag.find("aria-label") != std::string::npos ||
+                          panel.find("for=\"" + id + "\"") != std::string::npos ||
+                          panel.substr(0, static_cast<std::size_t>(it->position())).rfind("<label>") + 7 ==
+                              static_cast<std::size_t>(it->position());
+    EXPECT_TRUE(labelled) << tag;
+  }
+  EXPECT_GE(controls, 10);
+}
+
+TEST(ReportHtml, IsSmallAndTheSameEachTime) {
+  const ReportInput input = scene(0.04);
+  const std::string html = report_html(input);
+  EXPECT_LT(html.size(), 3U << 20);
+  EXPECT_TRUE(report_html(input) == html);
+}
+
+// Noise is what JPEG likes least: the picture must keep its budget all the same.
+TEST(ReportHtml, NoisyImageryStaysSmall) {
+  ReportInput input = scene(0.04);
+  input.imagery.pixels.create(3000, 900, CV_8UC3);
+  cv::RNG(3).fill(input.imagery.pixels, cv::RNG::UNIFORM, 0, 256);
+  input.imagery.valid = cv::Mat(3000, 900, CV_8UC1, cv::Scalar(255));
+  input.imagery.map_from_pixel.x_per_col *= 0.25;
+  input.imagery.map_from_pixel.y_per_row *= 0.25;
+  EXPECT_LT(report_html(input).size(), 3U << 20);
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,108 @@
+#include <limits>
+
+#include "report/report_scene.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "pilotage/base/output_file.h"
+#include "pilotage/report/report.h"
+
+namespace pilotage {
+namespace {
+
+using Adapter = valijson::adapters::NlohmannJsonAdapter;
+
+// The first violation of schemas/report.schema.json, or "".
+std::string violation(const nlohmann::ordered_json& report) {
+  const auto schema_json =
+      nlohmann::json::parse(read_file(std::string(PILOTAGE_SOURCE_DIR) + "/schemas/report.schema.json"));
+  valijson::Schema schema;
+  valijson::SchemaParser parser;
+  parser.populateSchema(Adapter(schema_json), schema);
+  const auto plain = nlohmann::json::parse(report.dump());
+  const Adapter target(plain);
+  valijson::Validator validator;
+  valijson::ValidationResults results;
+  if (validator.validate(schema, target, &results)) return "";
+  valijson::ValidationResults::Error error;
+  results.popError(error);
+  std::string text;
+  for (const std::string& part : error.context) text += part;
+  return text + ": " + error.description;
+}
+
+ReportInput scene() {
+  testing::ReportSceneOptions options;
+  options.matchable_from = 0.3;
+  options.matchable_to = 0.9;
+  options.tiles_along = 12;
+  return testing::report_scene(options);
+}
+
+TEST(ReportJson, FollowsItsSchema) {
+  EXPECT_EQ(violation(report_json(scene())), "");
+  ReportInput empty;
+  empty.geodetic_from_map = [](Eigen::Vector2d) { return GeodeticPoint{}; };
+  EXPECT_EQ(violation(report_json(empty)), "");
+}
+
+TEST(ReportJson, TheSchemaRefusesWhatIsWrong) {
+  const nlohmann::ordered_json good = report_json(scene());
+  nlohmann::ordered_json bad = good;
+  bad["verdict"]["status"] = "MAYBE";
+  EXPECT_NE(violation(bad), "");
+  bad = good;
+  bad["route"]["legs"][0].erase("max_error_m");
+  EXPECT_NE(violation(bad), "");
+  bad = good;
+  bad["surprise"] = 1;
+  EXPECT_NE(violation(bad), "");
+  bad = good;
+  bad["route"]["gaps"][0]["from"]["lon_deg"] = "7";
+  EXPECT_NE(violation(bad), "");
+}
+
+TEST(ReportJson, WhatIsNotANumberIsNull) {
+  ReportInput input = scene();
+  input.selection.gaps[0].error_m = std::numeric_limits<double>::infinity();
+  input.selection.legs[0].max_error_m = std::numeric_limits<double>::quiet_NaN();
+  const auto json = report_json(input);
+  EXPECT_TRUE(json["route"]["gaps"][0]["error_m"].is_null());
+  EXPECT_TRUE(json["route"]["legs"][0]["max_error_m"].is_null());
+  EXPECT_EQ(violation(json), "");
+  EXPECT_EQ(json["verdict"]["status"], "NO-GO");
+}
+
+TEST(ReportJson, RowsHaveOneEntryPerColumnAndTheScoresNumbers) {
+  const ReportInput input = scene();
+  const auto json = report_json(input);
+  const auto& columns = json["tiles"]["columns"];
+  const auto index = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin());
+  };
+  ASSERT_EQ(json["tiles"]["rows"].size(), input.scores.size());
+  for (std::size_t i = 0; i < input.scores.size(); ++i) {
+    const auto& row = json["tiles"]["rows"][i];
+    ASSERT_EQ(row.size(), columns.size());
+    EXPECT_EQ(row[index("tile_id")], input.scores[i].tile_id);
+    if (input.scores[i].status != TileStatus::kScored) continue;
+    EXPECT_NEAR(row[index("degraded_peak_margin")].get<double>(), input.scores[i].degraded.margin, 1e-6);
+    EXPECT_NEAR(row[index("frieden_entropy")].get<double>(), input.scores[i].frieden_entropy, 1e-11);
+    EXPECT_NEAR(row[index("center_lon_deg")].get<double>(), input.plan.tiles[i].center.lon_deg, 5.1e-8);
+  }
+  for (const auto& measure : json["measures"]) EXPECT_LT(index(measure["name"]), columns.size()) << measure["name"];
+}
+
+TEST(ReportJson, IsTheSameEachTimeAndForAnyOrderOfScores) {
+  ReportInput input = scene();
+  const std::string first = report_json(input).dump();
+  std::reverse(input.scores.begin(), input.scores.end());
+  EXPECT_EQ(report_json(input).dump(), first);
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,51 @@
+#include "pilotage/report/wording.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace pilotage {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(Wording, Lengths) {
+  EXPECT_EQ(length_text(3412), "3.4 km");
+  EXPECT_EQ(length_text(850.4), "850 m");
+  EXPECT_EQ(length_text(999.6), "1.0 km");
+  EXPECT_EQ(length_text(kNan), "unknown");
+}
+
+TEST(Wording, ErrorsAndComparisons) {
+  EXPECT_EQ(error_text(61.4), "61 m");
+  EXPECT_EQ(error_text(4.21), "4.2 m");
+  EXPECT_EQ(error_text(9.96), "10 m");
+  EXPECT_EQ(error_text(kInfinity), "unbounded");
+  EXPECT_EQ(comparison_text(61, 50), "61 m > 50 m");
+  EXPECT_EQ(comparison_text(50, 50), "50 m ≤ 50 m");
+  EXPECT_EQ(comparison_text(kInfinity, 50), "unbounded > 50 m");
+  EXPECT_EQ(comparison_text(kNan, 50), "unknown > 50 m");
+}
+
+TEST(Wording, ComparisonNeverShowsEqualNumbersThatAreNot) {
+  EXPECT_EQ(comparison_text(50.2, 50), "50.2 m > 50.0 m");
+  EXPECT_EQ(comparison_text(49.996, 50), "49.996 m ≤ 50.000 m");
+}
+
+TEST(Wording, DurationsSharesBytesNumbers) {
+  EXPECT_EQ(duration_text(122.3), "122 s");
+  EXPECT_EQ(duration_text(845), "14 min 5 s");
+  EXPECT_EQ(duration_text(599.7), "10 min 0 s");
+  EXPECT_EQ(percent_text(0.87), "87 %");
+  EXPECT_EQ(percent_text(0.29), "29 %");
+  EXPECT_EQ(percent_text(0.9999), "99 %");
+  EXPECT_EQ(percent_text(1), "100 %");
+  EXPECT_EQ(bytes_text(812), "812 bytes");
+  EXPECT_EQ(bytes_text(1.5 * 1024 * 1024), "1.5 MiB");
+  EXPECT_EQ(number_text(kNan, 2), "–");
+  EXPECT_EQ(number_text(1.005, 1), "1.0");
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -32,18 +32,21 @@ Raster ground(int rows, int cols, std::string_view name) {
   return raster;
 }
 
-ScoreOptions options_of(int tile, int stride, int radius) {
-  ScoreOptions options;
-  options.tile_size_px = tile;
-  options.stride_px = stride;
-  options.search_radius_px = radius;
-  return options;
+struct Request : ScoreOptions {
+  ScoreGridOptions grid;
+};
+
+Request options_of(int tile_size_px, int stride_px, int search_radius_px) {
+  Request request;
+  request.grid = {tile_size_px, stride_px, search_radius_px};
+  return request;
 }
 
-std::vector<TileScore> score(const Raster& raster, const ScoreOptions& options, std::vector<std::int64_t> tiles = {},
+std::vector<TileScore> score(const Raster& raster, const Request& request, std::vector<std::int64_t> tiles = {},
                              int threads = 1) {
   const GraySource source = gray_source_from(raster);
-  return score_tiles(source, score_matrix(source, options), options.search_radius_px, tiles, options, 5, threads);
+  return score_tiles(source, score_matrix(source, request.grid), request.grid.search_radius_px, tiles, request, 5,
+                     threads);
 }
 
 /// All numbers of the scores, for bit-wise comparison.
@@ -72,16 +75,16 @@ std::string error_of(const std::function<void()>& call) {
 }
 
 /// Every tile's numbers against the plain way: direct sums and cv::matchTemplate over its search area.
-void expect_as_plain(const Raster& raster, const ScoreOptions& options) {
+void expect_as_plain(const Raster& raster, const Request& options) {
   const GraySource source = gray_source_from(raster);
-  const TileMatrix matrix = score_matrix(source, options);
+  const TileMatrix matrix = score_matrix(source, options.grid);
   const std::vector<TileScore> scores = score(raster, options);
   ASSERT_EQ(scores.size(), static_cast<std::size_t>(matrix.tile_count()));
   cv::Mat map;
   raster.pixels.convertTo(map, CV_32F);
   for (const TileScore& tile : scores) {
     const PixelWindow window = matrix.tile_window(tile.column, tile.row);
-    const PixelWindow area = matrix.search_window(tile.column, tile.row, options.search_radius_px);
+    const PixelWindow area = matrix.search_window(tile.column, tile.row, options.grid.search_radius_px);
     const cv::Rect rect(static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height);
     const cv::Rect around(static_cast<int>(area.col), static_cast<int>(area.row), area.width, area.height);
     const GrayStatistics statistics = gray_statistics(raster.pixels(rect), raster.valid(rect));
@@ -91,7 +94,7 @@ void expect_as_plain(const Raster& raster, const ScoreOptions& options) {
 
     cv::Mat surface;
     cv::matchTemplate(map(around), map(rect), surface, cv::TM_CCOEFF_NORMED);
-    const CorrelationPeaks peaks = correlation_peaks(surface, rect.tl() - around.tl(), options.tile_size_px);
+    const CorrelationPeaks peaks = correlation_peaks(surface, rect.tl() - around.tl(), options.grid.tile_size_px);
     EXPECT_NEAR(tile.clean.peak, 1, 1e-5);
     EXPECT_NEAR(tile.clean.rival, peaks.rival, 1e-4) << "tile " << tile.column << ", " << tile.row;
     EXPECT_NEAR(tile.clean.margin, peaks.margin, 1e-4);
@@ -101,30 +104,30 @@ void expect_as_plain(const Raster& raster, const ScoreOptions& options) {
 }
 
 TEST(ScoreTiles, AgreesWithThePlainWay) {
-  ScoreOptions options = options_of(32, 8, 16);  // four blocks a side
-  options.measures = {Measure::kGrayVariance, Measure::kFriedenEntropy, Measure::kUniqueness};
+  Request options = options_of(32, 8, 16);  // four blocks a side
+  options.measures = {ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy, ScoreMeasure::kUniqueness};
   expect_as_plain(ground(120, 150, "plain"), options);
 }
 
 TEST(ScoreTiles, AgreesWithThePlainWayForOddSizes) {
   for (const auto& [tile, stride, radius] : {std::tuple(30, 10, 7), std::tuple(25, 11, 9), std::tuple(16, 16, 40),
                                              std::tuple(20, 37, 5), std::tuple(36, 2, 3)}) {
-    ScoreOptions options = options_of(tile, stride, radius);
-    options.measures = {Measure::kGrayVariance, Measure::kFriedenEntropy, Measure::kUniqueness};
+    Request options = options_of(tile, stride, radius);
+    options.measures = {ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy, ScoreMeasure::kUniqueness};
     expect_as_plain(ground(61, 77, "odd sizes"), options);
   }
 }
 
 /// More columns and rows than one piece of work holds.
 TEST(ScoreTiles, PiecesFitTogether) {
-  ScoreOptions options = options_of(16, 8, 8);
-  options.measures = {Measure::kGrayVariance, Measure::kFriedenEntropy, Measure::kUniqueness};
+  Request options = options_of(16, 8, 8);
+  options.measures = {ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy, ScoreMeasure::kUniqueness};
   expect_as_plain(ground(90, 700, "pieces"), options);
 }
 
 TEST(ScoreTiles, SixteenBitAndDoubleGiveTheSameSurfaces) {
   const Raster bytes = ground(80, 90, "depths");
-  ScoreOptions options = options_of(32, 16, 12);
+  Request options = options_of(32, 16, 12);
   const std::vector<TileScore> expected = score(bytes, options);
   Raster words = bytes;
   bytes.pixels.convertTo(words.pixels, CV_16U, 200, 300);
@@ -142,7 +145,7 @@ TEST(ScoreTiles, SixteenBitAndDoubleGiveTheSameSurfaces) {
 TEST(ScoreTiles, SameBytesForAnyThreadsAndAnyChoiceOfTiles) {
   Raster raster = ground(180, 200, "determinism");
   raster.valid(cv::Rect(150, 100, 30, 60)).setTo(0);
-  ScoreOptions options = options_of(32, 8, 16);
+  Request options = options_of(32, 8, 16);
   const std::vector<TileScore> all = score(raster, options);
   EXPECT_EQ(bits_of(score(raster, options, {}, 2)), bits_of(all));
   EXPECT_EQ(bits_of(score(raster, options, {}, 5)), bits_of(all));
@@ -157,19 +160,19 @@ TEST(ScoreTiles, SameBytesForAnyThreadsAndAnyChoiceOfTiles) {
 
 TEST(ScoreTiles, OnlyWhatIsAskedForIsMeasured) {
   const Raster raster = ground(70, 70, "asked");
-  ScoreOptions options = options_of(32, 16, 8);
+  Request options = options_of(32, 16, 8);
   const std::vector<TileScore> all = score(raster, options);
-  for (const Measure measure : options.measures) {
-    ScoreOptions one = options;
+  for (const ScoreMeasure measure : options.measures) {
+    Request one = options;
     one.measures = {measure};
-    if (!one.measures_surface()) one.search_radius_px = 0;
+    if (!one.measures_surface()) one.grid.search_radius_px = 0;
     const TileScore tile = score(raster, one)[2];
-    EXPECT_EQ(std::isnan(tile.gray_variance), measure != Measure::kGrayVariance);
-    EXPECT_EQ(std::isnan(tile.frieden_entropy), measure != Measure::kFriedenEntropy);
-    EXPECT_EQ(std::isnan(tile.frieden_deficit), measure != Measure::kFriedenEntropy);
-    EXPECT_EQ(std::isnan(tile.clean.peak), measure != Measure::kUniqueness);
-    EXPECT_EQ(std::isnan(tile.degraded.peak), measure != Measure::kDegraded);
-    if (measure == Measure::kDegraded) {
+    EXPECT_EQ(std::isnan(tile.gray_variance), measure != ScoreMeasure::kGrayVariance);
+    EXPECT_EQ(std::isnan(tile.frieden_entropy), measure != ScoreMeasure::kFriedenEntropy);
+    EXPECT_EQ(std::isnan(tile.frieden_deficit), measure != ScoreMeasure::kFriedenEntropy);
+    EXPECT_EQ(std::isnan(tile.clean.peak), measure != ScoreMeasure::kUniqueness);
+    EXPECT_EQ(std::isnan(tile.degraded.peak), measure != ScoreMeasure::kDegraded);
+    if (measure == ScoreMeasure::kDegraded) {
       EXPECT_EQ(tile.degraded.margin, all[2].degraded.margin);
     }
   }
@@ -186,7 +189,7 @@ TEST(ScoreTiles, DegradedCopiesMatchWorseThanCleanOnes) {
 
 /// With every effect off, a copy is the tile itself: both ways to compute a surface must then agree.
 TEST(ScoreTiles, UndegradedCopyIsClean) {
-  ScoreOptions options = options_of(32, 8, 16);
+  Request options = options_of(32, 8, 16);
   options.degradation = {0, 0, 0, 3, 0, 0, 0, 0};
   for (const TileScore& tile : score(ground(100, 110, "undegraded"), options)) {
     EXPECT_NEAR(tile.degraded.peak, tile.clean.peak, 1e-5);
@@ -200,7 +203,7 @@ TEST(ScoreTiles, RepeatedGroundHasARivalWhereItRepeats) {
   raster.pixels(cv::Rect(32, 32, 32, 32)).copyTo(raster.pixels(cv::Rect(52, 25, 32, 32)));
   const cv::Mat kept = raster.pixels(cv::Rect(52, 25, 32, 32)).clone();
   kept.copyTo(raster.pixels(cv::Rect(32, 64, 32, 32)));
-  ScoreOptions options = options_of(32, 32, 60);
+  Request options = options_of(32, 32, 60);
   const std::vector<TileScore> scores = score(raster, options);
   const TileScore& tile = scores[2 * 5 + 1];  // column 1, row 2: first pixel (32, 64), its twin at (52, 25)
   ASSERT_EQ(tile.column, 1);
@@ -251,7 +254,7 @@ TEST(ScoreTiles, PixelsWithoutGroundDoNotMatter) {
   other.pixels = raster.pixels.clone();
   other.pixels.setTo(1, raster.valid == 0);
   raster.pixels.setTo(255, raster.valid == 0);
-  const ScoreOptions options = options_of(32, 8, 16);
+  const Request options = options_of(32, 8, 16);
   EXPECT_EQ(bits_of(score(raster, options)), bits_of(score(other, options)));
 }
 
@@ -272,15 +275,15 @@ TEST(ScoreTiles, ErrorsNameThingAndValue) {
             "tile_size_px = 64: a tile of 64 x 64 px is larger than the imagery of 50 x 40 px");
   EXPECT_THAT(error_of([&] { score(raster, options_of(32, 16, 0)); }), ::testing::HasSubstr("search_radius_px = 0"));
   EXPECT_THROW(score(raster, options_of(32, 16, 0)), UsageError);
-  ScoreOptions nothing = options_of(32, 16, 8);
+  Request nothing = options_of(32, 16, 8);
   nothing.measures.clear();
   EXPECT_THROW(score(raster, nothing), UsageError);
   EXPECT_THROW(score(raster, options_of(32, 8, 8), {99}), UsageError);
   EXPECT_THROW(score(raster, options_of(32, 8, 8), {1, 1}), UsageError);
-  ScoreOptions copies = options_of(32, 8, 8);
+  Request copies = options_of(32, 8, 8);
   copies.degraded_copies = 0;
   EXPECT_THAT(error_of([&] { score(raster, copies); }), ::testing::HasSubstr("degraded_copies = 0"));
-  TileMatrix other = score_matrix(source, options_of(32, 8, 8));
+  TileMatrix other = score_matrix(source, options_of(32, 8, 8).grid);
   other.grid_width_px = 51;
   EXPECT_THROW(score_tiles(source, other, 8, {}, options_of(32, 8, 8)), DataError);
 }
@@ -288,14 +291,14 @@ TEST(ScoreTiles, ErrorsNameThingAndValue) {
 TEST(ScoreTiles, ReadErrorsComeThrough) {
   GraySource source = gray_source_from(ground(200, 200, "read error"));
   source.read = [](const PixelWindow&) -> Raster { throw DataError("block 3 is damaged"); };
-  const ScoreOptions options = options_of(32, 16, 8);
-  EXPECT_THROW(score_tiles(source, score_matrix(source, options), 8, {}, options), DataError);
+  const Request options = options_of(32, 16, 8);
+  EXPECT_THROW(score_tiles(source, score_matrix(source, options.grid), 8, {}, options), DataError);
 }
 
 TEST(ScoreTiles, ProgressCountsAndStops) {
   const GraySource source = gray_source_from(ground(100, 100, "progress"));
-  const ScoreOptions options = options_of(32, 16, 8);
-  const TileMatrix matrix = score_matrix(source, options);
+  const Request options = options_of(32, 16, 8);
+  const TileMatrix matrix = score_matrix(source, options.grid);
   std::int64_t last = -1;
   score_tiles(source, matrix, 8, {}, options, 1, 1, [&](std::string_view, std::int64_t done, std::int64_t total) {
     EXPECT_GE(done, last);

@@ -183,7 +183,7 @@ std::optional<Eigen::Vector3d> ray_from_pixel(const Lens& lens, const Eigen::Vec
   const Camera& camera = lens.camera;
   const Eigen::Vector2d distorted((pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px);
   // Farther out nothing can be seen, and squares would overflow.
-  if (!(distorted.cwiseAbs().maxCoeff() <= 1e9)) return std::nullopt;
+  if (!(std::abs(distorted.x()) <= 1e9 && std::abs(distorted.y()) <= 1e9)) return std::nullopt;
   if (camera.distortion_model == DistortionModel::kFisheye) {
     const double distorted_radius = distorted.norm();
     if (distorted_radius > lens.max_distorted_radius) return std::nullopt;

@@ -33,13 +33,13 @@ GradeFigures grade_figures(InsGrade grade) {
     case InsGrade::kConsumer:
       return {3, 50, 0.1353, 0.9, 5000, 5000, 1000, 0.3, 1.0, 3.0, 0};
     case InsGrade::kIndustrial:
-      return {0.5, 15, 0.037, 0.34, 1000, 1000, 1000, 0.1, 0.3, 1.0, 0};
+      return {0.5, 15, 0.037, 0.48, 1000, 1000, 1000, 0.1, 0.3, 1.0, 0};
     case InsGrade::kTactical:
       return {0.75, 5, 0.06, 0.15, 300, 500, 1000, 0.05, 0.05, 0.3, 0};
     case InsGrade::kNavigation:
       return {0.025, 0.0035, 0.003, 0.002, 100, 5, 3600, 0.03, 0.0025, 0.02, 0};
     case InsGrade::kVisualOdometry:
-      return {0, 15, 0, 0.34, 0, 1000, 1000, 0, 0.3, 1.0, 1.0};
+      return {0, 15, 0, 0.48, 0, 1000, 1000, 0, 0.3, 1.0, 1.0};
     case InsGrade::kCustom:
       return {};
   }

@@ -35,12 +35,16 @@ std::string tile_problem(const MapTile& tile) {
     return "centre (lon " + format_number(tile.center.lon_deg) + ", lat " + format_number(tile.center.lat_deg) +
            ") is not on Earth";
   }
-  if (tile.enu_from_grid.allFinite() && tile.enu_from_grid.determinant() > 1e-6 && tile.enu_from_grid.norm() < 1e3 &&
-      tile_radius_m(tile) <= kMaxTileRadius_m) {
-    return {};
+  // No grid that is good for measuring stretches by ten or squeezes by ten; determinant and norm bound both.
+  const Eigen::Matrix2d& m = tile.enu_from_grid;
+  if (!(m.allFinite() && m.determinant() >= 0.01 && m.norm() <= 20)) {
+    return "matrix east_per_x … north_per_y (" + format_number(m(0, 0)) + ", " + format_number(m(0, 1)) + ", " +
+           format_number(m(1, 0)) + ", " + format_number(m(1, 1)) + ") is not that of a map projection in metres";
   }
-  return "matrix east_per_x … north_per_y turns the grid over, or its tile is larger than " +
-         format_number(kMaxTileRadius_m) + " m";
+  if (!(tile_radius_m(tile) <= kMaxTileRadius_m)) {
+    return "is larger than " + format_number(kMaxTileRadius_m) + " m";
+  }
+  return {};
 }
 
 MapTile read_tile_row(const Statement& statement, const std::string& file) {

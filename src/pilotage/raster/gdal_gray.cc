@@ -238,7 +238,11 @@ Raster read_rgb8_on_grid(const std::vector<std::string>& datasets, const Crs& cr
   Raster raster = compose(mosaic, window, CV_MAKETYPE(mosaic.depth, 3), [&](const RasterView& view) {
     Raster part{view.read_pixels(window), view.read_valid(window), {}};
     drop_not_finite(gray_from(part.pixels), part.valid);
-    if (part.pixels.channels() == 1) cv::cvtColor(part.pixels, part.pixels, cv::COLOR_GRAY2RGB);
+    if (part.pixels.channels() == 1) {
+      cv::Mat colors;
+      cv::merge(std::vector<cv::Mat>(3, part.pixels), colors);
+      part.pixels = colors;
+    }
     return part;
   });
   raster.pixels = to_8bit(raster);

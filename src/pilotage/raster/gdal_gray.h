@@ -19,7 +19,8 @@
 //
 // Valid = GDAL's mask is not 0 (alpha, mask band, no-data value) and the gray value is finite. With a no-data value and
 // three bands, an 8-bit pixel is invalid when all three bands hold it (0 and 255 are ordinary values of one channel), a
-// pixel of another type when any of them does.
+// pixel of another type when any of them does. On a grid, a pixel is valid when the imagery's pixel at its centre is
+// (at its centre or, when averaging, anywhere under it); what is not valid never mixes into its neighbours.
 //
 // Reading streams: each thread that reads at the same time has its own GDAL handle, and GDAL's block cache is held
 // to 256 MiB unless GDAL_CACHEMAX says otherwise. Values do not depend on the windows or the threads that read them.

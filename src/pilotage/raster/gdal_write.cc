@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <gdal_priv.h>
-
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"

@@ -48,7 +48,7 @@ std::array<Eigen::Vector2d, 4> cell_corners(const PlanTile& tile, const PlanLeve
 }
 
 void add_route(const ReportInput& input, const Report& report, double reference_deg, ReportDisplay& display) {
-  const std::vector<RouteSample>& samples = input.plan.route_samples;
+  const std::vector<PlanSample>& samples = input.plan.route_samples;
   const std::size_t per_leg = std::max<std::size_t>(8, kMaxLinePoints / std::max<std::size_t>(1, report.legs.size()));
   for (const ReportLeg& leg : report.legs) {
     std::vector<GeodeticPoint> line = leg_line(samples, leg.status.leg, per_leg);

@@ -37,7 +37,7 @@ void check_route(const ReportInput& input) {
                     std::to_string(leg.to) + ", the route has " + std::to_string(vertices) + " vertices");
   }
   double last_m = -std::numeric_limits<double>::infinity();
-  for (const RouteSample& sample : input.plan.route_samples) {
+  for (const PlanSample& sample : input.plan.route_samples) {
     check_leg(sample.leg, "a sample of the route");
     if (!(sample.distance_m >= last_m))
       throw DataError("report: the samples of the route are not in order of distance");
@@ -134,7 +134,7 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
 std::vector<ReportLeg> place_legs(const ReportInput& input) {
   const Route& route = input.plan.route;
   std::map<int, double> starts_m;
-  for (const RouteSample& sample : input.plan.route_samples) starts_m.try_emplace(sample.leg, sample.distance_m);
+  for (const PlanSample& sample : input.plan.route_samples) starts_m.try_emplace(sample.leg, sample.distance_m);
   std::vector<ReportLeg> legs;
   for (const LegStatus& status : input.selection.legs) {
     const RouteLeg& leg = route.legs[static_cast<std::size_t>(status.leg)];

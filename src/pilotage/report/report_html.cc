@@ -48,9 +48,8 @@ std::string legs_html(const Report& report) {
   std::string html;
   for (const int index : report.worst_legs) {
     const ReportLeg& leg = report.legs[static_cast<std::size_t>(index)];
-    html += "<tr data-from-m=\"" + format_number(std::isfinite(leg.from_distance_m) ? leg.from_distance_m : 0) + "\">" +
-            heading("Leg " + std::to_string(leg.status.leg + 1)) + "<td>" + badge(status_name(leg.quality)) + "</td>" +
-            cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
+    html += "<tr>" + heading("Leg " + std::to_string(leg.status.leg + 1)) + "<td>" + badge(status_name(leg.quality)) +
+            "</td>" + cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
             cell(percent_text(leg.status.matchable_fraction)) + cell(length_text(leg.status.length_m)) +
             copy_cell(leg.from, leg.to) + "</tr>\n";
   }
@@ -168,15 +167,15 @@ Json display_json(const Report& report) {
   return json;
 }
 
-// Leaflet's own pictures (layer button, default marker) are not used; a reference to a file that is not there must not
-// stay.
-std::string without_files(std::string_view css) {
-  return std::regex_replace(std::string(css), std::regex(R"(url\([^)]*\))"), "none");
+// The last line of Leaflet's files points debuggers to a map file that the page does not have.
+std::string without_source_map(const std::string& text) {
+  return std::regex_replace(text, std::regex(R"((//|/\*)# sourceMappingURL=[^\n]*)"), "");
 }
 
-// The last line points debuggers to a map file that the page does not have.
-std::string without_source_map(std::string_view js) {
-  return std::string(js.substr(0, js.rfind("//# sourceMappingURL=")));
+// Leaflet's own pictures (layer button, default marker) are not used; a reference to a file that is not there must not
+// stay.
+std::string without_files(const std::string& css) {
+  return std::regex_replace(css, std::regex(R"(url\([^)]*\))"), "none");
 }
 
 }  // namespace
@@ -190,8 +189,8 @@ std::string report_html(const Report& report) {
   const std::string verdict(verdict_name(report.verdict));
   return fill_template(page_assets::page_html(),
                        {{"title", html_escape(report.title)},
-                        {"leaflet_css", without_files(page_assets::leaflet_css())},
-                        {"leaflet_js", without_source_map(page_assets::leaflet_js())},
+                        {"leaflet_css", without_source_map(without_files(std::string(page_assets::leaflet_css())))},
+                        {"leaflet_js", without_source_map(std::string(page_assets::leaflet_js()))},
                         {"page_css", std::string(page_assets::page_css())},
                         {"page_js", std::string(page_assets::page_js())},
                         {"data", script_json(data)},

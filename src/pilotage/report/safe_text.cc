@@ -139,7 +139,8 @@ std::string fill_template(std::string_view page, const std::map<std::string, std
     const std::size_t open = page.find("{{", at);
     if (open == std::string_view::npos) return result += page.substr(at);
     const std::size_t close = page.find("}}", open);
-    const std::string name(page.substr(open + 2, close == std::string_view::npos ? close : close - open - 2));
+    if (close == std::string_view::npos) throw std::logic_error("the report's page opens {{ and does not close it");
+    const std::string name(page.substr(open + 2, close - open - 2));
     const auto value = values.find(name);
     if (value == values.end()) throw std::logic_error("the report's page names {{" + name + "}}, which has no value");
     result += page.substr(at, open - at);

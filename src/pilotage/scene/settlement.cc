@@ -179,7 +179,7 @@ void build_dwellings(const GroundGrid& ground, const Parcels& parcels, const Par
             on_ground(ground, lot + edge.normal * (edge.half_width_m + 4.2) + edge.direction() * 6.5, edge.normal);
         const Box car =
             make_vehicle(random.next(), drive.center_m, drive.along, parked < 0.2 ? 1 : (parked < 0.4 ? 2 : 3));
-        stands.boxes.push_back(car);
+        if (car.half_length_m < 3) stands.boxes.push_back(car);  // lorries do not fit
       }
     }
   }

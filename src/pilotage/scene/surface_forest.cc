@@ -53,6 +53,11 @@ Canopy canopy_at(std::uint64_t seed, const Stand& stand, const Vector2d& f, floa
   return best;
 }
 
+Vector2d noise_vector(std::uint64_t seed, const Vector2d& p, double wavelength_m) {
+  return {gradient_noise(seed, p.x() / wavelength_m, p.y() / wavelength_m),
+          gradient_noise(seed ^ 0x5BD1E995U, p.x() / wavelength_m, p.y() / wavelength_m)};
+}
+
 /// Highest of the crowns of a wood: great trees over lesser ones, or conifers alone.
 Canopy wood_canopy(const GroundPoint& at, const Vector2d& f, float foliage) {
   if (at.parcel->use == LandUse::kConifers) return canopy_at(at.seed + 51, kConifers, f, foliage);
@@ -62,7 +67,8 @@ Canopy wood_canopy(const GroundPoint& at, const Vector2d& f, float foliage) {
 }
 
 Rgb crown_colour(const Canopy& crown, const GroundPoint& at) {
-  const float tone = hash_signed(crown.seed, 1);
+  const float fresh = hash_signed(crown.seed, at.epoch == SceneEpoch::kFirst ? 2 : 3);
+  const float tone = 0.6F * hash_signed(crown.seed, 1) + 0.8F * fresh;
   const float hue = hash_part(crown.seed, 0);
   const float parcel = hash_signed(at.parcel->seed, 2);
   if (at.parcel->use == LandUse::kConifers)
@@ -93,16 +99,17 @@ Surface forest_surface(const GroundPoint& at) {
   const double x = at.p.x();
   const double y = at.p.y();
   const double fp = at.footprint_m;
-  // Trees stand on no lattice, and leaves stir the outline of crowns; the one stays, the other is drawn anew.
-  const Vector2d f =
-      at.p +
-      1.7 * Vector2d(gradient_noise(at.seed + 52, x / 13, y / 13), gradient_noise(at.seed + 53, x / 13, y / 13)) +
-      0.75 * Vector2d(detail_noise(at.fresh_seed + 52, x, y, 2.3, fp), detail_noise(at.fresh_seed + 53, x, y, 2.3, fp));
+  // Trees stand on no lattice. At each date leaves stir the outline of crowns, and crowns lean this way or that: an
+  // orthophoto made over the ground's heights displaces what stands above the ground by as much as it was seen from the
+  // side.
+  const Vector2d f = at.p + 1.7 * noise_vector(at.seed + 52, at.p, 13) +
+                     2.4 * noise_vector(at.fresh_seed + 51, at.p, 70) +
+                     0.75 * surviving_detail(2.3, fp) * noise_vector(at.fresh_seed + 53, at.p, 2.3);
   const float vigour = 1 + 0.10F * at.node.stand + 0.05F * hash_signed(at.parcel->seed, 1);
   const float foliage = (at.parcel->use == LandUse::kConifers ? 1.0F : look.foliage) * std::fmin(vigour, 1.12F);
   const Canopy crown = wood_canopy(at, f, foliage);
   const float leaves =
-      0.13F * detail_noise(at.fresh_seed + 54, x, y, 1.9, fp) + 0.09F * detail_noise(at.fresh_seed + 55, x, y, 0.7, fp);
+      0.18F * detail_noise(at.fresh_seed + 54, x, y, 1.9, fp) + 0.13F * detail_noise(at.fresh_seed + 55, x, y, 0.7, fp);
   // A neighbour towards the sun shades the crown when it stands above the ray.
   float shade = 1;
   for (const double step_m : {2.2, 5.0}) {

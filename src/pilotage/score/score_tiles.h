@@ -14,26 +14,38 @@
 namespace pilotage {
 
 /// What is measured of a tile.
-enum class Measure {
+enum class ScoreMeasure {
   kGrayVariance,    ///< Eq. 1: V.
   kFriedenEntropy,  ///< Eq. 2–3: H and the Frieden deficit.
   kUniqueness,      ///< The correlation surface of the tile in its search area.
   kDegraded,        ///< The same for degraded copies of the tile.
 };
 
-inline EnumNames<Measure> enum_names(Measure) {
-  return {{Measure::kGrayVariance, "gray_variance"},
-          {Measure::kFriedenEntropy, "frieden_entropy"},
-          {Measure::kUniqueness, "uniqueness"},
-          {Measure::kDegraded, "degraded"}};
+inline EnumNames<ScoreMeasure> enum_names(ScoreMeasure) {
+  return {{ScoreMeasure::kGrayVariance, "gray_variance"},
+          {ScoreMeasure::kFriedenEntropy, "frieden_entropy"},
+          {ScoreMeasure::kUniqueness, "uniqueness"},
+          {ScoreMeasure::kDegraded, "degraded"}};
 }
 
-struct ScoreOptions {
-  std::vector<Measure> measures{Measure::kGrayVariance, Measure::kFriedenEntropy, Measure::kUniqueness,
-                                Measure::kDegraded};
+/// How a raster without a plan is cut into tiles.
+struct ScoreGridOptions {
   int tile_size_px = 256;
   int stride_px = 64;
   int search_radius_px = 128;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("tile_size_px", self.tile_size_px, "Side of a square tile.", Range{2, 4096});
+    fields.field("stride_px", self.stride_px, "Distance between neighbouring tiles.", Range{1, 65536});
+    fields.field("search_radius_px", self.search_radius_px,
+                 "How far from its place a tile is looked for, in columns and rows.", Range{0, 4096});
+  }
+};
+
+struct ScoreOptions {
+  std::vector<ScoreMeasure> measures{ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy, ScoreMeasure::kUniqueness,
+                                ScoreMeasure::kDegraded};
   double min_valid_fraction = 0.5;
   int degraded_copies = 2;
   DegradationOptions degradation;
@@ -41,10 +53,6 @@ struct ScoreOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.field("measures", self.measures, "What is measured of each tile.");
-    fields.field("tile_size_px", self.tile_size_px, "Side of a square tile.", Range{2, 4096});
-    fields.field("stride_px", self.stride_px, "Distance between neighbouring tiles.", Range{1, 65536});
-    fields.field("search_radius_px", self.search_radius_px,
-                 "How far from its place a tile is looked for, in columns and rows.", Range{0, 4096});
     fields.field(
         "min_valid_fraction", self.min_valid_fraction,
         "Tiles with a smaller share of ground are not scored; positions that overlap less of the tile's ground "
@@ -56,16 +64,16 @@ struct ScoreOptions {
   }
 
   bool measures_surface() const;
-  bool measure(Measure which) const;
+  bool measure(ScoreMeasure which) const;
 };
 
-/// The tiles of `options` over all of `source`, level 0. Throws DataError naming both sizes when the tile is larger
+/// The tiles of `grid` over all of `source`, level 0. Throws DataError naming both sizes when the tile is larger
 /// than the imagery.
-TileMatrix score_matrix(const GraySource& source, const ScoreOptions& options);
+TileMatrix score_matrix(const GraySource& source, const ScoreGridOptions& grid);
 
 /// Scores tiles of `matrix`, whose pixel grid is that of `source`. Result i belongs to `tile_indices[i]`, where index =
 /// row · matrix_width + column; an empty list means all tiles, in this order. tile_id is set to the index. Tile size
-/// and stride are the matrix's, the search radius is `search_radius_px`: those of `options` only serve score_matrix.
+/// and stride are the matrix's.
 ///
 /// What is defined for special tiles:
 ///  - valid fraction below min_valid_fraction: status kTooLittleGround, all measures NaN;

@@ -13,7 +13,7 @@
 
 namespace pilotage {
 
-/// How features are found and described. Map and frame must agree in descriptor_bits, oriented, patch and seed.
+/// How features are found and described. Map and frame must agree in descriptor_bits, oriented and seed.
 struct FeatureOptions {
   double features_per_mpx = 20000;
   int descriptor_bits = 256;

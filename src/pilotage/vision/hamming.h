@@ -54,9 +54,9 @@ struct HammingWindow {
   double max_y_px;
 };
 
-/// Descriptors laid out for the search: blocks of eight descriptors, word after word, sorted by position (in bands of
-/// rows, by x inside a band) so that the candidates of a window are a few contiguous ranges. Positions and descriptors
-/// are copied: the feature set need not outlive it.
+/// Descriptors laid out for the search: blocks of eight descriptors, word after word, sorted by position (cells of
+/// a grid, row by row) so that the candidates of a window are one contiguous range for each row of cells. Positions and
+/// descriptors are copied: the feature set need not outlive it.
 class HammingIndex {
  public:
   /// Descriptors of 16, 32 or 64 bytes. Any positions are allowed; one that is NaN lies in no window. Throws UsageError
@@ -80,14 +80,23 @@ class HammingIndex {
     alignas(64) std::uint64_t lanes[8];
   };
 
+  /// A row or column of the grid of cells that the slots are sorted by; what lies outside belongs to the nearest one.
+  struct Axis {
+    double min_px = 0;
+    double cell_px = 1;
+    std::size_t count = 1;
+
+    std::size_t cell(double position_px) const;
+  };
+
   int words_ = 4;
   std::vector<Block> blocks_;         ///< words_ for each eight slots: word w of all eight, then word w + 1.
   std::vector<std::uint32_t> order_;  ///< Index of a slot's feature.
   std::vector<float> x_px_;           ///< By slot.
   std::vector<float> y_px_;
-  std::vector<std::size_t> band_begin_;  ///< First slot of each band, and the end.
-  double band_min_y_px_ = 0;
-  double band_height_px_ = 1;
+  Axis rows_;
+  Axis cols_;
+  std::vector<std::size_t> cell_begin_;  ///< First slot of each cell, row by row, and the end.
 };
 
 }  // namespace pilotage

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/vision/feature_detector.h"
+
+namespace pilotage {
+
+/// Angle of the intensity centroid of a disc of 15 px radius around a pixel, degrees in [0, 360), x right, y down (P.
+/// L. Rosin, "Measuring corner properties", CVIU 1999; E. Rublee et al., ORB, ICCV 2011, Eq. 1–3). Moments are whole
+/// numbers.
+float centroid_angle_deg(const cv::Mat& gray, int x, int y);
+
+inline constexpr int kCentroidRadiusPx = 15;
+
+/// What describe_corners needs.
+struct DescriptorOptions {
+  int bits = 256;
+  std::uint64_t seed = 1;
+};
+
+/// Descriptors of `corners` (angles in degrees, one each), bits / 8 bytes after bytes. Every corner's patch
+/// (patch_radius_px()) must lie inside `gray`.
+std::vector<std::uint8_t> describe_corners(const cv::Mat& gray, const std::vector<Corner>& corners,
+                                           const std::vector<float>& angles_deg, const DescriptorOptions& options);
+
+}  // namespace pilotage

@@ -1,0 +1,151 @@
+// Reading the onboard map: a synthetic map of 200 × 200 tiles, 400 descriptors each.
+
+#include <filesystem>
+
+#include "testing/temporary_folder.h"
+#include <GeographicLib/TransverseMercator.hpp>
+#include <benchmark/benchmark.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "pilotage/base/random.h"
+#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/mapdb/map_reader.h"
+#include "pilotage/mapdb/map_verify.h"
+#include "pilotage/mapdb/map_writer.h"
+
+namespace pilotage {
+namespace {
+
+constexpr int kSide = 200;
+constexpr int kTilePx = 128;
+constexpr int kFeatures = 400;
+
+std::optional<GeodeticPoint> from_utm(const Eigen::Vector2d& p) {
+  double lat = 0, lon = 0;
+  GeographicLib::TransverseMercator::UTM().Reverse(117, p.x() - 500000, p.y() - 10000000, lat, lon);
+  return GeodeticPoint{lon, lat};
+}
+
+TileDescriptors random_descriptors(const MapTile& tile, const PixelWindow& window, Random& random) {
+  TileDescriptors result;
+  result.tile_id = tile.tile_id;
+  result.window = window;
+  for (int i = 0; i < kFeatures; ++i) {
+    result.features.features.push_back(
+        {static_cast<float>(random.uniform(0, kTilePx)), static_cast<float>(random.uniform(0, kTilePx)), 0, 0, 1});
+    result.ground_height_m.push_back(static_cast<float>(random.uniform(0, 50)));
+  }
+  for (int i = 0; i < kFeatures * 4; ++i) {
+    for (std::uint64_t bits = random.next(), b = 0; b < 8; ++b, bits >>= 8) {
+      result.features.descriptors.push_back(static_cast<std::uint8_t>(bits));
+    }
+  }
+  return result;
+}
+
+std::filesystem::path write_large_map(const std::filesystem::path& path) {
+  Random random(seed_from_name("mapdb_bench"));
+  MapHeader header;
+  header.crs = {"WGS 84 / UTM zone 50S", "PROJCS[\"WGS 84 / UTM zone 50S\"]", ""};
+  MapLevel level;
+  level.gsd_m = 0.6;
+  level.matrix = {0, GeoTransform::north_up(380000, 6450000, 0.6), kSide * kTilePx, kSide * kTilePx, kTilePx, kTilePx};
+  header.levels = {level};
+  MapWriter writer(path, header, false);
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column) {
+      const PixelWindow window = level.matrix.tile_window(column, row);
+      MapTile tile;
+      tile.tile_id = row * kSide + column;
+      tile.column = column;
+      tile.row = row;
+      const auto corner = [&](int x, int y) {
+        return level.matrix.map_from_pixel.map_from_pixel(
+            {static_cast<double>(window.col + x), static_cast<double>(window.row + y)});
+      };
+      tile.bounds.extend(corner(0, 0));
+      tile.bounds.extend(corner(kTilePx, kTilePx));
+      tile.center = *from_utm(tile.bounds.center_m());
+      tile.enu_from_grid = enu_from_grid(tile.bounds.center_m(), 100, from_utm);
+      writer.add_tile(tile, {});
+      writer.add_descriptors(random_descriptors(tile, window, random));
+    }
+  }
+  writer.finish();
+  return path;
+}
+
+const std::filesystem::path& large_map() {
+  static const testing::TemporaryFolder folder;
+  static const std::filesystem::path path = write_large_map(folder / "large.gpkg");
+  return path;
+}
+
+GeodeticPoint random_place(Random& random) {
+  return *from_utm({random.uniform(381000, 394000), random.uniform(6436000, 6449000)});
+}
+
+std::size_t read_near(MapReader& reader, GeodeticPoint place, double radius_m) {
+  std::size_t features = 0;
+  for (const NearTile& near : reader.tiles_near(place, radius_m, 0)) {
+    features += reader.descriptors(near.tile.tile_id, near.tile.level)->features.size();
+  }
+  return features;
+}
+
+void BM_TilesNear(benchmark::State& state) {
+  MapReader reader(large_map());
+  Random random(1);
+  for (auto _ : state) benchmark::DoNotOptimize(reader.tiles_near(random_place(random), 60, 0));
+}
+
+void BM_TilesNearAndDescriptors(benchmark::State& state) {
+  MapReader reader(large_map());
+  Random random(2);
+  std::size_t features = 0;
+  for (auto _ : state) features += read_near(reader, random_place(random), 60);
+  state.counters["features"] = benchmark::Counter(static_cast<double>(features), benchmark::Counter::kAvgIterations);
+}
+
+/// The pages of the file are dropped from the system's cache before each open (as far as the system obeys).
+void BM_ColdOpenNearDescriptors(benchmark::State& state) {
+  const std::filesystem::path& path = large_map();
+  Random random(3);
+  for (auto _ : state) {
+    state.PauseTiming();
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    ::fsync(descriptor);
+    ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_DONTNEED);
+    ::close(descriptor);
+    const GeodeticPoint place = random_place(random);
+    state.ResumeTiming();
+    MapReader reader(path);
+    benchmark::DoNotOptimize(read_near(reader, place, 60));
+  }
+}
+
+void BM_OpenNearDescriptors(benchmark::State& state) {
+  Random random(4);
+  for (auto _ : state) {
+    MapReader reader(large_map());
+    benchmark::DoNotOptimize(read_near(reader, random_place(random), 60));
+  }
+}
+
+void BM_Verify(benchmark::State& state) {
+  for (auto _ : state) {
+    if (!verify_map(large_map()).ok()) state.SkipWithError("the map is damaged");
+  }
+  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) *
+                          static_cast<std::int64_t>(std::filesystem::file_size(large_map())));
+}
+
+BENCHMARK(BM_TilesNear)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_TilesNearAndDescriptors)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_OpenNearDescriptors)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_ColdOpenNearDescriptors)->Unit(benchmark::kMicrosecond)->Iterations(200);
+BENCHMARK(BM_Verify)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,136 @@
+#include "pilotage/mapdb/map_verify.h"
+
+#include "mapdb/small_map.h"
+#include "testing/temporary_folder.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/sqlite.h"
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+
+class MapVerify : public ::testing::Test {
+ protected:
+  MapVerify() : map_(testing::make_small_map()), path_(folder_ / "map.gpkg") {
+    map_.content_digest = testing::write_map(path_, map_);
+  }
+
+  /// The report on the map after some SQL.
+  VerifyReport after(const std::string& sql) {
+    const auto copy = folder_ / "copy.gpkg";
+    std::filesystem::copy_file(path_, copy, std::filesystem::copy_options::overwrite_existing);
+    Database::create(copy, "map").execute(sql);
+    return verify_map(copy);
+  }
+
+  testing::TemporaryFolder folder_;
+  testing::SmallMap map_;
+  std::filesystem::path path_;
+};
+
+const MapProblem* find_problem(const VerifyReport& report, const std::string& text) {
+  for (const MapProblem& problem : report.problems) {
+    if (problem.message.find(text) != std::string::npos) return &problem;
+  }
+  return nullptr;
+}
+
+TEST_F(MapVerify, FindsNothingInAWholeMap) {
+  const VerifyReport report = verify_map(path_);
+  EXPECT_TRUE(report.ok()) << report.problems.front().message;
+  EXPECT_EQ(report.tiles, 12);
+  EXPECT_EQ(report.descriptor_rows, 12);
+  EXPECT_EQ(report.descriptors, 60);
+  EXPECT_EQ(report.chips, 12);
+  EXPECT_EQ(report.content_digest, map_.content_digest);
+  EXPECT_NO_THROW(require_intact(report));
+}
+
+TEST_F(MapVerify, OneFlippedByteInADescriptorIsAWrongDigest) {
+  std::string bytes = read_file(path_);
+  const auto& descriptors = map_.descriptors[7].features.descriptors;
+  const std::size_t at = bytes.find(std::string(descriptors.begin(), descriptors.end()));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 40] = static_cast<char>(bytes[at + 40] ^ 1);
+  write_file(folder_ / "flipped.gpkg", bytes, false);
+  const VerifyReport report = verify_map(folder_ / "flipped.gpkg");
+  EXPECT_THROW(require_intact(report), IntegrityError);
+  const MapProblem* problem = find_problem(report, "tile 7: level 1: the digest does not match");
+  ASSERT_NE(problem, nullptr);
+  EXPECT_EQ(problem->kind, MapProblem::Kind::kDigest);
+  EXPECT_EQ(problem->table, "pilotage_descriptors");
+  EXPECT_EQ(problem->tile_id, 7);
+  EXPECT_NE(find_problem(report, "content_digest is "), nullptr);
+}
+
+struct Damage {
+  const char* sql;
+  const char* message;
+};
+
+TEST_F(MapVerify, NamesEveryKindOfDamage) {
+  const std::string drop =
+      "DROP TRIGGER rtree_tiles_geom_update1; DROP TRIGGER rtree_tiles_geom_update2;"
+      "DROP TRIGGER rtree_tiles_geom_update3; DROP TRIGGER rtree_tiles_geom_update4;"
+      "DROP TRIGGER rtree_tiles_geom_delete;";
+  for (const Damage& damage : {
+           Damage{"UPDATE map_info SET value = 'x' WHERE key = 'tool'", "content_digest is "},
+           Damage{"DELETE FROM map_info WHERE key = 'content_digest'", "has no content_digest"},
+           Damage{"DELETE FROM tiles WHERE tile_id = 4", "tile 4: there is no such tile"},
+           Damage{"DELETE FROM tiles WHERE tile_id = 4", "rtree_tiles_geom: has 12 entries for 11 tiles"},
+           Damage{"UPDATE tiles SET max_x_m = max_x_m + 1 WHERE tile_id = 5",
+                  "tiles: tile 5: its geometry is not the outline of its bounds"},
+           Damage{"UPDATE tiles SET level = 3 WHERE tile_id = 5", "tile 5: level 3 is not in pilotage_levels"},
+           Damage{"UPDATE tiles SET center_lat_deg = 0 WHERE tile_id = 5",
+                  "pilotage_tile_centers: tile 5: its entry is not where the tile is"},
+           Damage{"DELETE FROM rtree_tiles_geom WHERE id = 2", "rtree_tiles_geom: tile 2: has no entry"},
+           Damage{"UPDATE rtree_tiles_geom SET minx = 0 WHERE id = 2", "tile 2: its entry is not where the tile is"},
+           Damage{"UPDATE pilotage_levels SET max_tile_radius_m = 1 WHERE level = 1",
+                  "is larger than max_tile_radius_m"},
+           Damage{"UPDATE pilotage_descriptors SET window_col_px = 64 WHERE tile_id = 0",
+                  "tile 0: level 0: the digest does not match"},
+           Damage{"UPDATE pilotage_descriptors SET digest = zeroblob(31) WHERE tile_id = 0",
+                  "digest blob has 31 bytes"},
+           Damage{"UPDATE pilotage_chips SET data = zeroblob(12) WHERE tile_id = 6",
+                  "pilotage_chips: tile 6: level 1: the digest does not match"},
+           Damage{"UPDATE legs SET geom = x'00' WHERE fid = 1", "legs: line 1: geometry blob"},
+           Damage{"CREATE TABLE stranger (a); INSERT INTO stranger VALUES (1)", "content_digest is "},
+           Damage{"CREATE INDEX stranger ON tiles (level)", "content_digest is "},
+           Damage{"UPDATE gpkg_contents SET srs_id = 7 WHERE table_name = 'route'",
+                  "refers to one that does not exist"},
+       }) {
+    const VerifyReport report = after(drop + damage.sql);
+    EXPECT_NE(find_problem(report, damage.message), nullptr)
+        << damage.sql << " gave " << (report.ok() ? "nothing" : report.problems.front().message);
+    EXPECT_THROW(require_intact(report), DataError);
+    for (const MapProblem& problem : report.problems) EXPECT_THAT(problem.message, HasSubstr("copy.gpkg: "));
+  }
+}
+
+TEST_F(MapVerify, WithoutAFileThereIsNothingToReport) {
+  EXPECT_THROW(verify_map(folder_ / "none.gpkg"), DataError);
+}
+
+TEST(RequireIntact, WrongDigestOutranksDamage) {
+  VerifyReport report;
+  report.problems = {{MapProblem::Kind::kDamaged, "tiles", 1, "damage"},
+                     {MapProblem::Kind::kDigest, "tiles", 1, "digest"}};
+  EXPECT_THROW(require_intact(report), IntegrityError);
+  report.problems.pop_back();
+  try {
+    require_intact(report);
+    FAIL();
+  } catch (const IntegrityError&) {
+    FAIL() << "damage is not a wrong digest";
+  } catch (const DataError& error) {
+    EXPECT_STREQ(error.what(), "damage");
+  }
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,139 @@
+#include "pilotage/route/ogr_route.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "route/route_files.h"
+#include "testing/temporary_folder.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pilotage/base/output_file.h"
+
+namespace pilotage {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::route_error;
+using testing::route_file;
+using testing::route_file_error;
+
+RouteOptions choose(const std::string& feature, HeightReference heights = HeightReference::kAuto) {
+  RouteOptions options;
+  options.feature = feature;
+  options.height_reference = heights;
+  return options;
+}
+
+std::string line_geojson(const std::string& coordinates) {
+  return R"({"type": "LineString", "coordinates": )" + coordinates + "}";
+}
+
+TEST(OgrRoute, SeveralLinesNeedAChoice) {
+  const std::string error = route_file_error(route_file("track.gpx"));
+  EXPECT_THAT(error, HasSubstr("has 2 lines"));
+  EXPECT_THAT(error, HasSubstr("track \"north\""));
+  EXPECT_THAT(error, HasSubstr("track \"south\""));
+  EXPECT_THAT(route_file_error(route_file("track.gpx"), choose("west")), HasSubstr("0 lines named \"west\""));
+  EXPECT_EQ(read_route(route_file("track.gpx"), choose("south")).vertices.size(), 2U);
+  EXPECT_EQ(read_route(route_file("track.gpx"), choose("2")).vertices[0].point.lat_deg, 49);
+}
+
+// GDAL's 2.5-D lines say 0 m where a point has no <ele>, which is not the same as 0 m.
+TEST(OgrRoute, GpxPointsWithoutElevationHaveNoHeight) {
+  const Route route = read_route(route_file("track.gpx"), choose("north"));
+  ASSERT_EQ(route.vertices.size(), 4U);
+  EXPECT_EQ(route.format, "GPX");
+  EXPECT_EQ(route.vertices[0].amsl_m, 300);
+  EXPECT_TRUE(std::isnan(route.vertices[1].amsl_m));
+  EXPECT_EQ(route.vertices[2].amsl_m, 0);
+  EXPECT_EQ(route.legs.size(), 3U) << "segments are joined";
+  EXPECT_THAT(route.notes, Contains(HasSubstr("joined by straight legs")));
+  EXPECT_THAT(route.notes, Contains(HasSubstr("1 of 4 positions have no height")));
+}
+
+TEST(OgrRoute, GpxWaypointsAreALayerOfTheirOwn) {
+  RouteOptions options;
+  options.layer = "waypoints";
+  EXPECT_THAT(route_file_error(route_file("track.gpx"), options), HasSubstr("all positions are at one place"));
+  options.layer = "roads";
+  EXPECT_THAT(route_file_error(route_file("track.gpx"), options), HasSubstr("layer \"roads\" holds no line"));
+}
+
+TEST(OgrRoute, KmlHeightsFollowTheAltitudeMode) {
+  const Route clamped = read_route(route_file("lines.kml"), choose("clamped"));
+  EXPECT_TRUE(std::isnan(clamped.vertices[0].amsl_m));
+  EXPECT_TRUE(std::isnan(clamped.vertices[0].agl_m));
+  EXPECT_THAT(clamped.notes, Contains(HasSubstr("--height-reference")));
+  const Route absolute = read_route(route_file("lines.kml"), choose("absolute"));
+  EXPECT_EQ(absolute.vertices[1].amsl_m, 600);
+  const Route relative = read_route(route_file("lines.kml"), choose("relative"));
+  ASSERT_EQ(relative.vertices.size(), 2U) << "the doubled point is dropped";
+  EXPECT_EQ(relative.vertices[1].agl_m, 130);
+  EXPECT_TRUE(std::isnan(relative.vertices[1].amsl_m));
+  bool polygon_is_told = false;
+  for (const RouteItem& item : relative.items) polygon_is_told |= item.became == "left out: neither a line nor a point";
+  EXPECT_TRUE(polygon_is_told);
+}
+
+TEST(OgrRoute, GeoJsonAcrossTheAntimeridianIsShort) {
+  const Route route = read_route(route_file("antimeridian.geojson"));
+  ASSERT_EQ(route.legs.size(), 2U) << "the cut at 180 degrees is no leg";
+  EXPECT_NEAR(route_length_m(route), 0.2 * 111319.49 * std::cos(17 * M_PI / 180), 50);
+  const Route unwrapped = parse_route("r", line_geojson("[[179.9, -17], [180.1, -17]]"));
+  EXPECT_NEAR(route_length_m(unwrapped), route_length_m(route), 1);
+  EXPECT_NEAR(unwrapped.vertices[1].point.lon_deg, -179.9, 1e-9);
+}
+
+TEST(OgrRoute, GeoJsonHeightsMeanWhatTheUserSays) {
+  const std::string text = line_geojson("[[8, 47, 500], [8, 47.1, 500]]");
+  EXPECT_TRUE(std::isnan(parse_route("r", text).vertices[0].amsl_m));
+  EXPECT_EQ(parse_route("r", text, choose("", HeightReference::kAmsl)).vertices[0].amsl_m, 500);
+  EXPECT_EQ(parse_route("r", text, choose("", HeightReference::kAgl)).vertices[0].agl_m, 500);
+  RouteOptions home = choose("", HeightReference::kHome);
+  EXPECT_THAT(route_error(text, home), HasSubstr("needs home_amsl_m"));
+  home.home_amsl_m = 400;
+  EXPECT_EQ(parse_route("r", text, home).vertices[0].amsl_m, 900);
+}
+
+TEST(OgrRoute, EllipsoidHeightsComeToSeaLevel) {
+  // EGM96 undulations published with the model's test points (NIMA F477: 38.6281550, 269.7791550 -> -31.628;
+  // -14.6212170, 305.0211140 -> -2.969), to the 15-minute grid's interpolation error.
+  const Route route = parse_route("r", line_geojson("[[-90.220845, 38.628155, 100], [-54.978886, -14.621217, 100]]"),
+                                  choose("", HeightReference::kEllipsoid));
+  EXPECT_NEAR(route.vertices[0].amsl_m, 131.628, 0.3);
+  EXPECT_NEAR(route.vertices[1].amsl_m, 102.969, 0.3);
+}
+
+TEST(OgrRoute, GeoPackageInAProjectionComesToWgs84) {
+  const testing::TemporaryFolder folder;
+  write_file(folder / "line.csv", "id,WKT\n1,\"LINESTRING (500000 5200000, 500000 5300000)\"\n", false);
+  const std::string command = "ogr2ogr -q -f GPKG -nln flight -a_srs EPSG:32632 -oo GEOM_POSSIBLE_NAMES=WKT '" +
+                              (folder / "line.gpkg").string() + "' '" + (folder / "line.csv").string() +
+                              "' 2>/dev/null";
+  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "ogr2ogr is not installed";
+  const Route route = read_route(folder / "line.gpkg");
+  EXPECT_EQ(route.format, "GeoPackage");
+  ASSERT_EQ(route.vertices.size(), 2U);
+  EXPECT_NEAR(route.vertices[0].point.lon_deg, 9, 1e-9) << "central meridian of UTM zone 32";
+  EXPECT_NEAR(route_length_m(route), 100000 / 0.9996, 1);
+}
+
+TEST(OgrRoute, BadPositionsAreNamed) {
+  EXPECT_THAT(route_error(line_geojson("[[8, 47], [8, 97]]")), HasSubstr("latitude 97 is outside"));
+  EXPECT_THAT(route_error(line_geojson("[[8, 47], [800, 47]]")), HasSubstr("longitude 800 is outside"));
+  EXPECT_THAT(route_error(line_geojson("[[8, 47], [8, 47]]")), HasSubstr("all positions are at one place"));
+  EXPECT_THAT(route_error(line_geojson("[]")), HasSubstr("no position"));
+  EXPECT_THAT(route_error(R"({"type": "FeatureCollection", "features": []})"), HasSubstr("r: "));
+  EXPECT_THAT(route_error(R"({"type": "Polygon", "coordinates": [[[0,0],[1,0],[1,1],[0,0]]]})"),
+              HasSubstr("no position"));
+}
+
+TEST(OgrRoute, PolesAreFlownOver) {
+  const Route route = parse_route("r", line_geojson("[[0, 89], [180, 89]]"));
+  EXPECT_NEAR(route_length_m(route), 2 * 111693.9, 10) << "straight over the pole";
+}
+
+}  // namespace
+}  // namespace pilotage

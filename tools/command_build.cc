@@ -1,0 +1,69 @@
+#include <cstdlib>
+
+#include "commands.h"
+#include "stage_files.h"
+#include "version.h"
+
+#include "pilotage/base/text.h"
+#include "pilotage/build/build_map.h"
+#include "pilotage/mapdb/map_signature.h"
+
+namespace pilotage {
+namespace {
+
+struct BuildCommandOptions {
+  StageFileOptions files;
+  std::string sign_key;
+  BuildOptions build;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    StageFileOptions::describe(self.files, fields);
+    fields.path("sign_key", self.sign_key,
+                "Sign the map with this minisign secret key; the passphrase comes from PILOTAGE_KEY_PASSPHRASE.");
+    BuildOptions::describe(self.build, fields);
+  }
+};
+
+}  // namespace
+
+Command make_build_command() {
+  Command command;
+  command.word = "build";
+  command.group = CommandGroup::kStages;
+  command.summary = "Write the onboard map database";
+  command.examples = {
+      {"From the files of the stages before.",
+       "pilotage build plan.json --table tiles.csv --selection selection.json -o map.gpkg"},
+      {"Signed.",
+       "pilotage build plan.json --table tiles.csv --selection selection.json --sign-key key.sec -o map.gpkg"}};
+  command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
+  command.output = {.kind = OutputKind::kFile, .help = "The map database (GeoPackage)."};
+  bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
+    const StageFiles files = read_stage_files(options.files, invocation);
+    const BuildStats stats =
+        build_map(invocation.output, files.plan, files.scores, files.selection, {{"tool_version", version_line()}},
+                  options.build, invocation.overwrite, invocation.threads, invocation.progress);
+    CommandResult result;
+    result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
+                  format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\ndigest " + stats.content_digest +
+                  "\n";
+    result.json = {{"output", invocation.output},
+                   {"tiles", stats.tiles},
+                   {"descriptors", stats.descriptors},
+                   {"bytes", stats.bytes},
+                   {"digest", stats.content_digest}};
+    if (!options.sign_key.empty()) {
+      SignOptions sign;
+      sign.overwrite = invocation.overwrite;
+      if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
+      const std::string signature = sign_file(invocation.output, options.sign_key, sign).string();
+      result.text += "signed: " + signature + "\n";
+      result.json["signature"] = signature;
+    }
+    return result;
+  });
+  return command;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cctype>
+#include <initializer_list>
+
+#include "commands.h"
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/mapdb/map_inspect.h"
+#include "pilotage/raster/gdal_io.h"
+#include "pilotage/route/describe_route.h"
+#include "pilotage/route/read_route.h"
+#include "pilotage/route/route_json.h"
+
+namespace pilotage {
+namespace {
+
+enum class InspectKind { kAuto, kMap, kRoute, kImagery };
+EnumNames<InspectKind> enum_names(InspectKind) {
+  return {{InspectKind::kAuto, "auto"},
+          {InspectKind::kMap, "map"},
+          {InspectKind::kRoute, "route"},
+          {InspectKind::kImagery, "imagery"}};
+}
+
+struct InspectOptions {
+  InspectKind kind = InspectKind::kAuto;
+  RouteOptions route;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("kind", self.kind, "What the file is; found out if not given.");
+    RouteOptions::describe(self.route, fields);
+  }
+};
+
+CommandResult inspect_map_file(const std::string& path) {
+  const MapSummary summary = inspect_map(path);
+  CommandResult result;
+  result.json = to_json(summary);
+  result.text = summary.file + ": map database, schema version " + std::to_string(summary.info.schema_version) + ", " +
+                format_fixed(static_cast<double>(summary.file_bytes) / 1e6, 2) + " MB\nCRS: " + summary.info.crs.name +
+                (summary.info.crs.authority.empty() ? "" : " (" + summary.info.crs.authority + ")") + "\n";
+  for (const MapLevelSummary& level : summary.levels) {
+    result.text += "level " + std::to_string(level.level.matrix.level) + ": " + format_fixed(level.level.gsd_m, 3) +
+                   " m/px, " + std::to_string(level.tiles) + " tiles of " +
+                   std::to_string(level.level.matrix.tile_size_px) + " px, " + std::to_string(level.descriptors) +
+                   " descriptors in " + std::to_string(level.descriptor_blob_bytes) + " bytes\n";
+  }
+  result.text += "route lines: " + std::to_string(summary.route_lines) + ", legs: " + std::to_string(summary.legs) +
+                 "\nbytes per tile: " + format_fixed(summary.bytes_per_tile, 0) + "\n";
+  for (const MapInfoEntry& entry : summary.info.entries) result.text += entry.key + " = " + entry.value + "\n";
+  return result;
+}
+
+CommandResult inspect_route_file(const std::string& path, const RouteOptions& options) {
+  const Route route = read_route(path, options);
+  CommandResult result;
+  result.text = describe_route_text(route);
+  result.json = route_to_json(route);
+  return result;
+}
+
+CommandResult inspect_imagery_dataset(const std::string& dataset) {
+  const ImageryInfo info = inspect_imagery(dataset);
+  CommandResult result;
+  result.text = info.dataset + ": " + info.driver + ", " + std::to_string(info.width_px) + " × " +
+                std::to_string(info.height_px) + " px of " + info.band_type + ", " + join(info.band_colors, " ") +
+                "\nCRS: " + info.crs.name() + (info.crs.authority().empty() ? "" : " (" + info.crs.authority() + ")") +
+                "\nground sample distance: " + format_fixed(info.gsd_x_m, 4) + " × " + format_fixed(info.gsd_y_m, 4) +
+                " m\ncentre: lon " + format_fixed(info.center.lon_deg, 7) + ", lat " +
+                format_fixed(info.center.lat_deg, 7) + "\noverviews: " + std::to_string(info.overviews) +
+                "\nacquired: " + (info.acquired.empty() ? "not said" : info.acquired) + "\n";
+  result.json = {{"dataset", info.dataset},
+                 {"driver", info.driver},
+                 {"width_px", info.width_px},
+                 {"height_px", info.height_px},
+                 {"band_type", info.band_type},
+                 {"band_colors", info.band_colors},
+                 {"gray_bands", info.gray_bands},
+                 {"crs", info.crs.name()},
+                 {"authority", info.crs.authority()},
+                 {"gsd_x_m", info.gsd_x_m},
+                 {"gsd_y_m", info.gsd_y_m},
+                 {"center_lon_deg", info.center.lon_deg},
+                 {"center_lat_deg", info.center.lat_deg},
+                 {"overviews", info.overviews},
+                 {"acquired", info.acquired}};
+  result.warnings = info.warnings;
+  return result;
+}
+
+// A GeoPackage may be a map of ours, a route or imagery: ours has the application's table of information.
+bool looks_like_map(const std::string& path) {
+  try {
+    inspect_map(path);
+    return true;
+  } catch (const DataError&) {
+    return false;
+  }
+}
+
+bool ends_with_any(std::string path, std::initializer_list<std::string_view> endings) {
+  std::transform(path.begin(), path.end(), path.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::any_of(endings.begin(), endings.end(), [&](std::string_view ending) { return path.ends_with(ending); });
+}
+
+InspectKind kind_of(const std::string& path) {
+  if (ends_with_any(path, {".gpkg"}) && looks_like_map(path)) return InspectKind::kMap;
+  if (ends_with_any(path, {".plan", ".waypoints", ".txt", ".kml", ".kmz", ".gpx", ".geojson", ".json"})) {
+    return InspectKind::kRoute;
+  }
+  if (ends_with_any(path, {".gpkg"})) {
+    // Damaged maps are told apart from vector routes by what reading them as a map says.
+    try {
+      return read_route(path).vertices.empty() ? InspectKind::kMap : InspectKind::kRoute;
+    } catch (const DataError&) {
+      return InspectKind::kMap;
+    }
+  }
+  return InspectKind::kImagery;
+}
+
+}  // namespace
+
+Command make_inspect_command() {
+  Command command;
+  command.word = "inspect";
+  command.group = CommandGroup::kInspect;
+  command.summary = "Say what a map, a route or a raster holds";
+  command.examples = {{"A map database.", "pilotage inspect map.gpkg --json"},
+                      {"A route, and what became of each of its items.", "pilotage inspect route.plan"}};
+  command.inputs = {.name = "FILE", .help = "Map database, route file or GDAL dataset.", .min = 1, .max = 1};
+  command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
+  bind_options<InspectOptions>(command, [](const InspectOptions& options, const Invocation& invocation) {
+    const std::string& path = invocation.inputs.front();
+    switch (options.kind == InspectKind::kAuto ? kind_of(path) : options.kind) {
+      case InspectKind::kMap:
+        return inspect_map_file(path);
+      case InspectKind::kRoute:
+        return inspect_route_file(path, options.route);
+      default:
+        return inspect_imagery_dataset(path);
+    }
+  });
+  return command;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,47 @@
+#include "commands.h"
+#include "version.h"
+
+#include "pilotage/base/text.h"
+#include "pilotage/prepare/prepare.h"
+
+namespace pilotage {
+
+Command make_prepare_command() {
+  Command command;
+  command.word = "prepare";
+  command.group = CommandGroup::kPrepare;
+  command.summary = "Imagery and a route in, map database and report out";
+  command.examples = {{"The sample mission.", "pilotage prepare maps/sample/mission.json -o out/"},
+                      {"Everything on the command line.",
+                       "pilotage prepare --imagery ortho.tif --route route.plan --agl-m 120 --camera-hfov-deg 73.7 "
+                       "--camera-width-px 4000 --camera-height-px 2250 --ins-grade tactical --speed-mps 18 -o out/"}};
+  command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
+  command.output = {.kind = OutputKind::kFolder,
+                    .help = "Folder for map.gpkg, scores.tif, tiles.csv, report.html, report.json."};
+  bind_options<PrepareOptions>(command, [](const PrepareOptions& options, const Invocation& invocation) {
+    const PrepareRun run{invocation.output, invocation.overwrite, invocation.seed, invocation.threads, version_line()};
+    const PrepareResult done = prepare(options, run, invocation.progress);
+    CommandResult result;
+    const std::string folder = invocation.output;
+    result.text = done.verdict + "\n" + std::to_string(done.planned_tiles) + " tiles, " +
+                  std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
+                  " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
+                  "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
+    result.json = {{"verdict", done.verdict},
+                   {"output", folder},
+                   {"files", done.files},
+                   {"tiles", done.planned_tiles},
+                   {"selected_tiles", done.selected_tiles},
+                   {"descriptors", done.map.descriptors},
+                   {"map_bytes", done.map.bytes},
+                   {"map_digest", done.map.content_digest},
+                   {"matchable_fraction", done.matchable_fraction},
+                   {"within_limit", done.within_limit}};
+    result.warnings = done.warnings;
+    if (options.select.require && !done.within_limit) result.exit_code = kExitGateNotMet;
+    return result;
+  });
+  return command;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "commands.h"
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/mission/plan_file.h"
+#include "pilotage/mission/score_raster.h"
+#include "pilotage/raster/gdal_io.h"
+#include "pilotage/score/score_imagery.h"
+#include "pilotage/score/score_plan.h"
+
+namespace pilotage {
+namespace {
+
+struct ScoreCommandOptions {
+  ScoreImageryOptions imagery;
+  std::string table;
+  int level = 0;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    ScoreImageryOptions::describe(self.imagery, fields);
+    fields.path("table", self.table, "Also write the scores as a table (CSV), one line per tile.");
+    fields.field("level", self.level, "Level of a plan that the raster shows; the table has all.", Range{0, 30});
+  }
+};
+
+struct Scored {
+  Crs crs;
+  TileMatrix matrix;
+  std::vector<TileRow> rows;
+  std::vector<std::string> warnings;
+};
+
+bool is_plan(const std::vector<std::string>& inputs) {
+  return inputs.size() == 1 && inputs.front().ends_with(".json");
+}
+
+Scored score_plan_file(const ScoreCommandOptions& options, const Invocation& invocation) {
+  const TilePlan plan = read_plan(invocation.inputs.front());
+  if (options.level >= static_cast<int>(plan.levels.size())) {
+    throw UsageError("level = " + std::to_string(options.level) + ": the plan has " +
+                     std::to_string(plan.levels.size()) + " level(s)");
+  }
+  const auto scores = score_plan(plan, options.imagery.score, invocation.seed, invocation.threads, invocation.progress);
+  return {Crs::from_user_input(plan.crs_wkt),
+          plan.levels[static_cast<std::size_t>(options.level)].matrix,
+          tile_rows(plan, scores),
+          {}};
+}
+
+Scored score_rasters(const ScoreCommandOptions& options, const Invocation& invocation) {
+  ScoredImagery scored =
+      score_imagery(invocation.inputs, options.imagery, invocation.seed, invocation.threads, invocation.progress);
+  return {std::move(scored.crs), scored.matrix, std::move(scored.rows), std::move(scored.warnings)};
+}
+
+// One line per measure: how far it ranges.
+void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
+  for (const ScoreColumn& column : score_columns()) {
+    std::vector<double> values;
+    for (const TileRow& row : rows) {
+      if (const double value = column.get(row.score); !std::isnan(value)) values.push_back(value);
+    }
+    if (values.empty()) continue;
+    std::sort(values.begin(), values.end());
+    const double median = values[values.size() / 2];
+    result.text += column.name + ": " + format_number(values.front()) + " … " + format_number(median) + " … " +
+                   format_number(values.back()) + (column.unit.empty() ? "" : " " + column.unit) + "\n";
+    result.json["measures"][column.name] = {
+        {"minimum", values.front()}, {"median", median}, {"maximum", values.back()}, {"tiles", values.size()}};
+  }
+}
+
+}  // namespace
+
+Command make_score_command() {
+  Command command;
+  command.word = "score";
+  command.group = CommandGroup::kStages;
+  command.summary = "Score tiles: variance, entropy, uniqueness";
+  command.examples = {
+      {"A raster on its own pixel grid.",
+       "pilotage score ortho.tif --tile-size-px 256 --stride-px 64 --search-radius-px 128 -o scores.tif "
+       "--table tiles.csv"},
+      {"The tiles of a plan.", "pilotage score plan.json -o scores.tif --table tiles.csv"}};
+  command.inputs = {
+      .name = "RASTER", .help = "GDAL datasets, or one tile plan (plan.json).", .min = 1, .max = InputSpec::kMany};
+  command.output = {.kind = OutputKind::kFile, .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure."};
+  bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
+    std::optional<OutputFile> table;
+    if (!options.table.empty()) table.emplace(options.table, invocation.overwrite);  // refuse before the work is done
+    const Scored scored =
+        is_plan(invocation.inputs) ? score_plan_file(options, invocation) : score_rasters(options, invocation);
+    const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
+    write_score_raster(invocation.output, raster.bands, scored.crs, raster.map_from_pixel, invocation.overwrite);
+    if (table) write_file(options.table, tile_table_to_csv(scored.rows), invocation.overwrite);
+
+    const auto of_status = [&](TileStatus status) {
+      return std::count_if(scored.rows.begin(), scored.rows.end(),
+                           [&](const TileRow& row) { return row.score.status == status; });
+    };
+    CommandResult result;
+    result.text = std::to_string(scored.rows.size()) + " tiles, " + std::to_string(of_status(TileStatus::kScored)) +
+                  " scored, " + std::to_string(of_status(TileStatus::kFlat)) + " flat, " +
+                  std::to_string(of_status(TileStatus::kTooLittleGround)) + " with too little ground\n";
+    result.json = {{"output", invocation.output},
+                   {"tiles", scored.rows.size()},
+                   {"scored", of_status(TileStatus::kScored)},
+                   {"flat", of_status(TileStatus::kFlat)},
+                   {"too_little_ground", of_status(TileStatus::kTooLittleGround)}};
+    summarise(scored.rows, result);
+    result.warnings = scored.warnings;
+    return result;
+  });
+  return command;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,67 @@
+#include "commands.h"
+#include "stage_files.h"
+
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/build/build_map.h"
+#include "pilotage/mission/plan_file.h"
+#include "pilotage/mission/selection_file.h"
+#include "pilotage/select/select_tiles.h"
+
+namespace pilotage {
+namespace {
+
+struct SelectCommandOptions {
+  std::string table;
+  SelectOptions select;
+  BuildOptions build;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.path("table", self.table, "The scores: tiles.csv of the plan.");
+    SelectOptions::describe(self.select, fields);
+    fields.group("build", self.build, "What build will store, for the budget.", FlagPrefix::kNone);
+  }
+};
+
+std::string describe_gap(const RouteGap& gap) {
+  return "gap from " + format_fixed(gap.from_distance_m / 1000, 2) + " km to " +
+         format_fixed(gap.to_distance_m / 1000, 2) + " km (leg " + std::to_string(gap.leg) +
+         "): " + format_fixed(gap.to_distance_m - gap.from_distance_m, 0) + " m, " + format_fixed(gap.duration_s, 0) +
+         " s, error " + format_fixed(gap.error_m, 1) + " m" + (gap.within_limit ? "" : ", over the limit") + "\n";
+}
+
+}  // namespace
+
+Command make_select_command() {
+  Command command;
+  command.word = "select";
+  command.group = CommandGroup::kStages;
+  command.summary = "Choose the matching areas so that no gap is too long";
+  command.examples = {{"All that can be matched.", "pilotage select plan.json --table tiles.csv -o selection.json"},
+                      {"The fewest areas, or fail.",
+                       "pilotage select plan.json --table tiles.csv --sparse --require -o selection.json"}};
+  command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
+  command.output = {.kind = OutputKind::kFile, .help = "The selection (JSON)."};
+  bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
+    const TilePlan plan = read_plan(invocation.inputs.front());
+    const Selection selection =
+        select_tiles(plan, read_scores(options.table), stored_size(options.build), options.select);
+    write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);
+
+    CommandResult result;
+    result.text = std::to_string(selection.tile_ids.size()) + " of " + std::to_string(plan.tiles.size()) +
+                  " tiles, at most " + format_fixed(static_cast<double>(selection.estimated_bytes) / 1e6, 2) +
+                  " MB; matchable on " + format_fixed(100 * selection.matchable_fraction, 1) + " % of the route\n";
+    for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);
+    result.json = selection_to_json(selection);
+    result.json.erase("tile_ids");
+    result.json.erase("error_profile");
+    result.json["selected_tiles"] = selection.tile_ids.size();
+    if (options.select.require && !selection.within_limit) result.exit_code = kExitGateNotMet;
+    return result;
+  });
+  return command;
+}
+
+}  // namespace pilotage

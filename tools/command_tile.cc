@@ -1,0 +1,45 @@
+#include "commands.h"
+
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/mission/plan_file.h"
+#include "pilotage/tile/plan_tiles.h"
+
+namespace pilotage {
+
+Command make_tile_command() {
+  Command command;
+  command.word = "tile";
+  command.group = CommandGroup::kStages;
+  command.summary = "Cut the corridor into tiles the size of the footprint";
+  command.examples = {{"The sample mission.", "pilotage tile maps/sample/mission.json -o plan.json"}};
+  command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
+  command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON)."};
+  bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
+    const TilePlan plan = plan_tiles(options, invocation.progress);
+    write_file(invocation.output, plan_to_json(plan).dump(1) + "\n", invocation.overwrite);
+    CommandResult result;
+    result.text = std::to_string(plan.tiles.size()) + " tiles in " + std::to_string(plan.levels.size()) +
+                  " level(s), " + plan.crs_name + "\n";
+    result.json = {{"output", invocation.output}, {"crs", plan.crs_name}, {"tiles", plan.tiles.size()}};
+    for (const PlanLevel& level : plan.levels) {
+      result.text += "level " + std::to_string(level.matrix.level) + ": " + format_fixed(level.gsd_m, 3) +
+                     " m/px, tiles of " + std::to_string(level.matrix.tile_size_px) + " px every " +
+                     std::to_string(level.matrix.stride_px) + " px, search " + std::to_string(level.search_radius_px) +
+                     " px, " + format_fixed(level.min_agl_m, 0) + " to " + format_fixed(level.max_agl_m, 0) +
+                     " m above ground\n";
+      result.json["levels"].push_back({{"level", level.matrix.level},
+                                       {"gsd_m", level.gsd_m},
+                                       {"tile_size_px", level.matrix.tile_size_px},
+                                       {"stride_px", level.matrix.stride_px},
+                                       {"search_radius_px", level.search_radius_px}});
+    }
+    for (const auto& note : plan.notes) result.text += note + "\n";
+    result.json["notes"] = plan.notes;
+    result.warnings = plan.warnings;
+    return result;
+  });
+  return command;
+}
+
+}  // namespace pilotage

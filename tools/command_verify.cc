@@ -1,0 +1,74 @@
+#include "commands.h"
+
+#include "pilotage/base/text.h"
+#include "pilotage/mapdb/map_signature.h"
+#include "pilotage/mapdb/map_verify.h"
+
+namespace pilotage {
+namespace {
+
+struct VerifyOptions {
+  std::string public_key;
+  std::string signature;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.path("public_key", self.public_key, "Also check the signature: a minisign public key, or its file.");
+    fields.path("signature", self.signature, "Signature file; the map's name with .minisig appended if not given.");
+  }
+};
+
+bool any_wrong_digest(const VerifyReport& report) {
+  for (const MapProblem& problem : report.problems) {
+    if (problem.kind == MapProblem::Kind::kDigest) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Command make_verify_command() {
+  Command command;
+  command.word = "verify";
+  command.group = CommandGroup::kInspect;
+  command.summary = "Check every byte of a map database, and its signature";
+  command.examples = {{"Everything but the signature.", "pilotage verify map.gpkg"},
+                      {"With the signature.", "pilotage verify map.gpkg --public-key key.pub"}};
+  command.inputs = {.name = "MAP", .help = "The map database.", .min = 1, .max = 1};
+  command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
+  bind_options<VerifyOptions>(command, [](const VerifyOptions& options, const Invocation& invocation) {
+    const std::string& path = invocation.inputs.front();
+    const VerifyReport report = verify_map(path);
+    CommandResult result;
+    result.json = {{"map", path},
+                   {"intact", report.ok()},
+                   {"tiles", report.tiles},
+                   {"descriptor_rows", report.descriptor_rows},
+                   {"descriptors", report.descriptors},
+                   {"bytes", report.bytes},
+                   {"digest", report.content_digest},
+                   {"problems", nlohmann::ordered_json::array()}};
+    for (const MapProblem& problem : report.problems) {
+      result.text += problem.message + "\n";
+      result.json["problems"].push_back({{"table", problem.table}, {"message", problem.message}});
+      if (problem.tile_id) result.json["problems"].back()["tile_id"] = *problem.tile_id;
+    }
+    if (!report.ok()) {
+      result.exit_code = any_wrong_digest(report) ? kExitIntegrity : kExitFailed;
+      return result;
+    }
+    result.text = path + ": intact; " + std::to_string(report.tiles) + " tiles, " + std::to_string(report.descriptors) +
+                  " descriptors, digest " + report.content_digest + "\n";
+    if (!options.public_key.empty()) {
+      const SignatureInfo signature = verify_signature(
+          path, options.public_key,
+          options.signature.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.signature));
+      result.text += "signed by key " + signature.key_id + ", " + signature.trusted_comment + "\n";
+      result.json["signature"] = {{"key_id", signature.key_id}, {"trusted_comment", signature.trusted_comment}};
+    }
+    return result;
+  });
+  return command;
+}
+
+}  // namespace pilotage

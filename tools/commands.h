@@ -1,0 +1,17 @@
+#pragma once
+
+#include "command.h"
+
+namespace pilotage {
+
+// Each in its own command_<word>.cc; main.cc lists them by the way of the data.
+Command make_prepare_command();
+Command make_tile_command();
+Command make_score_command();
+Command make_select_command();
+Command make_build_command();
+Command make_report_command();
+Command make_inspect_command();
+Command make_verify_command();
+
+}  // namespace pilotage

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command.h"
+
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/tile_scores.h"
+
+namespace pilotage {
+
+/// The files that earlier stages wrote beside the plan.
+struct StageFileOptions {
+  std::string table;
+  std::string selection;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.path("table", self.table, "The scores: tiles.csv of the plan.");
+    fields.path("selection", self.selection, "The selection: selection.json of the plan.");
+  }
+};
+
+struct StageFiles {
+  TilePlan plan;
+  std::vector<TileScore> scores;
+  Selection selection;
+};
+
+/// The scores of a table. Throws UsageError when `table` is empty, DataError when it cannot be read.
+std::vector<TileScore> read_scores(const std::string& table);
+
+/// The plan that is the command's input, its scores and its selection. Throws as read_scores, likewise for the others.
+StageFiles read_stage_files(const StageFileOptions& options, const Invocation& invocation);
+
+}  // namespace pilotage
