@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/parallel.h"
+#include "pilotage/vision/correlation_kernels.h"
 
 namespace pilotage {
 namespace {
@@ -35,27 +36,13 @@ cv::Mat make_surface(int radius_px) {
 }
 
 /// out = terms[0] + … , in this order.
-void add_rows(std::span<const float* const> terms, int count, float* out) {
+void add_rows(std::span<const float* const> terms, std::size_t count, float* out) {
   if (terms.size() == 4) {  // the usual number, worth one pass
-    const float* a = terms[0];
-    const float* b = terms[1];
-    const float* c = terms[2];
-    const float* d = terms[3];
-    for (int i = 0; i < count; ++i) out[i] = ((a[i] + b[i]) + c[i]) + d[i];
+    add_four(terms[0], terms[1], terms[2], terms[3], count, out);
     return;
   }
   std::copy(terms[0], terms[0] + count, out);
-  for (const float* term : terms.subspan(1)) {
-    for (int i = 0; i < count; ++i) out[i] += term[i];
-  }
-}
-
-/// out = (out − mean·window_sum)·scale·inverse_norm, kept within ±1.
-void normalise_row(const float* window_sum, const float* inverse_norm, float mean, float scale, int count, float* out) {
-  for (int i = 0; i < count; ++i) {
-    const float value = (out[i] - mean * window_sum[i]) * (scale * inverse_norm[i]);
-    out[i] = std::min(1.0F, std::max(-1.0F, value));
-  }
+  for (const float* term : terms.subspan(1)) add_to(term, count, out);
 }
 
 }  // namespace
@@ -150,7 +137,7 @@ void CleanSurfaces::add_up(const MapStrip& strip, std::int64_t block_row, std::s
     for (int row = 0; row < sum.surface.rows; ++row) {
       std::transform(terms.begin(), terms.end(), rows.begin(),
                      [row](const cv::Mat* term) { return term->ptr<float>(row); });
-      add_rows(rows, sum.surface.cols, sum.surface.ptr<float>(row));
+      add_rows(rows, static_cast<std::size_t>(sum.surface.cols), sum.surface.ptr<float>(row));
     }
     sum.row = block_row;
   }
@@ -166,15 +153,16 @@ cv::Mat CleanSurfaces::surface(const MapStrip& strip, const SearchArea& area, st
   const int first_col = static_cast<int>(area.window.col - strip.window.col);
   const int first_row = static_cast<int>(area.window.row - strip.window.row);
   std::vector<const float*> terms(static_cast<std::size_t>(blocks_));
+  const auto width = static_cast<std::size_t>(scratch.cols);
   for (int row = 0; row < scratch.rows; ++row) {
     for (int block = 0; block < blocks_; ++block) {
       terms[static_cast<std::size_t>(block)] =
           row_sum(tile_column, tile_row + block).surface.ptr<float>(area.lags.y + row) + area.lags.x;
     }
     float* out = scratch.ptr<float>(row);
-    add_rows(terms, scratch.cols, out);
-    normalise_row(strip.window_sum.ptr<float>(first_row + row) + first_col,
-                  strip.inverse_norm.ptr<float>(first_row + row) + first_col, mean, scale, scratch.cols, out);
+    add_rows(terms, width, out);
+    normalise(strip.window_sum.ptr<float>(first_row + row) + first_col,
+              strip.inverse_norm.ptr<float>(first_row + row) + first_col, mean, scale, width, out);
   }
   return scratch;
 }
@@ -217,9 +205,9 @@ cv::Mat DegradedSurfaces::surface(const MapStrip& strip, const SearchArea& area,
   const int first_col = static_cast<int>(area.window.col - strip.window.col);
   const int first_row = static_cast<int>(area.window.row - strip.window.row);
   for (int row = 0; row < surface.rows; ++row) {
-    normalise_row(strip.window_sum.ptr<float>(first_row + row) + first_col,
-                  strip.inverse_norm.ptr<float>(first_row + row) + first_col, 0, scale, surface.cols,
-                  surface.ptr<float>(row));
+    normalise(strip.window_sum.ptr<float>(first_row + row) + first_col,
+              strip.inverse_norm.ptr<float>(first_row + row) + first_col, 0, scale,
+              static_cast<std::size_t>(surface.cols), surface.ptr<float>(row));
   }
   return surface;
 }

@@ -1,7 +1,6 @@
 #include "pilotage/vision/correlation_peaks.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "pilotage/base/error.h"
+#include "pilotage/vision/correlation_kernels.h"
 
 namespace pilotage {
 namespace {
@@ -71,42 +71,14 @@ bool is_local_maximum(const cv::Mat& surface, int col, int row) {
   return true;
 }
 
-/// Columns [from, to) of one row. The sums run in 16 lanes of fixed assignment, so that they vectorise and still add up
-/// in one order; a row of 16-lane float sums stays below 1e-6 relative error and rows are added in double.
+/// Columns [from, to) of one row.
 void add_span(const cv::Mat& surface, int row, int from, int to, float threshold, Outside& outside) {
-  constexpr int kLanes = 16;
   const float* values = surface.ptr<float>(row);
-  std::array<float, kLanes> sum{};
-  std::array<float, kLanes> squares{};
-  std::array<float, kLanes> count{};
-  std::array<float, kLanes> high;
-  high.fill(-std::numeric_limits<float>::infinity());
-  const auto add = [&](std::size_t lane, float value) {
-    const bool there = value == value;  // not NaN
-    const float known = there ? value : 0.0F;
-    count[lane] += there ? 1.0F : 0.0F;
-    sum[lane] += known;
-    squares[lane] += known * known;
-    high[lane] = value > high[lane] ? value : high[lane];
-  };
-  int col = from;
-  for (; col + kLanes <= to; col += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) add(lane, values[col + static_cast<int>(lane)]);
-  }
-  for (std::size_t lane = 0; col < to; ++col, ++lane) add(lane, values[col]);
-
-  double line = 0;
-  double line_squares = 0;
-  float line_count = 0;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    line += static_cast<double>(sum[lane]);
-    line_squares += static_cast<double>(squares[lane]);
-    line_count += count[lane];
-  }
-  outside.sum += line;
-  outside.squares += line_squares;
-  outside.count += static_cast<std::int64_t>(line_count);
-  const float highest = *std::max_element(high.begin(), high.end());
+  const SpanSums sums = sum_span(values + from, static_cast<std::size_t>(to - from));
+  outside.count += static_cast<std::int64_t>(sums.count);
+  outside.sum += sums.sum;
+  outside.squares += sums.squares;
+  const float highest = sums.highest;
   if (highest > outside.highest) {
     outside.highest = highest;
     outside.where = {static_cast<int>(std::find(values + from, values + to, highest) - values), row};

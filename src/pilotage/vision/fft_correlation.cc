@@ -14,6 +14,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/vision/correlation_kernels.h"
 
 namespace pilotage {
 namespace {
@@ -28,14 +29,6 @@ std::mutex& planner_mutex() {
 
 fftwf_complex* as_complex(float* pointer) {
   return reinterpret_cast<fftwf_complex*>(pointer);
-}
-
-/// out = conj(a)·b for `count` interleaved complex numbers.
-void multiply_conjugate(const float* a, const float* b, std::size_t count, float* out) {
-  for (std::size_t i = 0; i < 2 * count; i += 2) {
-    out[i] = a[i] * b[i] + a[i + 1] * b[i + 1];
-    out[i + 1] = a[i] * b[i + 1] - a[i + 1] * b[i];
-  }
 }
 
 /// Work of one block, in transforms of one frame: its own, its share of the map's windows, and the inverses.
