@@ -189,10 +189,9 @@ TEST(Features, UprightBriefComparesTheDrawnPairs) {
   cv::Mat smooth;
   cv::GaussianBlur(gray, smooth, {7, 7}, 2);
   for (const int bits : {128, 512}) {
-    FeatureOptions options = with_bits(bits);
-    options.seed = 7;
+    const FeatureOptions options = with_bits(bits);
     const FeatureSet set = extract_features(gray, {}, options);
-    const auto pattern = make_brief_pattern(bits, 7);
+    const auto pattern = make_brief_pattern(bits, kBriefPatternSeed);
     ASSERT_GT(set.size(), 20U);
     EXPECT_EQ(set.descriptor_bytes * 8, bits);
     for (std::size_t i = 0; i < set.size(); ++i) {
