@@ -1,16 +1,20 @@
 // Scores one image file and says how long it took, to be set beside another program's time on the same file:
 //   bench_score_image IMAGE TILE STRIDE RADIUS THREADS MEASURE...
-// The first positional numbers are in pixels; measures are those of ScoreOptions. Reading and decoding are in the total.
+// The first positional numbers are in pixels; measures are those of ScoreOptions. Reading and decoding are in the
+// total.
 #include <chrono>
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
+
+#include <opencv2/imgcodecs.hpp>
 
 #include "pilotage/score/score_tiles.h"
 
 int main(int argc, char** argv) {
   using Clock = std::chrono::steady_clock;
-  const auto seconds = [](Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); };
+  const auto seconds = [](Clock::time_point from) {
+    return std::chrono::duration<double>(Clock::now() - from).count();
+  };
   if (argc < 7) {
     std::fprintf(stderr, "usage: %s IMAGE TILE STRIDE RADIUS THREADS MEASURE...\n", argv[0]);
     return 2;
@@ -37,7 +41,8 @@ int main(int argc, char** argv) {
     }
   }
   const auto source = gray_source_from(raster);
-  const auto scores = score_tiles(source, score_matrix(source, grid), grid.search_radius_px, {}, options, 1, std::stoi(argv[5]));
+  const auto scores =
+      score_tiles(source, score_matrix(source, grid), grid.search_radius_px, {}, options, 1, std::stoi(argv[5]));
   double checksum = 0;
   for (const auto& score : scores) {
     for (const double value : {score.frieden_entropy, score.clean.margin, score.degraded.margin}) {

@@ -5,9 +5,10 @@
 #include <future>
 #include <map>
 #include <numeric>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
+
+#include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
@@ -23,7 +24,8 @@ namespace {
 /// Memory for spectra and surfaces of the tile columns that are worked on together, and how many these are at most.
 constexpr std::size_t kColumnMemory = std::size_t{400} << 20;
 constexpr std::int64_t kMostColumns = 64;
-/// Pixels of a strip: the map is held in memory in pieces of about this size (twice: one is read while one is worked on).
+/// Pixels of a strip: the map is held in memory in pieces of about this size (twice: one is read while one is worked
+/// on).
 constexpr std::int64_t kStripPixels = 8 << 20;
 /// Integral images of power sums serve square groups of tiles of at most this side.
 constexpr int kGroupSide = 1024;
@@ -80,8 +82,8 @@ void check_request(const GraySource& source, const TileMatrix& matrix, int searc
   }
   for (const std::int64_t index : tile_indices) {
     if (index < 0 || index >= matrix.tile_count()) {
-      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " + std::to_string(matrix.tile_count() - 1) +
-                       "]");
+      throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
+                       std::to_string(matrix.tile_count() - 1) + "]");
     }
   }
 }
@@ -93,13 +95,15 @@ std::int64_t columns_per_piece(const Job& job) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(kColumnMemory / bytes), 1, kMostColumns);
 }
 
-/// The pieces that hold a tile that is asked for: down one group of columns, then the next. Their borders do not depend on
-/// which tiles are asked for.
+/// The pieces that hold a tile that is asked for: down one group of columns, then the next. Their borders do not depend
+/// on which tiles are asked for.
 std::vector<Piece> make_pieces(const Job& job) {
   const TileMatrix& matrix = job.matrix;
   const std::int64_t columns = columns_per_piece(job);
   const int halo = std::max(job.radius_px, job.margin_px);
-  const auto extent = [&](std::int64_t tiles) { return (tiles - 1) * matrix.stride_px + matrix.tile_size_px + 2 * halo; };
+  const auto extent = [&](std::int64_t tiles) {
+    return (tiles - 1) * matrix.stride_px + matrix.tile_size_px + 2 * halo;
+  };
   const std::int64_t rows = std::max<std::int64_t>(
       1, (kStripPixels / extent(columns) - 2 * halo - matrix.tile_size_px) / matrix.stride_px + 1);
   std::map<std::pair<std::int64_t, std::int64_t>, Piece> pieces;
@@ -179,16 +183,17 @@ void score_statistics(const Job& job, const Piece& piece, const MapStrip& strip,
 SurfaceScores surface_scores(const cv::Mat& surface, const SearchArea& area) {
   if (surface.empty()) return {};
   const CorrelationPeaks peaks = correlation_peaks(surface, area.truth, area.tile.width);
-  return {peaks.peak,          peaks.rival,  peaks.margin,        peaks.rival_ratio,       peaks.psr,
-          peaks.rivals,        peaks.half_width_px, peaks.expected_error_px, peaks.rival_dx_px, peaks.rival_dy_px};
+  return {peaks.peak,        peaks.rival,      peaks.margin,        peaks.rival_ratio,
+          peaks.psr,         peaks.rivals,     peaks.half_width_px, peaks.expected_error_px,
+          peaks.rival_dx_px, peaks.rival_dy_px};
 }
 
 /// Mean of what is defined over the copies; the rival's place is that of the copy with the smallest margin.
 SurfaceScores mean_scores(const std::vector<SurfaceScores>& copies) {
   SurfaceScores result;
-  for (double SurfaceScores::*const member :
-       {&SurfaceScores::peak, &SurfaceScores::rival, &SurfaceScores::margin, &SurfaceScores::rival_ratio,
-        &SurfaceScores::psr, &SurfaceScores::rivals, &SurfaceScores::half_width_px, &SurfaceScores::expected_error_px}) {
+  for (double SurfaceScores::*const member : {&SurfaceScores::peak, &SurfaceScores::rival, &SurfaceScores::margin,
+                                              &SurfaceScores::rival_ratio, &SurfaceScores::psr, &SurfaceScores::rivals,
+                                              &SurfaceScores::half_width_px, &SurfaceScores::expected_error_px}) {
     double sum = 0;
     int count = 0;
     for (const SurfaceScores& copy : copies) {
@@ -208,8 +213,8 @@ SurfaceScores mean_scores(const std::vector<SurfaceScores>& copies) {
   return result;
 }
 
-/// A tile whose search area is not all ground: masked correlation. The mask of a degraded copy loses a border as wide as the
-/// copy may have moved, so that what it shows is ground.
+/// A tile whose search area is not all ground: masked correlation. The mask of a degraded copy loses a border as wide
+/// as the copy may have moved, so that what it shows is ground.
 void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area, TileScore& score) {
   const cv::Mat tile = strip.view(strip.centred, area.tile);
   const cv::Mat tile_valid = strip.view(strip.valid, area.tile);
@@ -220,7 +225,7 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
     score.clean = surface_scores(masked_correlation_surface(tile, tile_valid, region, region_valid, overlap), area);
   }
   if (!job.degraded()) return;
-  cv::Mat kept = tile_valid;
+  cv::Mat kept = tile_valid.clone();
   if (cv::countNonZero(tile_valid) < tile_valid.rows * tile_valid.cols) {
     const int side = 2 * job.margin_px + 1;
     cv::erode(tile_valid, kept, cv::Mat::ones(side, side, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
@@ -270,7 +275,8 @@ void score_row(const Job& job, const MapStrip& strip, std::int64_t row, const st
 }
 
 MapStrip load(const Job& job, const Piece& piece, const MapStrip* previous) {
-  return load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.surfaces(), previous, job.threads);
+  return load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.surfaces(), previous,
+                    job.threads);
 }
 
 }  // namespace
@@ -279,11 +285,14 @@ bool ScoreOptions::measure(ScoreMeasure which) const {
   return std::find(measures.begin(), measures.end(), which) != measures.end();
 }
 
-bool ScoreOptions::measures_surface() const { return measure(ScoreMeasure::kUniqueness) || measure(ScoreMeasure::kDegraded); }
+bool ScoreOptions::measures_surface() const {
+  return measure(ScoreMeasure::kUniqueness) || measure(ScoreMeasure::kDegraded);
+}
 
 TileMatrix score_matrix(const GraySource& source, const ScoreGridOptions& grid) {
   check_options(grid);
-  const TileMatrix matrix{0, source.map_from_pixel, source.width_px, source.height_px, grid.tile_size_px, grid.stride_px};
+  const TileMatrix matrix{
+      0, source.map_from_pixel, source.width_px, source.height_px, grid.tile_size_px, grid.stride_px};
   if (matrix.tile_count() == 0) {
     throw DataError("tile_size_px = " + std::to_string(grid.tile_size_px) + ": a tile of " +
                     std::to_string(grid.tile_size_px) + " x " + std::to_string(grid.tile_size_px) +

@@ -44,8 +44,8 @@ struct ScoreGridOptions {
 };
 
 struct ScoreOptions {
-  std::vector<ScoreMeasure> measures{ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy, ScoreMeasure::kUniqueness,
-                                ScoreMeasure::kDegraded};
+  std::vector<ScoreMeasure> measures{ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy,
+                                     ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded};
   double min_valid_fraction = 0.5;
   int degraded_copies = 2;
   DegradationOptions degradation;
