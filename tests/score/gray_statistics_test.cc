@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <complex>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>

@@ -225,7 +225,7 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
     score.clean = surface_scores(masked_correlation_surface(tile, tile_valid, region, region_valid, overlap), area);
   }
   if (!job.degraded()) return;
-  cv::Mat kept = tile_valid;
+  cv::Mat kept = tile_valid.clone();
   if (cv::countNonZero(tile_valid) < tile_valid.rows * tile_valid.cols) {
     const int side = 2 * job.margin_px + 1;
     cv::erode(tile_valid, kept, cv::Mat::ones(side, side, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);

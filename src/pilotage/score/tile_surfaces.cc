@@ -148,8 +148,10 @@ cv::Mat CleanSurfaces::surface(const MapStrip& strip, const SearchArea& area, st
   scratch.create(area.lags.size(), CV_32F);
   const cv::Point tile(static_cast<int>(area.tile.col - strip.window.col),
                        static_cast<int>(area.tile.row - strip.window.row));
-  const float mean = strip.window_sum.at<float>(tile) / static_cast<float>(area.tile.width * area.tile.height);
-  const float scale = strip.inverse_norm.at<float>(tile) / static_cast<float>(correlator_.scale());
+  // The sums of products come multiplied by the correlator's scale, and so must what is taken from them.
+  const auto times = static_cast<float>(correlator_.scale());
+  const float mean = times * strip.window_sum.at<float>(tile) / static_cast<float>(area.tile.width * area.tile.height);
+  const float scale = strip.inverse_norm.at<float>(tile) / times;
   const int first_col = static_cast<int>(area.window.col - strip.window.col);
   const int first_row = static_cast<int>(area.window.row - strip.window.row);
   std::vector<const float*> terms(static_cast<std::size_t>(blocks_));
