@@ -35,8 +35,8 @@ void blur(const cv::Mat& from, cv::Mat& to, double sigma_px) {
   cv::GaussianBlur(from, to, {side, side}, sigma_px, sigma_px, cv::BORDER_REFLECT_101);
 }
 
-/// Local standard deviation of a texture of mean 0, over about four times `sigma_px`. It varies slowly and is computed on
-/// a grid four times coarser.
+/// Local standard deviation of a texture of mean 0, over about four times `sigma_px`. It varies slowly and is computed
+/// on a grid four times coarser.
 cv::Mat local_strength(const cv::Mat& fine, double sigma_px) {
   const cv::Size coarse_size(std::max(1, fine.cols / 4), std::max(1, fine.rows / 4));
   cv::Mat squares;
