@@ -134,7 +134,7 @@ TEST(BlockCorrelator, AgreesWithDirectSums) {
     }
     for (const AlignedFloats& window : windows) pointers.push_back(window.data());
     cv::Mat surface(2 * radius + 1, 2 * radius + 1, CV_32F);
-    correlator.correlate(own.data(), pointers, workspace, surface);
+    correlator.correlate(own.data(), pointers, {0, 2 * radius + 1}, workspace, surface);
     for (int row = 0; row <= 2 * radius; ++row) {
       for (int col = 0; col <= 2 * radius; ++col) {
         const double expected = map(cv::Rect(radius, radius, block, block)).dot(map(cv::Rect(col, row, block, block)));

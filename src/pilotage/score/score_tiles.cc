@@ -28,7 +28,7 @@ constexpr std::int64_t kMostColumns = 64;
 /// on).
 constexpr std::int64_t kStripPixels = 8 << 20;
 /// Integral images of power sums serve square groups of tiles of at most this side.
-constexpr int kGroupSide = 1024;
+constexpr int kGroupSide = 640;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Tiles of a few columns and a few rows: what is worked on with one strip in memory.
@@ -242,7 +242,7 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
 /// Surfaces of the tiles of one row of a piece.
 void score_row(const Job& job, const MapStrip& strip, std::int64_t row, const std::vector<std::int64_t>& asked,
                std::optional<CleanSurfaces>& clean, std::optional<DegradedSurfaces>& degraded,
-               std::vector<TileScore>& scores) {
+               std::vector<cv::Mat>& scratch, std::vector<TileScore>& scores) {
   std::vector<std::int64_t> whole;    // search area all ground
   std::vector<std::int64_t> partial;  // not all
   for (const std::int64_t column : asked) {
@@ -253,7 +253,6 @@ void score_row(const Job& job, const MapStrip& strip, std::int64_t row, const st
   }
   if (clean && !whole.empty()) clean->prepare(strip, row, whole, job.threads);
   if (degraded && !whole.empty()) degraded->prepare(strip, row, whole, job.threads);
-  std::vector<cv::Mat> scratch(static_cast<std::size_t>(thread_count(job.threads)));
   parallel_for(whole.size() + partial.size(), job.threads, [&](std::size_t index, int worker) {
     const bool all_ground = index < whole.size();
     const std::int64_t column = all_ground ? whole[index] : partial[index - whole.size()];
@@ -338,6 +337,7 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
   const std::vector<Piece> pieces = make_pieces(job);
   std::optional<CleanSurfaces> clean;
   std::optional<DegradedSurfaces> degraded;
+  std::vector<cv::Mat> scratch(static_cast<std::size_t>(job.threads));  // a surface per worker
   std::int64_t done = 0;
   report_progress(progress, "score", 0, static_cast<std::int64_t>(indices.size()));
   MapStrip strip = load(job, pieces.front(), nullptr);
@@ -355,7 +355,7 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
     }
     score_statistics(job, piece, strip, scores);
     for (const auto& [row, columns] : piece.columns_of_row) {
-      if (job.surfaces()) score_row(job, strip, row, columns, clean, degraded, scores);
+      if (job.surfaces()) score_row(job, strip, row, columns, clean, degraded, scratch, scores);
       done += static_cast<std::int64_t>(columns.size());
       report_progress(progress, "score", done, static_cast<std::int64_t>(indices.size()));
     }

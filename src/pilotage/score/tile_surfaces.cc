@@ -54,7 +54,7 @@ SearchArea::SearchArea(const TileMatrix& matrix, std::int64_t column, std::int64
       lags(radius_px - truth.x, radius_px - truth.y, window.width - tile.width + 1, window.height - tile.height + 1) {}
 
 CleanSurfaces::CleanSurfaces(const TileMatrix& matrix, int radius_px, std::int64_t first_column, std::int64_t columns)
-    : stride_px_(matrix.stride_px),
+    : matrix_(matrix),
       blocks_(blocks_per_side(matrix)),
       first_column_(first_column),
       columns_(columns),
@@ -111,9 +111,20 @@ void CleanSurfaces::prepare_block_row(const MapStrip& strip, std::int64_t block_
   });
 }
 
+/// Rows of the surfaces of a row of blocks that are positions on the map for any tile the blocks belong to.
+cv::Range CleanSurfaces::rows_on_map(std::int64_t block_row) const {
+  const std::int64_t radius = correlator_.radius_px();
+  const std::int64_t top = block_row * matrix_.stride_px;                  // of the lowest of these tiles
+  const std::int64_t upper_top = top - (blocks_ - 1) * matrix_.stride_px;  // and of the highest
+  const std::int64_t room = matrix_.grid_height_px - matrix_.tile_size_px - upper_top;
+  return {static_cast<int>(radius - std::min(radius, top)),
+          static_cast<int>(radius + std::clamp<std::int64_t>(room, 0, radius) + 1)};
+}
+
 void CleanSurfaces::add_up(const MapStrip& strip, std::int64_t block_row, std::span<const std::int64_t> tile_columns,
                            Worker& worker) {
   const int side = correlator_.block_px();
+  const cv::Range on_map = rows_on_map(block_row);
   const auto blocks = static_cast<std::size_t>(blocks_);
   if (worker.block.size() == 0) worker.block = AlignedFloats(correlator_.spectrum_size());
   worker.surfaces.resize(blocks);
@@ -126,15 +137,16 @@ void CleanSurfaces::add_up(const MapStrip& strip, std::int64_t block_row, std::s
       if (worker.columns[slot] == column) continue;
       worker.columns[slot] = column;
       if (worker.surfaces[slot].empty()) worker.surfaces[slot] = make_surface(correlator_.radius_px());
-      const cv::Mat pixels = strip.centred_window({column * stride_px_, block_row * stride_px_, side, side});
+      const cv::Mat pixels =
+          strip.centred_window({column * matrix_.stride_px, block_row * matrix_.stride_px, side, side});
       correlator_.forward(pixels, *worker.workspace, worker.block.data());
-      correlator_.correlate(worker.block.data(), spectra_.of_block(column, block_row), *worker.workspace,
+      correlator_.correlate(worker.block.data(), spectra_.of_block(column, block_row), on_map, *worker.workspace,
                             worker.surfaces[slot]);
     }
     RowSum& sum = row_sum(tile_column, block_row);
     if (sum.surface.empty()) sum.surface = make_surface(correlator_.radius_px());
     std::vector<const float*> rows(terms.size());
-    for (int row = 0; row < sum.surface.rows; ++row) {
+    for (int row = on_map.start; row < on_map.end; ++row) {
       std::transform(terms.begin(), terms.end(), rows.begin(),
                      [row](const cv::Mat* term) { return term->ptr<float>(row); });
       add_rows(rows, static_cast<std::size_t>(sum.surface.cols), sum.surface.ptr<float>(row));
@@ -200,7 +212,8 @@ cv::Mat DegradedSurfaces::surface(const MapStrip& strip, const SearchArea& area,
   RealFft2d::Workspace& workspace = workspaces_[static_cast<std::size_t>(worker)];
   correlator_.forward(tile, workspace, block.data());
   scratch.create(2 * correlator_.radius_px() + 1, 2 * correlator_.radius_px() + 1, CV_32F);
-  correlator_.correlate(block.data(), spectra_.of_block(tile_column, tile_row), workspace, scratch);
+  correlator_.correlate(block.data(), spectra_.of_block(tile_column, tile_row),
+                        {area.lags.y, area.lags.y + area.lags.height}, workspace, scratch);
 
   cv::Mat surface = scratch(area.lags);
   const auto scale = static_cast<float>(1 / (norm * correlator_.scale()));

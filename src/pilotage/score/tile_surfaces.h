@@ -59,10 +59,11 @@ class CleanSurfaces {
   const RowSum& row_sum(std::int64_t column, std::int64_t block_row) const;
   void prepare_block_row(const MapStrip& strip, std::int64_t block_row, const std::vector<std::int64_t>& tile_columns,
                          int threads);
+  cv::Range rows_on_map(std::int64_t block_row) const;
   void add_up(const MapStrip& strip, std::int64_t block_row, std::span<const std::int64_t> tile_columns,
               Worker& worker);
 
-  int stride_px_;
+  TileMatrix matrix_;
   int blocks_;  // n
   std::int64_t first_column_;
   std::int64_t columns_;

@@ -35,6 +35,19 @@ void blur(const cv::Mat& from, cv::Mat& to, double sigma_px) {
   cv::GaussianBlur(from, to, {side, side}, sigma_px, sigma_px, cv::BORDER_REFLECT_101);
 }
 
+/// Local standard deviation of a texture of mean 0, over about four times `sigma_px`. It varies slowly and is computed
+/// on a grid four times coarser.
+cv::Mat local_strength(const cv::Mat& fine, double sigma_px) {
+  const cv::Size coarse_size(std::max(1, fine.cols / 4), std::max(1, fine.rows / 4));
+  cv::Mat squares;
+  cv::resize(fine.mul(fine), squares, coarse_size, 0, 0, cv::INTER_AREA);
+  blur(squares, squares, std::max(0.5, sigma_px / 2));
+  cv::sqrt(squares, squares);
+  cv::Mat strength;
+  cv::resize(squares, strength, fine.size(), 0, 0, cv::INTER_LINEAR);
+  return strength;
+}
+
 /// What is finer than `sigma_px` in white noise, unit variance.
 cv::Mat texture_field(int size_px, double sigma_px, const Random& random) {
   const cv::Mat white = white_field(size_px, random);
@@ -132,14 +145,10 @@ cv::Mat Degrader::apply(const cv::Mat& tile) const {
     cv::Mat coarse;
     blur(copy, coarse, options_.texture_scale_px);
     cv::Mat fine = copy - coarse;
-    cv::Mat strength;  // local standard deviation of the texture
-    const int window = 2 * static_cast<int>(std::ceil(2 * options_.texture_scale_px)) + 1;
-    cv::sqrBoxFilter(fine, strength, CV_32F, {window, window}, {-1, -1}, true, cv::BORDER_REFLECT_101);
-    cv::sqrt(cv::max(strength, 0), strength);
+    const cv::Mat strength = local_strength(fine, options_.texture_scale_px);
     const double redrawn = options_.texture_redrawn;
     cv::scaleAdd(fine, std::sqrt(1 - redrawn * redrawn), coarse, copy);
-    cv::multiply(strength, texture_, strength);
-    cv::scaleAdd(strength, redrawn, copy, copy);
+    cv::scaleAdd(strength.mul(texture_), redrawn, copy, copy);
   }
 
   // Brightness effects act on gray values between 0 (darkest pixel) and 1 (brightest); correlation does not see the

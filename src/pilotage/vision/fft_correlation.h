@@ -56,9 +56,9 @@ class RealFft2d {
   /// spectrum_size() floats on a 64-byte boundary.
   void forward(const cv::Mat& pixels, Workspace& workspace, float* spectrum) const;
 
-  /// Rows 0 … rows − 1 of the circular cross-correlation Σ_u a(u)·b(u + lag), times height · width, given to
+  /// Rows `rows` of the circular cross-correlation Σ_u a(u)·b(u + lag), times height · width, given to
   /// `sink(lag_row, values)` with `width` values each, in order.
-  void correlate(const float* spectrum_a, const float* spectrum_b, int rows, Workspace& workspace,
+  void correlate(const float* spectrum_a, const float* spectrum_b, const cv::Range& rows, Workspace& workspace,
                  const std::function<void(int, const float*)>& sink) const;
 
  private:
@@ -95,9 +95,10 @@ class BlockCorrelator {
   }
 
   /// `surface` (CV_32F, (2·radius + 1)², allocated by the caller) becomes Σ_u block(u)·map(u + lag) · scale(), where
-  /// element (radius, radius) is lag 0. `windows` are the spectra of parts (0,0), (0,1) … row by row.
-  void correlate(const float* block, std::span<const float* const> windows, RealFft2d::Workspace& workspace,
-                 cv::Mat& surface) const;
+  /// element (radius, radius) is lag 0; only its rows `rows` are computed. `windows` are the spectra of parts (0,0),
+  /// (0,1) …, row by row; those of parts without such rows are not looked at.
+  void correlate(const float* block, std::span<const float* const> windows, const cv::Range& rows,
+                 RealFft2d::Workspace& workspace, cv::Mat& surface) const;
   /// Multiply surfaces by 1/scale() to get sums of products.
   double scale() const { return static_cast<double>(fft_.height()) * fft_.width(); }
 
