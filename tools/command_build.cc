@@ -4,6 +4,7 @@
 #include "stage_files.h"
 #include "version.h"
 
+#include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/build/build_map.h"
 #include "pilotage/mapdb/map_signature.h"
@@ -41,9 +42,20 @@ Command make_build_command() {
   command.output = {.kind = OutputKind::kFile, .help = "The map database (GeoPackage)."};
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
     const StageFiles files = read_stage_files(options.files, invocation);
+    OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
     const BuildStats stats =
-        build_map(invocation.output, files.plan, files.scores, files.selection, {{"tool_version", version_line()}},
-                  options.build, invocation.overwrite, invocation.threads, invocation.progress);
+        build_map(map.temporary_path(), files.plan, files.scores, files.selection, {{"tool_version", version_line()}},
+                  options.build, true, invocation.threads, invocation.progress);
+    std::string signature;
+    if (!options.sign_key.empty()) {
+      SignOptions sign;
+      sign.overwrite = invocation.overwrite;
+      sign.signature_path = invocation.output + ".minisig";
+      sign.trusted_comment = "file:" + map.destination().filename().string() + "\thashed";
+      if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
+      signature = sign_file(map.temporary_path(), options.sign_key, sign).string();
+    }
+    map.commit();
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
                   format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\ndigest " + stats.content_digest +
@@ -53,11 +65,7 @@ Command make_build_command() {
                    {"descriptors", stats.descriptors},
                    {"bytes", stats.bytes},
                    {"digest", stats.content_digest}};
-    if (!options.sign_key.empty()) {
-      SignOptions sign;
-      sign.overwrite = invocation.overwrite;
-      if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
-      const std::string signature = sign_file(invocation.output, options.sign_key, sign).string();
+    if (!signature.empty()) {
       result.text += "signed: " + signature + "\n";
       result.json["signature"] = signature;
     }

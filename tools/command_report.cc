@@ -1,3 +1,5 @@
+#include <optional>
+
 #include "commands.h"
 #include "stage_files.h"
 #include "version.h"
@@ -38,10 +40,13 @@ Command make_report_command() {
     ReportInput input = make_report_input(files.plan, files.scores, files.selection, version_line());
     input.title = options.title;
     const Report report = make_report(input);
+    std::optional<OutputFile> numbers;
     if (!options.report_json.empty()) {
-      write_file(options.report_json, report_json(report).dump(1) + "\n", invocation.overwrite);
+      numbers.emplace(options.report_json, invocation.overwrite);
+      numbers->write(report_json(report).dump(1) + "\n");
     }
     write_file(invocation.output, report_html(report), invocation.overwrite);
+    if (numbers) numbers->commit();  // both appear, or neither
     CommandResult result;
     result.text = report.verdict_text + "\n";
     result.json = {{"output", invocation.output}, {"verdict", report.verdict_text}};

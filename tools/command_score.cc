@@ -97,8 +97,9 @@ Command make_score_command() {
     const Scored scored =
         is_plan(invocation.inputs) ? score_plan_file(options, invocation) : score_rasters(options, invocation);
     const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
+    if (table) table->write(tile_table_to_csv(scored.rows));
     write_score_raster(invocation.output, raster.bands, scored.crs, raster.map_from_pixel, invocation.overwrite);
-    if (table) write_file(options.table, tile_table_to_csv(scored.rows), invocation.overwrite);
+    if (table) table->commit();  // both appear, or neither
 
     const auto of_status = [&](TileStatus status) {
       return std::count_if(scored.rows.begin(), scored.rows.end(),

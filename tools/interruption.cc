@@ -22,6 +22,7 @@ void watch_for_interruption() {
   ::sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  ::signal(SIGXFSZ, SIG_IGN);  // a file size limit fails the write, which is told like a full disk
 }
 
 bool interruption_requested() {

@@ -1,5 +1,9 @@
 #include "stage_files.h"
 
+#include <cstdint>
+#include <set>
+#include <string>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/mission/plan_file.h"
@@ -7,6 +11,16 @@
 #include "pilotage/mission/tile_table.h"
 
 namespace pilotage {
+namespace {
+
+template <class Item>
+std::set<std::int64_t> ids_of(const std::vector<Item>& items) {
+  std::set<std::int64_t> ids;
+  for (const Item& item : items) ids.insert(item.tile_id);
+  return ids;
+}
+
+}  // namespace
 
 std::vector<TileScore> read_scores(const std::string& table) {
   if (table.empty()) throw UsageError("table is missing; give --table tiles.csv");
@@ -17,7 +31,22 @@ std::vector<TileScore> read_scores(const std::string& table) {
 
 StageFiles read_stage_files(const StageFileOptions& options, const Invocation& invocation) {
   if (options.selection.empty()) throw UsageError("selection is missing; give --selection selection.json");
-  return {read_plan(invocation.inputs.front()), read_scores(options.table), read_selection(options.selection)};
+  StageFiles files{read_plan(invocation.inputs.front()), read_scores(options.table), read_selection(options.selection)};
+  const std::set<std::int64_t> planned = ids_of(files.plan.tiles);
+  if (ids_of(files.scores) != planned) {
+    throw DataError(options.table + ": is of other tiles than " + invocation.inputs.front() + " (" +
+                    std::to_string(files.scores.size()) + " scores, " + std::to_string(planned.size()) + " tiles)");
+  }
+  for (const std::int64_t id : files.selection.tile_ids) {
+    if (!planned.contains(id)) {
+      throw DataError(options.selection + ": tile " + std::to_string(id) + " is not in " + invocation.inputs.front());
+    }
+  }
+  if (files.selection.legs.size() != files.plan.route.legs.size()) {
+    throw DataError(options.selection + ": has " + std::to_string(files.selection.legs.size()) + " legs, " +
+                    invocation.inputs.front() + " has " + std::to_string(files.plan.route.legs.size()));
+  }
+  return files;
 }
 
 }  // namespace pilotage

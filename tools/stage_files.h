@@ -32,7 +32,8 @@ struct StageFiles {
 /// The scores of a table. Throws UsageError when `table` is empty, DataError when it cannot be read.
 std::vector<TileScore> read_scores(const std::string& table);
 
-/// The plan that is the command's input, its scores and its selection. Throws as read_scores, likewise for the others.
+/// The plan that is the command's input, its scores and its selection. Throws as read_scores, likewise for the others;
+/// DataError when the scores or the selection are of another plan.
 StageFiles read_stage_files(const StageFileOptions& options, const Invocation& invocation);
 
 }  // namespace pilotage

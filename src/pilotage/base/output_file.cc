@@ -57,14 +57,16 @@ void OutputFile::commit() {
   committed_ = true;
 }
 
+void OutputFile::write(std::string_view content) {
+  std::ofstream stream(temporary_, std::ios::binary);
+  stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+  stream.flush();
+  if (!stream) throw DataError(destination_.string() + ": cannot be written: " + std::strerror(errno));
+}
+
 void write_file(const fs::path& destination, std::string_view content, bool overwrite) {
   OutputFile output(destination, overwrite);
-  {
-    std::ofstream stream(output.temporary_path(), std::ios::binary);
-    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
-    stream.flush();
-    if (!stream) throw DataError(destination.string() + ": cannot be written: " + std::strerror(errno));
-  }
+  output.write(content);
   output.commit();
 }
 

@@ -19,6 +19,9 @@ class OutputFile {
   const std::filesystem::path& temporary_path() const { return temporary_; }
   const std::filesystem::path& destination() const { return destination_; }
 
+  /// Writes the whole content to temporary_path(). Throws DataError.
+  void write(std::string_view content);
+
   /// Syncs the file to disk and renames it to the destination. Throws DataError.
   void commit();
 

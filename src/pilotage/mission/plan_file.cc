@@ -8,6 +8,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/camera/camera_json.h"
 #include "pilotage/mission/tile_lookup.h"
+#include "pilotage/raster/gdal_crs.h"
 #include "pilotage/route/route_json.h"
 
 namespace pilotage {
@@ -16,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPlanVersion = 1;
+constexpr std::size_t kMaxLevels = 64;
 
 Json matrix_to_json(const PlanLevel& level) {
   const TileMatrix& matrix = level.matrix;
@@ -35,7 +37,7 @@ Json matrix_to_json(const PlanLevel& level) {
 }
 
 PlanLevel level_from_json(JsonObject json, int expected_level) {
-  constexpr std::int64_t kMaxGrid_px = std::int64_t{1} << 31;
+  constexpr std::int64_t kMaxGrid_px = std::int64_t{1} << 28;  // tile numbers over kMaxLevels levels fit in 62 bits
   PlanLevel level;
   TileMatrix& matrix = level.matrix;
   matrix.level = json.small_integer("level", expected_level, expected_level);
@@ -121,6 +123,15 @@ PlanSample sample_from_json(JsonObject json, const TilePlan& plan) {
   return sample;
 }
 
+// The name of a CRS that PROJ does not know is no mistake of the caller here: the file is wrong.
+void check_crs(const std::string& wkt, const std::string& path) {
+  try {
+    Crs::from_user_input(wkt);
+  } catch (const UsageError& error) {
+    throw DataError(path + ": " + error.what());
+  }
+}
+
 template <class Options>
 Options options_of(JsonObject& json, const std::string& key) {
   Options options;
@@ -185,6 +196,7 @@ TilePlan plan_from_json(const Json& json, const std::string& name) {
   }
   plan.crs_name = object.text("crs_name");
   plan.crs_wkt = object.text("crs_wkt");
+  check_crs(plan.crs_wkt, object.path("crs_wkt"));
   plan.max_scale_distortion = object.number("max_scale_distortion");
   plan.elevation = object.text("elevation");
   plan.route_file = object.text("route_file");
@@ -208,6 +220,10 @@ TilePlan plan_from_json(const Json& json, const std::string& name) {
     plan.levels.push_back(level_from_json(level, static_cast<int>(plan.levels.size())));
   }
   if (plan.levels.empty()) throw DataError(object.path("levels") + " is empty");
+  if (plan.levels.size() > kMaxLevels) {
+    throw DataError(object.path("levels") + " has " + std::to_string(plan.levels.size()) + " levels; at most " +
+                    std::to_string(kMaxLevels) + " are allowed");
+  }
   plan.route = route_from_json(object.value("route"), object.path("route"));
   for (JsonObject& sample : object.objects("route_samples"))
     plan.route_samples.push_back(sample_from_json(sample, plan));

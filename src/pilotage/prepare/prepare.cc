@@ -64,13 +64,36 @@ std::string score_raster_name(int level) {
   return level == 0 ? "scores.tif" : "scores_level" + std::to_string(level) + ".tif";
 }
 
+// Names of outputs of an earlier run, sorted.
+std::vector<std::string> existing_outputs(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" ||
+                             name == "map.gpkg" || name == "report.html" || name == "report.json" ||
+                             name == score_raster_name(0);
+    const bool further_level = name.starts_with("scores_level") && name.ends_with(".tif");
+    if (one_of_ours || further_level) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 void refuse_existing(const fs::path& folder, bool overwrite) {
   if (overwrite) return;
-  for (const char* name :
-       {"plan.json", "tiles.csv", "scores.tif", "selection.json", "map.gpkg", "report.html", "report.json"}) {
-    if (fs::exists(folder / name)) {
-      throw DataError((folder / name).string() + ": exists already; give --overwrite to replace it");
-    }
+  for (const std::string& name : existing_outputs(folder)) {
+    throw DataError((folder / name).string() + ": exists already; give --overwrite to replace it");
+  }
+}
+
+// An earlier run with more levels leaves rasters that do not belong to this run's map.
+void remove_stale(const fs::path& folder, const std::vector<std::string>& written) {
+  for (const std::string& name : existing_outputs(folder)) {
+    if (std::find(written.begin(), written.end(), name) != written.end()) continue;
+    std::error_code error;
+    fs::remove(folder / name, error);
+    if (error) throw DataError((folder / name).string() + ": cannot be removed: " + error.message());
   }
 }
 
@@ -126,6 +149,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   write_file(publish_later("report.json"), report_json(report).dump(1) + "\n", true);
   write_file(publish_later("report.html"), report_html(report), true);
   staging.publish(result.files);
+  remove_stale(run.output_folder, result.files);
 
   result.verdict = report.verdict_text;
   result.planned_tiles = static_cast<std::int64_t>(plan.tiles.size());

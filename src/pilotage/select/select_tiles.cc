@@ -94,8 +94,9 @@ std::vector<bool> sparse_areas(const TilePlan& plan, const std::vector<bool>& ma
   for (const std::size_t fix : fewest_fix_samples(plan, can_fix, max_error_m)) {
     const PlanSample& sample = plan.route_samples[fix];
     const TileMatrix& matrix = plan.levels[static_cast<std::size_t>(sample.level)].matrix;
-    const double half_stride_m = matrix.stride_px * matrix.map_from_pixel.x_per_col / 2;
-    const double reach_m = plan.corridor_half_width_m + half_stride_m;
+    // Half the diagonal of a stride more, so that the tile of the fix is among them however narrow the corridor.
+    const double half_diagonal_m = std::sqrt(0.5) * matrix.stride_px * matrix.map_from_pixel.x_per_col;
+    const double reach_m = plan.corridor_half_width_m + half_diagonal_m;
     for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
       const PlanTile& tile = plan.tiles[i];
       if (tile.level != sample.level || !matchable[i]) continue;

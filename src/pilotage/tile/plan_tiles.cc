@@ -132,6 +132,12 @@ PlanLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size
   return level;
 }
 
+// How far from the route the centres of a level's tiles may lie: at least half the diagonal of a stride, so that the
+// tile nearest to a point of the route (TileLookup) is always there, however narrow the corridor.
+double reach_of_tiles_m(const PlanLevel& level, double corridor_half_width_m) {
+  return std::max(corridor_half_width_m, std::sqrt(0.5) * level.matrix.stride_px * level.gsd_m);
+}
+
 // Gives every sample its level; returns the bands of heights.
 std::vector<AglBand> serve_heights(TilePlan& plan) {
   std::vector<double> heights_m;
@@ -218,11 +224,12 @@ void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatr
 }
 
 std::vector<PlanTile> cut_tiles(const TilePlan& plan, int level) {
-  const TileMatrix& matrix = plan.levels[static_cast<std::size_t>(level)].matrix;
+  const PlanLevel& plan_level = plan.levels[static_cast<std::size_t>(level)];
+  const TileMatrix& matrix = plan_level.matrix;
   const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
   std::vector<PlanTile> tiles;
-  for (const CorridorTile& cell :
-       corridor_tiles(runs_of_level(plan.route_samples, level), plan.corridor_half_width_m, matrix)) {
+  for (const CorridorTile& cell : corridor_tiles(runs_of_level(plan.route_samples, level),
+                                                 reach_of_tiles_m(plan_level, plan.corridor_half_width_m), matrix)) {
     PlanTile tile;
     tile.tile_id = tile_id_of(plan.levels, level, cell.column, cell.row);
     tile.level = level;
@@ -271,6 +278,27 @@ std::string uncovered_route(const std::vector<PlanSample>& samples, const std::v
   return join(parts, "; ");
 }
 
+// Names the first level whose tiles are wider or higher than all imagery together; "" when there is none.
+std::string tile_larger_than_imagery(const TilePlan& plan, const std::vector<ImageryInfo>& infos, const Crs& crs) {
+  Bounds extent;
+  for (const auto& info : infos) {
+    const Bounds part = imagery_bounds(info, crs);
+    if (part.empty()) continue;
+    extent.extend({part.min_x_m, part.min_y_m});
+    extent.extend({part.max_x_m, part.max_y_m});
+  }
+  for (const PlanLevel& level : plan.levels) {
+    const double side_m = level.matrix.tile_size_px * level.gsd_m;
+    const double width_m = extent.max_x_m - extent.min_x_m;
+    const double height_m = extent.max_y_m - extent.min_y_m;
+    if (side_m <= width_m && side_m <= height_m) continue;
+    return "level " + std::to_string(level.matrix.level) + ": a tile of " + std::to_string(level.matrix.tile_size_px) +
+           " px is " + format_fixed(side_m, 0) + " m wide, larger than the imagery of " + format_fixed(width_m, 0) +
+           " m x " + format_fixed(height_m, 0) + " m";
+  }
+  return "";
+}
+
 void add_imagery(TilePlan& plan, const std::vector<ImageryInfo>& infos) {
   for (const auto& info : infos) {
     plan.imagery.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), info.acquired,
@@ -316,6 +344,11 @@ TilePlan plan_tiles(const TileOptions& options, const Progress& progress) {
 
   const std::vector<AglBand> bands = serve_heights(plan);
   cut_levels(options, infos, bands, plan);
+  const std::string too_large = tile_larger_than_imagery(plan, infos, grid.crs);
+  if (!too_large.empty()) {
+    if (!options.allow_uncovered) throw DataError(too_large + "; add imagery, or give a smaller --tile-size-px");
+    plan.warnings.push_back(too_large);
+  }
   for (std::size_t level = 0; level < plan.levels.size(); ++level) {
     std::vector<PlanTile> tiles = cut_tiles(plan, static_cast<int>(level));
     measure_coverage(options, grid.crs, plan.levels[level].matrix, tiles, progress);

@@ -13,10 +13,12 @@ namespace pilotage {
 /// the footprint at the height of its level, whatever the heading. Heights of the route that differ by more than a
 /// factor of 2 are served by several levels, each for one band of heights. The corridor is corridor_half_width_m wide
 /// on each side: by default max_error_m, since the aircraft may be off the route by its position error and must then
-/// find its frame in the map.
+/// find its frame in the map. The tile nearest to a point of the route is always cut, even when its centre lies outside
+/// a corridor narrower than the tiles' stride.
 ///
 /// Throws UsageError for options that are missing or outside their range, DataError when a file cannot be used, or when
-/// a part of the route lies outside the imagery (naming which part and how far).
+/// a part of the route lies outside the imagery (naming which part and how far) or a tile is larger than all of it,
+/// unless options.allow_uncovered.
 TilePlan plan_tiles(const TileOptions& options, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -1,0 +1,97 @@
+"""The sample mission end to end, looked at with other people's programs.
+
+sample_mission.py PILOTAGE SOURCE_FOLDER"""
+
+import pathlib
+import shutil
+import sys
+
+from acceptance import check, main, need_gdal, run
+
+gdal = need_gdal()
+
+FILES = ["map.gpkg", "plan.json", "report.html", "report.json", "scores.tif", "selection.json", "tiles.csv"]
+BANDS = ["valid_fraction", "gray_variance", "frieden_entropy", "frieden_deficit", "clean_peak_margin",
+         "degraded_peak_margin"]
+
+
+def map_is_a_geopackage(path):
+    listing = run("ogrinfo", "-ro", path)
+    layers = [line.split(": ")[1].split(" (")[0] for line in listing.splitlines() if line[:1].isdigit()]
+    check(layers == ["tiles", "route", "legs", "map_info"], listing)
+    for text in (listing, run("ogrinfo", "-ro", "-al", path)):
+        check("warning" not in text.lower() and "error 1" not in text.lower(), text[:2000])
+    told = run(sys.executable, "-m", "osgeo_utils.samples.validate_gpkg", "--extra", "--warning-as-error", path)
+    check(told == "", told)
+
+
+def scores_are_cloud_optimised(path):
+    run(sys.executable, "-m", "osgeo_utils.samples.validate_cloud_optimized_geotiff", path)
+    dataset = gdal.Open(str(path))
+    check(dataset.GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE") == "COG", "scores.tif does not say that it is a COG")
+    described = [dataset.GetRasterBand(i + 1).GetDescription() for i in range(dataset.RasterCount)]
+    check(all(name in described for name in BANDS), f"bands: {described}")
+    for i, name in enumerate(described):
+        band = dataset.GetRasterBand(i + 1)
+        values = band.ReadAsArray()
+        values = values[values == values]
+        check(band.GetNoDataValue() != band.GetNoDataValue(), f"{name}: no data is not NaN")
+        minimum, maximum = float(band.GetMetadataItem("STATISTICS_MINIMUM")), float(
+            band.GetMetadataItem("STATISTICS_MAXIMUM"))
+        check(abs(minimum - values.min()) <= 1e-9 * abs(minimum) + 1e-12, f"{name}: minimum {minimum}, {values.min()}")
+        check(abs(maximum - values.max()) <= 1e-9 * abs(maximum) + 1e-12, f"{name}: maximum {maximum}, {values.max()}")
+    check(not pathlib.Path(str(path) + ".aux.xml").exists(), "scores.tif.aux.xml")
+
+
+def flipped_byte_is_seen(pilotage, source, work):
+    flipped = work / "flipped.gpkg"
+    run(sys.executable, source / "tests/data/small_mission/flip_descriptor_byte.py", work / "out/map.gpkg", flipped)
+    run(pilotage, "verify", flipped, expect=4)
+
+
+def stages_alone_agree(pilotage, mission, work):
+    stages = work / "stages"
+    stages.mkdir()
+    run(pilotage, "tile", mission, "-o", "plan.json", cwd=stages)
+    run(pilotage, "score", "plan.json", "-o", "scores.tif", "--table", "tiles.csv", cwd=stages)
+    run(pilotage, "select", "plan.json", "--table", "tiles.csv", "-o", "selection.json", cwd=stages)
+    files = ["--table", "tiles.csv", "--selection", "selection.json"]
+    run(pilotage, "build", "plan.json", *files, "-o", "map.gpkg", cwd=stages)
+    run(pilotage, "report", "plan.json", *files, "-o", "report.html", "--report-json", "report.json", cwd=stages)
+    for name in ("plan.json", "tiles.csv", "selection.json", "scores.tif"):
+        check((stages / name).read_bytes() == (work / "out" / name).read_bytes(), f"{name} of the stages is another")
+    digests = [run(pilotage, "verify", folder / "map.gpkg").split("digest ")[1].strip()
+               for folder in (stages, work / "out")]
+    # The stage alone does not know the mission file, so map_info, which the digest covers, has fewer lines.
+    tables = [run("sqlite3", f"file:{folder / 'map.gpkg'}?mode=ro",
+                  "SELECT tile_id, level, count, hex(keypoints), hex(descriptors), hex(digest) "
+                  "FROM pilotage_descriptors ORDER BY 1, 2; SELECT * FROM tiles ORDER BY 1")
+              for folder in (stages, work / "out")]
+    check(tables[0] == tables[1], "descriptors or tiles of the stages are others")
+    check(all(len(digest) == 64 for digest in digests), f"digests: {digests}")
+
+
+def threads_do_not_matter(pilotage, mission, work):
+    for threads in (1, 4):
+        run(pilotage, "prepare", mission, "--threads", threads, "-o", work / f"threads{threads}")
+    for name in FILES:
+        first, second = ((work / f"threads{threads}" / name).read_bytes() for threads in (1, 4))
+        check(first == second, f"{name} differs between 1 and 4 threads")
+        check(first == (work / "out" / name).read_bytes(), f"{name} differs between two runs")
+
+
+def test(pilotage, source, work, _):
+    mission = source / "maps/sample/mission.json"
+    run(pilotage, "prepare", mission, "-o", work / "out")
+    check(sorted(path.name for path in (work / "out").iterdir()) == FILES, "the files are not those that are promised")
+    # Others' programs get copies: opening a GeoPackage for validation must not be able to change what is compared.
+    shutil.copy(work / "out/map.gpkg", work / "map.gpkg")
+    map_is_a_geopackage(work / "map.gpkg")
+    check("intact" in run(pilotage, "verify", work / "out/map.gpkg"), "verify does not say intact")
+    scores_are_cloud_optimised(work / "out/scores.tif")
+    flipped_byte_is_seen(pilotage, source, work)
+    stages_alone_agree(pilotage, mission, work)
+    threads_do_not_matter(pilotage, mission, work)
+
+
+main(test)
