@@ -1,3 +1,5 @@
+#include <optional>
+
 #include "commands.h"
 #include "stage_files.h"
 
@@ -13,12 +15,15 @@ namespace {
 
 struct SelectCommandOptions {
   std::string table;
+  std::optional<double> max_error_m;
   SelectOptions select;
   BuildOptions build;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("table", self.table, "The scores: tiles.csv of the plan.");
+    fields.field("max_error_m", self.max_error_m, "Limit of the position error (k sigma), instead of the plan's.",
+                 Range{1, 10000});
     SelectOptions::describe(self.select, fields);
     fields.group("build", self.build, "What build will store, for the budget.", FlagPrefix::kNone);
   }
@@ -44,7 +49,8 @@ Command make_select_command() {
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile, .help = "The selection (JSON)."};
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
-    const TilePlan plan = read_plan(invocation.inputs.front());
+    TilePlan plan = read_plan(invocation.inputs.front());
+    plan.max_error_m = options.max_error_m.value_or(plan.max_error_m);
     const Selection selection =
         select_tiles(plan, read_scores(options.table), stored_size(options.build), options.select);
     write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);

@@ -51,7 +51,7 @@ void check_inputs(const Command& command, const std::vector<std::string>& inputs
                                       " are needed, " + std::to_string(count) + " given");
   }
   if (count > command.inputs.max) {
-    const auto first_extra = inputs[static_cast<std::size_t>(command.inputs.max)];
+    const std::string& first_extra = inputs[static_cast<std::size_t>(command.inputs.max)];
     throw UsageError("unexpected argument \"" + first_extra + "\"");
   }
 }
@@ -140,9 +140,7 @@ int run_command(const Command& command, const std::vector<std::string>& argument
   if (common.print_schema) {
     return print(out, dump(options_schema(command.options, "pilotage " + command.word)));
   }
-  check_inputs(command, line.inputs.empty() && common.print_config
-                            ? std::vector<std::string>(static_cast<std::size_t>(command.inputs.min))
-                            : line.inputs);
+  if (!common.print_config || !line.inputs.empty()) check_inputs(command, line.inputs);
   fill_options(command, common, line);
   if (common.print_config) return print(out, dump(options_to_json(command.options)));
 
@@ -191,7 +189,7 @@ Failure describe_current_exception() {
   try {
     throw;
   } catch (const Interrupted&) {
-    return {kExitInterrupted, "interrupted", "interrupted; nothing was written"};
+    return {kExitInterrupted, "interrupted", "interrupted"};
   } catch (const UsageError& error) {
     return {kExitUsage, "usage", error.what()};
   } catch (const IntegrityError& error) {

@@ -102,6 +102,7 @@ TEST(Options, JsonIsStrict) {
   EXPECT_THAT(error_of(R"({"count": 1, "count": 2})"), ::testing::HasSubstr("\"count\" stands twice"));
   EXPECT_THAT(error_of(R"({"count": 1e999})"), ::testing::HasSubstr("m.json: not valid JSON"));  // found by fuzzing
   EXPECT_THAT(error_of("{"), ::testing::HasSubstr("m.json: not valid JSON"));
+  EXPECT_THAT(error_of(R"({"count": 9e999})"), ::testing::HasSubstr("m.json: not valid JSON")) << "not a parse_error";
 }
 
 TEST(Options, DeepNestingIsAnErrorNotACrash) {

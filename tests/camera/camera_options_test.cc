@@ -52,7 +52,7 @@ TEST(CameraOptions, FlagsAreThoseOfTheCommandLine) {
   const OptionList list = list_options(outer);
   EXPECT_EQ(list.find("camera.hfov_deg")->flag, "camera-hfov-deg");
   EXPECT_EQ(list.find("camera.mount_pitch_deg")->flag, "camera-mount-pitch-deg");
-  EXPECT_EQ(list.find("camera.file")->flag, "camera-file");
+  EXPECT_EQ(list.find("camera.file")->flag, "camera");
 }
 
 TEST(CameraOptions, FieldOfView) {
@@ -97,7 +97,7 @@ TEST(CameraOptions, File) {
   options.file = folder / "camera.yaml";
   EXPECT_EQ(make_camera(options), (Camera{640, 480, 500, 501, 320, 240}));
   options.width_px = 640;
-  EXPECT_THAT(usage_error_of(options), HasSubstr("--camera-file and --camera-width-px exclude each other"));
+  EXPECT_THAT(usage_error_of(options), HasSubstr("--camera and --camera-width-px exclude each other"));
   options.file = folder / "none.yaml";
   options.width_px.reset();
   EXPECT_THROW(make_camera(options), DataError);

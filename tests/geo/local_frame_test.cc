@@ -1,8 +1,7 @@
 #include "pilotage/geo/local_frame.h"
 
-#include <gtest/gtest.h>
-
 #include <GeographicLib/LocalCartesian.hpp>
+#include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"

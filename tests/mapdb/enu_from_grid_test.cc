@@ -58,9 +58,9 @@ TEST(EnuFromGrid, ErrorStaysBelowItsBoundOverAllOfUtmAndUps) {
   RecordProperty("utm_1km_mm", std::to_string(utm_1km * 1000));
   RecordProperty("utm_2km_mm", std::to_string(utm_2km * 1000));
   RecordProperty("ups_1km_mm", std::to_string(ups_1km * 1000));
-  EXPECT_LT(utm_1km, 0.007);
-  EXPECT_LT(utm_2km, 4 * 0.007);
-  EXPECT_LT(ups_1km, 0.013);
+  EXPECT_LT(utm_1km, 0.005);
+  EXPECT_LT(utm_2km, 4 * 0.005);
+  EXPECT_LT(ups_1km, 0.007);
   EXPECT_GT(utm_1km, 0.001);  // a bound that is never approached would be wrong in the documents
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "mapdb/run_command.h"
 #include "mapdb/small_map.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
@@ -12,21 +13,10 @@
 namespace pilotage {
 namespace {
 
-struct Outcome {
-  int status = -1;
-  std::string output;  ///< Of both streams.
-};
+using testing::CommandOutcome;
 
-Outcome run(const std::string& command) {
-  Outcome outcome;
-  std::FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    outcome.output.append(buffer.data(), got);
-  const int status = ::pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
+CommandOutcome run(const std::string& command) {
+  return testing::run_command(command);
 }
 
 testing::SmallMap variant(int index) {
@@ -62,7 +52,7 @@ TEST(MapForGdal, ValidatorAcceptsIt) {
   for (int index = 0; index < 3; ++index) {
     const auto path = folder / ("map" + std::to_string(index) + ".gpkg");
     testing::write_map(path, variant(index));
-    const Outcome outcome =
+    const CommandOutcome outcome =
         run("/usr/bin/python3 -m osgeo_utils.samples.validate_gpkg --extra --warning-as-error " + path.string());
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     EXPECT_EQ(outcome.output, "");
@@ -75,14 +65,14 @@ TEST(MapForGdal, OgrinfoListsTheLayersWithoutAWarning) {
   for (int index = 0; index < 3; ++index) {
     const auto path = folder / ("map" + std::to_string(index) + ".gpkg");
     testing::write_map(path, variant(index));
-    const Outcome list = run("ogrinfo -ro " + path.string());
+    const CommandOutcome list = run("ogrinfo -ro " + path.string());
     EXPECT_EQ(list.status, 0);
     const std::string line_type = "(Line String)\n";
     const std::string route_type = index == 1 ? "(Multi Line String)\n" : line_type;
     EXPECT_EQ(list.output, "INFO: Open of `" + path.string() +
                                "'\n      using driver `GPKG' successful.\n1: tiles (Polygon)\n2: route " + route_type +
                                "3: legs " + line_type + "4: map_info (None)\n");
-    const Outcome all = run("ogrinfo -ro -al " + path.string());
+    const CommandOutcome all = run("ogrinfo -ro -al " + path.string());
     EXPECT_EQ(all.status, 0);
     EXPECT_THAT(all.output, ::testing::Not(::testing::ContainsRegex("Warning|ERROR|WARNING")));
     if (index == 0) {
@@ -95,7 +85,7 @@ TEST(MapForGdal, SpatialFilterFindsTilesThroughTheIndex) {
   if (run("ogrinfo --version").status != 0) GTEST_SKIP() << "gdal-bin is not installed";
   const testing::TemporaryFolder folder;
   testing::write_map(folder / "map.gpkg", testing::make_small_map());
-  const Outcome outcome =
+  const CommandOutcome outcome =
       run("ogrinfo -ro -q -spat 380001 6440001 380002 6440002 -geom=NO " + (folder / "map.gpkg").string() + " tiles");
   EXPECT_THAT(outcome.output, ::testing::HasSubstr("OGRFeature(tiles):3"));  // level 0, row 1, column 0
   EXPECT_THAT(outcome.output, ::testing::HasSubstr("OGRFeature(tiles):9"));  // level 1, row 1, column 0

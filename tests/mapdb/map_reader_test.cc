@@ -179,6 +179,10 @@ TEST_F(MapReaderTest, NamesFileTableAndTileOfDamage) {
   expect(
       "UPDATE tiles SET east_per_x = 0 WHERE tile_id = 2", [](MapReader& reader) { reader.tile(2); },
       "copy.gpkg: tile 2: matrix");
+  // Found by the fuzzer: the error came while a matrix was half filled and ended the program.
+  expect(
+      "UPDATE tiles SET east_per_y = 'x' WHERE tile_id = 2", [](MapReader& reader) { reader.tile(2); },
+      "tiles: column east_per_y holds text, expected a number");
   expect(
       "UPDATE pilotage_chips SET data = x'00' WHERE tile_id = 2", [](MapReader& reader) { reader.chip(2, 0); },
       "copy.gpkg: tile 2, level 0: chip blob has 1 bytes, expected 4 × 3");

@@ -148,7 +148,7 @@ void add_route(const ReportSceneOptions& options, ReportInput& input) {
   const auto steps = static_cast<int>(length_m / 10);
   int matchable = 0;
   for (int i = 0; i <= steps; ++i) {
-    RouteSample sample;
+    PlanSample sample;
     sample.distance_m = length_m * i / steps;
     sample.leg = std::min(3, static_cast<int>(sample.distance_m / (length_m / 4)));
     sample.point = input.geodetic_from_map({x_m, start_y_m - sample.distance_m});

@@ -77,6 +77,15 @@ TEST(OgrRoute, KmlHeightsFollowTheAltitudeMode) {
   EXPECT_TRUE(polygon_is_told);
 }
 
+TEST(OgrRoute, KmzIsTheKmlInIt) {
+  const Route packed = read_route(route_file("lines.kmz"), choose("absolute"));
+  const Route plain = read_route(route_file("lines.kml"), choose("absolute"));
+  EXPECT_EQ(packed.format, "KMZ");
+  ASSERT_EQ(packed.vertices.size(), plain.vertices.size());
+  EXPECT_EQ(packed.vertices[1].amsl_m, plain.vertices[1].amsl_m);
+  EXPECT_EQ(packed.vertices[1].point.lat_deg, plain.vertices[1].point.lat_deg);
+}
+
 TEST(OgrRoute, GeoJsonAcrossTheAntimeridianIsShort) {
   const Route route = read_route(route_file("antimeridian.geojson"));
   ASSERT_EQ(route.legs.size(), 2U) << "the cut at 180 degrees is no leg";

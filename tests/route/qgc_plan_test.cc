@@ -15,7 +15,6 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using testing::route_error;
 using testing::route_file;
 using testing::route_file_error;
@@ -122,7 +121,7 @@ TEST(QgcPlan, ErrorsNameTheItem) {
   EXPECT_THAT(route_error(replaced(text, "\"command\": 22", "\"command\": \"22\"")), HasSubstr("expected a number"));
   EXPECT_THAT(route_error(replaced(text, "47.01,", "97.01,")), HasSubstr("latitude 97.01 is outside [-90, 90]"));
   EXPECT_THAT(route_error(replaced(text, "\"Items\"", "\"Atoms\"")), HasSubstr("\"Items\" is missing"));
-  EXPECT_THAT(route_error(replaced(text, "47.0,", "1e999,")), Not(HasSubstr("std::")));
+  EXPECT_THAT(route_error(replaced(text, "47.0,", "1e999,")), HasSubstr("not valid JSON"));
 }
 
 TEST(QgcPlan, VersionsAreHeld) {

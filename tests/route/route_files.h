@@ -1,9 +1,9 @@
 #pragma once
 
-#include <exception>
 #include <filesystem>
 #include <string>
 
+#include "pilotage/base/error.h"
 #include "pilotage/route/read_route.h"
 
 namespace pilotage::testing {
@@ -16,7 +16,9 @@ inline std::filesystem::path route_file(const std::string& name) {
 inline std::string route_error(const std::string& text, const RouteOptions& options = {}) {
   try {
     parse_route("r", text, options);
-  } catch (const std::exception& error) {
+  } catch (const DataError& error) {
+    return error.what();
+  } catch (const UsageError& error) {
     return error.what();
   }
   return "";
@@ -25,7 +27,9 @@ inline std::string route_error(const std::string& text, const RouteOptions& opti
 inline std::string route_file_error(const std::filesystem::path& path, const RouteOptions& options = {}) {
   try {
     read_route(path, options);
-  } catch (const std::exception& error) {
+  } catch (const DataError& error) {
+    return error.what();
+  } catch (const UsageError& error) {
     return error.what();
   }
   return "";

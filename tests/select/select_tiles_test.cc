@@ -27,9 +27,8 @@ TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
   EXPECT_FALSE(is_matchable(score, options));
   score.degraded.margin = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(is_matchable(score, options));
-  score.valid_fraction = 0.5;
+  score.status = TileStatus::kTooLittleGround;
   EXPECT_FALSE(is_matchable(score, options));
-  score.valid_fraction = 1;
   score.status = TileStatus::kFlat;
   EXPECT_FALSE(is_matchable(score, options));
 }

@@ -19,8 +19,9 @@ TemporaryFolder::~TemporaryFolder() {
 
 std::filesystem::path real_data_folder() {
   const char* variable = std::getenv("PILOTAGE_DATA");
-  const std::filesystem::path folder =
-      variable != nullptr ? std::filesystem::path(variable) : std::filesystem::path(PILOTAGE_SOURCE_DIR) / "../shared/data";
+  const std::filesystem::path folder = variable != nullptr
+                                           ? std::filesystem::path(variable)
+                                           : std::filesystem::path(PILOTAGE_SOURCE_DIR) / "../shared/data";
   return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
 }
 

@@ -1,8 +1,8 @@
 #include "pilotage/tile/corridor.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "pilotage/base/random.h"
 
@@ -21,8 +21,8 @@ TileMatrix make_matrix() {
 
 Eigen::Vector2d center_of(const TileMatrix& matrix, std::int64_t column, std::int64_t row) {
   const double half = matrix.tile_size_px / 2.0;
-  return matrix.map_from_pixel.map_from_pixel({static_cast<double>(column * matrix.stride_px) + half,
-                                               static_cast<double>(row * matrix.stride_px) + half});
+  return matrix.map_from_pixel.map_from_pixel(
+      {static_cast<double>(column * matrix.stride_px) + half, static_cast<double>(row * matrix.stride_px) + half});
 }
 
 // Every tile of the matrix against every segment, without any bounding box.

@@ -9,6 +9,7 @@ namespace {
 
 TEST(WorkingGsd, MakesTheFootprint256PxWideWithinHalfToOneMetre) {
   EXPECT_DOUBLE_EQ(choose_working_gsd({}, 0.15, 0.05, 153.6).gsd_m, 0.6);
+  EXPECT_DOUBLE_EQ(choose_working_gsd({}, 0.15, 0.05, 138.9).gsd_m, 0.55);
   EXPECT_DOUBLE_EQ(choose_working_gsd({}, 0.15, 0.05, 50).gsd_m, 0.5);
   EXPECT_DOUBLE_EQ(choose_working_gsd({}, 0.15, 0.05, 2000).gsd_m, 1.0);
 }

@@ -108,9 +108,8 @@ TEST(Features, DescriptorsDependOnThePatchAlone) {
     gray(patch).copyTo(mixed(patch));
     for (const float angle_deg : {0.0F, 45.0F, 130.0F, 359.0F}) {
       if (!options.oriented && angle_deg != 0) continue;
-      const DescriptorOptions descriptor{options.descriptor_bits, 1};
-      EXPECT_EQ(describe_corners(gray, corners, {angle_deg}, descriptor),
-                describe_corners(mixed, corners, {angle_deg}, descriptor));
+      EXPECT_EQ(describe_corners(gray, corners, {angle_deg}, options.descriptor_bits),
+                describe_corners(mixed, corners, {angle_deg}, options.descriptor_bits));
     }
     EXPECT_EQ(centroid_angle_deg(gray, 60, 60), centroid_angle_deg(mixed, 60, 60));
   }
@@ -189,10 +188,9 @@ TEST(Features, UprightBriefComparesTheDrawnPairs) {
   cv::Mat smooth;
   cv::GaussianBlur(gray, smooth, {7, 7}, 2);
   for (const int bits : {128, 512}) {
-    FeatureOptions options = with_bits(bits);
-    options.seed = 7;
+    const FeatureOptions options = with_bits(bits);
     const FeatureSet set = extract_features(gray, {}, options);
-    const auto pattern = make_brief_pattern(bits, 7);
+    const auto pattern = make_brief_pattern(bits, kBriefPatternSeed);
     ASSERT_GT(set.size(), 20U);
     EXPECT_EQ(set.descriptor_bytes * 8, bits);
     for (std::size_t i = 0; i < set.size(); ++i) {
@@ -212,7 +210,6 @@ TEST(Features, OrientedDescriptorsTurnWithTheImage) {
   cv::Mat turned;
   cv::rotate(gray, turned, cv::ROTATE_90_CLOCKWISE);
   for (const int bits : {128, 256, 512}) {
-    const DescriptorOptions options{bits, 1};
     int oriented_bits = 0;
     int upright_bits = 0;
     int compared = 0;
@@ -224,8 +221,8 @@ TEST(Features, OrientedDescriptorsTurnWithTheImage) {
         const float turned_angle = centroid_angle_deg(turned, 160 - y, x);
         EXPECT_NEAR(std::remainder(turned_angle - angle - 90, 360), 0, 1e-3);
         const auto difference = [&](float first_deg, float second_deg) {
-          const auto a = describe_corners(gray, before, {first_deg}, options);
-          const auto b = describe_corners(turned, after, {second_deg}, options);
+          const auto a = describe_corners(gray, before, {first_deg}, bits);
+          const auto b = describe_corners(turned, after, {second_deg}, bits);
           int count = 0;
           for (std::size_t i = 0; i < a.size(); ++i) count += std::popcount(static_cast<unsigned>(a[i] ^ b[i]));
           return count;
@@ -382,7 +379,7 @@ TEST(MapFeatures, BlocksLeaveNoSeam) {
   EXPECT_GT(count_in(508, 516), 20);
   std::vector<Corner> corners;
   for (const Feature& f : set.features) corners.push_back({static_cast<int>(f.x_px), static_cast<int>(f.y_px), 0});
-  EXPECT_EQ(set.descriptors, describe_corners(gray, corners, std::vector<float>(corners.size(), 0.0F), {256, 1}));
+  EXPECT_EQ(set.descriptors, describe_corners(gray, corners, std::vector<float>(corners.size(), 0.0F), 256));
 }
 
 TEST(MapFeatures, OneBlockIsTheWholeImage) {

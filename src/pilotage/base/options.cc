@@ -121,6 +121,7 @@ std::vector<double> to_numbers(const std::string& path, const OptionValue& value
 }
 
 std::string flag_of(std::string_view prefix, std::string_view name) {
+  if (name == "file" && !prefix.empty()) return std::string(prefix);
   std::string flag = prefix.empty() ? std::string(name) : std::string(prefix) + "-" + std::string(name);
   std::replace(flag.begin(), flag.end(), '_', '-');
   return flag;

@@ -29,9 +29,10 @@ namespace pilotage {
 ///   };
 ///
 /// Field names are snake_case with the unit as suffix; the flag of `camera.hfov_deg` is `--camera-hfov-deg`. A group
-/// described with FlagPrefix::kNone keeps its place in JSON but lends its flags no prefix. `fields.path(…)` instead of
-/// `fields.field(…)` says that strings are files or GDAL dataset strings: in a configuration file they are looked for
-/// beside that file (base/config_file.h), and lists of them are not split at commas, which dataset strings may hold.
+/// described with FlagPrefix::kNone keeps its place in JSON but lends its flags no prefix. A field `file` of a group is
+/// the group's own flag: `camera.file` is `--camera`. `fields.path(…)` instead of `fields.field(…)` says that strings
+/// are files or GDAL dataset strings: in a configuration file they are looked for beside that file
+/// (base/config_file.h), and lists of them are not split at commas, which dataset strings may hold.
 
 /// Closed interval of allowed values; NaN is never inside.
 struct Range {

@@ -99,7 +99,7 @@ Camera camera_of_options(const CameraOptions& options, const std::optional<Route
   const Way sensor = sensor_way(options);
   const Way size = size_way(options);
   std::vector<std::string> file;
-  if (!options.file.empty()) file.emplace_back("--camera-file");
+  if (!options.file.empty()) file.emplace_back("--camera");
   std::vector<std::string> field_of_view;
   if (options.hfov_deg) field_of_view.emplace_back("--camera-hfov-deg");
   refuse_together(file, field_of_view);

@@ -28,7 +28,7 @@ struct CameraOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.field("file", self.file, "Camera calibration: ROS camera_info, OpenCV or Kalibr YAML.");
+    fields.path("file", self.file, "Camera calibration: ROS camera_info, OpenCV or Kalibr YAML.");
     fields.field("hfov_deg", self.hfov_deg, "Horizontal field of view.", Range{0.1, 179});
     fields.field("width_px", self.width_px, "Width of the image.", Range{1, 100000});
     fields.field("height_px", self.height_px, "Height of the image.", Range{1, 100000});

@@ -4,9 +4,9 @@
 
 namespace pilotage {
 
-/// The affine map from pixels to CRS coordinates, as GDAL orders it. Pixel coordinates: (0, 0) is the outer corner of the
-/// first pixel, whose centre is (0.5, 0.5); x = column to the right, y = row downwards. CRS coordinates: x = easting
-/// or longitude first, y = northing or latitude, whatever the authority's axis order.
+/// The affine map from pixels to CRS coordinates, as GDAL orders it. Pixel coordinates: (0, 0) is the outer corner of
+/// the first pixel, whose centre is (0.5, 0.5); x = column to the right, y = row downwards. CRS coordinates: x =
+/// easting or longitude first, y = northing or latitude, whatever the authority's axis order.
 ///   x_map = origin_x + col·x_per_col + row·x_per_row
 ///   y_map = origin_y + col·y_per_col + row·y_per_row
 struct GeoTransform {

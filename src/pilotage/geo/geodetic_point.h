@@ -11,8 +11,8 @@ struct GeodeticPoint {
 /// Brings a longitude into [-180, 180).
 double wrap_lon_deg(double lon_deg);
 
-/// The longitude equal to `lon_deg` modulo 360 that lies within 180 degrees of `reference_deg`, so that a line across the
-/// antimeridian has no jump.
+/// The longitude equal to `lon_deg` modulo 360 that lies within 180 degrees of `reference_deg`, so that a line across
+/// the antimeridian has no jump.
 double unwrap_lon_deg(double lon_deg, double reference_deg);
 
 }  // namespace pilotage

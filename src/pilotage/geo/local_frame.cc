@@ -9,8 +9,8 @@
 namespace pilotage {
 namespace {
 
-constexpr double kSemiMajor_m = 6378137.0;            // WGS 84
-constexpr double kFlattening = 1.0 / 298.257223563;   // WGS 84
+constexpr double kSemiMajor_m = 6378137.0;           // WGS 84
+constexpr double kFlattening = 1.0 / 298.257223563;  // WGS 84
 constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
@@ -50,8 +50,8 @@ LocalFrame::LocalFrame(GeodeticPoint origin, double height_m) : origin_(origin) 
   const double lat = origin.lat_deg * kRadPerDeg;
   const double lon = origin.lon_deg * kRadPerDeg;
   origin_ecef_m_ = ecef_from_geodetic(origin, height_m);
-  enu_from_ecef_ << -std::sin(lon), std::cos(lon), 0,                                          //
-      -std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat),           //
+  enu_from_ecef_ << -std::sin(lon), std::cos(lon), 0,                                 //
+      -std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat),  //
       std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat);
 }
 

@@ -16,9 +16,9 @@ struct PixelWindow {
   bool operator==(const PixelWindow&) const = default;
 };
 
-/// One level of tiles over a pixel grid, in the words of OGC 17-083r4 (Two Dimensional Tile Matrix Set): point of origin
-/// at the top left, columns to the right, rows downwards. Unlike a TileMatrixSet, neighbouring tiles overlap when
-/// stride_px < tile_size_px. Tiles are square; each lies wholly inside the grid.
+/// One level of tiles over a pixel grid, in the words of OGC 17-083r4 (Two Dimensional Tile Matrix Set): point of
+/// origin at the top left, columns to the right, rows downwards. Unlike a TileMatrixSet, neighbouring tiles overlap
+/// when stride_px < tile_size_px. Tiles are square; each lies wholly inside the grid.
 struct TileMatrix {
   int level = 0;  ///< tileMatrix identifier: 0 is the finest.
   GeoTransform map_from_pixel;

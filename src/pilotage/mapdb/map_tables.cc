@@ -56,7 +56,8 @@ MapTile read_tile_row(const Statement& statement, const std::string& file) {
   tile.row = statement.integer(3);
   tile.bounds = {statement.real(4), statement.real(5), statement.real(6), statement.real(7)};
   tile.center = {statement.real(8), statement.real(9)};
-  tile.enu_from_grid << statement.real(10), statement.real(11), statement.real(12), statement.real(13);
+  // Not by Eigen's comma: it asserts when an exception interrupts it.
+  for (int i = 0; i < 4; ++i) tile.enu_from_grid(i / 2, i % 2) = statement.real(10 + i);
   const std::string problem = tile_problem(tile);
   if (!problem.empty()) throw DataError(where + ": " + problem);
   return tile;

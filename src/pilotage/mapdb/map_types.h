@@ -50,9 +50,9 @@ struct MapLevel {
 ///   (east_m, north_m) = enu_from_grid · (point_grid − bounds.center_m()),
 /// east and north on the WGS 84 tangent plane at `center` (LocalFrame(center)). It is the Jacobian of the projection at
 /// the tile's centre; what is left out grows with the square of the distance d from the centre: for UTM and UPS grids
-/// at most 7 mm (UTM) or 13 mm (UPS) at d = 1 km (docs/methods/map-database.md).
+/// at most 5 mm (UTM) or 7 mm (UPS) at d = 1 km (docs/methods/map-database.md).
 struct MapTile {
-  std::int64_t tile_id = 0;  ///< Unique over all levels; > 0 or 0.
+  std::int64_t tile_id = 0;  ///< At least 0; unique over all levels.
   int level = 0;
   std::int64_t column = 0;
   std::int64_t row = 0;

@@ -1,11 +1,7 @@
 #include "pilotage/mapdb/map_writer.h"
 
 #include <algorithm>
-#include <charconv>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <string_view>
 
@@ -13,69 +9,13 @@
 #include "pilotage/base/text.h"
 #include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/geometry_blob.h"
+#include "pilotage/mapdb/geopackage_rows.h"
 #include "pilotage/mapdb/map_digest.h"
 #include "pilotage/mapdb/map_schema.h"
 #include "pilotage/mapdb/map_tables.h"
 
 namespace pilotage {
 namespace {
-
-constexpr std::int64_t kCustomSrsId = 100000;
-constexpr const char* kDefinition = "schemas/pilotage_descriptors.md";
-constexpr const char* kWgs84Wkt =
-    R"wkt(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],)wkt"
-    R"wkt(AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],)wkt"
-    R"wkt(UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],)wkt"
-    R"wkt(AXIS["Latitude",NORTH],AXIS["Longitude",EAST],AUTHORITY["EPSG","4326"]])wkt";
-constexpr const char* kWgs84Wkt2 =
-    R"wkt(GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563]],)wkt"
-    R"wkt(CS[ellipsoidal,2],AXIS["geodetic latitude (Lat)",north],AXIS["geodetic longitude (Lon)",east],)wkt"
-    R"wkt(ANGLEUNIT["degree",0.0174532925199433],ID["EPSG",4326]])wkt";
-
-/// SOURCE_DATE_EPOCH (https://reproducible-builds.org/specs/source-date-epoch) or 0, as GeoPackage writes dates.
-std::string timestamp() {
-  std::int64_t seconds = 0;
-  if (const char* variable = std::getenv("SOURCE_DATE_EPOCH")) {
-    const std::string_view text = variable;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    constexpr std::int64_t kEndOfYear9999 = 253402300799;
-    if (error != std::errc{} || end != text.data() + text.size() || seconds < 0 || seconds > kEndOfYear9999) {
-      throw UsageError("SOURCE_DATE_EPOCH = \"" + std::string(text) + "\" is not a number of seconds from 0 to " +
-                       std::to_string(kEndOfYear9999));
-    }
-  }
-  using std::chrono::days;
-  const std::chrono::sys_seconds time{std::chrono::seconds(seconds)};
-  const auto day = std::chrono::floor<days>(time);
-  const std::chrono::year_month_day date(day);
-  const std::chrono::hh_mm_ss clock(time - day);
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "%04d-%02u-%02uT%02d:%02d:%02d.000Z", static_cast<int>(date.year()),
-                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
-                static_cast<int>(clock.seconds().count()));
-  return buffer;
-}
-
-/// WKT 2 begins with another keyword than WKT 1 (OGC 18-010r11, clause 7.2.2).
-bool is_wkt2(std::string_view wkt) {
-  for (const char* keyword : {"PROJCRS", "PROJECTEDCRS", "GEOGCRS", "GEODCRS", "GEODETICCRS", "GEOGRAPHICCRS",
-                              "BOUNDCRS", "DERIVEDPROJCRS", "COMPOUNDCRS", "ENGCRS", "ENGINEERINGCRS"}) {
-    if (wkt.starts_with(keyword)) return true;
-  }
-  return false;
-}
-
-/// The code of an authority like "EPSG:32750", when it may serve as srs_id.
-std::optional<std::int64_t> authority_code(const std::string& authority) {
-  const std::size_t colon = authority.find(':');
-  if (colon == std::string::npos || colon == 0) return std::nullopt;
-  std::int64_t code = 0;
-  const char* last = authority.data() + authority.size();
-  const auto [end, error] = std::from_chars(authority.data() + colon + 1, last, code);
-  if (error != std::errc{} || end != last || code < 1 || code >= kCustomSrsId || code == 4326) return std::nullopt;
-  return code;
-}
 
 void bind_value(Statement& statement, int index, const MapValue& value, const MapColumn& column,
                 const std::string& where) {
@@ -117,13 +57,6 @@ void bind_values(Statement& statement, int first_index, const std::vector<MapVal
   }
 }
 
-std::string insert_sql(std::string_view table, int count) {
-  std::string sql = "INSERT INTO ";
-  sql.append(table).append(" VALUES (?");
-  for (int i = 1; i < count; ++i) sql += ",?";
-  return sql + ")";
-}
-
 void check_ascending(std::optional<std::pair<std::int64_t, int>>& last, std::pair<std::int64_t, int> key,
                      const std::string& where) {
   if (last && key <= *last) throw UsageError(where + ": rows must come in ascending order of tile and level");
@@ -136,7 +69,8 @@ MapWriter::MapWriter(const std::filesystem::path& path, MapHeader header, bool o
     : header_(std::move(header)),
       output_(path, overwrite),
       database_(Database::create(output_.temporary_path(), path.string())),
-      timestamp_(timestamp()) {
+      timestamp_(geopackage_timestamp()),
+      srs_id_(srs_id_of(header_.crs)) {
   if (header_.crs.wkt.empty() || header_.crs.name.empty()) throw UsageError("crs: name or wkt is empty");
   check_text("crs", header_.crs.name);
   check_text("crs", header_.crs.wkt);
@@ -158,28 +92,12 @@ MapWriter::MapWriter(const std::filesystem::path& path, MapHeader header, bool o
 }
 
 void MapWriter::create_tables() {
-  const bool wkt2 = is_wkt2(header_.crs.wkt);
-  const std::optional<std::int64_t> code = authority_code(header_.crs.authority);
-  srs_id_ = code.value_or(kCustomSrsId);
   database_.execute("PRAGMA application_id=" + std::to_string(kGeoPackageId) +
                     "; PRAGMA user_version=" + std::to_string(kGeoPackageVersion) + "; BEGIN;");
-  database_.execute(create_geopackage_tables(wkt2));
+  database_.execute(create_geopackage_tables(is_wkt2(header_.crs.wkt)));
   database_.execute(create_map_tables(header_.tile_columns, header_.chips));
 
-  Statement insert = database_.prepare(insert_sql("gpkg_spatial_ref_sys", wkt2 ? 7 : 6), "gpkg_spatial_ref_sys");
-  const auto add = [&](const std::string& name, std::int64_t id, const std::string& organization,
-                       const std::string& definition, const std::string& definition2) {
-    insert.bind(1, std::string_view(name)).bind(2, id).bind(3, std::string_view(organization)).bind(4, id);
-    insert.bind(5, std::string_view(definition)).bind_null(6);
-    if (wkt2) insert.bind(7, std::string_view(definition2));
-    insert.run();
-  };
-  add("Undefined Cartesian SRS", -1, "NONE", "undefined", "undefined");
-  add("Undefined geographic SRS", 0, "NONE", "undefined", "undefined");
-  add("WGS 84 geodetic", 4326, "EPSG", kWgs84Wkt, kWgs84Wkt2);
-  const std::string organization =
-      code ? header_.crs.authority.substr(0, header_.crs.authority.find(':')) : std::string("NONE");
-  add(header_.crs.name, srs_id_, organization, wkt2 ? "undefined" : header_.crs.wkt, header_.crs.wkt);
+  insert_spatial_reference_systems(database_, header_.crs);
 
   const int tile_values = static_cast<int>(kOwnTileColumns.size() + 1 + header_.tile_columns.size());
   insert_tile_.emplace(database_.prepare(insert_sql("tiles", tile_values), "tiles"));
@@ -402,49 +320,16 @@ void MapWriter::write_contents() {
   add_geometry("legs", legs_.geometry_type, 4326);
 }
 
-void MapWriter::write_extensions() {
-  Statement insert = database_.prepare(insert_sql("gpkg_extensions", 5), "gpkg_extensions");
-  const auto add = [&](std::string_view table, std::string_view column, std::string_view name,
-                       std::string_view definition, std::string_view scope) {
-    insert.bind(1, table).bind(3, name).bind(4, definition).bind(5, scope);
-    if (!column.empty()) insert.bind(2, column);
-    insert.run();
-  };
-  add("tiles", "geom", "gpkg_rtree_index", "http://www.geopackage.org/spec130/#extension_rtree", "write-only");
-  if (is_wkt2(header_.crs.wkt)) {
-    add("gpkg_spatial_ref_sys", "definition_12_063", "gpkg_crs_wkt",
-        "http://www.geopackage.org/spec130/#extension_crs_wkt", "read-write");
-  }
-  for (const char* table : {"gpkg_data_columns", "gpkg_data_column_constraints"}) {
-    add(table, "", "gpkg_schema", "http://www.geopackage.org/spec130/#extension_schema", "read-write");
-  }
-  for (const std::string_view table :
-       {std::string_view("pilotage_levels"), std::string_view("pilotage_descriptors"), kCenterIndex}) {
-    add(table, "", "pilotage_descriptors", kDefinition, "read-write");
-  }
-  if (header_.chips) add("pilotage_chips", "", "pilotage_chips", kDefinition, "read-write");
-
-  Statement columns = database_.prepare(
-      "INSERT INTO gpkg_data_columns (table_name, column_name, description) VALUES (?, ?, ?)", "gpkg_data_columns");
-  const auto describe = [&](std::string_view table, const std::vector<MapColumn>& list) {
-    for (const MapColumn& column : list) {
-      if (column.description.empty()) continue;
-      columns.bind(1, table).bind(2, std::string_view(column.name)).bind(3, std::string_view(column.description));
-      columns.run();
-    }
-  };
-  describe("tiles", header_.tile_columns);
-  describe("route", route_.columns);
-  describe("legs", legs_.columns);
-}
-
 std::string MapWriter::finish() {
   if (finished_) throw UsageError("the map is finished already");
   if (!route_.written) write_lines(route_, {}, {});
   if (!legs_.written) write_lines(legs_, {}, {});
   write_levels();
   write_contents();
-  write_extensions();
+  insert_extensions(database_, is_wkt2(header_.crs.wkt), header_.chips);
+  insert_column_descriptions(database_, "tiles", header_.tile_columns);
+  insert_column_descriptions(database_, "route", route_.columns);
+  insert_column_descriptions(database_, "legs", legs_.columns);
   database_.execute(create_rtree_triggers());
   const std::string digest = to_hex(content_digest(database_));
   insert_info_->bind(1, std::string_view("content_digest")).bind(2, std::string_view(digest));

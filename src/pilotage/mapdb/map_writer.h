@@ -81,13 +81,12 @@ class MapWriter {
   void write_lines(LineLayer& layer, const std::vector<MapColumn>& columns, const std::vector<MapLine>& lines);
   void write_levels();
   void write_contents();
-  void write_extensions();
 
   MapHeader header_;  // its levels gather max_tile_radius_m
   OutputFile output_;
   Database database_;
   std::string timestamp_;
-  std::int64_t srs_id_ = 0;
+  std::int64_t srs_id_;
   Bounds tile_extent_;
   std::vector<StoredTile> tiles_;  // ascending tile_id
   std::optional<std::pair<std::int64_t, int>> last_descriptors_;

@@ -24,6 +24,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kStep_m = 100;
+constexpr double kNegligible = 1e-5;  // a millimetre and a half over a footprint of 150 m
 
 std::string percent(double fraction) {
   return format_fixed(100 * fraction, fraction < 1e-3 ? 4 : 3) + " %";
@@ -221,6 +222,7 @@ std::optional<Candidate> oblique_mercator(const std::vector<GeodeticPoint>& poin
   while (azimuth <= 0) azimuth += 180;  // the axis has no direction: (0, 180]
   while (azimuth > 180) azimuth -= 180;
   if (azimuth > 90) azimuth += 180;  // (0, 90] or (270, 360]: as the projection's own quadrants
+  azimuth = rounded(azimuth);
   const std::string name = "oblique Mercator through " + format_number(middle.lon_deg) + ", " +
                            format_number(middle.lat_deg) + " along azimuth " + format_number(azimuth);
   return balanced(name, points, [&](double scale) {
@@ -279,6 +281,15 @@ double scale_distortion(const Crs& crs, const std::vector<GeodeticPoint>& points
   return points.empty() ? 0 : distortion_of(scale_range(crs, points));
 }
 
+double grid_convergence_deg(const Crs& crs, GeodeticPoint point) {
+  const CrsTransform transform(crs);
+  const auto ahead = transform.map_from_geodetic(geodesic_direct(point, 0, kStep_m / 2));
+  const auto behind = transform.map_from_geodetic(geodesic_direct(point, 180, kStep_m / 2));
+  if (!ahead || !behind) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Vector2d north = *ahead - *behind;  // true north, as the grid sees it
+  return -std::atan2(north.x(), north.y()) / kRadPerDeg;
+}
+
 MissionCrs choose_mission_crs(const std::vector<GeodeticPoint>& route, double half_width_m) {
   const std::vector<GeodeticPoint> points = corridor_points(route, half_width_m);
   const GeodeticPoint middle = middle_of(points);
@@ -288,9 +299,10 @@ MissionCrs choose_mission_crs(const std::vector<GeodeticPoint>& route, double ha
             zone.name + ": its scale is within " + percent(zone.distortion) + " of true over the corridor"};
   }
   Candidate best = zone;
+  // From the simplest to the most general: one more general must be better by more than can matter.
   for (auto& candidate :
-       {transverse_mercator(points, middle), oblique_mercator(points), conformal_conic(points, middle)}) {
-    if (candidate && candidate->distortion < best.distortion) best = *candidate;
+       {transverse_mercator(points, middle), conformal_conic(points, middle), oblique_mercator(points)}) {
+    if (candidate && candidate->distortion < best.distortion - kNegligible) best = *candidate;
   }
   if (!(best.distortion <= kMaxScaleDistortion)) {
     throw DataError("no mission CRS fits the corridor: the best, " + best.name + ", distorts scale by " +

@@ -39,9 +39,8 @@ std::vector<GeodeticPoint> route_line_between(const std::vector<PlanSample>& sam
                                               double to_distance_m, std::size_t max_points) {
   if (samples.empty()) return {};
   std::vector<GeodeticPoint> line = {route_point_at(samples, from_distance_m)};
-  const auto first =
-      std::upper_bound(samples.begin(), samples.end(), from_distance_m,
-                       [](double distance_m, const PlanSample& s) { return distance_m < s.distance_m; });
+  const auto first = std::upper_bound(samples.begin(), samples.end(), from_distance_m,
+                                      [](double distance_m, const PlanSample& s) { return distance_m < s.distance_m; });
   const auto last = std::lower_bound(samples.begin(), samples.end(), to_distance_m, before);
   if (first < last) append_thinned(first, last, std::max<std::size_t>(max_points, 4) - 2, line);
   line.push_back(route_point_at(samples, to_distance_m));

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "pilotage/geo/geodetic_point.h"
-#include "pilotage/route/route.h"
+#include "pilotage/mission/tile_plan.h"
 
 namespace pilotage {
 

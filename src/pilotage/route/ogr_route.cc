@@ -22,30 +22,10 @@
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
+#include "pilotage/route/route_line.h"
 
 namespace pilotage {
 namespace {
-
-struct LinePoint {
-  double x = 0;  ///< Easting or longitude.
-  double y = 0;
-  double z_m = std::numeric_limits<double>::quiet_NaN();
-};
-
-/// A line (or the points of a layer) that could be the route.
-struct Line {
-  std::string layer;
-  std::string name;
-  std::string what;  ///< "line", "route", "track", "points"
-  std::vector<std::vector<LinePoint>> parts;
-  HeightReference heights = HeightReference::kAuto;  ///< As the file says; kAuto when it does not.
-
-  std::size_t point_count() const {
-    std::size_t count = 0;
-    for (const auto& part : parts) count += part.size();
-    return count;
-  }
-};
 
 /// The bytes as a file of GDAL's memory file system, gone with the object.
 class MemoryFile {
@@ -106,20 +86,26 @@ void register_drivers() {
   std::call_once(once, [] { GDALAllRegister(); });
 }
 
-/// A small archive may unpack to any size; refuse before OGR does.
-void check_unpacked_size(const std::string& name, const std::string& archive) {
+/// The document of a KMZ archive (doc.kml, else its first .kml) as a path that GDAL opens. A small archive may unpack
+/// to any size, so that is checked first.
+std::string kmz_document(const std::string& name, const std::string& archive) {
   const std::string folder = "/vsizip/" + archive;
-  char** entries = VSIReadDirRecursive(folder.c_str());
+  const std::unique_ptr<char*, decltype(&CSLDestroy)> entries(VSIReadDirRecursive(folder.c_str()), CSLDestroy);
+  std::string document;
   std::uint64_t total = 0;
-  for (char** entry = entries; entry != nullptr && *entry != nullptr; ++entry) {
+  for (char** entry = entries.get(); entry != nullptr && *entry != nullptr; ++entry) {
+    const std::string path = folder + "/" + *entry;
     VSIStatBufL status{};
-    if (VSIStatL((folder + "/" + *entry).c_str(), &status) == 0) total += static_cast<std::uint64_t>(status.st_size);
+    if (VSIStatL(path.c_str(), &status) == 0) total += static_cast<std::uint64_t>(status.st_size);
+    if (!path.ends_with(".kml") && !path.ends_with(".KML")) continue;
+    if (document.empty() || std::string_view(*entry) == "doc.kml") document = path;
   }
-  CSLDestroy(entries);
+  if (document.empty()) throw DataError(name + ": cannot be read as KMZ: the archive holds no .kml file");
   if (total > kMaxRouteBytes) {
     throw DataError(name + ": unpacks to " + std::to_string(total) + " bytes, at most " +
                     std::to_string(kMaxRouteBytes) + " are allowed");
   }
+  return document;
 }
 
 std::string text_field(const OGRFeature& feature, const char* field) {
@@ -335,51 +321,9 @@ std::vector<Line> gpx_lines(Route& route, GDALDataset& dataset, const std::strin
   return chosen;
 }
 
-std::string list_lines(const std::vector<Line>& lines) {
-  std::vector<std::string> texts;
-  for (std::size_t i = 0; i < lines.size() && i < 12; ++i) {
-    texts.push_back(std::to_string(i + 1) + ": " + lines[i].what + " \"" + lines[i].name + "\" of layer \"" +
-                    lines[i].layer + "\" (" + std::to_string(lines[i].point_count()) + " points)");
-  }
-  if (lines.size() > texts.size()) texts.push_back("and " + std::to_string(lines.size() - texts.size()) + " more");
-  return join(texts, "; ");
-}
+}  // namespace
 
-/// The line that the options mean, or the only one.
-Line choose_line(Route& route, std::vector<Line> lines, const RouteOptions& options) {
-  if (!options.layer.empty()) {
-    const auto all = lines;
-    std::erase_if(lines, [&](const Line& line) { return line.layer != options.layer; });
-    if (lines.empty()) {
-      throw DataError(route.name + ": layer \"" + options.layer + "\" holds no line" +
-                      (all.empty() ? "" : "; there are " + list_lines(all)));
-    }
-  }
-  if (lines.empty()) throw DataError(route.name + ": has no position to fly to (no line and no point)");
-  std::vector<std::size_t> matches;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (options.feature.empty() || lines[i].name == options.feature) matches.push_back(i);
-  }
-  const auto number = parse_number(options.feature);
-  if (matches.empty() && number && *number >= 1 && *number <= static_cast<double>(lines.size()) &&
-      *number == std::floor(*number)) {
-    matches.push_back(static_cast<std::size_t>(*number) - 1);
-  }
-  if (matches.size() != 1) {
-    const std::string asked = options.feature.empty() ? "" : " named \"" + options.feature + "\"";
-    throw DataError(route.name + ": has " + std::to_string(matches.size()) + " lines" + asked +
-                    " to fly; choose one with --layer and --feature (name or number): " + list_lines(lines));
-  }
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (i == matches[0]) continue;
-    route.items.push_back({static_cast<int>(route.items.size()), -1, lines[i].what + " \"" + lines[i].name + "\"",
-                           "left out: another line was chosen"});
-  }
-  return lines[matches[0]];
-}
-
-/// Ellipsoidal heights to heights above the EGM96 geoid.
-void to_sea_level(const std::string& name, std::vector<RouteVertex>& vertices) {
+void bring_to_sea_level(const std::string& name, std::vector<RouteVertex>& vertices) {
   OGRSpatialReference ellipsoid;
   OGRSpatialReference geoid;
   ellipsoid.importFromProj4("+proj=longlat +datum=WGS84 +vunits=m +no_defs +type=crs +geoidgrids=@null");
@@ -404,89 +348,6 @@ void to_sea_level(const std::string& name, std::vector<RouteVertex>& vertices) {
   }
 }
 
-/// Writes the heights of `line` (now in amsl_m of the vertices) to where they belong.
-void resolve_heights(Route& route, const Line& line, const RouteOptions& options) {
-  if (options.agl_m) return;
-  const HeightReference reference =
-      options.height_reference == HeightReference::kAuto ? line.heights : options.height_reference;
-  std::size_t known = 0;
-  for (const RouteVertex& vertex : route.vertices) known += std::isnan(vertex.amsl_m) ? 0 : 1;
-  if (known == 0) {
-    add_note(route, "The file tells no heights.");
-    return;
-  }
-  if (known < route.vertices.size()) {
-    add_note(route, std::to_string(route.vertices.size() - known) + " of " + std::to_string(route.vertices.size()) +
-                        " positions have no height.");
-  }
-  const auto for_each = [&](const auto& change) {
-    for (RouteVertex& vertex : route.vertices) change(vertex);
-  };
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  switch (reference) {
-    case HeightReference::kAuto:
-      for_each([&](RouteVertex& vertex) { vertex.amsl_m = kNone; });
-      add_note(route,
-               "The heights of the file are not used, because it does not say what they are measured from; "
-               "--height-reference says it.");
-      break;
-    case HeightReference::kAmsl:
-      add_note(route, "Heights are taken as above mean sea level (EGM96).");
-      break;
-    case HeightReference::kEllipsoid:
-      to_sea_level(route.name, route.vertices);
-      add_note(route, "Heights above the WGS 84 ellipsoid were brought to sea level with the EGM96 geoid.");
-      break;
-    case HeightReference::kAgl:
-      for_each([&](RouteVertex& vertex) {
-        vertex.agl_m = vertex.amsl_m;
-        vertex.amsl_m = kNone;
-      });
-      add_note(route, "Heights are taken as above the ground.");
-      break;
-    case HeightReference::kHome:
-      if (!options.home_amsl_m) {
-        throw UsageError("height_reference = home needs home_amsl_m, the height of the launch site above sea level");
-      }
-      for_each([&](RouteVertex& vertex) { vertex.amsl_m += *options.home_amsl_m; });
-      add_note(route, "Heights are taken as above the launch site, which lies at " +
-                          format_number(*options.home_amsl_m) + " m above sea level.");
-      break;
-  }
-}
-
-void append_line(Route& route, const Line& line) {
-  const int item = static_cast<int>(route.items.size());
-  int last = -1;
-  double longest_join_m = 0;
-  for (std::size_t part = 0; part < line.parts.size(); ++part) {
-    for (std::size_t i = 0; i < line.parts[part].size(); ++i) {
-      const LinePoint& point = line.parts[part][i];
-      const std::string where =
-          route.name + ": " + line.what + " \"" + line.name + "\", point " + std::to_string(i + 1);
-      RouteVertex vertex;
-      vertex.point = checked_point(point.y, point.x, where, 360);
-      if (std::isinf(point.z_m)) throw DataError(where + ": its height is not finite");
-      vertex.amsl_m = checked_height_m(point.z_m, where);
-      vertex.source_item = item;
-      vertex.kind = line.what == "points" ? "waypoint" : line.what + " point";
-      const int index = append_vertex(route, vertex);
-      const bool flown = last >= 0 && index != last && append_leg(route, last, index);
-      if (flown && i == 0 && part > 0) longest_join_m = std::max(longest_join_m, route.legs.back().length_m);
-      last = index;
-    }
-  }
-  if (longest_join_m > 0) {
-    add_note(route, "The " + std::to_string(line.parts.size()) + " parts of the " + line.what +
-                        " are joined by straight legs in the order of the file; the longest of them has " +
-                        format_fixed(longest_join_m, 0) + " m.");
-  }
-  route.items.push_back(
-      {item, -1, line.what + " \"" + line.name + "\"", std::to_string(route.vertices.size()) + " vertices"});
-}
-
-}  // namespace
-
 Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat format, const RouteOptions& options) {
   if (options.home_amsl_m && options.height_reference != HeightReference::kHome) {
     throw UsageError("home_amsl_m is of no use for " + name + " without height_reference = home");
@@ -495,9 +356,9 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   const QuietErrors quiet;
   const FormatInfo info = format_info(format);
   const MemoryFile file(bytes, info.extension);
-  if (format == OgrFormat::kKmz) check_unpacked_size(name, file.path());
+  const std::string path = format == OgrFormat::kKmz ? kmz_document(name, file.path()) : file.path();
   const std::unique_ptr<GDALDataset> dataset(
-      GDALDataset::Open(file.path().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
+      GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
   if (!dataset) throw DataError(name + ": cannot be read as " + info.title + ": " + CPLGetLastErrorMsg());
   Route route;
   route.name = name;

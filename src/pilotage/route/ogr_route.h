@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pilotage/route/route.h"
 #include "pilotage/route/route_options.h"
@@ -25,5 +26,9 @@ enum class OgrFormat { kKml, kKmz, kGpx, kGeoJson, kGeoPackage };
 ///   - Any CRS that PROJ knows is brought to WGS 84; longitudes up to ±360 are wrapped.
 /// Throws DataError; see read_route.h.
 Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat format, const RouteOptions& options);
+
+/// Brings amsl_m of the vertices from heights above the WGS 84 ellipsoid to heights above the EGM96 geoid; NaN stays.
+/// Throws DataError when PROJ has no egm96_15.gtx (Debian package proj-data).
+void bring_to_sea_level(const std::string& name, std::vector<RouteVertex>& vertices);
 
 }  // namespace pilotage

@@ -140,7 +140,7 @@ std::size_t count_true(const std::vector<bool>& flags) {
 }  // namespace
 
 bool is_matchable(const TileScore& score, const SelectOptions& options) {
-  if (score.status != TileStatus::kScored || score.valid_fraction < options.min_valid_fraction) return false;
+  if (score.status != TileStatus::kScored) return false;
   const double margin = judged_margin(score);
   return std::isnan(margin) || margin >= options.min_peak_margin;
 }
@@ -148,7 +148,7 @@ bool is_matchable(const TileScore& score, const SelectOptions& options) {
 Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& scores, const StoredSize& size,
                        const SelectOptions& options) {
   check_options(options);
-  const double max_error_m = options.max_error_m.value_or(plan.max_error_m);
+  const double max_error_m = plan.max_error_m;
   const std::vector<TileScore> ordered = scores_of_plan(plan, scores);
   const TileLookup lookup(plan);
 

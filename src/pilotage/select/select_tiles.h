@@ -10,8 +10,8 @@
 
 namespace pilotage {
 
-/// Whether a frame can be expected to match this tile: scored, covered by imagery (min_valid_fraction), and its peak
-/// stands min_peak_margin above every rival. Judged on degraded copies; on the clean surface only where no degraded one
+/// Whether a frame can be expected to match this tile: scored, and its peak stands
+/// min_peak_margin above every rival. Judged on degraded copies; on the clean surface only where no degraded one
 /// was computed, because clean uniqueness can point the wrong way (docs/methods/uniqueness.md). A tile without either
 /// is judged by its status alone.
 bool is_matchable(const TileScore& score, const SelectOptions& options);

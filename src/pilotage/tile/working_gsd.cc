@@ -1,6 +1,7 @@
 #include "pilotage/tile/working_gsd.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
@@ -11,6 +12,7 @@ namespace {
 constexpr double kFinest_m = 0.5;
 constexpr double kCoarsest_m = 1.0;
 constexpr double kFootprint_px = 256;
+constexpr double kRounding_m = 0.01;
 constexpr double kImageryTolerance = 0.01;  // ground GSD varies over a raster by its scale distortion
 
 }  // namespace
@@ -24,7 +26,8 @@ WorkingGsd choose_working_gsd(std::optional<double> wanted_gsd_m, double imagery
     }
     return {*wanted_gsd_m, "as asked for"};
   }
-  WorkingGsd result{std::clamp(footprint_side_m / kFootprint_px, kFinest_m, kCoarsest_m),
+  const double footprint_gsd_m = std::ceil(footprint_side_m / kFootprint_px / kRounding_m - 1e-9) * kRounding_m;
+  WorkingGsd result{std::clamp(footprint_gsd_m, kFinest_m, kCoarsest_m),
                     "where frames match best across dates and sensors (0.5 to 1 m/px)"};
   if (camera_gsd_m > result.gsd_m) result = {camera_gsd_m, "what the camera resolves at this height"};
   if (imagery_gsd_m > result.gsd_m) result = {imagery_gsd_m, "the imagery's own"};

@@ -13,9 +13,9 @@ struct WorkingGsd {
 /// The ground sample distance at which imagery and frames are compared.
 ///
 /// A map of 0.5 … 1 m/px matches better across dates and sensors than a finer one and is 4 … 10 times smaller
-/// (docs/methods/tiling.md), so the default makes the footprint 256 px wide within these limits; it is never finer than
-/// the imagery (`imagery_gsd_m`, the coarsest part) nor than what the camera sees (`camera_gsd_m`).
-/// Throws UsageError when `wanted_gsd_m` is finer than the imagery by more than 1 %.
+/// (docs/methods/tiling.md), so the default makes the footprint about 256 px wide (in whole centimetres per pixel)
+/// within these limits; it is never finer than the imagery (`imagery_gsd_m`, the coarsest part) nor than what the
+/// camera sees (`camera_gsd_m`). Throws UsageError when `wanted_gsd_m` is finer than the imagery by more than 1 %.
 WorkingGsd choose_working_gsd(std::optional<double> wanted_gsd_m, double imagery_gsd_m, double camera_gsd_m,
                               double footprint_side_m);
 

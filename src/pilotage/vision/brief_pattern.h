@@ -18,6 +18,9 @@ struct BriefPair {
 
 inline constexpr int kBriefPatchPx = 31;
 
+/// The seed of the patterns in map databases: part of the file format, so that a map and a frame always agree.
+inline constexpr std::uint64_t kBriefPatternSeed = 1;
+
 /// `bits` tests whose points are drawn independently from an isotropic Gaussian of variance S²/25, S = kBriefPatchPx,
 /// rounded to pixels; points outside the patch and pairs of equal points are drawn again (M. Calonder, V. Lepetit, C.
 /// Strecha, P. Fua, "BRIEF: Binary Robust Independent Elementary Features", ECCV 2010, layout G II). The same for the

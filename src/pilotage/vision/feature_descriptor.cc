@@ -67,8 +67,8 @@ std::vector<PairOffsets> turned_pattern(const std::vector<BriefPair>& pattern, f
 }
 
 std::vector<std::uint8_t> describe_by_brief(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                            const std::vector<float>& angles_deg, const DescriptorOptions& options) {
-  const std::vector<BriefPair> pattern = make_brief_pattern(options.bits, options.seed);
+                                            const std::vector<float>& angles_deg, int bits) {
+  const std::vector<BriefPair> pattern = make_brief_pattern(bits, kBriefPatternSeed);
   const std::size_t bytes = pattern.size() / 8;
   cv::Mat smooth;
   cv::GaussianBlur(gray, smooth, cv::Size(7, 7), 2, 2, cv::BORDER_REFLECT_101);
@@ -80,12 +80,12 @@ std::vector<std::uint8_t> describe_by_brief(const cv::Mat& gray, const std::vect
     if (i == 0 || angles_deg[i] != angles_deg[i - 1]) offsets = turned_pattern(pattern, angles_deg[i], step);
     const std::uint8_t* const center = smooth.ptr<std::uint8_t>(corners[i].y) + corners[i].x;
     for (std::size_t byte = 0; byte < bytes; ++byte) {
-      unsigned bits = 0;
+      unsigned packed = 0;
       for (std::size_t bit = 0; bit < 8; ++bit) {
         const PairOffsets& pair = offsets[byte * 8 + bit];
-        bits |= static_cast<unsigned>(center[pair.first] < center[pair.second]) << bit;
+        packed |= static_cast<unsigned>(center[pair.first] < center[pair.second]) << bit;
       }
-      descriptors[i * bytes + byte] = static_cast<std::uint8_t>(bits);
+      descriptors[i * bytes + byte] = static_cast<std::uint8_t>(packed);
     }
   }
   return descriptors;
@@ -113,10 +113,9 @@ float centroid_angle_deg(const cv::Mat& gray, int x, int y) {
 }
 
 std::vector<std::uint8_t> describe_corners(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                           const std::vector<float>& angles_deg, const DescriptorOptions& options) {
+                                           const std::vector<float>& angles_deg, int bits) {
   if (corners.empty()) return {};
-  return options.bits == 256 ? describe_by_orb(gray, corners, angles_deg)
-                             : describe_by_brief(gray, corners, angles_deg, options);
+  return bits == 256 ? describe_by_orb(gray, corners, angles_deg) : describe_by_brief(gray, corners, angles_deg, bits);
 }
 
 }  // namespace pilotage

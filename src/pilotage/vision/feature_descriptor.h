@@ -16,15 +16,9 @@ float centroid_angle_deg(const cv::Mat& gray, int x, int y);
 
 inline constexpr int kCentroidRadiusPx = 15;
 
-/// What describe_corners needs.
-struct DescriptorOptions {
-  int bits = 256;
-  std::uint64_t seed = 1;
-};
-
-/// Descriptors of `corners` (angles in degrees, one each), bits / 8 bytes after bytes. Every corner's patch
+/// Descriptors of `corners` (angles in degrees, one each), `bits` / 8 bytes after bytes. Every corner's patch
 /// (patch_radius_px()) must lie inside `gray`.
 std::vector<std::uint8_t> describe_corners(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                           const std::vector<float>& angles_deg, const DescriptorOptions& options);
+                                           const std::vector<float>& angles_deg, int bits);
 
 }  // namespace pilotage

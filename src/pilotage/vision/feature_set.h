@@ -10,9 +10,9 @@ namespace pilotage {
 struct Feature {
   float x_px = 0;  ///< Columns to the right, in pixels of the level (octave 0), whatever the octave.
   float y_px = 0;
-  int octave = 0;         ///< Pyramid step it was found on; 0 = full resolution.
-  float angle_deg = 0;    ///< 0 for upright features.
-  float response = 0;     ///< Corner strength; comparable within one octave.
+  int octave = 0;       ///< Pyramid step it was found on; 0 = full resolution.
+  float angle_deg = 0;  ///< 0 for upright features.
+  float response = 0;   ///< Corner strength; comparable within one octave.
 };
 
 /// Features and their descriptors, one row of `descriptor_bytes` after the other.

@@ -88,7 +88,7 @@ void append_octave_features(const Octave& octave, int index, const Piece& piece,
          static_cast<float>((static_cast<double>(octave.first_row + corners[i].y) + 0.5) * octave.scale), index,
          angles_deg[i], corners[i].response});
   }
-  const auto descriptors = describe_corners(octave.gray, corners, angles_deg, {options.descriptor_bits, options.seed});
+  const auto descriptors = describe_corners(octave.gray, corners, angles_deg, options.descriptor_bits);
   set.descriptors.insert(set.descriptors.end(), descriptors.begin(), descriptors.end());
 }
 

@@ -13,7 +13,7 @@
 
 namespace pilotage {
 
-/// How features are found and described. Map and frame must agree in descriptor_bits, oriented and seed.
+/// How features are found and described. Map and frame must agree in descriptor_bits and oriented.
 struct FeatureOptions {
   double features_per_mpx = 20000;
   int descriptor_bits = 256;
@@ -22,7 +22,6 @@ struct FeatureOptions {
   int min_fast_threshold = 5;
   int octaves = 1;
   double scale_factor = 1.5;
-  std::uint64_t seed = 1;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -38,7 +37,6 @@ struct FeatureOptions {
     fields.field("octaves", self.octaves, "Number of scales.", Range{1, 12});
     fields.field("scale_factor", self.scale_factor, "Ratio of one octave's pixel size to the one before.",
                  Range{1.05, 2});
-    fields.field("seed", self.seed, "Seed of the BRIEF patterns of 128 and 512 bits.");
   }
 };
 

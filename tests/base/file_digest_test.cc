@@ -1,0 +1,37 @@
+#include "pilotage/base/file_digest.h"
+
+#include <string>
+
+#include "testing/temporary_folder.h"
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+
+namespace pilotage {
+namespace {
+
+// Independent values: b2sum --length=256 of GNU coreutils.
+TEST(FileDigest, IsBlake2b256) {
+  const testing::TemporaryFolder folder;
+  write_file(folder / "empty", "", false);
+  EXPECT_EQ(file_digest(folder / "empty"), "0e5751c026e543b2e8ab2eb06099daa1d1e5df47778f7787faab45cdf12fe3a8");
+  write_file(folder / "abc", "abc", false);
+  EXPECT_EQ(file_digest(folder / "abc"), "bddd813c634239723171ef3fee98579b94964e3bb1cb3e427262c8c068d52319");
+}
+
+TEST(FileDigest, DoesNotDependOnThePiecesItReads) {
+  const testing::TemporaryFolder folder;
+  std::string content(std::size_t{5} << 19, 'x');  // two and a half pieces
+  write_file(folder / "a", content, false);
+  content.back() = 'y';
+  write_file(folder / "b", content, false);
+  EXPECT_NE(file_digest(folder / "a"), file_digest(folder / "b"));
+}
+
+TEST(FileDigest, NamesTheFileThatCannotBeRead) {
+  EXPECT_THROW(file_digest("no/such/file"), DataError);
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,75 @@
+#include "pilotage/base/json_object.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/options_json.h"
+
+namespace pilotage {
+namespace {
+
+std::string error_of(const char* text, const std::function<void(JsonObject&)>& read) {
+  const auto json = parse_json("plan.json", text);
+  try {
+    JsonObject object(json, "plan.json");
+    read(object);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(JsonObject, ReadsWhatIsThere) {
+  const auto json = parse_json("f", R"({"n": 2.5, "i": -7, "b": true, "t": "x", "ts": ["a", "b"], "ns": [1, 2],
+                                        "o": {"k": 1}, "os": [{"k": 2}, {"k": 3}], "gap": null, "$schema": "s"})");
+  JsonObject object(json, "f");
+  EXPECT_EQ(object.number("n"), 2.5);
+  EXPECT_EQ(object.integer("i"), -7);
+  EXPECT_TRUE(object.boolean("b"));
+  EXPECT_EQ(object.text("t"), "x");
+  EXPECT_EQ(object.texts("ts"), (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(object.numbers("ns", 2), (std::vector<double>{1, 2}));
+  EXPECT_EQ(object.object("o").integer("k"), 1);
+  EXPECT_EQ(object.objects("os").at(1).integer("k"), 3);
+  EXPECT_TRUE(std::isnan(object.number_or_nan("gap")));
+  EXPECT_TRUE(std::isnan(object.number_or_nan("absent")));
+  EXPECT_NO_THROW(object.finish());
+}
+
+TEST(JsonObject, SaysWhereAndWhatIsWrong) {
+  EXPECT_EQ(error_of("{}", [](JsonObject& o) { o.number("gsd_m"); }), "plan.json.gsd_m is missing");
+  EXPECT_EQ(error_of(R"({"gsd_m": "1"})", [](JsonObject& o) { o.number("gsd_m"); }),
+            "plan.json.gsd_m is \"1\", expected a number");
+  EXPECT_EQ(error_of(R"({"n": 3.5})", [](JsonObject& o) { o.integer("n"); }),
+            "plan.json.n is 3.5, expected an integer");
+  EXPECT_EQ(error_of(R"({"n": 18446744073709551615})", [](JsonObject& o) { o.integer("n"); }),
+            "plan.json.n is 18446744073709551615, expected an integer");
+  EXPECT_EQ(error_of(R"({"n": 9})", [](JsonObject& o) { o.integer("n", 0, 8); }), "plan.json.n = 9 is outside [0, 8]");
+  EXPECT_EQ(error_of(R"({"a": [{"k": 1}, {"k": "x"}]})",
+                     [](JsonObject& o) {
+                       for (JsonObject& element : o.objects("a")) element.integer("k");
+                     }),
+            "plan.json.a[1].k is \"x\", expected an integer");
+  EXPECT_EQ(error_of(R"({"ns": [1]})", [](JsonObject& o) { o.numbers("ns", 2); }),
+            "plan.json.ns is [1], expected a list of 2 numbers");
+  EXPECT_EQ(error_of(R"({"known": 1, "unknown": 2})",
+                     [](JsonObject& o) {
+                       o.integer("known");
+                       o.finish();
+                     }),
+            "plan.json.unknown is not known");
+  EXPECT_EQ(error_of("[]", [](JsonObject&) {}), "plan.json is [], expected an object");
+}
+
+TEST(JsonNumber, WhatIsNotFiniteIsNull) {
+  EXPECT_EQ(json_number(1.5).dump(), "1.5");
+  EXPECT_TRUE(json_number(std::nan("")).is_null());
+  EXPECT_TRUE(json_number(INFINITY).is_null());
+}
+
+}  // namespace
+}  // namespace pilotage
