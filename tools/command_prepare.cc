@@ -17,7 +17,9 @@ Command make_prepare_command() {
                        "--camera-width-px 4000 --camera-height-px 2250 --ins-grade tactical --speed-mps 18 -o out/"}};
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
   command.output = {.kind = OutputKind::kFolder,
-                    .help = "Folder for map.gpkg, scores.tif, tiles.csv, report.html, report.json."};
+                    .help =
+                        "Folder for map.gpkg, scores.tif, tiles.csv, report.html, report.json, and plan.json and "
+                        "selection.json, from which the stages can be run again."};
   bind_options<PrepareOptions>(command, [](const PrepareOptions& options, const Invocation& invocation) {
     const PrepareRun run{invocation.output, invocation.overwrite, invocation.seed, invocation.threads, version_line()};
     const PrepareResult done = prepare(options, run, invocation.progress);

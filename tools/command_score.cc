@@ -59,6 +59,11 @@ Scored score_rasters(const ScoreCommandOptions& options, const Invocation& invoc
   return {std::move(scored.crs), scored.matrix, std::move(scored.rows), std::move(scored.warnings)};
 }
 
+// Entropies differ in the sixth digit.
+std::string for_people(double number) {
+  return std::abs(number) < 1e-3 ? format_number(number) : format_fixed(number, 6);
+}
+
 // One line per measure: how far it ranges.
 void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
   for (const ScoreColumn& column : score_columns()) {
@@ -69,8 +74,8 @@ void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
     if (values.empty()) continue;
     std::sort(values.begin(), values.end());
     const double median = values[values.size() / 2];
-    result.text += column.name + ": " + format_number(values.front()) + " … " + format_number(median) + " … " +
-                   format_number(values.back()) + (column.unit.empty() ? "" : " " + column.unit) + "\n";
+    result.text += column.name + ": " + for_people(values.front()) + " … " + for_people(median) + " … " +
+                   for_people(values.back()) + (column.unit.empty() ? "" : " " + column.unit) + "\n";
     result.json["measures"][column.name] = {
         {"minimum", values.front()}, {"median", median}, {"maximum", values.back()}, {"tiles", values.size()}};
   }

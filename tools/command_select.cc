@@ -31,7 +31,7 @@ struct SelectCommandOptions {
 
 std::string describe_gap(const RouteGap& gap) {
   return "gap from " + format_fixed(gap.from_distance_m / 1000, 2) + " km to " +
-         format_fixed(gap.to_distance_m / 1000, 2) + " km (leg " + std::to_string(gap.leg) +
+         format_fixed(gap.to_distance_m / 1000, 2) + " km (leg " + std::to_string(gap.leg + 1) +
          "): " + format_fixed(gap.to_distance_m - gap.from_distance_m, 0) + " m, " + format_fixed(gap.duration_s, 0) +
          " s, error " + format_fixed(gap.error_m, 1) + " m" + (gap.within_limit ? "" : ", over the limit") + "\n";
 }

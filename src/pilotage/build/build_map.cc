@@ -13,6 +13,7 @@
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/mapdb/enu_from_grid.h"
 #include "pilotage/mapdb/map_writer.h"
+#include "pilotage/mission/input_files.h"
 #include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/elevation.h"
@@ -218,17 +219,32 @@ void write_route(MapWriter& writer, const TilePlan& plan, const Selection& selec
                     legs);
 }
 
-void write_info(MapWriter& writer, const TilePlan& plan, const Selection& selection, const BuildOptions& options,
-                const std::vector<MapProvenance>& provenance) {
-  for (const auto& [key, value] : camera_to_text(plan.camera)) writer.add_info("camera." + key, value);
-  BuildOptions described = options;
-  for (const OptionField& field : list_options(described).fields) {
-    writer.add_info("features." + field.path, option_to_text(field.get()));
+template <class Options>
+void write_options(MapWriter& writer, const std::string& prefix, Options options) {
+  for (const OptionField& field : list_options(options).fields) {
+    const OptionValue value = field.get();
+    if (!std::holds_alternative<std::monostate>(value)) writer.add_info(prefix + field.path, option_to_text(value));
   }
+}
+
+void write_info(MapWriter& writer, const TilePlan& plan, const Selection& selection, const BuildOptions& options,
+                const std::string& software_version) {
+  writer.add_info("tool_version", software_version);
+  for (const auto& [key, value] : camera_to_text(plan.camera)) writer.add_info("camera." + key, value);
+  write_options(writer, "features.", options);
+  write_options(writer, "ins.", plan.ins);
+  write_options(writer, "imagery.", plan.imagery_options);
   writer.add_info("max_error_m", format_number(selection.max_error_m));
   writer.add_info("sigma_multiple", format_number(selection.sigma_multiple));
   writer.add_info("max_scale_distortion", format_number(plan.max_scale_distortion));
-  for (const auto& [key, value] : provenance) writer.add_info(key, value);
+  int index = 0;
+  for (const InputFile& file : input_files(plan)) {
+    const std::string prefix = "input." + std::to_string(index++) + ".";
+    writer.add_info(prefix + "role", file.role);
+    writer.add_info(prefix + "name", file.name);
+    writer.add_info(prefix + "date", file.date);
+    writer.add_info(prefix + "digest", file.digest);
+  }
 }
 
 }  // namespace
@@ -245,8 +261,8 @@ StoredSize stored_size(const BuildOptions& options) {
 }
 
 BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
-                     const Selection& selection, const std::vector<MapProvenance>& provenance,
-                     const BuildOptions& options, bool overwrite, int threads, const Progress& progress) {
+                     const Selection& selection, const std::string& software_version, const BuildOptions& options,
+                     bool overwrite, int threads, const Progress& progress) {
   check_options(options);
   check_feature_options(options.features);
   const auto selected = selected_tiles(plan, scores, selection);
@@ -264,7 +280,7 @@ BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, co
     stats.descriptors += LevelBuilder(writer, plan, level, std::move(tiles), options.features).build(threads, progress);
   }
   write_route(writer, plan, selection);
-  write_info(writer, plan, selection, options, provenance);
+  write_info(writer, plan, selection, options, software_version);
   stats.content_digest = writer.finish();
   stats.bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
   return stats;

@@ -25,12 +25,6 @@ struct BuildOptions {
   }
 };
 
-/// A line for map_info: what the map was made from.
-struct MapProvenance {
-  std::string key;
-  std::string value;
-};
-
 struct BuildStats {
   std::int64_t tiles = 0;
   std::int64_t descriptors = 0;
@@ -53,7 +47,7 @@ StoredSize stored_size(const BuildOptions& options);
 /// UsageError for options out of range, DataError when the selection or the scores are not of this plan, or when
 /// reading or writing fails; Interrupted.
 BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
-                     const Selection& selection, const std::vector<MapProvenance>& provenance,
-                     const BuildOptions& options, bool overwrite, int threads = 0, const Progress& progress = {});
+                     const Selection& selection, const std::string& software_version, const BuildOptions& options,
+                     bool overwrite, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -101,16 +101,6 @@ nlohmann::ordered_json described(PrepareOptions options) {
   return options_to_json(list_options(options));
 }
 
-std::vector<MapProvenance> provenance_of(const TilePlan& plan, const PrepareOptions& options, const PrepareRun& run) {
-  std::vector<MapProvenance> provenance{{"tool_version", run.software_version}, {"options", described(options).dump()}};
-  int index = 0;
-  for (const ReportFile& file : input_files(plan)) {
-    provenance.push_back(
-        {"input." + std::to_string(index++), file.role + " " + file.name + " " + file.date + " " + file.digest});
-  }
-  return provenance;
-}
-
 }  // namespace
 
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
@@ -139,8 +129,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   const Selection selection = select_tiles(plan, scores, stored_size(options.build), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
-  result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, provenance_of(plan, options, run),
-                         options.build, true, run.threads, progress);
+  result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, run.software_version, options.build, true,
+                         run.threads, progress);
 
   ReportInput input = make_report_input(plan, scores, selection, run.software_version);
   input.parameters = described(options);

@@ -310,7 +310,7 @@ std::vector<std::string> imagery_warnings(const std::vector<ImageryInfo>& infos,
     const double gsd_m = std::max(info.gsd_x_m, info.gsd_y_m);
     if (camera_gsd_m > 0 && gsd_m > camera_gsd_m * (1 + kScaleTolerance)) {
       warnings.push_back(info.dataset + ": its pixels (" + format_fixed(gsd_m, 3) +
-                         " m) are coarser than the camera's (" + format_fixed(camera_gsd_m, 3) +
+                         " m) are coarser than the camera could use (" + format_fixed(camera_gsd_m, 3) +
                          " m); the map is limited by the imagery");
     }
     const ImageryInfo& first = infos.front();

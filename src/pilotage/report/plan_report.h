@@ -16,7 +16,4 @@ namespace pilotage {
 ReportInput make_report_input(const TilePlan& plan, const std::vector<TileScore>& scores, const Selection& selection,
                               const std::string& software_version);
 
-/// The files that went into a plan, with digest and date.
-std::vector<ReportFile> input_files(const TilePlan& plan);
-
 }  // namespace pilotage

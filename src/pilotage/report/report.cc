@@ -216,7 +216,7 @@ Report make_report(const ReportInput& input) {
     copy.acquired = valid_utf8(imagery.acquired);
   }
   report.elevation = valid_utf8(plan.elevation);
-  for (const ReportFile& file : input.inputs) {
+  for (const InputFile& file : input.inputs) {
     report.inputs.push_back(
         {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
   }

@@ -99,7 +99,7 @@ struct Report {
   std::vector<PlanLevel> levels;
   std::vector<PlanImagery> imagery;
   std::string elevation;
-  std::vector<ReportFile> inputs;
+  std::vector<InputFile> inputs;
   nlohmann::ordered_json parameters;
   std::vector<std::string> warnings;
   std::vector<std::string> notes;

@@ -81,7 +81,7 @@ std::string imagery_html(const Report& report) {
 
 std::string inputs_html(const Report& report) {
   std::string html;
-  for (const ReportFile& file : report.inputs) {
+  for (const InputFile& file : report.inputs) {
     html += "<tr>" + heading(file.role) + cell(file.name) + cell(file.date) + "<td class=\"digest\">" +
             html_escape(file.digest) + "</td></tr>\n";
   }

@@ -8,20 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mission/input_files.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/raster.h"
 
 namespace pilotage {
-
-/// A file that went into the plan, as the report lists it. Strings may hold any bytes; they are shown as text only.
-struct ReportFile {
-  std::string role;    ///< "imagery", "route", "elevation", "map", …
-  std::string name;    ///< As the user gave it.
-  std::string date;    ///< Of the data, not of the file; "" when unknown.
-  std::string digest;  ///< With its algorithm, "blake2b-256:…"; "" when it was not computed.
-};
 
 /// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.crs_wkt`).
 struct ReportInput {
@@ -40,7 +33,7 @@ struct ReportInput {
 
   nlohmann::ordered_json parameters =
       nlohmann::ordered_json::object();  ///< All options, as options_to_json gives them.
-  std::vector<ReportFile> inputs;
+  std::vector<InputFile> inputs;
   std::string software_version;
   std::vector<std::string>
       assumptions;  ///< Sentences for the planner beyond the plan's warnings and the route's notes.

@@ -179,7 +179,7 @@ Json imagery_json(const Report& report) {
 
 Json inputs_json(const Report& report) {
   Json list = Json::array();
-  for (const ReportFile& file : report.inputs) {
+  for (const InputFile& file : report.inputs) {
     Json json;
     json["role"] = file.role;
     json["name"] = file.name;

@@ -117,7 +117,9 @@ std::vector<bool> within_budget(const TilePlan& plan, const std::vector<TileScor
   const auto rank = [&](std::size_t i) {
     const double stride_m = plan.levels[static_cast<std::size_t>(plan.tiles[i].level)].matrix.stride_px *
                             plan.levels[static_cast<std::size_t>(plan.tiles[i].level)].gsd_m;
-    return std::tuple(!sparse[i], std::floor(plan.tiles[i].route_offset_m / stride_m), -judged_margin(scores[i]), i);
+    const double offset_m = plan.tiles[i].route_offset_m;
+    const double ring = sparse[i] ? offset_m : std::floor(offset_m / (stride_m / 2));
+    return std::tuple(!sparse[i], ring, -judged_margin(scores[i]), i);
   };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   StorageCount count(plan, size);

@@ -59,7 +59,7 @@ std::vector<PlanSample> sample_plan_route(const TileOptions& options, const Rout
   for (const RouteSample& sample : sample_route(route, kSampleStep_m, terrain)) {
     samples.push_back(PlanSample{sample});
     if (!std::isfinite(sample.speed_mps)) {
-      throw UsageError(route.name + ": leg " + std::to_string(sample.leg) +
+      throw UsageError(route.name + ": leg " + std::to_string(sample.leg + 1) +
                        " has no speed; give --speed-mps (metres per second over ground)");
     }
   }
@@ -190,7 +190,8 @@ void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& info
       const Footprint shape = footprint(plan.camera, Attitude{}, agl_m);
       plan.footprint_width_m = shape.across_m;
       plan.footprint_height_m = shape.along_m;
-      for (auto& warning : imagery_warnings(infos, camera_gsd_m)) plan.warnings.push_back(std::move(warning));
+      const double usable_gsd_m = choose_working_gsd({}, 0, camera_gsd_m, side_m).gsd_m;
+      for (auto& warning : imagery_warnings(infos, usable_gsd_m)) plan.warnings.push_back(std::move(warning));
     }
   }
 }

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pilotage/mission/tile_plan.h"
+
+namespace pilotage {
+
+/// A file that went into a plan, as reports and maps list it. Strings may hold any bytes; they are shown as text only.
+struct InputFile {
+  std::string role;    ///< "imagery", "route", "elevation", "map", …
+  std::string name;    ///< As the user gave it.
+  std::string date;    ///< Of the data, not of the file; "" when unknown.
+  std::string digest;  ///< With its algorithm, "blake2b-256:…"; "" when it was not computed.
+};
+
+/// The files that went into a plan, with date and digest. Only files of this machine have a digest; what GDAL fetches
+/// from elsewhere has none. Throws DataError when a file cannot be read.
+std::vector<InputFile> input_files(const TilePlan& plan);
+
+}  // namespace pilotage
