@@ -79,8 +79,8 @@ Selection selection_from_json(const Json& json, const std::string& name) {
   const Json& ids = object.value("tile_ids");
   if (!ids.is_array()) throw DataError(object.path("tile_ids") + " is not a list");
   for (const Json& id : ids) {
-    // An unsigned number beyond int64 would wrap to a negative one.
-    const bool ascending = id.is_number_unsigned() && id.get<std::int64_t>() >= 0 &&
+    // A number beyond int64 wraps to a negative one.
+    const bool ascending = id.is_number_integer() && id.get<std::int64_t>() >= 0 &&
                            (selection.tile_ids.empty() || id.get<std::int64_t>() > selection.tile_ids.back());
     if (!ascending) throw DataError(object.path("tile_ids") + ": " + id.dump() + " is not an ascending tile_id");
     selection.tile_ids.push_back(id.get<std::int64_t>());

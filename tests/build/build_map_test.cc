@@ -1,0 +1,152 @@
+#include "pilotage/build/build_map.h"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "testing/temporary_folder.h"
+#include "tile/small_mission.h"
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/map_reader.h"
+#include "pilotage/mapdb/map_verify.h"
+#include "pilotage/select/select_tiles.h"
+#include "pilotage/tile/plan_tiles.h"
+
+namespace pilotage {
+namespace {
+
+std::vector<TileScore> good_scores(const TilePlan& plan) {
+  std::vector<TileScore> scores;
+  for (const PlanTile& tile : plan.tiles) {
+    TileScore score;
+    score.tile_id = tile.tile_id;
+    score.level = tile.level;
+    score.column = tile.column;
+    score.row = tile.row;
+    score.valid_fraction = tile.valid_fraction;
+    score.gray_variance = 10;
+    score.degraded.margin = 0.5;
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+Selection every_tile(const TilePlan& plan, std::size_t step = 1) {
+  Selection selection;
+  for (std::size_t i = 0; i < plan.tiles.size(); i += step) selection.tile_ids.push_back(plan.tiles[i].tile_id);
+  selection.legs.resize(plan.route.legs.size());
+  return selection;
+}
+
+using GroundPoint = std::pair<double, double>;  // of one level, in its pixels
+
+// All stored key points; each must lie in the window of its tile, and no two at the same place.
+std::set<GroundPoint> stored_points(const std::filesystem::path& map) {
+  MapReader reader(map);
+  std::set<GroundPoint> points;
+  for (const MapTile& tile : reader.tiles()) {
+    const auto stored = reader.descriptors(tile.tile_id, tile.level);
+    if (!stored) continue;
+    for (const Feature& feature : stored->features.features) {
+      EXPECT_GE(feature.x_px, 0);
+      EXPECT_LE(feature.x_px, stored->window.width);
+      EXPECT_GE(feature.y_px, 0);
+      EXPECT_LE(feature.y_px, stored->window.height);
+      const auto [it, fresh] =
+          points.emplace(static_cast<double>(feature.x_px) + static_cast<double>(stored->window.col),
+                         static_cast<double>(feature.y_px) + static_cast<double>(stored->window.row));
+      EXPECT_TRUE(fresh) << "tile " << tile.tile_id << ": stored twice: " << it->first << ", " << it->second;
+    }
+  }
+  return points;
+}
+
+bool on_selected_ground(const TilePlan& plan, const Selection& selection, const GroundPoint& point) {
+  const TileMatrix& matrix = plan.levels[0].matrix;
+  for (const PlanTile& tile : plan.tiles) {
+    if (!std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), tile.tile_id)) continue;
+    const PixelWindow window = matrix.tile_window(tile.column, tile.row);
+    const double x = point.first - static_cast<double>(window.col);
+    const double y = point.second - static_cast<double>(window.row);
+    if (x >= 0 && y >= 0 && x < window.width && y < window.height) return true;
+  }
+  return false;
+}
+
+class BuildMap : public ::testing::Test {
+ protected:
+  testing::TemporaryFolder folder_;
+  TilePlan plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
+  std::vector<TileScore> scores_ = good_scores(plan_);
+
+  BuildStats build(const std::string& name, const Selection& selection, int threads = 1) {
+    return build_map(folder_ / name, plan_, scores_, selection, {{"tool_version", "test"}}, {}, false, threads);
+  }
+};
+
+TEST_F(BuildMap, StoresEveryDescriptorOnceAndVerifies) {
+  const BuildStats stats = build("map.gpkg", every_tile(plan_));
+  EXPECT_EQ(stats.tiles, static_cast<std::int64_t>(plan_.tiles.size()));
+  EXPECT_GT(stats.descriptors, 200);
+  EXPECT_EQ(static_cast<std::int64_t>(stored_points(folder_ / "map.gpkg").size()), stats.descriptors);
+  EXPECT_EQ(stats.bytes, static_cast<std::int64_t>(std::filesystem::file_size(folder_ / "map.gpkg")));
+  const VerifyReport report = verify_map(folder_ / "map.gpkg");
+  EXPECT_TRUE(report.ok());
+  EXPECT_EQ(report.content_digest, stats.content_digest);
+}
+
+// The stored cells of a part of the tiles cover the union of these tiles and nothing else, with the very points that
+// the map of all tiles has there.
+TEST_F(BuildMap, StoredCellsCoverTheUnionOfTheSelectedTiles) {
+  build("all.gpkg", every_tile(plan_));
+  const std::set<GroundPoint> all = stored_points(folder_ / "all.gpkg");
+  for (const std::size_t step : {2u, 5u}) {
+    const Selection part = every_tile(plan_, step);
+    const std::string name = "part" + std::to_string(step) + ".gpkg";
+    build(name, part);
+    std::set<GroundPoint> expected;
+    for (const GroundPoint& point : all) {
+      if (on_selected_ground(plan_, part, point)) expected.insert(point);
+    }
+    EXPECT_LT(expected.size(), all.size());
+    EXPECT_EQ(stored_points(folder_ / name), expected) << step;
+  }
+}
+
+TEST_F(BuildMap, SameBytesForAnyNumberOfThreads) {
+  build("one.gpkg", every_tile(plan_), 1);
+  build("four.gpkg", every_tile(plan_), 4);
+  EXPECT_TRUE(read_file(folder_ / "one.gpkg") == read_file(folder_ / "four.gpkg"));
+}
+
+TEST_F(BuildMap, EstimateOfTheBudgetIsAnUpperBound) {
+  for (const std::int64_t budget : {std::int64_t{0}, std::int64_t{400'000}}) {
+    SelectOptions options;
+    if (budget > 0) options.budget = std::to_string(budget);
+    const Selection selection = select_tiles(plan_, scores_, stored_size({}), options);
+    const BuildStats stats = build("budget" + std::to_string(budget) + ".gpkg", selection);
+    EXPECT_LE(stats.bytes, selection.estimated_bytes);
+    if (budget > 0) {
+      EXPECT_LE(selection.estimated_bytes, budget);
+    }
+  }
+}
+
+TEST_F(BuildMap, RefusesWhatIsOfAnotherPlanAndWhatExists) {
+  Selection selection = every_tile(plan_);
+  selection.tile_ids.push_back(selection.tile_ids.back() + 1);
+  EXPECT_THROW(build("map.gpkg", selection), DataError);
+  selection = every_tile(plan_);
+  scores_.pop_back();
+  EXPECT_THROW(build("map.gpkg", selection), DataError);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "map.gpkg"));
+  scores_ = good_scores(plan_);
+  build("map.gpkg", selection);
+  EXPECT_THROW(build("map.gpkg", selection), DataError);
+}
+
+}  // namespace
+}  // namespace pilotage
