@@ -62,13 +62,7 @@ def stages_alone_agree(pilotage, mission, work):
         check((stages / name).read_bytes() == (work / "out" / name).read_bytes(), f"{name} of the stages is another")
     digests = [run(pilotage, "verify", folder / "map.gpkg").split("digest ")[1].strip()
                for folder in (stages, work / "out")]
-    # The stage alone does not know the mission file, so map_info, which the digest covers, has fewer lines.
-    tables = [run("sqlite3", f"file:{folder / 'map.gpkg'}?mode=ro",
-                  "SELECT tile_id, level, count, hex(keypoints), hex(descriptors), hex(digest) "
-                  "FROM pilotage_descriptors ORDER BY 1, 2; SELECT * FROM tiles ORDER BY 1")
-              for folder in (stages, work / "out")]
-    check(tables[0] == tables[1], "descriptors or tiles of the stages are others")
-    check(all(len(digest) == 64 for digest in digests), f"digests: {digests}")
+    check(digests[0] == digests[1], f"the map of the stages is another: {digests}")
 
 
 def threads_do_not_matter(pilotage, mission, work):

@@ -103,8 +103,8 @@ Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs);
 
 /// What a planner should know before these rasters are used together, as sentences: what inspect_imagery said of each;
 /// parts whose ground sample distance differs by more than 1 % (with a scale error of s, features a footprint w apart
-/// no longer agree by s·w); parts with differing depths; imagery coarser than the ground sample distance that the camera
-/// could use, `camera_gsd_m` (0 = not known).
+/// no longer agree by s·w); parts with differing depths; imagery coarser than the ground sample distance that the
+/// camera could use, `camera_gsd_m` (0 = not known).
 std::vector<std::string> imagery_warnings(const std::vector<ImageryInfo>& infos, double camera_gsd_m);
 
 }  // namespace pilotage
