@@ -43,8 +43,9 @@ Command make_build_command() {
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
     const StageFiles files = read_stage_files(options.files, invocation);
     OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
-    const BuildStats stats = build_map(map.temporary_path(), files.plan, files.scores, files.selection, version_line(),
-                                       options.build, true, invocation.threads, invocation.progress);
+    const BuildStats stats =
+        build_map(map.temporary_path(), files.plan, files.scores, files.selection, input_files(files.plan),
+                  version_line(), options.build, true, invocation.threads, invocation.progress);
     std::string signature;
     if (!options.sign_key.empty()) {
       SignOptions sign;

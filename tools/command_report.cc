@@ -37,7 +37,8 @@ Command make_report_command() {
   command.output = {.kind = OutputKind::kFile, .help = "The page (one self-contained HTML file)."};
   bind_options<ReportCommandOptions>(command, [](const ReportCommandOptions& options, const Invocation& invocation) {
     const StageFiles files = read_stage_files(options.files, invocation);
-    ReportInput input = make_report_input(files.plan, files.scores, files.selection, version_line());
+    ReportInput input =
+        make_report_input(files.plan, files.scores, files.selection, input_files(files.plan), version_line());
     input.title = options.title;
     const Report report = make_report(input);
     std::optional<OutputFile> numbers;

@@ -83,7 +83,7 @@ class BuildMap : public ::testing::Test {
   std::vector<TileScore> scores_ = good_scores(plan_);
 
   BuildStats build(const std::string& name, const Selection& selection, int threads = 1) {
-    return build_map(folder_ / name, plan_, scores_, selection, "test", {}, false, threads);
+    return build_map(folder_ / name, plan_, scores_, selection, {}, "test", {}, false, threads);
   }
 };
 

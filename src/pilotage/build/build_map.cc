@@ -13,7 +13,6 @@
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/mapdb/enu_from_grid.h"
 #include "pilotage/mapdb/map_writer.h"
-#include "pilotage/mission/input_files.h"
 #include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/elevation.h"
@@ -228,7 +227,7 @@ void write_options(MapWriter& writer, const std::string& prefix, Options options
 }
 
 void write_info(MapWriter& writer, const TilePlan& plan, const Selection& selection, const BuildOptions& options,
-                const std::string& software_version) {
+                const std::vector<InputFile>& inputs, const std::string& software_version) {
   writer.add_info("tool_version", software_version);
   for (const auto& [key, value] : camera_to_text(plan.camera)) writer.add_info("camera." + key, value);
   write_options(writer, "features.", options);
@@ -238,7 +237,7 @@ void write_info(MapWriter& writer, const TilePlan& plan, const Selection& select
   writer.add_info("sigma_multiple", format_number(selection.sigma_multiple));
   writer.add_info("max_scale_distortion", format_number(plan.max_scale_distortion));
   int index = 0;
-  for (const InputFile& file : input_files(plan)) {
+  for (const InputFile& file : inputs) {
     const std::string prefix = "input." + std::to_string(index++) + ".";
     writer.add_info(prefix + "role", file.role);
     writer.add_info(prefix + "name", file.name);
@@ -261,8 +260,9 @@ StoredSize stored_size(const BuildOptions& options) {
 }
 
 BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
-                     const Selection& selection, const std::string& software_version, const BuildOptions& options,
-                     bool overwrite, int threads, const Progress& progress) {
+                     const Selection& selection, const std::vector<InputFile>& inputs,
+                     const std::string& software_version, const BuildOptions& options, bool overwrite, int threads,
+                     const Progress& progress) {
   check_options(options);
   check_feature_options(options.features);
   const auto selected = selected_tiles(plan, scores, selection);
@@ -280,7 +280,7 @@ BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, co
     stats.descriptors += LevelBuilder(writer, plan, level, std::move(tiles), options.features).build(threads, progress);
   }
   write_route(writer, plan, selection);
-  write_info(writer, plan, selection, options, software_version);
+  write_info(writer, plan, selection, options, inputs, software_version);
   stats.content_digest = writer.finish();
   stats.bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
   return stats;

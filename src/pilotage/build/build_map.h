@@ -7,6 +7,7 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
+#include "pilotage/mission/input_files.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/stored_size.h"
 #include "pilotage/mission/tile_plan.h"
@@ -47,7 +48,8 @@ StoredSize stored_size(const BuildOptions& options);
 /// UsageError for options out of range, DataError when the selection or the scores are not of this plan, or when
 /// reading or writing fails; Interrupted.
 BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
-                     const Selection& selection, const std::string& software_version, const BuildOptions& options,
-                     bool overwrite, int threads = 0, const Progress& progress = {});
+                     const Selection& selection, const std::vector<InputFile>& inputs,
+                     const std::string& software_version, const BuildOptions& options, bool overwrite, int threads = 0,
+                     const Progress& progress = {});
 
 }  // namespace pilotage

@@ -129,10 +129,11 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   const Selection selection = select_tiles(plan, scores, stored_size(options.build), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
-  result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, run.software_version, options.build, true,
-                         run.threads, progress);
+  const std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
+  result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
+                         options.build, true, run.threads, progress);
 
-  ReportInput input = make_report_input(plan, scores, selection, run.software_version);
+  ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version);
   input.parameters = described(options);
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
   const Report report = make_report(input);

@@ -14,7 +14,7 @@ constexpr int kOverviewSide_px = 1600;
 }  // namespace
 
 ReportInput make_report_input(const TilePlan& plan, const std::vector<TileScore>& scores, const Selection& selection,
-                              const std::string& software_version) {
+                              const std::vector<InputFile>& inputs, const std::string& software_version) {
   ReportInput input;
   input.plan = plan;
   input.scores = scores;
@@ -25,7 +25,7 @@ ReportInput make_report_input(const TilePlan& plan, const std::vector<TileScore>
     constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
     return transform->geodetic_from_map(point).value_or(GeodeticPoint{kNowhere, kNowhere});
   };
-  input.inputs = input_files(plan);
+  input.inputs = inputs;
   input.assumptions = plan.notes;
   input.software_version = software_version;
   return input;

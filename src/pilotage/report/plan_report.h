@@ -10,10 +10,9 @@
 
 namespace pilotage {
 
-/// Reads what a report shows beyond plan, scores and selection: a picture of the corridor, and the digests of the input
-/// files (files of this machine only; what GDAL fetches from elsewhere has none). Throws DataError when imagery cannot
-/// be read.
+/// Reads what a report shows beyond plan, scores, selection and `inputs` (input_files of the plan): a picture of the
+/// corridor. Throws DataError when imagery cannot be read.
 ReportInput make_report_input(const TilePlan& plan, const std::vector<TileScore>& scores, const Selection& selection,
-                              const std::string& software_version);
+                              const std::vector<InputFile>& inputs, const std::string& software_version);
 
 }  // namespace pilotage
