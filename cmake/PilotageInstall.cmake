@@ -6,7 +6,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pilotage)
 
 install(TARGETS pilotage_onboard EXPORT pilotage-onboard-targets COMPONENT onboard)
 install(EXPORT pilotage-onboard-targets NAMESPACE pilotage:: DESTINATION ${package_dir} COMPONENT onboard)
-foreach(folder base geo raster camera vision mapdb)
+foreach(folder base geo raster camera vision mapdb match)
   install(DIRECTORY src/pilotage/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pilotage COMPONENT onboard
           FILES_MATCHING PATTERN "*.h" PATTERN "gdal_*.h" EXCLUDE)
 endforeach()

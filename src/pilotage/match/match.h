@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/base/options.h"
+#include "pilotage/camera/attitude.h"
+#include "pilotage/camera/camera.h"
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mapdb/map_reader.h"
+
+namespace pilotage {
+
+/// What the aircraft knows when the frame is taken.
+struct MatchPrior {
+  GeodeticPoint position;   ///< Of the aircraft.
+  double sigma_m = 0;       ///< Of the position, one standard deviation along each horizontal axis.
+  double height_agl_m = 0;  ///< Above the ground under the aircraft.
+  Attitude attitude;        ///< Yaw from true north.
+};
+
+/// How sure the prior is, how far is searched, and what is accepted. The defaults are those that docs/methods/match.md
+/// measures.
+struct MatchOptions {
+  double search_sigmas = 3;
+  double attitude_sigma_deg = 1;
+  double yaw_sigma_deg = 1;
+  double height_sigma_fraction = 0.03;
+  double map_sigma_m = 1;
+  double max_false_fix_rate = 0.001;
+  double features_per_mpx = 20000;
+  bool chips = true;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("search_sigmas", self.search_sigmas,
+                 "Half width of the searched square, in standard deviations of the prior position.", Range{0.5, 10});
+    fields.field("attitude_sigma_deg", self.attitude_sigma_deg, "Standard deviation of pitch and roll.",
+                 Range{0.01, 20});
+    fields.field("yaw_sigma_deg", self.yaw_sigma_deg,
+                 "Standard deviation of yaw; 180 for an unknown heading, which needs a map with oriented descriptors.",
+                 Range{0.01, 180});
+    fields.field("height_sigma_fraction", self.height_sigma_fraction,
+                 "Standard deviation of the height above ground, as a share of it.", Range{1e-4, 0.5});
+    fields.field("map_sigma_m", self.map_sigma_m, "Standard deviation, along each axis, of the map's own georeference.",
+                 Range{0, 100});
+    fields.field("max_false_fix_rate", self.max_false_fix_rate,
+                 "Largest share of false fixes among frames that show other ground; sets the confidence asked for.",
+                 Range{1e-6, 0.5});
+    fields.field("features_per_mpx", self.features_per_mpx,
+                 "Most features of the frame for each million pixels of the map's grid.", Range{1, 200000});
+    fields.field("chips", self.chips, "Use the map's chips where it has them.");
+  }
+};
+
+enum class MatchStatus {
+  kFix,
+  kBadFrame,        ///< Not an 8-bit gray picture of the camera's size.
+  kBadPrior,        ///< Not finite, not on Earth, or no height above ground.
+  kBadCamera,       ///< camera_problem() finds one.
+  kBadOptions,      ///< An option is outside its range.
+  kNoMap,           ///< The map has nothing within the search window.
+  kMapUnreadable,   ///< The map's file is damaged here.
+  kNoGround,        ///< The frame shows no ground: it looks at the sky.
+  kTooFewFeatures,  ///< Frame or map has too little texture.
+  kAmbiguous,       ///< Another place in the window looks as good.
+  kInconsistent,    ///< The best place explains too little of the frame.
+  kOutsideGate,     ///< The best place contradicts the prior position, attitude or height.
+};
+
+/// "fix", "no_map" …: the word in files.
+std::string_view match_status_name(MatchStatus status);
+/// A sentence for people.
+std::string_view match_status_text(MatchStatus status);
+
+/// Where the aircraft is. East and north are those of the fix's own place.
+struct Fix {
+  GeodeticPoint position;  ///< The aircraft: the point straight below it.
+  /// Of position: variances of east and north and their covariance, m². Includes MatchOptions::map_sigma_m and what the
+  /// attitude's error leaves open.
+  Eigen::Matrix2d covariance_en_m2 = Eigen::Matrix2d::Zero();
+  GeodeticPoint center;  ///< The point on the ground that the camera's principal point shows.
+  Eigen::Matrix2d center_covariance_en_m2 = Eigen::Matrix2d::Zero();
+  double yaw_deg = 0;  ///< Refined attitude and height, and their standard deviations.
+  double pitch_deg = 0;
+  double roll_deg = 0;
+  double yaw_sigma_deg = 0;
+  double height_agl_m = 0;
+  double height_sigma_m = 0;
+  double scale = 1;          ///< height_agl_m over the prior's.
+  std::int64_t tile_id = 0;  ///< The map's tile under the principal point, or the nearest.
+};
+
+/// How the answer came about. Zero where the pipeline did not get that far.
+struct MatchStats {
+  int level = -1;
+  double gsd_m = 0;
+  int frame_features = 0;
+  int map_features = 0;
+  double vote_peak = 0;   ///< Evidence for the best place, in natural logarithms of the likelihood ratio.
+  double vote_rival = 0;  ///< The same for the best place elsewhere.
+  int inliers = 0;        ///< Pairs of features that agree with the refined pose.
+  double residual_m = 0;  ///< Their root mean square, along one axis.
+  double ncc = 0;         ///< Normalised correlation with the map's chips, when they were used; else 0.
+  double ncc_rival = 0;
+  double confidence = 0;  ///< 1 − the rate at which frames of other ground reach this evidence, 0 … 1.
+};
+
+struct MatchResult {
+  MatchStatus status = MatchStatus::kBadFrame;
+  std::optional<Fix> fix;  ///< Exactly when status is kFix.
+  /// The best place even when it is refused, for people and statistics; never to be used for navigation.
+  std::optional<Fix> candidate;
+  MatchStats stats;
+};
+
+/// Finds the aircraft: the frame is laid on the ground with the prior attitude and height, its features are compared
+/// with the map's inside the search window, displacements vote, the best pose is refined and accepted or refused.
+/// docs/methods/match.md has the method and its measurements.
+///
+/// `frame` is CV_8UC1 of the camera's size. The answer is a status for any frame, prior, camera and options, and for a
+/// damaged map: nothing is thrown but std::bad_alloc. Deterministic. Re-entrant; one MapReader serves one thread at a
+/// time.
+MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
+                  const MatchOptions& options = {});
+
+}  // namespace pilotage
