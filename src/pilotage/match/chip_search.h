@@ -49,7 +49,8 @@ struct ChipMatch {
 /// the same pixels of the frame, those that all of them show. The best place is refined to a fraction of a pixel by a
 /// parabola through its neighbours.
 ///
-/// Never throws but std::bad_alloc: a frame or mosaic without ground, numbers that are not finite or no hypothesis give
+/// Never throws but std::bad_alloc. A frame or mosaic without ground or of more than kMaxMosaicSidePx, numbers that are
+/// not finite, no hypothesis or one with a scale outside [0.5, 2], and a best correlation that is not above 0 give
 /// found = false.
 ChipMatch search_chips(const RectifiedFrame& frame, const ChipMosaic& mosaic, const Eigen::Vector2d& center_px,
                        double half_width_px, const std::vector<ChipHypothesis>& hypotheses,

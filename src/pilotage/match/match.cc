@@ -62,6 +62,8 @@ std::string_view match_status_text(MatchStatus status) {
   return "unknown status";
 }
 
-MatchResult match(const cv::Mat&, const MatchPrior&, const Camera&, MapReader&, const MatchOptions&) { return {}; }
+MatchResult match(const cv::Mat&, const MatchPrior&, const Camera&, MapReader&, const MatchOptions&) {
+  return {};
+}
 
 }  // namespace pilotage
