@@ -31,6 +31,8 @@ namespace pilotage {
 namespace {
 
 constexpr int kTriesPerFrame = 2000;
+constexpr int kProbeScale = 16;    // the probe's pixels are so much larger,
+constexpr double kProbeSlack = 8;  // and all of one counts as bad where a part is
 
 enum class Format { kJpg, kPng };
 EnumNames<Format> enum_names(Format) {
@@ -50,6 +52,7 @@ struct CutOptions {
   double prior_offset_m = 60;
   double prior_sigma_m = 30;
   double min_valid = 0.999;
+  std::string also;
   std::vector<double> region;
   Format format = Format::kJpg;
   ImageryOptions imagery;
@@ -72,6 +75,8 @@ struct CutOptions {
                  "The prior is off by at most this to the east and to the north, uniformly.", Range{0, 1e5});
     fields.field("prior_sigma_m", self.prior_sigma_m, "What the prior says of itself.", Range{0.01, 1e5});
     fields.field("min_valid", self.min_valid, "Least share of a frame that shows imagery.", Range{0, 1});
+    fields.path("also", self.also,
+                "A second raster, the map's: frames are only where it shows ground all over the frame too.");
     fields.field("region", self.region,
                  "min x, min y, max x, max y in the raster's CRS: where the aircraft is. Default: everywhere.");
     fields.field("format", self.format, "Of the frames; jpg has quality 95.");
@@ -79,13 +84,19 @@ struct CutOptions {
   }
 };
 
+/// Georeferenced imagery in 8 bits.
+struct Ground {
+  GraySource gray;
+  Crs crs;
+};
+
 /// What frames are cut from and with.
 struct Setup {
   CutOptions options;
   std::uint64_t seed = 0;
   std::filesystem::path folder;
-  GraySource ground;
-  Crs crs;
+  Ground ground;
+  std::optional<Ground> also;
   Camera camera;
   double agl_m = 0;
 };
@@ -118,24 +129,26 @@ Attitude random_attitude(Random& random, double max_tilt_deg) {
 
 Eigen::Vector2d random_nadir_px(Random& random, const Setup& setup) {
   const auto& region = setup.options.region;
+  const GraySource& ground = setup.ground.gray;
   const double across = random.uniform();
   const double down = random.uniform();
   if (region.empty()) {
-    return {across * static_cast<double>(setup.ground.width_px), down * static_cast<double>(setup.ground.height_px)};
+    return {across * static_cast<double>(ground.width_px), down * static_cast<double>(ground.height_px)};
   }
-  return setup.ground.map_from_pixel.pixel_from_map(
+  return ground.map_from_pixel.pixel_from_map(
       {region[0] + across * (region[2] - region[0]), region[1] + down * (region[3] - region[1])});
 }
 
 /// Truth and belief of a frame whose truth is `row`'s attitude and height at `place`.
 void fill_positions(Random& random, const Setup& setup, const GroundPlace& place, FrameRow& row) {
   const CutOptions& options = setup.options;
-  const CrsTransform transform(setup.crs);
-  row.nadir = geodetic_from_pixel(transform, setup.ground.map_from_pixel, place.nadir_px);
+  const CrsTransform transform(setup.ground.crs);
+  const GeoTransform& map_from_pixel = setup.ground.gray.map_from_pixel;
+  row.nadir = geodetic_from_pixel(transform, map_from_pixel, place.nadir_px);
   const auto view = make_view(setup.camera, row.attitude, row.agl_m);
   const auto center_m = ground_from_pixel(*view, {setup.camera.cx_px, setup.camera.cy_px});
   if (!center_m) throw DataError("the principal point shows no ground");
-  row.center = geodetic_from_pixel(transform, setup.ground.map_from_pixel, place.pixel_from_ground(*center_m));
+  row.center = geodetic_from_pixel(transform, map_from_pixel, place.pixel_from_ground(*center_m));
   const double east_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
   const double north_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
   row.prior = LocalFrame(row.nadir).geodetic_from_enu({east_m, north_m, 0});
@@ -153,6 +166,26 @@ std::string frame_name(std::size_t index, Format format) {
          (format == Format::kPng ? ".png" : ".jpg");
 }
 
+/// Whether a small picture of the same view is ground all over.
+bool shows_ground(const GraySource& ground, const GroundPlace& place, const Setup& setup, const Attitude& attitude) {
+  if (!footprint_inside(ground, place, setup.camera, attitude, setup.agl_m)) return false;
+  const Camera small = resized_camera(setup.camera, std::max(1, setup.camera.width_px / kProbeScale),
+                                      std::max(1, setup.camera.height_px / kProbeScale));
+  const RenderedFrame probe = render_frame(ground, place, small, attitude, setup.agl_m);
+  return probe.valid_fraction >= 1 - kProbeSlack * (1 - setup.options.min_valid);
+}
+
+bool also_shows_ground(const Setup& setup, const GroundPlace& place, const Attitude& attitude) {
+  if (!setup.also) return true;
+  const GraySource& also = setup.also->gray;
+  const GeodeticPoint nadir =
+      geodetic_from_pixel(CrsTransform(setup.ground.crs), setup.ground.gray.map_from_pixel, place.nadir_px);
+  const auto point = CrsTransform(setup.also->crs).map_from_geodetic(nadir);
+  if (!point) return false;
+  const Eigen::Vector2d nadir_px = also.map_from_pixel.pixel_from_map(*point);
+  return shows_ground(also, ground_place(setup.also->crs, also.map_from_pixel, nadir_px), setup, attitude);
+}
+
 FrameRow cut_frame(const Setup& setup, std::size_t index) {
   Random random(derive_seed(setup.seed, index));
   for (int tried = 0; tried < kTriesPerFrame; ++tried) {
@@ -161,9 +194,11 @@ FrameRow cut_frame(const Setup& setup, std::size_t index) {
     row.attitude = random_attitude(random, setup.options.max_tilt_deg);
     row.agl_m = setup.agl_m;
     const Eigen::Vector2d nadir_px = random_nadir_px(random, setup);
-    const GroundPlace place = ground_place(setup.crs, setup.ground.map_from_pixel, nadir_px);
-    if (!footprint_inside(setup.ground, place, setup.camera, row.attitude, row.agl_m)) continue;
-    const RenderedFrame frame = render_frame(setup.ground, place, setup.camera, row.attitude, row.agl_m);
+    const GraySource& ground = setup.ground.gray;
+    const GroundPlace place = ground_place(setup.ground.crs, ground.map_from_pixel, nadir_px);
+    if (!shows_ground(ground, place, setup, row.attitude)) continue;
+    if (!also_shows_ground(setup, place, row.attitude)) continue;
+    const RenderedFrame frame = render_frame(ground, place, setup.camera, row.attitude, row.agl_m);
     if (frame.valid_fraction < setup.options.min_valid) continue;
     fill_positions(random, setup, place, row);
     if (!cv::imwrite((setup.folder / row.file).string(), frame.gray, {cv::IMWRITE_JPEG_QUALITY, 95})) {
@@ -214,14 +249,18 @@ std::string camera_yaml(const Camera& camera) {
                   : matrix("distortion_coefficients", 5, {d[0], d[1], d[2], d[3], d[4]}));
 }
 
+Ground open_ground(const std::string& dataset, const ImageryOptions& options) {
+  return {stretch_to_8bit(open_gray(dataset, options)), inspect_imagery(dataset, options).crs};
+}
+
 Setup prepare(const CutOptions& options, const Invocation& invocation) {
   if (!options.region.empty() && options.region.size() != 4) throw UsageError("--region needs four numbers");
   Setup setup;
   setup.options = options;
   setup.seed = invocation.seed;
   setup.folder = invocation.output;
-  setup.ground = stretch_to_8bit(open_gray(invocation.inputs.front(), options.imagery));
-  setup.crs = inspect_imagery(invocation.inputs.front(), options.imagery).crs;
+  setup.ground = open_ground(invocation.inputs.front(), options.imagery);
+  if (!options.also.empty()) setup.also = open_ground(options.also, {});
   setup.camera = make_frame_camera(options);
   const Footprint at_1_m = footprint(setup.camera, {}, 1);
   if (!(at_1_m.across_m > 0)) throw UsageError("the camera sees no ground straight down");
