@@ -246,7 +246,7 @@ ChipPicture decode_chip(const MapChip& chip, const std::string& file) {
   for (const std::string& problem : {window_problem(chip.window), chip_problem(chip)}) {
     if (!problem.empty()) throw DataError(where + ": " + problem);
   }
-  if (chip.encoding == "gray8") {
+  if (chip.encoding == kGrayEncoding) {
     check_pixels(chip.window.width, chip.window.height, where);
     ChipPicture picture{cv::Mat(chip.window.height, chip.window.width, CV_8UC1), cv::Mat(), 1};
     std::copy(chip.data.begin(), chip.data.end(), picture.gray.data);

@@ -15,11 +15,8 @@ namespace pilotage {
 // G. Sapiro, "The LOCO-I lossless image compression algorithm", IEEE Trans. Image Processing 9(8), 2000), what the
 // prediction misses compressed with zstd (RFC 8878). Pixels without ground are a plane of bits.
 
+inline constexpr std::string_view kGrayEncoding = "gray8";
 inline constexpr std::string_view kChipEncoding = "chip1+zstd";
-/// Largest side of a chip's pixel in pixels of its level.
-inline constexpr int kMaxChipFactor = 64;
-/// Most pixels of one chip's picture: what a reader allocates is bounded by it.
-inline constexpr std::int64_t kMaxChipPixels = std::int64_t{1} << 22;
 
 /// A chip's pixels. Pixel (c, r) covers the square of `factor` × `factor` pixels of the level whose first is
 /// (window.col + c·factor, window.row + r·factor).
@@ -41,9 +38,9 @@ ChipPicture reduce_to_chip(const cv::Mat& gray, const cv::Mat& valid, int factor
 MapChip encode_chip(const ChipPicture& picture, std::int64_t tile_id, int level, std::int64_t col_px,
                     std::int64_t row_px, int gray_bits);
 
-/// The pixels of a chip with encoding kChipEncoding or "gray8" (factor 1, all valid). Whatever bytes it holds, the
-/// answer is a picture or a DataError that begins with `file` and names tile and level; at most 3·kMaxChipPixels bytes
-/// are allocated for it.
+/// The pixels of a chip with encoding kChipEncoding or kGrayEncoding (factor 1, all valid). Whatever bytes it holds,
+/// the answer is a picture or a DataError that begins with `file` and names tile and level; at most 3·kMaxChipPixels
+/// bytes are allocated for it.
 ChipPicture decode_chip(const MapChip& chip, const std::string& file);
 
 }  // namespace pilotage

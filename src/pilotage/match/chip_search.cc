@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/match/local_contrast.h"
 #include "pilotage/match/masked_correlation.h"
 
 namespace pilotage {
@@ -56,13 +57,21 @@ Canvas intersection(const Canvas& a, const Canvas& b) {
           std::min(a.top + a.height, b.top + b.height) - top};
 }
 
+/// What is compared of a picture.
+cv::Mat comparable(const cv::Mat& gray, const cv::Mat& valid, double contrast_sigma_px) {
+  if (contrast_sigma_px > 0) return local_contrast(gray, valid, contrast_sigma_px);
+  cv::Mat result;
+  gray.convertTo(result, CV_32F);
+  return result;
+}
+
 struct Warped {
   cv::Mat pixels;  // CV_32F
   cv::Mat valid;   // CV_8U: 255 where the four pixels that linear interpolation needs are valid
 };
 
 /// The frame turned, scaled and moved: canvas position p shows the frame at nadir + R(−yaw)·(p − move)/scale.
-Warped warp(const RectifiedFrame& frame, const ChipHypothesis& hypothesis, const Canvas& canvas,
+Warped warp(const RectifiedFrame& frame, const cv::Mat& pixels, const ChipHypothesis& hypothesis, const Canvas& canvas,
             const Eigen::Vector2d& move) {
   const double turn = hypothesis.yaw_deg * std::numbers::pi / 180;
   const double c = std::cos(turn) / hypothesis.scale;
@@ -75,9 +84,7 @@ Warped warp(const RectifiedFrame& frame, const ChipHypothesis& hypothesis, const
   const cv::Size size(canvas.width, canvas.height);
   constexpr int kFlags = cv::INTER_LINEAR | cv::WARP_INVERSE_MAP;
   Warped result;
-  cv::Mat gray;
-  cv::warpAffine(frame.gray, gray, map, size, kFlags, cv::BORDER_CONSTANT, 0);
-  gray.convertTo(result.pixels, CV_32F);
+  cv::warpAffine(pixels, result.pixels, map, size, kFlags, cv::BORDER_CONSTANT, 0);
   cv::warpAffine(frame.valid, result.valid, map, size, kFlags, cv::BORDER_CONSTANT, 0);
   result.valid = result.valid == 255;
   return result;
@@ -90,6 +97,11 @@ bool usable(const RectifiedFrame& frame) {
          nadir_of(frame).cwiseAbs().maxCoeff() < kMaxPositionPx / 4;
 }
 
+bool usable(const ChipSearchOptions& options) {
+  return options.contrast_sigma_px >= 0 && options.contrast_sigma_px <= 100 && options.min_overlap >= 0 &&
+         options.exclusion_px >= 0 && options.exclusion_px <= kMaxMosaicSidePx;
+}
+
 bool usable(const ChipMosaic& mosaic) {
   return mosaic.gray.type() == CV_8UC1 && !mosaic.gray.empty() && mosaic.valid.type() == CV_8UC1 &&
          mosaic.valid.size() == mosaic.gray.size() && mosaic.factor >= 1;
@@ -99,20 +111,24 @@ bool usable(const ChipHypothesis& hypothesis) {
   return std::isfinite(hypothesis.yaw_deg) && hypothesis.scale >= 0.5 && hypothesis.scale <= 2;
 }
 
-/// A rectangle of the mosaic that may reach beyond it, where nothing is valid.
+/// What is compared of a rectangle of the mosaic, which may reach beyond it, where nothing is valid.
 struct Region {
-  cv::Mat gray;
+  cv::Mat pixels;  // CV_32F
   cv::Mat valid;
 };
 
-Region cut_region(const ChipMosaic& mosaic, const cv::Rect& rect) {
-  Region region{cv::Mat::zeros(rect.size(), CV_8UC1), cv::Mat::zeros(rect.size(), CV_8UC1)};
-  const cv::Rect inside = rect & cv::Rect({0, 0}, mosaic.gray.size());
-  if (!inside.empty()) {
-    const cv::Rect to = inside - rect.tl();
-    mosaic.gray(inside).copyTo(region.gray(to));
-    mosaic.valid(inside).copyTo(region.valid(to));
-  }
+Region cut_region(const ChipMosaic& mosaic, const cv::Rect& rect, double contrast_sigma_px) {
+  // The surroundings that local contrast sees belong to it.
+  const int margin = static_cast<int>(std::ceil(4 * contrast_sigma_px));
+  const cv::Rect grown(rect.x - margin, rect.y - margin, rect.width + 2 * margin, rect.height + 2 * margin);
+  const cv::Rect whole({0, 0}, mosaic.gray.size());
+  Region region{cv::Mat::zeros(rect.size(), CV_32F), cv::Mat::zeros(rect.size(), CV_8UC1)};
+  const cv::Rect inside = rect & whole;
+  if (inside.empty()) return region;
+  const cv::Rect seen = grown & whole;
+  const cv::Mat pixels = comparable(mosaic.gray(seen), mosaic.valid(seen), contrast_sigma_px);
+  pixels(inside - seen.tl()).copyTo(region.pixels(inside - rect.tl()));
+  mosaic.valid(inside).copyTo(region.valid(inside - rect.tl()));
   return region;
 }
 
@@ -175,15 +191,16 @@ struct Templates {
 };
 
 std::optional<Templates> make_templates(const RectifiedFrame& frame, const std::vector<ChipHypothesis>& hypotheses,
-                                        const Eigen::Vector2d& move) {
+                                        const Eigen::Vector2d& move, double contrast_sigma_px) {
   Canvas canvas = bounds_of(frame, hypotheses.front());
   for (const ChipHypothesis& hypothesis : hypotheses) canvas = intersection(canvas, bounds_of(frame, hypothesis));
   if (canvas.width < 1 || canvas.height < 1) return std::nullopt;
   Templates result;
   result.move = move;
+  const cv::Mat pixels = comparable(frame.gray, frame.valid, contrast_sigma_px);
   result.mask = cv::Mat(canvas.height, canvas.width, CV_8UC1, cv::Scalar(255));
   for (const ChipHypothesis& hypothesis : hypotheses) {
-    const Warped warped = warp(frame, hypothesis, canvas, move);
+    const Warped warped = warp(frame, pixels, hypothesis, canvas, move);
     result.mask &= warped.valid;
     result.pixels.push_back(warped.pixels);
   }
@@ -191,7 +208,7 @@ std::optional<Templates> make_templates(const RectifiedFrame& frame, const std::
   if (used.empty()) return std::nullopt;
   result.canvas = {canvas.left + used.x, canvas.top + used.y, used.width, used.height};
   result.mask = result.mask(used);
-  for (cv::Mat& pixels : result.pixels) pixels = pixels(used);
+  for (cv::Mat& warped : result.pixels) warped = warped(used);
   return result;
 }
 
@@ -231,9 +248,11 @@ ChipMatch compare(const Templates& templates, const ChipMosaic& mosaic, const cv
                   const ChipSearchOptions& options, std::size_t& index) {
   ChipMatch match;
   const Canvas& canvas = templates.canvas;
-  const Region region = cut_region(mosaic, {cols.start + canvas.left, rows.start + canvas.top,
-                                            cols.size() - 1 + canvas.width, rows.size() - 1 + canvas.height});
-  const MaskedCorrelation correlation(templates.mask, region.gray, region.valid, options.min_overlap);
+  const Region region = cut_region(mosaic,
+                                   {cols.start + canvas.left, rows.start + canvas.top, cols.size() - 1 + canvas.width,
+                                    rows.size() - 1 + canvas.height},
+                                   options.contrast_sigma_px);
+  const MaskedCorrelation correlation(templates.mask, region.pixels, region.valid, options.min_overlap);
   const Best best = best_of(correlation, templates.pixels);
   if (best.ncc <= 0) return match;
   const Eigen::Vector2d at(cols.start + best.at.x, rows.start + best.at.y);
@@ -268,10 +287,11 @@ ChipMatch search_chips(const RectifiedFrame& frame, const ChipMosaic& mosaic, co
                        const ChipSearchOptions& options) {
   const bool hypotheses_usable =
       !hypotheses.empty() && std::all_of(hypotheses.begin(), hypotheses.end(), [](const auto& h) { return usable(h); });
-  if (!usable(frame) || !usable(mosaic) || !hypotheses_usable || !center_px.allFinite() || !(half_width_px >= 0)) {
+  if (!usable(options) || !usable(frame) || !usable(mosaic) || !hypotheses_usable || !center_px.allFinite() ||
+      !(half_width_px >= 0)) {
     return {};
   }
-  const auto templates = make_templates(frame, hypotheses, Eigen::Vector2d::Zero());
+  const auto templates = make_templates(frame, hypotheses, Eigen::Vector2d::Zero(), options.contrast_sigma_px);
   if (!templates) return {};
   const Eigen::Vector2d center = mosaic.mosaic_from_level(center_px);
   const auto [cols, rows] = positions(center, half_width_px / mosaic.factor, templates->canvas, mosaic);
@@ -288,11 +308,11 @@ ChipMatch confirm_chip_match(const RectifiedFrame& frame, const ChipMosaic& mosa
   ChipMatch match = candidate;
   match.found = false;
   const ChipHypothesis hypothesis{candidate.yaw_deg, candidate.scale};
-  if (!usable(frame) || !usable(mosaic) || !usable(hypothesis) || reach_px < 0) return match;
+  if (!usable(options) || !usable(frame) || !usable(mosaic) || !usable(hypothesis) || reach_px < 0) return match;
   const Eigen::Vector2d at = mosaic.mosaic_from_level(candidate.nadir_px);
   if (!(at.cwiseAbs().maxCoeff() < kMaxPositionPx)) return match;
   const Eigen::Vector2d whole = at.array().floor();
-  const auto templates = make_templates(frame, {hypothesis}, at - whole);
+  const auto templates = make_templates(frame, {hypothesis}, at - whole, options.contrast_sigma_px);
   if (!templates) return match;
   const auto [cols, rows] = positions(whole, reach_px, templates->canvas, mosaic);
   if (cols.empty() || rows.empty()) return match;

@@ -28,6 +28,9 @@ struct ChipHypothesis {
 std::vector<ChipHypothesis> chip_hypotheses(double yaw_deg, int yaw_steps, double scale, int scale_steps);
 
 struct ChipSearchOptions {
+  /// Frame and mosaic are compared after local_contrast() with this Gaussian, in pixels of the mosaic; 0 compares gray
+  /// values as they are.
+  double contrast_sigma_px = 1.5;
   /// Positions that share less than this part of the frame's pixels with the mosaic are not looked at.
   double min_overlap = 0.5;
   /// Rivals are farther from the best place than this, in pixels of the mosaic, along a row or a column.
