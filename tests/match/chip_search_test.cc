@@ -87,6 +87,7 @@ TEST_F(ChipSearch, FindsAFrameThatHalfLeavesTheMap) {
   ASSERT_TRUE(match.found);
   EXPECT_LT((match.nadir_px - mosaic_.level_from_mosaic(truth)).norm(), 0.2 * kFactor);
   EXPECT_NEAR(match.overlap, 0.62, 0.03);
+  EXPECT_NEAR(match.pixels, 0.62 * 50 * 36, 0.03 * 50 * 36);
   // The same beyond the mosaic's edge, where nothing is valid either.
   ChipMosaic cut = testing::mosaic_of(ground_(cv::Rect(64, 0, 86, 140)).clone(), 300 + 64 * kFactor, 600, kFactor);
   const ChipMatch at_edge = search_chips(frame, cut, level(78, 60), 15 * kFactor, one_);
@@ -111,7 +112,7 @@ TEST_F(ChipSearch, ARepeatedPlaceIsARival) {
   EXPECT_GT(both.rival_ncc, 0.95);
   ChipSearchOptions wide;
   wide.exclusion_px = 200;
-  EXPECT_EQ(search_chips(frame, map, level(70, 90), 40 * kFactor, one_, wide).rival_ncc, -1);
+  EXPECT_EQ(search_chips(frame, map, level(70, 90), 40 * kFactor, one_, wide).rival_ncc, 0);
 }
 
 TEST_F(ChipSearch, LooksOnlyWithinTheWindow) {

@@ -176,10 +176,9 @@ double highest_elsewhere(const cv::Mat& surface, const cv::Point& at, double exc
   const int reach = static_cast<int>(std::floor(exclusion));
   const cv::Rect lobe(at.x - reach, at.y - reach, 2 * reach + 1, 2 * reach + 1);
   mask(lobe & cv::Rect({0, 0}, surface.size())).setTo(0);
-  if (cv::countNonZero(mask) == 0) return -1;
-  double highest = -1;
-  cv::minMaxLoc(surface, nullptr, &highest, nullptr, nullptr, mask);
-  return std::max(highest, -1.0);
+  double highest = 0;
+  if (cv::countNonZero(mask) > 0) cv::minMaxLoc(surface, nullptr, &highest, nullptr, nullptr, mask);
+  return std::max(highest, 0.0);
 }
 
 /// The frame under all hypotheses, over the pixels that all of them show.
@@ -260,7 +259,8 @@ ChipMatch compare(const Templates& templates, const ChipMosaic& mosaic, const cv
   match.nadir_px = mosaic.level_from_mosaic(at + peak_offset(best.surface, best.at) + templates.move);
   match.ncc = best.ncc;
   match.rival_ncc = highest_elsewhere(best.highest, best.at, options.exclusion_px);
-  match.overlap = static_cast<double>(correlation.counts().at<float>(best.at)) / cv::countNonZero(templates.mask);
+  match.pixels = static_cast<int>(correlation.counts().at<float>(best.at));
+  match.overlap = static_cast<double>(match.pixels) / cv::countNonZero(templates.mask);
   index = best.index;
   return match;
 }
@@ -323,6 +323,7 @@ ChipMatch confirm_chip_match(const RectifiedFrame& frame, const ChipMosaic& mosa
   match.nadir_px = found.nadir_px;
   match.ncc = found.ncc;
   match.overlap = found.overlap;
+  match.pixels = found.pixels;
   return match;
 }
 

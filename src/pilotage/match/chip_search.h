@@ -42,9 +42,11 @@ struct ChipMatch {
   Eigen::Vector2d nadir_px{0, 0};  ///< Where the frame's nadir point lies, in pixels of the level; to a fraction.
   double yaw_deg = 0;              ///< The hypothesis of the best place.
   double scale = 1;
-  double ncc = 0;        ///< Its correlation, −1 … 1.
-  double rival_ncc = 0;  ///< The best elsewhere, over all hypotheses; −1 when there is no elsewhere.
-  double overlap = 0;    ///< Share of the frame's pixels that were compared there.
+  double ncc = 0;  ///< Its correlation, −1 … 1.
+  double rival_ncc =
+      0;               ///< The best elsewhere, over all hypotheses; 0 when nothing correlates or there is no elsewhere.
+  double overlap = 0;  ///< Share of the frame's pixels that were compared there.
+  int pixels = 0;      ///< Their number. Ground of another place correlates as 1/√pixels.
 };
 
 /// Compares the frame under every hypothesis at every whole mosaic pixel of the square of half side `half_width_px`
