@@ -66,8 +66,12 @@ void search(benchmark::State& state, bool hole) {
     if (!match.found || (match.nadir_px - expected).norm() > 1) state.SkipWithError("not found");
   }
 }
-void search_whole(benchmark::State& state) { search(state, false); }
-void search_with_hole(benchmark::State& state) { search(state, true); }
+void search_whole(benchmark::State& state) {
+  search(state, false);
+}
+void search_with_hole(benchmark::State& state) {
+  search(state, true);
+}
 BENCHMARK(search_whole)->Unit(benchmark::kMillisecond);
 BENCHMARK(search_with_hole)->Unit(benchmark::kMillisecond);
 
@@ -98,23 +102,6 @@ void match_template_masked(benchmark::State& state) {
   }
 }
 BENCHMARK(match_template_masked)->Unit(benchmark::kMillisecond);
-
-void dft_320(benchmark::State& state) {
-  cv::setNumThreads(1);
-  cv::Mat a(320, 320, CV_32F, cv::Scalar(1));
-  cv::randn(a, 0, 1);
-  cv::Mat b;
-  for (auto _ : state) cv::dft(a, b);
-}
-BENCHMARK(dft_320)->Unit(benchmark::kMillisecond);
-void idft_320(benchmark::State& state) {
-  cv::setNumThreads(1);
-  cv::Mat a(320, 320, CV_32F, cv::Scalar(1));
-  cv::randn(a, 0, 1);
-  cv::Mat b;
-  for (auto _ : state) cv::dft(a, b, cv::DFT_INVERSE|cv::DFT_SCALE|cv::DFT_REAL_OUTPUT, 151);
-}
-BENCHMARK(idft_320)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace pilotage

@@ -185,7 +185,11 @@ TEST(ChipCodec, NamesWhatIsWrong) {
   EXPECT_THAT(what_decoding_says(chip), HasSubstr("chip has encoding \"gray8+zlib\", expected gray8 or chip1+zstd"));
   chip = good;
   chip.window.width = 17;
-  EXPECT_THAT(what_decoding_says(chip), HasSubstr("17 × 16 px is not a multiple of its factor 2"));
+  EXPECT_THAT(what_decoding_says(chip),
+              HasSubstr("17 × 16 px from column 0, row 0 is not in multiples of its factor 2"));
+  chip = good;
+  chip.window.row = 5;
+  EXPECT_THAT(what_decoding_says(chip), HasSubstr("row 5 is not in multiples of its factor 2"));
   chip = good;
   chip.window.height = 18;
   EXPECT_THAT(what_decoding_says(chip), HasSubstr("not a zstd frame of 72 bytes"));

@@ -117,10 +117,10 @@ TEST_F(ChipMosaicTest, NamesDamagedAndForeignChips) {
   expect_error("has encoding");
   chip = good;
   ++chip.window.col;
-  expect_error("not on the grid of its neighbours");
+  expect_error("is not in multiples of its factor");
   chip =
       encode_chip({cv::Mat(8, 8, CV_8UC1, cv::Scalar(9)), cv::Mat(8, 8, CV_8UC1, cv::Scalar(255)), 4}, 9, 0, 96, 32, 8);
-  expect_error("not on the grid of its neighbours", "tile 15");  // tile 9 is nearer
+  expect_error("another size than its neighbours'", "tile 15");  // tile 9 is nearer
 }
 
 }  // namespace

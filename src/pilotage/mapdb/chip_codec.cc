@@ -160,10 +160,12 @@ Header read_header(const MapChip& chip, const std::string& where) {
       (header.gray.steps == 1 && range > 0) || (bytes[5] & ~kHasMask) != 0) {
     throw DataError(where + ": chip header is damaged");
   }
-  if (chip.window.width % header.factor != 0 || chip.window.height % header.factor != 0) {
-    throw DataError(where + ": chip window of " + std::to_string(chip.window.width) + " × " +
-                    std::to_string(chip.window.height) + " px is not a multiple of its factor " +
-                    std::to_string(header.factor));
+  const PixelWindow& window = chip.window;
+  if (window.width % header.factor != 0 || window.height % header.factor != 0 || window.col % header.factor != 0 ||
+      window.row % header.factor != 0) {
+    throw DataError(where + ": chip window of " + std::to_string(window.width) + " × " + std::to_string(window.height) +
+                    " px from column " + std::to_string(window.col) + ", row " + std::to_string(window.row) +
+                    " is not in multiples of its factor " + std::to_string(header.factor));
   }
   check_pixels(chip.window.width / header.factor, chip.window.height / header.factor, where);
   return header;

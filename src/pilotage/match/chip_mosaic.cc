@@ -97,10 +97,9 @@ ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& ce
     if (!chip || !touches(chip->window, square)) continue;
     const ChipPicture picture = decode_chip(*chip, map.name());
     if (mosaic.gray.empty()) mosaic = empty_mosaic(square, picture.factor);
-    if (picture.factor != mosaic.factor || chip->window.col % mosaic.factor != 0 ||
-        chip->window.row % mosaic.factor != 0) {
+    if (picture.factor != mosaic.factor) {
       throw DataError(map.name() + ": tile " + std::to_string(near.tile.tile_id) + ", level " + std::to_string(level) +
-                      ": its chip is not on the grid of its neighbours");
+                      ": its chip's pixels have another size than its neighbours'");
     }
     paste(picture, chip->window, mosaic);
   }
