@@ -198,7 +198,7 @@ Command make_match_command() {
                       {"A logged flight; judged where the truth is in the table.",
                        "pilotage match map.gpkg --frames frames.csv --camera camera.yaml -o fixes.csv"}};
   command.inputs = {
-      .name = "MAP", .help = "The map database, and the FRAME unless --frames is given.", .min = 1, .max = 2};
+      .name = "MAP [FRAME]", .help = "The map database, and the picture unless --frames is given.", .min = 1, .max = 2};
   command.output = {.kind = OutputKind::kFile, .help = "A table (CSV), one line for each frame.", .required = false};
   bind_options<MatchCommandOptions>(command, [](const MatchCommandOptions& options, const Invocation& invocation) {
     const bool single = invocation.inputs.size() > 1;
