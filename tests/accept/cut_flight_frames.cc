@@ -34,17 +34,17 @@ constexpr int kTriesPerFrame = 2000;
 constexpr int kProbeScale = 16;    // the probe's pixels are so much larger,
 constexpr double kProbeSlack = 8;  // and all of one counts as bad where a part is
 
-enum class Format { kJpg, kPng };
+enum class Format { kJpg, kPng, kPgm };
 EnumNames<Format> enum_names(Format) {
-  return {{Format::kJpg, "jpg"}, {Format::kPng, "png"}};
+  return {{Format::kJpg, "jpg"}, {Format::kPng, "png"}, {Format::kPgm, "pgm"}};
 }
 
 struct CutOptions {
   int frames = 500;
   double footprint_m = 154;
   double hfov_deg = 60;
-  int width_px = 640;
-  int height_px = 480;
+  std::optional<int> width_px;
+  std::optional<int> height_px;
   std::string camera;
   double max_tilt_deg = 5;
   double attitude_sigma_deg = 1;
@@ -63,8 +63,9 @@ struct CutOptions {
     fields.field("footprint_m", self.footprint_m, "Width on the ground of a frame taken straight down.",
                  Range{0.1, 1e5});
     fields.field("hfov_deg", self.hfov_deg, "Horizontal field of view of the ideal camera.", Range{1, 170});
-    fields.field("width_px", self.width_px, "Width of a frame.", Range{1, 10000});
-    fields.field("height_px", self.height_px, "Height of a frame.", Range{1, 10000});
+    fields.field("width_px", self.width_px, "Width of a frame: 640, or that of the calibration file.", Range{1, 10000});
+    fields.field("height_px", self.height_px, "Height of a frame: 480, or that of the calibration file.",
+                 Range{1, 10000});
     fields.path("camera", self.camera, "A calibration file instead of the ideal camera.");
     fields.field("max_tilt_deg", self.max_tilt_deg, "Largest angle of the belly from straight down.", Range{0, 45});
     fields.field("attitude_sigma_deg", self.attitude_sigma_deg,
@@ -110,8 +111,12 @@ struct FrameRow {
 };
 
 Camera make_frame_camera(const CutOptions& options) {
-  if (!options.camera.empty()) return read_camera_file(options.camera);
-  Camera camera{options.width_px, options.height_px};
+  if (!options.camera.empty()) {
+    const Camera camera = read_camera_file(options.camera);
+    return resized_camera(camera, options.width_px.value_or(camera.width_px),
+                          options.height_px.value_or(camera.height_px));
+  }
+  Camera camera{options.width_px.value_or(640), options.height_px.value_or(480)};
   camera.fx_px = camera.width_px / 2.0 / std::tan(options.hfov_deg / 2 * std::numbers::pi / 180);
   camera.fy_px = camera.fx_px;
   camera.cx_px = camera.width_px / 2.0;
@@ -162,8 +167,11 @@ void fill_positions(Random& random, const Setup& setup, const GroundPlace& place
 
 std::string frame_name(std::size_t index, Format format) {
   const std::string number = std::to_string(index);
-  return "frame_" + std::string(6 - std::min<std::size_t>(6, number.size()), '0') + number +
-         (format == Format::kPng ? ".png" : ".jpg");
+  std::string name = "frame_" + std::string(6 - std::min<std::size_t>(6, number.size()), '0') + number + ".";
+  for (const auto& [value, text] : enum_names(Format{})) {
+    if (value == format) name += text;
+  }
+  return name;
 }
 
 /// Whether a small picture of the same view is ground all over.
