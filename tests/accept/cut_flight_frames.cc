@@ -50,6 +50,7 @@ struct CutOptions {
   double attitude_sigma_deg = 1;
   double height_sigma = 0.03;
   double prior_offset_m = 60;
+  double prior_shift_m = 0;
   double prior_sigma_m = 30;
   double min_valid = 0.999;
   std::string also;
@@ -74,6 +75,9 @@ struct CutOptions {
                  Range{0, 0.3});
     fields.field("prior_offset_m", self.prior_offset_m,
                  "The prior is off by at most this to the east and to the north, uniformly.", Range{0, 1e5});
+    fields.field("prior_shift_m", self.prior_shift_m,
+                 "The prior is off by this besides, in any direction: beyond the window nothing may be found.",
+                 Range{0, 1e6});
     fields.field("prior_sigma_m", self.prior_sigma_m, "What the prior says of itself.", Range{0.01, 1e5});
     fields.field("min_valid", self.min_valid, "Least share of a frame that shows imagery.", Range{0, 1});
     fields.path("also", self.also,
@@ -156,7 +160,9 @@ void fill_positions(Random& random, const Setup& setup, const GroundPlace& place
   row.center = geodetic_from_pixel(transform, map_from_pixel, place.pixel_from_ground(*center_m));
   const double east_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
   const double north_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
-  row.prior = LocalFrame(row.nadir).geodetic_from_enu({east_m, north_m, 0});
+  const double direction = random.uniform(0, 2 * std::numbers::pi);
+  row.prior = LocalFrame(row.nadir).geodetic_from_enu(
+      {east_m + options.prior_shift_m * std::cos(direction), north_m + options.prior_shift_m * std::sin(direction), 0});
   row.told_attitude = row.attitude;
   for (double* angle_deg : {&row.told_attitude.yaw_deg, &row.told_attitude.pitch_deg, &row.told_attitude.roll_deg}) {
     *angle_deg += options.attitude_sigma_deg * random.normal();
