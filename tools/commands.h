@@ -13,5 +13,6 @@ Command make_build_command();
 Command make_report_command();
 Command make_inspect_command();
 Command make_verify_command();
+Command make_compare_command();
 
 }  // namespace pilotage
