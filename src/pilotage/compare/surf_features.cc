@@ -4,11 +4,12 @@
 #include <cmath>
 #include <cstdint>
 
-// SURF is all in dlib's headers. Without the bindings to BLAS, which it does not call, neither libdlib nor BLAS,
-// LAPACK and a Fortran runtime are loaded by every program.
+// SURF is all in dlib's headers. Without the bindings to BLAS, which it does not call, and the check that the program
+// links libdlib in the same configuration, nothing of dlib has to be linked.
 #include <dlib/assert.h>
 #undef DLIB_USE_BLAS
 #undef DLIB_USE_LAPACK
+#define DLIB_TEST_FOR_ODR_VIOLATIONS_H_
 #include <dlib/image_keypoint/surf.h>
 #include <dlib/opencv/cv_image.h>
 
