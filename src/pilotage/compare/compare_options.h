@@ -24,7 +24,7 @@ struct CompareOptions {
   double correct_within_m = 5;
   double ratio = 0.8;
   double ransac_threshold_px = 3;
-  int min_inliers = 10;
+  int min_inliers = 6;
   double max_scale_error = 0.25;
   FrameTruth truth = FrameTruth::kCenter;
   int picture_frame = 1;
