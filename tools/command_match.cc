@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "commands.h"
@@ -148,6 +149,12 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& 
   }
   const FrameColumns required = options.from_exif ? FrameColumns::kFileOnly : FrameColumns::kAll;
   const FrameTable table = frame_table_from_csv(options.frames, read_file(options.frames), {options.truth, required});
+  const bool has_truth = std::any_of(table.frames.begin(), table.frames.end(),
+                                     [](const FrameRecord& frame) { return frame.truth.has_value(); });
+  if (!has_truth && (options.require_correct_rate || options.require_false_rate)) {
+    throw UsageError(std::string(options.require_correct_rate ? "--require-correct-rate" : "--require-false-rate") +
+                     " needs the truth, which " + options.frames + " does not have (true_lon_deg, true_lat_deg)");
+  }
   return complete_frames(options.frames, table, sources_of(options, invocation.inputs.front()));
 }
 
@@ -195,6 +202,28 @@ Json stats_json(const MatchStats& stats) {
           {"confidence", json_number(stats.confidence)}};
 }
 
+Json taken_json(const std::vector<TakenField>& taken) {
+  Json list = Json::array();
+  for (const TakenField& one : taken) {
+    list.push_back({{"file", one.file}, {"field", one.field}, {"value", json_number(one.value)}, {"tag", one.tag}});
+  }
+  return list;
+}
+
+// One line for each field and tag, with the number of frames when there are several.
+std::string taken_text(const std::vector<TakenField>& taken) {
+  std::map<std::pair<std::string, std::string>, std::vector<double>> values;
+  for (const TakenField& one : taken) values[{one.field, one.tag}].push_back(one.value);
+  std::string text;
+  for (const auto& [key, numbers] : values) {
+    text += "from the picture: " + key.first +
+            (numbers.size() == 1 ? " = " + format_number(numbers.front())
+                                 : " of " + std::to_string(numbers.size()) + " frames") +
+            " (" + key.second + ")\n";
+  }
+  return text;
+}
+
 std::string fix_text(const Fix& fix) {
   const Eigen::Matrix2d& c = fix.covariance_en_m2;
   return "aircraft: lon " + format_fixed(fix.position.lon_deg, 7) + ", lat " + format_fixed(fix.position.lat_deg, 7) +
@@ -215,14 +244,14 @@ CommandResult tell_frame(const MatchCommandOptions& options, const FrameMatch& m
                  format_fixed(stats.vote_peak, 1) + ", rival " + format_fixed(stats.vote_rival, 1) + ", confidence " +
                  format_fixed(stats.confidence, 6) + "\n";
   if (options.timings) result.text += "time of matching: " + format_fixed(match.milliseconds, 1) + " ms\n";
-  for (const std::string& line : frames.taken) result.text += "taken: " + line + "\n";
+  result.text += taken_text(frames.taken);
   result.json = {{"frame", match.frame.file},
                  {"status", frame_status_name(match)},
                  {"reason", frame_status_text(match)},
                  {"fix", fix_json(match.result.fix, match.error)},
                  {"candidate", fix_json(match.result.candidate, match.candidate_error)},
                  {"stats", stats_json(stats)},
-                 {"taken", frames.taken}};
+                 {"taken", taken_json(frames.taken)}};
   if (options.timings) result.json["milliseconds"] = json_number(match.milliseconds);
   if (options.require_fix && !match.has_fix()) result.exit_code = kExitGateNotMet;
   return result;
@@ -232,15 +261,16 @@ CommandResult tell_flight(const MatchCommandOptions& options, const std::vector<
                           const FlightFrames& frames, const std::string& output) {
   const MatchEvaluation evaluation = evaluate_matches(matches, options.correct_within_m);
   CommandResult result;
-  result.text = evaluation_text(evaluation, options.timings);
+  result.text = evaluation_text(evaluation, options.timings) + taken_text(frames.taken);
   result.json = to_json(evaluation, options.timings);
   result.json["output"] = output.empty() ? Json(nullptr) : Json(output);
-  result.json["taken"] = frames.taken;
+  result.json["taken"] = taken_json(frames.taken);
   result.warnings = frames.warnings;
-  // Written so that a rate that is not defined fails.
-  const bool met = (!options.require_fix || evaluation.accepted > 0) &&
-                   (!options.require_correct_rate || evaluation.correct.rate >= *options.require_correct_rate) &&
-                   (!options.require_false_rate || evaluation.false_fixes.rate <= *options.require_false_rate);
+  const bool no_fix_is_false = evaluation.false_fixes.of == 0;
+  const bool met =
+      (!options.require_fix || evaluation.accepted > 0) &&
+      (!options.require_correct_rate || evaluation.correct.rate >= *options.require_correct_rate) &&
+      (!options.require_false_rate || no_fix_is_false || evaluation.false_fixes.rate <= *options.require_false_rate);
   if (!met) result.exit_code = kExitGateNotMet;
   return result;
 }

@@ -2,14 +2,9 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
-#include "pilotage/match/frame_exif.h"
 
 namespace pilotage {
 namespace {
-
-void take(const std::string& path, std::vector<std::string>& all, const std::vector<std::string>& more) {
-  for (const std::string& line : more) all.push_back(path + ": " + line);
-}
 
 std::optional<Camera> camera_without_exif(const FrameSources& sources) {
   return sources.given ? sources.given : sources.of_map;
@@ -31,11 +26,13 @@ FlightFrames complete_frame(const std::string& path, const FrameRecord& frame, c
   if (std::optional<Camera> own = exif && !sources.given ? exif_camera(*exif) : std::nullopt) {
     own->mount = sources.exif_mount;
     camera = own;
-    take(path, done.taken,
-         {"focal length = " + format_fixed(own->fx_px, 1) + " px (" + exif->focal_length_px->tag + ")"});
+    done.taken.push_back({frame.file, "camera.fx_px", own->fx_px, exif->focal_length_px->tag});
   }
   complete.camera = require_camera(camera, path);
-  if (exif) take(path, done.taken, fill_from_exif(complete.frame, *exif, complete.camera.mount));
+  if (exif) {
+    const std::vector<TakenField> filled = fill_from_exif(complete.frame, *exif, complete.camera.mount);
+    done.taken.insert(done.taken.end(), filled.begin(), filled.end());
+  }
   if (const std::vector<std::string> missing = missing_fields(complete.frame); !missing.empty()) {
     done.warnings.push_back(path + ": " + join(missing, ", ") + (missing.size() > 1 ? " are" : " is") + " not known");
   }

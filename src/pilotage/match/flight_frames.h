@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pilotage/camera/camera.h"
+#include "pilotage/match/frame_exif.h"
 #include "pilotage/mission/frame_table.h"
 
 namespace pilotage {
@@ -26,7 +27,7 @@ struct FrameSources {
 
 struct FlightFrames {
   std::vector<FlightFrame> frames;
-  std::vector<std::string> taken;     ///< What came from where, besides the command line and the table; for people.
+  std::vector<TakenField> taken;      ///< What came from the pictures; the focal length as "camera.fx_px".
   std::vector<std::string> warnings;  ///< Fields that a frame does not have at all (NaN): matching will refuse it.
 };
 

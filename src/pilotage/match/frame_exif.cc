@@ -88,7 +88,10 @@ std::optional<FromTag<Attitude>> find_attitude(const Tags& xmp, const std::strin
 /// The gimbal's frame has x along the view, y to the right and z down the image; a body with a camera looking down has
 /// x up the image and z along the view: a turn by 90° about y.
 Attitude body_of_gimbal(const Attitude& gimbal) {
-  return attitude_of(ned_from_body(gimbal) * rotation_zyx(0, 90, 0));
+  const Attitude body = attitude_of(ned_from_body(gimbal) * rotation_zyx(0, 90, 0));
+  // The tags have a tenth of a degree: without the noise of the sines, straight down is 0 and 0 again.
+  const auto rounded = [](double angle_deg) { return std::round(angle_deg * 1e9) / 1e9 + 0.0; };
+  return {rounded(body.yaw_deg), rounded(body.pitch_deg), rounded(body.roll_deg)};
 }
 
 /// Of a picture of another size than the one the tag speaks of: the width that EXIF states over the one it has.
@@ -167,13 +170,12 @@ std::optional<Camera> exif_camera(const FrameExif& exif) {
   return camera;
 }
 
-std::vector<std::string> fill_from_exif(FrameRecord& frame, const FrameExif& exif, const CameraMount& mount) {
-  std::vector<std::string> taken;
+std::vector<TakenField> fill_from_exif(FrameRecord& frame, const FrameExif& exif, const CameraMount& mount) {
+  std::vector<TakenField> taken;
   const auto fill = [&](const char* name, double& member, double value, const std::string& tag) {
     if (!std::isnan(member)) return;
     member = value;
-    const double for_people = std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no "-0"
-    taken.push_back(std::string(name) + " = " + format_number(for_people) + " (" + tag + ")");
+    taken.push_back({frame.file, name, value, tag});
   };
   if (exif.position) {
     fill("prior_lon_deg", frame.prior.lon_deg, exif.position->value.lon_deg, exif.position->tag);

@@ -44,10 +44,17 @@ FrameExif frame_exif(const ImageMetadata& metadata);
 /// An ideal camera with that focal length and the principal point in the middle; nothing without a focal length.
 std::optional<Camera> exif_camera(const FrameExif& exif);
 
-/// Fills what `frame` does not have (NaN) of prior, height_agl_m and attitude. The attitude is the gimbal's, brought to
-/// the aircraft that carries the camera at `mount`, else the flight's. Returns what was taken, for people: "yaw_deg =
-/// 45 (drone-dji:Gimbal…Degree)".
-std::vector<std::string> fill_from_exif(FrameRecord& frame, const FrameExif& exif, const CameraMount& mount);
+/// A number that was taken from a picture.
+struct TakenField {
+  std::string file;   ///< Of the frame, as the record has it.
+  std::string field;  ///< "yaw_deg".
+  double value = 0;
+  std::string tag;
+};
+
+/// Fills what `frame` does not have (NaN) of prior, height_agl_m and attitude, and returns what was taken. The attitude
+/// is the gimbal's, brought to the aircraft that carries the camera at `mount`, else the flight's.
+std::vector<TakenField> fill_from_exif(FrameRecord& frame, const FrameExif& exif, const CameraMount& mount);
 
 /// The names of the fields among prior_lon_deg, prior_lat_deg, prior_sigma_m, height_agl_m, yaw_deg, pitch_deg,
 /// roll_deg that `frame` does not have (NaN).

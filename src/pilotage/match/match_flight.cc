@@ -27,8 +27,9 @@ std::vector<FrameMatch> match_flight(const std::filesystem::path& map, const std
     report_progress(progress, "matching", ++done, total);
   });
   if (!matches.empty() && std::none_of(matches.begin(), matches.end(), [](const auto& m) { return m.readable(); })) {
-    throw DataError("not one of " + std::to_string(matches.size()) +
-                    " frames can be read; the first: " + matches.front().problem);
+    const std::string& problem = matches.front().problem;
+    if (matches.size() == 1) throw DataError(problem);
+    throw DataError("not one of " + std::to_string(matches.size()) + " frames can be read; the first: " + problem);
   }
   return matches;
 }

@@ -55,9 +55,14 @@ constexpr std::array<ColumnRule, kColumnCount> kColumns{{{"time_s", {-kAny, kAny
 
 constexpr int kUnknown = -1;
 constexpr int kFile = -2;
+constexpr int kNotUsed = -3;
+
+/// What a table may say of the truth besides, for other programs.
+constexpr std::array<std::string_view, 4> kNotUsedNames{"true_yaw_deg", "true_pitch_deg", "true_roll_deg",
+                                                        "true_height_agl_m"};
 
 struct Header {
-  std::vector<int> columns;  ///< What stands in each column of the file: an index into kColumns, kFile or kUnknown.
+  std::vector<int> columns;  ///< What stands in each column of the file: an index into kColumns, or one of the above.
   FrameColumns required = FrameColumns::kAll;
   std::array<Column, 2> truth{kTrueLon, kTrueLat};
   std::vector<std::string> warnings;
@@ -71,6 +76,7 @@ std::vector<std::string> known_names() {
 
 int column_of(const std::string& name) {
   if (name == "file") return kFile;
+  if (std::find(kNotUsedNames.begin(), kNotUsedNames.end(), name) != kNotUsedNames.end()) return kNotUsed;
   const auto found =
       std::find_if(kColumns.begin(), kColumns.end(), [&](const auto& rule) { return name == rule.name; });
   return found == kColumns.end() ? kUnknown : static_cast<int>(found - kColumns.begin());

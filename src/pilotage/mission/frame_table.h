@@ -52,11 +52,12 @@ struct FrameTableOptions {
 };
 
 /// Reads frames.csv. Columns by name, in any order; CRLF, quotes and a byte order mark are allowed; unknown columns are
-/// left out with a warning. Truth may be missing as a column or empty in a row, but only both of its coordinates.
-/// Throws DataError naming `name`, line, column, value and what is allowed: for a column that is missing or stands
-/// twice, a row with another number of cells, an empty file name, a cell that is empty or no number, or a number
-/// outside its range (longitude [−180, 360], latitude [−90, 90], angles [−360, 360], prior_sigma_m [0, 100000],
-/// height_agl_m [−1000, 100000], time_s finite), and for a table without a row.
+/// left out with a warning (true_yaw_deg, true_pitch_deg, true_roll_deg and true_height_agl_m without one). Truth may
+/// be missing as a column or empty in a row, but only both of its coordinates. Throws DataError naming `name`, line,
+/// column, value and what is allowed: for a column that is missing or stands twice, a row with another number of cells,
+/// an empty file name, a cell that is empty or no number, or a number outside its range (longitude [−180, 360],
+/// latitude [−90, 90], angles [−360, 360], prior_sigma_m [0, 100000], height_agl_m [−1000, 100000], time_s finite), and
+/// for a table without a row.
 FrameTable frame_table_from_csv(const std::string& name, std::string_view text, const FrameTableOptions& options = {});
 
 /// The file of a frame as it is to be opened: a relative one in the folder of the table.
