@@ -72,7 +72,7 @@ Command make_compare_command() {
 
     CommandResult result;
     summarise_for_people(comparison, result);
-    result.json = comparison_json(comparison, source);
+    result.json["methods"] = comparison_json(comparison, source)["methods"];
     result.json["outputs"] = nlohmann::ordered_json::array();
     for (const auto& file : written) result.json["outputs"].push_back(file.string());
     result.warnings = table.warnings;

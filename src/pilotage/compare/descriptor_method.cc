@@ -19,6 +19,9 @@ namespace {
 constexpr int kOrbFastThreshold = 5;
 constexpr double kSiftContrastThreshold = 0.01;
 
+// A descriptor of 31 px and its margins need as much; the pyramids of OpenCV and dlib fail on less than a few pixels.
+constexpr int kMinSidePx = 64;
+
 int brief_bits(DescriptorMethod method) {
   if (method == DescriptorMethod::kBrief128) return 128;
   return method == DescriptorMethod::kBrief256 ? 256 : 512;
@@ -89,6 +92,7 @@ DescribedImage describe_image(DescriptorMethod method, const cv::Mat& gray, cons
     throw UsageError("features need a gray image of 8 bits and a mask of its size");
   }
   if (max_features < 1) throw UsageError("max_features = " + std::to_string(max_features) + ": allowed is 1 or more");
+  if (std::min(gray.rows, gray.cols) < kMinSidePx) return {};
   switch (method) {
     case DescriptorMethod::kOrb:
       return opencv_features(

@@ -44,7 +44,8 @@ struct DescribedImage {
 ///
 /// Detectors' thresholds are low, so that each finds its number of features wherever there is texture. Detection and
 /// description are timed apart; OpenCV builds the image pyramid of ORB and of SIFT in both. Points and descriptors are
-/// deterministic. Throws UsageError for matrices other than these or max_features < 1.
+/// deterministic. An image with a side below 64 px has none. Throws UsageError for matrices other than these or
+/// max_features < 1.
 DescribedImage describe_image(DescriptorMethod method, const cv::Mat& gray, const cv::Mat& allowed, int max_features);
 
 }  // namespace pilotage

@@ -25,8 +25,6 @@ constexpr long kIntervals = 6;
 constexpr long kFirstStepPx = 2;
 constexpr double kBorderScales = 32;
 constexpr int kDescriptorSize = 64;
-// The filters of the first octave alone need more room than this.
-constexpr int kMinSidePx = 64;
 
 // Sums of up to 2³² pixels of 8 bits fit.
 using IntegralImage = dlib::integral_image_generic<std::int64_t>;
@@ -58,7 +56,6 @@ std::vector<dlib::interest_point> detect(const IntegralImage& image, const cv::M
 
 DescribedImage surf_features(const cv::Mat& gray, const cv::Mat& allowed, int max_features) {
   DescribedImage result;
-  if (std::min(gray.rows, gray.cols) < kMinSidePx) return result;
   Stopwatch watch;
   IntegralImage image;
   image.load(dlib::cv_image<unsigned char>(gray));
