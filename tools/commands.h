@@ -11,7 +11,9 @@ Command make_score_command();
 Command make_select_command();
 Command make_build_command();
 Command make_report_command();
+Command make_match_command();
 Command make_inspect_command();
 Command make_verify_command();
+Command make_compare_command();
 
 }  // namespace pilotage

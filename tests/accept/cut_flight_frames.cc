@@ -34,22 +34,23 @@ constexpr int kTriesPerFrame = 2000;
 constexpr int kProbeScale = 16;    // the probe's pixels are so much larger,
 constexpr double kProbeSlack = 8;  // and all of one counts as bad where a part is
 
-enum class Format { kJpg, kPng };
+enum class Format { kJpg, kPng, kPgm };
 EnumNames<Format> enum_names(Format) {
-  return {{Format::kJpg, "jpg"}, {Format::kPng, "png"}};
+  return {{Format::kJpg, "jpg"}, {Format::kPng, "png"}, {Format::kPgm, "pgm"}};
 }
 
 struct CutOptions {
   int frames = 500;
   double footprint_m = 154;
   double hfov_deg = 60;
-  int width_px = 640;
-  int height_px = 480;
+  std::optional<int> width_px;
+  std::optional<int> height_px;
   std::string camera;
   double max_tilt_deg = 5;
   double attitude_sigma_deg = 1;
   double height_sigma = 0.03;
   double prior_offset_m = 60;
+  double prior_shift_m = 0;
   double prior_sigma_m = 30;
   double min_valid = 0.999;
   std::string also;
@@ -63,8 +64,9 @@ struct CutOptions {
     fields.field("footprint_m", self.footprint_m, "Width on the ground of a frame taken straight down.",
                  Range{0.1, 1e5});
     fields.field("hfov_deg", self.hfov_deg, "Horizontal field of view of the ideal camera.", Range{1, 170});
-    fields.field("width_px", self.width_px, "Width of a frame.", Range{1, 10000});
-    fields.field("height_px", self.height_px, "Height of a frame.", Range{1, 10000});
+    fields.field("width_px", self.width_px, "Width of a frame: 640, or that of the calibration file.", Range{1, 10000});
+    fields.field("height_px", self.height_px, "Height of a frame: 480, or that of the calibration file.",
+                 Range{1, 10000});
     fields.path("camera", self.camera, "A calibration file instead of the ideal camera.");
     fields.field("max_tilt_deg", self.max_tilt_deg, "Largest angle of the belly from straight down.", Range{0, 45});
     fields.field("attitude_sigma_deg", self.attitude_sigma_deg,
@@ -73,6 +75,9 @@ struct CutOptions {
                  Range{0, 0.3});
     fields.field("prior_offset_m", self.prior_offset_m,
                  "The prior is off by at most this to the east and to the north, uniformly.", Range{0, 1e5});
+    fields.field("prior_shift_m", self.prior_shift_m,
+                 "The prior is off by this besides, in any direction: beyond the window nothing may be found.",
+                 Range{0, 1e6});
     fields.field("prior_sigma_m", self.prior_sigma_m, "What the prior says of itself.", Range{0.01, 1e5});
     fields.field("min_valid", self.min_valid, "Least share of a frame that shows imagery.", Range{0, 1});
     fields.path("also", self.also,
@@ -110,8 +115,12 @@ struct FrameRow {
 };
 
 Camera make_frame_camera(const CutOptions& options) {
-  if (!options.camera.empty()) return read_camera_file(options.camera);
-  Camera camera{options.width_px, options.height_px};
+  if (!options.camera.empty()) {
+    const Camera camera = read_camera_file(options.camera);
+    return resized_camera(camera, options.width_px.value_or(camera.width_px),
+                          options.height_px.value_or(camera.height_px));
+  }
+  Camera camera{options.width_px.value_or(640), options.height_px.value_or(480)};
   camera.fx_px = camera.width_px / 2.0 / std::tan(options.hfov_deg / 2 * std::numbers::pi / 180);
   camera.fy_px = camera.fx_px;
   camera.cx_px = camera.width_px / 2.0;
@@ -151,7 +160,9 @@ void fill_positions(Random& random, const Setup& setup, const GroundPlace& place
   row.center = geodetic_from_pixel(transform, map_from_pixel, place.pixel_from_ground(*center_m));
   const double east_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
   const double north_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
-  row.prior = LocalFrame(row.nadir).geodetic_from_enu({east_m, north_m, 0});
+  const double direction = random.uniform(0, 2 * std::numbers::pi);
+  row.prior = LocalFrame(row.nadir).geodetic_from_enu(
+      {east_m + options.prior_shift_m * std::cos(direction), north_m + options.prior_shift_m * std::sin(direction), 0});
   row.told_attitude = row.attitude;
   for (double* angle_deg : {&row.told_attitude.yaw_deg, &row.told_attitude.pitch_deg, &row.told_attitude.roll_deg}) {
     *angle_deg += options.attitude_sigma_deg * random.normal();
@@ -162,8 +173,11 @@ void fill_positions(Random& random, const Setup& setup, const GroundPlace& place
 
 std::string frame_name(std::size_t index, Format format) {
   const std::string number = std::to_string(index);
-  return "frame_" + std::string(6 - std::min<std::size_t>(6, number.size()), '0') + number +
-         (format == Format::kPng ? ".png" : ".jpg");
+  std::string name = "frame_" + std::string(6 - std::min<std::size_t>(6, number.size()), '0') + number + ".";
+  for (const auto& [value, text] : enum_names(Format{})) {
+    if (value == format) name += text;
+  }
+  return name;
 }
 
 /// Whether a small picture of the same view is ground all over.

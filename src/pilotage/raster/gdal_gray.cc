@@ -20,6 +20,7 @@
 namespace pilotage {
 namespace {
 
+constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 29;
 constexpr double kAverageAbove = 1.5;  // grid pixels per imagery pixel; docs/methods/imagery.md
 
 cv::Mat gray_from(const cv::Mat& pixels) {
@@ -192,10 +193,7 @@ cv::Mat to_8bit(const Raster& raster) {
   return merged;
 }
 
-}  // namespace
-
-GraySource open_gray(const std::string& dataset, const ImageryOptions& options) {
-  const ImageryInfo info = inspect_imagery(dataset, options);
+GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& options) {
   auto pool = std::make_shared<ViewPool>([info, options] { return std::make_unique<RasterView>(info, options); });
   pool->with_view([](const RasterView&) { return 0; });  // opening fails here rather than in the first read
   GraySource source;
@@ -211,6 +209,24 @@ GraySource open_gray(const std::string& dataset, const ImageryOptions& options) 
     return raster;
   };
   return source;
+}
+
+}  // namespace
+
+GraySource open_gray(const std::string& dataset, const ImageryOptions& options) {
+  return source_on_own_pixels(inspect_imagery(dataset, options), options);
+}
+
+cv::Mat read_gray8_picture(const std::string& dataset) {
+  const ImageryInfo info = inspect_picture(dataset);
+  if (std::int64_t{info.width_px} * info.height_px > kMaxPicturePixels) {
+    throw DataError(dataset + ": has " + std::to_string(info.width_px) + " x " + std::to_string(info.height_px) +
+                    " pixels, a frame at most " + std::to_string(kMaxPicturePixels));
+  }
+  const GraySource source = stretch_to_8bit(source_on_own_pixels(info, {}));
+  Raster raster = source.read({0, 0, info.width_px, info.height_px});
+  if (info.mask != MaskKind::kNone) raster.pixels.setTo(0, raster.valid == 0);
+  return raster.pixels;
 }
 
 GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs& crs,

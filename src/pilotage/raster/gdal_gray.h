@@ -31,6 +31,12 @@ namespace pilotage {
 /// throws DataError when data cannot be read.
 GraySource open_gray(const std::string& dataset, const ImageryOptions& options = {});
 
+/// A picture that needs no place on the ground, such as a frame of a camera: by the same rules, as it is stored (an
+/// orientation that EXIF states is not applied, because a calibration refers to the stored pixels), in 8 bits
+/// (stretch_to_8bit), 0 where it is not valid. Throws as inspect_picture, and DataError when it has more than 2^29
+/// pixels or its data cannot be read.
+cv::Mat read_gray8_picture(const std::string& dataset);
+
 /// One or several rasters of any CRS on a mission grid of width_px × height_px pixels, later ones on top where valid.
 /// `map_from_pixel` must be north-up (no rotation, y downwards), in `crs`. Overviews are used when the grid is coarser
 /// than the imagery. 8-bit imagery stays CV_8U; parts of different depths become CV_64F. Transform error at most 0.05

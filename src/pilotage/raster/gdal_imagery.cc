@@ -248,22 +248,36 @@ void add_warnings(GDALDataset& dataset, bool from_points, ImageryInfo& info) {
   }
 }
 
+ImageryInfo start_info(GDALDataset& opened, const std::string& dataset) {
+  ImageryInfo info;
+  info.dataset = dataset;
+  info.driver = opened.GetDriverName();
+  info.width_px = opened.GetRasterXSize();
+  info.height_px = opened.GetRasterYSize();
+  if (opened.GetRasterCount() == 0) {
+    const char* first = opened.GetMetadataItem("SUBDATASET_1_NAME", "SUBDATASETS");
+    throw DataError(dataset + ": has no band of pixels" +
+                    (first != nullptr ? "; it holds several rasters, the first is " + std::string(first) : ""));
+  }
+  return info;
+}
+
 }  // namespace
+
+ImageryInfo inspect_picture(const std::string& dataset) {
+  const DatasetPtr opened = open_raster(dataset);
+  const GdalErrors errors;
+  ImageryInfo info = start_info(*opened, dataset);
+  read_bands(*opened, {}, info);
+  info.acquired = find_acquisition_date(*opened);
+  return info;
+}
 
 ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options) {
   check_options(options);
   const DatasetPtr opened = open_raster(dataset);
   const GdalErrors errors;
-  ImageryInfo info;
-  info.dataset = dataset;
-  info.driver = opened->GetDriverName();
-  info.width_px = opened->GetRasterXSize();
-  info.height_px = opened->GetRasterYSize();
-  if (opened->GetRasterCount() == 0) {
-    const char* first = opened->GetMetadataItem("SUBDATASET_1_NAME", "SUBDATASETS");
-    throw DataError(dataset + ": has no band of pixels" +
-                    (first != nullptr ? "; it holds several rasters, the first is " + std::string(first) : ""));
-  }
+  ImageryInfo info = start_info(*opened, dataset);
   const Georeference georeference = find_georeference(*opened, dataset);
   info.map_from_pixel = georeference.map_from_pixel;
   info.crs = find_crs(georeference.reference, dataset, options.imagery_crs, info.warnings);

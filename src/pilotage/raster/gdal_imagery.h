@@ -97,6 +97,11 @@ struct ImageryInfo {
 /// none is given), no bands, or bands of a kind that cannot be made gray; UsageError when `options` do not fit it.
 ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options = {});
 
+/// The same of a picture whose place, if it has one, does not matter, such as a frame of a camera: map_from_pixel, crs,
+/// center and the ground sample distances keep their defaults. Throws DataError, naming the dataset, when it cannot be
+/// opened, has no bands, or bands of a kind that cannot be made gray.
+ImageryInfo inspect_picture(const std::string& dataset);
+
 /// The rectangle around a raster in another CRS; its edges are followed point by point because they may curve. Empty
 /// when no point of it has an image there.
 Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs);

@@ -1,0 +1,126 @@
+// One frame in, one fix out, as a program on board would do it: a map, a raw gray frame, what the navigation filter
+// believes, and the messages for ROS and MAVLink on standard output. README.md beside this file says how to run it.
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <pilotage/camera/camera_text.h>
+#include <pilotage/mapdb/map_reader.h>
+#include <pilotage/match/match.h>
+#include <pilotage/match/mavlink_position.h>
+#include <pilotage/match/nav_sat_fix.h>
+
+namespace {
+
+using Clock = std::chrono::system_clock;
+
+// A binary PGM with 8 bits: "P5", width, height, 255, one blank, the pixels. A camera driver hands over the same bytes.
+cv::Mat read_pgm(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string magic;
+  int width = 0;
+  int height = 0;
+  int white = 0;
+  file >> magic >> width >> height >> white;
+  if (!file || magic != "P5" || white != 255 || width < 1 || height < 1 || width > 32766 || height > 32766) {
+    throw std::runtime_error(path + ": not a binary PGM with 8 bits");
+  }
+  file.get();
+  cv::Mat frame(height, width, CV_8UC1);
+  file.read(reinterpret_cast<char*>(frame.data), static_cast<std::streamsize>(frame.total()));
+  if (!file) throw std::runtime_error(path + ": ends before its last pixel");
+  return frame;
+}
+
+// The camera that the map was planned for stands in it.
+pilotage::Camera camera_of(const pilotage::MapReader& map) {
+  const std::string prefix = "camera.";
+  pilotage::CameraText text;
+  for (const auto& entry : map.info().entries) {
+    if (entry.key.starts_with(prefix)) text.emplace_back(entry.key.substr(prefix.size()), entry.value);
+  }
+  return pilotage::camera_from_text("the map's camera", text);
+}
+
+// Without exceptions for what a sensor may deliver: match() has a status for everything.
+int print(const pilotage::MatchResult& result, const pilotage::FixAltitude& altitude, Clock::time_point exposure) {
+  const auto since_1970 = exposure.time_since_epoch();
+  const auto exposure_us = std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
+  const auto now_us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count();
+
+  const auto ros = pilotage::nav_sat_fix(
+      result, altitude, std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count(), "base_link");
+  std::printf("NavSatFix status %d latitude %.8f longitude %.8f altitude %.2f covariance_type %d covariance",
+              ros.status, ros.latitude, ros.longitude, ros.altitude, ros.position_covariance_type);
+  for (const double variance : ros.position_covariance) std::printf(" %.3f", variance);
+
+  pilotage::MavlinkSending sending;
+  sending.exposure_time_us = static_cast<std::uint64_t>(exposure_us);
+  sending.sending_time_us = static_cast<std::uint64_t>(now_us);
+  const auto mavlink = pilotage::mavlink_global_position_sensor(result, altitude, sending);
+  std::printf("\nGLOBAL_POSITION_SENSOR source %d flags %d lat %d lon %d alt_ellipsoid %.2f eph %.2f epv %.2f\n",
+              static_cast<int>(mavlink.source), mavlink.flags, mavlink.lat, mavlink.lon,
+              static_cast<double>(mavlink.alt_ellipsoid), static_cast<double>(mavlink.eph),
+              static_cast<double>(mavlink.epv));
+  std::printf("%s: %s (%d inliers, confidence %.5f)\n", std::string(match_status_name(result.status)).c_str(),
+              std::string(match_status_text(result.status)).c_str(), result.stats.inliers, result.stats.confidence);
+  return result.fix ? 0 : 3;
+}
+
+int run(const std::vector<std::string>& arguments) {
+  std::array<double, 8> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = std::stod(arguments[i + 2]);
+  const auto [lon_deg, lat_deg, sigma_m, height_agl_m, yaw_deg, pitch_deg, roll_deg, ground_ellipsoid_m] = numbers;
+
+  // Once, before the flight: the map, and the camera.
+  pilotage::MapReader map(arguments[0]);
+  const pilotage::Camera map_camera = camera_of(map);
+
+  // For each frame:
+  const Clock::time_point exposure = Clock::now();
+  const cv::Mat frame = read_pgm(arguments[1]);
+  // The same lens with fewer pixels; a frame of another shape is refused by match().
+  const bool same_shape = frame.cols * map_camera.height_px == frame.rows * map_camera.width_px;
+  const pilotage::Camera camera =
+      same_shape ? pilotage::resized_camera(map_camera, frame.cols, frame.rows) : map_camera;
+
+  pilotage::MatchPrior prior;
+  prior.position = {lon_deg, lat_deg};
+  prior.sigma_m = sigma_m;
+  prior.height_agl_m = height_agl_m;
+  prior.attitude = {yaw_deg, pitch_deg, roll_deg};
+  const pilotage::MatchResult result = pilotage::match(frame, prior, camera, map);
+
+  pilotage::FixAltitude altitude;
+  if (result.fix) {
+    const double not_known = std::numeric_limits<double>::quiet_NaN();
+    altitude = pilotage::altitude_over(*result.fix, ground_ellipsoid_m, not_known, 5);
+  }
+  return print(result, altitude, exposure);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.size() != 10) {
+    std::fprintf(stderr,
+                 "usage: %s MAP.gpkg FRAME.pgm LON_DEG LAT_DEG SIGMA_M HEIGHT_AGL_M YAW_DEG PITCH_DEG ROLL_DEG "
+                 "GROUND_ELLIPSOID_M|nan\n",
+                 argv[0]);
+    return 2;
+  }
+  try {
+    return run(arguments);
+  } catch (const std::exception& error) {  // a file that cannot be read, a number that is none
+    std::fprintf(stderr, "onboard_example: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pilotage/camera/attitude.h"
+#include "pilotage/camera/camera.h"
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mission/frame_table.h"
+#include "pilotage/raster/gdal_image_metadata.h"
+
+namespace pilotage {
+
+/// A value that came out of a picture, and from which of its tags.
+template <class Value>
+struct FromTag {
+  Value value;
+  std::string tag;
+};
+
+/// What a drone's picture says of how it was taken: EXIF, and XMP as DJI writes it (namespace
+/// http://www.dji.com/drone-dji/1.0/). Absent is what has no tag, or a tag that cannot be read.
+struct FrameExif {
+  /// drone-dji:GpsLatitude and GpsLongitude (also under DJI's misspelt GpsLongtitude), else EXIF's GPS position.
+  /// 0°, 0° stands for "no position".
+  std::optional<FromTag<GeodeticPoint>> position;
+  /// drone-dji:RelativeAltitude: above the place of take-off.
+  std::optional<FromTag<double>> height_m;
+  /// drone-dji:GimbalYawDegree, GimbalPitchDegree, GimbalRollDegree: attitude of the camera itself, here as that of an
+  /// aircraft whose camera looks straight down (CameraMount{}): gimbal pitch −90, roll 0 is pitch 0, roll 0.
+  std::optional<FromTag<Attitude>> camera_attitude;
+  /// drone-dji:FlightYawDegree, FlightPitchDegree, FlightRollDegree: attitude of the aircraft.
+  std::optional<FromTag<Attitude>> flight_attitude;
+  /// Focal length, in pixels, of the picture as it is, from the best tag there is: drone-dji:CalibratedFocalLength;
+  /// FocalLength with FocalPlaneXResolution; FocalLengthIn35mmFilm.
+  std::optional<FromTag<double>> focal_length_px;
+  int width_px = 0;
+  int height_px = 0;
+};
+
+FrameExif frame_exif(const ImageMetadata& metadata);
+
+/// An ideal camera with that focal length and the principal point in the middle; nothing without a focal length.
+std::optional<Camera> exif_camera(const FrameExif& exif);
+
+/// A number that was taken from a picture.
+struct TakenField {
+  std::string file;   ///< Of the frame, as the record has it.
+  std::string field;  ///< "yaw_deg".
+  double value = 0;
+  std::string tag;
+};
+
+/// Fills what `frame` does not have (NaN) of prior, height_agl_m and attitude, and returns what was taken. The attitude
+/// is the gimbal's, brought to the aircraft that carries the camera at `mount`, else the flight's.
+std::vector<TakenField> fill_from_exif(FrameRecord& frame, const FrameExif& exif, const CameraMount& mount);
+
+/// The names of the fields among prior_lon_deg, prior_lat_deg, prior_sigma_m, height_agl_m, yaw_deg, pitch_deg,
+/// roll_deg that `frame` does not have (NaN).
+std::vector<std::string> missing_fields(const FrameRecord& frame);
+
+/// Yaw, pitch, roll of a rotation from body to north, east, down: the inverse of ned_from_body(). Yaw in [−180, 180],
+/// pitch in [−90, 90]; roll is 0 where the nose points straight up or down.
+Attitude attitude_of(const Eigen::Matrix3d& ned_from_body);
+
+}  // namespace pilotage

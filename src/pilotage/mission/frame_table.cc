@@ -1,0 +1,177 @@
+#include "pilotage/mission/frame_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "pilotage/base/csv.h"
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kAny = std::numeric_limits<double>::max();
+
+/// The numbers of a row, in the order of kColumns.
+enum Column : std::size_t {
+  kTime,
+  kPriorLon,
+  kPriorLat,
+  kPriorSigma,
+  kHeight,
+  kYaw,
+  kPitch,
+  kRoll,
+  kTrueLon,
+  kTrueLat,
+  kNadirLon,
+  kNadirLat,
+  kColumnCount,
+};
+using Numbers = std::array<double, kColumnCount>;
+
+struct ColumnRule {
+  const char* name;
+  Range range;
+  bool is_truth = false;
+};
+
+constexpr std::array<ColumnRule, kColumnCount> kColumns{{{"time_s", {-kAny, kAny}},
+                                                         {"prior_lon_deg", {-180, 360}},
+                                                         {"prior_lat_deg", {-90, 90}},
+                                                         {"prior_sigma_m", {0, 100000}},
+                                                         {"height_agl_m", {-1000, 100000}},
+                                                         {"yaw_deg", {-360, 360}},
+                                                         {"pitch_deg", {-360, 360}},
+                                                         {"roll_deg", {-360, 360}},
+                                                         {"true_lon_deg", {-180, 360}, true},
+                                                         {"true_lat_deg", {-90, 90}, true},
+                                                         {"true_nadir_lon_deg", {-180, 360}, true},
+                                                         {"true_nadir_lat_deg", {-90, 90}, true}}};
+
+constexpr int kUnknown = -1;
+constexpr int kFile = -2;
+constexpr int kNotUsed = -3;
+
+/// What a table may say of the truth besides, for other programs.
+constexpr std::array<std::string_view, 4> kNotUsedNames{"true_yaw_deg", "true_pitch_deg", "true_roll_deg",
+                                                        "true_height_agl_m"};
+
+struct Header {
+  std::vector<int> columns;  ///< What stands in each column of the file: an index into kColumns, or one of the above.
+  FrameColumns required = FrameColumns::kAll;
+  std::array<Column, 2> truth{kTrueLon, kTrueLat};
+  std::vector<std::string> warnings;
+};
+
+std::vector<std::string> known_names() {
+  std::vector<std::string> names{"file"};
+  for (const ColumnRule& rule : kColumns) names.emplace_back(rule.name);
+  return names;
+}
+
+int column_of(const std::string& name) {
+  if (name == "file") return kFile;
+  if (std::find(kNotUsedNames.begin(), kNotUsedNames.end(), name) != kNotUsedNames.end()) return kNotUsed;
+  const auto found =
+      std::find_if(kColumns.begin(), kColumns.end(), [&](const auto& rule) { return name == rule.name; });
+  return found == kColumns.end() ? kUnknown : static_cast<int>(found - kColumns.begin());
+}
+
+Header read_header(const CsvReader& reader, const std::vector<std::string>& names, const FrameTableOptions& options) {
+  Header header;
+  header.required = options.required;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i)) {
+      throw DataError(reader.where() + "column \"" + names[i] + "\" stands twice");
+    }
+    header.columns.push_back(column_of(names[i]));
+    if (header.columns.back() != kUnknown) continue;
+    const std::string nearest = nearest_word(names[i], known_names());
+    const bool misspelt = !nearest.empty() && std::find(names.begin(), names.end(), nearest) == names.end();
+    header.warnings.push_back(reader.where() + "column \"" + names[i] + "\" is not known and not used" +
+                              (misspelt ? "; is it \"" + nearest + "\"?" : ""));
+  }
+  const auto has = [&](int column) {
+    return std::find(header.columns.begin(), header.columns.end(), column) != header.columns.end();
+  };
+  if (options.truth == FrameTruth::kNadir && (has(kNadirLon) || has(kNadirLat))) header.truth = {kNadirLon, kNadirLat};
+  const auto need = [&](int column, const std::string& name) {
+    if (has(column)) return;
+    throw DataError(reader.where() + "column \"" + name + "\" is missing; the columns are " + join(names, ", "));
+  };
+  need(kFile, "file");
+  for (std::size_t i = 0; i < kColumns.size() && options.required == FrameColumns::kAll; ++i) {
+    if (!kColumns[i].is_truth) need(static_cast<int>(i), kColumns[i].name);
+  }
+  return header;
+}
+
+double read_number(const CsvReader& reader, const ColumnRule& rule, const std::string& cell, bool required) {
+  if (cell.empty() && !required) return kNaN;
+  const std::optional<double> value = parse_number(cell);
+  if (value && *value >= rule.range.min && *value <= rule.range.max) return *value;
+  const bool any = rule.range.max == kAny;
+  throw DataError(reader.where() + rule.name + " = \"" + cell.substr(0, 40) + "\" is not a number" +
+                  (any ? "" : " in [" + format_number(rule.range.min) + ", " + format_number(rule.range.max) + "]"));
+}
+
+std::optional<GeodeticPoint> read_truth(const CsvReader& reader, const Numbers& numbers, Column lon, Column lat) {
+  const bool lon_given = !std::isnan(numbers[lon]);
+  if (lon_given != !std::isnan(numbers[lat])) {
+    throw DataError(reader.where() + kColumns[lon_given ? lon : lat].name + " is given, " +
+                    kColumns[lon_given ? lat : lon].name + " is not");
+  }
+  if (!lon_given) return std::nullopt;
+  return GeodeticPoint{wrap_lon_deg(numbers[lon]), numbers[lat]};
+}
+
+FrameRecord read_row(const CsvReader& reader, const Header& header, const std::vector<std::string>& cells) {
+  if (cells.size() != header.columns.size()) {
+    throw DataError(reader.where() + std::to_string(cells.size()) + " cells, expected " +
+                    std::to_string(header.columns.size()));
+  }
+  FrameRecord frame;
+  Numbers numbers;
+  numbers.fill(kNaN);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (header.columns[i] == kFile) frame.file = cells[i];
+    if (header.columns[i] < 0) continue;
+    const auto column = static_cast<std::size_t>(header.columns[i]);
+    const bool needed = header.required == FrameColumns::kAll && !kColumns[column].is_truth;
+    numbers[column] = read_number(reader, kColumns[column], cells[i], needed);
+  }
+  if (frame.file.empty()) throw DataError(reader.where() + "file is empty");
+  frame.time_s = numbers[kTime];
+  frame.prior = {std::isnan(numbers[kPriorLon]) ? kNaN : wrap_lon_deg(numbers[kPriorLon]), numbers[kPriorLat]};
+  frame.prior_sigma_m = numbers[kPriorSigma];
+  frame.height_agl_m = numbers[kHeight];
+  frame.attitude = {numbers[kYaw], numbers[kPitch], numbers[kRoll]};
+  frame.truth = read_truth(reader, numbers, header.truth[0], header.truth[1]);
+  return frame;
+}
+
+}  // namespace
+
+FrameTable frame_table_from_csv(const std::string& name, std::string_view text, const FrameTableOptions& options) {
+  CsvReader reader(name, text);
+  std::vector<std::string> cells;
+  if (!reader.next(cells)) throw DataError(name + ": empty, expected a table of frames");
+  const Header header = read_header(reader, cells, options);
+  FrameTable table;
+  table.warnings = header.warnings;
+  while (reader.next(cells)) table.frames.push_back(read_row(reader, header, cells));
+  if (table.frames.empty()) throw DataError(name + ": has no frame, only a line of names");
+  return table;
+}
+
+std::string frame_path(const std::string& table_path, const std::string& file) {
+  return (std::filesystem::path(table_path).parent_path() / file).string();
+}
+
+}  // namespace pilotage

@@ -1,0 +1,78 @@
+"""What the acceptance tests of `match` share: maps of whole rasters, frames with truth, and what came of them."""
+
+import csv
+import json
+import subprocess
+
+from acceptance import check, run
+from whole_map import make_whole_map
+
+CAMERA = (60, 640, 480)  # degrees, pixels: that of cut_flight_frames
+
+
+def cut(tool, raster, folder, **options):
+    """Frames of a raster; options as of cut_flight_frames: cut(…, footprint_m=154, frames=100). Returns the folder."""
+    flags = [part for name, value in options.items() for part in ("--" + name.replace("_", "-"), value)]
+    run(tool, raster, "-o", folder, *flags)
+    return folder
+
+
+def move_priors(folder, other):
+    """Makes the frames of a folder claim to be where those of another one are: frames over the wrong map."""
+    with open(folder / "frames.csv", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    with open(other / "frames.csv", newline="") as stream:
+        claims = list(csv.DictReader(stream))
+    for i, row in enumerate(rows):
+        for name in ("prior_lon_deg", "prior_lat_deg", "prior_sigma_m"):
+            row[name] = claims[i % len(claims)][name]
+    with open(folder / "frames.csv", "w", newline="") as stream:
+        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def fly(pilotage, map_path, folder, *options):
+    """Matches the frames of a folder; returns what `match --json` says of them."""
+    done = subprocess.run(
+        [str(part) for part in (pilotage, "match", map_path, "--frames", folder / "frames.csv", "--camera",
+                                folder / "camera.yaml", "-o", folder / "fixes.csv", "--overwrite", "--json", "-q",
+                                *options)],
+        text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    check(done.returncode == 0, f"match: exit {done.returncode}\n{done.stdout}{done.stderr}")
+    return json.loads(done.stdout)
+
+
+def percent(rate):
+    low, high = rate["low"], rate["high"]
+    return f"{rate['count']} of {rate['of']} ({100 * low:.1f} to {100 * high:.1f} %)"
+
+
+def tell(what, told):
+    """One line for people."""
+    refused = ", ".join(f"{count} {name}" for name, count in told["refused"].items())
+    text = f"{what}: correct {percent(told['correct_fixes'])}, false among accepted {told['false_fixes']['count']} of " \
+           f"{told['false_fixes']['of']}; refused: {refused or 'none'}"
+    if told["accepted"]:
+        text += f"; error {told['median_error_m']:.2f} m median, {told['p95_error_m']:.2f} m 95 %, NEES mean of the " \
+                f"correct {told['nees_correct']['mean']:.2f}"
+    print(text, flush=True)
+
+
+def check_rates(what, told, least_correct, most_false):
+    """Shares: correct fixes of all frames, false fixes of the accepted ones."""
+    tell(what, told)
+    check(told["correct_fixes"]["count"] >= least_correct * told["frames"], f"{what}: fewer than {least_correct} correct")
+    check(told["false_fixes"]["count"] <= most_false * max(1, told["accepted"]),
+          f"{what}: more than {most_false} of the accepted are false")
+
+
+def check_none(what, told, allowed=0):
+    """Frames of which none has its ground in the window: every fix is a false one."""
+    print(f"{what}: {told['accepted']} of {told['frames']} accepted", flush=True)
+    check(told["accepted"] <= allowed, f"{what}: {told['accepted']} accepted, not at most {allowed}")
+
+
+def whole_map(pilotage, raster, path, footprint_m, build_args=()):
+    make_whole_map(pilotage, raster, path, (footprint_m,), CAMERA, (), build_args)
+    return path

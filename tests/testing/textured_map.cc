@@ -1,0 +1,147 @@
+#include "testing/textured_map.h"
+
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "pilotage/base/options.h"
+#include "pilotage/base/random.h"
+#include "pilotage/camera/camera_text.h"
+#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/mapdb/map_writer.h"
+
+namespace pilotage::testing {
+namespace {
+
+constexpr int kTiles = 3;
+constexpr int kTilePx = 128;
+constexpr int kSizePx = kTiles * kTilePx;
+constexpr double kGsd_m = 0.5;
+constexpr double kWest_m = 380000;
+constexpr double kNorth_m = 6440192;
+
+/// Noise of two scales, the coarser one the stronger.
+cv::Mat texture() {
+  Random random(seed_from_name("texture"));
+  const auto noise = [&](double sigma_px) {
+    cv::Mat white(kSizePx, kSizePx, CV_32F);
+    for (int row = 0; row < kSizePx; ++row) {
+      for (int col = 0; col < kSizePx; ++col) white.at<float>(row, col) = static_cast<float>(random.normal());
+    }
+    cv::Mat smooth;
+    cv::GaussianBlur(white, smooth, {}, sigma_px);
+    return cv::Mat(smooth * (2 * sigma_px * std::sqrt(std::numbers::pi)));  // unit variance again
+  };
+  cv::Mat gray;
+  cv::Mat(128 + 30 * noise(3) + 20 * noise(1)).convertTo(gray, CV_8U);
+  return gray;
+}
+
+MapLevel level_of(const TexturedGround& ground) {
+  MapLevel level;
+  level.gsd_m = kGsd_m;
+  level.min_agl_m = ground.agl_m * 0.7;
+  level.max_agl_m = ground.agl_m * 1.4;
+  TileMatrix& matrix = level.matrix;
+  matrix.map_from_pixel = ground.gray.map_from_pixel;
+  matrix.grid_width_px = matrix.grid_height_px = kSizePx;
+  matrix.tile_size_px = matrix.stride_px = kTilePx;
+  return level;
+}
+
+MapTile tile_of(const TileMatrix& matrix, int column, int row, const Crs& crs) {
+  const CrsTransform transform(crs);
+  const PixelWindow window = matrix.tile_window(column, row);
+  MapTile tile;
+  tile.tile_id = row * kTiles + column;
+  tile.column = column;
+  tile.row = row;
+  const Eigen::Vector2d corner(static_cast<double>(window.col), static_cast<double>(window.row));
+  tile.bounds.extend(matrix.map_from_pixel.map_from_pixel(corner));
+  tile.bounds.extend(matrix.map_from_pixel.map_from_pixel(corner + Eigen::Vector2d(window.width, window.height)));
+  tile.center = *transform.geodetic_from_map(tile.bounds.center_m());
+  tile.enu_from_grid = enu_from_grid(tile.bounds.center_m(), 100,
+                                     [&](const Eigen::Vector2d& point) { return transform.geodetic_from_map(point); });
+  return tile;
+}
+
+/// The features that lie in the tile, relative to it.
+TileDescriptors descriptors_of(const MapTile& tile, const PixelWindow& window, const FeatureSet& all) {
+  TileDescriptors stored;
+  stored.tile_id = tile.tile_id;
+  stored.window = window;
+  stored.features.descriptor_bytes = all.descriptor_bytes;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Feature feature = all.features[i];
+    feature.x_px -= static_cast<float>(window.col);
+    feature.y_px -= static_cast<float>(window.row);
+    const bool inside = feature.x_px >= 0 && feature.x_px < static_cast<float>(window.width) && feature.y_px >= 0 &&
+                        feature.y_px < static_cast<float>(window.height);
+    if (!inside) continue;
+    stored.features.features.push_back(feature);
+    stored.features.descriptors.insert(stored.features.descriptors.end(), all.descriptor(i),
+                                       all.descriptor(i) + all.descriptor_bytes);
+  }
+  return stored;
+}
+
+MapChip chip_of(const MapTile& tile, const PixelWindow& window, const GraySource& gray) {
+  const cv::Mat pixels = gray.read(window).pixels.clone();
+  return {tile.tile_id, 0, window, "gray8", std::vector<std::uint8_t>(pixels.datastart, pixels.dataend)};
+}
+
+}  // namespace
+
+TexturedGround make_textured_ground() {
+  TexturedGround ground;
+  Raster raster{texture(), cv::Mat(kSizePx, kSizePx, CV_8U, cv::Scalar(255)),
+                GeoTransform::north_up(kWest_m, kNorth_m, kGsd_m)};
+  ground.gray = gray_source_from(raster);
+  ground.crs = Crs::from_user_input("EPSG:32750");
+  ground.center =
+      geodetic_from_pixel(CrsTransform(ground.crs), raster.map_from_pixel, Eigen::Vector2d::Constant(kSizePx / 2.0));
+  ground.camera = {160, 120, 140, 140, 80, 60};
+  ground.agl_m = 60;
+  return ground;
+}
+
+void write_textured_map(const std::filesystem::path& path, const TexturedGround& ground,
+                        const FeatureOptions& options) {
+  MapHeader header;
+  header.crs = {ground.crs.name(), ground.crs.wkt(), ground.crs.authority()};
+  header.description = "A map of random texture.";
+  header.chips = true;
+  header.levels = {level_of(ground)};
+  const TileMatrix matrix = header.levels.front().matrix;
+  MapWriter writer(path, header, true);
+  for (const auto& [key, value] : camera_to_text(ground.camera)) writer.add_info("camera." + key, value);
+  FeatureOptions copy = options;
+  for (const OptionField& field : list_options(copy).fields) {
+    writer.add_info("features." + field.path, option_to_text(field.get()));
+  }
+  const FeatureSet all = extract_features_of_map(ground.gray, {{0, 0, kSizePx, kSizePx}}, options, 1);
+  std::vector<MapTile> tiles;
+  for (int id = 0; id < kTiles * kTiles; ++id) {
+    tiles.push_back(tile_of(matrix, id % kTiles, id / kTiles, ground.crs));
+    writer.add_tile(tiles.back(), {});
+  }
+  for (const MapTile& tile : tiles) {
+    writer.add_descriptors(descriptors_of(tile, matrix.tile_window(tile.column, tile.row), all));
+  }
+  for (const MapTile& tile : tiles) {
+    writer.add_chip(chip_of(tile, matrix.tile_window(tile.column, tile.row), ground.gray));
+  }
+  writer.finish();
+}
+
+RenderedFrame frame_over(const TexturedGround& ground, double east_m, double north_m, const Attitude& attitude,
+                         double agl_m) {
+  GroundPlace place = ground_place(ground.crs, ground.gray.map_from_pixel, Eigen::Vector2d::Constant(kSizePx / 2.0));
+  place.nadir_px = place.pixel_from_ground({east_m, north_m});
+  return render_frame(ground.gray, place, ground.camera, attitude, agl_m);
+}
+
+}  // namespace pilotage::testing

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/camera/attitude.h"
+#include "pilotage/camera/camera.h"
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/raster/gray_source.h"
+#include "pilotage/scene/render_frame.h"
+#include "pilotage/vision/features.h"
+
+namespace pilotage::testing {
+
+/// Ground of random texture, 192 m × 192 m at 0.5 m per pixel on UTM, of which a map and frames are made in
+/// milliseconds.
+struct TexturedGround {
+  GraySource gray;
+  Crs crs;
+  GeodeticPoint center;
+  Camera camera;     ///< 160 × 120 px, 69 m wide from agl_m.
+  double agl_m = 0;  ///< The height that the map's one level is for.
+};
+
+TexturedGround make_textured_ground();
+
+/// Writes a map of it: 3 × 3 tiles with all their features and chips ("gray8"), as `pilotage build` would.
+void write_textured_map(const std::filesystem::path& path, const TexturedGround& ground,
+                        const FeatureOptions& features = {});
+
+/// What the camera sees from `east_m`, `north_m` of the centre.
+RenderedFrame frame_over(const TexturedGround& ground, double east_m, double north_m, const Attitude& attitude,
+                         double agl_m);
+
+}  // namespace pilotage::testing

@@ -1,0 +1,220 @@
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <optional>
+
+#include "commands.h"
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/camera/camera_options.h"
+#include "pilotage/match/fix_table.h"
+#include "pilotage/match/flight_frames.h"
+#include "pilotage/match/frame_exif.h"
+#include "pilotage/match/match_evaluation.h"
+#include "pilotage/match/match_flight.h"
+#include "pilotage/match/match_json.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+struct MatchCommandOptions {
+  std::string frames;
+  std::optional<double> prior_lon_deg;
+  std::optional<double> prior_lat_deg;
+  std::optional<double> prior_sigma_m;
+  std::optional<double> height_agl_m;
+  std::optional<double> yaw_deg;
+  std::optional<double> pitch_deg;
+  std::optional<double> roll_deg;
+  bool from_exif = false;
+  CameraOptions camera;
+  std::optional<double> true_lon_deg;
+  std::optional<double> true_lat_deg;
+  FrameTruth truth = FrameTruth::kCenter;
+  double correct_within_m = 5;
+  bool timings = true;
+  bool require_fix = false;
+  std::optional<double> require_correct_rate;
+  std::optional<double> require_false_rate;
+  MatchOptions match;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.path("frames", self.frames, "A logged flight instead of one frame: frames.csv.");
+    fields.field("prior_lon_deg", self.prior_lon_deg, "Where the aircraft believes to be.", Range{-180, 360});
+    fields.field("prior_lat_deg", self.prior_lat_deg, "Where the aircraft believes to be.", Range{-90, 90});
+    fields.field("prior_sigma_m", self.prior_sigma_m,
+                 "Standard deviation of that, along each of the two horizontal axes.", Range{0, 100000});
+    fields.field("height_agl_m", self.height_agl_m, "Height above the ground.", Range{-1000, 100000});
+    fields.field("yaw_deg", self.yaw_deg, "Heading of the nose, clockwise from true north.", Range{-360, 360});
+    fields.field("pitch_deg", self.pitch_deg, "Above 0 raises the nose.", Range{-360, 360});
+    fields.field("roll_deg", self.roll_deg, "Above 0 lowers the right wing.", Range{-360, 360});
+    fields.field("from_exif", self.from_exif,
+                 "Take from the pictures' EXIF and XMP (DJI) what is not given: position, height, attitude, focal "
+                 "length.");
+    fields.group("camera", self.camera, "The camera; without any of these the map's own.");
+    fields.field("true_lon_deg", self.true_lon_deg, "Where the frame really is, to judge the answer.",
+                 Range{-180, 360});
+    fields.field("true_lat_deg", self.true_lat_deg, "Where the frame really is, to judge the answer.", Range{-90, 90});
+    fields.field("truth", self.truth,
+                 "What the true point is: the ground at the centre of the image, or straight below the aircraft.");
+    fields.field("correct_within_m", self.correct_within_m, "A fix with a larger error is false.", Range{0.001, 1e6});
+    fields.field("timings", self.timings,
+                 "Say how long matching took; without it the outputs are the same bytes in every run.");
+    fields.field("require_fix", self.require_fix, "Exit with 3 when there is no fix (in a flight: not a single one).");
+    fields.field("require_correct_rate", self.require_correct_rate, "Exit with 3 when correct fixes / frames is lower.",
+                 Range{0, 1});
+    fields.field("require_false_rate", self.require_false_rate, "Exit with 3 when false fixes / fixes is higher.",
+                 Range{0, 1});
+    fields.group("match", self.match, "How sure the prior is, how far is searched, what is accepted.",
+                 FlagPrefix::kNone);
+  }
+};
+
+// The fields of one frame that a table has as columns.
+std::vector<std::pair<std::string, std::optional<double>>> fields_of_one_frame(const MatchCommandOptions& options) {
+  return {{"prior_lon_deg", options.prior_lon_deg},
+          {"prior_lat_deg", options.prior_lat_deg},
+          {"prior_sigma_m", options.prior_sigma_m},
+          {"height_agl_m", options.height_agl_m},
+          {"yaw_deg", options.yaw_deg},
+          {"pitch_deg", options.pitch_deg},
+          {"roll_deg", options.roll_deg},
+          {"true_lon_deg", options.true_lon_deg},
+          {"true_lat_deg", options.true_lat_deg}};
+}
+
+std::string flag_of(std::string field) {
+  std::replace(field.begin(), field.end(), '_', '-');
+  return "--" + field;
+}
+
+FrameRecord record_of_options(const MatchCommandOptions& options, const std::string& path) {
+  FrameRecord frame;
+  frame.file = path;
+  frame.time_s = kNaN;
+  frame.prior = {options.prior_lon_deg ? wrap_lon_deg(*options.prior_lon_deg) : kNaN,
+                 options.prior_lat_deg.value_or(kNaN)};
+  frame.prior_sigma_m = options.prior_sigma_m.value_or(kNaN);
+  frame.height_agl_m = options.height_agl_m.value_or(kNaN);
+  frame.attitude = {options.yaw_deg.value_or(kNaN), options.pitch_deg.value_or(kNaN), options.roll_deg.value_or(kNaN)};
+  if (options.require_correct_rate || options.require_false_rate) {
+    throw UsageError("--require-correct-rate and --require-false-rate are for flights: give --frames");
+  }
+  if (options.true_lon_deg.has_value() != options.true_lat_deg.has_value()) {
+    throw UsageError("--true-lon-deg and --true-lat-deg go together: give both or none");
+  }
+  if (options.true_lon_deg) frame.truth = {wrap_lon_deg(*options.true_lon_deg), *options.true_lat_deg};
+  return frame;
+}
+
+FrameSources sources_of(const MatchCommandOptions& options, const std::string& map_path) {
+  const CameraOptions& camera = options.camera;
+  const CameraMount mount{camera.mount_yaw_deg, camera.mount_pitch_deg, camera.mount_roll_deg};
+  FrameSources sources;
+  sources.from_exif = options.from_exif;
+  sources.exif_mount = mount;
+  const bool given = !camera.file.empty() || camera.hfov_deg || camera.width_px || camera.height_px ||
+                     camera.sensor_width_mm || camera.sensor_height_mm || camera.focal_length_mm;
+  if (given) sources.given = make_camera(camera);
+  sources.of_map = camera_of_map(map_path, MapReader(map_path).info());
+  if (sources.of_map && !(mount == CameraMount{})) sources.of_map->mount = mount;
+  return sources;
+}
+
+FlightFrames one_frame(const MatchCommandOptions& options, const Invocation& invocation) {
+  const std::string& path = invocation.inputs[1];
+  const FrameRecord record = record_of_options(options, path);
+  FlightFrames frames = complete_frame(path, record, sources_of(options, invocation.inputs.front()));
+  std::vector<std::string> missing = missing_fields(frames.frames.front().frame);
+  if (missing.empty()) return frames;
+  for (std::string& field : missing) field = flag_of(field);
+  throw UsageError(join(missing, ", ") + (missing.size() > 1 ? " are" : " is") + " missing" +
+                   (options.from_exif ? ", and not in the EXIF of " + path
+                                      : "; --from-exif takes what a drone's picture says of itself"));
+}
+
+FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& invocation) {
+  for (const auto& [field, value] : fields_of_one_frame(options)) {
+    if (value) throw UsageError(flag_of(field) + " and --frames exclude each other: the table says it of each frame");
+  }
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.frames, invocation.output, ignored)) {
+    throw UsageError("--output = \"" + invocation.output + "\" is also an input");
+  }
+  const FrameColumns required = options.from_exif ? FrameColumns::kFileOnly : FrameColumns::kAll;
+  const FrameTable table = frame_table_from_csv(options.frames, read_file(options.frames), {options.truth, required});
+  const bool has_truth = std::any_of(table.frames.begin(), table.frames.end(),
+                                     [](const FrameRecord& frame) { return frame.truth.has_value(); });
+  if (!has_truth && (options.require_correct_rate || options.require_false_rate)) {
+    throw UsageError(std::string(options.require_correct_rate ? "--require-correct-rate" : "--require-false-rate") +
+                     " needs the truth, which " + options.frames + " does not have (true_lon_deg, true_lat_deg)");
+  }
+  return complete_frames(options.frames, table, sources_of(options, invocation.inputs.front()));
+}
+
+CommandResult tell_frame(const MatchCommandOptions& options, const FrameMatch& match, const FlightFrames& frames) {
+  CommandResult result;
+  result.text = frame_match_text(match, options.timings) + taken_text(frames.taken);
+  result.json = to_json(match, frames.taken, options.timings);
+  if (options.require_fix && !match.has_fix()) result.exit_code = kExitGateNotMet;
+  return result;
+}
+
+CommandResult tell_flight(const MatchCommandOptions& options, const std::vector<FrameMatch>& matches,
+                          const FlightFrames& frames, const std::string& output) {
+  const MatchEvaluation evaluation = evaluate_matches(matches, options.correct_within_m);
+  CommandResult result;
+  result.text = evaluation_text(evaluation, options.timings) + taken_text(frames.taken);
+  result.json = to_json(evaluation, options.timings);
+  result.json["output"] = output.empty() ? Json(nullptr) : Json(output);
+  result.json["taken"] = to_json(frames.taken);
+  result.warnings = frames.warnings;
+  const bool no_fix_is_false = evaluation.false_fixes.of == 0;
+  const bool met =
+      (!options.require_fix || evaluation.accepted > 0) &&
+      (!options.require_correct_rate || evaluation.correct.rate >= *options.require_correct_rate) &&
+      (!options.require_false_rate || no_fix_is_false || evaluation.false_fixes.rate <= *options.require_false_rate);
+  if (!met) result.exit_code = kExitGateNotMet;
+  return result;
+}
+
+}  // namespace
+
+Command make_match_command() {
+  Command command;
+  command.word = "match";
+  command.group = CommandGroup::kFlight;
+  command.summary = "Find the place of a frame, or of a whole flight, on the map";
+  command.examples = {{"One frame, with what the aircraft knows.",
+                       "pilotage match map.gpkg frame.jpg --prior-lon-deg 16.5 --prior-lat-deg 55.5 --prior-sigma-m 25 "
+                       "--height-agl-m 120 --yaw-deg 152 --pitch-deg 1.5 --roll-deg -0.8 --camera camera.yaml"},
+                      {"A logged flight; judged where the truth is in the table.",
+                       "pilotage match map.gpkg --frames frames.csv --camera camera.yaml -o fixes.csv"}};
+  command.inputs = {
+      .name = "MAP [FRAME]", .help = "The map database, and the picture unless --frames is given.", .min = 1, .max = 2};
+  command.output = {.kind = OutputKind::kFile, .help = "A table (CSV), one line for each frame.", .required = false};
+  bind_options<MatchCommandOptions>(command, [](const MatchCommandOptions& options, const Invocation& invocation) {
+    const bool single = invocation.inputs.size() > 1;
+    if (single == !options.frames.empty()) {
+      throw UsageError(single ? "FRAME and --frames exclude each other" : "FRAME is missing: a picture, or --frames");
+    }
+    const FlightFrames frames = single ? one_frame(options, invocation) : whole_flight(options, invocation);
+    const std::vector<FrameMatch> matches = match_flight(invocation.inputs.front(), frames.frames, options.match,
+                                                         options.truth, invocation.threads, invocation.progress);
+    if (!invocation.output.empty()) {
+      write_file(invocation.output, fix_table_to_csv(matches, options.timings), invocation.overwrite);
+    }
+    return single ? tell_frame(options, matches.front(), frames)
+                  : tell_flight(options, matches, frames, invocation.output);
+  });
+  return command;
+}
+
+}  // namespace pilotage
