@@ -86,9 +86,10 @@ cv::Mat histogram_of(const std::vector<Pair>& pairs, const SearchSpace& space, c
   const int bins = static_cast<int>(2 * space.half_width_px / kVoteBinPx) + 3;
   cv::Mat histogram = cv::Mat::zeros(bins, bins, CV_32FC1);
   const Eigen::Vector2d corner_px = space.center_px - Eigen::Vector2d::Constant(space.half_width_px + kVoteBinPx / 2);
+  const PlacementTransform transform(turned);
   for (const Pair& pair : pairs) {
     if (space.oriented && distance_of_angles(pair.turn_rad, turned.yaw_rad) > max_turn_error_rad) continue;
-    const Eigen::Vector2d place = (pair.map_px - turned.map_from_frame(pair.from_pivot_px) - corner_px) / kVoteBinPx;
+    const Eigen::Vector2d place = (pair.map_px - transform.map_from_frame(pair.from_pivot_px) - corner_px) / kVoteBinPx;
     if (!(place.minCoeff() >= 0 && place.maxCoeff() < bins)) continue;
     histogram.at<float>(static_cast<int>(place.y()), static_cast<int>(place.x())) += static_cast<float>(pair.weight);
   }
@@ -133,17 +134,11 @@ std::vector<Candidate> separated(std::vector<Candidate> candidates, std::size_t 
 }  // namespace
 
 Eigen::Vector2d Placement::map_from_frame(const Eigen::Vector2d& from_pivot_px) const {
-  const double c = scale * std::cos(yaw_rad);
-  const double s = scale * std::sin(yaw_rad);
-  return center_px +
-         Eigen::Vector2d(c * from_pivot_px.x() - s * from_pivot_px.y(), s * from_pivot_px.x() + c * from_pivot_px.y());
+  return PlacementTransform(*this).map_from_frame(from_pivot_px);
 }
 
 Eigen::Vector2d Placement::frame_from_map(const Eigen::Vector2d& map_px) const {
-  const Eigen::Vector2d d = (map_px - center_px) / scale;
-  const double c = std::cos(yaw_rad);
-  const double s = std::sin(yaw_rad);
-  return {c * d.x() + s * d.y(), -s * d.x() + c * d.y()};
+  return PlacementTransform(*this).frame_from_map(map_px);
 }
 
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,

@@ -31,9 +31,23 @@ class GuidedSearch {
  public:
   GuidedSearch(const PivotedFrame& frame, const LocalMap& map) : frame_(frame), map_(map) {}
 
+  /// The features of the map that may lie on a point of the frame, in their order: the others are too far from the
+  /// centre for any turn.
+  std::vector<std::size_t> features_within(const Placement& placement) const {
+    const double reach_px = placement.scale * (frame_.radius_px + frame_.grid.step_px);
+    std::vector<std::size_t> within;
+    for (std::size_t i = 0; i < map_.features.size(); ++i) {
+      const Feature& feature = map_.features.features[i];
+      const double dx = static_cast<double>(feature.x_px) - placement.center_px.x();
+      const double dy = static_cast<double>(feature.y_px) - placement.center_px.y();
+      if (dx * dx + dy * dy <= reach_px * reach_px) within.push_back(i);
+    }
+    return within;
+  }
+
   /// The best pair for a feature within `reach` grid steps of its expected place, or nothing when the frame has no
   /// point there.
-  std::optional<GuidedPair> find(std::size_t feature, const Placement& placement, int reach) const {
+  std::optional<GuidedPair> find(std::size_t feature, const PlacementTransform& placement, int reach) const {
     const FrameGrid& grid = frame_.grid;
     const Feature& of_map = map_.features.features[feature];
     GuidedPair pair;
@@ -95,11 +109,11 @@ class GuidedSearch {
 /// Weighted least squares for center, a = scale·cos(yaw), b = scale·sin(yaw), with the prior's turn and scale.
 class SimilarityFit {
  public:
-  explicit SimilarityFit(const Placement& start) : start_(start) {}
+  explicit SimilarityFit(const Placement& start) : start_(start), transform_(start) {}
 
   void add(const GuidedPair& pair) {
     const double nearness = std::max(0.0, 1 - pair.distance / kFitDistance);
-    const double error_px = (pair.map_px - start_.map_from_frame(pair.from_pivot_px)).norm();
+    const double error_px = (pair.map_px - transform_.map_from_frame(pair.from_pivot_px)).norm();
     const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
     if (weight <= 0) return;
     Eigen::Matrix<double, 2, 4> jacobian;
@@ -132,6 +146,7 @@ class SimilarityFit {
 
  private:
   Placement start_;
+  PlacementTransform transform_;
   Eigen::Matrix4d normal_ = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right_ = Eigen::Vector4d::Zero();
   double weight_ = 0;
@@ -158,8 +173,9 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
   for (std::size_t round = 0; round < kReach.size(); ++round) {
     const bool last = round + 1 == kReach.size();
     SimilarityFit fit(match.placement);
-    for (std::size_t feature = 0; feature < map.features.size(); ++feature) {
-      const auto pair = search.find(feature, match.placement, kReach[round]);
+    const PlacementTransform transform(match.placement);
+    for (const std::size_t feature : search.features_within(match.placement)) {
+      const auto pair = search.find(feature, transform, kReach[round]);
       if (!pair) continue;
       if (last) {
         ++match.expected;
@@ -175,12 +191,13 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
 
 std::vector<GuidedPair> supporting_pairs(const PivotedFrame& frame, const LocalMap& map, const Placement& placement) {
   const GuidedSearch search(frame, map);
+  const PlacementTransform transform(placement);
   std::vector<GuidedPair> pairs;
-  for (std::size_t feature = 0; feature < map.features.size(); ++feature) {
-    auto pair = search.find(feature, placement, 1);
+  for (const std::size_t feature : search.features_within(placement)) {
+    auto pair = search.find(feature, transform, 1);
     if (!pair || !supports(*pair)) continue;
     pair->from_pivot_px = search.between_points(*pair);
-    pair->residual_px = (pair->map_px - placement.map_from_frame(pair->from_pivot_px)).norm();
+    pair->residual_px = (pair->map_px - transform.map_from_frame(pair->from_pivot_px)).norm();
     pairs.push_back(*pair);
   }
   return pairs;
