@@ -62,12 +62,16 @@ class GuidedSearch {
     std::array<const std::uint8_t*, (2 * kMaxReach + 1) * (2 * kMaxReach + 1)> candidates;
     std::array<std::int32_t, (2 * kMaxReach + 1) * (2 * kMaxReach + 1)> points;
     std::size_t count = 0;
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        const std::int32_t point = grid.at(static_cast<int>(column) + x, static_cast<int>(row) + y);
-        if (point < 0) continue;
-        candidates[count] = grid.points.descriptor(static_cast<std::size_t>(point));
-        points[count++] = point;
+    const int middle_column = static_cast<int>(column);
+    const int middle_row = static_cast<int>(row);
+    const int first_column = std::max(middle_column - reach, 0);
+    const int last_column = std::min(middle_column + reach, grid.columns - 1);
+    for (int y = std::max(middle_row - reach, 0); y <= std::min(middle_row + reach, grid.rows - 1); ++y) {
+      const std::int32_t* const in_row = grid.index.data() + static_cast<std::ptrdiff_t>(y) * grid.columns;
+      for (int x = first_column; x <= last_column; ++x) {
+        if (in_row[x] < 0) continue;
+        candidates[count] = grid.points.descriptor(static_cast<std::size_t>(in_row[x]));
+        points[count++] = in_row[x];
       }
     }
     const NearestDescriptor nearest = nearest_descriptor(map_.features.descriptor(feature), candidates.data(), count,
@@ -113,14 +117,28 @@ class SimilarityFit {
 
   void add(const GuidedPair& pair) {
     const double nearness = std::max(0.0, 1 - pair.distance / kFitDistance);
-    const double error_px = (pair.map_px - transform_.map_from_frame(pair.from_pivot_px)).norm();
-    const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
-    if (weight <= 0) return;
-    Eigen::Matrix<double, 2, 4> jacobian;
+    if (nearness <= 0) return;
     const Eigen::Vector2d& o = pair.from_pivot_px;
-    jacobian << 1, 0, o.x(), -o.y(), 0, 1, o.y(), o.x();
-    normal_ += weight * jacobian.transpose() * jacobian;
-    right_ += weight * jacobian.transpose() * pair.map_px;
+    const Eigen::Vector2d& m = pair.map_px;
+    const double error_px = (m - transform_.map_from_frame(o)).norm();
+    const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
+    // The sums of weight · Jᵀ J, its lower half, and weight · Jᵀ m for J = (1, 0, x, −y; 0, 1, y, x), spelt out for
+    // speed.
+    const double wx = weight * o.x();
+    const double wy = weight * o.y();
+    normal_(0, 0) += weight;
+    normal_(1, 1) += weight;
+    normal_(2, 0) += wx;
+    normal_(2, 1) += wy;
+    normal_(3, 0) -= wy;
+    normal_(3, 1) += wx;
+    normal_(3, 2) += wx * o.y() - wy * o.x();  // what rounding leaves
+    normal_(2, 2) += wx * o.x() + wy * o.y();
+    normal_(3, 3) += wx * o.x() + wy * o.y();
+    right_(0) += weight * m.x();
+    right_(1) += weight * m.y();
+    right_(2) += wx * m.x() + wy * m.y();
+    right_(3) += wx * m.y() - wy * m.x();
     weight_ += nearness * nearness;
     ++pairs_;
   }
