@@ -19,9 +19,28 @@ struct Pair {
   double weight = 0;
 };
 
-double distance_of_angles(double a_rad, double b_rad) {
-  return std::abs(std::remainder(a_rad - b_rad, 2 * std::numbers::pi));
-}
+/// Pairs with a column for each number, so that many are turned at once.
+struct PairColumns {
+  explicit PairColumns(const std::vector<Pair>& pairs) {
+    const auto count = static_cast<Eigen::Index>(pairs.size());
+    for (Eigen::ArrayXd* column : {&frame_x_px, &frame_y_px, &map_x_px, &map_y_px}) column->resize(count);
+    weight.reserve(pairs.size());
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Pair& pair = pairs[static_cast<std::size_t>(i)];
+      frame_x_px(i) = pair.from_pivot_px.x();
+      frame_y_px(i) = pair.from_pivot_px.y();
+      map_x_px(i) = pair.map_px.x();
+      map_y_px(i) = pair.map_px.y();
+      weight.push_back(static_cast<float>(pair.weight));
+    }
+  }
+
+  Eigen::ArrayXd frame_x_px;  ///< From the frame's pivot.
+  Eigen::ArrayXd frame_y_px;
+  Eigen::ArrayXd map_x_px;
+  Eigen::ArrayXd map_y_px;
+  std::vector<float> weight;
+};
 
 /// Where in the frame a map feature may appear: its place under the middle of the search space, and how far off.
 struct Reach {
@@ -45,13 +64,14 @@ std::vector<Pair> similar_pairs(const PivotedFrame& frame, const LocalMap& map, 
     windows.push_back({reach.center_px.x() - reach.half_width_px, reach.center_px.y() - reach.half_width_px,
                        reach.center_px.x() + reach.half_width_px, reach.center_px.y() + reach.half_width_px});
   }
-  const HammingMatches nearest = index.find_nearest(map.features, windows, kVoteNeighbours);
   const double limit_bits = kVoteDistance * 8 * map.features.descriptor_bytes;
+  const HammingMatches nearest = index.find_nearest(map.features, windows, kVoteNeighbours, best_hamming_path(),
+                                                    static_cast<std::uint32_t>(std::ceil(limit_bits)) - 1);
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < map.features.size(); ++i) {
     const Feature& of_map = map.features.features[i];
     for (const HammingMatch& match : nearest.of_query(i)) {
-      if (!match.found() || match.distance >= limit_bits) break;
+      if (!match.found()) break;
       const Feature& of_frame = frame.grid.points.features[match.index];
       const double nearness = 1 - match.distance / limit_bits;
       pairs.push_back(
@@ -81,16 +101,38 @@ std::vector<double> yaw_hypotheses_rad(const SearchSpace& space, double step_rad
   return values;
 }
 
-cv::Mat histogram_of(const std::vector<Pair>& pairs, const SearchSpace& space, const Placement& turned,
-                     double max_turn_error_rad) {
+/// The pairs whose angles tell about this turn.
+std::vector<Pair> pairs_turned_by(const std::vector<Pair>& pairs, double yaw_rad, double max_error_rad) {
+  std::vector<Pair> turned;
+  for (const Pair& pair : pairs) {
+    double error_rad =
+        std::abs(pair.turn_rad - yaw_rad);  // below 3π: two angles differ by less than 2π, yaw is within π
+    if (error_rad > std::numbers::pi) error_rad = std::abs(error_rad - 2 * std::numbers::pi);
+    if (error_rad <= max_error_rad) turned.push_back(pair);
+  }
+  return turned;
+}
+
+cv::Mat histogram_of(const PairColumns& pairs, const SearchSpace& space, const Placement& turned) {
+  constexpr Eigen::Index kChunk = 512;
   const int bins = static_cast<int>(2 * space.half_width_px / kVoteBinPx) + 3;
   cv::Mat histogram = cv::Mat::zeros(bins, bins, CV_32FC1);
   const Eigen::Vector2d corner_px = space.center_px - Eigen::Vector2d::Constant(space.half_width_px + kVoteBinPx / 2);
-  for (const Pair& pair : pairs) {
-    if (space.oriented && distance_of_angles(pair.turn_rad, turned.yaw_rad) > max_turn_error_rad) continue;
-    const Eigen::Vector2d place = (pair.map_px - turned.map_from_frame(pair.from_pivot_px) - corner_px) / kVoteBinPx;
-    if (!(place.minCoeff() >= 0 && place.maxCoeff() < bins)) continue;
-    histogram.at<float>(static_cast<int>(place.y()), static_cast<int>(place.x())) += static_cast<float>(pair.weight);
+  const double c = turned.scale * std::cos(turned.yaw_rad);
+  const double s = turned.scale * std::sin(turned.yaw_rad);
+  using Chunk = Eigen::Array<double, Eigen::Dynamic, 1, 0, kChunk, 1>;
+  const auto count = static_cast<Eigen::Index>(pairs.weight.size());
+  for (Eigen::Index first = 0; first < count; first += kChunk) {
+    const Eigen::Index n = std::min(kChunk, count - first);
+    const auto frame_x = pairs.frame_x_px.segment(first, n);
+    const auto frame_y = pairs.frame_y_px.segment(first, n);
+    const Chunk col = (pairs.map_x_px.segment(first, n) - (c * frame_x - s * frame_y) - corner_px.x()) / kVoteBinPx;
+    const Chunk row = (pairs.map_y_px.segment(first, n) - (s * frame_x + c * frame_y) - corner_px.y()) / kVoteBinPx;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (!(col(i) >= 0 && row(i) >= 0 && col(i) < bins && row(i) < bins)) continue;
+      histogram.ptr<float>(static_cast<int>(row(i)))[static_cast<int>(col(i))] +=
+          pairs.weight[static_cast<std::size_t>(first + i)];
+    }
   }
   cv::GaussianBlur(histogram, histogram, cv::Size(5, 5), 1);
   return histogram;
@@ -99,19 +141,17 @@ cv::Mat histogram_of(const std::vector<Pair>& pairs, const SearchSpace& space, c
 /// Bins that are the highest of the 5 × 5 around them.
 void append_peaks(const cv::Mat& histogram, const SearchSpace& space, const Placement& turned,
                   std::vector<Candidate>& candidates) {
-  constexpr float kMinVotes = 0.1F;
+  constexpr double kMinVotes = 0.1;
   cv::Mat highest;
   cv::dilate(histogram, highest, cv::Mat::ones(5, 5, CV_8U));
-  for (int row = 0; row < histogram.rows; ++row) {
-    const auto* const values = histogram.ptr<float>(row);
-    const auto* const maxima = highest.ptr<float>(row);
-    for (int col = 0; col < histogram.cols; ++col) {
-      if (values[col] < kMinVotes || values[col] < maxima[col]) continue;
-      Placement placement = turned;
-      placement.center_px =
-          space.center_px - Eigen::Vector2d::Constant(space.half_width_px) + kVoteBinPx * Eigen::Vector2d(col, row);
-      candidates.push_back({placement, static_cast<double>(values[col])});
-    }
+  cv::max(highest, kMinVotes, highest);
+  std::vector<cv::Point> bins;
+  cv::findNonZero(histogram >= highest, bins);
+  for (const cv::Point& bin : bins) {
+    Placement placement = turned;
+    placement.center_px =
+        space.center_px - Eigen::Vector2d::Constant(space.half_width_px) + kVoteBinPx * Eigen::Vector2d(bin.x, bin.y);
+    candidates.push_back({placement, static_cast<double>(histogram.at<float>(bin))});
   }
 }
 
@@ -133,17 +173,11 @@ std::vector<Candidate> separated(std::vector<Candidate> candidates, std::size_t 
 }  // namespace
 
 Eigen::Vector2d Placement::map_from_frame(const Eigen::Vector2d& from_pivot_px) const {
-  const double c = scale * std::cos(yaw_rad);
-  const double s = scale * std::sin(yaw_rad);
-  return center_px +
-         Eigen::Vector2d(c * from_pivot_px.x() - s * from_pivot_px.y(), s * from_pivot_px.x() + c * from_pivot_px.y());
+  return PlacementTransform(*this).map_from_frame(from_pivot_px);
 }
 
 Eigen::Vector2d Placement::frame_from_map(const Eigen::Vector2d& map_px) const {
-  const Eigen::Vector2d d = (map_px - center_px) / scale;
-  const double c = std::cos(yaw_rad);
-  const double s = std::sin(yaw_rad);
-  return {c * d.x() + s * d.y(), -s * d.x() + c * d.y()};
+  return PlacementTransform(*this).frame_from_map(map_px);
 }
 
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
@@ -152,10 +186,12 @@ std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const L
   const double step = kVoteStepPx / std::max(frame.radius_px, 1.0);
   const double max_turn_error_rad = std::max(20 * std::numbers::pi / 180, step);
   std::vector<Candidate> candidates;
+  PairColumns columns(pairs);
   for (const double yaw_rad : yaw_hypotheses_rad(space, step)) {
+    if (space.oriented) columns = PairColumns(pairs_turned_by(pairs, yaw_rad, max_turn_error_rad));
     for (const double scale : hypotheses(1, space.scale_sigma, step)) {
       const Placement turned{{0, 0}, yaw_rad, scale};
-      append_peaks(histogram_of(pairs, space, turned, max_turn_error_rad), space, turned, candidates);
+      append_peaks(histogram_of(columns, space, turned), space, turned, candidates);
     }
     // Only the best may matter; the list stays short however many hypotheses there are.
     if (candidates.size() > 64 * count) candidates = separated(std::move(candidates), 4 * count);

@@ -31,9 +31,23 @@ class GuidedSearch {
  public:
   GuidedSearch(const PivotedFrame& frame, const LocalMap& map) : frame_(frame), map_(map) {}
 
+  /// The features of the map that may lie on a point of the frame, in their order: the others are too far from the
+  /// centre for any turn.
+  std::vector<std::size_t> features_within(const Placement& placement) const {
+    const double reach_px = placement.scale * (frame_.radius_px + frame_.grid.step_px);
+    std::vector<std::size_t> within;
+    for (std::size_t i = 0; i < map_.features.size(); ++i) {
+      const Feature& feature = map_.features.features[i];
+      const double dx = static_cast<double>(feature.x_px) - placement.center_px.x();
+      const double dy = static_cast<double>(feature.y_px) - placement.center_px.y();
+      if (dx * dx + dy * dy <= reach_px * reach_px) within.push_back(i);
+    }
+    return within;
+  }
+
   /// The best pair for a feature within `reach` grid steps of its expected place, or nothing when the frame has no
   /// point there.
-  std::optional<GuidedPair> find(std::size_t feature, const Placement& placement, int reach) const {
+  std::optional<GuidedPair> find(std::size_t feature, const PlacementTransform& placement, int reach) const {
     const FrameGrid& grid = frame_.grid;
     const Feature& of_map = map_.features.features[feature];
     GuidedPair pair;
@@ -48,12 +62,16 @@ class GuidedSearch {
     std::array<const std::uint8_t*, (2 * kMaxReach + 1) * (2 * kMaxReach + 1)> candidates;
     std::array<std::int32_t, (2 * kMaxReach + 1) * (2 * kMaxReach + 1)> points;
     std::size_t count = 0;
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        const std::int32_t point = grid.at(static_cast<int>(column) + x, static_cast<int>(row) + y);
-        if (point < 0) continue;
-        candidates[count] = grid.points.descriptor(static_cast<std::size_t>(point));
-        points[count++] = point;
+    const int middle_column = static_cast<int>(column);
+    const int middle_row = static_cast<int>(row);
+    const int first_column = std::max(middle_column - reach, 0);
+    const int last_column = std::min(middle_column + reach, grid.columns - 1);
+    for (int y = std::max(middle_row - reach, 0); y <= std::min(middle_row + reach, grid.rows - 1); ++y) {
+      const std::int32_t* const in_row = grid.index.data() + static_cast<std::ptrdiff_t>(y) * grid.columns;
+      for (int x = first_column; x <= last_column; ++x) {
+        if (in_row[x] < 0) continue;
+        candidates[count] = grid.points.descriptor(static_cast<std::size_t>(in_row[x]));
+        points[count++] = in_row[x];
       }
     }
     const NearestDescriptor nearest = nearest_descriptor(map_.features.descriptor(feature), candidates.data(), count,
@@ -95,18 +113,32 @@ class GuidedSearch {
 /// Weighted least squares for center, a = scale·cos(yaw), b = scale·sin(yaw), with the prior's turn and scale.
 class SimilarityFit {
  public:
-  explicit SimilarityFit(const Placement& start) : start_(start) {}
+  explicit SimilarityFit(const Placement& start) : start_(start), transform_(start) {}
 
   void add(const GuidedPair& pair) {
     const double nearness = std::max(0.0, 1 - pair.distance / kFitDistance);
-    const double error_px = (pair.map_px - start_.map_from_frame(pair.from_pivot_px)).norm();
-    const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
-    if (weight <= 0) return;
-    Eigen::Matrix<double, 2, 4> jacobian;
+    if (nearness <= 0) return;
     const Eigen::Vector2d& o = pair.from_pivot_px;
-    jacobian << 1, 0, o.x(), -o.y(), 0, 1, o.y(), o.x();
-    normal_ += weight * jacobian.transpose() * jacobian;
-    right_ += weight * jacobian.transpose() * pair.map_px;
+    const Eigen::Vector2d& m = pair.map_px;
+    const double error_px = (m - transform_.map_from_frame(o)).norm();
+    const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
+    // The sums of weight · Jᵀ J, its lower half, and weight · Jᵀ m for J = (1, 0, x, −y; 0, 1, y, x), spelt out for
+    // speed.
+    const double wx = weight * o.x();
+    const double wy = weight * o.y();
+    normal_(0, 0) += weight;
+    normal_(1, 1) += weight;
+    normal_(2, 0) += wx;
+    normal_(2, 1) += wy;
+    normal_(3, 0) -= wy;
+    normal_(3, 1) += wx;
+    normal_(3, 2) += wx * o.y() - wy * o.x();  // what rounding leaves
+    normal_(2, 2) += wx * o.x() + wy * o.y();
+    normal_(3, 3) += wx * o.x() + wy * o.y();
+    right_(0) += weight * m.x();
+    right_(1) += weight * m.y();
+    right_(2) += wx * m.x() + wy * m.y();
+    right_(3) += wx * m.y() - wy * m.x();
     weight_ += nearness * nearness;
     ++pairs_;
   }
@@ -132,6 +164,7 @@ class SimilarityFit {
 
  private:
   Placement start_;
+  PlacementTransform transform_;
   Eigen::Matrix4d normal_ = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right_ = Eigen::Vector4d::Zero();
   double weight_ = 0;
@@ -158,8 +191,9 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
   for (std::size_t round = 0; round < kReach.size(); ++round) {
     const bool last = round + 1 == kReach.size();
     SimilarityFit fit(match.placement);
-    for (std::size_t feature = 0; feature < map.features.size(); ++feature) {
-      const auto pair = search.find(feature, match.placement, kReach[round]);
+    const PlacementTransform transform(match.placement);
+    for (const std::size_t feature : search.features_within(match.placement)) {
+      const auto pair = search.find(feature, transform, kReach[round]);
       if (!pair) continue;
       if (last) {
         ++match.expected;
@@ -175,12 +209,13 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
 
 std::vector<GuidedPair> supporting_pairs(const PivotedFrame& frame, const LocalMap& map, const Placement& placement) {
   const GuidedSearch search(frame, map);
+  const PlacementTransform transform(placement);
   std::vector<GuidedPair> pairs;
-  for (std::size_t feature = 0; feature < map.features.size(); ++feature) {
-    auto pair = search.find(feature, placement, 1);
+  for (const std::size_t feature : search.features_within(placement)) {
+    auto pair = search.find(feature, transform, 1);
     if (!pair || !supports(*pair)) continue;
     pair->from_pivot_px = search.between_points(*pair);
-    pair->residual_px = (pair->map_px - placement.map_from_frame(pair->from_pivot_px)).norm();
+    pair->residual_px = (pair->map_px - transform.map_from_frame(pair->from_pivot_px)).norm();
     pairs.push_back(*pair);
   }
   return pairs;

@@ -92,7 +92,8 @@ std::array<std::uint64_t, 8> query_words(const FeatureSet& queries, std::size_t 
 void store(const Nearest& nearest, HammingMatch* matches) {
   for (int i = 0; i < nearest.k; ++i) {
     const std::uint64_t key = nearest.keys[static_cast<std::size_t>(i)];
-    matches[i] = {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32)};
+    const HammingMatch match{static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32)};
+    matches[i] = match.found() ? match : HammingMatch{};
   }
 }
 
@@ -207,7 +208,7 @@ HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, int k, Hamm
 }
 
 HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, std::span<const HammingWindow> windows, int k,
-                                          HammingPath path) const {
+                                          HammingPath path, std::uint32_t max_distance) const {
   check_query(queries, descriptor_bytes(), k);
   if (windows.size() != queries.size()) {
     throw UsageError(std::to_string(windows.size()) + " windows were given for " + std::to_string(queries.size()) +
@@ -224,7 +225,7 @@ HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, std::span<c
   for (std::size_t query = 0; query < queries.size(); ++query) {
     const HammingWindow& window = windows[query];
     const auto words = query_words(queries, query);
-    nearest.clear();
+    nearest.clear(max_distance);
     nearest.window = &window;
     // A window with a NaN edge holds nothing.
     if (window.min_x_px <= window.max_x_px && window.min_y_px <= window.max_y_px) {

@@ -71,9 +71,11 @@ class HammingIndex {
   /// have another length, k is out of range, or the machine cannot run `path`. Thread-safe.
   HammingMatches find_nearest(const FeatureSet& queries, int k, HammingPath path = best_hamming_path()) const;
 
-  /// The same among the features inside the query's own window; `windows` has one for each query.
+  /// The same among the features inside the query's own window that are at most `max_distance` bits away; `windows` has
+  /// one for each query.
   HammingMatches find_nearest(const FeatureSet& queries, std::span<const HammingWindow> windows, int k,
-                              HammingPath path = best_hamming_path()) const;
+                              HammingPath path = best_hamming_path(),
+                              std::uint32_t max_distance = std::numeric_limits<std::uint32_t>::max()) const;
 
  private:
   struct Block {

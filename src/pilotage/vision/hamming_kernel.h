@@ -23,7 +23,10 @@ struct Nearest {
   const float* y_px = nullptr;
   const HammingWindow* window = nullptr;
 
-  void clear() { keys.fill(std::numeric_limits<std::uint64_t>::max()); }
+  /// Nothing found yet; nothing farther than `max_distance` will be.
+  void clear(std::uint32_t max_distance = std::numeric_limits<std::uint32_t>::max()) {
+    keys.fill((std::uint64_t{max_distance} << 32) | std::numeric_limits<std::uint32_t>::max());
+  }
 
   /// Slots farther than this cannot come in; equal ones may, by a lower index.
   std::uint64_t bound() const { return keys[static_cast<std::size_t>(k - 1)] >> 32; }
