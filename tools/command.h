@@ -28,7 +28,7 @@ struct CommandExample {
 struct InputSpec {
   static constexpr int kMany = std::numeric_limits<int>::max();
 
-  std::string name = "INPUT";  ///< As usage shows it, in capitals.
+  std::string name = "INPUT";  ///< As usage shows it, in capitals; of inputs that differ each: "MAP [FRAME]".
   std::string help;
   int min = 0;
   int max = 0;             ///< kMany: any number.

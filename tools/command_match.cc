@@ -1,14 +1,11 @@
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <optional>
 
 #include "commands.h"
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_options.h"
@@ -17,6 +14,7 @@
 #include "pilotage/match/frame_exif.h"
 #include "pilotage/match/match_evaluation.h"
 #include "pilotage/match/match_flight.h"
+#include "pilotage/match/match_json.h"
 
 namespace pilotage {
 namespace {
@@ -106,6 +104,9 @@ FrameRecord record_of_options(const MatchCommandOptions& options, const std::str
   frame.prior_sigma_m = options.prior_sigma_m.value_or(kNaN);
   frame.height_agl_m = options.height_agl_m.value_or(kNaN);
   frame.attitude = {options.yaw_deg.value_or(kNaN), options.pitch_deg.value_or(kNaN), options.roll_deg.value_or(kNaN)};
+  if (options.require_correct_rate || options.require_false_rate) {
+    throw UsageError("--require-correct-rate and --require-false-rate are for flights: give --frames");
+  }
   if (options.true_lon_deg.has_value() != options.true_lat_deg.has_value()) {
     throw UsageError("--true-lon-deg and --true-lat-deg go together: give both or none");
   }
@@ -158,101 +159,10 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& 
   return complete_frames(options.frames, table, sources_of(options, invocation.inputs.front()));
 }
 
-Json place_json(const Fix& fix, GeodeticPoint Fix::*point, Eigen::Matrix2d Fix::*covariance) {
-  const Eigen::Matrix2d& c = fix.*covariance;
-  return {
-      {"lon_deg", json_number((fix.*point).lon_deg)},
-      {"lat_deg", json_number((fix.*point).lat_deg)},
-      {"east_sigma_m", json_number(std::sqrt(c(0, 0)))},
-      {"north_sigma_m", json_number(std::sqrt(c(1, 1)))},
-      {"covariance_en_m2", {json_number(c(0, 0)), json_number(c(0, 1)), json_number(c(1, 0)), json_number(c(1, 1))}}};
-}
-
-Json fix_json(const std::optional<Fix>& fix, const std::optional<FixError>& error) {
-  if (!fix) return nullptr;
-  Json json = place_json(*fix, &Fix::position, &Fix::covariance_en_m2);
-  json["center"] = place_json(*fix, &Fix::center, &Fix::center_covariance_en_m2);
-  json["yaw_deg"] = json_number(fix->yaw_deg);
-  json["pitch_deg"] = json_number(fix->pitch_deg);
-  json["roll_deg"] = json_number(fix->roll_deg);
-  json["yaw_sigma_deg"] = json_number(fix->yaw_sigma_deg);
-  json["height_agl_m"] = json_number(fix->height_agl_m);
-  json["height_sigma_m"] = json_number(fix->height_sigma_m);
-  json["scale"] = json_number(fix->scale);
-  json["tile_id"] = fix->tile_id;
-  if (!error) return json;
-  json["error_m"] = json_number(error->error_m);
-  json["error_east_m"] = json_number(error->east_m);
-  json["error_north_m"] = json_number(error->north_m);
-  json["nees"] = json_number(error->nees);
-  return json;
-}
-
-Json stats_json(const MatchStats& stats) {
-  return {{"level", stats.level},
-          {"gsd_m", json_number(stats.gsd_m)},
-          {"frame_features", stats.frame_features},
-          {"map_features", stats.map_features},
-          {"vote_peak", json_number(stats.vote_peak)},
-          {"vote_rival", json_number(stats.vote_rival)},
-          {"inliers", stats.inliers},
-          {"residual_m", json_number(stats.residual_m)},
-          {"ncc", json_number(stats.ncc)},
-          {"ncc_rival", json_number(stats.ncc_rival)},
-          {"confidence", json_number(stats.confidence)}};
-}
-
-Json taken_json(const std::vector<TakenField>& taken) {
-  Json list = Json::array();
-  for (const TakenField& one : taken) {
-    list.push_back({{"file", one.file}, {"field", one.field}, {"value", json_number(one.value)}, {"tag", one.tag}});
-  }
-  return list;
-}
-
-// One line for each field and tag, with the number of frames when there are several.
-std::string taken_text(const std::vector<TakenField>& taken) {
-  std::map<std::pair<std::string, std::string>, std::vector<double>> values;
-  for (const TakenField& one : taken) values[{one.field, one.tag}].push_back(one.value);
-  std::string text;
-  for (const auto& [key, numbers] : values) {
-    text += "from the picture: " + key.first +
-            (numbers.size() == 1 ? " = " + format_number(numbers.front())
-                                 : " of " + std::to_string(numbers.size()) + " frames") +
-            " (" + key.second + ")\n";
-  }
-  return text;
-}
-
-std::string fix_text(const Fix& fix) {
-  const Eigen::Matrix2d& c = fix.covariance_en_m2;
-  return "aircraft: lon " + format_fixed(fix.position.lon_deg, 7) + ", lat " + format_fixed(fix.position.lat_deg, 7) +
-         ", sigma east " + format_fixed(std::sqrt(c(0, 0)), 2) + " m, north " + format_fixed(std::sqrt(c(1, 1)), 2) +
-         " m\ncentre of the image: lon " + format_fixed(fix.center.lon_deg, 7) + ", lat " +
-         format_fixed(fix.center.lat_deg, 7) + "\nyaw " + format_fixed(fix.yaw_deg, 2) + " deg, height " +
-         format_fixed(fix.height_agl_m, 1) + " m above ground, tile " + std::to_string(fix.tile_id) + "\n";
-}
-
 CommandResult tell_frame(const MatchCommandOptions& options, const FrameMatch& match, const FlightFrames& frames) {
   CommandResult result;
-  const MatchStats& stats = match.result.stats;
-  result.text = frame_status_name(match) + ": " + frame_status_text(match) + "\n";
-  if (match.has_fix()) result.text += fix_text(*match.result.fix);
-  if (match.error) result.text += "error: " + format_fixed(match.error->error_m, 2) + " m\n";
-  result.text += std::to_string(stats.inliers) + " inliers of " + std::to_string(stats.frame_features) +
-                 " features, against " + std::to_string(stats.map_features) + " of the map; vote " +
-                 format_fixed(stats.vote_peak, 1) + ", rival " + format_fixed(stats.vote_rival, 1) + ", confidence " +
-                 format_fixed(stats.confidence, 6) + "\n";
-  if (options.timings) result.text += "time of matching: " + format_fixed(match.milliseconds, 1) + " ms\n";
-  result.text += taken_text(frames.taken);
-  result.json = {{"frame", match.frame.file},
-                 {"status", frame_status_name(match)},
-                 {"reason", frame_status_text(match)},
-                 {"fix", fix_json(match.result.fix, match.error)},
-                 {"candidate", fix_json(match.result.candidate, match.candidate_error)},
-                 {"stats", stats_json(stats)},
-                 {"taken", taken_json(frames.taken)}};
-  if (options.timings) result.json["milliseconds"] = json_number(match.milliseconds);
+  result.text = frame_match_text(match, options.timings) + taken_text(frames.taken);
+  result.json = to_json(match, frames.taken, options.timings);
   if (options.require_fix && !match.has_fix()) result.exit_code = kExitGateNotMet;
   return result;
 }
@@ -264,7 +174,7 @@ CommandResult tell_flight(const MatchCommandOptions& options, const std::vector<
   result.text = evaluation_text(evaluation, options.timings) + taken_text(frames.taken);
   result.json = to_json(evaluation, options.timings);
   result.json["output"] = output.empty() ? Json(nullptr) : Json(output);
-  result.json["taken"] = taken_json(frames.taken);
+  result.json["taken"] = to_json(frames.taken);
   result.warnings = frames.warnings;
   const bool no_fix_is_false = evaluation.false_fixes.of == 0;
   const bool met =
@@ -288,7 +198,7 @@ Command make_match_command() {
                       {"A logged flight; judged where the truth is in the table.",
                        "pilotage match map.gpkg --frames frames.csv --camera camera.yaml -o fixes.csv"}};
   command.inputs = {
-      .name = "MAP", .help = "The map database, and the FRAME unless --frames is given.", .min = 1, .max = 2};
+      .name = "MAP [FRAME]", .help = "The map database, and the picture unless --frames is given.", .min = 1, .max = 2};
   command.output = {.kind = OutputKind::kFile, .help = "A table (CSV), one line for each frame.", .required = false};
   bind_options<MatchCommandOptions>(command, [](const MatchCommandOptions& options, const Invocation& invocation) {
     const bool single = invocation.inputs.size() > 1;

@@ -111,7 +111,8 @@ std::string option_sections(const OptionList& list) {
 std::string usage_line(const Command& command) {
   std::string usage = "Usage: pilotage " + command.word + " [OPTIONS]";
   if (command.inputs.max > 0) {
-    const std::string name = command.inputs.name + (command.inputs.max > 1 ? "..." : "");
+    const bool each_named = command.inputs.name.find(' ') != std::string::npos;
+    const std::string name = command.inputs.name + (command.inputs.max > 1 && !each_named ? "..." : "");
     usage += command.inputs.min > 0 ? " " + name : " [" + name + "]";
   }
   if (command.output.kind != OutputKind::kNone) usage += command.output.required ? " -o OUTPUT" : " [-o OUTPUT]";

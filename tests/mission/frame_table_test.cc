@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/random.h"
 
 namespace pilotage {
 namespace {
@@ -137,6 +138,26 @@ TEST(FrameTable, TablesThatAreNoneAreRefused) {
   EXPECT_EQ(error_of(""), "frames.csv: empty, expected a table of frames");
   EXPECT_EQ(error_of(kNames + "\n"), "frames.csv: has no frame, only a line of names");
   EXPECT_EQ(error_of(kNames + ",file\n" + kRow + ",b\n"), "frames.csv: line 1: column \"file\" stands twice");
+}
+
+/// No prefix of a table, and no table with some bytes changed, may do worse than a DataError.
+TEST(FrameTable, SurvivesAnyBytes) {
+  const std::string csv =
+      kNames + ",true_lon_deg,true_lat_deg\r\n\"x, \"\"y\"\".jpg\",1,2,3,4,5,6,7,8,9,10\r\n" + kRow + ",,\n";
+  ASSERT_EQ(error_of(csv), "");
+  for (std::size_t size = 0; size < csv.size(); ++size) error_of(csv.substr(0, size));
+  Random random(seed_from_name("FrameTable.SurvivesAnyBytes"));
+  constexpr std::string_view kNasty = ",\"\r\n\0e-x";
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::string text = csv;
+    for (std::uint64_t i = random.below(4); i > 0; --i) {
+      text[random.below(text.size())] =
+          i % 2 == 0 ? kNasty[random.below(kNasty.size())] : static_cast<char>(random.below(256));
+    }
+    const FrameTableOptions options{random.below(2) == 0 ? FrameTruth::kCenter : FrameTruth::kNadir,
+                                    random.below(2) == 0 ? FrameColumns::kAll : FrameColumns::kFileOnly};
+    error_of(text, options);
+  }
 }
 
 TEST(FrameTable, FramesLieBesideTheirTable) {

@@ -120,7 +120,7 @@ TEST(TileTable, RefusesDamagedTables) {
   EXPECT_THAT(error_of(replaced("1099511627779", "1099511627776")),
               ::testing::HasSubstr("line 3: tile_id 1099511627776 does not follow 1099511627776"));
   EXPECT_THAT(error_of(csv + "1,2\n"), ::testing::HasSubstr("line 5: 2 cells, expected 37"));
-  EXPECT_THAT(error_of(csv + "\n"), ::testing::HasSubstr("line 5: 1 cells"));
+  EXPECT_EQ(error_of(csv + "\n"), "") << "an empty line is no row (base/csv.h)";
 }
 
 TEST(TileTable, NotANumberIsNoCell) {

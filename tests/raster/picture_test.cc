@@ -11,6 +11,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/random.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -136,6 +137,15 @@ TEST(ReadImageMetadata, DamagedXmpIsNone) {
   EXPECT_THAT(read_image_metadata((folder / "a.jpg").string()).xmp, IsEmpty());
   write_file(folder / "b.jpg", small_jpeg(), false);
   EXPECT_THAT(read_image_metadata((folder / "b.jpg").string()).xmp, IsEmpty());
+  // Bytes changed at random end in some metadata, or in none.
+  const std::string packet = "<x:a xmlns:x=\"u\"><x:b x:c=\"1\" x:d='2'>3</x:b><x:e><!-- 4 -->5</x:e></x:a>";
+  Random random(seed_from_name("DamagedXmp"));
+  for (int trial = 0; trial < 60; ++trial) {
+    std::string damaged = packet;
+    damaged[random.below(damaged.size())] = static_cast<char>(random.below(256));
+    write_file(folder / "d.jpg", testing::with_xmp(small_jpeg(), damaged), true);
+    EXPECT_NO_THROW(read_image_metadata((folder / "d.jpg").string())) << damaged;
+  }
   // Deep nesting must not end in deep recursion.
   std::string deep;
   for (int i = 0; i < 9000; ++i) deep += "<a>";

@@ -1,38 +1,17 @@
 #include <limits>
 
 #include "report/report_scene.h"
+#include "testing/json_schema.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validator.hpp>
 
-#include "pilotage/base/output_file.h"
 #include "pilotage/report/report.h"
 
 namespace pilotage {
 namespace {
 
-using Adapter = valijson::adapters::NlohmannJsonAdapter;
-
-// The first violation of schemas/report.schema.json, or "".
 std::string violation(const nlohmann::ordered_json& report) {
-  const auto schema_json =
-      nlohmann::json::parse(read_file(std::string(PILOTAGE_SOURCE_DIR) + "/schemas/report.schema.json"));
-  valijson::Schema schema;
-  valijson::SchemaParser parser;
-  parser.populateSchema(Adapter(schema_json), schema);
-  const auto plain = nlohmann::json::parse(report.dump());
-  const Adapter target(plain);
-  valijson::Validator validator;
-  valijson::ValidationResults results;
-  if (validator.validate(schema, target, &results)) return "";
-  valijson::ValidationResults::Error error;
-  results.popError(error);
-  std::string text;
-  for (const std::string& part : error.context) text += part;
-  return text + ": " + error.description;
+  return testing::schema_violation("report.schema.json", report);
 }
 
 ReportInput scene() {

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "pilotage/base/csv.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 
@@ -35,11 +36,7 @@ Cell integer_cell(std::string name, std::function<std::int64_t(const TileRow&)> 
 /// `required`: an empty cell (NaN) is refused.
 Cell number_cell(std::string name, bool required, std::function<double(const TileRow&)> get,
                  std::function<void(TileRow&, double)> set) {
-  return {std::move(name),
-          [get = std::move(get)](const TileRow& row) {
-            const double value = get(row);
-            return std::isnan(value) ? std::string() : format_number(value);
-          },
+  return {std::move(name), [get = std::move(get)](const TileRow& row) { return csv_cell(get(row)); },
           [required, set = std::move(set)](TileRow& row, std::string_view text) {
             if (text.empty() && !required) {
               set(row, kNaN);
@@ -134,37 +131,18 @@ const std::vector<Cell>& cells() {
   return list;
 }
 
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> parts;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    parts.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return parts;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-/// Takes the first line off `text`; the last one may lack its newline, and a carriage return before it is dropped.
-std::string_view take_line(std::string_view& text) {
-  const std::size_t end = text.find('\n');
-  std::string_view line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  return line;
-}
-
 /// For each column of the file, the cell it holds, or nullptr for one this version does not know.
-std::vector<const Cell*> read_header(const std::string& name, std::string_view line) {
+std::vector<const Cell*> read_header(const CsvReader& reader, const std::vector<std::string>& names) {
   std::vector<const Cell*> order;
   std::map<std::string_view, int> seen;
-  for (const std::string_view column : split(line)) {
-    if (++seen[column] > 1) throw DataError(name + ": line 1: column \"" + std::string(column) + "\" stands twice");
+  for (const std::string& column : names) {
+    if (++seen[column] > 1) throw DataError(reader.where() + "column \"" + column + "\" stands twice");
     const auto found =
         std::find_if(cells().begin(), cells().end(), [&](const Cell& cell) { return cell.name == column; });
     order.push_back(found == cells().end() ? nullptr : &*found);
   }
   for (const Cell& cell : cells()) {
-    if (!seen.contains(cell.name)) throw DataError(name + ": line 1: column \"" + cell.name + "\" is missing");
+    if (!seen.contains(cell.name)) throw DataError(reader.where() + "column \"" + cell.name + "\" is missing");
   }
   return order;
 }
@@ -269,19 +247,20 @@ std::string tile_table_to_csv(std::span<const TileRow> rows) {
 }
 
 std::vector<TileRow> tile_table_from_csv(const std::string& name, std::string_view text) {
-  if (text.empty()) throw DataError(name + ": empty, expected a table of tiles");
-  const std::vector<const Cell*> order = read_header(name, take_line(text));
+  CsvReader reader(name, text);
+  std::vector<std::string> parts;
+  if (!reader.next(parts)) throw DataError(name + ": empty, expected a table of tiles");
+  const std::vector<const Cell*> order = read_header(reader, parts);
   std::vector<TileRow> rows;
-  for (std::int64_t line = 2; !text.empty(); ++line) {
-    const std::vector<std::string_view> parts = split(take_line(text));
-    const std::string where = name + ": line " + std::to_string(line) + ": ";
+  while (reader.next(parts)) {
+    const std::string where = reader.where();
     if (parts.size() != order.size()) {
       throw DataError(where + std::to_string(parts.size()) + " cells, expected " + std::to_string(order.size()));
     }
     TileRow row;
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (order[i] == nullptr || order[i]->read(row, parts[i])) continue;
-      throw DataError(where + order[i]->name + " = \"" + std::string(parts[i].substr(0, 40)) + "\" is not allowed");
+      throw DataError(where + order[i]->name + " = \"" + parts[i].substr(0, 40) + "\" is not allowed");
     }
     if (!rows.empty() && rows.back().tile.tile_id >= row.tile.tile_id) {
       throw DataError(where + "tile_id " + std::to_string(row.tile.tile_id) + " does not follow " +

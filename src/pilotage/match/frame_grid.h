@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pilotage/camera/ortho_rectify.h"
+#include "pilotage/vision/features.h"
+
+namespace pilotage {
+
+/// A rectified frame described everywhere instead of at its corners: descriptors on a grid of every `step_px` pixels.
+/// A map feature can then be looked for wherever it may lie, and nothing depends on a detector finding the same corner
+/// twice a year apart (docs/methods/match.md has what that is worth).
+struct FrameGrid {
+  int step_px = 2;
+  int columns = 0;
+  int rows = 0;
+  std::vector<std::int32_t> index;  ///< Of the point in column c, row r: index[r · columns + c]; −1 where none can be.
+  FeatureSet points;                ///< x_px, y_px in pixels of the rectified frame.
+
+  /// Index of the point in a column and row, or −1.
+  std::int32_t at(int column, int row) const {
+    if (column < 0 || row < 0 || column >= columns || row >= rows) return -1;
+    return index[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
+  }
+};
+
+/// Describes `frame` at every `step_px`-th pixel whose patch is valid. Of `options`, descriptor_bits and oriented
+/// count. Throws UsageError for options out of range.
+FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px = 2);
+
+}  // namespace pilotage

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace pilotage {
+
+/// A point of the ground as the frame shows it and as the map has it. Metres; x and y are right and up in the map's
+/// grid.
+struct GroundPair {
+  /// From the camera to where the prior attitude and height put the point: z = −height above ground.
+  Eigen::Vector3d ray_m{0, 0, -1};
+  Eigen::Vector2d map_m{0, 0};
+  double rise_m = 0;  ///< Height of the map's ground there above that under the aircraft.
+};
+
+/// Standard deviations of the prior pose.
+struct PosePrior {
+  double position_sigma_m = 1;
+  double tilt_sigma_rad = 0.02;
+  double yaw_sigma_rad = 0.02;  ///< Above kUnknownYawRad yaw is free.
+  double log_height_sigma = 0.03;
+};
+
+/// The aircraft's pose against the prior one: what the frame says.
+struct PoseCorrection {
+  Eigen::Vector2d position_m{0, 0};  ///< Of the aircraft, in the frame of GroundPair::map_m.
+  Eigen::Vector2d tilt_rad{0, 0};    ///< Rotation vector about x and y.
+  double turn_rad = 0;               ///< About up: counter-clockwise.
+  double log_height = 0;             ///< ln of height over the prior's.
+  /// In the order position x, y, tilt x, y, turn, log height.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  double residual_m = 0;  ///< Root mean square along one axis of the pairs that agree.
+  int inliers = 0;        ///< Pairs within three times the noise.
+  bool converged = false;
+
+  /// Where the corrected pose sees a ray of the prior pose on ground that rises by `rise_m`.
+  Eigen::Vector2d ground_from_ray(const Eigen::Vector3d& ray_m, double rise_m = 0) const;
+  /// Its derivatives by the six unknowns, in the order of `covariance`.
+  Eigen::Matrix<double, 2, 6> ground_jacobian(const Eigen::Vector3d& ray_m) const;
+};
+
+/// Fits the pose to pairs by least squares over six unknowns with ceres::TinySolver: residuals on the ground under
+/// Cauchy's loss, and the prior position, attitude and height as further residuals (S. Agarwal, K. Mierle, Ceres
+/// Solver; P. J. Huber, "Robust Statistics", 1981). `start_m` is the position to start from. The noise of a pair is
+/// estimated from the residuals (their median) and the covariance is the inverse of the information at the solution,
+/// with the pairs weighted as if only one in kPairsPerIndependentPair were independent: patches overlap. `floor_m` is
+/// the least noise believed. Not converged with fewer than four pairs or when numbers are not finite. Never throws but
+/// std::bad_alloc.
+PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior& prior,
+                           const Eigen::Vector2d& prior_position_m, const Eigen::Vector2d& start_m, double floor_m);
+
+inline constexpr double kPairsPerIndependentPair = 8;
+
+}  // namespace pilotage
