@@ -1,6 +1,7 @@
 #include <cstdlib>
 
 #include "commands.h"
+#include "map_size.h"
 #include "stage_files.h"
 #include "version.h"
 
@@ -58,13 +59,14 @@ Command make_build_command() {
     map.commit();
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
-                  format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\ndigest " + stats.content_digest +
-                  "\n";
+                  format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(stats) +
+                  "digest " + stats.content_digest + "\n";
     result.json = {{"output", invocation.output},
                    {"tiles", stats.tiles},
                    {"descriptors", stats.descriptors},
                    {"bytes", stats.bytes},
                    {"digest", stats.content_digest}};
+    add_bytes_per_tile(stats, result.json);
     if (!signature.empty()) {
       result.text += "signed: " + signature + "\n";
       result.json["signature"] = signature;

@@ -45,10 +45,19 @@ CommandResult inspect_map_file(const std::string& path) {
     result.text += "level " + std::to_string(level.level.matrix.level) + ": " + format_fixed(level.level.gsd_m, 3) +
                    " m/px, " + std::to_string(level.tiles) + " tiles of " +
                    std::to_string(level.level.matrix.tile_size_px) + " px, " + std::to_string(level.descriptors) +
-                   " descriptors in " + std::to_string(level.descriptor_blob_bytes) + " bytes\n";
+                   " descriptors in " + std::to_string(level.descriptor_blob_bytes) + " bytes";
+    if (level.chips > 0) {
+      result.text += ", " + std::to_string(level.chips) + " chips in " + std::to_string(level.chip_bytes) + " bytes";
+    }
+    result.text += "\n";
   }
   result.text += "route lines: " + std::to_string(summary.route_lines) + ", legs: " + std::to_string(summary.legs) +
-                 "\nbytes per tile: " + format_fixed(summary.bytes_per_tile, 0) + "\n";
+                 "\nbytes per tile: " + format_fixed(summary.bytes_per_tile, 0);
+  if (summary.chip_bytes_per_tile > 0) {
+    result.text += " (" + format_fixed(summary.descriptor_bytes_per_tile, 0) + " of descriptors, " +
+                   format_fixed(summary.chip_bytes_per_tile, 0) + " of chips)";
+  }
+  result.text += "\n";
   for (const MapInfoEntry& entry : summary.info.entries) result.text += entry.key + " = " + entry.value + "\n";
   return result;
 }

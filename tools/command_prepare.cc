@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "map_size.h"
 #include "version.h"
 
 #include "pilotage/base/text.h"
@@ -28,6 +29,7 @@ Command make_prepare_command() {
     result.text = done.verdict + "\n" + std::to_string(done.planned_tiles) + " tiles, " +
                   std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
                   " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
+                  bytes_per_tile_text(done.map) +
                   "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
     result.json = {{"verdict", done.verdict},
                    {"output", folder},
@@ -39,6 +41,7 @@ Command make_prepare_command() {
                    {"map_digest", done.map.content_digest},
                    {"matchable_fraction", done.matchable_fraction},
                    {"within_limit", done.within_limit}};
+    add_bytes_per_tile(done.map, result.json);
     result.warnings = done.warnings;
     if (options.select.require && !done.within_limit) result.exit_code = kExitGateNotMet;
     return result;

@@ -45,6 +45,7 @@ Command make_verify_command() {
                    {"tiles", report.tiles},
                    {"descriptor_rows", report.descriptor_rows},
                    {"descriptors", report.descriptors},
+                   {"chips", report.chips},
                    {"bytes", report.bytes},
                    {"digest", report.content_digest},
                    {"problems", nlohmann::ordered_json::array()}};
@@ -58,7 +59,8 @@ Command make_verify_command() {
       return result;
     }
     result.text = path + ": intact; " + std::to_string(report.tiles) + " tiles, " + std::to_string(report.descriptors) +
-                  " descriptors, digest " + report.content_digest + "\n";
+                  " descriptors, " + (report.chips > 0 ? std::to_string(report.chips) + " chips, " : "") + "digest " +
+                  report.content_digest + "\n";
     if (!options.public_key.empty()) {
       const SignatureInfo signature = verify_signature(
           path, options.public_key,

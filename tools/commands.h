@@ -14,5 +14,6 @@ Command make_report_command();
 Command make_match_command();
 Command make_inspect_command();
 Command make_verify_command();
+Command make_compare_command();
 
 }  // namespace pilotage

@@ -7,11 +7,15 @@
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_verify.h"
+#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/raster/gray_stretch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
 
@@ -82,8 +86,16 @@ class BuildMap : public ::testing::Test {
   TilePlan plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
   std::vector<TileScore> scores_ = good_scores(plan_);
 
-  BuildStats build(const std::string& name, const Selection& selection, int threads = 1) {
-    return build_map(folder_ / name, plan_, scores_, selection, {}, "test", {}, false, threads);
+  BuildStats build(const std::string& name, const Selection& selection, int threads = 1,
+                   const BuildOptions& options = {}) {
+    return build_map(folder_ / name, plan_, scores_, selection, {}, "test", options, false, threads);
+  }
+
+  // Chips of `factor` × `factor` pixels of the level.
+  BuildOptions with_chips(int factor, int gray_bits = 8) const {
+    BuildOptions options;
+    options.chips = {true, factor * plan_.levels[0].gsd_m, gray_bits};
+    return options;
   }
 };
 
@@ -116,21 +128,77 @@ TEST_F(BuildMap, StoredCellsCoverTheUnionOfTheSelectedTiles) {
   }
 }
 
+// Put together, the chips of any part of the tiles show each pixel whose centre lies in one of them once, and no other,
+// as the mean of the imagery's pixels.
+TEST_F(BuildMap, ChipsShowAllSelectedGroundOnce) {
+  const GraySource imagery = stretch_to_8bit(open_plan_imagery(plan_, plan_.levels[0]));
+  for (const int factor : {1, 2, 3, 5}) {
+    for (const std::size_t step : {1u, 2u, 5u}) {
+      const Selection part = every_tile(plan_, step);
+      const std::string name = "chips" + std::to_string(factor) + std::to_string(step) + ".gpkg";
+      const BuildStats stats = build(name, part, 2, with_chips(factor));
+      EXPECT_GT(stats.chips, 0);
+      EXPECT_LE(stats.chips, stats.tiles);
+      std::set<GroundPoint> seen;  // first pixel of the level under each pixel of a chip
+      std::int64_t bytes = 0;
+      MapReader map(folder_ / name);
+      for (const MapTile& tile : map.tiles()) {
+        const auto chip = map.chip(tile.tile_id, tile.level);
+        if (!chip) continue;
+        bytes += static_cast<std::int64_t>(chip->data.size());
+        const ChipPicture picture = decode_chip(*chip, name);
+        ASSERT_EQ(picture.factor, factor);
+        for (int row = 0; row < picture.gray.rows; ++row) {
+          for (int col = 0; col < picture.gray.cols; ++col) {
+            if (picture.valid.at<std::uint8_t>(row, col) == 0) continue;
+            const PixelWindow square{chip->window.col + col * factor, chip->window.row + row * factor, factor, factor};
+            EXPECT_TRUE(seen.emplace(square.col, square.row).second) << "stored twice";
+            if (square.col + factor > imagery.width_px || square.row + factor > imagery.height_px) continue;
+            EXPECT_NEAR(picture.gray.at<std::uint8_t>(row, col), cv::mean(imagery.read(square).pixels)[0], 0.51);
+          }
+        }
+      }
+      EXPECT_EQ(bytes, stats.chip_bytes);
+      std::set<GroundPoint> expected;
+      for (int y = 0; y < imagery.height_px; y += factor) {
+        for (int x = 0; x < imagery.width_px; x += factor) {
+          if (on_selected_ground(plan_, part, {x + 0.5 * factor, y + 0.5 * factor})) expected.emplace(x, y);
+        }
+      }
+      EXPECT_EQ(seen, expected) << factor << " " << step;
+      EXPECT_TRUE(verify_map(folder_ / name).ok());
+    }
+  }
+}
+
+TEST_F(BuildMap, WithoutChipsTheMapIsTheSameAsEver) {
+  BuildOptions options;
+  options.chips.chip_gsd_m = 7;
+  build("plain.gpkg", every_tile(plan_));
+  const BuildStats stats = build("still_plain.gpkg", every_tile(plan_), 1, options);
+  EXPECT_EQ(stats.chips, 0);
+  EXPECT_FALSE(MapReader(folder_ / "plain.gpkg").has_chips());
+  EXPECT_TRUE(read_file(folder_ / "plain.gpkg") == read_file(folder_ / "still_plain.gpkg"));
+}
+
 TEST_F(BuildMap, SameBytesForAnyNumberOfThreads) {
-  build("one.gpkg", every_tile(plan_), 1);
-  build("four.gpkg", every_tile(plan_), 4);
+  build("one.gpkg", every_tile(plan_), 1, with_chips(2, 4));
+  build("four.gpkg", every_tile(plan_), 4, with_chips(2, 4));
   EXPECT_TRUE(read_file(folder_ / "one.gpkg") == read_file(folder_ / "four.gpkg"));
 }
 
 TEST_F(BuildMap, EstimateOfTheBudgetIsAnUpperBound) {
-  for (const std::int64_t budget : {std::int64_t{0}, std::int64_t{400'000}}) {
-    SelectOptions options;
-    if (budget > 0) options.budget = std::to_string(budget);
-    const Selection selection = select_tiles(plan_, scores_, stored_size({}), options);
-    const BuildStats stats = build("budget" + std::to_string(budget) + ".gpkg", selection);
-    EXPECT_LE(stats.bytes, selection.estimated_bytes);
-    if (budget > 0) {
-      EXPECT_LE(selection.estimated_bytes, budget);
+  int number = 0;
+  for (const BuildOptions& build_options : {BuildOptions(), with_chips(1, 8), with_chips(2, 4), with_chips(3, 1)}) {
+    for (const std::int64_t budget : {std::int64_t{0}, std::int64_t{400'000}}) {
+      SelectOptions options;
+      if (budget > 0) options.budget = std::to_string(budget);
+      const Selection selection = select_tiles(plan_, scores_, stored_size(build_options, plan_), options);
+      const BuildStats stats = build("budget" + std::to_string(number++) + ".gpkg", selection, 1, build_options);
+      EXPECT_LE(stats.bytes, selection.estimated_bytes);
+      if (budget > 0) {
+        EXPECT_LE(selection.estimated_bytes, budget);
+      }
     }
   }
 }

@@ -1,4 +1,4 @@
-# What flies loads SQLite and four OpenCV modules, and none of the libraries of the ground. Input: PROGRAM.
+# What flies loads SQLite, zstd and four OpenCV modules, and none of the libraries of the ground. Input: PROGRAM.
 include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
 execute_process(COMMAND ldd ${PROGRAM} OUTPUT_VARIABLE libraries RESULT_VARIABLE result ERROR_VARIABLE error)
 if(NOT result EQUAL 0)
@@ -10,7 +10,10 @@ foreach(forbidden gdal GeographicLib ceres fftw sodium yaml-cpp opencv_imgcodecs
     problem("loads${CMAKE_MATCH_0}")
   endif()
 endforeach()
+if(NOT libraries MATCHES "libzstd")
+  problem("loads no zstd: the program does not hold the chips")
+endif()
 if(NOT libraries MATCHES "libopencv_core")
   problem("loads no OpenCV: the program does not hold the library")
 endif()
-finish("pilotage::onboard links SQLite, Eigen and OpenCV core, imgproc, features2d, calib3d")
+finish("pilotage::onboard links SQLite, zstd, Eigen and OpenCV core, imgproc, features2d, calib3d")

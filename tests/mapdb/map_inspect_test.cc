@@ -25,6 +25,8 @@ TEST(InspectMap, CountsWhatIsThere) {
   EXPECT_EQ(summary.levels[1].descriptor_blob_bytes, 30 * (16 + 32));
   EXPECT_EQ(summary.levels[1].chip_bytes, 6 * 12);
   EXPECT_EQ(summary.bytes_per_tile, 5 * 48 + 12);
+  EXPECT_EQ(summary.descriptor_bytes_per_tile, 5 * 48);
+  EXPECT_EQ(summary.chip_bytes_per_tile, 12);
   EXPECT_EQ(summary.extensions,
             (std::vector<std::string>{"gpkg_rtree_index", "gpkg_schema", "pilotage_chips", "pilotage_descriptors"}));
 }
@@ -40,6 +42,7 @@ TEST(InspectMap, JsonHasTheSameNumbers) {
   EXPECT_EQ(json.at("schema_version"), 1);
   EXPECT_EQ(json.at("crs").at("authority"), "EPSG:32750");
   EXPECT_TRUE(json.at("bytes_per_tile").is_null());
+  EXPECT_TRUE(json.at("chip_bytes_per_tile").is_null());
   EXPECT_TRUE(json.at("levels").at(0).at("min_agl_m").is_null());
   EXPECT_EQ(json.at("levels").at(1).at("gsd_m"), 1);
   EXPECT_EQ(json.at("tile_columns").at(0).at("name"), "gray_variance");

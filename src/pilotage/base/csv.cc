@@ -70,7 +70,7 @@ std::string CsvReader::take_bare() {
     }
     ++end;
   }
-  const std::string cell(rest_.substr(0, end));
+  std::string cell(rest_.substr(0, end));
   rest_.remove_prefix(end);
   return cell;
 }

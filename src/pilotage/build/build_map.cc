@@ -11,6 +11,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/build/tile_owner.h"
 #include "pilotage/camera/camera_text.h"
+#include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/enu_from_grid.h"
 #include "pilotage/mapdb/map_writer.h"
 #include "pilotage/mission/plan_imagery.h"
@@ -48,8 +49,9 @@ std::vector<SelectedTile> selected_tiles(const TilePlan& plan, const std::vector
   return selected;
 }
 
-MapHeader make_header(const TilePlan& plan) {
+MapHeader make_header(const TilePlan& plan, bool chips) {
   MapHeader header;
+  header.chips = chips;
   header.crs = {plan.crs_name, plan.crs_wkt, Crs::from_user_input(plan.crs_wkt).authority()};
   for (const PlanLevel& level : plan.levels) {
     header.levels.push_back({level.matrix, level.gsd_m, level.min_agl_m, level.max_agl_m, 0});
@@ -100,8 +102,7 @@ class LevelBuilder {
     source_ = stretch_to_8bit(open_plan_imagery(plan, level));
   }
 
-  /// Returns the number of descriptors written.
-  std::int64_t build(int threads, const Progress& progress) {
+  void build(BuildStats& stats, int threads, const Progress& progress) {
     const TileMatrix& matrix = level_.matrix;
     constexpr std::int64_t kStrip_px = 4 * kFeatureBlockPx;  // whole blocks, so that none is computed twice
     std::int64_t begin_px = tiles_.front()->row * matrix.stride_px / kFeatureBlockPx * kFeatureBlockPx;
@@ -112,7 +113,14 @@ class LevelBuilder {
       report_progress(progress, "describing level " + std::to_string(matrix.level), static_cast<std::int64_t>(written_),
                       static_cast<std::int64_t>(tiles_.size()));
     }
-    return descriptors_;
+    stats.descriptors += descriptors_;
+    stats.descriptor_bytes += descriptors_ * (kKeypointBytes + features_.descriptor_bits / 8);
+  }
+
+  void build_chips(BuildStats& stats, const ChipOptions& options, int threads, const Progress& progress) {
+    const ChipStats chips = write_chips(writer_, level_, tiles_, owner_, source_, options, threads, progress);
+    stats.chips += chips.chips;
+    stats.chip_bytes += chips.bytes;
   }
 
  private:
@@ -230,7 +238,11 @@ void write_info(MapWriter& writer, const TilePlan& plan, const Selection& select
                 const std::vector<InputFile>& inputs, const std::string& software_version) {
   writer.add_info("tool_version", software_version);
   for (const auto& [key, value] : camera_to_text(plan.camera)) writer.add_info("camera." + key, value);
-  write_options(writer, "features.", options);
+  write_options(writer, "features.", options.features);
+  if (options.chips.chips) {
+    writer.add_info("chips.gsd_m", format_number(options.chips.chip_gsd_m));
+    writer.add_info("chips.gray_bits", std::to_string(options.chips.chip_gray_bits));
+  }
   write_options(writer, "ins.", plan.ins);
   write_options(writer, "imagery.", plan.imagery_options);
   writer.add_info("max_error_m", format_number(selection.max_error_m));
@@ -248,15 +260,24 @@ void write_info(MapWriter& writer, const TilePlan& plan, const Selection& select
 
 }  // namespace
 
-StoredSize stored_size(const BuildOptions& options) {
-  constexpr double kKeypointBytes = 16;   // schemas/pilotage_descriptors.md, rounded up
+StoredSize stored_size(const BuildOptions& options, const TilePlan& plan) {
   constexpr double kPageBytes = 4096;     // the last page of a blob is half empty on average, full at worst
   constexpr double kTileRowBytes = 1200;  // geometry, scores, R-tree entry
+  constexpr double kChipRowBytes = 600;   // its other columns, and the head of its blob
   constexpr double kEmptyMapBytes = 262144;
   constexpr double kFullPages = 1.02;  // page headers and overflow pointers
   const double bytes_per_feature = kKeypointBytes + options.features.descriptor_bits / 8.0;
-  return {options.features.features_per_mpx * 1e-6 * bytes_per_feature * kFullPages, kPageBytes + kTileRowBytes,
-          kEmptyMapBytes};
+  StoredSize size{options.features.features_per_mpx * 1e-6 * bytes_per_feature * kFullPages,
+                  kPageBytes + kTileRowBytes,
+                  kEmptyMapBytes,
+                  {}};
+  if (options.chips.chips) {
+    size.bytes_per_tile += kPageBytes + kChipRowBytes;
+    for (const PlanLevel& level : plan.levels) {
+      size.chip_bytes_per_px.push_back(chip_bytes_per_px(options.chips, level.gsd_m));
+    }
+  }
+  return size;
 }
 
 BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
@@ -267,7 +288,7 @@ BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, co
   check_feature_options(options.features);
   const auto selected = selected_tiles(plan, scores, selection);
 
-  MapWriter writer(path, make_header(plan), overwrite);
+  MapWriter writer(path, make_header(plan, options.chips.chips), overwrite);
   write_tiles(writer, plan, selected);
   BuildStats stats;
   stats.tiles = static_cast<std::int64_t>(selected.size());
@@ -277,7 +298,9 @@ BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, co
       if (entry.tile->level == level.matrix.level) tiles.push_back(entry.tile);
     }
     if (tiles.empty()) continue;
-    stats.descriptors += LevelBuilder(writer, plan, level, std::move(tiles), options.features).build(threads, progress);
+    LevelBuilder builder(writer, plan, level, std::move(tiles), options.features);
+    builder.build(stats, threads, progress);
+    if (options.chips.chips) builder.build_chips(stats, options.chips, threads, progress);
   }
   write_route(writer, plan, selection);
   write_info(writer, plan, selection, options, inputs, software_version);

@@ -7,6 +7,7 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
+#include "pilotage/build/build_chips.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/stored_size.h"
@@ -19,30 +20,35 @@ namespace pilotage {
 /// What is stored for each matching area.
 struct BuildOptions {
   FeatureOptions features;
+  ChipOptions chips;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     FeatureOptions::describe(self.features, fields);
+    ChipOptions::describe(self.chips, fields);
   }
 };
 
 struct BuildStats {
   std::int64_t tiles = 0;
   std::int64_t descriptors = 0;
+  std::int64_t descriptor_bytes = 0;  ///< Of key points and descriptors.
+  std::int64_t chips = 0;
+  std::int64_t chip_bytes = 0;
   std::int64_t bytes = 0;      ///< Of the file.
   std::string content_digest;  ///< 64 hex digits.
 };
 
-/// The most that the map database can take with these options.
-StoredSize stored_size(const BuildOptions& options);
+/// The most that the map database can take with these options on the levels of a plan.
+StoredSize stored_size(const BuildOptions& options, const TilePlan& plan);
 
 /// Writes the onboard map database (schemas/map-database.md) of the selected tiles.
 ///
 /// Scored tiles overlap, stored ground does not: each feature belongs to the selected tile, among those it lies in,
 /// whose centre is nearest (the larger of both axis distances; the lower tile_id on a tie), so that every descriptor is
 /// stored once and the descriptors of a tile's footprint are found in the tiles that overlap it. Imagery streams in
-/// strips; features of a piece of ground do not depend on the selection. The layer `tiles` has one row per selected
-/// tile with every score.
+/// strips; features of a piece of ground do not depend on the selection. Chips, where asked for, are stored once
+/// likewise (build_chips.h). The layer `tiles` has one row per selected tile with every score.
 ///
 /// The file appears complete or not at all. The same input gives the same bytes for any number of threads. Throws
 /// UsageError for options out of range, DataError when the selection or the scores are not of this plan, or when

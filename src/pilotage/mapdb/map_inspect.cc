@@ -88,10 +88,12 @@ MapSummary inspect_map(const std::filesystem::path& path) {
   if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
   summary.info = reader.info();
   summary.tile_columns = reader.tile_columns();
-  std::int64_t bytes = 0;
+  std::int64_t descriptor_bytes = 0;
+  std::int64_t chip_bytes = 0;
   for (const MapLevel& level : reader.levels()) {
     summary.levels.push_back(summarize_level(level, database, reader.has_chips()));
-    bytes += summary.levels.back().descriptor_blob_bytes + summary.levels.back().chip_bytes;
+    descriptor_bytes += summary.levels.back().descriptor_blob_bytes;
+    chip_bytes += summary.levels.back().chip_bytes;
   }
   summary.tiles = database.query_integer("SELECT count(*) FROM tiles", "tiles");
   summary.route_lines = database.query_integer("SELECT count(*) FROM route", "route");
@@ -99,8 +101,11 @@ MapSummary inspect_map(const std::filesystem::path& path) {
   const std::string owners = std::string("SELECT count(*) FROM (SELECT tile_id FROM pilotage_descriptors") +
                              (reader.has_chips() ? " UNION SELECT tile_id FROM pilotage_chips)" : " GROUP BY tile_id)");
   const std::int64_t tiles_with_data = database.query_integer(owners, "pilotage_descriptors");
-  summary.bytes_per_tile = tiles_with_data == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                                : static_cast<double>(bytes) / static_cast<double>(tiles_with_data);
+  const double tiles =
+      tiles_with_data == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(tiles_with_data);
+  summary.descriptor_bytes_per_tile = static_cast<double>(descriptor_bytes) / tiles;
+  summary.chip_bytes_per_tile = static_cast<double>(chip_bytes) / tiles;
+  summary.bytes_per_tile = static_cast<double>(descriptor_bytes + chip_bytes) / tiles;
   Statement extensions =
       database.prepare("SELECT DISTINCT extension_name FROM gpkg_extensions ORDER BY 1", "gpkg_extensions");
   while (extensions.step()) summary.extensions.emplace_back(extensions.text(0));
@@ -118,6 +123,8 @@ nlohmann::ordered_json to_json(const MapSummary& summary) {
   json["route_lines"] = summary.route_lines;
   json["legs"] = summary.legs;
   json["bytes_per_tile"] = number_or_null(summary.bytes_per_tile);
+  json["descriptor_bytes_per_tile"] = number_or_null(summary.descriptor_bytes_per_tile);
+  json["chip_bytes_per_tile"] = number_or_null(summary.chip_bytes_per_tile);
   json["levels"] = Json::array();
   for (const MapLevelSummary& level : summary.levels) json["levels"].push_back(to_json(level));
   json["tile_columns"] = Json::array();

@@ -36,6 +36,8 @@ struct MapSummary {
   std::vector<std::string> extensions;  ///< Names in gpkg_extensions, sorted, each once.
   /// Mean over the tiles that have any: key points, descriptors and chips. NaN when none has.
   double bytes_per_tile = 0;
+  double descriptor_bytes_per_tile = 0;  ///< Its two parts, over the same tiles.
+  double chip_bytes_per_tile = 0;
 };
 
 /// Reads the summary without checking digests. Throws DataError.

@@ -34,6 +34,7 @@ class MapReader {
   /// Opens and checks the file: size, format, version, tables, levels. Throws DataError.
   explicit MapReader(const std::filesystem::path& path);
 
+  const std::string& name() const { return database_.name(); }  ///< Of the file, as messages begin.
   const MapInfo& info() const { return info_; }
   const std::vector<MapLevel>& levels() const { return levels_; }  ///< Ascending by level.
   const MapLevel* find_level(int level) const;                     ///< Or nullptr.

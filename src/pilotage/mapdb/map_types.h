@@ -24,6 +24,10 @@ inline constexpr int kMapSchemaVersion = 1;
 inline constexpr int kMaxMapWindowPx = 65536;
 /// Largest number of descriptors of one row.
 inline constexpr int kMaxMapDescriptors = 1 << 20;
+/// Largest side of a chip's pixel in pixels of its level.
+inline constexpr int kMaxChipFactor = 64;
+/// Most pixels of one chip's picture: what a reader allocates for it is bounded by it.
+inline constexpr std::int64_t kMaxChipPixels = std::int64_t{1} << 22;
 /// Largest text or blob of one row, in bytes; a reader gives this limit to SQLite.
 inline constexpr int kMaxMapBlobBytes = 1 << 26;
 
@@ -111,9 +115,10 @@ struct TileDescriptors {
 struct MapChip {
   std::int64_t tile_id = 0;
   int level = 0;
-  PixelWindow window;  ///< In pixels of the level; the picture has window.width × window.height pixels.
-  std::string
-      encoding;  ///< "gray8": row-major, one byte a pixel. Others ("gray8+zlib", "gray8+zstd") are kept as they are.
+  PixelWindow window;  ///< The ground that the picture covers, in pixels of the level.
+  /// "gray8": one byte for each pixel of the window, row by row. "chip1+zstd": mapdb/chip_codec.h. Others are kept as
+  /// they are.
+  std::string encoding;
   std::vector<std::uint8_t> data;
 };
 

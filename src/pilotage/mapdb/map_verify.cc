@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/geometry_blob.h"
 #include "pilotage/mapdb/map_digest.h"
@@ -190,6 +191,9 @@ void check_chips(Examination& e) {
         const auto stored = statement.blob(8);
         if (!std::equal(digest.begin(), digest.end(), stored.begin(), stored.end())) {
           e.wrong_digest(kTable, tile_id, "level " + std::to_string(chip.level) + ": the digest does not match");
+        }
+        if (chip.encoding == kGrayEncoding || chip.encoding == kChipEncoding) {
+          static_cast<void>(decode_chip(chip, e.file));
         }
       });
     });

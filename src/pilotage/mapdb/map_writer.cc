@@ -146,7 +146,8 @@ MapLevel& MapWriter::level_of(int level, const std::string& where) {
 }
 
 // tiles_near finds a tile by its footprint, so nothing that belongs to it may lie outside.
-void MapWriter::check_window(std::int64_t tile_id, int level, const PixelWindow& window, const std::string& where) {
+void MapWriter::check_window(std::int64_t tile_id, int level, const PixelWindow& window, int slack_px,
+                             const std::string& where) {
   const std::string problem = window_problem(window);
   if (!problem.empty()) throw UsageError(where + ": " + problem);
   const MapLevel& map_level = level_of(level, where);
@@ -154,7 +155,7 @@ void MapWriter::check_window(std::int64_t tile_id, int level, const PixelWindow&
                                      [](const StoredTile& stored, std::int64_t id) { return stored.tile_id < id; });
   if (tile == tiles_.end() || tile->tile_id != tile_id) throw UsageError(where + ": its tile has not been added");
   const GeoTransform& transform = map_level.matrix.map_from_pixel;
-  const Bounds allowed = tile->bounds.grown(std::sqrt(std::abs(transform.determinant())));
+  const Bounds allowed = tile->bounds.grown(slack_px * std::sqrt(std::abs(transform.determinant())));
   const auto col = static_cast<double>(window.col);
   const auto row = static_cast<double>(window.row);
   for (const Eigen::Vector2d& corner :
@@ -163,7 +164,7 @@ void MapWriter::check_window(std::int64_t tile_id, int level, const PixelWindow&
     const Eigen::Vector2d p = transform.map_from_pixel(corner);
     if (p.x() < allowed.min_x_m || p.x() > allowed.max_x_m || p.y() < allowed.min_y_m || p.y() > allowed.max_y_m) {
       throw UsageError(where + ": its window reaches (" + format_number(p.x()) + ", " + format_number(p.y()) +
-                       "), more than a pixel outside the footprint of its tile");
+                       "), more than " + std::to_string(slack_px) + " px outside the footprint of its tile");
     }
   }
 }
@@ -171,7 +172,7 @@ void MapWriter::check_window(std::int64_t tile_id, int level, const PixelWindow&
 void MapWriter::add_descriptors(const TileDescriptors& descriptors) {
   const std::string where =
       "descriptors of tile " + std::to_string(descriptors.tile_id) + ", level " + std::to_string(descriptors.level);
-  check_window(descriptors.tile_id, descriptors.level, descriptors.window, where);
+  check_window(descriptors.tile_id, descriptors.level, descriptors.window, 1, where);
   check_ascending(last_descriptors_, {descriptors.tile_id, descriptors.level}, where);
   const EncodedKeypoints keypoints = encode_keypoints(descriptors, where);
   DescriptorRow row;
@@ -203,7 +204,7 @@ void MapWriter::add_descriptors(const TileDescriptors& descriptors) {
 void MapWriter::add_chip(const MapChip& chip) {
   const std::string where = "chip of tile " + std::to_string(chip.tile_id) + ", level " + std::to_string(chip.level);
   if (!header_.chips) throw UsageError(where + ": the map was begun without chips");
-  check_window(chip.tile_id, chip.level, chip.window, where);
+  check_window(chip.tile_id, chip.level, chip.window, kMaxChipFactor / 2, where);
   check_ascending(last_chip_, {chip.tile_id, chip.level}, where);
   check_text(where, chip.encoding);
   const std::string problem = chip_problem(chip);

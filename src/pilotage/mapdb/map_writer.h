@@ -77,7 +77,7 @@ class MapWriter {
 
   void create_tables();
   MapLevel& level_of(int level, const std::string& where);
-  void check_window(std::int64_t tile_id, int level, const PixelWindow& window, const std::string& where);
+  void check_window(std::int64_t tile_id, int level, const PixelWindow& window, int slack_px, const std::string& where);
   void write_lines(LineLayer& layer, const std::vector<MapColumn>& columns, const std::vector<MapLine>& lines);
   void write_levels();
   void write_contents();

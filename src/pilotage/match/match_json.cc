@@ -107,7 +107,7 @@ std::string taken_text(const std::vector<TakenField>& taken) {
   std::string text;
   for (const auto& [key, numbers] : values) {
     text += "from the picture: " + key.first +
-            (numbers.size() == 1 ? " = " + format_number(numbers.front())
+            (numbers.size() == 1 ? " = " + format_number(std::round(numbers.front() * 1e7) / 1e7)
                                  : " of " + std::to_string(numbers.size()) + " frames") +
             " (" + key.second + ")\n";
   }

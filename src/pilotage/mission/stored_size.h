@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 namespace pilotage {
 
 /// The most bytes that stored ground can take in the map database; `select` holds the budget against these, so that a
@@ -8,6 +10,8 @@ struct StoredSize {
   double bytes_per_px = 0;    ///< Descriptors and key points, per pixel of a level.
   double bytes_per_tile = 0;  ///< A row of the tiles layer with its scores, index entries and unused ends of pages.
   double bytes_fixed = 0;     ///< Everything that does not depend on the tiles.
+  /// Chips, per pixel of each level of the plan; empty without chips.
+  std::vector<double> chip_bytes_per_px{};
 };
 
 }  // namespace pilotage

@@ -126,7 +126,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
                        Crs::from_user_input(plan.crs_wkt), raster.map_from_pixel, true);
   }
 
-  const Selection selection = select_tiles(plan, scores, stored_size(options.build), options.select);
+  const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
   const std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report

@@ -52,7 +52,9 @@ class StorageCount {
   }
   double cell_bytes(const PlanTile& tile) const {
     const double stride_px = matrix_of(tile).stride_px;
-    return stride_px * stride_px * size_.bytes_per_px;
+    const auto level = static_cast<std::size_t>(tile.level);
+    const double chip_bytes = size_.chip_bytes_per_px.empty() ? 0 : size_.chip_bytes_per_px.at(level);
+    return stride_px * stride_px * (size_.bytes_per_px + chip_bytes);
   }
   const TileMatrix& matrix_of(const PlanTile& tile) const {
     return plan_.levels[static_cast<std::size_t>(tile.level)].matrix;
