@@ -409,7 +409,7 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
   result.stats.vote_rival = places->rival_evidence;
   result.stats.ncc = best.ncc;
   result.stats.ncc_rival = places->rival_ncc;
-  result.stats.confidence = 1 - false_fix_rate(best.evidence, chips.has_value());
+  result.stats.confidence = 1 - false_fix_rate(best.evidence);
   auto refined = refine(scene, described, local, prior, options, best.match);
   if (!refined) return {MatchStatus::kInconsistent, {}, {}, result.stats};
   refined->fix.tile_id = tile_at(local, best.match.placement.center_px);

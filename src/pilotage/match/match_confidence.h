@@ -15,7 +15,8 @@ struct PlaceEvidence {
 /// frames of other ground (docs/methods/match.md, "Confidence"). At least 0.
 double place_evidence(const PlaceEvidence& evidence);
 
-/// The rate at which the best place of frames that show other ground reaches this evidence, 0 … 1.
-double false_fix_rate(double evidence, bool chip_compared);
+/// The rate at which the best place of frames that show other ground reaches this evidence: exp(−evidence). Support and
+/// correlation are seldom high at one and the same wrong place, so their sum needs no correction for being two.
+double false_fix_rate(double evidence);
 
 }  // namespace pilotage
