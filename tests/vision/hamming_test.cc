@@ -131,6 +131,24 @@ TEST_P(HammingPaths, WindowsEqualBruteForce) {
   }
 }
 
+TEST_P(HammingPaths, NothingFartherThanTheLargestDistance) {
+  Random random(seed_from_name("NothingFartherThanTheLargestDistance"));
+  for (const int bytes : {16, 32, 64}) {
+    const FeatureSet map = random_features(random, 700, bytes, 20);
+    const FeatureSet queries = random_features(random, 20, bytes, 20);
+    const double inf = std::numeric_limits<double>::infinity();
+    const std::vector<HammingWindow> windows(queries.size(), HammingWindow{-inf, 40, 250, inf});
+    for (const std::uint32_t max_distance : {0U, 3U, 12U, 17U, 64U}) {
+      HammingMatches expected = brute_force(map, queries, windows, 4);
+      for (HammingMatch& match : expected.matches) {
+        if (match.found() && match.distance > max_distance) match = {};
+      }
+      EXPECT_EQ(HammingIndex(map).find_nearest(queries, windows, 4, GetParam(), max_distance).matches, expected.matches)
+          << bytes << " " << max_distance;
+    }
+  }
+}
+
 TEST_P(HammingPaths, EqualDistancesComeInTheOrderOfTheIndex) {
   FeatureSet map;
   for (int i = 0; i < 100; ++i) {

@@ -110,17 +110,23 @@ class GuidedSearch {
   const LocalMap& map_;
 };
 
-/// Weighted least squares for center, a = scale·cos(yaw), b = scale·sin(yaw), with the prior's turn and scale.
+/// Weighted least squares for center, a = scale·cos(yaw), b = scale·sin(yaw), with the prior's turn and scale. Where
+/// the prior has no turn, yaw is measured from the start's: only then a is nearly the scale.
 class SimilarityFit {
  public:
-  explicit SimilarityFit(const Placement& start) : start_(start), transform_(start) {}
+  SimilarityFit(const Placement& start, const SearchSpace& space)
+      : start_(start),
+        space_(space),
+        transform_(start),
+        base_yaw_rad_(space.yaw_sigma_rad > kUnknownYawRad ? start.yaw_rad : 0),
+        base_({{0, 0}, base_yaw_rad_, 1}) {}
 
   void add(const GuidedPair& pair) {
     const double nearness = std::max(0.0, 1 - pair.distance / kFitDistance);
     if (nearness <= 0) return;
-    const Eigen::Vector2d& o = pair.from_pivot_px;
+    const Eigen::Vector2d o = base_.map_from_frame(pair.from_pivot_px);
     const Eigen::Vector2d& m = pair.map_px;
-    const double error_px = (m - transform_.map_from_frame(o)).norm();
+    const double error_px = (m - transform_.map_from_frame(pair.from_pivot_px)).norm();
     const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
     // The sums of weight · Jᵀ J, its lower half, and weight · Jᵀ m for J = (1, 0, x, −y; 0, 1, y, x), spelt out for
     // speed.
@@ -144,7 +150,7 @@ class SimilarityFit {
   }
 
   /// The fitted placement, or the start when too few pairs have weight.
-  Placement solve(const SearchSpace& space) const {
+  Placement solve() const {
     if (pairs_ < 4) return start_;
     Eigen::Matrix4d normal = normal_;
     Eigen::Vector4d right = right_;
@@ -154,17 +160,21 @@ class SimilarityFit {
       normal(row, row) += information;
       right(row) += information * value;
     };
-    add_prior(2, 1, std::max(space.scale_sigma, 1e-4));
-    if (space.yaw_sigma_rad <= kUnknownYawRad) add_prior(3, 0, std::max(space.yaw_sigma_rad, 1e-4));
+    add_prior(2, 1, std::max(space_.scale_sigma, 1e-4));
+    if (space_.yaw_sigma_rad <= kUnknownYawRad) add_prior(3, 0, std::max(space_.yaw_sigma_rad, 1e-4));
     const Eigen::Vector4d solution = normal.ldlt().solve(right);
-    Placement placement{solution.head<2>(), std::atan2(solution(3), solution(2)), std::hypot(solution(2), solution(3))};
+    Placement placement{solution.head<2>(), base_yaw_rad_ + std::atan2(solution(3), solution(2)),
+                        std::hypot(solution(2), solution(3))};
     if (!solution.allFinite() || !(placement.scale > 0.5 && placement.scale < 2)) return start_;
     return placement;
   }
 
  private:
   Placement start_;
+  SearchSpace space_;
   PlacementTransform transform_;
+  double base_yaw_rad_;
+  PlacementTransform base_;
   Eigen::Matrix4d normal_ = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right_ = Eigen::Vector4d::Zero();
   double weight_ = 0;
@@ -190,7 +200,7 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
   constexpr std::array<int, 3> kReach{kMaxReach, 1, 1};
   for (std::size_t round = 0; round < kReach.size(); ++round) {
     const bool last = round + 1 == kReach.size();
-    SimilarityFit fit(match.placement);
+    SimilarityFit fit(match.placement, space);
     const PlacementTransform transform(match.placement);
     for (const std::size_t feature : search.features_within(match.placement)) {
       const auto pair = search.find(feature, transform, kReach[round]);
@@ -202,7 +212,7 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
         fit.add(*pair);
       }
     }
-    if (!last) match.placement = fit.solve(space);
+    if (!last) match.placement = fit.solve();
   }
   return match;
 }

@@ -1,0 +1,136 @@
+#include "pilotage/match/guided_matching.h"
+
+#include "match/placed_scene.h"
+#include <gtest/gtest.h>
+
+namespace pilotage {
+namespace {
+
+using testing::angle_between;
+using testing::make_placed_scene;
+using testing::PlacedScene;
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+GuidedMatch best_match(const PlacedScene& scene) {
+  GuidedMatch best;
+  for (const Candidate& candidate : vote_for_displacements(scene.frame, scene.map, scene.space, 5)) {
+    const GuidedMatch match = match_guided(scene.frame, scene.map, scene.space, candidate);
+    if (match.evidence() > best.evidence()) best = match;
+  }
+  return best;
+}
+
+/// Features whose place in the frame, to the nearest point of the grid, has been described: what `expected` counts.
+int features_shown(const PlacedScene& scene, const Placement& placement) {
+  int shown = 0;
+  for (const Feature& feature : scene.map.features.features) {
+    const Eigen::Vector2d place =
+        placement.frame_from_map({static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)}) +
+        scene.frame.pivot_px;
+    const Eigen::Vector2d cell = (place - Eigen::Vector2d(0.5, 0.5)) / scene.frame.grid.step_px;
+    if (cell.cwiseAbs().maxCoeff() > 1e6) continue;
+    shown += scene.frame.grid.at(static_cast<int>(std::round(cell.x())), static_cast<int>(std::round(cell.y()))) >= 0;
+  }
+  return shown;
+}
+
+TEST(MatchGuided, FindsTheFrameToAFractionOfAPixel) {
+  for (const Placement& truth :
+       {Placement{{210, 200}, 0, 1}, Placement{{203.4, 188.8}, -0.03, 1.05}, Placement{{222.1, 205.3}, 0.03, 0.95}}) {
+    const PlacedScene scene = make_placed_scene(truth);
+    const GuidedMatch best = best_match(scene);
+    EXPECT_LT((best.placement.center_px - truth.center_px).norm(), 0.5);
+    EXPECT_NEAR(best.placement.yaw_rad, truth.yaw_rad, 0.5 * kRadPerDeg) << "the prior pulls a little";
+    EXPECT_NEAR(best.placement.scale, truth.scale, 0.01);
+    EXPECT_GT(best.expected, 40);
+    EXPECT_GT(best.supporters, 0.8 * best.expected);
+  }
+}
+
+TEST(MatchGuided, FindsAnyHeadingByOrientedDescriptors) {
+  FeatureOptions options;
+  options.oriented = true;
+  for (int heading_deg = 10; heading_deg < 360; heading_deg += 70) {
+    const Placement truth{{205.5, 197.2}, heading_deg * kRadPerDeg, 1.01};
+    PlacedScene scene = make_placed_scene(truth, options);
+    scene.space.yaw_sigma_rad = std::numbers::pi;
+    const GuidedMatch best = best_match(scene);
+    EXPECT_LT((best.placement.center_px - truth.center_px).norm(), 1) << heading_deg;
+    EXPECT_LT(angle_between(best.placement.yaw_rad, truth.yaw_rad), 0.5 * kRadPerDeg) << heading_deg;
+    EXPECT_NEAR(best.placement.scale, truth.scale, 0.01) << heading_deg;
+  }
+}
+
+TEST(MatchGuided, MendsACandidateThatIsAFewPixelsOff) {
+  const Placement truth{{210.4, 199.3}, 0.01, 1.01};
+  const PlacedScene scene = make_placed_scene(truth);
+  for (const Eigen::Vector2d& off : {Eigen::Vector2d(3, 0), Eigen::Vector2d(-2, 2), Eigen::Vector2d(0, -3)}) {
+    const Candidate candidate{{truth.center_px + off, 0, 1}, 5};
+    const GuidedMatch match = match_guided(scene.frame, scene.map, scene.space, candidate);
+    EXPECT_LT((match.placement.center_px - truth.center_px).norm(), 0.5);
+    EXPECT_EQ(match.votes, 5);
+    EXPECT_EQ(match.evidence(), match.supporters + kVoteValue * 5);
+  }
+}
+
+TEST(MatchGuided, ExpectsTheFeaturesThatTheFrameShows) {
+  const PlacedScene scene = make_placed_scene({{210.4, 199.3}, 0.01, 1.01});
+  for (const Eigen::Vector2d& center :
+       {Eigen::Vector2d(210, 199), Eigen::Vector2d(150, 230), Eigen::Vector2d(20, 20), Eigen::Vector2d(410, 3)}) {
+    for (const double scale : {0.8, 1.0, 1.3}) {
+      const Candidate candidate{{center, 0.2, scale}, 0};
+      const GuidedMatch match = match_guided(scene.frame, scene.map, scene.space, candidate);
+      EXPECT_EQ(match.expected, features_shown(scene, match.placement)) << center.transpose() << " " << scale;
+      EXPECT_LE(match.supporters, match.expected);
+    }
+  }
+}
+
+TEST(MatchGuided, OtherGroundHasFewSupporters) {
+  const PlacedScene scene = make_placed_scene({{210.4, 199.3}, 0.01, 1.01});
+  const GuidedMatch here = match_guided(scene.frame, scene.map, scene.space, {scene.truth, 0});
+  for (const Eigen::Vector2d& off : {Eigen::Vector2d(40, 0), Eigen::Vector2d(-35, 30), Eigen::Vector2d(12, -50)}) {
+    const Candidate candidate{{scene.truth.center_px + off, 0, 1}, 0};
+    const GuidedMatch elsewhere = match_guided(scene.frame, scene.map, scene.space, candidate);
+    EXPECT_GT(elsewhere.expected, 40);
+    EXPECT_LT(elsewhere.supporters, 0.3 * here.supporters);
+  }
+}
+
+TEST(MatchGuided, OffTheMapNothingIsExpectedAndTheCandidateStays) {
+  const PlacedScene scene = make_placed_scene({{210, 200}, 0, 1});
+  const Candidate far{{{5000, -3000}, 0.01, 1.02}, 2};
+  const GuidedMatch match = match_guided(scene.frame, scene.map, scene.space, far);
+  EXPECT_EQ(match.expected, 0);
+  EXPECT_EQ(match.supporters, 0);
+  EXPECT_EQ(match.placement.center_px, far.placement.center_px);
+  EXPECT_EQ(match.placement.yaw_rad, 0.01);
+  EXPECT_EQ(match.placement.scale, 1.02);
+  EXPECT_TRUE(supporting_pairs(scene.frame, scene.map, far.placement).empty());
+}
+
+TEST(SupportingPairs, AreTheSupportersToAFractionOfTheGridStep) {
+  const PlacedScene scene = make_placed_scene({{210.4, 199.3}, 0.01, 1.01});
+  const GuidedMatch match = match_guided(scene.frame, scene.map, scene.space, {scene.truth, 0});
+  const auto pairs = supporting_pairs(scene.frame, scene.map, match.placement);
+  ASSERT_EQ(static_cast<int>(pairs.size()), match.supporters);
+  double square_px2 = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const GuidedPair& pair = pairs[i];
+    const Feature& feature = scene.map.features.features[pair.map_feature];
+    EXPECT_EQ(pair.map_px, Eigen::Vector2d(static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)));
+    EXPECT_LT(pair.distance, kSupportDistance);
+    const double residual_px = (pair.map_px - match.placement.map_from_frame(pair.from_pivot_px)).norm();
+    EXPECT_NEAR(pair.residual_px, residual_px, 1e-9);
+    square_px2 += (pair.map_px - scene.truth.map_from_frame(pair.from_pivot_px)).squaredNorm();
+    if (i > 0) {
+      EXPECT_GT(pair.map_feature, pairs[i - 1].map_feature);
+    }
+  }
+  // The grid's own rounding to 2 px would alone leave 0.58 px along each axis.
+  EXPECT_LT(std::sqrt(square_px2 / static_cast<double>(2 * pairs.size())), 0.4);
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,360 @@
+#include "pilotage/match/match.h"
+
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "testing/temporary_folder.h"
+#include "testing/textured_map.h"
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/random.h"
+#include "pilotage/camera/projection.h"
+#include "pilotage/geo/geodesic.h"
+#include "pilotage/geo/local_frame.h"
+
+namespace pilotage {
+namespace {
+
+using testing::TemporaryFolder;
+using testing::TexturedGround;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A map of texture, made once for all tests.
+struct Map {
+  explicit Map(bool oriented) {
+    FeatureOptions options;
+    options.oriented = oriented;
+    path = folder / "map.gpkg";
+    testing::write_textured_map(path, ground, options);
+  }
+  GeodeticPoint place(double east_m, double north_m) const {
+    return LocalFrame(ground.center).geodetic_from_enu({east_m, north_m, 0});
+  }
+
+  TemporaryFolder folder;
+  TexturedGround ground = testing::make_textured_ground();
+  std::filesystem::path path;
+};
+
+const Map& upright_map() {
+  static const Map kMap(false);
+  return kMap;
+}
+const Map& oriented_map() {
+  static const Map kMap(true);
+  return kMap;
+}
+
+/// Where the aircraft is, and what it believes.
+struct Shot {
+  double east_m = 0;
+  double north_m = 0;
+  Attitude attitude;
+  double height_m = 60;
+  double focal_px = 140;  // 69 m wide
+  CameraMount mount;
+  Eigen::Vector2d prior_off_m{6, -8};
+  Attitude attitude_off;
+  double height_ratio = 1;  ///< Of the prior to the truth.
+};
+
+struct Answer {
+  MatchResult result;
+  Eigen::Vector2d error_m{kNan, kNan};         ///< Of position.
+  Eigen::Vector2d center_error_m{kNan, kNan};  ///< Of the ground under the principal point.
+};
+
+MatchPrior prior_of(const Map& map, const Shot& shot) {
+  MatchPrior prior;
+  prior.position = map.place(shot.east_m + shot.prior_off_m.x(), shot.north_m + shot.prior_off_m.y());
+  prior.sigma_m = 10;
+  prior.height_agl_m = shot.height_m * shot.height_ratio;
+  prior.attitude = {shot.attitude.yaw_deg + shot.attitude_off.yaw_deg,
+                    shot.attitude.pitch_deg + shot.attitude_off.pitch_deg,
+                    shot.attitude.roll_deg + shot.attitude_off.roll_deg};
+  return prior;
+}
+
+Answer match_shot(const Map& map, const Shot& shot, const MatchOptions& options = {}) {
+  TexturedGround ground = map.ground;
+  ground.camera.mount = shot.mount;
+  ground.camera.fx_px = ground.camera.fy_px = shot.focal_px;
+  const cv::Mat frame = testing::frame_over(ground, shot.east_m, shot.north_m, shot.attitude, shot.height_m).gray;
+  MapReader reader(map.path);
+  Answer answer;
+  answer.result = match(frame, prior_of(map, shot), ground.camera, reader, options);
+  if (!answer.result.fix) return answer;
+  const LocalFrame enu(map.ground.center);
+  const Eigen::Vector2d truth_m(shot.east_m, shot.north_m);
+  const auto view = make_view(ground.camera, shot.attitude, shot.height_m);
+  const Eigen::Vector2d center_m = *ground_from_pixel(*view, {ground.camera.cx_px, ground.camera.cy_px});
+  answer.error_m = enu.enu_from_geodetic(answer.result.fix->position).head<2>() - truth_m;
+  answer.center_error_m = enu.enu_from_geodetic(answer.result.fix->center).head<2>() - truth_m - center_m;
+  return answer;
+}
+
+double turn_between_deg(double a_deg, double b_deg) {
+  return std::abs(std::remainder(a_deg - b_deg, 360.0));
+}
+
+TEST(Match, AKnownPoseIsFound) {
+  for (int heading_deg = 0; heading_deg < 360; heading_deg += 60) {
+    Shot shot;
+    shot.east_m = 7;
+    shot.north_m = -11;
+    shot.attitude.yaw_deg = heading_deg;
+    const Answer answer = match_shot(upright_map(), shot);
+    ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg;
+    const Fix& fix = *answer.result.fix;
+    EXPECT_LT(answer.error_m.norm(), 0.7) << heading_deg;
+    EXPECT_LT(answer.center_error_m.norm(), 0.3) << heading_deg;
+    EXPECT_LT(turn_between_deg(fix.yaw_deg, heading_deg), 0.3);
+    EXPECT_NEAR(fix.height_agl_m, 60, 0.6);
+    EXPECT_NEAR(fix.scale, 1, 0.01);
+    EXPECT_GE(fix.yaw_deg, 0);
+    EXPECT_LT(fix.yaw_deg, 360);
+    EXPECT_GT(answer.result.stats.inliers, 50);
+    EXPECT_GT(answer.result.stats.vote_peak, 2 * answer.result.stats.vote_rival);
+    EXPECT_LT(answer.result.stats.residual_m, 0.5);
+    EXPECT_EQ(answer.result.stats.level, 0);
+    EXPECT_NEAR(answer.result.stats.gsd_m, 0.5, 0.001);
+  }
+}
+
+TEST(Match, ErrorsOfThePriorAreMended) {
+  Random random(seed_from_name("errors of the prior"));
+  for (int i = 0; i < 12; ++i) {
+    Shot shot;
+    shot.east_m = random.uniform(-20, 20);
+    shot.north_m = random.uniform(-20, 20);
+    shot.attitude = {random.uniform(0, 360), random.uniform(-6, 6), random.uniform(-6, 6)};
+    shot.prior_off_m = {random.uniform(-20, 20), random.uniform(-20, 20)};
+    shot.attitude_off = {random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5)};
+    shot.height_m = random.uniform(55, 65);
+    shot.height_ratio = random.uniform(0.95, 1.05);
+    const Answer answer = match_shot(upright_map(), shot);
+    ASSERT_EQ(answer.result.status, MatchStatus::kFix) << i;
+    const Fix& fix = *answer.result.fix;
+    EXPECT_LT(answer.error_m.norm(), 1) << i;
+    EXPECT_LT(answer.center_error_m.norm(), 0.4) << i;
+    EXPECT_LT(turn_between_deg(fix.yaw_deg, shot.attitude.yaw_deg), 0.5) << i;
+    EXPECT_NEAR(fix.height_agl_m, shot.height_m, 1) << i;
+    EXPECT_NEAR(fix.scale, 1 / shot.height_ratio, 0.02) << i;
+    // Two by two, with the map's own 1 m in it: the truth lies well inside.
+    EXPECT_LT(answer.error_m.dot(fix.covariance_en_m2.inverse() * answer.error_m), 9) << i;
+  }
+}
+
+TEST(Match, EachErrorOfTheAttitudeIsMendedWithItsSign) {
+  for (const double heading_deg : {0.0, 90.0, 217.0}) {
+    for (const double off_deg : {-1.5, 1.5}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Shot shot;
+        shot.attitude = {heading_deg, 2, -3};
+        shot.focal_px = 90;  // wide: tilt shows in the frame's perspective
+        if (axis == 0) shot.attitude_off.yaw_deg = off_deg;
+        if (axis == 1) shot.attitude_off.pitch_deg = off_deg;
+        if (axis == 2) shot.attitude_off.roll_deg = off_deg;
+        MatchOptions options;
+        options.attitude_sigma_deg = 2;
+        options.yaw_sigma_deg = 2;
+        const Answer answer = match_shot(upright_map(), shot, options);
+        ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg << " " << axis;
+        const Fix& fix = *answer.result.fix;
+        EXPECT_LT(turn_between_deg(fix.yaw_deg, heading_deg), 0.5) << heading_deg << " " << axis;
+        EXPECT_NEAR(fix.pitch_deg, 2, 0.5) << heading_deg << " " << axis << " " << off_deg;
+        EXPECT_NEAR(fix.roll_deg, -3, 0.5) << heading_deg << " " << axis << " " << off_deg;
+        EXPECT_LT(answer.error_m.norm(), 1) << heading_deg << " " << axis << " " << off_deg;
+      }
+    }
+  }
+}
+
+TEST(Match, HeightIsMended) {
+  for (const double ratio : {0.94, 1.06}) {
+    Shot shot;
+    shot.attitude.yaw_deg = 33;
+    shot.height_ratio = ratio;
+    const Answer answer = match_shot(upright_map(), shot);
+    ASSERT_EQ(answer.result.status, MatchStatus::kFix);
+    EXPECT_NEAR(answer.result.fix->height_agl_m, 60, 0.6);
+    EXPECT_LT(answer.result.fix->height_sigma_m, 1);
+  }
+}
+
+TEST(Match, TheMountTurnsTheView) {
+  for (const CameraMount& mount : {CameraMount{90, 0, 0}, CameraMount{0, 12, 0}, CameraMount{-35, 5, -8}}) {
+    Shot shot;
+    shot.attitude = {70, 1, 2};
+    shot.mount = mount;
+    const Answer answer = match_shot(upright_map(), shot);
+    ASSERT_EQ(answer.result.status, MatchStatus::kFix) << mount.pitch_deg;
+    EXPECT_LT(answer.error_m.norm(), 1) << mount.pitch_deg;
+    EXPECT_LT(answer.center_error_m.norm(), 0.4) << mount.pitch_deg;
+  }
+}
+
+TEST(Match, TheCenterIsWhereTheCameraLooks) {
+  Shot shot;
+  shot.attitude = {90, 0, 0};
+  shot.mount.pitch_deg = 15;  // looks ahead, to the east
+  const Answer answer = match_shot(upright_map(), shot);
+  ASSERT_EQ(answer.result.status, MatchStatus::kFix);
+  const Fix& fix = *answer.result.fix;
+  const GeodesicLeg leg = geodesic_between(fix.position, fix.center);
+  EXPECT_NEAR(leg.length_m, 60 * std::tan(15 * std::acos(-1) / 180), 1.5);
+  EXPECT_NEAR(leg.start_azimuth_deg, 90, 5);
+  // The attitude's error moves the nadir, not the point in view.
+  EXPECT_LT(fix.center_covariance_en_m2.trace(), fix.covariance_en_m2.trace());
+}
+
+TEST(Match, AnyHeadingIsFoundWithOrientedDescriptors) {
+  MatchOptions options;
+  options.yaw_sigma_deg = 180;
+  for (const double heading_deg : {15.0, 140.0, 265.0}) {
+    Shot shot;
+    shot.attitude = {heading_deg, 2, -1};
+    shot.attitude_off.yaw_deg = -heading_deg;  // the prior says north
+    const Answer answer = match_shot(oriented_map(), shot, options);
+    ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg;
+    EXPECT_LT(answer.error_m.norm(), 1) << heading_deg;
+    EXPECT_LT(turn_between_deg(answer.result.fix->yaw_deg, heading_deg), 0.5) << heading_deg;
+  }
+}
+
+TEST(Match, APriorWrongByMoreThanTheWindowGivesNoFix) {
+  for (const Eigen::Vector2d& off : {Eigen::Vector2d(55, 0), Eigen::Vector2d(0, -58), Eigen::Vector2d(-50, 50)}) {
+    Shot shot;
+    shot.prior_off_m = off;
+    const Answer answer = match_shot(upright_map(), shot);
+    EXPECT_NE(answer.result.status, MatchStatus::kFix) << off.transpose();
+    EXPECT_FALSE(answer.result.fix);
+  }
+}
+
+TEST(Match, FramesOfOtherGroundGiveNoFix) {
+  const Map& map = upright_map();
+  TexturedGround other = map.ground;
+  Raster mirrored{{}, {}, map.ground.gray.map_from_pixel};
+  const Raster whole = map.ground.gray.read({0, 0, 384, 384});
+  cv::flip(whole.pixels, mirrored.pixels, 0);
+  mirrored.valid = cv::Mat(mirrored.pixels.size(), CV_8U, cv::Scalar(255));
+  other.gray = gray_source_from(mirrored);
+  MapReader reader(map.path);
+  for (int i = 0; i < 8; ++i) {
+    Shot shot;
+    shot.east_m = 5 * i - 20;
+    shot.attitude.yaw_deg = 45.0 * i;
+    const cv::Mat frame = testing::frame_over(other, shot.east_m, shot.north_m, shot.attitude, shot.height_m).gray;
+    const MatchResult result = match(frame, prior_of(map, shot), other.camera, reader);
+    EXPECT_NE(result.status, MatchStatus::kFix) << i;
+    EXPECT_FALSE(result.fix);
+    EXPECT_LE(result.stats.confidence, 0.999);
+  }
+}
+
+TEST(Match, BadInputIsAStatus) {
+  const Map& map = upright_map();
+  MapReader reader(map.path);
+  const Shot shot;
+  const Camera& camera = map.ground.camera;
+  const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
+  const MatchPrior prior = prior_of(map, shot);
+  ASSERT_EQ(match(frame, prior, camera, reader).status, MatchStatus::kFix);
+  const auto status = [&](auto change) {
+    MatchPrior changed = prior;
+    change(changed);
+    const MatchResult result = match(frame, changed, camera, reader);
+    EXPECT_FALSE(result.fix);
+    return result.status;
+  };
+  EXPECT_EQ(status([](MatchPrior& p) { p.attitude.pitch_deg = kNan; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.attitude.yaw_deg = 1 / 0.0; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = 0; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = -60; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = kNan; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.sigma_m = 0; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = 90.5; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.position.lon_deg = kNan; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = 90; }), MatchStatus::kNoMap);
+  EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = -90; }), MatchStatus::kNoMap);
+  EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg += 0.1; }), MatchStatus::kNoMap);
+  EXPECT_EQ(status([](MatchPrior& p) { p.attitude.pitch_deg = 180; }), MatchStatus::kNoGround);
+
+  const cv::Size size = frame.size();
+  for (const auto& [bad, what] :
+       {std::pair(cv::Mat(), "empty"), std::pair(cv::Mat(1, 1, CV_8U), "1 x 1"),
+        std::pair(cv::Mat(size, CV_8UC3), "colour"), std::pair(cv::Mat(size, CV_16U), "16 bit"),
+        std::pair(cv::Mat(size.width, size.height, CV_8U), "turned")}) {
+    EXPECT_EQ(match(bad, prior, camera, reader).status, MatchStatus::kBadFrame) << what;
+  }
+  for (const int gray : {0, 255}) {
+    const MatchResult result = match(cv::Mat(size, CV_8U, cv::Scalar(gray)), prior, camera, reader);
+    EXPECT_NE(result.status, MatchStatus::kFix) << gray;
+    EXPECT_NE(result.status, MatchStatus::kBadFrame) << gray;
+  }
+  const Camera tiny{1, 1, 1, 1, 0.5, 0.5};
+  EXPECT_EQ(match(cv::Mat(1, 1, CV_8U, cv::Scalar(9)), prior, tiny, reader).status, MatchStatus::kNoGround);
+  Camera broken = camera;
+  broken.fx_px = 0;
+  EXPECT_EQ(match(frame, prior, broken, reader).status, MatchStatus::kBadCamera);
+  MatchOptions options;
+  options.search_sigmas = kNan;
+  EXPECT_EQ(match(frame, prior, camera, reader, options).status, MatchStatus::kBadOptions);
+}
+
+/// All numbers of a result in a row.
+std::vector<double> numbers_of(const MatchResult& result) {
+  const MatchStats& stats = result.stats;
+  std::vector<double> all{static_cast<double>(result.status),
+                          static_cast<double>(stats.frame_features),
+                          static_cast<double>(stats.map_features),
+                          stats.vote_peak,
+                          stats.vote_rival,
+                          static_cast<double>(stats.inliers),
+                          stats.residual_m,
+                          stats.ncc,
+                          stats.ncc_rival,
+                          stats.confidence};
+  if (!result.candidate) return all;
+  const Fix& fix = *result.candidate;
+  for (const double value : {fix.position.lon_deg, fix.position.lat_deg, fix.center.lon_deg, fix.center.lat_deg,
+                             fix.yaw_deg, fix.pitch_deg, fix.roll_deg, fix.height_agl_m, fix.yaw_sigma_deg,
+                             fix.height_sigma_m, fix.scale, static_cast<double>(fix.tile_id)}) {
+    all.push_back(value);
+  }
+  for (int i = 0; i < 4; ++i) all.push_back(fix.covariance_en_m2(i));
+  for (int i = 0; i < 4; ++i) all.push_back(fix.center_covariance_en_m2(i));
+  return all;
+}
+
+TEST(Match, TheSameWheneverAndFromWhicheverThread) {
+  const Map& map = upright_map();
+  Shot shot;
+  shot.attitude = {123, 3, -2};
+  shot.attitude_off = {1, -0.5, 0.7};
+  const cv::Mat frame = testing::frame_over(map.ground, 0, 0, shot.attitude, 60).gray;
+  const MatchPrior prior = prior_of(map, shot);
+  const auto answer = [&] {
+    MapReader reader(map.path);
+    match(cv::Mat(frame.size(), CV_8U, cv::Scalar(0)), prior, map.ground.camera, reader);
+    return numbers_of(match(frame, prior, map.ground.camera, reader));
+  };
+  const std::vector<double> expected = answer();
+  EXPECT_GT(expected.size(), 20U);
+  EXPECT_EQ(answer(), expected);
+  std::vector<double> of_thread[2];
+  std::thread first([&] { of_thread[0] = answer(); });
+  std::thread second([&] { of_thread[1] = answer(); });
+  first.join();
+  second.join();
+  EXPECT_EQ(of_thread[0], expected);
+  EXPECT_EQ(of_thread[1], expected);
+}
+
+}  // namespace
+}  // namespace pilotage
