@@ -180,6 +180,14 @@ Eigen::Vector2d Placement::frame_from_map(const Eigen::Vector2d& map_px) const {
   return PlacementTransform(*this).frame_from_map(map_px);
 }
 
+double search_bins(const PivotedFrame& frame, const SearchSpace& space) {
+  const double step = kVoteStepPx / std::max(frame.radius_px, 1.0);
+  const double side = 2 * space.half_width_px / kVoteBinPx + 3;
+  const double turns = space.yaw_sigma_rad > kUnknownYawRad ? 2 * std::numbers::pi / step + 1
+                                                            : 2 * std::ceil(2 * space.yaw_sigma_rad / step) + 1;
+  return side * side * turns * (2 * std::ceil(2 * space.scale_sigma / step) + 1);
+}
+
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                               std::size_t count) {
   const std::vector<Pair> pairs = similar_pairs(frame, map, space);

@@ -85,6 +85,9 @@ struct Candidate {
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                               std::size_t count);
 
+/// Number of histogram bins over all turns and scales: what voting costs, some 10 ns each.
+double search_bins(const PivotedFrame& frame, const SearchSpace& space);
+
 inline constexpr int kVoteNeighbours = 4;
 inline constexpr double kVoteDistance = 90.0 / 256;
 inline constexpr double kVoteStepPx = 2.5;

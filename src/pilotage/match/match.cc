@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <numbers>
@@ -30,6 +29,7 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr int kMaxRectifiedSidePx = 768;  // about 0.5 km at 0.6 m/px: more adds time, not certainty
+constexpr double kMaxSearchBins = 1e9;    // some ten seconds
 constexpr double kMaxHalfWidthPx = 4096;  // of the search square: its histogram takes 64 MiB
 constexpr std::size_t kCandidates = 30;   // of 1,000 real frames, 95 % had the true place among the first 30
 constexpr std::size_t kRankedPlaces = 8;  // of these, the best by descriptors, chips are looked at
@@ -397,15 +397,12 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
   }
 
   const SearchSpace space = search_space(scene, local, options, features->oriented);
+  if (search_bins(described, space) > kMaxSearchBins) return {MatchStatus::kBadPrior, {}, {}, result.stats};
   const auto chips = compare_chips(frame, prior, camera, map, options, scene, described, local);
   const auto places = rank_places(described, local, space, chips, scene.gsd_m);
   if (!places) return {MatchStatus::kInconsistent, {}, {}, result.stats};
   const RankedPlace& best = places->best;
   result.stats.vote_peak = best.evidence;
-  if (getenv("PILOTAGE_DUMP"))
-    fprintf(stderr, "DUMP %.3f %d %.4f %.4f %.4f %d %d %.2f %.3f %.3f %d\n", best.match.evidence(), best.match.expected,
-            best.ncc, chips ? chips->best.ncc : 0., chips ? chips->best.rival_ncc : 0., result.stats.frame_features,
-            result.stats.map_features, scene.half_width_px, best.evidence, places->rival_evidence, best.compared_px);
   result.stats.vote_rival = places->rival_evidence;
   result.stats.ncc = best.ncc;
   result.stats.ncc_rival = places->rival_ncc;

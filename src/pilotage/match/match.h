@@ -61,7 +61,7 @@ struct MatchOptions {
 enum class MatchStatus {
   kFix,
   kBadFrame,        ///< Not an 8-bit gray picture of the camera's size.
-  kBadPrior,        ///< Not finite, not on Earth, or no height above ground.
+  kBadPrior,        ///< Not finite, not on Earth, no height above ground, or too vague to be searched.
   kBadCamera,       ///< camera_problem() finds one.
   kBadOptions,      ///< An option is outside its range.
   kNoMap,           ///< The map has nothing within the search window.
@@ -102,7 +102,7 @@ struct MatchStats {
   double gsd_m = 0;
   int frame_features = 0;
   int map_features = 0;
-  double vote_peak = 0;   ///< Evidence for the best place, in natural logarithms of the likelihood ratio.
+  double vote_peak = 0;  ///< Evidence for the best place: place_evidence(), −ln of the rate of such evidence elsewhere.
   double vote_rival = 0;  ///< The same for the best place elsewhere.
   int inliers = 0;        ///< Pairs of features that agree with the refined pose.
   double residual_m = 0;  ///< Their root mean square, along one axis.

@@ -39,7 +39,7 @@ std::string_view match_status_text(MatchStatus status) {
     case MatchStatus::kBadFrame:
       return "the frame is not an 8-bit gray image of the camera's size";
     case MatchStatus::kBadPrior:
-      return "the prior position, height or attitude is not finite, not on Earth or not above the ground";
+      return "the prior is not finite, not on Earth, not above the ground or too vague to be searched";
     case MatchStatus::kBadCamera:
       return "the camera cannot be used";
     case MatchStatus::kBadOptions:
