@@ -9,9 +9,11 @@ import re
 import sys
 
 from acceptance import SKIP, check, main, run
+from whole_map import make_whole_map
 
-CAMERA = ("--hfov-deg", 73.7, "--width-px", 1000, "--height-px", 562)  # of tests/data/small_mission/mission.json
-REACH_M = 8  # the two dates agree to a pixel of 0.5 m; flat ground is assumed where it rises by some metres
+CAMERA = (73.7, 800, 450)  # degrees, pixels
+FOOTPRINT_M = 180
+REACH_M = 8  # the two dates agree to a pixel of 0.5 m
 
 
 def build_example(source, build, cxx, sanitizers, work):
@@ -23,21 +25,13 @@ def build_example(source, build, cxx, sanitizers, work):
     return work / "example/onboard_example"
 
 
-def small_map(pilotage, source, work):
-    """The map of a crop of the sample, 450 m × 250 m."""
-    folder = work / "mission"
-    folder.mkdir()
-    run("sh", source / "tests/data/small_mission/make", cwd=folder)
-    run(pilotage, "prepare", "mission.json", "-o", "out", cwd=folder)
-    return folder / "out/map.gpkg"
-
-
 def cut_frames(cut, source, work, count):
-    """Frames of the second date, where the small map's route passes; as rows of frames.csv."""
+    """Frames of the sample's second date, as rows of frames.csv."""
     folder = work / "frames"
-    run(cut, source / "maps/sample/ortho_second_epoch.tif", *CAMERA, "--footprint-m", 90, "--frames", count, "--format",
-        "pgm", "--prior-offset-m", 15, "--prior-sigma-m", 10, "--max-tilt-deg", 2, "--region",
-        "594530,6151570,594820,6151600", "-o", folder)
+    hfov_deg, width_px, height_px = CAMERA
+    run(cut, source / "maps/sample/ortho_second_epoch.tif", "--hfov-deg", hfov_deg, "--width-px", width_px,
+        "--height-px", height_px, "--footprint-m", FOOTPRINT_M, "--frames", count, "--format", "pgm", "--prior-offset-m",
+        30, "--prior-sigma-m", 15, "-o", folder)
     with open(folder / "frames.csv", newline="") as stream:
         return [dict(row, file=folder / row["file"]) for row in csv.DictReader(stream)]
 
@@ -74,15 +68,16 @@ def test(pilotage, source, work, rest):
         print("skipped: the sample mission's imagery is not made (target sample_mission)")
         sys.exit(SKIP)
     example = build_example(source, build, cxx, sanitizers[0] if sanitizers else "", work)
-    map_path = small_map(pilotage, source, work)
-    rows = cut_frames(cut, source, work, 5)
+    map_path = work / "map.gpkg"
+    make_whole_map(pilotage, source / "maps/sample/ortho.tif", map_path, (FOOTPRINT_M,), CAMERA)
+    rows = cut_frames(cut, source, work, 10)
     fixes = 0
     for row in rows:
         code, words = fly(example, map_path, row, row["prior_lon_deg"], row["prior_lat_deg"])
         check(code in (0, 3), words)
         check_fix(row, words) if code == 0 else check_refusal(words)
         fixes += code == 0
-    check(fixes >= 3, f"{fixes} of {len(rows)} frames of the map's ground got a fix\n{words}")
+    check(fixes >= 4, f"{fixes} of {len(rows)} frames of the map's ground got a fix\n{words}")
 
     code, words = fly(example, map_path, rows[0], 10.0, 50.0)
     check(code == 3 and "no_map" in words, words)

@@ -241,9 +241,12 @@ void measure(const Settings& settings) {
   const double far_px = (2 * kWindow_m + settings.footprint_m) / chips.gsd_m;
   std::vector<Frame> wrong;
   for (Frame frame : frames) {
-    do frame.prior_px = anywhere();
-    while ((frame.prior_px - frame.nadir_px).norm() < far_px);
-    wrong.push_back(frame);
+    for (int trial = 0; trial < 100; ++trial) {  // a small map has no place that is far enough
+      frame.prior_px = anywhere();
+      if ((frame.prior_px - frame.nadir_px).norm() < far_px) continue;
+      wrong.push_back(frame);
+      break;
+    }
   }
   for (std::size_t i = 2; i < settings.rasters.size(); ++i) {
     for (Frame frame : cut_frames(open_imagery(settings.rasters[i]), camera, settings.frames / 2, {}, random)) {

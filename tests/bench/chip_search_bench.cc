@@ -1,12 +1,10 @@
 // A frame of 154 m × 115 m at 1.2 m/px, turned by 33°, searched in ±90 m on chips under nine hypotheses: search_chips,
 // and the same pictures with cv::matchTemplate(TM_CCOEFF_NORMED, mask), which knows no mask of the region.
 
-#include <cmath>
-
+#include "match/chip_scene.h"
 #include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
-#include "pilotage/base/random.h"
 #include "pilotage/match/chip_search.h"
 
 namespace pilotage {
@@ -16,42 +14,17 @@ constexpr double kGsd_m = 1.2;
 constexpr int kGroundPx = 340;
 
 cv::Mat ground() {
-  Random random(seed_from_name("chip_search_bench"));
-  cv::Mat noise(kGroundPx, kGroundPx, CV_32F);
-  for (auto it = noise.begin<float>(); it != noise.end<float>(); ++it) *it = static_cast<float>(random.normal());
-  cv::Mat fine;
-  cv::Mat coarse;
-  cv::GaussianBlur(noise, fine, {}, 1.0);
-  cv::GaussianBlur(noise, coarse, {}, 8.0);
-  cv::Mat gray;
-  cv::Mat(110 + 60 * fine + 300 * coarse).convertTo(gray, CV_8U);
-  return gray;
+  return testing::random_ground(kGroundPx, kGroundPx, seed_from_name("chip_search_bench"));
 }
 
 ChipMosaic mosaic(bool hole) {
-  ChipMosaic result;
-  result.gray = ground();
-  result.valid = cv::Mat(result.gray.size(), CV_8UC1, cv::Scalar(255));
-  result.factor = 2;
+  ChipMosaic result = testing::mosaic_of(ground(), 0, 0, 2);
   if (hole) result.valid(cv::Rect(250, 0, 90, 120)).setTo(0);
   return result;
 }
 
-// A frame in the middle of the ground, its nadir point at the middle of its picture.
 RectifiedFrame frame() {
-  RectifiedFrame result;
-  result.status = RectifyStatus::kOk;
-  const cv::Rect window(90, 90, 160, 160);
-  result.gray = ground()(window).clone();
-  result.valid = cv::Mat::zeros(result.gray.size(), CV_8UC1);
-  cv::Point2f corners[4];
-  cv::RotatedRect(cv::Point2f(80, 80), cv::Size2f(128, 96), 33).points(corners);
-  std::vector<cv::Point> outline(corners, corners + 4);
-  cv::fillConvexPoly(result.valid, outline, cv::Scalar(255));
-  result.gray.setTo(0, result.valid == 0);
-  result.gsd_m = kGsd_m;
-  result.origin_m = {-80 * kGsd_m, 80 * kGsd_m};
-  return result;
+  return testing::frame_over(ground(), {kGroundPx / 2.0, kGroundPx / 2.0}, 128, 96, 33);
 }
 
 void search(benchmark::State& state, bool hole) {

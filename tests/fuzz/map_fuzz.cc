@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_reader.h"
 
 namespace {
@@ -33,7 +34,9 @@ void read_everything(const std::filesystem::path& path) {
     static_cast<void>(reader.tiles_near(tile.bounds.center_m(), 100));
     for (const pilotage::MapLevel& level : reader.levels()) {
       static_cast<void>(reader.descriptors(tile.tile_id, level.matrix.level));
-      static_cast<void>(reader.chip(tile.tile_id, level.matrix.level));
+      if (const auto chip = reader.chip(tile.tile_id, level.matrix.level)) {
+        static_cast<void>(pilotage::decode_chip(*chip, reader.name()));
+      }
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <numbers>
@@ -10,10 +11,13 @@
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/camera/ortho_rectify.h"
 #include "pilotage/camera/projection.h"
+#include "pilotage/match/chip_mosaic.h"
+#include "pilotage/match/chip_search.h"
 #include "pilotage/match/displacement_voting.h"
 #include "pilotage/match/frame_grid.h"
 #include "pilotage/match/guided_matching.h"
@@ -28,9 +32,12 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr int kMaxRectifiedSidePx = 768;  // about 0.5 km at 0.6 m/px: more adds time, not certainty
 constexpr double kMaxHalfWidthPx = 4096;  // of the search square: its histogram takes 64 MiB
 constexpr std::size_t kCandidates = 30;   // of 1,000 real frames, 95 % had the true place among the first 30
+constexpr std::size_t kRankedPlaces = 8;  // of these, the best by descriptors, chips are looked at
+constexpr int kChipReachPx = 2;
 constexpr int kMinFeatures = 20;
 constexpr double kMinRivalDistance_m = 6;
 constexpr double kGateSigmas = 4;
+constexpr double kMinLead = 3;  // of the best place over its rival, in natural logarithms
 
 /// Everything that is known once the frame lies on the map's grid.
 struct Scene {
@@ -153,26 +160,105 @@ SearchSpace search_space(const Scene& scene, const LocalMap& map, const MatchOpt
   return space;
 }
 
-/// The best place and the best elsewhere.
-struct RankedPlaces {
-  GuidedMatch best;
-  double rival_evidence = 0;
+/// The frame on the map's chips.
+struct ChipComparison {
+  RectifiedFrame frame;
+  ChipMosaic mosaic;
+  ChipMatch best;
+  Eigen::Vector2d pivot_from_nadir_px{0, 0};  ///< In pixels of the level.
+  Eigen::Vector2d reference_px{0, 0};         ///< LocalMap::reference_px.
+
+  /// A place of the nadir as a placement of the pivot, and back.
+  Placement placement(const ChipMatch& match) const {
+    Placement turned{{0, 0}, match.yaw_deg * kRadPerDeg, match.scale};
+    turned.center_px = match.nadir_px - reference_px + turned.map_from_frame(pivot_from_nadir_px);
+    return turned;
+  }
+  ChipMatch match_at(const Placement& placement) const {
+    ChipMatch match = best;
+    match.found = true;
+    match.yaw_deg = placement.yaw_rad / kRadPerDeg;
+    match.scale = placement.scale;
+    match.nadir_px = reference_px + placement.map_from_frame(-pivot_from_nadir_px);
+    return match;
+  }
 };
 
+/// Nothing when the map has no chips here, or when the heading is unknown: chips are compared upright.
+std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
+                                            MapReader& map, const MatchOptions& options, const Scene& scene,
+                                            const PivotedFrame& described, const LocalMap& local) {
+  if (!options.chips || !map.has_chips() || options.yaw_sigma_deg * kRadPerDeg > kUnknownYawRad) return std::nullopt;
+  ChipComparison chips;
+  chips.reference_px = local.reference_px;
+  chips.pivot_from_nadir_px = scene.px_from_m(scene.pivot_m);
+  const double reach_px = scene.half_width_px + chips.pivot_from_nadir_px.norm() + 1.2 * described.radius_px;
+  chips.mosaic = read_chip_mosaic(map, scene.level->matrix.level, scene.prior_px, reach_px);
+  if (chips.mosaic.gray.empty()) return std::nullopt;
+  Attitude on_grid = prior.attitude;
+  on_grid.yaw_deg -= scene.grid.convergence_deg();
+  RectifyOptions rectify;
+  rectify.gsd_m = scene.gsd_m * chips.mosaic.factor;
+  rectify.max_size_px = kMaxRectifiedSidePx;
+  chips.frame = ortho_rectify(frame, camera, on_grid, prior.height_agl_m, rectify);
+  if (chips.frame.status != RectifyStatus::kOk) return std::nullopt;
+  const auto hypotheses = chip_hypotheses(1.5 * options.yaw_sigma_deg, 3, 1.5 * options.height_sigma_fraction, 3);
+  chips.best = search_chips(chips.frame, chips.mosaic, scene.prior_px, scene.half_width_px, hypotheses);
+  return chips;
+}
+
+/// A place and what speaks for it.
+struct RankedPlace {
+  GuidedMatch match;
+  double ncc = 0;
+  int compared_px = 0;  ///< Pixels of chips behind it.
+  double evidence = 0;
+};
+
+/// The best place, and the evidence of the best elsewhere.
+struct RankedPlaces {
+  RankedPlace best;
+  double rival_evidence = 0;
+  double rival_ncc = 0;
+};
+
+RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipComparison>& chips) {
+  RankedPlace place{match, 0, 0, 0};
+  if (chips) {
+    const ChipMatch there =
+        confirm_chip_match(chips->frame, chips->mosaic, chips->match_at(match.placement), kChipReachPx);
+    place.ncc = there.found ? there.ncc : 0;
+    place.compared_px = there.found ? there.pixels : 0;
+  }
+  place.evidence =
+      place_evidence({match.evidence(), match.expected, place.ncc, static_cast<double>(place.compared_px)});
+  return place;
+}
+
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                                        double gsd_m) {
+                                        const std::optional<ChipComparison>& chips, double gsd_m) {
   std::vector<GuidedMatch> matches;
   for (const Candidate& candidate : vote_for_displacements(frame, map, space, kCandidates)) {
     matches.push_back(match_guided(frame, map, space, candidate));
   }
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const GuidedMatch& a, const GuidedMatch& b) { return a.evidence() > b.evidence(); });
+  if (matches.size() > kRankedPlaces) matches.resize(kRankedPlaces);
+  if (chips && chips->best.found) {
+    matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
+  }
   if (matches.empty()) return std::nullopt;
-  const auto better = [](const GuidedMatch& a, const GuidedMatch& b) { return a.evidence() < b.evidence(); };
+  std::vector<RankedPlace> ranked;
+  for (const GuidedMatch& match : matches) ranked.push_back(rank_place(match, chips));
   RankedPlaces places;
-  places.best = *std::max_element(matches.begin(), matches.end(), better);
+  places.best = *std::max_element(ranked.begin(), ranked.end(),
+                                  [](const RankedPlace& a, const RankedPlace& b) { return a.evidence < b.evidence; });
   const double min_distance_px = std::max(kMinRivalDistance_m / gsd_m, kPeakSeparationPx);
-  for (const GuidedMatch& match : matches) {
-    const double distance_px = (match.placement.center_px - places.best.placement.center_px).norm();
-    if (distance_px > min_distance_px) places.rival_evidence = std::max(places.rival_evidence, match.evidence());
+  for (const RankedPlace& place : ranked) {
+    const double distance_px = (place.match.placement.center_px - places.best.match.placement.center_px).norm();
+    if (distance_px <= min_distance_px) continue;
+    places.rival_evidence = std::max(places.rival_evidence, place.evidence);
+    places.rival_ncc = std::max(places.rival_ncc, place.ncc);
   }
   return places;
 }
@@ -311,22 +397,29 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
   }
 
   const SearchSpace space = search_space(scene, local, options, features->oriented);
-  const auto places = rank_places(described, local, space, scene.gsd_m);
+  const auto chips = compare_chips(frame, prior, camera, map, options, scene, described, local);
+  const auto places = rank_places(described, local, space, chips, scene.gsd_m);
   if (!places) return {MatchStatus::kInconsistent, {}, {}, result.stats};
-  result.stats.vote_peak = places->best.evidence();
+  const RankedPlace& best = places->best;
+  result.stats.vote_peak = best.evidence;
+  if (getenv("PILOTAGE_DUMP"))
+    fprintf(stderr, "DUMP %.3f %d %.4f %.4f %.4f %d %d %.2f %.3f %.3f %d\n", best.match.evidence(), best.match.expected,
+            best.ncc, chips ? chips->best.ncc : 0., chips ? chips->best.rival_ncc : 0., result.stats.frame_features,
+            result.stats.map_features, scene.half_width_px, best.evidence, places->rival_evidence, best.compared_px);
   result.stats.vote_rival = places->rival_evidence;
-  auto refined = refine(scene, described, local, prior, options, places->best);
+  result.stats.ncc = best.ncc;
+  result.stats.ncc_rival = places->rival_ncc;
+  result.stats.confidence = 1 - false_fix_rate(best.evidence);
+  auto refined = refine(scene, described, local, prior, options, best.match);
   if (!refined) return {MatchStatus::kInconsistent, {}, {}, result.stats};
-  refined->fix.tile_id = tile_at(local, places->best.placement.center_px);
+  refined->fix.tile_id = tile_at(local, best.match.placement.center_px);
   result.stats.inliers = refined->pose.inliers;
   result.stats.residual_m = refined->pose.residual_m;
   result.candidate = refined->fix;
-  const MatchEvidence evidence{places->best.evidence(), places->rival_evidence, places->best.expected, false, 0, 0};
-  const double false_rate = false_fix_rate(evidence);
-  result.stats.confidence = 1 - false_rate;
-  if (false_rate > options.max_false_fix_rate) {
-    const bool rivalled = places->rival_evidence > 0.8 * places->best.evidence();
-    result.status = rivalled ? MatchStatus::kAmbiguous : MatchStatus::kInconsistent;
+  if (1 - result.stats.confidence > options.max_false_fix_rate) {
+    result.status = MatchStatus::kInconsistent;
+  } else if (places->best.evidence - places->rival_evidence < kMinLead) {
+    result.status = MatchStatus::kAmbiguous;
   } else if (is_outside_gate(scene, local, prior, options, refined->pose)) {
     result.status = MatchStatus::kOutsideGate;
   } else {

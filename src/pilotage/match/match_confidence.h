@@ -2,18 +2,21 @@
 
 namespace pilotage {
 
-/// What speaks for and against the best place.
-struct MatchEvidence {
-  double support = 0;        ///< GuidedMatch::evidence() of the best place.
-  double rival_support = 0;  ///< Of the best place elsewhere.
-  int expected = 0;          ///< Features of the map that the frame should show at the best place.
-  bool chip_compared = false;
-  double ncc = 0;  ///< Of chips at the best place, and the best elsewhere; only when chip_compared.
-  double rival_ncc = 0;
+/// What speaks for a place.
+struct PlaceEvidence {
+  double support = 0;      ///< GuidedMatch::evidence().
+  int expected = 0;        ///< Features of the map that the frame should show there.
+  double ncc = 0;          ///< Correlation with the map's chips there.
+  double compared_px = 0;  ///< Pixels of the chips that were compared; 0 without chips.
 };
 
-/// The rate at which the best place of frames that show other ground reaches this evidence, 0 … 1: what is left of the
-/// tail of such frames' evidence, an exponential fitted to it (docs/methods/match.md, "Confidence").
-double false_fix_rate(const MatchEvidence& evidence);
+/// How unlikely the evidence is where the frame shows other ground: minus the natural logarithm of the rates at which
+/// the best places of such frames reach the support and the correlation, added. Both tails are exponentials fitted to
+/// frames of other ground (docs/methods/match.md, "Confidence"). At least 0.
+double place_evidence(const PlaceEvidence& evidence);
+
+/// The rate at which the best place of frames that show other ground reaches this evidence: exp(−evidence). Support and
+/// correlation are seldom high at one and the same wrong place, so their sum needs no correction for being two.
+double false_fix_rate(double evidence);
 
 }  // namespace pilotage
