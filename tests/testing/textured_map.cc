@@ -16,20 +16,18 @@
 namespace pilotage::testing {
 namespace {
 
-constexpr int kTiles = 3;
 constexpr int kTilePx = 128;
-constexpr int kSizePx = kTiles * kTilePx;
 constexpr double kGsd_m = 0.5;
 constexpr double kWest_m = 380000;
 constexpr double kNorth_m = 6440192;
 
 /// Noise of two scales, the coarser one the stronger.
-cv::Mat texture() {
+cv::Mat texture(int size_px) {
   Random random(seed_from_name("texture"));
   const auto noise = [&](double sigma_px) {
-    cv::Mat white(kSizePx, kSizePx, CV_32F);
-    for (int row = 0; row < kSizePx; ++row) {
-      for (int col = 0; col < kSizePx; ++col) white.at<float>(row, col) = static_cast<float>(random.normal());
+    cv::Mat white(size_px, size_px, CV_32F);
+    for (int row = 0; row < size_px; ++row) {
+      for (int col = 0; col < size_px; ++col) white.at<float>(row, col) = static_cast<float>(random.normal());
     }
     cv::Mat smooth;
     cv::GaussianBlur(white, smooth, {}, sigma_px);
@@ -47,16 +45,16 @@ MapLevel level_of(const TexturedGround& ground) {
   level.max_agl_m = ground.agl_m * 1.4;
   TileMatrix& matrix = level.matrix;
   matrix.map_from_pixel = ground.gray.map_from_pixel;
-  matrix.grid_width_px = matrix.grid_height_px = kSizePx;
+  matrix.grid_width_px = matrix.grid_height_px = ground.gray.width_px;
   matrix.tile_size_px = matrix.stride_px = kTilePx;
   return level;
 }
 
-MapTile tile_of(const TileMatrix& matrix, int column, int row, const Crs& crs) {
+MapTile tile_of(const TileMatrix& matrix, int column, int row, int tiles, const Crs& crs) {
   const CrsTransform transform(crs);
   const PixelWindow window = matrix.tile_window(column, row);
   MapTile tile;
-  tile.tile_id = row * kTiles + column;
+  tile.tile_id = row * tiles + column;
   tile.column = column;
   tile.row = row;
   const Eigen::Vector2d corner(static_cast<double>(window.col), static_cast<double>(window.row));
@@ -95,14 +93,16 @@ MapChip chip_of(const MapTile& tile, const PixelWindow& window, const GraySource
 
 }  // namespace
 
-TexturedGround make_textured_ground() {
+TexturedGround make_textured_ground(int tiles) {
+  const int size_px = tiles * kTilePx;
   TexturedGround ground;
-  Raster raster{texture(), cv::Mat(kSizePx, kSizePx, CV_8U, cv::Scalar(255)),
+  ground.tiles = tiles;
+  Raster raster{texture(size_px), cv::Mat(size_px, size_px, CV_8U, cv::Scalar(255)),
                 GeoTransform::north_up(kWest_m, kNorth_m, kGsd_m)};
   ground.gray = gray_source_from(raster);
   ground.crs = Crs::from_user_input("EPSG:32750");
   ground.center =
-      geodetic_from_pixel(CrsTransform(ground.crs), raster.map_from_pixel, Eigen::Vector2d::Constant(kSizePx / 2.0));
+      geodetic_from_pixel(CrsTransform(ground.crs), raster.map_from_pixel, Eigen::Vector2d::Constant(size_px / 2.0));
   ground.camera = {160, 120, 140, 140, 80, 60};
   ground.agl_m = 60;
   return ground;
@@ -122,10 +122,11 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   for (const OptionField& field : list_options(copy).fields) {
     writer.add_info("features." + field.path, option_to_text(field.get()));
   }
-  const FeatureSet all = extract_features_of_map(ground.gray, {{0, 0, kSizePx, kSizePx}}, options, 1);
+  const int size_px = static_cast<int>(ground.gray.width_px);
+  const FeatureSet all = extract_features_of_map(ground.gray, {{0, 0, size_px, size_px}}, options, 1);
   std::vector<MapTile> tiles;
-  for (int id = 0; id < kTiles * kTiles; ++id) {
-    tiles.push_back(tile_of(matrix, id % kTiles, id / kTiles, ground.crs));
+  for (int id = 0; id < ground.tiles * ground.tiles; ++id) {
+    tiles.push_back(tile_of(matrix, id % ground.tiles, id / ground.tiles, ground.tiles, ground.crs));
     writer.add_tile(tiles.back(), {});
   }
   for (const MapTile& tile : tiles) {
@@ -139,7 +140,8 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
 
 RenderedFrame frame_over(const TexturedGround& ground, double east_m, double north_m, const Attitude& attitude,
                          double agl_m) {
-  GroundPlace place = ground_place(ground.crs, ground.gray.map_from_pixel, Eigen::Vector2d::Constant(kSizePx / 2.0));
+  GroundPlace place = ground_place(ground.crs, ground.gray.map_from_pixel,
+                                   Eigen::Vector2d::Constant(static_cast<double>(ground.gray.width_px) / 2));
   place.nadir_px = place.pixel_from_ground({east_m, north_m});
   return render_frame(ground.gray, place, ground.camera, attitude, agl_m);
 }

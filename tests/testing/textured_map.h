@@ -13,9 +13,9 @@
 
 namespace pilotage::testing {
 
-/// Ground of random texture, 192 m × 192 m at 0.5 m per pixel on UTM, of which a map and frames are made in
-/// milliseconds.
+/// Ground of random texture at 0.5 m per pixel on UTM, of which a map and frames are made in milliseconds.
 struct TexturedGround {
+  int tiles = 3;  ///< Along each side, of 64 m.
   GraySource gray;
   Crs crs;
   GeodeticPoint center;
@@ -23,9 +23,9 @@ struct TexturedGround {
   double agl_m = 0;  ///< The height that the map's one level is for.
 };
 
-TexturedGround make_textured_ground();
+TexturedGround make_textured_ground(int tiles = 3);
 
-/// Writes a map of it: 3 × 3 tiles with all their features and chips ("gray8"), as `pilotage build` would.
+/// Writes a map of it: all its tiles with all their features and chips ("gray8"), as `pilotage build` would.
 void write_textured_map(const std::filesystem::path& path, const TexturedGround& ground,
                         const FeatureOptions& features = {});
 
