@@ -33,8 +33,8 @@ TEST(FixTable, ColumnsAreThePromisedOnes) {
             "file,time_s,status,reason,lon_deg,lat_deg,east_sigma_m,north_sigma_m,covariance_en_m2,center_lon_deg,"
             "center_lat_deg,center_east_sigma_m,center_north_sigma_m,center_covariance_en_m2,yaw_deg,yaw_sigma_deg,"
             "pitch_deg,roll_deg,height_agl_m,height_sigma_m,scale,tile_id,level,gsd_m,frame_features,map_features,"
-            "vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,confidence,error_m,error_east_m,error_north_m,nees,"
-            "candidate_error_m,milliseconds\n");
+            "support,expected_features,vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,chip_pixels,confidence,"
+            "error_m,error_east_m,error_north_m,nees,candidate_error_m,milliseconds\n");
 }
 
 TEST(FixTable, EveryCellHoldsItsOwnNumber) {
@@ -65,12 +65,15 @@ TEST(FixTable, EveryCellHoldsItsOwnNumber) {
                                                     {"gsd_m", "0.55"},
                                                     {"frame_features", "1500"},
                                                     {"map_features", "8000"},
+                                                    {"support", "128.5"},
+                                                    {"expected_features", "640"},
                                                     {"vote_peak", "33.5"},
                                                     {"vote_rival", "7.25"},
                                                     {"inliers", "210"},
                                                     {"residual_m", "0.65"},
                                                     {"ncc", "0.85"},
                                                     {"ncc_rival", "0.45"},
+                                                    {"chip_pixels", "320"},
                                                     {"confidence", "0.999"},
                                                     {"error_m", "2.25"},
                                                     {"error_east_m", "1"},

@@ -119,6 +119,8 @@ TEST(Match, AKnownPoseIsFound) {
     EXPECT_LT(fix.yaw_deg, 360);
     EXPECT_GT(answer.result.stats.inliers, 50);
     EXPECT_GT(answer.result.stats.vote_peak, 2 * answer.result.stats.vote_rival);
+    EXPECT_GT(answer.result.stats.expected_features, 50);
+    EXPECT_GT(answer.result.stats.support, 50);
     EXPECT_LT(answer.result.stats.residual_m, 0.5);
     EXPECT_EQ(answer.result.stats.level, 0);
     EXPECT_NEAR(answer.result.stats.gsd_m, 0.5, 0.001);
@@ -313,12 +315,15 @@ std::vector<double> numbers_of(const MatchResult& result) {
   std::vector<double> all{static_cast<double>(result.status),
                           static_cast<double>(stats.frame_features),
                           static_cast<double>(stats.map_features),
+                          stats.support,
+                          static_cast<double>(stats.expected_features),
                           stats.vote_peak,
                           stats.vote_rival,
                           static_cast<double>(stats.inliers),
                           stats.residual_m,
                           stats.ncc,
                           stats.ncc_rival,
+                          static_cast<double>(stats.chip_pixels),
                           stats.confidence};
   if (!result.candidate) return all;
   const Fix& fix = *result.candidate;

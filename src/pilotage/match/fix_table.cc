@@ -74,12 +74,15 @@ std::vector<FixColumn> fix_columns(bool timings) {
   list.of_stats("gsd_m", [](const MatchStats& stats) { return stats.gsd_m; });
   list.of_stats("frame_features", [](const MatchStats& stats) { return stats.frame_features; });
   list.of_stats("map_features", [](const MatchStats& stats) { return stats.map_features; });
+  list.of_stats("support", [](const MatchStats& stats) { return stats.support; });
+  list.of_stats("expected_features", [](const MatchStats& stats) { return stats.expected_features; });
   list.of_stats("vote_peak", [](const MatchStats& stats) { return stats.vote_peak; });
   list.of_stats("vote_rival", [](const MatchStats& stats) { return stats.vote_rival; });
   list.of_stats("inliers", [](const MatchStats& stats) { return stats.inliers; });
   list.of_stats("residual_m", [](const MatchStats& stats) { return stats.residual_m; });
   list.of_stats("ncc", [](const MatchStats& stats) { return stats.ncc; });
   list.of_stats("ncc_rival", [](const MatchStats& stats) { return stats.ncc_rival; });
+  list.of_stats("chip_pixels", [](const MatchStats& stats) { return stats.chip_pixels; });
   list.of_stats("confidence", [](const MatchStats& stats) { return stats.confidence; });
   list.of_error("error_m", &FrameMatch::error, &FixError::error_m);
   list.of_error("error_east_m", &FrameMatch::error, &FixError::east_m);

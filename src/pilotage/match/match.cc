@@ -402,10 +402,13 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
   const auto places = rank_places(described, local, space, chips, scene.gsd_m);
   if (!places) return {MatchStatus::kInconsistent, {}, {}, result.stats};
   const RankedPlace& best = places->best;
+  result.stats.support = best.match.evidence();
+  result.stats.expected_features = best.match.expected;
   result.stats.vote_peak = best.evidence;
   result.stats.vote_rival = places->rival_evidence;
   result.stats.ncc = best.ncc;
   result.stats.ncc_rival = places->rival_ncc;
+  result.stats.chip_pixels = best.compared_px;
   result.stats.confidence = 1 - false_fix_rate(best.evidence);
   auto refined = refine(scene, described, local, prior, options, best.match);
   if (!refined) return {MatchStatus::kInconsistent, {}, {}, result.stats};

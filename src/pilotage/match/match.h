@@ -99,12 +99,15 @@ struct MatchStats {
   double gsd_m = 0;
   int frame_features = 0;
   int map_features = 0;
+  double support = 0;         ///< GuidedMatch::evidence() of the best place: what features say for it.
+  int expected_features = 0;  ///< Features of the map that the frame should show there.
   double vote_peak = 0;  ///< Evidence for the best place: place_evidence(), −ln of the rate of such evidence elsewhere.
   double vote_rival = 0;  ///< The same for the best place elsewhere.
   int inliers = 0;        ///< Pairs of features that agree with the refined pose.
   double residual_m = 0;  ///< Their root mean square, along one axis.
   double ncc = 0;         ///< Normalised correlation with the map's chips, when they were used; else 0.
   double ncc_rival = 0;
+  int chip_pixels = 0;    ///< Pixels of chips behind ncc; 0 when they were not used.
   double confidence = 0;  ///< 1 − the rate at which frames of other ground reach this evidence, 0 … 1.
 };
 

@@ -48,12 +48,15 @@ Json stats_json(const MatchStats& stats) {
           {"gsd_m", json_number(stats.gsd_m)},
           {"frame_features", stats.frame_features},
           {"map_features", stats.map_features},
+          {"support", json_number(stats.support)},
+          {"expected_features", stats.expected_features},
           {"vote_peak", json_number(stats.vote_peak)},
           {"vote_rival", json_number(stats.vote_rival)},
           {"inliers", stats.inliers},
           {"residual_m", json_number(stats.residual_m)},
           {"ncc", json_number(stats.ncc)},
           {"ncc_rival", json_number(stats.ncc_rival)},
+          {"chip_pixels", stats.chip_pixels},
           {"confidence", json_number(stats.confidence)}};
 }
 
