@@ -14,7 +14,8 @@ namespace pilotage {
 namespace {
 
 constexpr int kUnknowns = 6;
-/// Variance of Cauchy's estimate with its scale at one standard deviation, over that of least squares, for normal noise.
+/// Variance of Cauchy's estimate with its scale at one standard deviation, over that of least squares, for normal
+/// noise.
 constexpr double kCauchyVariance = 1.325;
 using State = Eigen::Matrix<double, kUnknowns, 1>;
 

@@ -1,0 +1,77 @@
+#include "pilotage/match/place_ranking.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "pilotage/match/match_confidence.h"
+
+namespace pilotage {
+namespace {
+
+constexpr int kChipReachPx = 2;
+constexpr double kMinRivalDistance_m = 6;
+
+RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipComparison>& chips) {
+  RankedPlace place{match, 0, 0, 0};
+  if (chips) {
+    const ChipMatch there =
+        confirm_chip_match(chips->frame, chips->mosaic, chips->match_at(match.placement), kChipReachPx);
+    place.ncc = there.found ? there.ncc : 0;
+    place.compared_px = there.found ? there.pixels : 0;
+  }
+  place.evidence =
+      place_evidence({match.evidence(), match.expected, place.ncc, static_cast<double>(place.compared_px)});
+  return place;
+}
+
+}  // namespace
+
+std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
+                                            MapReader& map, const MatchOptions& options, const FrameOnGrid& laid,
+                                            const PivotedFrame& described, const LocalMap& local) {
+  if (!options.chips || !map.has_chips() || options.yaw_sigma_deg * kRadPerDeg > kUnknownYawRad) return std::nullopt;
+  ChipComparison chips;
+  chips.reference_px = local.reference_px;
+  chips.pivot_from_nadir_px = laid.px_from_m(laid.pivot_m);
+  const double reach_px = laid.half_width_px + chips.pivot_from_nadir_px.norm() + 1.2 * described.radius_px;
+  chips.mosaic = read_chip_mosaic(map, laid.level->matrix.level, laid.prior_px, reach_px);
+  if (chips.mosaic.gray.empty()) return std::nullopt;
+  RectifyOptions rectify;
+  rectify.gsd_m = laid.gsd_m * chips.mosaic.factor;
+  rectify.max_size_px = kMaxRectifiedSidePx;
+  chips.frame = ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, laid.grid), prior.height_agl_m, rectify);
+  if (chips.frame.status != RectifyStatus::kOk) return std::nullopt;
+  const auto hypotheses = chip_hypotheses(1.5 * options.yaw_sigma_deg, 3, 1.5 * options.height_sigma_fraction, 3);
+  chips.best = search_chips(chips.frame, chips.mosaic, laid.prior_px, laid.half_width_px, hypotheses);
+  return chips;
+}
+
+std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
+                                        const std::optional<ChipComparison>& chips, double gsd_m) {
+  std::vector<GuidedMatch> matches;
+  for (const Candidate& candidate : vote_for_displacements(frame, map, space, kCandidates)) {
+    matches.push_back(match_guided(frame, map, space, candidate));
+  }
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const GuidedMatch& a, const GuidedMatch& b) { return a.evidence() > b.evidence(); });
+  if (matches.size() > kRankedPlaces) matches.resize(kRankedPlaces);
+  if (chips && chips->best.found) {
+    matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
+  }
+  if (matches.empty()) return std::nullopt;
+  std::vector<RankedPlace> ranked;
+  for (const GuidedMatch& match : matches) ranked.push_back(rank_place(match, chips));
+  RankedPlaces places;
+  places.best = *std::max_element(ranked.begin(), ranked.end(),
+                                  [](const RankedPlace& a, const RankedPlace& b) { return a.evidence < b.evidence; });
+  const double min_distance_px = std::max(kMinRivalDistance_m / gsd_m, kPeakSeparationPx);
+  for (const RankedPlace& place : ranked) {
+    const double distance_px = (place.match.placement.center_px - places.best.match.placement.center_px).norm();
+    if (distance_px <= min_distance_px) continue;
+    places.rival_evidence = std::max(places.rival_evidence, place.evidence);
+    places.rival_ncc = std::max(places.rival_ncc, place.ncc);
+  }
+  return places;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "pilotage/match/chip_mosaic.h"
+#include "pilotage/match/chip_search.h"
+#include "pilotage/match/frame_on_grid.h"
+#include "pilotage/match/guided_matching.h"
+
+namespace pilotage {
+
+/// The frame on the map's chips.
+struct ChipComparison {
+  RectifiedFrame frame;
+  ChipMosaic mosaic;
+  ChipMatch best;
+  Eigen::Vector2d pivot_from_nadir_px{0, 0};  ///< In pixels of the level.
+  Eigen::Vector2d reference_px{0, 0};         ///< LocalMap::reference_px.
+
+  /// A place of the nadir as a placement of the pivot, and back.
+  Placement placement(const ChipMatch& match) const {
+    Placement turned{{0, 0}, match.yaw_deg * kRadPerDeg, match.scale};
+    turned.center_px = match.nadir_px - reference_px + turned.map_from_frame(pivot_from_nadir_px);
+    return turned;
+  }
+  ChipMatch match_at(const Placement& placement) const {
+    ChipMatch match = best;
+    match.found = true;
+    match.yaw_deg = placement.yaw_rad / kRadPerDeg;
+    match.scale = placement.scale;
+    match.nadir_px = reference_px + placement.map_from_frame(-pivot_from_nadir_px);
+    return match;
+  }
+};
+
+/// Searches the frame on the chips of the window. Nothing when they are not wanted, when the map has none here, or when
+/// the heading is unknown: chips are compared upright. Throws DataError when the map is damaged.
+std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
+                                            MapReader& map, const MatchOptions& options, const FrameOnGrid& laid,
+                                            const PivotedFrame& described, const LocalMap& local);
+
+/// A place and what speaks for it.
+struct RankedPlace {
+  GuidedMatch match;
+  double ncc = 0;
+  int compared_px = 0;  ///< Pixels of chips behind it.
+  double evidence = 0;
+};
+
+/// The best place, and the evidence of the best elsewhere.
+struct RankedPlaces {
+  RankedPlace best;
+  double rival_evidence = 0;
+  double rival_ncc = 0;
+};
+
+/// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them and the
+/// chips' own best place are held against the chips and ranked by place_evidence(). Nothing when nothing has votes.
+std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
+                                        const std::optional<ChipComparison>& chips, double gsd_m);
+
+/// Of 400 real frames, 95 % had the true place among the first 30.
+inline constexpr std::size_t kCandidates = 30;
+inline constexpr std::size_t kRankedPlaces = 8;
+
+}  // namespace pilotage

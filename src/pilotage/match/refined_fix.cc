@@ -1,0 +1,123 @@
+#include "pilotage/match/refined_fix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace pilotage {
+namespace {
+
+constexpr double kGateSigmas = 4;
+
+/// The frame's rays and the map's points of the pairs, turned by the placement's yaw where the prior has none.
+std::vector<GroundPair> ground_pairs(const FrameOnGrid& laid, const PivotedFrame& frame, const LocalMap& map,
+                                     const MatchPrior& prior, const std::vector<GuidedPair>& pairs, double turn_rad) {
+  const double cosine = std::cos(turn_rad);
+  const double sine = std::sin(turn_rad);
+  double heights_m = 0;
+  int known = 0;
+  for (const GuidedPair& pair : pairs) {
+    const auto height_m = static_cast<double>(map.ground_height_m[pair.map_feature]);
+    if (std::isfinite(height_m)) heights_m += height_m, ++known;
+  }
+  std::vector<GroundPair> result;
+  for (const GuidedPair& pair : pairs) {
+    const Eigen::Vector2d ground = laid.frame.ground_from_pixel(pair.from_pivot_px + frame.pivot_px);
+    GroundPair on_ground;
+    // Clockwise, with y up.
+    on_ground.ray_m = {cosine * ground.x() + sine * ground.y(), -sine * ground.x() + cosine * ground.y(),
+                       -prior.height_agl_m};
+    on_ground.map_m = laid.m_from_px(pair.map_px);
+    const auto height_m = static_cast<double>(map.ground_height_m[pair.map_feature]);
+    if (std::isfinite(height_m)) on_ground.rise_m = height_m - heights_m / known;
+    result.push_back(on_ground);
+  }
+  return result;
+}
+
+/// The tile of the feature nearest to the principal point's place.
+std::int64_t tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < map.features.size(); ++i) {
+    const Feature& feature = map.features.features[i];
+    const double distance =
+        (Eigen::Vector2d(static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)) - center_px).norm();
+    if (distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  }
+  return map.tile_ids[nearest];
+}
+
+}  // namespace
+
+std::optional<RefinedFix> refine_fix(const FrameOnGrid& laid, const PivotedFrame& frame, const LocalMap& map,
+                                     const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place) {
+  const bool yaw_unknown = options.yaw_sigma_deg * kRadPerDeg > kUnknownYawRad;
+  const double base_turn_rad = yaw_unknown ? place.placement.yaw_rad : 0;
+  const auto pairs = supporting_pairs(frame, map, place.placement);
+  const auto on_ground = ground_pairs(laid, frame, map, prior, pairs, base_turn_rad);
+  PosePrior sigmas;
+  sigmas.position_sigma_m = prior.sigma_m;
+  sigmas.tilt_sigma_rad = options.attitude_sigma_deg * kRadPerDeg;
+  sigmas.yaw_sigma_rad = options.yaw_sigma_deg * kRadPerDeg;
+  sigmas.log_height_sigma = options.height_sigma_fraction;
+  const Eigen::Vector2d prior_m = laid.m_from_px(laid.prior_px - map.reference_px);
+  const Eigen::Vector2d nadir_from_pivot = frame.grid.points.size() > 0
+                                               ? Eigen::Vector2d(laid.frame.pixel_from_ground({0, 0}) - frame.pivot_px)
+                                               : Eigen::Vector2d::Zero();
+  const Eigen::Vector2d start_m = laid.m_from_px(place.placement.map_from_frame(nadir_from_pivot));
+  RefinedFix refined;
+  refined.pose = refine_pose(on_ground, sigmas, prior_m, start_m, 0.3 * laid.gsd_m);
+  if (!refined.pose.converged) return std::nullopt;
+
+  const PoseCorrection& pose = refined.pose;
+  const Eigen::Matrix2d enu_from_grid = laid.enu_from_grid_m();
+  const Eigen::Matrix2d map_noise = Eigen::Matrix2d::Identity() * options.map_sigma_m * options.map_sigma_m;
+  const auto geodetic = [&](const Eigen::Vector2d& m) {
+    return laid.grid.geodetic_from_px(map.reference_px + laid.px_from_m(m));
+  };
+  Fix& fix = refined.fix;
+  fix.position = geodetic(pose.position_m);
+  fix.covariance_en_m2 = enu_from_grid * pose.covariance.topLeftCorner<2, 2>() * enu_from_grid.transpose() + map_noise;
+  const Eigen::Rotation2Dd base_turn(-base_turn_rad);
+  const Eigen::Vector2d pivot_m = base_turn * laid.pivot_m;
+  const Eigen::Vector3d pivot_ray(pivot_m.x(), pivot_m.y(), -prior.height_agl_m);
+  fix.center = geodetic(pose.ground_from_ray(pivot_ray));
+  const Eigen::Matrix<double, 2, 6> jacobian = pose.ground_jacobian(pivot_ray);
+  fix.center_covariance_en_m2 =
+      enu_from_grid * jacobian * pose.covariance * jacobian.transpose() * enu_from_grid.transpose() + map_noise;
+  fix.yaw_deg = std::remainder(prior.attitude.yaw_deg + (base_turn_rad - pose.turn_rad) / kRadPerDeg, 360.0);
+  if (fix.yaw_deg < 0) fix.yaw_deg += 360;
+  // A rotation vector about right and up of the grid; nose and wing are turned from it by the heading on the grid.
+  const double heading_rad = (fix.yaw_deg - laid.grid.convergence_deg()) * kRadPerDeg;
+  const Eigen::Vector2d nose(std::sin(heading_rad), std::cos(heading_rad));
+  const Eigen::Vector2d wing(std::cos(heading_rad), -std::sin(heading_rad));
+  fix.roll_deg = prior.attitude.roll_deg + pose.tilt_rad.dot(nose) / kRadPerDeg;
+  fix.pitch_deg = prior.attitude.pitch_deg + pose.tilt_rad.dot(wing) / kRadPerDeg;
+  fix.yaw_sigma_deg = std::sqrt(pose.covariance(4, 4)) / kRadPerDeg;
+  fix.scale = std::exp(pose.log_height);
+  fix.height_agl_m = prior.height_agl_m * fix.scale;
+  fix.height_sigma_m = std::sqrt(pose.covariance(5, 5)) * fix.height_agl_m;
+  fix.tile_id = tile_at(map, place.placement.center_px);
+  return refined;
+}
+
+bool is_outside_gate(const FrameOnGrid& laid, const LocalMap& map, const MatchPrior& prior, const MatchOptions& options,
+                     const PoseCorrection& pose) {
+  const Eigen::Vector2d off_m = pose.position_m - laid.m_from_px(laid.prior_px - map.reference_px);
+  if (off_m.cwiseAbs().maxCoeff() > search_half_width_m(prior, options)) return true;
+  if (pose.tilt_rad.norm() > kGateSigmas * options.attitude_sigma_deg * kRadPerDeg) return true;
+  if (options.yaw_sigma_deg * kRadPerDeg <= kUnknownYawRad &&
+      std::abs(pose.turn_rad) > kGateSigmas * options.yaw_sigma_deg * kRadPerDeg) {
+    return true;
+  }
+  return std::abs(pose.log_height) > kGateSigmas * options.height_sigma_fraction;
+}
+
+}  // namespace pilotage
