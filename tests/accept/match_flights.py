@@ -73,6 +73,7 @@ def check_none(what, told, allowed=0):
     check(told["accepted"] <= allowed, f"{what}: {told['accepted']} accepted, not at most {allowed}")
 
 
-def whole_map(pilotage, raster, path, footprint_m, build_args=()):
-    make_whole_map(pilotage, raster, path, (footprint_m,), CAMERA, (), build_args)
+def whole_map(pilotage, raster, path, footprint_m, gsd_m=None, build_args=()):
+    tile_args = ("--gsd-m", gsd_m) if gsd_m else ()
+    make_whole_map(pilotage, raster, path, (footprint_m,), CAMERA, tile_args, build_args)
     return path

@@ -27,17 +27,19 @@ QUERY_HFOV_DEG = 60  # not known; a narrower or wider lens sees the same flat gr
 
 def over_the_port(pilotage, data, tool, work):
     first, second = data / "port/port_2019-08.tif", data / "port/port_2020-07_registered.tif"
-    map_path = whole_map(pilotage, first, work / "port.gpkg", 154)
+    map_path = whole_map(pilotage, first, work / "port.gpkg", 154, 0.6, ("--chips",))
     here = cut(tool, second, work / "port", frames=FRAMES, footprint_m=154, also=first)
     tell("port, 154 m wide, truth of the other picture", fly(pilotage, map_path, here))
     correct_truth(here, second, first)
-    check_rates("port, 154 m wide", fly(pilotage, map_path, here), 0.80, 0.01)
+    check_rates("port, 154 m wide, features and chips", fly(pilotage, map_path, here), 0.90, 0.02)
+    check_rates("port, 154 m wide, features alone", fly(pilotage, map_path, here, "--no-chips"), 0.90, 0.02)
     shifted = cut(tool, second, work / "shifted", frames=FRAMES, footprint_m=154, also=first, prior_shift_m=400, seed=2)
     check_none("port, priors 400 m off", fly(pilotage, map_path, shifted), FRAMES // 100)
-    fine_map = whole_map(pilotage, first, work / "port_80.gpkg", 80)
+    fine_map = whole_map(pilotage, first, work / "port_80.gpkg", 80, 0.45, ("--chips", "--chip-gsd-m", 0.9))
     fine = cut(tool, second, work / "port_80", frames=FRAMES, footprint_m=80, also=first, seed=3)
     correct_truth(fine, second, first)
-    check_rates("port, 80 m wide", fly(pilotage, fine_map, fine), 0.1, 0.03)
+    check_rates("port, 80 m wide, features and chips", fly(pilotage, fine_map, fine), 0.55, 0.03)
+    check_rates("port, 80 m wide, features alone", fly(pilotage, fine_map, fine, "--no-chips"), 0.45, 0.03)
     return map_path, here
 
 

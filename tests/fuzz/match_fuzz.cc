@@ -102,7 +102,6 @@ std::map<std::string, double*> fields_of(Question& question) {
   fields["height_sigma_fraction"] = &options.height_sigma_fraction;
   fields["map_sigma_m"] = &options.map_sigma_m;
   fields["max_false_fix_rate"] = &options.max_false_fix_rate;
-  fields["features_per_mpx"] = &options.features_per_mpx;
   return fields;
 }
 

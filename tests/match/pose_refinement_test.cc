@@ -128,14 +128,9 @@ Nees mean_nees(int runs, int pairs, int times, double noise_m) {
   return sum;
 }
 
-// Of normal noise Cauchy's loss at one standard deviation makes the estimate this many times as variable as the
-// covariance says, which is that of least squares: E[r²/(1+r²)²]/2 / E[1/(1+r²)²]² with r² exponential of mean 2. What
-// real pairs have instead is measured (docs/methods/match.md).
-constexpr double kCauchyVariance = 1.325;
-
 void expect_in_band(double mean_nees, int degrees, int runs) {
-  EXPECT_GT(mean_nees, 0.9 * kCauchyVariance * chi_squared_quantile(0.001, degrees * runs) / runs);
-  EXPECT_LT(mean_nees, 1.15 * kCauchyVariance * chi_squared_quantile(0.999, degrees * runs) / runs);
+  EXPECT_GT(mean_nees, 0.9 * chi_squared_quantile(0.001, degrees * runs) / runs);
+  EXPECT_LT(mean_nees, 1.15 * chi_squared_quantile(0.999, degrees * runs) / runs);
 }
 
 TEST(RefinePose, CovarianceIsThatOfPairsThatOverlapAsAssumed) {

@@ -33,7 +33,6 @@ struct MatchOptions {
   double height_sigma_fraction = 0.03;
   double map_sigma_m = 1;
   double max_false_fix_rate = 0.001;
-  double features_per_mpx = 20000;
   bool chips = true;
 
   template <class Self, class Fields>
@@ -52,8 +51,6 @@ struct MatchOptions {
     fields.field("max_false_fix_rate", self.max_false_fix_rate,
                  "Largest share of false fixes among frames that show other ground; sets the confidence asked for.",
                  Range{1e-6, 0.5});
-    fields.field("features_per_mpx", self.features_per_mpx,
-                 "Most features of the frame for each million pixels of the map's grid.", Range{1, 200000});
     fields.field("chips", self.chips, "Use the map's chips where it has them.");
   }
 };

@@ -14,6 +14,8 @@ namespace pilotage {
 namespace {
 
 constexpr int kUnknowns = 6;
+/// Variance of Cauchy's estimate with its scale at one standard deviation, over that of least squares, for normal noise.
+constexpr double kCauchyVariance = 1.325;
 using State = Eigen::Matrix<double, kUnknowns, 1>;
 
 /// The point where a ray turned by the rotation vector meets the ground. Rodrigues' formula to second order: with turns
@@ -111,7 +113,7 @@ Eigen::Matrix<double, kUnknowns, kUnknowns> information(const std::vector<Ground
     if (error.norm() > 3 * noise_m) continue;
     sum += place.x().v * place.x().v.transpose() + place.y().v * place.y().v.transpose();
   }
-  return sum / (noise_m * noise_m * kPairsPerIndependentPair);
+  return sum / (noise_m * noise_m * kPairsPerIndependentPair * kCauchyVariance);
 }
 
 }  // namespace
