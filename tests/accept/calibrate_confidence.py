@@ -105,7 +105,7 @@ def measure(pilotage, tool, rasters, footprint_m, frames, threads, work):
             print(f"{footprint_m:g} m: {place} left out: {str(failure).strip().splitlines()[-1]}\n")
             continue
         maps[place] = whole_map(pilotage, rasters[place][0], work / f"{place}_{footprint_m:g}.gpkg", footprint_m,
-                                ("--chips",))
+                                PIXEL_M, ("--chips",))
         folders[place], rows[place] = folder, read_rows(folder / "frames.csv")
     found = {(what, chips): [] for what in ("other", "beyond", "right") for chips in (True, False)}
     names = list(maps)
