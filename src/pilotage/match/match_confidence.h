@@ -12,7 +12,7 @@ struct PlaceEvidence {
 
 /// How unlikely the evidence is where the frame shows other ground: minus the natural logarithm of the rates at which
 /// the best places of such frames reach the support and the correlation, added. Both tails are exponentials fitted to
-/// frames of other ground (docs/methods/match.md, "Confidence"). At least 0.
+/// frames of other ground (docs/methods/match-confidence.md). At least 0.
 double place_evidence(const PlaceEvidence& evidence);
 
 /// The rate at which the best place of frames that show other ground reaches this evidence: exp(−evidence). Support and
