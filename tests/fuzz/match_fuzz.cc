@@ -30,7 +30,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kMaxFramePx = 1 << 20;  // larger ones only take longer
-constexpr double kMaxSearch = 3e7;
+constexpr double kMaxSearch = 1e7;
 
 void require(bool condition, const char* what) {
   if (condition) return;
@@ -68,7 +68,7 @@ struct Question {
   double height_px = camera.height_px;
   double distortion_model = 0;
   double picture = 0;  // 0 the ground, 1 black, 2 white, 3 the given pixels over and over, 4 colour, 5 16 bits, 6 none
-  double chips = 1;
+  double chips = 0;
   std::string pixels = "\x10\xf0\x80";
 };
 
