@@ -5,9 +5,10 @@ registered_truth.py FOLDER TAKEN.tif REFERENCE.tif
 Two pictures of the same ground seldom agree to a metre: the port's of 2020 lies up to 8 m off that of 2019 in its
 north-east, although it was warped onto it. A fix on the map of the one can then not be judged by the other's
 coordinates. So the ground around the true centre of each frame of FOLDER is looked for in the reference by normalised
-cross-correlation of the pictures themselves (no feature, no prior takes part), and the true columns of frames.csv are
-moved by what is found, to half a metre; where the peak is below MIN_NCC they stay. Both pictures share one pixel grid.
-Prints the shifts' quantiles."""
+cross-correlation of the pictures themselves (no feature, no prior takes part). One such shift may be wrong, and the
+disagreement of two registered pictures is a smooth field: a frame's true columns in frames.csv are moved by the median
+of the NEIGHBOURS shifts found next to it whose peak reaches MIN_NCC; where there are fewer within NEAR_M they stay.
+Both pictures share one pixel grid. Prints the shifts' quantiles."""
 
 import csv
 import math
@@ -23,6 +24,8 @@ from osgeo import osr  # noqa: E402
 HALF_PX = 190  # of the ground compared: 114 m at 0.3 m
 REACH_PX = 40  # 12 m
 MIN_NCC = 0.3
+NEIGHBOURS = 5
+NEAR_M = 120
 
 
 def gray_of(dataset):
@@ -66,9 +69,10 @@ def correct_truth(folder, taken_path, reference_path):
     images = [gray_of(taken), gray_of(reference)]
     with open(folder / "frames.csv", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    shifts_m = []
+    places, found = [], []
     for row in rows:
         x, y, _ = to_map.TransformPoint(float(row["true_lon_deg"]), float(row["true_lat_deg"]))
+        places.append((x, y))
         col, line = (int(n) for n in gdal.ApplyGeoTransform(gdal.InvGeoTransform(place), x, y))
         reach = HALF_PX + REACH_PX
         if min(col, line) < reach or col + reach > taken.RasterXSize or line + reach > taken.RasterYSize:
@@ -76,9 +80,16 @@ def correct_truth(folder, taken_path, reference_path):
         template = images[0][line - HALF_PX:line + HALF_PX, col - HALF_PX:col + HALF_PX]
         window = images[1][line - reach:line + reach, col - reach:col + reach]
         cols, lines, ncc = find(template, window)
-        if ncc < MIN_NCC or max(abs(cols), abs(lines)) == REACH_PX:
+        if ncc >= MIN_NCC and max(abs(cols), abs(lines)) < REACH_PX:
+            found.append((x, y, cols * place[1], lines * place[5]))
+    found = np.array(found)
+    shifts_m = []
+    for row, (x, y) in zip(rows, places):
+        distances_m = np.hypot(found[:, 0] - x, found[:, 1] - y)
+        nearest = np.argsort(distances_m, kind="stable")[:NEIGHBOURS]
+        if len(nearest) < NEIGHBOURS or distances_m[nearest[-1]] > NEAR_M:
             continue
-        east, north = cols * place[1], lines * place[5]
+        east, north = np.median(found[nearest, 2]), np.median(found[nearest, 3])
         shifts_m.append(math.hypot(east, north))
         for name in ("true", "true_nadir"):
             x, y, _ = to_map.TransformPoint(float(row[name + "_lon_deg"]), float(row[name + "_lat_deg"]))
