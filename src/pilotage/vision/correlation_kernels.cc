@@ -22,17 +22,16 @@ using Int8 [[gnu::vector_size(32)]] = std::int32_t;
 
 [[gnu::always_inline]] inline void multiply_conjugate_loop(const float* a, const float* b, std::size_t count,
                                                            float* out) {
-  const Int8 real = {0, 0, 2, 2, 4, 4, 6, 6};
-  const Int8 imaginary = {1, 1, 3, 3, 5, 5, 7, 7};
-  const Int8 swapped = {1, 0, 3, 2, 5, 4, 7, 6};
   const Float8 sign = {1, -1, 1, -1, 1, -1, 1, -1};
   for (std::size_t i = 0; i < 2 * count; i += 8) {
     Float8 x;
     Float8 y;
     load(a + i, x);
     load(b + i, y);
-    store(__builtin_shuffle(x, real) * y + sign * (__builtin_shuffle(x, imaginary) * __builtin_shuffle(y, swapped)),
-          out + i);
+    const Float8 real = __builtin_shufflevector(x, x, 0, 0, 2, 2, 4, 4, 6, 6);
+    const Float8 imaginary = __builtin_shufflevector(x, x, 1, 1, 3, 3, 5, 5, 7, 7);
+    const Float8 swapped = __builtin_shufflevector(y, y, 1, 0, 3, 2, 5, 4, 7, 6);
+    store(real * y + sign * (imaginary * swapped), out + i);
   }
 }
 
