@@ -19,6 +19,7 @@ foreach(stage tile score select build report match compare landmark)
   set(may_include_${stage} ${below_stages})
 endforeach()
 set(may_include_prepare ${below_stages} tile score select build report)
+set(may_include_evaluate ${below_stages} scene build match)
 set(may_include_simulate ${below_stages} scene match)
 
 file(GLOB folders RELATIVE ${SOURCE}/src/pilotage ${SOURCE}/src/pilotage/*)
@@ -45,5 +46,5 @@ foreach(folder IN LISTS folders)
     endforeach()
   endforeach()
 endforeach()
-finish("base <- geo <- raster <- {camera, vision} <- {route, ins, mapdb} <- mission <- matchability <- {scene, stages}; a stage never \
-includes another stage, except prepare (the stages it is made of) and simulate (match)")
+finish("base <- geo <- raster <- {camera, vision} <- {route, ins, mapdb} <- mission <- {scene, matchability <- stages}; a stage never \
+includes another stage, except prepare (the stages it is made of), evaluate (build and match) and simulate (match)")
