@@ -120,9 +120,7 @@ FrameSources sources_of(const MatchCommandOptions& options, const std::string& m
   FrameSources sources;
   sources.from_exif = options.from_exif;
   sources.exif_mount = mount;
-  const bool given = !camera.file.empty() || camera.hfov_deg || camera.width_px || camera.height_px ||
-                     camera.sensor_width_mm || camera.sensor_height_mm || camera.focal_length_mm;
-  if (given) sources.given = make_camera(camera);
+  if (names_camera(camera)) sources.given = make_camera(camera);
   sources.of_map = camera_of_map(map_path, MapReader(map_path).info());
   if (sources.of_map && !(mount == CameraMount{})) sources.of_map->mount = mount;
   return sources;

@@ -136,6 +136,11 @@ Camera camera_of_options(const CameraOptions& options, const std::optional<Route
 
 }  // namespace
 
+bool names_camera(const CameraOptions& options) {
+  return !options.file.empty() || options.hfov_deg || options.width_px || options.height_px ||
+         options.sensor_width_mm || options.sensor_height_mm || options.focal_length_mm;
+}
+
 Camera make_camera(const CameraOptions& options, const std::optional<RouteCamera>& route_camera) {
   check_options(options);
   Camera camera = camera_of_options(options, route_camera);

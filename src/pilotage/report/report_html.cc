@@ -1,10 +1,10 @@
 #include <cmath>
 #include <regex>
 
+#include "pilotage/base/safe_text.h"
 #include "pilotage/base/text.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/report.h"
-#include "pilotage/report/safe_text.h"
 #include "pilotage/report/strip_chart.h"
 #include "pilotage/report/wording.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pilotage/base/safe_text.h"
 #include "pilotage/base/text.h"
-#include "pilotage/report/safe_text.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {

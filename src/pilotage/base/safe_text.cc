@@ -1,4 +1,4 @@
-#include "pilotage/report/safe_text.h"
+#include "pilotage/base/safe_text.h"
 
 #include <cstdint>
 #include <stdexcept>

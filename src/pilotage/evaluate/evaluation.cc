@@ -1,0 +1,150 @@
+#include "pilotage/evaluate/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/evaluate/judge_tiles.h"
+#include "pilotage/mission/tile_table.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kTolerancePx = 5;
+constexpr double kLeastTolerance_m = 3;
+constexpr double kNccTolerancePx = 1.5;
+
+struct Predictor {
+  const char* name;
+  const char* title;
+  bool probability;
+};
+
+constexpr Predictor kPredictors[] = {{"p_correct_fix", "P(correct fix)", true},
+                                     {"gray_variance", "gray variance", false},
+                                     {"frieden_deficit", "Frieden deficit", false},
+                                     {"clean_peak_margin", "uniqueness, clean", false},
+                                     {"degraded_peak_margin", "uniqueness, degraded copies", false}};
+
+void check(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options) {
+  check_options(options);
+  if (!options.wanted()) throw UsageError("there is nothing to evaluate by: give --evaluate or --evaluate-frames");
+  if (!options.file.empty() && !options.frames.empty()) {
+    throw UsageError("--evaluate and --evaluate-frames exclude each other");
+  }
+  if (!options.frames.empty() && options.matcher == EvaluateMatcher::kNcc) {
+    throw UsageError("--evaluate-frames is for the matcher that flies: --evaluate-matcher ncc needs --evaluate");
+  }
+  const bool any_truth =
+      std::any_of(frames.begin(), frames.end(), [](const FlightFrame& frame) { return frame.frame.truth.has_value(); });
+  if (!options.frames.empty() && !any_truth) {
+    throw DataError(options.frames + ": no frame has its truth (true_lon_deg, true_lat_deg)");
+  }
+  if (ground.rows.empty()) throw DataError("there are no scored tiles to evaluate");
+}
+
+double tolerance_m(const EvaluateOptions& options, double gsd_m) {
+  if (options.tolerance_m) return *options.tolerance_m;
+  const bool ncc = options.matcher == EvaluateMatcher::kNcc;
+  return ncc ? kNccTolerancePx * gsd_m : std::max(kTolerancePx * gsd_m, kLeastTolerance_m);
+}
+
+std::vector<TileOutcome> outcomes_of(const ScoredGround& ground, const std::vector<FlightFrame>& frames,
+                                     const EvaluateOptions& options, double within_m,
+                                     const std::filesystem::path& scratch, std::uint64_t seed, int threads,
+                                     const Progress& progress, const PlaceOnReference& place) {
+  const std::vector<std::size_t> tiles = choose_tiles(ground, options.stride, options.max_tiles, seed);
+  if (tiles.empty()) throw DataError("no tile has enough ground to be evaluated");
+  if (options.matcher == EvaluateMatcher::kNcc) {
+    return judge_by_ncc(ground, tiles, place, options, within_m, threads, progress);
+  }
+  const OutputFile map(scratch, true);  // never committed: goes with this scope
+  build_evaluation_map(map.temporary_path(), ground, options.chips, threads, progress);
+  if (!options.frames.empty()) {
+    return judge_by_frames(ground, map.temporary_path(), frames, options, within_m, threads, progress);
+  }
+  return judge_by_voting(ground, tiles, map.temporary_path(), place, options, within_m, seed, threads, progress);
+}
+
+QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t seed, int threads) {
+  QualityOptions quality;
+  quality.bins = options.bins;
+  quality.resamples = options.resamples;
+  if (options.stated_rate) quality.stated_rate = *options.stated_rate;
+  quality.seed = seed;
+  quality.threads = threads;
+  return quality;
+}
+
+}  // namespace
+
+std::int64_t Evaluation::judged() const {
+  return std::count_if(outcomes.begin(), outcomes.end(),
+                       [](const TileOutcome& outcome) { return outcome.outcome != Outcome::kNotCovered; });
+}
+
+std::vector<std::string> predictor_columns() {
+  std::vector<std::string> names;
+  for (const Predictor& predictor : kPredictors) names.emplace_back(predictor.name);
+  return names;
+}
+
+std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const Evaluation& evaluation,
+                                             const std::string& name) {
+  const ScoreColumn* column = find_score_column(name);
+  if (column == nullptr) throw UsageError("\"" + name + "\" is no column of tiles.csv");
+  const double block_px = evaluation.block_m / evaluation.gsd_m;
+  std::vector<JudgedPrediction> predictions;
+  for (const TileOutcome& outcome : evaluation.outcomes) {
+    if (outcome.outcome == Outcome::kNotCovered) continue;
+    const TileRow& row = ground.rows[outcome.row];
+    predictions.push_back(
+        {column->get(row.score), outcome.outcome == Outcome::kCorrect, block_of(ground, row, block_px)});
+  }
+  return predictions;
+}
+
+std::vector<JudgedPredictor> judge_predictors(const ScoredGround& ground, const Evaluation& evaluation,
+                                              const EvaluateOptions& options, std::uint64_t seed, int threads) {
+  std::vector<JudgedPredictor> judged;
+  for (const Predictor& predictor : kPredictors) {
+    JudgedPredictor next{predictor.name, predictor.title, {}};
+    next.quality = judge_predictions(predictions_of(ground, evaluation, predictor.name), predictor.probability,
+                                     quality_options(options, seed, threads));
+    if (predictor.probability && next.quality.count == 0) continue;  // no model
+    judged.push_back(std::move(next));
+  }
+  return judged;
+}
+
+Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
+                    const std::filesystem::path& scratch, std::uint64_t seed, int threads, const Progress& progress,
+                    const PlaceOnReference& place) {
+  check(ground, frames, options);
+  Evaluation evaluation;
+  evaluation.gsd_m = ground_gsd_m(ground);
+  evaluation.footprint_m = ground.matrix.tile_size_px * evaluation.gsd_m;
+  evaluation.search_radius_m = ground.search_radius_px * evaluation.gsd_m;
+  evaluation.tolerance_m = tolerance_m(options, evaluation.gsd_m);
+  evaluation.block_m = options.block_tiles * evaluation.footprint_m;
+  evaluation.scored_tiles = static_cast<std::int64_t>(choose_tiles(ground, 1, 0, seed).size());
+  evaluation.outcomes =
+      outcomes_of(ground, frames, options, evaluation.tolerance_m, scratch, seed, threads, progress, place);
+  for (const Outcome outcome : kOutcomes) evaluation.counts[outcome] = 0;
+  for (const TileOutcome& outcome : evaluation.outcomes) ++evaluation.counts[outcome.outcome];
+  if (evaluation.judged() == 0) {
+    throw DataError((options.file.empty() ? options.frames : options.file) + ": shows none of the scored tiles");
+  }
+  if (evaluation.counts[Outcome::kNotCovered] > 0) {
+    evaluation.warnings.push_back(std::to_string(evaluation.counts[Outcome::kNotCovered]) + " of " +
+                                  std::to_string(evaluation.outcomes.size()) +
+                                  (options.file.empty() ? " frames show no scored tile and are left out"
+                                                        : " tiles are not covered by the other date and are left out"));
+  }
+  evaluation.predictors = judge_predictors(ground, evaluation, options, seed, threads);
+  return evaluation;
+}
+
+}  // namespace pilotage

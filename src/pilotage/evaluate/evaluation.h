@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pilotage/base/progress.h"
+#include "pilotage/evaluate/evaluate_options.h"
+#include "pilotage/evaluate/scored_ground.h"
+#include "pilotage/evaluate/tile_outcome.h"
+#include "pilotage/match/flight_frames.h"
+#include "pilotage/matchability/quality_report.h"
+
+namespace pilotage {
+
+/// Scores held against outcomes.
+struct Evaluation {
+  double gsd_m = 0;
+  double footprint_m = 0;
+  double search_radius_m = 0;
+  double tolerance_m = 0;
+  double block_m = 0;
+  std::int64_t scored_tiles = 0;  ///< Tiles with enough ground.
+  std::vector<TileOutcome> outcomes;
+  std::map<Outcome, std::int64_t> counts;
+  /// p_correct_fix where any tile has one; then always gray_variance, frieden_deficit, clean_peak_margin and
+  /// degraded_peak_margin, the measures of the paper.
+  std::vector<JudgedPredictor> predictors;
+  std::vector<std::string> warnings;
+
+  std::int64_t judged() const;  ///< Outcomes but those not covered.
+};
+
+/// The columns of tiles.csv that are judged: p_correct_fix and the measures of the paper.
+std::vector<std::string> predictor_columns();
+
+/// A prediction of column `name` of tiles.csv for each outcome that is covered, in their order.
+std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const Evaluation& evaluation,
+                                             const std::string& name);
+
+/// Judges the scores of `ground` by options.file, or by `frames` (complete, with truth) where options.frames is given.
+/// `scratch` is a path beside which a temporary map may grow; nothing stays there. The same for any number of threads.
+/// Throws UsageError unless exactly one of options.file and options.frames is given, when both are at odds with other
+/// options, or when no tile is left to judge; otherwise as what it calls.
+Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
+                    const std::filesystem::path& scratch, std::uint64_t seed, int threads, const Progress& progress,
+                    const PlaceOnReference& place = same_place);
+
+/// The predictors alone, from outcomes and ground.
+std::vector<JudgedPredictor> judge_predictors(const ScoredGround& ground, const Evaluation& evaluation,
+                                              const EvaluateOptions& options, std::uint64_t seed, int threads);
+
+}  // namespace pilotage

@@ -1,0 +1,201 @@
+#include "pilotage/evaluate/evaluation_files.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotage/base/csv.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/statistics.h"
+#include "pilotage/base/text.h"
+#include "pilotage/matchability/reliability_diagram.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kNames[] = {"evaluation.md", "evaluation.json", "evaluation.csv", "reliability.svg"};
+
+/// A share with its 95 % interval.
+Json share_json(std::int64_t count, std::int64_t of) {
+  const Interval interval = binomial_interval(count, of);
+  return {{"count", count},
+          {"of", of},
+          {"rate", of > 0 ? Json(static_cast<double>(count) / static_cast<double>(of)) : Json()},
+          {"low", interval.low},
+          {"high", interval.high}};
+}
+
+std::string share_text(std::int64_t count, std::int64_t of) {
+  if (of == 0) return "none";
+  const Interval interval = binomial_interval(count, of);
+  const auto percent = [](double share) { return format_fixed(100 * share, 1); };
+  return std::to_string(count) + " of " + std::to_string(of) + ": " +
+         percent(static_cast<double>(count) / static_cast<double>(of)) + " % (" + percent(interval.low) + " … " +
+         percent(interval.high) + ")";
+}
+
+std::string metres(double value) {
+  return format_number(std::round(value * 100) / 100) + " m";
+}
+
+std::string matcher_text(const EvaluateOptions& options) {
+  if (!options.frames.empty()) return "real frames, matched as in flight";
+  if (options.matcher == EvaluateMatcher::kNcc) return "normalised correlation of the other date's tile";
+  return "the matcher that flies, on a frame rendered from the other date over each tile";
+}
+
+/// Options that shape every outcome, in a sentence of Markdown.
+std::string conditions(const Evaluation& evaluation, const EvaluateOptions& options) {
+  std::string text = "Tiles of " + metres(evaluation.footprint_m) + ", " + metres(evaluation.gsd_m) +
+                     "/px, searched within ± " + metres(evaluation.search_radius_m) + "; correct within " +
+                     metres(evaluation.tolerance_m) + ".";
+  if (options.matcher == EvaluateMatcher::kNcc) return text;
+  text += std::string(" The map has ") + (options.chips ? "chips" : "no chips") + ".";
+  if (!options.frames.empty()) return text;
+  return text + " Errors told to the matcher as standard deviations: " + format_number(options.attitude_sigma_deg) +
+         "° of attitude, " + format_number(100 * options.height_sigma_fraction) + " % of height.";
+}
+
+QualityOptions explained(const EvaluateOptions& options) {
+  QualityOptions quality;
+  quality.bins = options.bins;
+  quality.resamples = options.resamples;
+  if (options.stated_rate) quality.stated_rate = *options.stated_rate;
+  return quality;
+}
+
+const JudgedPredictor* probability_of(const Evaluation& evaluation) {
+  const auto found = std::find_if(evaluation.predictors.begin(), evaluation.predictors.end(),
+                                  [](const JudgedPredictor& predictor) { return predictor.quality.probability; });
+  return found == evaluation.predictors.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Json evaluation_json(const Evaluation& evaluation, const EvaluationSource& source) {
+  EvaluateOptions options = source.options;
+  const std::int64_t correct = evaluation.counts.at(Outcome::kCorrect);
+  const std::int64_t wrong = evaluation.counts.at(Outcome::kFalse);
+  Json json;
+  json["format"] = "pilotage-evaluation";
+  json["format_version"] = 1;
+  json["software_version"] = source.software_version;
+  json["inputs"] = source.inputs;
+  json["seed"] = source.seed;
+  json["options"] = options_to_json(list_options(options));
+  json["gsd_m"] = evaluation.gsd_m;
+  json["footprint_m"] = evaluation.footprint_m;
+  json["search_radius_m"] = evaluation.search_radius_m;
+  json["tolerance_m"] = evaluation.tolerance_m;
+  json["block_m"] = evaluation.block_m;
+  json["scored_tiles"] = evaluation.scored_tiles;
+  json["outcomes"] = Json::object();
+  for (const Outcome outcome : kOutcomes) json["outcomes"][outcome_name(outcome)] = evaluation.counts.at(outcome);
+  json["correct_fixes"] = share_json(correct, evaluation.judged());
+  json["false_fixes"] = share_json(wrong, correct + wrong);
+  json["predictors"] = Json::array();
+  for (const JudgedPredictor& predictor : evaluation.predictors) json["predictors"].push_back(to_json(predictor));
+  json["warnings"] = evaluation.warnings;
+  return json;
+}
+
+std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSource& source, bool with_diagram) {
+  const EvaluateOptions& options = source.options;
+  const std::int64_t correct = evaluation.counts.at(Outcome::kCorrect);
+  const std::int64_t wrong = evaluation.counts.at(Outcome::kFalse);
+  std::string text = "# What the scores are worth\n\nScores of " + join(source.inputs, ", ") + ", held against " +
+                     (options.file.empty() ? options.frames : options.file) + ": " + matcher_text(options) + ". " +
+                     conditions(evaluation, options) + "\n\n";
+  text += "- Correct fixes: " + share_text(correct, evaluation.judged()) + ".\n";
+  text += "- False among accepted: " + share_text(wrong, correct + wrong) + ".\n";
+  text += "- Refused: " + std::to_string(evaluation.counts.at(Outcome::kRefused)) +
+          "; not covered and left out: " + std::to_string(evaluation.counts.at(Outcome::kNotCovered)) +
+          "; tiles scored: " + std::to_string(evaluation.scored_tiles) + ".\n\n";
+  text += quality_markdown(evaluation.predictors, explained(options));
+  text += "- Blocks are squares of " + metres(evaluation.block_m) +
+          ". Brackets at the rates above are 95 % intervals by "
+          "Clopper and Pearson, as if tiles were independent.\n";
+  if (with_diagram) text += "\n![Reliability diagram](reliability.svg)\n";
+  return text + "\nSeed " + std::to_string(source.seed) + ". " + source.software_version + ".\n";
+}
+
+std::string evaluation_text(const Evaluation& evaluation) {
+  const std::int64_t correct = evaluation.counts.at(Outcome::kCorrect);
+  const std::int64_t wrong = evaluation.counts.at(Outcome::kFalse);
+  std::string text = "evaluation: correct " + share_text(correct, evaluation.judged()) + "; false among accepted " +
+                     share_text(wrong, correct + wrong) + "\n";
+  for (const JudgedPredictor& predictor : evaluation.predictors) {
+    const PredictionQuality& quality = predictor.quality;
+    text += "evaluation: " + predictor.name + ": AUC " + estimate_text(quality.auc, 3);
+    if (quality.probability) {
+      text += "; Brier skill " + estimate_text(quality.brier_skill, 3) + "; calibration error " +
+              estimate_text(quality.calibration_error, 3);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluation) {
+  std::vector<const ScoreColumn*> columns;
+  std::string text =
+      "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,evidence";
+  for (const std::string& name : predictor_columns()) {
+    columns.push_back(find_score_column(name));
+    text += "," + columns.back()->name;
+  }
+  text += "\n";
+  for (const TileOutcome& outcome : evaluation.outcomes) {
+    const TileRow& row = ground.rows[outcome.row];
+    const std::int64_t block = block_of(ground, row, evaluation.block_m / evaluation.gsd_m);
+    std::vector<std::string> cells{std::to_string(row.tile.tile_id),
+                                   std::to_string(row.tile.level),
+                                   std::to_string(row.tile.column),
+                                   std::to_string(row.tile.row),
+                                   csv_cell(row.tile.center.lon_deg),
+                                   csv_cell(row.tile.center.lat_deg),
+                                   std::to_string(block),
+                                   csv_cell(outcome.frame),
+                                   std::string(outcome_name(outcome.outcome)),
+                                   outcome.status,
+                                   csv_cell(outcome.error_m),
+                                   csv_cell(outcome.evidence)};
+    for (const ScoreColumn* column : columns) cells.push_back(csv_cell(column->get(row.score)));
+    text += join(cells, ",") + "\n";
+  }
+  return text;
+}
+
+EvaluationFiles::EvaluationFiles(const std::filesystem::path& folder, bool overwrite)
+    : folder_(folder), overwrite_(overwrite) {
+  for (const char* name : kNames) OutputFile(folder / name, overwrite);
+}
+
+void EvaluationFiles::write(const ScoredGround& ground, const Evaluation& evaluation, const EvaluationSource& source) {
+  const JudgedPredictor* probability = probability_of(evaluation);
+  const auto add = [&](const char* name, const std::string& content) {
+    files_.push_back(std::make_unique<OutputFile>(folder_ / name, overwrite_));
+    files_.back()->write(content);
+  };
+  add(kNames[0], evaluation_markdown(evaluation, source, probability != nullptr));
+  add(kNames[1], evaluation_json(evaluation, source).dump(1) + "\n");
+  add(kNames[2], evaluation_csv(ground, evaluation));
+  if (probability == nullptr) return;
+  add(kNames[3], reliability_diagram_svg("P(correct fix), tiles of " + metres(evaluation.footprint_m),
+                                         probability->quality, predictions_of(ground, evaluation, probability->name)));
+}
+
+std::vector<std::filesystem::path> EvaluationFiles::commit() {
+  std::vector<std::filesystem::path> written;
+  for (const auto& file : files_) {
+    file->commit();
+    written.push_back(file->destination());
+  }
+  std::error_code ignored;
+  if (written.size() < std::size(kNames)) std::filesystem::remove(folder_ / kNames[3], ignored);  // of an earlier run
+  return written;
+}
+
+}  // namespace pilotage

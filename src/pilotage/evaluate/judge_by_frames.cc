@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pilotage/evaluate/judge_tiles.h"
+#include "pilotage/match/match_flight.h"
+
+namespace pilotage {
+namespace {
+
+struct NearestTile {
+  std::size_t row = 0;
+  bool holds_it = false;  ///< The point lies in the tile.
+};
+
+NearestTile nearest_tile(const ScoredGround& ground, const Eigen::Vector2d& point_px) {
+  NearestTile nearest;
+  double least = std::numeric_limits<double>::infinity();
+  const double half = ground.matrix.tile_size_px / 2.0;
+  for (std::size_t i = 0; i < ground.rows.size(); ++i) {
+    const TileRow& row = ground.rows[i];
+    if (row.score.status == TileStatus::kTooLittleGround) continue;
+    const double x = std::abs(point_px.x() - static_cast<double>(row.min_col_px) - half);
+    const double y = std::abs(point_px.y() - static_cast<double>(row.min_row_px) - half);
+    if (std::hypot(x, y) >= least) continue;
+    least = std::hypot(x, y);
+    nearest = {i, std::max(x, y) <= half};
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<TileOutcome> judge_by_frames(const ScoredGround& ground, const std::filesystem::path& map,
+                                         const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
+                                         double tolerance_m, int threads, const Progress& progress) {
+  std::vector<FlightFrame> with_truth;
+  std::copy_if(frames.begin(), frames.end(), std::back_inserter(with_truth),
+               [](const FlightFrame& frame) { return frame.frame.truth.has_value(); });
+  MatchOptions match;
+  match.attitude_sigma_deg = options.attitude_sigma_deg;
+  match.yaw_sigma_deg = options.attitude_sigma_deg;
+  match.height_sigma_fraction = options.height_sigma_fraction;
+  match.chips = options.chips;
+  const CrsTransform transform(ground.crs);
+  std::vector<TileOutcome> outcomes;
+  for (const FrameMatch& matched : match_flight(map, with_truth, match, options.frames_truth, threads, progress)) {
+    TileOutcome outcome;
+    outcome.frame = matched.frame.file;
+    outcome.status = frame_status_name(matched);
+    const auto truth = transform.map_from_geodetic(*matched.frame.truth);
+    const NearestTile tile =
+        truth ? nearest_tile(ground, ground.matrix.map_from_pixel.pixel_from_map(*truth)) : NearestTile{};
+    outcome.row = tile.row;
+    if (matched.readable()) outcome.evidence = matched.result.stats.vote_peak;
+    if (const auto& error = matched.error ? matched.error : matched.candidate_error) outcome.error_m = error->error_m;
+    if (tile.holds_it) {
+      outcome.outcome = !matched.has_fix()               ? Outcome::kRefused
+                        : outcome.error_m <= tolerance_m ? Outcome::kCorrect
+                                                         : Outcome::kFalse;
+    }
+    outcomes.push_back(std::move(outcome));
+  }
+  return outcomes;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <string_view>
+
+namespace pilotage {
+
+enum class Outcome {
+  kCorrect,     ///< Accepted, and within the tolerance.
+  kFalse,       ///< Accepted, and farther off.
+  kRefused,     ///< No place was accepted.
+  kNotCovered,  ///< Nothing to judge: the other date shows too little of it, or the frame shows no scored tile.
+};
+
+inline constexpr Outcome kOutcomes[] = {Outcome::kCorrect, Outcome::kFalse, Outcome::kRefused, Outcome::kNotCovered};
+
+std::string_view outcome_name(Outcome outcome);  ///< "correct", "false", "refused", "not_covered".
+
+/// What became of one tile, or of one real frame over it.
+struct TileOutcome {
+  std::size_t row = 0;  ///< Index into ScoredGround::rows.
+  Outcome outcome = Outcome::kNotCovered;
+  std::string status;  ///< The matcher's word: "fix", "ambiguous" …; "peak" for ncc.
+  double error_m = std::numeric_limits<double>::quiet_NaN();   ///< Of the best place, accepted or not; NaN without one.
+  double evidence = std::numeric_limits<double>::quiet_NaN();  ///< MatchStats::vote_peak; ncc: the correlation.
+  std::string frame;                                           ///< Name of the real frame, "" for a rendered one.
+};
+
+}  // namespace pilotage
