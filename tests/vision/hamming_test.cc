@@ -131,6 +131,30 @@ TEST_P(HammingPaths, WindowsEqualBruteForce) {
   }
 }
 
+TEST_P(HammingPaths, FindsAllWithinADistance) {
+  Random random(seed_from_name("FindsAllWithinADistance"));
+  for (const int bytes : {16, 32, 64}) {
+    for (const std::size_t count : {0U, 20U, 700U}) {
+      const FeatureSet map = random_features(random, count, bytes, 20);
+      const FeatureSet queries = random_features(random, 20, bytes, 20);
+      std::vector<HammingWindow> windows(queries.size(), HammingWindow{20, 40, 250, 180});
+      windows[3] = {10, 10, 9, 20};
+      constexpr std::uint32_t kBits = 25;
+      const auto found = HammingIndex(map).find_within(queries, windows, kBits, GetParam());
+      ASSERT_EQ(found.begin.size(), queries.size() + 1);
+      const auto all = brute_force(map, queries, windows, static_cast<int>(count));
+      for (std::size_t query = 0; query < queries.size(); ++query) {
+        std::vector<HammingMatch> expected;
+        for (const HammingMatch& match : all.of_query(query)) {
+          if (match.found() && match.distance <= kBits) expected.push_back(match);
+        }
+        const auto matches = found.of_query(query);
+        EXPECT_EQ(std::vector<HammingMatch>(matches.begin(), matches.end()), expected) << bytes << " " << query;
+      }
+    }
+  }
+}
+
 TEST_P(HammingPaths, NothingFartherThanTheLargestDistance) {
   Random random(seed_from_name("NothingFartherThanTheLargestDistance"));
   for (const int bytes : {16, 32, 64}) {

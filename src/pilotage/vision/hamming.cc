@@ -97,6 +97,12 @@ void store(const Nearest& nearest, HammingMatch* matches) {
   }
 }
 
+void check_windows(const FeatureSet& queries, std::span<const HammingWindow> windows) {
+  if (windows.size() == queries.size()) return;
+  throw UsageError(std::to_string(windows.size()) + " windows were given for " + std::to_string(queries.size()) +
+                   " queries");
+}
+
 HammingMatches empty_matches(std::size_t queries, int k) {
   return {k, std::vector<HammingMatch>(queries * static_cast<std::size_t>(k))};
 }
@@ -207,37 +213,55 @@ HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, int k, Hamm
   return result;
 }
 
+void HammingIndex::scan_window(const FeatureSet& queries, std::size_t query, const HammingWindow& window,
+                               Scan scan, Nearest& nearest) const {
+  // A window with a NaN edge holds nothing.
+  if (!(window.min_x_px <= window.max_x_px && window.min_y_px <= window.max_y_px)) return;
+  const auto words = query_words(queries, query);
+  nearest.window = &window;
+  const std::size_t first_col = cols_.cell(window.min_x_px);
+  const std::size_t last_col = cols_.cell(window.max_x_px);
+  const std::size_t last_row = rows_.cell(window.max_y_px);
+  for (std::size_t row = rows_.cell(window.min_y_px); row <= last_row; ++row) {
+    scan(blocks_[0].lanes, words_, words.data(), cell_begin_[row * cols_.count + first_col],
+         cell_begin_[row * cols_.count + last_col + 1], nearest);
+  }
+}
+
 HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, std::span<const HammingWindow> windows, int k,
                                           HammingPath path, std::uint32_t max_distance) const {
   check_query(queries, descriptor_bytes(), k);
-  if (windows.size() != queries.size()) {
-    throw UsageError(std::to_string(windows.size()) + " windows were given for " + std::to_string(queries.size()) +
-                     " queries");
-  }
+  check_windows(queries, windows);
   const Scan scan = scan_of(path);
   HammingMatches result = empty_matches(queries.size(), k);
   if (size() == 0) return result;
-  Nearest nearest;
-  nearest.k = k;
-  nearest.order = order_.data();
-  nearest.x_px = x_px_.data();
-  nearest.y_px = y_px_.data();
+  Nearest nearest{{}, k, order_.data(), x_px_.data(), y_px_.data()};
   for (std::size_t query = 0; query < queries.size(); ++query) {
-    const HammingWindow& window = windows[query];
-    const auto words = query_words(queries, query);
     nearest.clear(max_distance);
-    nearest.window = &window;
-    // A window with a NaN edge holds nothing.
-    if (window.min_x_px <= window.max_x_px && window.min_y_px <= window.max_y_px) {
-      const std::size_t first_col = cols_.cell(window.min_x_px);
-      const std::size_t last_col = cols_.cell(window.max_x_px);
-      const std::size_t last_row = rows_.cell(window.max_y_px);
-      for (std::size_t row = rows_.cell(window.min_y_px); row <= last_row; ++row) {
-        scan(blocks_[0].lanes, words_, words.data(), cell_begin_[row * cols_.count + first_col],
-             cell_begin_[row * cols_.count + last_col + 1], nearest);
-      }
-    }
+    scan_window(queries, query, windows[query], scan, nearest);
     store(nearest, result.matches.data() + query * static_cast<std::size_t>(k));
+  }
+  return result;
+}
+
+HammingLists HammingIndex::find_within(const FeatureSet& queries, std::span<const HammingWindow> windows,
+                                       std::uint32_t max_distance, HammingPath path) const {
+  check_query(queries, descriptor_bytes(), 1);
+  check_windows(queries, windows);
+  const Scan scan = scan_of(path);
+  HammingLists result{{0}, {}};
+  std::vector<std::uint64_t> keys;
+  Nearest nearest{{}, 1, order_.data(), x_px_.data(), y_px_.data()};
+  nearest.all = &keys;
+  nearest.clear(max_distance);
+  for (std::size_t query = 0; query < queries.size(); ++query) {
+    keys.clear();
+    if (size() > 0) scan_window(queries, query, windows[query], scan, nearest);
+    std::sort(keys.begin(), keys.end());
+    for (const std::uint64_t key : keys) {
+      result.matches.push_back({static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32)});
+    }
+    result.begin.push_back(result.matches.size());
   }
   return result;
 }

@@ -11,6 +11,14 @@
 
 namespace pilotage {
 
+namespace hamming_detail {
+struct Nearest;
+/// Offers to `nearest` every slot of [begin, end) that may be among those sought of `query`. `blocks` holds `words` × 8
+/// numbers for each eight slots, aligned to 64 bytes. `words` is 2, 4 or 8.
+using Scan = void (*)(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin,
+                      std::size_t end, Nearest& nearest);
+}  // namespace hamming_detail
+
 /// Implementations of the search; all give the same result.
 enum class HammingPath {
   kPortable,  ///< Any machine.
@@ -46,6 +54,16 @@ struct HammingMatches {
   }
 };
 
+/// All neighbours of each query, query after query, nearest first, equal distances in the order of the index.
+struct HammingLists {
+  std::vector<std::size_t> begin;  ///< Of each query's neighbours in `matches`, and the end.
+  std::vector<HammingMatch> matches;
+
+  std::span<const HammingMatch> of_query(std::size_t query) const {
+    return {matches.data() + begin[query], begin[query + 1] - begin[query]};
+  }
+};
+
 /// A rectangle of positions; its edges belong to it.
 struct HammingWindow {
   double min_x_px;
@@ -77,6 +95,10 @@ class HammingIndex {
                               HammingPath path = best_hamming_path(),
                               std::uint32_t max_distance = std::numeric_limits<std::uint32_t>::max()) const;
 
+  /// All features inside each query's window that are at most `max_distance` bits away. Exact; throws as find_nearest.
+  HammingLists find_within(const FeatureSet& queries, std::span<const HammingWindow> windows,
+                           std::uint32_t max_distance, HammingPath path = best_hamming_path()) const;
+
  private:
   struct Block {
     alignas(64) std::uint64_t lanes[8];
@@ -90,6 +112,10 @@ class HammingIndex {
 
     std::size_t cell(double position_px) const;
   };
+
+  /// Offers the slots that can lie in `window` to `nearest`, which knows the window.
+  void scan_window(const FeatureSet& queries, std::size_t query, const HammingWindow& window, hamming_detail::Scan scan,
+                   hamming_detail::Nearest& nearest) const;
 
   int words_ = 4;
   std::vector<Block> blocks_;         ///< words_ for each eight slots: word w of all eight, then word w + 1.

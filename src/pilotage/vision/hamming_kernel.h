@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "pilotage/vision/hamming.h"
 
@@ -22,6 +23,7 @@ struct Nearest {
   const float* x_px = nullptr;           ///< By slot; looked at only when there is a window.
   const float* y_px = nullptr;
   const HammingWindow* window = nullptr;
+  std::vector<std::uint64_t>* all = nullptr;  ///< When given, every key within the bound, in no order, instead of k.
 
   /// Nothing found yet; nothing farther than `max_distance` will be.
   void clear(std::uint32_t max_distance = std::numeric_limits<std::uint32_t>::max()) {
@@ -41,6 +43,10 @@ struct Nearest {
       const bool inside =
           x >= window->min_x_px && x <= window->max_x_px && y >= window->min_y_px && y <= window->max_y_px;
       if (!inside) return;
+    }
+    if (all != nullptr) {
+      all->push_back(key);
+      return;
     }
     for (; last > 0 && keys[last - 1] > key; --last) keys[last] = keys[last - 1];
     keys[last] = key;
@@ -62,11 +68,6 @@ inline unsigned lanes_inside(std::size_t first_slot, std::size_t begin, std::siz
   if (first_slot + kSlotsPerBlock > end) mask &= 0xFFU >> (first_slot + kSlotsPerBlock - end);
   return mask;
 }
-
-/// Offers to `nearest` every slot of [begin, end) that may be among the k nearest of `query`. `blocks` holds `words` ×
-/// 8 numbers for each eight slots, aligned to 64 bytes. `words` is 2, 4 or 8.
-using Scan = void (*)(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin,
-                      std::size_t end, Nearest& nearest);
 
 void scan_portable(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin,
                    std::size_t end, Nearest& nearest);
