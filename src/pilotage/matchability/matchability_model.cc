@@ -50,11 +50,16 @@ std::string name_of(FlyingMatcher matcher) {
 
 }  // namespace
 
-MatchabilityInputs matchability_inputs(const TileScore& score, int tile_size_px) {
+MatchabilityInputs matchability_inputs(const TileScore& score, int tile_size_px, double black) {
+  double contrast = std::sqrt(std::max(score.frieden_deficit, 0.0));
+  if (black != 0 && contrast > 0) {
+    const double mean = score.gray_variance / contrast;
+    contrast = score.gray_variance / std::max(mean - black, 1e-9 * std::abs(mean));
+  }
   const double noise = std::isnan(score.vote_noise) ? 0 : score.vote_noise;
   const double described_px = std::max(tile_size_px - 2 * kDescriptorBorder_px, 4);
   return {std::log((score.map_features + 2) / (noise + 0.3)),
-          std::log(std::sqrt(std::max(score.frieden_deficit, 0.0)) + 0.01), 2 * std::log(described_px)};
+          std::log(contrast + 0.01), 2 * std::log(described_px)};
 }
 
 double predict_p_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features) {
