@@ -178,7 +178,7 @@ std::vector<ScoreColumn> make_score_columns() {
   add("frieden_deficit", "", "N (1 - H/e) - 1, about (sigma/mean)^2", &TileScore::frieden_deficit);
   add_surface_columns(columns, "clean_", "Clean surface: ", &TileScore::clean);
   add_surface_columns(columns, "degraded_", "Degraded copies: ", &TileScore::degraded);
-  add("map_features", "", "features of the map that a frame of this tile can show", &TileScore::map_features);
+  add("map_features", "", "features of the map in this tile", &TileScore::map_features);
   add("vote_noise", "", "standard deviation of the votes that they give to wrong places", &TileScore::vote_noise);
   add("p_correct_fix", "", "probability of a correct fix", &TileScore::p_correct_fix);
   return columns;
