@@ -92,16 +92,6 @@ std::int64_t count_false_like_neighbours(const ScoredGround& ground, const Evalu
   return count;
 }
 
-QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t seed, int threads) {
-  QualityOptions quality;
-  quality.bins = options.bins;
-  quality.resamples = options.resamples;
-  if (options.stated_rate) quality.stated_rate = *options.stated_rate;
-  quality.seed = seed;
-  quality.threads = threads;
-  return quality;
-}
-
 }  // namespace
 
 void check_evaluation(const EvaluateOptions& options) {
@@ -114,6 +104,16 @@ void check_evaluation(const EvaluateOptions& options) {
     throw UsageError("--evaluate-frames is for the matcher that flies: --evaluate-matcher ncc needs --evaluate");
   }
   if (!options.file.empty()) inspect_imagery(options.file);
+}
+
+QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t seed, int threads) {
+  QualityOptions quality;
+  quality.bins = options.bins;
+  quality.resamples = options.resamples;
+  if (options.stated_rate) quality.stated_rate = *options.stated_rate;
+  quality.seed = seed;
+  quality.threads = threads;
+  return quality;
 }
 
 std::int64_t Evaluation::judged() const {

@@ -36,6 +36,9 @@ struct Evaluation {
   std::int64_t judged() const;  ///< Outcomes but those not covered.
 };
 
+/// How predictors are judged.
+QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t seed, int threads = 0);
+
 /// The columns of tiles.csv that are judged: p_correct_fix and the measures of the paper.
 std::vector<std::string> predictor_columns();
 
