@@ -86,21 +86,24 @@ std::filesystem::path folder_of_outputs(const ScoreCommandOptions& options, cons
   return beside.has_parent_path() ? beside.parent_path() : ".";
 }
 
-FlightFrames read_frames(const ScoreCommandOptions& options, const std::optional<Camera>& of_plan) {
-  const std::string& path = options.evaluate.frames;
-  if (path.empty()) return {};
+FrameTable read_frame_table(const EvaluateOptions& options) {
+  if (options.frames.empty()) return {};
+  return frame_table_from_csv(options.frames, read_file(options.frames), {options.frames_truth, FrameColumns::kAll});
+}
+
+FlightFrames complete(const FrameTable& table, const ScoreCommandOptions& options,
+                      const std::optional<Camera>& of_plan) {
   FrameSources sources;
   sources.of_map = of_plan;
   if (names_camera(options.camera) || !of_plan) sources.given = make_camera(options.camera);
-  const FrameTable table =
-      frame_table_from_csv(path, read_file(path), {options.evaluate.frames_truth, FrameColumns::kAll});
-  return complete_frames(path, table, sources);
+  return complete_frames(options.evaluate.frames, table, sources);
 }
 
 // Shows how well each predictor does, and writes the evaluation's files without letting them appear.
 void add_evaluation(const ScoreCommandOptions& options, const Invocation& invocation, const Scored& scored,
-                    EvaluationFiles& files, CommandResult& result) {
-  const FlightFrames frames = read_frames(options, scored.of_plan);
+                    const FrameTable& table, EvaluationFiles& files, CommandResult& result) {
+  FlightFrames frames;
+  if (!table.frames.empty()) frames = complete(table, options, scored.of_plan);
   const std::filesystem::path scratch = folder_of_outputs(options, invocation) / "evaluation_map.gpkg";
   const Evaluation evaluation = evaluate(scored.ground, frames.frames, options.evaluate, scratch, invocation.seed,
                                          invocation.threads, invocation.progress);
@@ -174,11 +177,15 @@ Command make_score_command() {
     std::optional<OutputFile> table;  // what exists is refused before the work is done
     if (!options.table.empty()) table.emplace(options.table, invocation.overwrite);
     std::optional<EvaluationFiles> evaluation;
-    if (options.evaluate.wanted()) evaluation.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
+    if (options.evaluate.wanted()) {
+      check_evaluation(options.evaluate);
+      evaluation.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
+    }
+    const FrameTable frames = read_frame_table(options.evaluate);
     const Scored scored =
         is_plan(invocation.inputs) ? score_plan_file(options, invocation) : score_rasters(options, invocation);
     CommandResult result = tell(scored, invocation);
-    if (evaluation) add_evaluation(options, invocation, scored, *evaluation, result);
+    if (evaluation) add_evaluation(options, invocation, scored, frames, *evaluation, result);
     const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
     if (table) table->write(tile_table_to_csv(scored.rows));
     write_score_raster(invocation.output, raster.bands, scored.crs, raster.map_from_pixel, invocation.overwrite);
