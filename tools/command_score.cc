@@ -10,6 +10,7 @@
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/score/score_imagery.h"
 #include "pilotage/score/score_plan.h"
 
@@ -19,12 +20,15 @@ namespace {
 struct ScoreCommandOptions {
   ScoreImageryOptions imagery;
   std::string table;
+  std::string second_epoch_output;
   int level = 0;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     ScoreImageryOptions::describe(self.imagery, fields);
     fields.path("table", self.table, "Also write the scores as a table (CSV), one line per tile.");
+    fields.path("second_epoch_output", self.second_epoch_output,
+                "Also write the disagreement of both dates' georeferences as a raster (GeoTIFF).");
     fields.field("level", self.level, "Level of a plan that the raster shows; the table has all.", Range{0, 30});
   }
 };
@@ -34,6 +38,7 @@ struct Scored {
   TileMatrix matrix;
   std::vector<TileRow> rows;
   std::vector<std::string> warnings;
+  std::optional<SecondEpoch> second_epoch;
 };
 
 bool is_plan(const std::vector<std::string>& inputs) {
@@ -46,17 +51,25 @@ Scored score_plan_file(const ScoreCommandOptions& options, const Invocation& inv
     throw UsageError("level = " + std::to_string(options.level) + ": the plan has " +
                      std::to_string(plan.levels.size()) + " level(s)");
   }
-  const auto scores = score_plan(plan, options.imagery.score, invocation.seed, invocation.threads, invocation.progress);
+  const ScoreOptions& score = options.imagery.score;
+  auto scores = score_plan(plan, score, invocation.seed, invocation.threads, invocation.progress);
+  std::optional<SecondEpoch> epoch;
+  if (!score.second_epoch.empty()) {
+    epoch = compare_epochs_of_plan(plan, score, invocation.threads, invocation.progress);
+    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = epoch->scores[i];
+  }
   return {Crs::from_user_input(plan.crs_wkt),
           plan.levels[static_cast<std::size_t>(options.level)].matrix,
           tile_rows(plan, scores),
-          {}};
+          {},
+          std::move(epoch)};
 }
 
 Scored score_rasters(const ScoreCommandOptions& options, const Invocation& invocation) {
   ScoredImagery scored =
       score_imagery(invocation.inputs, options.imagery, invocation.seed, invocation.threads, invocation.progress);
-  return {std::move(scored.crs), scored.matrix, std::move(scored.rows), std::move(scored.warnings)};
+  return {std::move(scored.crs), scored.matrix, std::move(scored.rows), std::move(scored.warnings),
+          std::move(scored.second_epoch)};
 }
 
 // Entropies differ in the sixth digit.
@@ -81,6 +94,57 @@ void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
   }
 }
 
+// Refuses what can be refused before the work is done.
+std::optional<OutputFile> check_second_epoch(const ScoreCommandOptions& options, const Invocation& invocation) {
+  for (const std::string& dataset : options.imagery.score.second_epoch) inspect_imagery(dataset);
+  if (options.second_epoch_output.empty()) return std::nullopt;
+  if (options.imagery.score.second_epoch.empty()) throw UsageError("--second-epoch-output needs --second-epoch");
+  return std::optional<OutputFile>(std::in_place, options.second_epoch_output, invocation.overwrite);
+}
+
+void write_disagreement(const ScoreCommandOptions& options, const Invocation& invocation, const Scored& scored) {
+  const SecondEpoch& epoch = *scored.second_epoch;
+  const DisagreementRaster raster = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
+  write_score_raster(options.second_epoch_output, raster.bands, scored.crs, raster.map_from_pixel,
+                     invocation.overwrite);
+}
+
+std::string metres(const Spread& spread) {
+  return format_fixed(spread.median, 2) + " m median, " + format_fixed(spread.quantile_95, 2) + " m 95 %, " +
+         format_fixed(spread.largest, 2) + " m largest";
+}
+
+nlohmann::ordered_json json_of(const Spread& spread) {
+  const auto number = [](double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"median", number(spread.median)},
+          {"quantile_95", number(spread.quantile_95)},
+          {"largest", number(spread.largest)}};
+}
+
+void summarise(const SecondEpoch& epoch, CommandResult& result) {
+  const Registration& registration = epoch.registration;
+  const WarpFit& fit = registration.fit;
+  const auto unknown = std::count_if(epoch.scores.begin(), epoch.scores.end(),
+                                     [](const EpochScores& score) { return std::isnan(score.disagreement_m); });
+  result.text += "second epoch: " + std::to_string(registration.ties.size()) + " ties at " +
+                 std::to_string(registration.places) + " places, " + std::to_string(fit.outliers) + " outliers\n";
+  result.text += "  disagreement: " + metres(fit.disagreement_m) + "\n  residual: " + metres(fit.residual_m) +
+                 "\n  residual of ties left out: " + metres(fit.left_out_m) + "\n";
+  result.json["second_epoch"] = {{"gsd_m", registration.gsd_m},
+                                 {"places", registration.places},
+                                 {"ties", registration.ties.size()},
+                                 {"outliers", fit.outliers},
+                                 {"disagreement_m", json_of(fit.disagreement_m)},
+                                 {"residual_m", json_of(fit.residual_m)},
+                                 {"left_out_m", json_of(fit.left_out_m)},
+                                 {"tiles_unknown", unknown}};
+  if (unknown == 0) return;
+  result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
+                            " of " + std::to_string(epoch.scores.size()) + " tiles");
+}
+
 }  // namespace
 
 Command make_score_command() {
@@ -92,18 +156,22 @@ Command make_score_command() {
       {"A raster on its own pixel grid.",
        "pilotage score ortho.tif --tile-size-px 256 --stride-px 64 --search-radius-px 128 -o scores.tif "
        "--table tiles.csv"},
-      {"The tiles of a plan.", "pilotage score plan.json -o scores.tif --table tiles.csv"}};
+      {"The tiles of a plan.", "pilotage score plan.json -o scores.tif --table tiles.csv"},
+      {"Measured against a second date.",
+       "pilotage score plan.json --second-epoch last_year.tif --second-epoch-output disagreement.tif -o scores.tif"}};
   command.inputs = {
       .name = "RASTER", .help = "GDAL datasets, or one tile plan (plan.json).", .min = 1, .max = InputSpec::kMany};
   command.output = {.kind = OutputKind::kFile, .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure."};
   bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
     std::optional<OutputFile> table;
     if (!options.table.empty()) table.emplace(options.table, invocation.overwrite);  // refuse before the work is done
+    const std::optional<OutputFile> refused = check_second_epoch(options, invocation);
     const Scored scored =
         is_plan(invocation.inputs) ? score_plan_file(options, invocation) : score_rasters(options, invocation);
     const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
     if (table) table->write(tile_table_to_csv(scored.rows));
     write_score_raster(invocation.output, raster.bands, scored.crs, raster.map_from_pixel, invocation.overwrite);
+    if (!options.second_epoch_output.empty()) write_disagreement(options, invocation, scored);
     if (table) table->commit();  // both appear, or neither
 
     const auto of_status = [&](TileStatus status) {
@@ -121,6 +189,7 @@ Command make_score_command() {
                    {"too_little_ground", of_status(TileStatus::kTooLittleGround)}};
     summarise(scored.rows, result);
     result.warnings = scored.warnings;
+    if (scored.second_epoch) summarise(*scored.second_epoch, result);
     return result;
   });
   return command;

@@ -17,12 +17,11 @@ struct Spread {
 
 struct WarpFit {
   WarpField field;
-  std::vector<std::uint8_t> outlier;  ///< One for each tie.
+  std::vector<std::uint8_t> outlier;  ///< One for each tie: 1 = does not agree with the field.
   std::int64_t outliers = 0;
-  Spread residual_m;          ///< Of the ties that are no outliers: distance of their displacement from the field.
-  Spread left_out_m;          ///< The same of ties predicted by a field that was fitted without them (five parts).
-  Spread disagreement_m;      ///< Magnitude of the displacement over the known cells.
-  double known_fraction = 0;  ///< Of the places where a tie was looked for; set by register_dates.
+  Spread residual_m;      ///< Of the ties that are no outliers: distance of their displacement from the field.
+  Spread left_out_m;      ///< The same of ties predicted by a field that was fitted without them (five parts).
+  Spread disagreement_m;  ///< Magnitude of the displacement over the known cells.
 };
 
 /// The smooth field that agrees with the ties, whatever a minority of them say: minimises
@@ -33,9 +32,12 @@ struct WarpFit {
 /// narrow one, so that a wrong tie does not decide where it starts. A tie is an outlier when its residual exceeds 4 σ₁,
 /// σ₁ the larger of `tie_sigma` and 1.4826 · the median residual per axis.
 ///
-/// The predicted σ at a control point follows from the curvature of the same sum around it, scaled to the residuals
-/// that ties left out of the fit have. `gsd_m`: the metres of a pixel of the options. Deterministic: one thread. Fewer
-/// than eight ties give a field that is known nowhere. Throws UsageError for bad options.
+/// Ties are left out in blocks of one control spacing, a fifth of the blocks at a time. The predicted σ² of the field
+/// is what one more tie would show: σ₀² (1 + v), σ₀ = 1.4826 · the median residual per axis of ties left out, v the
+/// variance of the fit by the curvature of the same sum (five control points around, the ones beyond held).
+///
+/// `gsd_m`: the metres of a pixel of the options. Deterministic: one thread. Fewer than eight ties give a field that is
+/// known nowhere. Throws UsageError for bad options.
 WarpFit fit_warp(std::span<const Tie> ties, double gsd_m, const WarpOptions& options);
 
 /// Median, 95 % quantile and largest; NaN without values.
