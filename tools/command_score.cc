@@ -128,18 +128,22 @@ void summarise(const SecondEpoch& epoch, CommandResult& result) {
   const WarpFit& fit = registration.fit;
   const auto unknown = std::count_if(epoch.scores.begin(), epoch.scores.end(),
                                      [](const EpochScores& score) { return std::isnan(score.disagreement_m); });
-  result.text += "second epoch: " + std::to_string(registration.ties.size()) + " ties at " +
-                 std::to_string(registration.places) + " places, " + std::to_string(fit.outliers) + " outliers\n";
+  result.text += "second epoch: " + std::to_string(registration.finest_ties) + " ties at " +
+                 std::to_string(registration.places) + " places and " +
+                 std::to_string(static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties) +
+                 " coarser ones, " + std::to_string(fit.outliers) + " outliers\n";
   result.text += "  disagreement: " + metres(fit.disagreement_m) + "\n  residual: " + metres(fit.residual_m) +
                  "\n  residual of ties left out: " + metres(fit.left_out_m) + "\n";
-  result.json["second_epoch"] = {{"gsd_m", registration.gsd_m},
-                                 {"places", registration.places},
-                                 {"ties", registration.ties.size()},
-                                 {"outliers", fit.outliers},
-                                 {"disagreement_m", json_of(fit.disagreement_m)},
-                                 {"residual_m", json_of(fit.residual_m)},
-                                 {"left_out_m", json_of(fit.left_out_m)},
-                                 {"tiles_unknown", unknown}};
+  result.json["second_epoch"] = {
+      {"gsd_m", registration.gsd_m},
+      {"places", registration.places},
+      {"ties", registration.finest_ties},
+      {"coarser_ties", static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties},
+      {"outliers", fit.outliers},
+      {"disagreement_m", json_of(fit.disagreement_m)},
+      {"residual_m", json_of(fit.residual_m)},
+      {"left_out_m", json_of(fit.left_out_m)},
+      {"tiles_unknown", unknown}};
   if (unknown == 0) return;
   result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
                             " of " + std::to_string(epoch.scores.size()) + " tiles");

@@ -24,14 +24,19 @@ constexpr int kCellsPerSpacing = 4;
 constexpr int kSigmaReach = 5;          // control points around one whose σ is computed
 constexpr double kMadToSigma = 1.4826;  // of normal deviates
 
-WarpField make_grid(std::span<const Tie> ties, double spacing_m, double reach_m) {
+/// Control points under everything that ties reach.
+WarpField make_grid(std::span<const Tie> ties, double spacing_m, double reach_px) {
   Bounds bounds;
-  for (const Tie& tie : ties) bounds.extend(tie.point_m);
+  for (const Tie& tie : ties) {
+    const Eigen::Vector2d reach_m = Eigen::Vector2d::Constant(reach_px * tie.gsd_m);
+    bounds.extend(tie.point_m - reach_m);
+    bounds.extend(tie.point_m + reach_m);
+  }
   WarpField grid;
   grid.spacing_m = spacing_m;
-  const auto first = [&](double low_m) { return (std::floor((low_m - reach_m) / spacing_m) - 1) * spacing_m; };
+  const auto first = [&](double low_m) { return (std::floor(low_m / spacing_m) - 1) * spacing_m; };
   const auto count = [&](double min_m, double high_m) {
-    return static_cast<int>(std::ceil((high_m + reach_m - min_m) / spacing_m)) + 2;
+    return static_cast<int>(std::ceil((high_m - min_m) / spacing_m)) + 2;
   };
   grid.min_x_m = first(bounds.min_x_m);
   grid.min_y_m = first(bounds.min_y_m);
@@ -57,10 +62,10 @@ void for_each_node_near(const WarpField& grid, int column, int row, int reach, c
 }
 
 /// Control points that a tie or a cell within reach of one depends on.
-std::vector<std::uint8_t> active_nodes(const WarpField& grid, std::span<const Tie> ties, double reach_m) {
+std::vector<std::uint8_t> active_nodes(const WarpField& grid, std::span<const Tie> ties, double reach_px) {
   std::vector<std::uint8_t> active(grid.control_m.size(), 0);
-  const int reach = 3 + static_cast<int>(std::ceil(reach_m / grid.spacing_m));
   for (const Tie& tie : ties) {
+    const int reach = 3 + static_cast<int>(std::ceil(reach_px * tie.gsd_m / grid.spacing_m));
     const TieFootprint footprint = footprint_of(grid, tie.point_m);
     for_each_node_near(grid, footprint.column + 1, footprint.row + 1, reach,
                        [&](std::size_t node) { active[node] = 1; });
@@ -103,12 +108,11 @@ std::vector<Eigen::Vector2d> residuals_of(const WarpField& field, std::span<cons
   return residuals;
 }
 
-/// 1.4826 · the median of both components' magnitudes.
-double robust_sigma(const std::vector<Eigen::Vector2d>& residuals) {
+/// 1.4826 · the median of both components' magnitudes, in pixels of the ties.
+double robust_sigma_px(std::span<const Tie> ties, const std::vector<Eigen::Vector2d>& residuals) {
   std::vector<double> magnitudes;
-  for (const Eigen::Vector2d& residual : residuals) {
-    magnitudes.push_back(std::abs(residual.x()));
-    magnitudes.push_back(std::abs(residual.y()));
+  for (std::size_t i = 0; i < ties.size(); ++i) {
+    for (const double residual_m : residuals[i]) magnitudes.push_back(std::abs(residual_m) / ties[i].gsd_m);
   }
   return kMadToSigma * quantile(std::move(magnitudes), 0.5);
 }
@@ -135,7 +139,7 @@ std::vector<Eigen::Vector2d> left_out_residuals(const WarpProblem& problem, std:
   return residuals;
 }
 
-/// Variance of the fitted field at a control point, in units of the ties' own: vᵀ H⁻¹ v / tie_sigma².
+/// Variance of the fitted field at a control point, m²: vᵀ H⁻¹ v.
 double fit_variance(const WarpProblem& problem, const Eigen::SparseMatrix<double>& curvature, int column, int row) {
   std::vector<int> nodes;
   for_each_node_near(problem.grid, column, row, kSigmaReach, [&](std::size_t node) {
@@ -163,27 +167,31 @@ double fit_variance(const WarpProblem& problem, const Eigen::SparseMatrix<double
         basis[place] = weights[static_cast<std::size_t>(i + 1)] * weights[static_cast<std::size_t>(j + 1)];
     }
   }
-  return basis.dot(local.llt().solve(basis)) / (problem.tie_sigma_m * problem.tie_sigma_m);
+  return basis.dot(local.llt().solve(basis));
 }
 
-void set_sigmas(const WarpProblem& problem, std::span<const Tie> ties, double sigma_m, WarpField& field) {
+/// `sigma_m`: what the finest ties turned out to have, where `expected_m` was expected.
+void set_sigmas(const WarpProblem& problem, std::span<const Tie> ties, double sigma_m, double expected_m,
+                WarpField& field) {
   const Eigen::SparseMatrix<double> curvature = warp_curvature(problem, ties, field, kLossScale);
   for (int row = 1; row + 1 < field.rows; ++row) {
     for (int column = 1; column + 1 < field.columns; ++column) {
       const auto node =
           static_cast<std::size_t>(row) * static_cast<std::size_t>(field.columns) + static_cast<std::size_t>(column);
       if (problem.active[node] == 0) continue;
-      field.node_sigma_m[node] = sigma_m * std::sqrt(1 + fit_variance(problem, curvature, column, row));
+      field.node_sigma_m[node] =
+          sigma_m * std::sqrt(1 + fit_variance(problem, curvature, column, row) / (expected_m * expected_m));
     }
   }
 }
 
 /// Cells with at least three good ties within reach of their middle.
-void set_known(std::span<const Tie> ties, const std::vector<std::uint8_t>& outlier, double reach_m, WarpField& field) {
+void set_known(std::span<const Tie> ties, const std::vector<std::uint8_t>& outlier, double reach_px, WarpField& field) {
   std::vector<int> near(field.cell_known.size(), 0);
-  const int reach = static_cast<int>(std::ceil(reach_m / field.cell_m)) + 1;
   for (std::size_t i = 0; i < ties.size(); ++i) {
     if (outlier[i] != 0) continue;
+    const double reach_m = reach_px * ties[i].gsd_m;
+    const int reach = static_cast<int>(std::ceil(reach_m / field.cell_m)) + 1;
     const Eigen::Vector2d point = (ties[i].point_m - Eigen::Vector2d(field.min_x_m, field.min_y_m)) / field.cell_m;
     const int column = static_cast<int>(point.x());
     const int row = static_cast<int>(point.y());
@@ -211,10 +219,12 @@ std::vector<double> disagreements(const WarpField& field) {
   return values;
 }
 
-Spread spread_of_good(const std::vector<Eigen::Vector2d>& residuals, const std::vector<std::uint8_t>& outlier) {
+/// Of the finest ties that are no outliers.
+Spread spread_of_good(std::span<const Tie> ties, double gsd_m, const std::vector<Eigen::Vector2d>& residuals,
+                      const std::vector<std::uint8_t>& outlier) {
   std::vector<double> lengths;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    if (outlier[i] == 0) lengths.push_back(residuals[i].norm());
+    if (outlier[i] == 0 && ties[i].gsd_m <= gsd_m * 1.001) lengths.push_back(residuals[i].norm());
   }
   return spread_of(lengths);
 }
@@ -233,25 +243,24 @@ WarpFit fit_warp(std::span<const Tie> ties, double gsd_m, const WarpOptions& opt
   fit.residual_m = fit.left_out_m = fit.disagreement_m = spread_of({});
   if (ties.size() < kFewestTies) return fit;
 
-  const double reach_m = options.reach_px * gsd_m;
   WarpProblem problem;
-  problem.grid = make_grid(ties, options.control_spacing_px * gsd_m, reach_m);
-  problem.active = active_nodes(problem.grid, ties, reach_m);
-  problem.tie_sigma_m = options.tie_sigma_px * gsd_m;
+  problem.grid = make_grid(ties, options.control_spacing_px * gsd_m, options.reach_px);
+  problem.active = active_nodes(problem.grid, ties, options.reach_px);
+  problem.tie_sigma_px = options.tie_sigma_px;
   problem.bending_m = options.bending_px * gsd_m;
   fit.field = problem.grid;
   fit.field.control_m =
       solve_warp(problem, ties, std::vector<std::uint8_t>(ties.size(), 1), std::move(fit.field.control_m), kLossScales);
 
   const std::vector<Eigen::Vector2d> residuals = residuals_of(fit.field, ties);
-  const double limit_m = 4 * std::max(problem.tie_sigma_m, robust_sigma(residuals));
-  for (std::size_t i = 0; i < ties.size(); ++i) fit.outlier[i] = residuals[i].norm() > limit_m ? 1 : 0;
+  const double limit_px = 4 * std::max(options.tie_sigma_px, robust_sigma_px(ties, residuals));
+  for (std::size_t i = 0; i < ties.size(); ++i) fit.outlier[i] = residuals[i].norm() > limit_px * ties[i].gsd_m ? 1 : 0;
   fit.outliers = std::count(fit.outlier.begin(), fit.outlier.end(), 1);
-  fit.residual_m = spread_of_good(residuals, fit.outlier);
+  fit.residual_m = spread_of_good(ties, gsd_m, residuals, fit.outlier);
   const std::vector<Eigen::Vector2d> left_out = left_out_residuals(problem, ties, fit.field);
-  fit.left_out_m = spread_of_good(left_out, fit.outlier);
-  set_sigmas(problem, ties, robust_sigma(left_out), fit.field);
-  set_known(ties, fit.outlier, reach_m, fit.field);
+  fit.left_out_m = spread_of_good(ties, gsd_m, left_out, fit.outlier);
+  set_sigmas(problem, ties, robust_sigma_px(ties, left_out) * gsd_m, options.tie_sigma_px * gsd_m, fit.field);
+  set_known(ties, fit.outlier, options.reach_px, fit.field);
   continue_outwards(fit.field, problem.active);
   fit.disagreement_m = spread_of(disagreements(fit.field));
   return fit;

@@ -73,9 +73,12 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
                                  options.ties, wanted, threads, progress);
     compose(*field, search.ties);
     result.places = search.places;
-    result.ties = std::move(search.ties);
+    std::erase_if(result.ties, [&](const Tie& tie) { return tie.gsd_m < 1.5 * pass.gsd_m; });
+    result.ties.insert(result.ties.begin(), search.ties.begin(), search.ties.end());
     result.fit = fit_warp(result.ties, pass.gsd_m, options.warp);
   }
+  result.finest_ties =
+      std::count_if(result.ties.begin(), result.ties.end(), [&](const Tie& tie) { return tie.gsd_m < 1.5 * gsd_m; });
   if (result.places == 0) throw DataError("the second date shows no ground that the reference shows");
   return result;
 }

@@ -25,15 +25,18 @@ using OpenPair = std::function<DatePair(const GeoTransform& map_from_pixel, std:
 struct Registration {
   double gsd_m = 0;         ///< That was correlated at last.
   std::int64_t places = 0;  ///< With ground in both dates.
-  std::vector<Tie> ties;
+  std::vector<Tie> ties;    ///< Of all levels, the finest first.
+  std::int64_t finest_ties = 0;
   WarpFit fit;
 };
 
 /// Brings a second date onto the reference over `area_m` (CRS of the grid, metres). From coarse to fine: ties at a
 /// ground sample distance where search_radius_m is about twelve pixels, a warp through them, ties at twice the
 /// resolution between the reference and the warped second date, and so on to `gsd_m`; there once more, so that what is
-/// correlated at last agrees to a fraction of a pixel. Each level's displacement is composed with the one before.
-/// Throws as find_ties; DataError when the dates share no ground in the area.
+/// correlated at last agrees to a fraction of a pixel. Each level's displacement is composed with the one before. The
+/// warp goes through the ties of all levels, each with an error of half its own pixel: coarse ones, from larger
+/// squares, hold where fine texture has changed, as forest does. Throws as find_ties; DataError when the dates share no
+/// ground in the area.
 Registration register_dates(const OpenPair& open, const Bounds& area_m, double gsd_m,
                             const RegistrationOptions& options, const Wanted& wanted = {}, int threads = 0,
                             const Progress& progress = {});

@@ -8,10 +8,10 @@ namespace pilotage {
 
 /// How ties between two dates are looked for on one grid (ties.h).
 struct TieOptions {
-  int template_px = 64;
+  int template_px = 96;
   int spacing_px = 32;
-  double min_ncc = 0.4;
-  double min_margin = 0.06;
+  double min_ncc = 0.3;
+  double min_margin = 0.03;
   double max_backward_px = 1;
   double min_valid_fraction = 0.7;
 
@@ -29,23 +29,24 @@ struct TieOptions {
   }
 };
 
-/// How a warp is fitted to ties (fit_warp.h). Lengths in pixels of the grid that the ties were found on.
+/// How a warp is fitted to ties (fit_warp.h). Lengths in pixels of the finest ties; those of a tie in its own pixels.
 struct WarpOptions {
   double control_spacing_px = 96;
   double tie_sigma_px = 0.5;
-  double bending_px = 0.5;
-  double reach_px = 96;
+  double bending_px = 2;
+  double reach_px = 64;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.field("control_spacing_px", self.control_spacing_px, "Distance between the warp's control points.",
                  Range{8, 100000});
-    fields.field("tie_sigma_px", self.tie_sigma_px, "Expected error of a good tie; worse ones count less and less.",
-                 Range{0.01, 100});
+    fields.field("tie_sigma_px", self.tie_sigma_px,
+                 "Expected error of a good tie, in its own pixels; worse ones count less and less.", Range{0.01, 100});
     fields.field("bending_px", self.bending_px,
                  "How much the displacement is expected to bend from one control point to the next.",
                  Range{0.0001, 1000});
-    fields.field("reach_px", self.reach_px, "The warp is known where at least three good ties are this near.",
+    fields.field("reach_px", self.reach_px,
+                 "The warp is known where at least three good ties are this near, in their own pixels.",
                  Range{8, 100000});
   }
 };

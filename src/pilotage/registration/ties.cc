@@ -143,6 +143,7 @@ std::optional<Tie> find_tie(const Job& job, const Patchwork& reference, const Pa
   Tie tie;
   tie.point_m = place.map_from_pixel({col + side / 2.0, static_cast<double>(row) + side / 2.0});
   tie.displacement_m = {peak->offset_px.x() * place.x_per_col, peak->offset_px.y() * place.y_per_row};
+  tie.gsd_m = place.x_per_col;
   tie.ncc = peak->ncc;
   tie.margin = peak->margin;
   return tie;

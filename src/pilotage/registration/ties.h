@@ -17,6 +17,7 @@ namespace pilotage {
 struct Tie {
   Eigen::Vector2d point_m = Eigen::Vector2d::Zero();         ///< In the reference, CRS of the grid.
   Eigen::Vector2d displacement_m = Eigen::Vector2d::Zero();  ///< The second date shows the same ground at point + this.
+  double gsd_m = 1;  ///< Of the pixels it was found on, by which its error goes.
   double ncc = 0;
   double margin = 0;  ///< ncc − that of the best rival outside the main lobe.
 };

@@ -100,7 +100,7 @@ void solve_once(const WarpProblem& problem, std::span<const Tie> ties, const std
   for (std::size_t i = 0; i < ties.size(); ++i) {
     if (use[i] == 0) continue;
     const TieFootprint footprint = footprint_of(problem.grid, ties[i].point_m);
-    const double scale = std::sqrt(tie_weight(ties[i])) / problem.tie_sigma_m;
+    const double scale = std::sqrt(tie_precision(ties[i], problem.tie_sigma_px));
     std::vector<double> weights(16);
     for (std::size_t k = 0; k < 16; ++k) weights[k] = scale * footprint.weights[static_cast<Eigen::Index>(k)];
     ceres_problem.AddResidualBlock(new LinearCost(weights, scale * ties[i].displacement_m),
@@ -138,9 +138,11 @@ TieFootprint footprint_of(const WarpField& grid, const Eigen::Vector2d& point_m)
   return footprint;
 }
 
-double tie_weight(const Tie& tie) {
+double tie_precision(const Tie& tie, double tie_sigma_px) {
   const double power = tie.ncc * tie.ncc;
-  return power >= 0.5 ? 1 : power / (1 - power);
+  const double weight = power >= 0.5 ? 1 : power / (1 - power);
+  const double sigma_m = tie_sigma_px * tie.gsd_m;
+  return weight / (sigma_m * sigma_m);
 }
 
 std::vector<Eigen::Vector2d> solve_warp(const WarpProblem& problem, std::span<const Tie> ties,
@@ -162,7 +164,7 @@ Eigen::SparseMatrix<double> warp_curvature(const WarpProblem& problem, std::span
   };
   for (const Tie& tie : ties) {
     const TieFootprint footprint = footprint_of(problem.grid, tie.point_m);
-    const double precision = tie_weight(tie) / (problem.tie_sigma_m * problem.tie_sigma_m);
+    const double precision = tie_precision(tie, problem.tie_sigma_px);
     const Eigen::Vector2d residual_m = field.continued_m(tie.point_m.x(), tie.point_m.y()) - tie.displacement_m;
     const double robust = 1 / (1 + precision * residual_m.squaredNorm() / (loss_scale * loss_scale));
     std::vector<double> weights(16);

@@ -17,7 +17,7 @@ namespace pilotage {
 struct WarpProblem {
   WarpField grid;                    ///< Place and size of the control points; their values are not looked at.
   std::vector<std::uint8_t> active;  ///< One for each control point.
-  double tie_sigma_m = 1;
+  double tie_sigma_px = 1;           ///< Of a tie, in its own pixels.
   double bending_m = 1;
 };
 
@@ -30,8 +30,8 @@ struct TieFootprint {
 
 TieFootprint footprint_of(const WarpField& grid, const Eigen::Vector2d& point_m);
 
-/// A tie's share of the sum, by its correlation: w of fit_warp.h.
-double tie_weight(const Tie& tie);
+/// The inverse variance of a tie, 1/m²: w/σ² of fit_warp.h.
+double tie_precision(const Tie& tie, double tie_sigma_px);
 
 /// The control displacements that minimise the sum over ties[i] with use[i] != 0, from `start` on: once for each of
 /// `loss_scales` (of Cauchy's loss, in standard deviations), the last one counts. Ceres, sparse Cholesky, one thread.
