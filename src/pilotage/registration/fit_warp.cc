@@ -19,7 +19,8 @@ constexpr std::size_t kFewestTies = 8;
 constexpr int kFewestNear = 3;  // ties that make a cell known
 constexpr double kLossScale = 2;
 constexpr std::array<double, 5> kLossScales = {32, 16, 8, 4, kLossScale};
-constexpr int kParts = 5;  // of the ties that are left out in turn
+constexpr double kSpacingsPerBlock = 2;  // so that most squares of a block overlap none outside
+constexpr int kParts = 5;                // of the ties that are left out in turn
 constexpr int kCellsPerSpacing = 4;
 constexpr int kSigmaReach = 5;          // control points around one whose σ is computed
 constexpr double kMadToSigma = 1.4826;  // of normal deviates
@@ -120,9 +121,10 @@ double robust_sigma_px(std::span<const Tie> ties, const std::vector<Eigen::Vecto
 /// Residuals of ties against a field that was fitted without them and their neighbours; starts from `field`.
 std::vector<Eigen::Vector2d> left_out_residuals(const WarpProblem& problem, std::span<const Tie> ties,
                                                 const WarpField& field) {
+  const double block_m = kSpacingsPerBlock * field.spacing_m;
   const auto part_of = [&](const Tie& tie) {
-    const auto column = static_cast<std::int64_t>(std::floor((tie.point_m.x() - field.min_x_m) / field.spacing_m));
-    const auto row = static_cast<std::int64_t>(std::floor((tie.point_m.y() - field.min_y_m) / field.spacing_m));
+    const auto column = static_cast<std::int64_t>(std::floor((tie.point_m.x() - field.min_x_m) / block_m));
+    const auto row = static_cast<std::int64_t>(std::floor((tie.point_m.y() - field.min_y_m) / block_m));
     return static_cast<int>((column + 2 * row) % kParts);
   };
   std::vector<Eigen::Vector2d> residuals(ties.size());

@@ -33,7 +33,7 @@ struct WarpFit {
 /// outlier when its residual exceeds 4 σ₁, σ₁ the larger of tie_sigma_px and 1.4826 · the median residual per axis, in
 /// pixels of the ties.
 ///
-/// Ties are left out in blocks of one control spacing, a fifth of the blocks at a time. The predicted σ² of the field
+/// Ties are left out in blocks of two control spacings, a fifth of the blocks at a time. The predicted σ² of the field
 /// is what one more tie would show: σ₀² (1 + v), σ₀ = 1.4826 · the median residual per axis of ties left out, v the
 /// variance of the fit by the curvature of the same sum (five control points around, the ones beyond held).
 ///
