@@ -110,6 +110,7 @@ void write_disagreement(const ScoreCommandOptions& options, const Invocation& in
 }
 
 std::string metres(const Spread& spread) {
+  if (std::isnan(spread.median)) return "not known";
   return format_fixed(spread.median, 2) + " m median, " + format_fixed(spread.quantile_95, 2) + " m 95 %, " +
          format_fixed(spread.largest, 2) + " m largest";
 }

@@ -9,7 +9,9 @@
 namespace pilotage {
 
 DisagreementRaster disagreement_raster(const WarpField& field, const Bounds& area_m) {
-  const double pixel_m = field.cell_m;
+  // A field of nothing has no cells; the layer then says so in a few pixels.
+  const bool nothing = field.control_m.empty();
+  const double pixel_m = nothing ? std::max({area_m.width_m(), area_m.height_m(), 1.0}) / 8 : field.cell_m;
   // Pixels are the field's cells, so that each is known as a whole or not.
   const double min_x_m = field.min_x_m + std::floor((area_m.min_x_m - field.min_x_m) / pixel_m) * pixel_m;
   const double max_y_m = field.min_y_m + std::ceil((area_m.max_y_m - field.min_y_m) / pixel_m) * pixel_m;

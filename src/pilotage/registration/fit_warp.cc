@@ -109,10 +109,12 @@ std::vector<Eigen::Vector2d> residuals_of(const WarpField& field, std::span<cons
   return residuals;
 }
 
-/// 1.4826 · the median of both components' magnitudes, in pixels of the ties.
-double robust_sigma_px(std::span<const Tie> ties, const std::vector<Eigen::Vector2d>& residuals) {
+/// 1.4826 · the median of both components' magnitudes, in pixels of the ties; outliers do not count.
+double robust_sigma_px(std::span<const Tie> ties, const std::vector<Eigen::Vector2d>& residuals,
+                       const std::vector<std::uint8_t>& outlier) {
   std::vector<double> magnitudes;
   for (std::size_t i = 0; i < ties.size(); ++i) {
+    if (outlier[i] != 0) continue;
     for (const double residual_m : residuals[i]) magnitudes.push_back(std::abs(residual_m) / ties[i].gsd_m);
   }
   return kMadToSigma * quantile(std::move(magnitudes), 0.5);
@@ -255,13 +257,15 @@ WarpFit fit_warp(std::span<const Tie> ties, double gsd_m, const WarpOptions& opt
       solve_warp(problem, ties, std::vector<std::uint8_t>(ties.size(), 1), std::move(fit.field.control_m), kLossScales);
 
   const std::vector<Eigen::Vector2d> residuals = residuals_of(fit.field, ties);
-  const double limit_px = 4 * std::max(options.tie_sigma_px, robust_sigma_px(ties, residuals));
+  const std::vector<std::uint8_t> none(ties.size(), 0);
+  const double limit_px = 4 * std::max(options.tie_sigma_px, robust_sigma_px(ties, residuals, none));
   for (std::size_t i = 0; i < ties.size(); ++i) fit.outlier[i] = residuals[i].norm() > limit_px * ties[i].gsd_m ? 1 : 0;
   fit.outliers = std::count(fit.outlier.begin(), fit.outlier.end(), 1);
   fit.residual_m = spread_of_good(ties, gsd_m, residuals, fit.outlier);
   const std::vector<Eigen::Vector2d> left_out = left_out_residuals(problem, ties, fit.field);
   fit.left_out_m = spread_of_good(ties, gsd_m, left_out, fit.outlier);
-  set_sigmas(problem, ties, robust_sigma_px(ties, left_out) * gsd_m, options.tie_sigma_px * gsd_m, fit.field);
+  set_sigmas(problem, ties, robust_sigma_px(ties, left_out, fit.outlier) * gsd_m, options.tie_sigma_px * gsd_m,
+             fit.field);
   set_known(ties, fit.outlier, options.reach_px, fit.field);
   continue_outwards(fit.field, problem.active);
   fit.disagreement_m = spread_of(disagreements(fit.field));

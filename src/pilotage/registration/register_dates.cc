@@ -16,6 +16,8 @@ constexpr double kDefaultGsd_m = 0.6;
 constexpr double kCoarseRadius_px = 12;
 constexpr int kRefineRadius_px = 6;  // three pixels of the level before
 constexpr int kLastRadius_px = 4;
+/// Other ground gives ties at 0.3 % (real) to 1.7 % (random texture) of the places, by chance (docs/methods).
+constexpr double kLeastShare = 0.04;
 
 struct Pass {
   double gsd_m;
@@ -71,6 +73,7 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
     TieSearch search = find_ties(dates.reference, first ? dates.second : warped_source(dates.second, field, true),
                                  first ? whole_radius_px(options.search_radius_m, pass.gsd_m) : pass.radius_px,
                                  options.ties, wanted, threads, progress);
+    if (static_cast<double>(search.ties.size()) < kLeastShare * static_cast<double>(search.places)) search.ties.clear();
     compose(*field, search.ties);
     result.places = search.places;
     std::erase_if(result.ties, [&](const Tie& tie) { return tie.gsd_m < 1.5 * pass.gsd_m; });
