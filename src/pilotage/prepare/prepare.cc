@@ -110,6 +110,7 @@ nlohmann::ordered_json described(PrepareOptions options) {
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);
   refuse_existing(run.output_folder, run.overwrite);
+  for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
   const TilePlan plan = plan_tiles(options.tile, progress);
   const StagingFolder staging(run.output_folder);
