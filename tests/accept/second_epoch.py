@@ -4,7 +4,7 @@ georeferences, a smooth field of 0 to 20 m.
 second_epoch.py PILOTAGE SOURCE_FOLDER
 
 Two truths, neither of them Pilotage's. (1) The registered picture is the delivered one, warped by a cubic polynomial
-through ties found by hand-tuned correlation: looked for in the delivered picture, its squares give that polynomial. It
+through 317 correlation ties: looked for in the delivered picture, its squares give that polynomial. It
 leaves 5 to 10 m in the north-east (registered_truth.py), so only its middle is held against the field. (2) Squares of
 the reference, looked for in the delivered picture around the place where the field says they are, and backwards."""
 
