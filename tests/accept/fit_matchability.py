@@ -56,7 +56,7 @@ def evaluate(options, work, place, size_px, chips, more=()):
     if not (folder / "evaluation.json").exists():
         folder.mkdir(exist_ok=True)
         reference, other = pair(options.data, work, place)
-        register = ("--evaluate-registered",) if place == "port" else ()
+        register = ("--second-epoch", other) if place == "port" else ()
         run(options.pilotage, "score", reference, "--gsd-m", GSD_M, "--tile-size-px", size_px, "--stride-px",
             max(8, size_px // 4), "--search-radius-px", SEARCH_PX, "--measures",
             MEASURES[kind], "--matcher",

@@ -54,7 +54,8 @@ TEST(TileTable, ColumnsAreThePromisedOnes) {
       "clean_peak,clean_rival,clean_peak_margin,clean_rival_ratio,clean_psr,clean_rivals,clean_half_width_px,"
       "clean_expected_error_px,clean_rival_dx_px,clean_rival_dy_px,"
       "degraded_peak,degraded_rival,degraded_peak_margin,degraded_rival_ratio,degraded_psr,degraded_rivals,"
-      "degraded_half_width_px,degraded_expected_error_px,degraded_rival_dx_px,degraded_rival_dy_px,p_correct_fix\n");
+      "degraded_half_width_px,degraded_expected_error_px,degraded_rival_dx_px,degraded_rival_dy_px,"
+      "epoch_ncc,epoch_margin,epoch_survival,epoch_disagreement_m\n");
   EXPECT_TRUE(tile_table_from_csv("t.csv", csv).empty());
 }
 
@@ -119,7 +120,8 @@ TEST(TileTable, RefusesDamagedTables) {
             "t.csv: line 2: tile_id = \"1099511627776x\" is not allowed");
   EXPECT_THAT(error_of(replaced("1099511627779", "1099511627776")),
               ::testing::HasSubstr("line 3: tile_id 1099511627776 does not follow 1099511627776"));
-  EXPECT_THAT(error_of(csv + "1,2\n"), ::testing::HasSubstr("line 5: 2 cells, expected 38"));
+  EXPECT_THAT(error_of(csv + "1,2\n"),
+              ::testing::HasSubstr("line 5: 2 cells, expected " + std::to_string(14 + score_columns().size())));
   EXPECT_EQ(error_of(csv + "\n"), "") << "an empty line is no row (base/csv.h)";
 }
 

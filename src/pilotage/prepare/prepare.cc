@@ -14,9 +14,11 @@
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/score/score_plan.h"
+#include "pilotage/score/score_second_epoch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
 
@@ -64,6 +66,8 @@ std::string score_raster_name(int level) {
   return level == 0 ? "scores.tif" : "scores_level" + std::to_string(level) + ".tif";
 }
 
+constexpr const char* kDisagreement = "disagreement.tif";
+
 // Names of outputs of an earlier run, sorted.
 std::vector<std::string> existing_outputs(const fs::path& folder) {
   std::vector<std::string> names;
@@ -71,8 +75,8 @@ std::vector<std::string> existing_outputs(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" ||
-                             name == "map.gpkg" || name == "report.html" || name == "report.json" ||
-                             name == score_raster_name(0);
+                             name == "map.gpkg" || name == kDisagreement || name == "report.html" ||
+                             name == "report.json" || name == score_raster_name(0);
     const bool further_level = name.starts_with("scores_level") && name.ends_with(".tif");
     if (one_of_ours || further_level) names.push_back(name);
   }
@@ -106,6 +110,7 @@ nlohmann::ordered_json described(PrepareOptions options) {
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);
   refuse_existing(run.output_folder, run.overwrite);
+  for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
   const TilePlan plan = plan_tiles(options.tile, progress);
   const StagingFolder staging(run.output_folder);
@@ -116,7 +121,14 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
 
-  const std::vector<TileScore> scores = score_plan(plan, options.score, run.seed, run.threads, progress);
+  std::vector<TileScore> scores = score_plan(plan, options.score, run.seed, run.threads, progress);
+  if (!options.score.second_epoch.empty()) {
+    const SecondEpoch epoch = compare_epochs_of_plan(plan, options.score, run.threads, progress);
+    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = epoch.scores[i];
+    const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
+    write_score_raster(publish_later(kDisagreement), layer.bands, Crs::from_user_input(plan.crs_wkt),
+                       layer.map_from_pixel, true);
+  }
   const std::vector<TileRow> rows = tile_rows(plan, scores);
   write_file(publish_later("tiles.csv"), tile_table_to_csv(rows), true);
   for (const PlanLevel& level : plan.levels) {
@@ -129,7 +141,10 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
-  const std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
+  std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
+  for (const std::string& dataset : options.score.second_epoch) {
+    inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
+  }
   result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
                          options.build, true, run.threads, progress);
 

@@ -53,9 +53,10 @@ struct PrepareResult {
 };
 
 /// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …
-/// for further levels), selection.json, map.gpkg, report.html and report.json into the output folder, which is made
-/// when it does not exist. All of them appear at the end, together; when anything fails before, none does. Throws as
-/// the stages; DataError when an output exists and overwrite is not set.
+/// for further levels), disagreement.tif (with score.second_epoch), selection.json, map.gpkg, report.html and
+/// report.json into the output folder, which is made when it does not exist. All of them appear at the end, together;
+/// when anything fails before, none does. Throws as the stages; DataError when an output exists and overwrite is not
+/// set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage
