@@ -105,10 +105,23 @@ nlohmann::ordered_json described(PrepareOptions options) {
   return options_to_json(list_options(options));
 }
 
+/// P(correct fix) is that of the map that will be built.
+ScoreOptions score_options_of(const PrepareOptions& options) {
+  ScoreOptions score = options.score;
+  score.features = options.build.features;
+  if (options.build.chips.chips) {
+    score.matcher = FlyingMatcher::kFeaturesAndChips;
+  } else if (score.matcher == FlyingMatcher::kFeaturesAndChips) {
+    throw UsageError("matcher = features_and_chips: the map gets no chips; ask for them (chips), or leave matcher out");
+  }
+  return score;
+}
+
 }  // namespace
 
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);
+  const ScoreOptions score_options = score_options_of(options);
   refuse_existing(run.output_folder, run.overwrite);
   for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
@@ -121,7 +134,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
 
-  std::vector<TileScore> scores = score_plan(plan, options.score, run.seed, run.threads, progress);
+  std::vector<TileScore> scores = score_plan(plan, score_options, run.seed, run.threads, progress);
   if (!options.score.second_epoch.empty()) {
     const SecondEpoch epoch = compare_epochs_of_plan(plan, options.score, run.threads, progress);
     for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = epoch.scores[i];
