@@ -40,6 +40,8 @@ struct TileScore {
   double gray_variance = std::numeric_limits<double>::quiet_NaN();    ///< Eq. 1: V, gray levels (with the square root).
   double frieden_entropy = std::numeric_limits<double>::quiet_NaN();  ///< Eq. 2–3: H.
   double frieden_deficit = std::numeric_limits<double>::quiet_NaN();  ///< N (1 − H/e) − 1 ≈ (σ/f̄)².
+  /// The probability that a frame taken here is matched and the fix is right, 0 … 1; NaN without a model.
+  double p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   SurfaceScores clean;
   SurfaceScores degraded;  ///< Mean over the degraded copies (rival position: of the copy with the smallest margin).
 };

@@ -178,6 +178,7 @@ std::vector<ScoreColumn> make_score_columns() {
   add("frieden_deficit", "", "N (1 - H/e) - 1, about (sigma/mean)^2", &TileScore::frieden_deficit);
   add_surface_columns(columns, "clean_", "Clean surface: ", &TileScore::clean);
   add_surface_columns(columns, "degraded_", "Degraded copies: ", &TileScore::degraded);
+  add("p_correct_fix", "", "probability of a correct fix", &TileScore::p_correct_fix);
   return columns;
 }
 
