@@ -1,0 +1,128 @@
+#include "pilotage/select/route_probability.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace pilotage {
+namespace {
+
+constexpr double kLeastShare = 1e-9;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+double total_probability(const std::vector<FlightBranch>& branches) {
+  double total = 0;
+  for (const FlightBranch& branch : branches) total += branch.probability;
+  return total;
+}
+
+// Takes out the branches beyond the limit, and those that hold next to nothing.
+void lose_flights(const FlightPath& path, std::size_t sample, FlightStretch& stretch) {
+  const double least = kLeastShare * total_probability(stretch.branches);
+  std::erase_if(stretch.branches, [&](const FlightBranch& branch) {
+    const bool beyond = !(position_error_m(branch.state, path.model.sigma_multiple) <= path.max_error_m);
+    if (beyond) stretch.losses.emplace_back(branch.fix_sample, sample);
+    return beyond || branch.probability <= least;
+  });
+}
+
+// Parts of all branches get a fix with probability p and become one branch.
+void take_fix(const FlightPath& path, std::size_t begin, std::size_t sample, double p, FlightStretch& stretch) {
+  const double total = total_probability(stretch.branches);
+  if (!(p > 0) || !(total > 0)) return;
+  FlightBranch fixed{sample, true, p * total, stretch.branches.front().state};
+  fixed.state.covariance.setZero();
+  for (FlightBranch& branch : stretch.branches) {
+    const InsState after = update_with_fix(branch.state, path.model.fix_sigma_m);
+    fixed.state.covariance += branch.probability / total * after.covariance;
+    if (!branch.fixed || branch.fix_sample < begin) stretch.p_fix += p * branch.probability;
+    branch.probability *= 1 - p;
+  }
+  std::erase_if(stretch.branches, [](const FlightBranch& branch) { return branch.probability <= 0; });
+  stretch.branches.push_back(fixed);
+  stretch.fixes.push_back(fixed);
+}
+
+std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vector<double>& p_within_limit,
+                                          const std::vector<std::pair<std::size_t, std::size_t>>& losses) {
+  std::optional<WorstStretch> worst;
+  const std::vector<PlanSample>& samples = path.plan->route_samples;
+  for (const auto& [from, to] : losses) {
+    const double before = from == 0 && to == 0 ? 1 : p_within_limit[from];
+    const double loss = before - p_within_limit[to];
+    if (worst && loss <= worst->p_first_excess) continue;
+    worst = WorstStretch{samples[from].leg, samples[from].distance_m, samples[to].distance_m, loss};
+  }
+  return worst;
+}
+
+}  // namespace
+
+FlightPath make_flight_path(const TilePlan& plan, double max_error_m) {
+  FlightPath path;
+  path.plan = &plan;
+  path.model = make_ins_error_model(plan.ins);
+  path.max_error_m = max_error_m;
+  for (std::size_t i = 0; i + 1 < plan.route_samples.size(); ++i) {
+    const PlanSample& from = plan.route_samples[i];
+    const double step_s = (plan.route_samples[i + 1].distance_m - from.distance_m) / from.speed_mps;
+    path.steps.push_back(make_ins_step(step_s, from.azimuth_deg, from.speed_mps, path.model));
+  }
+  return path;
+}
+
+std::vector<FlightBranch> first_branches(const FlightPath& path) {
+  const PlanSample& first = path.plan->route_samples.front();
+  return {{0, false, 1, initial_ins_state(path.model, first.azimuth_deg, first.speed_mps)}};
+}
+
+FlightStretch fly_stretch(const FlightPath& path, const std::vector<double>& p_fix, std::size_t begin, std::size_t end,
+                          std::vector<FlightBranch> branches) {
+  assert(end <= p_fix.size() && p_fix.size() == path.plan->route_samples.size());
+  FlightStretch stretch;
+  stretch.branches = std::move(branches);
+  for (std::size_t i = begin; i < end; ++i) {
+    lose_flights(path, i, stretch);
+    const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
+    stretch.p_within_limit.push_back(std::min(before, total_probability(stretch.branches)));  // sums are rounded
+    take_fix(path, begin, i, p_fix[i], stretch);
+    if (i >= path.steps.size()) continue;
+    for (FlightBranch& branch : stretch.branches) branch.state = propagate(branch.state, path.steps[i]);
+  }
+  return stretch;
+}
+
+RouteSurvival predict_survival(const FlightPath& path, const std::vector<double>& p_fix) {
+  const std::vector<PlanSample>& samples = path.plan->route_samples;
+  const std::size_t leg_count = path.plan->route.legs.size();
+  RouteSurvival survival;
+  survival.leg_p_within_limit.assign(leg_count, kUnknown);
+  survival.leg_p_fix.assign(leg_count, kUnknown);
+  survival.leg_entries.resize(leg_count);
+  std::vector<std::pair<std::size_t, std::size_t>> losses;
+  std::vector<FlightBranch> branches = first_branches(path);
+  double before = 1;
+  for (std::size_t begin = 0; begin < samples.size();) {
+    std::size_t end = begin;
+    while (end < samples.size() && samples[end].leg == samples[begin].leg) ++end;
+    const auto leg = static_cast<std::size_t>(samples[begin].leg);
+    survival.leg_entries[leg] = branches;
+    FlightStretch stretch = fly_stretch(path, p_fix, begin, end, std::move(branches));
+    const double after = stretch.p_within_limit.back();
+    if (before > 0) {
+      survival.leg_p_within_limit[leg] = std::min(1.0, after / before);
+      survival.leg_p_fix[leg] = std::min(1.0, stretch.p_fix / before);
+    }
+    survival.p_within_limit.insert(survival.p_within_limit.end(), stretch.p_within_limit.begin(),
+                                   stretch.p_within_limit.end());
+    losses.insert(losses.end(), stretch.losses.begin(), stretch.losses.end());
+    branches = std::move(stretch.branches);
+    before = after;
+    begin = end;
+  }
+  survival.worst = worst_stretch(path, survival.p_within_limit, losses);
+  return survival;
+}
+
+}  // namespace pilotage
