@@ -38,9 +38,9 @@ std::string describe_gap(const RouteGap& gap) {
 
 std::string describe_probability(const Selection& selection) {
   const RouteProbability& route = *selection.probability;
-  std::string text = "within the limit all the way with P = " + format_fixed(route.p_within_limit, 3) +
+  std::string text = "within the limit all the way with P = " + probability_text(route.p_within_limit) +
                      (route.p_within_limit < route.min_p_within_limit ? ", below the " : ", at least the ") +
-                     format_fixed(route.min_p_within_limit, 3) + " asked for; expected fixes " +
+                     probability_text(route.min_p_within_limit) + " asked for; expected fixes " +
                      format_fixed(route.expected_fixes, 1) + ", false ones at most " +
                      format_fixed(route.expected_false_fixes, 4) + "\n";
   if (const auto& worst = route.worst) {

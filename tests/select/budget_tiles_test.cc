@@ -89,7 +89,7 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
   for (; rounds < 6; ++rounds) {
     const TilePlan plan = with_large_tiles(straight_plan(1800, 0), 600, 1200 + 100 * (rounds % 2));
     const std::vector<TileScore> scores = some_scores(plan, 3, random);
-    const double limit_m = error_after_s(plan, 22 + 4 * rounds);
+    const double limit_m = error_after_s(plan, 46 + 2 * rounds);
     const FlightPath path = make_flight_path(plan, limit_m);
     const auto attempts = fix_attempts(plan, tiles_under_route(plan, TileLookup(plan)), 2, std::nullopt);
     std::vector<std::size_t> candidates;
@@ -98,7 +98,7 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
     }
     ASSERT_GE(candidates.size(), 8U);
     ASSERT_LE(candidates.size(), 11U);
-    const double budget = kSize.bytes_fixed + 60000 + 20000 * rounds;
+    const double budget = kSize.bytes_fixed + 100000 + 15000 * rounds;
     double best = 0;
     for (unsigned subset = 0; subset < 1U << candidates.size(); ++subset) {
       std::vector<double> p_of_tile(plan.tiles.size(), 0.0);
@@ -120,6 +120,8 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
     EXPECT_LE(selection.estimated_bytes, budget);
     EXPECT_GT(best, 0.05) << "the case says nothing";
     EXPECT_GE(selection.probability->p_within_limit, 0.9 * best) << "round " << rounds;
+    RecordProperty("round_" + std::to_string(rounds),
+                   std::to_string(selection.probability->p_within_limit) + " of " + std::to_string(best));
     lost += best - selection.probability->p_within_limit;
   }
   EXPECT_LE(lost / rounds, 0.02) << "mean over the cases";
@@ -128,12 +130,12 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
 TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
   Random random(seed_from_name("BeatsTheOrderWhereGroundIsExpensive"));
   int better = 0;
-  for (int round = 0; round < 8; ++round) {
-    TilePlan plan = with_large_tiles(straight_plan(6000, 50), 2000, 4000);
+  for (int round = 0; round < 4; ++round) {
+    TilePlan plan = with_large_tiles(straight_plan(4000, 50), 1400, 2600);
     plan.max_error_m = error_after_s(plan, 40);
     const std::vector<TileScore> scores = some_scores(plan, 2, random);
     SelectOptions options;
-    options.budget = std::to_string(300000 + 50000 * round);
+    options.budget = std::to_string(250000 + 60000 * round);
     const Selection found = select_tiles(plan, scores, kSize, options);
     // Without any P the order decides; its tiles are then judged with P.
     std::vector<TileScore> without_p = scores;
@@ -155,7 +157,7 @@ TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
     EXPECT_LE(found.estimated_bytes, std::stoll(*options.budget));
     if (found.probability->p_within_limit > p_ordered + 0.05) ++better;
   }
-  EXPECT_GE(better, 3);
+  EXPECT_GE(better, 2);
 }
 
 TEST(StorageCount, TakesAwayWhatItAdded) {

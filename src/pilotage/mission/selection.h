@@ -90,6 +90,9 @@ struct Selection {
   std::vector<std::string> notes;
 };
 
+/// "0.987": three decimals, rounded down, so that what is not certain never reads 1.000; "–" for NaN.
+std::string probability_text(double p);
+
 /// Whether the flight may go: within_limit, and the route's probability, where there is one, is what was asked for.
 inline bool meets_gate(const Selection& selection) {
   return selection.within_limit &&

@@ -1,9 +1,14 @@
 #include "pilotage/mission/selection_file.h"
 
+#include <cmath>
+#include <optional>
+#include <string>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
@@ -58,6 +63,10 @@ RouteProbability probability_from_json(JsonObject object) {
 }
 
 }  // namespace
+
+std::string probability_text(double p) {
+  return std::isnan(p) ? "–" : format_fixed(std::floor(p * 1000 + 1e-9) / 1000, 3);
+}
 
 Json selection_to_json(const Selection& selection) {
   Json json = {{"pilotage_selection", kSelectionVersion},

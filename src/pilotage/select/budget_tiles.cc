@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 #include "pilotage/base/error.h"
@@ -15,7 +16,9 @@ namespace pilotage {
 namespace {
 
 constexpr double kLeastGain = 1e-12;
-constexpr int kMostTrials = 400;  // exchanges that are tried; each fills the budget again
+constexpr int kMostTrials = 400;       // exchanges that are tried; each fills the budget again
+constexpr int kMostFlownTrials = 100;  // of those that are judged by a flight, at most; fewer on
+constexpr int kSamplesFlown = 60'000;  // long routes
 
 // A set of tiles under the route that grows and shrinks, with its bytes and its worth.
 class TileSet {
@@ -52,6 +55,13 @@ class TileSet {
     chosen_[tile] = false;
   }
   double value() const { return chain_value(*chain_, node_probabilities()).value; }
+
+  // P of the chosen tiles, 0 of the others.
+  std::vector<double> stored_p() const {
+    std::vector<double> stored(p_of_tile_->size(), 0.0);
+    for (std::size_t i = 0; i < stored.size(); ++i) stored[i] = chosen_[i] ? (*p_of_tile_)[i] : 0;
+    return stored;
+  }
 
   // What each tile adds, or for a chosen one what it holds, in the order of the candidates: first order where it would
   // take the place of another attempt of its window.
@@ -118,8 +128,7 @@ class TileSet {
  private:
   std::vector<double> node_probabilities() const {
     std::vector<double> p(attempts_->size() + 2, 0.0);
-    std::vector<double> stored(p_of_tile_->size(), 0.0);
-    for (std::size_t i = 0; i < stored.size(); ++i) stored[i] = chosen_[i] ? (*p_of_tile_)[i] : 0;
+    const std::vector<double> stored = stored_p();
     for (const std::size_t k : counted_attempts(*attempts_, stored)) p[k + 1] = stored[(*attempts_)[k].tile];
     return p;
   }
@@ -136,28 +145,32 @@ class TileSet {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-// Takes each chosen tile out, and forces each other one in, and fills again: keeps what is better.
-void exchange(TileSet& set, const StoredSize& size) {
+// Takes each chosen tile out, and forces each other one in, and fills again: keeps what has the larger worth.
+template <class Worth>
+void exchange(TileSet& set, const StoredSize& size, int most_trials, Worth worth) {
   int trials = 0;
   bool better = true;
+  double best = worth(set);
   const auto keep_if_better = [&](TileSet& trial) {
     ++trials;
-    if (trial.value() <= set.value() + kLeastGain) return false;
+    const double value = worth(trial);
+    if (value <= best + kLeastGain) return;
     set = trial;
-    return true;
+    best = value;
+    better = true;
   };
-  while (better && trials < kMostTrials) {
+  while (better) {
     better = false;
     for (const std::size_t out : set.least_worth()) {
-      if (trials >= kMostTrials) return;
+      if (trials >= most_trials) return;
       if (!set.chosen()[out]) continue;
       TileSet trial = set;
       trial.remove(out);
       trial.fill(out);
-      better = keep_if_better(trial) || better;
+      keep_if_better(trial);
     }
     for (const std::size_t in : set.candidates()) {
-      if (trials >= kMostTrials) return;
+      if (trials >= most_trials) return;
       if (set.chosen()[in] || !set.can_ever_fit(in, size)) continue;
       TileSet trial = set;
       for (const std::size_t out : set.least_worth()) {
@@ -166,12 +179,17 @@ void exchange(TileSet& set, const StoredSize& size) {
       }
       trial.add(in);
       trial.fill(kNone);
-      better = keep_if_better(trial) || better;
+      keep_if_better(trial);
     }
   }
 }
 
 }  // namespace
+
+double flight_worth(const std::vector<double>& p_within_limit) {
+  const double sum = std::accumulate(p_within_limit.begin(), p_within_limit.end(), 0.0);
+  return p_within_limit.back() + 1e-3 * sum / static_cast<double>(p_within_limit.size());
+}
 
 std::vector<bool> tiles_in_order(const TilePlan& plan, const std::vector<TileScore>& scores,
                                  const std::vector<bool>& wanted, const std::vector<bool>& sparse,
@@ -204,7 +222,8 @@ std::vector<bool> tiles_in_order(const TilePlan& plan, const std::vector<TileSco
 
 std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                                       const std::vector<double>& p_of_tile, const std::vector<bool>& start,
-                                      const std::vector<bool>& history, const StoredSize& size, std::int64_t budget) {
+                                      const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
+                                      bool flown) {
   std::vector<double> p_of_history = p_of_tile;
   for (std::size_t i = 0; i < p_of_history.size(); ++i) p_of_history[i] = history[i] ? p_of_tile[i] : 0;
   const FixChain chain = make_fix_chain(path, attempts, p_of_history);
@@ -213,7 +232,14 @@ std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<
     if (start[tile] && set.fits(tile)) set.add(tile);
   }
   set.fill(kNone);
-  exchange(set, size);
+  exchange(set, size, kMostTrials, [](const TileSet& trial) { return trial.value(); });
+  if (!flown) return set.chosen();
+  const std::size_t sample_count = path.plan->route_samples.size();
+  const int flown_trials = std::min(kMostFlownTrials, kSamplesFlown / static_cast<int>(sample_count));
+  exchange(set, size, flown_trials, [&](const TileSet& trial) {
+    const auto p_fix = fix_probabilities(attempts, trial.stored_p(), sample_count);
+    return flight_worth(predict_survival(path, p_fix).p_within_limit);
+  });
   return set.chosen();
 }
 

@@ -48,7 +48,7 @@ std::vector<FixAttempt> fix_attempts(const TilePlan& plan, const std::vector<std
       // From half way to the sample before to half way to the one after, so that neighbours share the ground.
       const double from = first == 0 ? flown[0] : (flown[first - 1] + flown[first]) / 2;
       const double to = end == tiles.size() ? flown.back() : (flown[end - 1] + flown[end]) / 2;
-      const auto parts = std::max<std::size_t>(1, static_cast<std::size_t>(to - from));
+      const auto parts = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(to - from)));
       for (std::size_t part = 0; part < parts; ++part) {
         const double middle = from + (to - from) * (static_cast<double>(part) + 0.5) / static_cast<double>(parts);
         const auto begin_at = flown.begin() + static_cast<std::ptrdiff_t>(first);

@@ -49,8 +49,11 @@ FixChain make_fix_chain(const FlightPath& path, const std::vector<FixAttempt>& a
   auto fix = flight.fixes.begin();
   for (std::size_t k = 0; k < attempts.size(); ++k) {
     while (fix != flight.fixes.end() && fix->fix_sample < attempts[k].sample) ++fix;
-    const bool known = fix != flight.fixes.end() && fix->fix_sample == attempts[k].sample;
-    chain.last.push_back(known ? fly_on(path, steps, k + 1, fix->state) : k + 1);
+    auto likeliest = flight.fixes.end();  // of the groups that this fix made
+    for (; fix != flight.fixes.end() && fix->fix_sample == attempts[k].sample; ++fix) {
+      if (likeliest == flight.fixes.end() || fix->probability > likeliest->probability) likeliest = fix;
+    }
+    chain.last.push_back(likeliest != flight.fixes.end() ? fly_on(path, steps, k + 1, likeliest->state) : k + 1);
   }
   return chain;
 }

@@ -87,10 +87,9 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
 }
 
 std::string advice_text(const LegAdvice& advice, double min_leg_probability, double half_width_m) {
-  const auto share = [](double p) { return format_fixed(p, 3); };
   const std::string leg = "leg " + std::to_string(advice.leg + 1) +
-                          " stays within the limit with P = " + share(advice.p_before) +
-                          " (asked for: " + share(min_leg_probability) + "); ";
+                          " stays within the limit with P = " + probability_text(advice.p_before) +
+                          " (asked for: " + probability_text(min_leg_probability) + "); ";
   if (advice.p_after <= advice.p_before) {
     return leg + "no parallel line up to " + format_fixed(half_width_m, 0) +
            " m aside, where tiles are scored, is better";
@@ -99,9 +98,9 @@ std::string advice_text(const LegAdvice& advice, double min_leg_probability, dou
                                ? "with every tile stored that can be matched it has "
                                : "flown " + format_fixed(advice.offset_m, 0) + " m to the " +
                                      (advice.side == AdviceSide::kLeft ? "left" : "right") + " it has ";
-  if (advice.good) return leg + line + share(advice.p_after);
+  if (advice.good) return leg + line + probability_text(advice.p_after);
   return leg + "no parallel line up to " + format_fixed(half_width_m, 0) +
-         " m aside, where tiles are scored, makes it good; the best: " + line + share(advice.p_after);
+         " m aside, where tiles are scored, makes it good; the best: " + line + probability_text(advice.p_after);
 }
 
 }  // namespace pilotage

@@ -5,10 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "pilotage/ins/drift.h"
+
 namespace pilotage {
 namespace {
 
 constexpr double kLeastShare = 1e-9;
+constexpr double kSameError = 0.02;
+constexpr std::size_t kMostGroups = 12;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 double total_probability(const std::vector<FlightBranch>& branches) {
@@ -27,21 +31,63 @@ void lose_flights(const FlightPath& path, std::size_t sample, FlightStretch& str
   });
 }
 
-// Parts of all branches get a fix with probability p and become one branch.
+// A branch just after a fix, and its error a horizon later.
+struct FixedBranch {
+  FlightBranch branch;
+  double error_m = 0;
+};
+
+// Where the groups end when errors, ascending, differ by at most `share` within one.
+std::vector<std::size_t> group_ends(const std::vector<FixedBranch>& fixed, double share) {
+  std::vector<std::size_t> ends;
+  for (std::size_t i = 0; i < fixed.size();) {
+    const double most_m = fixed[i].error_m * (1 + share);
+    for (++i; i < fixed.size() && fixed[i].error_m <= most_m;) ++i;
+    ends.push_back(i);
+  }
+  return ends;
+}
+
+std::vector<FlightBranch> merge_alike(const FlightPath& path, std::vector<FixedBranch> fixed) {
+  const InsState& one = fixed.front().branch.state;
+  const InsStep horizon = make_ins_step(path.horizon_s, one.heading_deg, one.speed_mps, path.model);
+  for (FixedBranch& after : fixed) {
+    after.error_m = position_error_m(propagate(after.branch.state, horizon), path.model.sigma_multiple);
+  }
+  std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.error_m < b.error_m; });
+  double share = kSameError;
+  std::vector<std::size_t> ends = group_ends(fixed, share);
+  while (ends.size() > kMostGroups) ends = group_ends(fixed, share *= 2);
+  std::vector<FlightBranch> merged;
+  std::size_t i = 0;
+  for (const std::size_t end : ends) {
+    double total = 0;
+    for (std::size_t k = i; k < end; ++k) total += fixed[k].branch.probability;
+    FlightBranch group = fixed[i].branch;
+    group.probability = total;
+    group.state.covariance.setZero();
+    for (; i < end; ++i) {
+      group.state.covariance += fixed[i].branch.probability / total * fixed[i].branch.state.covariance;
+    }
+    merged.push_back(group);
+  }
+  return merged;
+}
+
+// Parts of all branches get a fix with probability p and become new branches.
 void take_fix(const FlightPath& path, std::size_t begin, std::size_t sample, double p, FlightStretch& stretch) {
-  const double total = total_probability(stretch.branches);
-  if (!(p > 0) || !(total > 0)) return;
-  FlightBranch fixed{sample, true, p * total, stretch.branches.front().state};
-  fixed.state.covariance.setZero();
+  if (!(p > 0) || stretch.branches.empty()) return;
+  std::vector<FixedBranch> fixed;
   for (FlightBranch& branch : stretch.branches) {
-    const InsState after = update_with_fix(branch.state, path.model.fix_sigma_m);
-    fixed.state.covariance += branch.probability / total * after.covariance;
     if (!branch.fixed || branch.fix_sample < begin) stretch.p_fix += p * branch.probability;
+    fixed.push_back({{sample, true, p * branch.probability, update_with_fix(branch.state, path.model.fix_sigma_m)}});
     branch.probability *= 1 - p;
   }
   std::erase_if(stretch.branches, [](const FlightBranch& branch) { return branch.probability <= 0; });
-  stretch.branches.push_back(fixed);
-  stretch.fixes.push_back(fixed);
+  for (const FlightBranch& group : merge_alike(path, std::move(fixed))) {
+    stretch.branches.push_back(group);
+    stretch.fixes.push_back(group);
+  }
 }
 
 std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vector<double>& p_within_limit,
@@ -64,6 +110,9 @@ FlightPath make_flight_path(const TilePlan& plan, double max_error_m) {
   path.plan = &plan;
   path.model = make_ins_error_model(plan.ins);
   path.max_error_m = max_error_m;
+  const double reach_s = longest_bridgeable_gap_s(path.model, plan.route_samples.front().speed_mps, max_error_m,
+                                                  path.model.sigma_multiple, path.model.fix_sigma_m);
+  path.horizon_s = std::clamp(reach_s, 1.0, 600.0);
   for (std::size_t i = 0; i + 1 < plan.route_samples.size(); ++i) {
     const PlanSample& from = plan.route_samples[i];
     const double step_s = (plan.route_samples[i + 1].distance_m - from.distance_m) / from.speed_mps;

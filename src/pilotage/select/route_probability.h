@@ -17,10 +17,11 @@ struct FlightPath {
   InsErrorModel model;
   std::vector<InsStep> steps;  ///< From each sample to the next; one fewer than samples.
   double max_error_m = 0;
+  double horizon_s = 0;  ///< Time from a fix to the limit; histories are told apart by the error after it.
 };
 FlightPath make_flight_path(const TilePlan& plan, double max_error_m);
 
-/// The flights that are still within the limit and had their last fix at the same sample.
+/// Flights that are still within the limit, had their last fix at the same sample and nearly the same error after it.
 struct FlightBranch {
   std::size_t fix_sample = 0;  ///< Of the last fix; 0 with `fixed` false: none since GNSS was lost.
   bool fixed = false;
@@ -33,7 +34,7 @@ struct FlightStretch {
   std::vector<double> p_within_limit;  ///< After each sample's error has been held against the limit.
   double p_fix = 0;                    ///< P of at least one fix on it while within the limit.
   std::vector<FlightBranch> branches;  ///< At sample `end`, before its error is judged; at the route's end as they are.
-  std::vector<FlightBranch> fixes;     ///< Each branch right after the fix that made it.
+  std::vector<FlightBranch> fixes;     ///< The branches right after the fix that made them, by sample.
   /// Of each group of flights that was lost, the sample of the last fix and the one where it was lost.
   std::vector<std::pair<std::size_t, std::size_t>> losses;
 };
@@ -44,13 +45,14 @@ std::vector<FlightBranch> first_branches(const FlightPath& path);
 /// Flies the samples [begin, end) with the flights of `branches`, which stand at sample `begin`; `p_fix[i]` is the P of
 /// a correct fix at sample i, independent of each other (fix_attempts.h).
 ///
-/// Forward recursion over "last fix at sample i": exact for the probabilities. The covariance after a fix at i is the
-/// mean over the branches that come there, weighted by their probability, then moves on as one: the merging of the
-/// generalised pseudo-Bayesian filter of first order (G. Ackerson, K. Fu, On state estimation in switching
-/// environments, IEEE Trans. Automatic Control 15(1), 1970). Because the update with a fix is concave in the
-/// covariance, what is carried is, from fix to fix, never below the mean covariance of the flights it stands for (B.
-/// Sinopoli et al., Kalman filtering with intermittent observations, IEEE Trans. Automatic Control 49(9), 2004).
-/// Branches that hold less than 1e-9 of the flights count as lost.
+/// Forward recursion over "last fix at sample i", exact for the probabilities. What the fixes before i taught the
+/// filter matters, too: the branches that come to a fix at i are sorted by the error they would have a horizon later,
+/// and those within 2 % of each other become one, with the mean of their covariances weighted by probability (at most
+/// 12 groups; the 2 % are doubled until there are no more). Merging is that of the generalised pseudo-Bayesian filter
+/// (G. Ackerson, K. Fu, On state estimation in switching environments, IEEE Trans. Automatic Control 15(1), 1970).
+/// Because the update with a fix is concave in the covariance, what is carried is never below the mean covariance of
+/// the flights it stands for (as B. Sinopoli et al., Kalman filtering with intermittent observations, IEEE Trans.
+/// Automatic Control 49(9), 2004). Branches that hold less than 1e-9 of the flights count as lost.
 FlightStretch fly_stretch(const FlightPath& path, const std::vector<double>& p_fix, std::size_t begin, std::size_t end,
                           std::vector<FlightBranch> branches);
 

@@ -96,26 +96,22 @@ std::vector<bool> within_budget(const Chances& chances, const std::vector<TileSc
   const TilePlan& plan = *chances.path.plan;
   const std::vector<bool> none(wanted.size(), false);
   std::vector<bool> best = tiles_in_order(plan, scores, wanted, sparse, none, size, budget);
-  const auto worth = [&](const std::vector<bool>& chosen) {
-    const RouteSurvival survival = chances.of(chosen);
-    double sum = 0;
-    for (const double p : survival.p_within_limit) sum += p;
-    return std::pair(survival.p_within_limit.back(), sum / static_cast<double>(survival.p_within_limit.size()));
-  };
-  auto best_worth = worth(best);
+  const auto worth = [&](const std::vector<bool>& chosen) { return flight_worth(chances.of(chosen).p_within_limit); };
+  double best_worth = worth(best);
   const std::vector<double> p_of_wanted = of_chosen(chances.p_of_tile, wanted);
-  std::vector<bool> history = wanted;
-  for (const std::vector<bool>& start : {best, none, none}) {
+  const auto improve = [&](const std::vector<bool>& start, const std::vector<bool>& history, bool flown) {
     const std::vector<bool> under_route =
-        most_probable_tiles(chances.path, chances.attempts, p_of_wanted, start, history, size, budget);
+        most_probable_tiles(chances.path, chances.attempts, p_of_wanted, start, history, size, budget, flown);
     const std::vector<bool> filled = tiles_in_order(plan, scores, wanted, sparse, under_route, size, budget);
-    const auto filled_worth = worth(filled);
-    if (filled_worth > best_worth) {
-      best = filled;
-      best_worth = filled_worth;
-    }
-    history = best;  // the next round knows better how far a flight gets
-  }
+    const double filled_worth = worth(filled);
+    if (filled_worth <= best_worth) return;
+    best = filled;
+    best_worth = filled_worth;
+  };
+  improve(best, wanted, false);
+  improve(none, wanted, false);
+  improve(none, std::vector<bool>(best), false);  // knows better how far a flight gets
+  improve(std::vector<bool>(best), std::vector<bool>(best), true);
   return best;
 }
 
