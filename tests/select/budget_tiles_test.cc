@@ -78,7 +78,7 @@ Outcome outcome_of(const FlightPath& path, const std::vector<FixAttempt>& attemp
     if (p_of_tile[i] > 0) count.add(plan.tiles[i]);
   }
   return {
-      predict_survival(path, fix_probabilities(attempts, p_of_tile, plan.route_samples.size())).p_within_limit.back(),
+      predict_survival(path, route_chances(attempts, p_of_tile, plan.route_samples.size(), 2)).p_within_limit.back(),
       count.bytes()};
 }
 

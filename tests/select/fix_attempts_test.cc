@@ -1,5 +1,6 @@
 #include "pilotage/select/fix_attempts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -19,23 +20,18 @@ struct Scene {
   std::vector<double> p_of_tile(double p) const { return std::vector<double>(plan.tiles.size(), p); }
 };
 
-std::size_t count_above_0(const std::vector<double>& p_fix) {
-  return static_cast<std::size_t>(std::count_if(p_fix.begin(), p_fix.end(), [](double p) { return p > 0; }));
-}
-
 TEST(FixAttempts, OneIndependentAttemptForEachTileWidth) {
   const Scene scene;
   const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, std::nullopt);
   EXPECT_NEAR(static_cast<double>(attempts.size()), 2000 / 50.0, 1) << "a tile is flown over for one stride";
-  const auto p_fix = fix_probabilities(attempts, scene.p_of_tile(0.5), scene.tiles.size());
-  EXPECT_NEAR(static_cast<double>(count_above_0(p_fix)), 2000 / 100.0, 1);
+  EXPECT_NEAR(static_cast<double>(counted_attempts(attempts, scene.p_of_tile(0.5)).size()), 2000 / 100.0, 1);
 }
 
 TEST(FixAttempts, TheStatedDistanceAndTheFixIntervalSpaceThem) {
   const Scene scene;
   const auto count = [&](double interval_s, double decorrelation_m) {
     const auto attempts = fix_attempts(scene.plan, scene.tiles, interval_s, decorrelation_m);
-    return static_cast<double>(count_above_0(fix_probabilities(attempts, scene.p_of_tile(0.5), scene.tiles.size())));
+    return static_cast<double>(counted_attempts(attempts, scene.p_of_tile(0.5)).size());
   };
   EXPECT_NEAR(count(2, 400), 5, 1);
   EXPECT_NEAR(count(20, 100), 5, 1) << "20 s at 20 m/s";
@@ -47,10 +43,17 @@ TEST(FixAttempts, OfAWindowTheBestCounts) {
   const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, 300);
   std::vector<double> p = scene.p_of_tile(0.2);
   p[*scene.tiles[100]] = 0.9;
-  const auto p_fix = fix_probabilities(attempts, p, scene.tiles.size());
-  EXPECT_EQ(std::count(p_fix.begin(), p_fix.end(), 0.9), 1);
-  EXPECT_EQ(p_fix[100], 0.9);
-  for (std::size_t i = 90; i < 120; ++i) EXPECT_EQ(p_fix[i], i == 100 ? 0.9 : 0) << i;
+  std::vector<std::size_t> samples;
+  for (const std::size_t k : counted_attempts(attempts, p)) samples.push_back(attempts[k].sample);
+  const auto best = std::find(samples.begin(), samples.end(), 100U);
+  ASSERT_NE(best, samples.end());
+  EXPECT_LE(*(best - 1), 90U) << "the window begins at 900 m";
+  EXPECT_GE(*(best + 1), 120U) << "and ends at 1,200 m";
+  const RouteChances chances = route_chances(attempts, p, scene.tiles.size(), 2);
+  EXPECT_EQ(chances.p[100], 0.9);
+  EXPECT_EQ(std::count(chances.p.begin(), chances.p.end(), 0.2), static_cast<std::ptrdiff_t>(attempts.size()) - 1);
+  EXPECT_EQ(chances.window[100], 3);
+  EXPECT_EQ(chances.fix_interval_s, 2);
 }
 
 // A tile more never takes a chance away, or the search for the best tiles could not be trusted.
@@ -59,7 +62,7 @@ TEST(FixAttempts, ATileMoreNeverTakesAChanceAway) {
   const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, std::nullopt);
   const auto p_none = [&](const std::vector<double>& p) {
     double none = 1;
-    for (const double one : fix_probabilities(attempts, p, scene.tiles.size())) none *= 1 - one;
+    for (const std::size_t k : counted_attempts(attempts, p)) none *= 1 - p[attempts[k].tile];
     return none;
   };
   std::vector<double> p = scene.p_of_tile(0);

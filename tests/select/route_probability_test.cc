@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <string>
 
 #include "select/straight_plan.h"
@@ -48,6 +49,13 @@ double error_after_s(const TilePlan& plan, double time_s) {
   return position_error_m(drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
 }
 
+// Each try decided on its own.
+RouteChances independent(const std::vector<double>& p_fix) {
+  RouteChances chances{p_fix, std::vector<std::int64_t>(p_fix.size()), 0};
+  std::iota(chances.window.begin(), chances.window.end(), 0);
+  return chances;
+}
+
 // A fix may come at every `step`-th sample, with probabilities drawn from [low, high).
 std::vector<double> random_p_fix(const TilePlan& plan, std::size_t step, double low, double high, Random& random) {
   std::vector<double> p_fix(plan.route_samples.size(), 0.0);
@@ -58,7 +66,8 @@ std::vector<double> random_p_fix(const TilePlan& plan, std::size_t step, double 
 TEST(RouteProbability, WithoutFixesAFlightIsLostWhereTheDriftReachesTheLimit) {
   const TilePlan plan = straight_plan(3000);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 60.1));  // at 20 m/s: 1,202 m
-  const RouteSurvival survival = predict_survival(path, std::vector<double>(plan.route_samples.size(), 0.0));
+  const RouteSurvival survival =
+      predict_survival(path, independent(std::vector<double>(plan.route_samples.size(), 0.0)));
   EXPECT_EQ(survival.p_within_limit[120], 1);
   EXPECT_EQ(survival.p_within_limit[121], 0);
   EXPECT_EQ(survival.leg_p_within_limit[0], 0);
@@ -74,7 +83,7 @@ TEST(RouteProbability, OneAttemptThatIsNeededIsTheProbability) {
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 60.1));
   std::vector<double> p_fix(plan.route_samples.size(), 0.0);
   p_fix[111] = 0.7;  // at 1,100 m; the drift reaches the limit at 1,202 m
-  const RouteSurvival survival = predict_survival(path, p_fix);
+  const RouteSurvival survival = predict_survival(path, independent(p_fix));
   EXPECT_EQ(survival.p_within_limit[111], 1);
   EXPECT_NEAR(survival.p_within_limit.back(), 0.7, 1e-15);
   EXPECT_EQ(survival.leg_p_within_limit[0], 1);
@@ -88,7 +97,8 @@ TEST(RouteProbability, OneAttemptThatIsNeededIsTheProbability) {
 TEST(RouteProbability, ALegThatNoFlightReachesHasNone) {
   const TilePlan plan = straight_plan(4000, 50, 2);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 30));
-  const RouteSurvival survival = predict_survival(path, std::vector<double>(plan.route_samples.size(), 0.0));
+  const RouteSurvival survival =
+      predict_survival(path, independent(std::vector<double>(plan.route_samples.size(), 0.0)));
   EXPECT_EQ(survival.leg_p_within_limit[0], 0);
   EXPECT_TRUE(std::isnan(survival.leg_p_within_limit[1]));
   EXPECT_TRUE(std::isnan(survival.leg_p_fix[1]));
@@ -123,7 +133,7 @@ TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
       const FlightPath path = make_flight_path(plan, error_after_s(plan, 45 + 15 * round));
       std::vector<double> exact(p_fix.size(), 0.0);
       fly_every_outcome(path, p_fix, 0, 1, first_branches(path).front().state, exact);
-      const RouteSurvival survival = predict_survival(path, p_fix);
+      const RouteSurvival survival = predict_survival(path, independent(p_fix));
       double largest = 0;
       for (std::size_t i = 0; i < exact.size(); ++i) {
         const double difference = survival.p_within_limit[i] - exact[i];
@@ -150,7 +160,7 @@ TEST(RouteProbability, AgreesWithSimulatedFlights) {
     for (std::size_t i = 0; i < flight.lost_at; ++i) ++alive[i];
     for (std::size_t leg = 0; leg < 4; ++leg) with_fix[leg] += flight.fix_on_leg[leg] ? 1 : 0;
   }
-  const RouteSurvival survival = predict_survival(path, p_fix);
+  const RouteSurvival survival = predict_survival(path, independent(p_fix));
   const double p_end = survival.p_within_limit.back();
   EXPECT_GT(p_end, 0.2);
   EXPECT_LT(p_end, 0.8);
@@ -167,20 +177,52 @@ TEST(RouteProbability, AgreesWithSimulatedFlights) {
   EXPECT_NEAR(product, p_end, 1e-12);
 }
 
+// One draw for each window of four tries, and a least time between fixes.
+TEST(RouteProbability, AgreesWithSimulatedFlightsWhereTriesDependOnEachOther) {
+  const TilePlan plan = straight_plan(4000);
+  Random random(seed_from_name("AgreesWithSimulatedFlightsWhereTriesDependOnEachOther"));
+  for (const double fix_interval_s : {0.0, 9.0}) {
+    RouteChances chances{random_p_fix(plan, 9, 0.3, 0.9, random), {}, fix_interval_s};
+    for (std::size_t i = 0; i < chances.p.size(); ++i) chances.window.push_back(static_cast<std::int64_t>(i / 36));
+    const FlightPath path = make_flight_path(plan, error_after_s(plan, 34));
+    constexpr int kFlights = 3000;
+    std::vector<double> alive(chances.p.size(), 0.0);
+    for (int n = 0; n < kFlights; ++n) {
+      std::vector<double> draws(chances.p.size() / 36 + 1);
+      for (double& draw : draws) draw = random.uniform();
+      double last_fix_s = -1e9;
+      const OneFlight flight = fly_once(path, chances.p, [&](std::size_t i) {
+        const double time_s = plan.route_samples[i].distance_m / 20;
+        if (time_s - last_fix_s < fix_interval_s - 1e-9 || draws[i / 36] >= chances.p[i]) return false;
+        last_fix_s = time_s;
+        return true;
+      });
+      for (std::size_t i = 0; i < flight.lost_at; ++i) ++alive[i];
+    }
+    const RouteSurvival survival = predict_survival(path, chances);
+    EXPECT_GT(survival.p_within_limit.back(), 0.1);
+    EXPECT_LT(survival.p_within_limit.back(), 0.9);
+    for (std::size_t i = 0; i < alive.size(); i += 10) {
+      EXPECT_NEAR(survival.p_within_limit[i], alive[i] / kFlights, 4 * 0.5 / std::sqrt(kFlights) + 0.02)
+          << i << ", interval " << fix_interval_s;
+    }
+  }
+}
+
 TEST(RouteProbability, AFixMoreLikelyNeverHurts) {
   const TilePlan plan = straight_plan(6000);
   Random random(seed_from_name("AFixMoreLikelyNeverHurts"));
   std::vector<double> p_fix = random_p_fix(plan, 20, 0.1, 0.6, random);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 40));
-  const double before = predict_survival(path, p_fix).p_within_limit.back();
+  const double before = predict_survival(path, independent(p_fix)).p_within_limit.back();
   for (std::size_t i = 20; i < p_fix.size(); i += 60) {
     std::vector<double> better = p_fix;
     better[i] = 0.9;
-    EXPECT_GT(predict_survival(path, better).p_within_limit.back(), before - 0.002) << i;
+    EXPECT_GT(predict_survival(path, independent(better)).p_within_limit.back(), before - 0.002) << i;
   }
   std::vector<double> certain = p_fix;
   for (double& p : certain) p = p > 0 ? 1 : 0;
-  const RouteSurvival survival = predict_survival(path, certain);
+  const RouteSurvival survival = predict_survival(path, independent(certain));
   EXPECT_EQ(survival.p_within_limit.back(), 1);
   EXPECT_FALSE(survival.worst);
 }
@@ -192,7 +234,7 @@ TEST(RouteProbability, TheWorstStretchIsTheGap) {
   for (std::size_t i = 10; i < p_fix.size(); i += 10) {
     if (i < 300 || i >= 400) p_fix[i] = 0.6;
   }
-  const RouteSurvival survival = predict_survival(path, p_fix);
+  const RouteSurvival survival = predict_survival(path, independent(p_fix));
   ASSERT_TRUE(survival.worst);
   EXPECT_GE(survival.worst->from_distance_m, 2500);
   EXPECT_LE(survival.worst->from_distance_m, 2900);

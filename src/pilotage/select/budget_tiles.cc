@@ -223,7 +223,7 @@ std::vector<bool> tiles_in_order(const TilePlan& plan, const std::vector<TileSco
 std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                                       const std::vector<double>& p_of_tile, const std::vector<bool>& start,
                                       const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
-                                      bool flown) {
+                                      double fix_interval_s, bool flown) {
   std::vector<double> p_of_history = p_of_tile;
   for (std::size_t i = 0; i < p_of_history.size(); ++i) p_of_history[i] = history[i] ? p_of_tile[i] : 0;
   const FixChain chain = make_fix_chain(path, attempts, p_of_history);
@@ -237,8 +237,8 @@ std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<
   const std::size_t sample_count = path.plan->route_samples.size();
   const int flown_trials = std::min(kMostFlownTrials, kSamplesFlown / static_cast<int>(sample_count));
   exchange(set, size, flown_trials, [&](const TileSet& trial) {
-    const auto p_fix = fix_probabilities(attempts, trial.stored_p(), sample_count);
-    return flight_worth(predict_survival(path, p_fix).p_within_limit);
+    const RouteChances chances = route_chances(attempts, trial.stored_p(), sample_count, fix_interval_s);
+    return flight_worth(predict_survival(path, chances).p_within_limit);
   });
   return set.chosen();
 }

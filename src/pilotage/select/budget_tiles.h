@@ -33,6 +33,6 @@ double flight_worth(const std::vector<double>& p_within_limit);
 std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                                       const std::vector<double>& p_of_tile, const std::vector<bool>& start,
                                       const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
-                                      bool flown);
+                                      double fix_interval_s, bool flown);
 
 }  // namespace pilotage

@@ -79,13 +79,15 @@ std::vector<std::size_t> counted_attempts(const std::vector<FixAttempt>& attempt
   return counted;
 }
 
-std::vector<double> fix_probabilities(const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
-                                      std::size_t sample_count) {
-  std::vector<double> p_fix(sample_count, 0.0);
-  for (const std::size_t k : counted_attempts(attempts, p_of_tile)) {
-    p_fix[attempts[k].sample] = p_of_tile[attempts[k].tile];
+RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
+                           std::size_t sample_count, double fix_interval_s) {
+  RouteChances chances{std::vector<double>(sample_count, 0.0), std::vector<std::int64_t>(sample_count, 0),
+                       fix_interval_s};
+  for (const FixAttempt& attempt : attempts) {
+    chances.p[attempt.sample] = p_of_tile[attempt.tile];
+    chances.window[attempt.sample] = attempt.window;
   }
-  return p_fix;
+  return chances;
 }
 
 ExpectedFixes expected_fixes(const TilePlan& plan, const std::vector<std::optional<std::size_t>>& tiles,

@@ -33,9 +33,17 @@ std::vector<FixAttempt> fix_attempts(const TilePlan& plan, const std::vector<std
 std::vector<std::size_t> counted_attempts(const std::vector<FixAttempt>& attempts,
                                           const std::vector<double>& p_of_tile);
 
-/// P of a fix at each sample by the attempts that count, else 0.
-std::vector<double> fix_probabilities(const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
-                                      std::size_t sample_count);
+/// What tries along the route may give.
+struct RouteChances {
+  std::vector<double> p;             ///< Of each sample: P that a try there gives a correct fix; 0 where there is none.
+  std::vector<std::int64_t> window;  ///< Of each sample. Within a window one draw u from [0, 1) decides: a try with P >
+                                     ///< u succeeds.
+  double fix_interval_s = 0;         ///< No fix comes sooner after another.
+};
+
+/// The chances of attempts at tiles of which some are stored: `p_of_tile` is 0 for the others.
+RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
+                           std::size_t sample_count, double fix_interval_s);
 
 /// Correct fixes, and false ones at most, that a flight along the route must expect with one try every `fix_interval_s`
 /// over stored ground. Expectations add up whether tries depend on each other or not, so every one counts.

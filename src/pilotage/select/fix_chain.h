@@ -8,6 +8,9 @@
 
 namespace pilotage {
 
+/// A simpler flight for the search under a budget: of each window only the best attempt counts (counted_attempts), and
+/// how far a flight gets after a fix does not depend on those before.
+///
 /// How far a flight gets within the limit after a fix at each attempt. Node 0 is the start of the route, node k + 1 the
 /// attempt k, the last node the end of the route.
 struct FixChain {

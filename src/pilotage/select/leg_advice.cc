@@ -66,8 +66,8 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
       auto moved = tiles;
       for (std::size_t i = begin; i < end; ++i) moved[i] = lookup.tile_under(moved_aside(plan, legs[leg], i, right_m));
       const auto attempts = fix_attempts(plan, moved, options.fix_interval_s, options.decorrelation_m);
-      const auto p_fix = fix_probabilities(attempts, p_of_tile, moved.size());
-      const FlightStretch flown = fly_stretch(path, p_fix, begin, end, survival.leg_entries[leg]);
+      const RouteChances chances = route_chances(attempts, p_of_tile, moved.size(), options.fix_interval_s);
+      const FlightStretch flown = fly_stretch(path, chances, begin, end, survival.leg_entries[leg]);
       const double p_after = std::min(1.0, flown.p_within_limit.back() / entering);
       if (p_after <= best.p_after) return;
       best.p_after = p_after;

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "pilotage/ins/drift.h"
 
@@ -37,12 +38,17 @@ struct FixedBranch {
   double error_m = 0;
 };
 
+bool same_draw(const FlightBranch& a, const FlightBranch& b) {
+  return a.u_low == b.u_low && a.u_high == b.u_high;
+}
+
 // Where the groups end when errors, ascending, differ by at most `share` within one.
 std::vector<std::size_t> group_ends(const std::vector<FixedBranch>& fixed, double share) {
   std::vector<std::size_t> ends;
   for (std::size_t i = 0; i < fixed.size();) {
-    const double most_m = fixed[i].error_m * (1 + share);
-    for (++i; i < fixed.size() && fixed[i].error_m <= most_m;) ++i;
+    const FixedBranch& first = fixed[i];
+    const double most_m = first.error_m * (1 + share);
+    for (++i; i < fixed.size() && fixed[i].error_m <= most_m && same_draw(fixed[i].branch, first.branch);) ++i;
     ends.push_back(i);
   }
   return ends;
@@ -54,10 +60,13 @@ std::vector<FlightBranch> merge_alike(const FlightPath& path, std::vector<FixedB
   for (FixedBranch& after : fixed) {
     after.error_m = position_error_m(propagate(after.branch.state, horizon), path.model.sigma_multiple);
   }
-  std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.error_m < b.error_m; });
+  std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) {
+    return std::tuple(a.branch.u_low, a.branch.u_high, a.error_m) <
+           std::tuple(b.branch.u_low, b.branch.u_high, b.error_m);
+  });
   double share = kSameError;
   std::vector<std::size_t> ends = group_ends(fixed, share);
-  while (ends.size() > kMostGroups) ends = group_ends(fixed, share *= 2);
+  while (ends.size() > kMostGroups && share < 1) ends = group_ends(fixed, share *= 2);
   std::vector<FlightBranch> merged;
   std::size_t i = 0;
   for (const std::size_t end : ends) {
@@ -74,16 +83,36 @@ std::vector<FlightBranch> merge_alike(const FlightPath& path, std::vector<FixedB
   return merged;
 }
 
-// Parts of all branches get a fix with probability p and become new branches.
-void take_fix(const FlightPath& path, std::size_t begin, std::size_t sample, double p, FlightStretch& stretch) {
-  if (!(p > 0) || stretch.branches.empty()) return;
+// Parts of all branches get a fix at the sample and become new branches.
+void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t sample,
+              FlightStretch& stretch) {
+  const double p = chances.p[sample];
+  if (!(p > 0)) return;
   std::vector<FixedBranch> fixed;
   for (FlightBranch& branch : stretch.branches) {
-    if (!branch.fixed || branch.fix_sample < begin) stretch.p_fix += p * branch.probability;
-    fixed.push_back({{sample, true, p * branch.probability, update_with_fix(branch.state, path.model.fix_sigma_m)}});
-    branch.probability *= 1 - p;
+    if (branch.fixed && branch.state.time_s - branch.fix_time_s < chances.fix_interval_s - 1e-9) continue;
+    if (branch.window != chances.window[sample]) {
+      branch.window = chances.window[sample];
+      branch.u_low = 0;
+      branch.u_high = 1;
+    }
+    const double share = std::clamp((p - branch.u_low) / (branch.u_high - branch.u_low), 0.0, 1.0);
+    if (share > 0) {
+      if (!branch.fixed || branch.fix_sample < begin) stretch.p_fix += share * branch.probability;
+      FlightBranch after = branch;
+      after.fix_sample = sample;
+      after.fixed = true;
+      after.fix_time_s = branch.state.time_s;
+      after.probability *= share;
+      after.u_high = std::min(branch.u_high, p);
+      after.state = update_with_fix(branch.state, path.model.fix_sigma_m);
+      fixed.push_back({after});
+    }
+    branch.probability *= 1 - share;
+    branch.u_low = std::max(branch.u_low, p);
   }
   std::erase_if(stretch.branches, [](const FlightBranch& branch) { return branch.probability <= 0; });
+  if (fixed.empty()) return;
   for (const FlightBranch& group : merge_alike(path, std::move(fixed))) {
     stretch.branches.push_back(group);
     stretch.fixes.push_back(group);
@@ -126,23 +155,23 @@ std::vector<FlightBranch> first_branches(const FlightPath& path) {
   return {{0, false, 1, initial_ins_state(path.model, first.azimuth_deg, first.speed_mps)}};
 }
 
-FlightStretch fly_stretch(const FlightPath& path, const std::vector<double>& p_fix, std::size_t begin, std::size_t end,
+FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
                           std::vector<FlightBranch> branches) {
-  assert(end <= p_fix.size() && p_fix.size() == path.plan->route_samples.size());
+  assert(end <= chances.p.size() && chances.p.size() == path.plan->route_samples.size());
   FlightStretch stretch;
   stretch.branches = std::move(branches);
   for (std::size_t i = begin; i < end; ++i) {
     lose_flights(path, i, stretch);
     const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
     stretch.p_within_limit.push_back(std::min(before, total_probability(stretch.branches)));  // sums are rounded
-    take_fix(path, begin, i, p_fix[i], stretch);
+    take_fix(path, chances, begin, i, stretch);
     if (i >= path.steps.size()) continue;
     for (FlightBranch& branch : stretch.branches) branch.state = propagate(branch.state, path.steps[i]);
   }
   return stretch;
 }
 
-RouteSurvival predict_survival(const FlightPath& path, const std::vector<double>& p_fix) {
+RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances) {
   const std::vector<PlanSample>& samples = path.plan->route_samples;
   const std::size_t leg_count = path.plan->route.legs.size();
   RouteSurvival survival;
@@ -157,7 +186,7 @@ RouteSurvival predict_survival(const FlightPath& path, const std::vector<double>
     while (end < samples.size() && samples[end].leg == samples[begin].leg) ++end;
     const auto leg = static_cast<std::size_t>(samples[begin].leg);
     survival.leg_entries[leg] = branches;
-    FlightStretch stretch = fly_stretch(path, p_fix, begin, end, std::move(branches));
+    FlightStretch stretch = fly_stretch(path, chances, begin, end, std::move(branches));
     const double after = stretch.p_within_limit.back();
     if (before > 0) {
       survival.leg_p_within_limit[leg] = std::min(1.0, after / before);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "pilotage/ins/ins_state.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/tile_plan.h"
+#include "pilotage/select/fix_attempts.h"
 
 namespace pilotage {
 
@@ -27,6 +29,10 @@ struct FlightBranch {
   bool fixed = false;
   double probability = 0;
   InsState state;
+  double fix_time_s = 0;     ///< Of the last fix, as state.time_s.
+  std::int64_t window = -1;  ///< Of the last try. Its draw u is known to be in [u_low, u_high).
+  double u_low = 0;
+  double u_high = 1;
 };
 
 /// A stretch of flight, sample by sample.
@@ -45,15 +51,16 @@ std::vector<FlightBranch> first_branches(const FlightPath& path);
 /// Flies the samples [begin, end) with the flights of `branches`, which stand at sample `begin`; `p_fix[i]` is the P of
 /// a correct fix at sample i, independent of each other (fix_attempts.h).
 ///
-/// Forward recursion over "last fix at sample i", exact for the probabilities. What the fixes before i taught the
-/// filter matters, too: the branches that come to a fix at i are sorted by the error they would have a horizon later,
-/// and those within 2 % of each other become one, with the mean of their covariances weighted by probability (at most
-/// 12 groups; the 2 % are doubled until there are no more). Merging is that of the generalised pseudo-Bayesian filter
-/// (G. Ackerson, K. Fu, On state estimation in switching environments, IEEE Trans. Automatic Control 15(1), 1970).
-/// Because the update with a fix is concave in the covariance, what is carried is never below the mean covariance of
-/// the flights it stands for (as B. Sinopoli et al., Kalman filtering with intermittent observations, IEEE Trans.
-/// Automatic Control 49(9), 2004). Branches that hold less than 1e-9 of the flights count as lost.
-FlightStretch fly_stretch(const FlightPath& path, const std::vector<double>& p_fix, std::size_t begin, std::size_t end,
+/// Forward recursion over "last fix at sample i" and what is known of the window's draw, exact for the probabilities.
+/// What the fixes before i taught the filter matters, too: the branches that come to a fix at i are sorted by the error
+/// they would have a horizon later, and those within 2 % of each other become one, with the mean of their covariances
+/// weighted by probability (at most 12 groups; the 2 % are doubled until there are no more). Merging is that of the
+/// generalised pseudo-Bayesian filter (G. Ackerson, K. Fu, On state estimation in switching environments, IEEE Trans.
+/// Automatic Control 15(1), 1970). Because the update with a fix is concave in the covariance, what is carried is never
+/// below the mean covariance of the flights it stands for (as B. Sinopoli et al., Kalman filtering with intermittent
+/// observations, IEEE Trans. Automatic Control 49(9), 2004). Branches that hold less than 1e-9 of the flights count as
+/// lost.
+FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
                           std::vector<FlightBranch> branches);
 
 /// What the route's chances are.
@@ -64,6 +71,6 @@ struct RouteSurvival {
   std::vector<std::vector<FlightBranch>> leg_entries;  ///< At each leg's first sample, before its error is judged.
   std::optional<WorstStretch> worst;
 };
-RouteSurvival predict_survival(const FlightPath& path, const std::vector<double>& p_fix);
+RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances);
 
 }  // namespace pilotage

@@ -82,10 +82,11 @@ struct Chances {
   FlightPath path;
   std::vector<FixAttempt> attempts;
   std::vector<double> p_of_tile;  // of the matchable ones
+  double fix_interval_s = 0;
 
   RouteSurvival of(const std::vector<bool>& chosen) const {
-    return predict_survival(path,
-                            fix_probabilities(attempts, of_chosen(p_of_tile, chosen), path.plan->route_samples.size()));
+    return predict_survival(
+        path, route_chances(attempts, of_chosen(p_of_tile, chosen), path.plan->route_samples.size(), fix_interval_s));
   }
 };
 
@@ -100,8 +101,8 @@ std::vector<bool> within_budget(const Chances& chances, const std::vector<TileSc
   double best_worth = worth(best);
   const std::vector<double> p_of_wanted = of_chosen(chances.p_of_tile, wanted);
   const auto improve = [&](const std::vector<bool>& start, const std::vector<bool>& history, bool flown) {
-    const std::vector<bool> under_route =
-        most_probable_tiles(chances.path, chances.attempts, p_of_wanted, start, history, size, budget, flown);
+    const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.attempts, p_of_wanted, start,
+                                                              history, size, budget, chances.fix_interval_s, flown);
     const std::vector<bool> filled = tiles_in_order(plan, scores, wanted, sparse, under_route, size, budget);
     const double filled_worth = worth(filled);
     if (filled_worth <= best_worth) return;
@@ -178,7 +179,7 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
   if (std::any_of(ordered.begin(), ordered.end(), [](const TileScore& s) { return !std::isnan(s.p_correct_fix); })) {
     chances = Chances{make_flight_path(plan, max_error_m),
                       fix_attempts(plan, tiles, options.fix_interval_s, options.fix_decorrelation_m),
-                      fix_chances(ordered, matchable)};
+                      fix_chances(ordered, matchable), options.fix_interval_s};
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
