@@ -175,6 +175,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   result.matchable_fraction = selection.matchable_fraction;
   result.within_limit = selection.within_limit;
+  result.meets_gate = meets_gate(selection);
   result.warnings = plan.warnings;
   return result;
 }

@@ -48,6 +48,7 @@ struct PrepareResult {
   std::int64_t selected_tiles = 0;
   double matchable_fraction = 0;
   bool within_limit = false;
+  bool meets_gate = false;            ///< Of the selection: what `require` asks for.
   std::vector<std::string> files;     ///< Written, in the output folder.
   std::vector<std::string> warnings;  ///< For the planner.
 };
