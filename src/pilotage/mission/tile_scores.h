@@ -23,6 +23,16 @@ struct SurfaceScores {
   double rival_dy_px = std::numeric_limits<double>::quiet_NaN();        ///< Where the rival lies, rows down.
 };
 
+/// What a second date of the reference says of a tile (docs/methods/registration.md): measured, where `degraded` is
+/// predicted. NaN without a second date, and where it has too little ground or could not be brought onto the reference.
+struct EpochScores {
+  double ncc = std::numeric_limits<double>::quiet_NaN();  ///< Of the tile with the registered second date, −1 … 1.
+  double margin = std::numeric_limits<double>::quiet_NaN();    ///< ncc − NCC of the best wrong place; < 0: it wins.
+  double survival = std::numeric_limits<double>::quiet_NaN();  ///< Share of descriptors found in both, 0 … 1.
+  /// Distance between the georeferences of both dates at the tile's centre.
+  double disagreement_m = std::numeric_limits<double>::quiet_NaN();
+};
+
 enum class TileStatus {
   kScored,
   kTooLittleGround,  ///< valid_fraction below the stated minimum.
@@ -48,6 +58,7 @@ struct TileScore {
   double vote_noise = std::numeric_limits<double>::quiet_NaN();
   SurfaceScores clean;
   SurfaceScores degraded;  ///< Mean over the degraded copies (rival position: of the copy with the smallest margin).
+  EpochScores epoch;
 };
 
 }  // namespace pilotage

@@ -167,6 +167,18 @@ void add_surface_columns(std::vector<ScoreColumn>& columns, const std::string& p
   add("rival_dy_px", "px", "offset of the strongest rival, downwards", &SurfaceScores::rival_dy_px);
 }
 
+void add_epoch_columns(std::vector<ScoreColumn>& columns) {
+  const auto add = [&](const char* name, const char* unit, const char* description, double EpochScores::*member) {
+    columns.push_back({name, unit, std::string("Second date: ") + description,
+                       [member](const TileScore& score) { return score.epoch.*member; },
+                       [member](TileScore& score, double value) { score.epoch.*member = value; }});
+  };
+  add("epoch_ncc", "", "correlation of both dates at the registered place", &EpochScores::ncc);
+  add("epoch_margin", "", "epoch_ncc - highest correlation at a wrong place", &EpochScores::margin);
+  add("epoch_survival", "", "share of descriptors found in both dates", &EpochScores::survival);
+  add("epoch_disagreement_m", "m", "distance between the georeferences of both dates", &EpochScores::disagreement_m);
+}
+
 std::vector<ScoreColumn> make_score_columns() {
   std::vector<ScoreColumn> columns;
   const auto add = [&](const char* name, const char* unit, const char* description, double TileScore::*member) {
@@ -178,6 +190,7 @@ std::vector<ScoreColumn> make_score_columns() {
   add("frieden_deficit", "", "N (1 - H/e) - 1, about (sigma/mean)^2", &TileScore::frieden_deficit);
   add_surface_columns(columns, "clean_", "Clean surface: ", &TileScore::clean);
   add_surface_columns(columns, "degraded_", "Degraded copies: ", &TileScore::degraded);
+  add_epoch_columns(columns);
   add("map_features", "", "features of the map that a frame of this tile can show", &TileScore::map_features);
   add("vote_noise", "", "standard deviation of the votes that they give to wrong places", &TileScore::vote_noise);
   add("p_correct_fix", "", "probability of a correct fix", &TileScore::p_correct_fix);

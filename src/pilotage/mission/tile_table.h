@@ -33,8 +33,8 @@ struct ScoreColumn {
   std::function<void(TileScore&, double)> set;
 };
 
-/// gray_variance, frieden_entropy, frieden_deficit, then the surface numbers as clean_… and degraded_…, then
-/// p_correct_fix; the order is part of the file format.
+/// gray_variance, frieden_entropy, frieden_deficit, then the surface numbers as clean_… and degraded_…, then what a
+/// second date says as epoch_…, then what p_correct_fix is made of and itself; the order is part of the file format.
 const std::vector<ScoreColumn>& score_columns();
 
 /// The column of a name, or nullptr.
