@@ -5,6 +5,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/judge_tiles.h"
 #include "pilotage/mission/tile_table.h"
@@ -66,6 +67,35 @@ std::vector<TileOutcome> outcomes_of(const ScoredGround& ground, const std::vect
     return judge_by_frames(ground, map.temporary_path(), frames, options, within_m, threads, progress);
   }
   return judge_by_voting(ground, tiles, map.temporary_path(), place, options, within_m, seed, threads, progress);
+}
+
+bool accepted(const TileOutcome& outcome) {
+  return outcome.outcome == Outcome::kCorrect || outcome.outcome == Outcome::kFalse;
+}
+
+std::int64_t count_false_like_neighbours(const ScoredGround& ground, const Evaluation& evaluation) {
+  constexpr std::size_t kFewestNeighbours = 5;
+  std::int64_t count = 0;
+  for (const TileOutcome& outcome : evaluation.outcomes) {
+    if (outcome.outcome != Outcome::kFalse) continue;
+    const TileRow& here = ground.rows[outcome.row];
+    std::vector<double> east_m;
+    std::vector<double> north_m;
+    for (const TileOutcome& other : evaluation.outcomes) {
+      if (&other == &outcome || !accepted(other)) continue;
+      const TileRow& there = ground.rows[other.row];
+      const double distance_px = std::hypot(static_cast<double>(there.min_col_px - here.min_col_px),
+                                            static_cast<double>(there.min_row_px - here.min_row_px));
+      if (distance_px >= ground.matrix.tile_size_px) continue;
+      east_m.push_back(other.error_east_m);
+      north_m.push_back(other.error_north_m);
+    }
+    if (east_m.size() < kFewestNeighbours) continue;
+    const double apart_m =
+        std::hypot(outcome.error_east_m - quantile(east_m, 0.5), outcome.error_north_m - quantile(north_m, 0.5));
+    if (apart_m <= evaluation.tolerance_m) ++count;
+  }
+  return count;
 }
 
 QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t seed, int threads) {
@@ -143,6 +173,7 @@ Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& 
                                   (options.file.empty() ? " frames show no scored tile and are left out"
                                                         : " tiles are not covered by the other date and are left out"));
   }
+  evaluation.false_like_neighbours = count_false_like_neighbours(ground, evaluation);
   evaluation.predictors = judge_predictors(ground, evaluation, options, seed, threads);
   return evaluation;
 }

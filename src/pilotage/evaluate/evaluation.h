@@ -25,6 +25,9 @@ struct Evaluation {
   std::int64_t scored_tiles = 0;  ///< Tiles with enough ground.
   std::vector<TileOutcome> outcomes;
   std::map<Outcome, std::int64_t> counts;
+  /// False ones whose error is, within the tolerance, the median error of the accepted ones around them (at least five
+  /// others whose tiles' centres are nearer than a tile's side): a truth that is wrong, or ground that repeats.
+  std::int64_t false_like_neighbours = 0;
   /// p_correct_fix where any tile has one; then always gray_variance, frieden_deficit, clean_peak_margin and
   /// degraded_peak_margin, the measures of the paper.
   std::vector<JudgedPredictor> predictors;

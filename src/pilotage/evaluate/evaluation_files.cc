@@ -95,6 +95,7 @@ Json evaluation_json(const Evaluation& evaluation, const EvaluationSource& sourc
   for (const Outcome outcome : kOutcomes) json["outcomes"][outcome_name(outcome)] = evaluation.counts.at(outcome);
   json["correct_fixes"] = share_json(correct, evaluation.judged());
   json["false_fixes"] = share_json(wrong, correct + wrong);
+  json["false_like_neighbours"] = evaluation.false_like_neighbours;
   json["predictors"] = Json::array();
   for (const JudgedPredictor& predictor : evaluation.predictors) json["predictors"].push_back(to_json(predictor));
   json["warnings"] = evaluation.warnings;
@@ -110,6 +111,11 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
                      conditions(evaluation, options) + "\n\n";
   text += "- Correct fixes: " + share_text(correct, evaluation.judged()) + ".\n";
   text += "- False among accepted: " + share_text(wrong, correct + wrong) + ".\n";
+  if (evaluation.false_like_neighbours > 0) {
+    text += "- Of the false, " + std::to_string(evaluation.false_like_neighbours) +
+            " lie off as the accepted fixes around them do: where that is many, rather the two georeferences disagree "
+            "than the matcher errs. Register the other date first, or judge with a larger tolerance.\n";
+  }
   text += "- Refused: " + std::to_string(evaluation.counts.at(Outcome::kRefused)) +
           "; not covered and left out: " + std::to_string(evaluation.counts.at(Outcome::kNotCovered)) +
           "; tiles scored: " + std::to_string(evaluation.scored_tiles) + ".\n\n";
@@ -141,7 +147,8 @@ std::string evaluation_text(const Evaluation& evaluation) {
 std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluation) {
   std::vector<const ScoreColumn*> columns;
   std::string text =
-      "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,evidence";
+      "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,error_east_m,error_"
+      "north_m,evidence";
   for (const std::string& name : predictor_columns()) {
     columns.push_back(find_score_column(name));
     text += "," + columns.back()->name;
@@ -161,6 +168,8 @@ std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluat
                                    std::string(outcome_name(outcome.outcome)),
                                    outcome.status,
                                    csv_cell(outcome.error_m),
+                                   csv_cell(outcome.error_east_m),
+                                   csv_cell(outcome.error_north_m),
                                    csv_cell(outcome.evidence)};
     for (const ScoreColumn* column : columns) cells.push_back(csv_cell(column->get(row.score)));
     text += join(cells, ",") + "\n";

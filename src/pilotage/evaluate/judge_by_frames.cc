@@ -53,7 +53,11 @@ std::vector<TileOutcome> judge_by_frames(const ScoredGround& ground, const std::
         truth ? nearest_tile(ground, ground.matrix.map_from_pixel.pixel_from_map(*truth)) : NearestTile{};
     outcome.row = tile.row;
     if (matched.readable()) outcome.evidence = matched.result.stats.vote_peak;
-    if (const auto& error = matched.error ? matched.error : matched.candidate_error) outcome.error_m = error->error_m;
+    if (const auto& error = matched.error ? matched.error : matched.candidate_error) {
+      outcome.error_m = error->error_m;
+      outcome.error_east_m = error->east_m;
+      outcome.error_north_m = error->north_m;
+    }
     if (tile.holds_it) {
       outcome.outcome = !matched.has_fix()               ? Outcome::kRefused
                         : outcome.error_m <= tolerance_m ? Outcome::kCorrect

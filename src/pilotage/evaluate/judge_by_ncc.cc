@@ -80,7 +80,10 @@ TileOutcome judge(const ScoredGround& ground, const Pair& pair, std::size_t inde
   const Eigen::Vector2d true_shift_px = grid.pixel_from_map(place(center)) - grid.pixel_from_map(center);
   const Eigen::Vector2d found_shift_px(static_cast<double>(area.col + peak.at.x - tile.col),
                                        static_cast<double>(area.row + peak.at.y - tile.row));
-  outcome.error_m = (found_shift_px - true_shift_px).norm() * gsd_m;
+  const Eigen::Vector2d error_px = found_shift_px - true_shift_px;
+  outcome.error_m = error_px.norm() * gsd_m;
+  outcome.error_east_m = error_px.x() * gsd_m;
+  outcome.error_north_m = -error_px.y() * gsd_m;
   outcome.status = "peak";
   outcome.outcome = outcome.error_m <= tolerance_m ? Outcome::kCorrect : Outcome::kFalse;
   return outcome;

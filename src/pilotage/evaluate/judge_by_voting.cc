@@ -123,7 +123,10 @@ TileOutcome judge(const Flight& flight, std::size_t index, std::uint64_t seed, M
   outcome.status = match_status_name(result.status);
   outcome.evidence = result.stats.vote_peak;
   if (const auto& best = result.fix ? result.fix : result.candidate) {
-    outcome.error_m = error_of_fix(*best, frame->true_center, FrameTruth::kCenter).error_m;
+    const FixError error = error_of_fix(*best, frame->true_center, FrameTruth::kCenter);
+    outcome.error_m = error.error_m;
+    outcome.error_east_m = error.east_m;
+    outcome.error_north_m = error.north_m;
   }
   outcome.outcome = !result.fix                             ? Outcome::kRefused
                     : outcome.error_m <= flight.tolerance_m ? Outcome::kCorrect

@@ -23,7 +23,10 @@ struct TileOutcome {
   std::size_t row = 0;  ///< Index into ScoredGround::rows.
   Outcome outcome = Outcome::kNotCovered;
   std::string status;  ///< The matcher's word: "fix", "ambiguous" …; "peak" for ncc.
-  double error_m = std::numeric_limits<double>::quiet_NaN();   ///< Of the best place, accepted or not; NaN without one.
+  /// Of the best place, accepted or not, answer minus truth; NaN without one. For ncc along the grid's axes.
+  double error_m = std::numeric_limits<double>::quiet_NaN();
+  double error_east_m = std::numeric_limits<double>::quiet_NaN();
+  double error_north_m = std::numeric_limits<double>::quiet_NaN();
   double evidence = std::numeric_limits<double>::quiet_NaN();  ///< MatchStats::vote_peak; ncc: the correlation.
   std::string frame;                                           ///< Name of the real frame, "" for a rendered one.
 };

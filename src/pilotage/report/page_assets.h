@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-/// The files the page is made of, embedded at build time (embed_files.cmake).
+/// The files the page is made of, embedded at build time (cmake/embed_files.cmake).
 namespace pilotage::page_assets {
 
 std::string_view page_html();

@@ -15,6 +15,7 @@
 #include "pilotage/base/random.h"
 #include "pilotage/score/gray_statistics.h"
 #include "pilotage/score/map_strip.h"
+#include "pilotage/score/predict_correct_fixes.h"
 #include "pilotage/score/tile_surfaces.h"
 #include "pilotage/vision/correlation_peaks.h"
 
@@ -135,8 +136,9 @@ void set_statistics(const Job& job, const GrayStatistics& statistics, TileScore&
     return;
   }
   score.status = statistics.count < 2 || statistics.gray_variance == 0 ? TileStatus::kFlat : TileStatus::kScored;
-  if (job.options.measure(ScoreMeasure::kGrayVariance)) score.gray_variance = statistics.gray_variance;
-  if (job.options.measure(ScoreMeasure::kFriedenEntropy)) {
+  const bool model = job.options.measure(ScoreMeasure::kCorrectFix);
+  if (model || job.options.measure(ScoreMeasure::kGrayVariance)) score.gray_variance = statistics.gray_variance;
+  if (model || job.options.measure(ScoreMeasure::kFriedenEntropy)) {
     score.frieden_entropy = statistics.frieden_entropy;
     score.frieden_deficit = statistics.frieden_deficit;
   }
@@ -361,6 +363,7 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
     }
     if (next.valid()) strip = next.get();
   }
+  if (options.measure(ScoreMeasure::kCorrectFix)) predict_correct_fixes(source, matrix, options, scores, threads, progress);
   return scores;
 }
 

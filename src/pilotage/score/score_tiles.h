@@ -2,14 +2,17 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
+#include "pilotage/matchability/matchability_model.h"
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/vision/degradation.h"
+#include "pilotage/vision/features.h"
 
 namespace pilotage {
 
@@ -19,13 +22,15 @@ enum class ScoreMeasure {
   kFriedenEntropy,  ///< Eq. 2–3: H and the Frieden deficit.
   kUniqueness,      ///< The correlation surface of the tile in its search area.
   kDegraded,        ///< The same for degraded copies of the tile.
+  kCorrectFix,      ///< P(correct fix) and what it is made of; V, H and the deficit are then measured too.
 };
 
 inline EnumNames<ScoreMeasure> enum_names(ScoreMeasure) {
   return {{ScoreMeasure::kGrayVariance, "gray_variance"},
           {ScoreMeasure::kFriedenEntropy, "frieden_entropy"},
           {ScoreMeasure::kUniqueness, "uniqueness"},
-          {ScoreMeasure::kDegraded, "degraded"}};
+          {ScoreMeasure::kDegraded, "degraded"},
+          {ScoreMeasure::kCorrectFix, "correct_fix"}};
 }
 
 /// How a raster without a plan is cut into tiles.
@@ -45,10 +50,13 @@ struct ScoreGridOptions {
 
 struct ScoreOptions {
   std::vector<ScoreMeasure> measures{ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy,
-                                     ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded};
+                                     ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded, ScoreMeasure::kCorrectFix};
   double min_valid_fraction = 0.5;
+  FlyingMatcher matcher = FlyingMatcher::kFeatures;
+  std::string model;
   int degraded_copies = 2;
   DegradationOptions degradation;
+  FeatureOptions features;  ///< Of the map that will be built; no option of `score`, `prepare` sets it.
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -58,6 +66,8 @@ struct ScoreOptions {
         "Tiles with a smaller share of ground are not scored; positions that overlap less of the tile's ground "
         "are no rivals.",
         Range{0.01, 1});
+    fields.field("matcher", self.matcher, "What flies, for P(correct fix): a map with or without chips.");
+    fields.path("model", self.model, "Parameters of P(correct fix), as `pilotage calibrate` writes them.");
     fields.field("degraded_copies", self.degraded_copies, "Degraded copies per tile; scores are their mean.",
                  Range{1, 64});
     fields.group("degradation", self.degradation, "How the degraded copies differ from the reference.");

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pilotage/matchability/matchability_model.h"
+
+namespace pilotage {
+
+/// One judged frame.
+struct FitSample {
+  MatchabilityInputs inputs;
+  bool correct = false;
+};
+
+/// The judged frames of one place, all of one size on the ground.
+struct FitSet {
+  std::string place;
+  bool anchor = false;  ///< Its share of correct fixes is one that flights can expect.
+  std::vector<FitSample> samples;
+};
+
+/// Fits a MatcherModel by penalised maximum likelihood (ceres::GradientProblemSolver, L-BFGS), in two steps.
+///
+/// 1. The slopes of the two contrasts, with a level of its own for each set: what is learned is which ground of a place
+///    is found more often than the rest of it, and not that one place was flown over in a better season. Slopes have a
+///    ridge of 0.3 on standardised inputs, levels one of 0.05.
+/// 2. Intercept and area coefficient, the slopes held, on the anchors, each set with the same weight. place_sigma is the
+///    standard deviation of the levels of their places (mean of a place's sets) around that.
+///
+/// Deterministic. Throws DataError when there is no anchor, when the anchors have a single outcome, or when all sets
+/// together have fewer than 50 samples of either outcome.
+MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>& sets);
+
+}  // namespace pilotage

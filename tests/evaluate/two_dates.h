@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pilotage/evaluate/scored_ground.h"
+
+namespace pilotage::testing {
+
+/// A piece of the synthetic country (town, river, fields) at two dates, 0.5 m/px, as files, and its scores: what an
+/// evaluation is made of.
+struct TwoDates {
+  ScoredGround ground;  ///< Tiles of 96 px every 48 px, searched ± 40 px; gray_variance only, p_correct_fix set to it.
+  std::string reference;
+  std::string other;
+  std::string moved;  ///< The other date whose georeference lies `moved_m` to the east of the truth.
+};
+
+inline constexpr double kMoved_m = 7;
+
+/// Writes the files into `folder`.
+TwoDates make_two_dates(const std::filesystem::path& folder);
+
+}  // namespace pilotage::testing
