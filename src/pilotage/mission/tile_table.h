@@ -34,7 +34,8 @@ struct ScoreColumn {
 };
 
 /// gray_variance, frieden_entropy, frieden_deficit, then the surface numbers as clean_… and degraded_…, then what a
-/// second date says as epoch_…, then what p_correct_fix is made of and itself; the order is part of the file format.
+/// second date says as epoch_…, ground cover and relief, then what p_correct_fix is made of and itself; the order is
+/// part of the file format.
 const std::vector<ScoreColumn>& score_columns();
 
 /// The column of a name, or nullptr.

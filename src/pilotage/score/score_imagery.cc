@@ -6,8 +6,10 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/matchability/reasons.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/mission_crs.h"
+#include "pilotage/score/add_ground_cover.h"
 
 namespace pilotage {
 namespace {
@@ -118,8 +120,17 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
   result.matrix = score_matrix(grid.source, options.grid);
   result.warnings = imagery_warnings(infos, 0);
   const CrsTransform transform(grid.crs);
-  for (const TileScore& score : score_tiles(grid.source, result.matrix, options.grid.search_radius_px, {},
-                                            options.score, seed, threads, progress)) {
+  std::vector<TileScore> scores = score_tiles(grid.source, result.matrix, options.grid.search_radius_px, {},
+                                              options.score, seed, threads, progress);
+  if (options.score.measure(ScoreMeasure::kGroundCover)) {
+    const ColorSource colors = own_grid
+                                   ? open_colors(datasets.front(), options.imagery)
+                                   : open_colors_on_grid(datasets, grid.crs, grid.source.map_from_pixel,
+                                                         grid.source.width_px, grid.source.height_px, options.imagery);
+    add_ground_cover(colors, result.matrix, scores, threads, progress);
+  }
+  explain_tiles({result.matrix, grid.crs.metres_per_unit()}, scores);
+  for (const TileScore& score : scores) {
     result.rows.push_back(make_row(result.matrix, score, grid.crs, transform));
   }
   return result;
