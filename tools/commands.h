@@ -15,5 +15,6 @@ Command make_match_command();
 Command make_inspect_command();
 Command make_verify_command();
 Command make_compare_command();
+Command make_calibrate_command();
 
 }  // namespace pilotage

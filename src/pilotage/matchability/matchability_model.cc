@@ -5,7 +5,9 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
 #include "pilotage/matchability/default_model_bytes.h"
 
 namespace pilotage {
@@ -33,22 +35,22 @@ ModelTerm term_from_json(JsonObject json) {
 }
 
 FlyingMatcher matcher_named(const std::string& name, const std::string& path) {
-  std::string known;
-  for (const auto& [value, word] : enum_names(FlyingMatcher{})) {
-    if (word == name) return value;
-    known += (known.empty() ? "" : ", ") + std::string(word);
+  std::vector<std::string> known;
+  for (const auto& entry : enum_names(FlyingMatcher{})) {
+    if (entry.name == name) return entry.value;
+    known.emplace_back(entry.name);
   }
-  throw DataError(path + " = \"" + name + "\": one of " + known);
-}
-
-std::string name_of(FlyingMatcher matcher) {
-  for (const auto& [value, word] : enum_names(FlyingMatcher{})) {
-    if (value == matcher) return std::string(word);
-  }
-  return {};
+  throw DataError(path + " = \"" + name + "\": one of " + join(known, ", "));
 }
 
 }  // namespace
+
+std::string flying_matcher_name(FlyingMatcher matcher) {
+  for (const auto& entry : enum_names(FlyingMatcher{})) {
+    if (entry.value == matcher) return std::string(entry.name);
+  }
+  return {};
+}
 
 MatchabilityInputs matchability_inputs(const TileScore& score, int tile_size_px, double black) {
   double contrast = std::sqrt(std::max(score.frieden_deficit, 0.0));
@@ -73,7 +75,7 @@ const MatcherModel& model_of(const MatchabilityModel& model, FlyingMatcher match
   for (const MatcherModel& candidate : model.matchers) {
     if (candidate.matcher == matcher) return candidate;
   }
-  throw DataError("the matchability model has no parameters for the matcher \"" + name_of(matcher) + "\"");
+  throw DataError("the matchability model has no parameters for the matcher \"" + flying_matcher_name(matcher) + "\"");
 }
 
 const MatchabilityModel& default_matchability_model() {
@@ -85,7 +87,7 @@ const MatchabilityModel& default_matchability_model() {
 Json matchability_model_to_json(const MatchabilityModel& model) {
   Json matchers = Json::array();
   for (const MatcherModel& matcher : model.matchers) {
-    matchers.push_back({{"matcher", name_of(matcher.matcher)},
+    matchers.push_back({{"matcher", flying_matcher_name(matcher.matcher)},
                         {"vote_contrast", term_to_json(matcher.vote_contrast)},
                         {"gray_contrast", term_to_json(matcher.gray_contrast)},
                         {"intercept", matcher.intercept},

@@ -23,6 +23,8 @@ inline EnumNames<FlyingMatcher> enum_names(FlyingMatcher) {
   return {{FlyingMatcher::kFeatures, "features"}, {FlyingMatcher::kFeaturesAndChips, "features_and_chips"}};
 }
 
+std::string flying_matcher_name(FlyingMatcher matcher);  ///< As in files and options.
+
 /// What the model looks at, of one tile (docs/methods/matchability.md).
 struct MatchabilityInputs {
   /// ln((n + 2) / (noise + 0.3)): n features vote for the right place, and must exceed the noise of their own votes.
