@@ -55,7 +55,8 @@ TEST(TileTable, ColumnsAreThePromisedOnes) {
       "clean_expected_error_px,clean_rival_dx_px,clean_rival_dy_px,"
       "degraded_peak,degraded_rival,degraded_peak_margin,degraded_rival_ratio,degraded_psr,degraded_rivals,"
       "degraded_half_width_px,degraded_expected_error_px,degraded_rival_dx_px,degraded_rival_dy_px,"
-      "map_features,vote_noise,p_correct_fix,epoch_ncc,epoch_margin,epoch_survival,epoch_disagreement_m\n");
+      "epoch_ncc,epoch_margin,epoch_survival,epoch_disagreement_m,"
+      "vegetation_share,water_share,aperture,relief_m,map_features,vote_noise,p_correct_fix,reasons\n");
   EXPECT_TRUE(tile_table_from_csv("t.csv", csv).empty());
 }
 

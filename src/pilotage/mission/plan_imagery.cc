@@ -18,6 +18,11 @@ GraySource open_plan_imagery(const TilePlan& plan, const PlanLevel& level) {
                            level.matrix.grid_width_px, level.matrix.grid_height_px, plan.imagery_options);
 }
 
+ColorSource open_plan_colors(const TilePlan& plan, const PlanLevel& level) {
+  return open_colors_on_grid(dataset_names(plan), Crs::from_user_input(plan.crs_wkt), level.matrix.map_from_pixel,
+                             level.matrix.grid_width_px, level.matrix.grid_height_px, plan.imagery_options);
+}
+
 Raster read_plan_overview(const TilePlan& plan, int max_side_px) {
   Bounds bounds;
   const double finest_m = plan.levels.front().gsd_m;

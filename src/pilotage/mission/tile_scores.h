@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mission/reason_code.h"
 
 namespace pilotage {
 
@@ -56,9 +57,16 @@ struct TileScore {
   /// (docs/methods/matchability.md).
   double map_features = std::numeric_limits<double>::quiet_NaN();
   double vote_noise = std::numeric_limits<double>::quiet_NaN();
+  /// What the ground is made of and which way its edges run (matchability/ground_cover.h).
+  double vegetation_share = std::numeric_limits<double>::quiet_NaN();
+  double water_share = std::numeric_limits<double>::quiet_NaN();
+  double aperture = std::numeric_limits<double>::quiet_NaN();
+  /// Highest minus lowest ground of the tile; NaN without an elevation model.
+  double relief_m = std::numeric_limits<double>::quiet_NaN();
   SurfaceScores clean;
   SurfaceScores degraded;  ///< Mean over the degraded copies (rival position: of the copy with the smallest margin).
   EpochScores epoch;
+  std::vector<ReasonCode> reasons;  ///< Why P is low, or may be, the strongest first (matchability/reasons.h).
 };
 
 }  // namespace pilotage

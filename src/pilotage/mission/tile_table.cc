@@ -61,6 +61,29 @@ Cell status_cell() {
           }};
 }
 
+/// Codes joined by semicolons.
+Cell reasons_cell() {
+  return {"reasons",
+          [](const TileRow& row) {
+            std::vector<std::string> words;
+            for (const ReasonCode code : row.score.reasons) words.push_back(options_detail::enum_to_name(code));
+            return join(words, ";");
+          },
+          [](TileRow& row, std::string_view text) {
+            row.score.reasons.clear();
+            while (!text.empty()) {
+              const std::size_t end = std::min(text.find(';'), text.size());
+              const EnumNames<ReasonCode> names = enum_names(ReasonCode{});
+              const auto known = std::find_if(names.begin(), names.end(),
+                                              [&](const auto& entry) { return entry.name == text.substr(0, end); });
+              if (known == names.end() || end + 1 == text.size()) return false;
+              row.score.reasons.push_back(known->value);
+              text.remove_prefix(std::min(end + 1, text.size()));
+            }
+            return true;
+          }};
+}
+
 std::vector<Cell> make_cells() {
   std::vector<Cell> cells;
   const auto tile_number = [&](std::string name, double& (*member)(TileRow&)) {
@@ -123,6 +146,7 @@ std::vector<Cell> make_cells() {
         column.name, false, [&column](const TileRow& row) { return column.get(row.score); },
         [&column](TileRow& row, double value) { column.set(row.score, value); }));
   }
+  cells.push_back(reasons_cell());
   return cells;
 }
 
@@ -190,10 +214,14 @@ std::vector<ScoreColumn> make_score_columns() {
   add("frieden_deficit", "", "N (1 - H/e) - 1, about (sigma/mean)^2", &TileScore::frieden_deficit);
   add_surface_columns(columns, "clean_", "Clean surface: ", &TileScore::clean);
   add_surface_columns(columns, "degraded_", "Degraded copies: ", &TileScore::degraded);
+  add_epoch_columns(columns);
+  add("vegetation_share", "", "share of the ground that is green", &TileScore::vegetation_share);
+  add("water_share", "", "share of the ground that looks like open water", &TileScore::water_share);
+  add("aperture", "", "how much edges run in all directions (1) rather than in one (0)", &TileScore::aperture);
+  add("relief_m", "m", "highest minus lowest ground", &TileScore::relief_m);
   add("map_features", "", "features of the map in this tile", &TileScore::map_features);
   add("vote_noise", "", "standard deviation of the votes that they give to wrong places", &TileScore::vote_noise);
   add("p_correct_fix", "", "probability of a correct fix", &TileScore::p_correct_fix);
-  add_epoch_columns(columns);
   return columns;
 }
 

@@ -33,8 +33,9 @@ struct ScoreColumn {
   std::function<void(TileScore&, double)> set;
 };
 
-/// gray_variance, frieden_entropy, frieden_deficit, then the surface numbers as clean_… and degraded_…, then P and what
-/// it is made of, then what a second date says as epoch_…; the order is part of the file format.
+/// gray_variance, frieden_entropy, frieden_deficit, then the surface numbers as clean_… and degraded_…, then what a
+/// second date says as epoch_…, ground cover and relief, then what p_correct_fix is made of and itself; the order is
+/// part of the file format.
 const std::vector<ScoreColumn>& score_columns();
 
 /// The column of a name, or nullptr.

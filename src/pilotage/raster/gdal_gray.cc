@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
@@ -23,24 +22,6 @@ namespace {
 constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 29;
 constexpr double kAverageAbove = 1.5;  // grid pixels per imagery pixel; docs/methods/imagery.md
 
-cv::Mat gray_from(const cv::Mat& pixels) {
-  if (pixels.channels() == 1) return pixels;
-  cv::Mat gray;
-  if (pixels.depth() != CV_64F) {
-    cv::cvtColor(pixels, gray, cv::COLOR_RGB2GRAY);
-    return gray;
-  }
-  gray.create(pixels.size(), CV_64F);
-  for (int row = 0; row < pixels.rows; ++row) {
-    const auto* rgb = pixels.ptr<cv::Vec3d>(row);
-    auto* value = gray.ptr<double>(row);
-    for (int col = 0; col < pixels.cols; ++col) {
-      value[col] = 0.299 * rgb[col][0] + 0.587 * rgb[col][1] + 0.114 * rgb[col][2];
-    }
-  }
-  return gray;
-}
-
 void drop_not_finite(const cv::Mat& gray, cv::Mat& valid) {
   if (gray.depth() != CV_64F) return;
   for (int row = 0; row < gray.rows; ++row) {
@@ -53,9 +34,25 @@ void drop_not_finite(const cv::Mat& gray, cv::Mat& valid) {
 }
 
 Raster read_gray(const RasterView& view, const PixelWindow& window) {
-  Raster raster{gray_from(view.read_pixels(window)), view.read_valid(window), {}};
+  Raster raster{gray_from_colors(view.read_pixels(window)), view.read_valid(window), {}};
   drop_not_finite(raster.pixels, raster.valid);
   return raster;
+}
+
+/// Pixels in `channels` channels: a part of one band shows three equal ones among colours.
+Raster read_colors(const RasterView& view, const PixelWindow& window, int channels) {
+  Raster raster{view.read_pixels(window), view.read_valid(window), {}};
+  drop_not_finite(gray_from_colors(raster.pixels), raster.valid);
+  if (raster.pixels.channels() == 1 && channels == 3) {
+    cv::Mat colors;
+    cv::merge(std::vector<cv::Mat>(3, raster.pixels), colors);
+    raster.pixels = colors;
+  }
+  return raster;
+}
+
+int channels_of(const ImageryInfo& info) {
+  return info.palette ? 3 : static_cast<int>(info.gray_bands.size());
 }
 
 void check_window(const PixelWindow& window, std::int64_t width_px, std::int64_t height_px) {
@@ -193,22 +190,24 @@ cv::Mat to_8bit(const Raster& raster) {
   return merged;
 }
 
-GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& options) {
+/// Windows of a raster on its own grid, each read by `read(view, window)`.
+template <class Read>
+std::function<Raster(const PixelWindow&)> windows_on_own_pixels(const ImageryInfo& info, const ImageryOptions& options,
+                                                                const Read& read) {
   auto pool = std::make_shared<ViewPool>([info, options] { return std::make_unique<RasterView>(info, options); });
   pool->with_view([](const RasterView&) { return 0; });  // opening fails here rather than in the first read
-  GraySource source;
-  source.width_px = info.width_px;
-  source.height_px = info.height_px;
-  source.map_from_pixel = info.map_from_pixel;
-  source.depth = info.depth;
-  source.read = [info, pool](const PixelWindow& window) {
+  return [info, pool, read](const PixelWindow& window) {
     check_window(window, info.width_px, info.height_px);
-    Raster raster = pool->with_view([&](const RasterView& view) { return read_gray(view, window); });
+    Raster raster = pool->with_view([&](const RasterView& view) { return read(view, window); });
     raster.map_from_pixel =
         info.map_from_pixel.shifted(static_cast<double>(window.col), static_cast<double>(window.row));
     return raster;
   };
-  return source;
+}
+
+GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& options) {
+  return {info.width_px, info.height_px, info.map_from_pixel, info.depth,
+          windows_on_own_pixels(info, options, read_gray)};
 }
 
 }  // namespace
@@ -247,20 +246,40 @@ GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs
   return source;
 }
 
+ColorSource open_colors(const std::string& dataset, const ImageryOptions& options) {
+  const ImageryInfo info = inspect_imagery(dataset, options);
+  const int channels = channels_of(info);
+  return {info.width_px,
+          info.height_px,
+          info.map_from_pixel,
+          channels,
+          info.depth,
+          windows_on_own_pixels(info, options, [channels](const RasterView& view, const PixelWindow& window) {
+            return read_colors(view, window, channels);
+          })};
+}
+
+ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
+                                const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
+                                const ImageryOptions& options) {
+  auto mosaic =
+      std::make_shared<const Mosaic>(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options));
+  const bool colored = std::any_of(mosaic->parts.begin(), mosaic->parts.end(),
+                                   [](const Part& part) { return channels_of(part.info) == 3; });
+  const int channels = colored ? 3 : 1;
+  return {width_px, height_px, map_from_pixel, channels, mosaic->depth, [mosaic, channels](const PixelWindow& window) {
+            check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
+            return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, channels),
+                           [&](const RasterView& view) { return read_colors(view, window, channels); });
+          }};
+}
+
 Raster read_rgb8_on_grid(const std::vector<std::string>& datasets, const Crs& crs, const GeoTransform& map_from_pixel,
                          int width_px, int height_px, const ImageryOptions& options) {
   const Mosaic mosaic = open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options);
   const PixelWindow window{0, 0, width_px, height_px};
-  Raster raster = compose(mosaic, window, CV_MAKETYPE(mosaic.depth, 3), [&](const RasterView& view) {
-    Raster part{view.read_pixels(window), view.read_valid(window), {}};
-    drop_not_finite(gray_from(part.pixels), part.valid);
-    if (part.pixels.channels() == 1) {
-      cv::Mat colors;
-      cv::merge(std::vector<cv::Mat>(3, part.pixels), colors);
-      part.pixels = colors;
-    }
-    return part;
-  });
+  Raster raster = compose(mosaic, window, CV_MAKETYPE(mosaic.depth, 3),
+                          [&](const RasterView& view) { return read_colors(view, window, 3); });
   raster.pixels = to_8bit(raster);
   return raster;
 }

@@ -6,6 +6,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/raster/color_source.h"
 #include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/raster/raster.h"
@@ -44,6 +45,16 @@ cv::Mat read_gray8_picture(const std::string& dataset);
 GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
                              const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
                              const ImageryOptions& options = {});
+
+/// The same in colour: red, green and blue (the bands that gray is made of; a palette is expanded) as they are stored,
+/// or the one band there is. Where parts of a mosaic have colours, those of one band show three equal ones. Throws as
+/// open_gray.
+ColorSource open_colors(const std::string& dataset, const ImageryOptions& options = {});
+
+/// Colours on a mission grid. Throws as open_gray_on_grid.
+ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
+                                const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
+                                const ImageryOptions& options = {});
 
 /// A colour picture of the same mosaic for people to look at: three channels (red, green, blue), CV_8U; one band gives
 /// three equal channels. What is not 8 bits deep is stretched linearly between the 2nd and 98th percentile of each

@@ -6,8 +6,10 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/matchability/reasons.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/mission_crs.h"
+#include "pilotage/score/add_ground_cover.h"
 
 namespace pilotage {
 namespace {
@@ -126,6 +128,14 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
     for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = result.second_epoch->scores[i];
   }
   const CrsTransform transform(grid.crs);
+  if (options.score.measure(ScoreMeasure::kGroundCover)) {
+    const ColorSource colors = own_grid
+                                   ? open_colors(datasets.front(), options.imagery)
+                                   : open_colors_on_grid(datasets, grid.crs, grid.source.map_from_pixel,
+                                                         grid.source.width_px, grid.source.height_px, options.imagery);
+    add_ground_cover(colors, result.matrix, scores, threads, progress);
+  }
+  explain_tiles({result.matrix, grid.crs.metres_per_unit()}, scores);
   for (const TileScore& score : scores) {
     result.rows.push_back(make_row(result.matrix, score, grid.crs, transform));
   }

@@ -2,7 +2,9 @@
 
 #include <string>
 
+#include "pilotage/matchability/reasons.h"
 #include "pilotage/mission/plan_imagery.h"
+#include "pilotage/score/add_ground_cover.h"
 
 namespace pilotage {
 
@@ -21,6 +23,11 @@ std::vector<TileScore> score_plan(const TilePlan& plan, const ScoreOptions& opti
     if (tiles.empty()) continue;
     std::vector<TileScore> of_level = score_tiles(open_plan_imagery(plan, level), level.matrix, level.search_radius_px,
                                                   indices, options, seed, threads, progress);
+    if (options.measure(ScoreMeasure::kGroundCover)) {
+      add_ground_cover(open_plan_colors(plan, level), level.matrix, of_level, threads, progress);
+      add_relief(plan, tiles, of_level);
+    }
+    explain_tiles(reason_context(level), of_level);
     for (std::size_t i = 0; i < of_level.size(); ++i) {
       of_level[i].tile_id = tiles[i]->tile_id;
       of_level[i].level = tiles[i]->level;

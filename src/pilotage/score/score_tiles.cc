@@ -363,7 +363,8 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
     }
     if (next.valid()) strip = next.get();
   }
-  if (options.measure(ScoreMeasure::kCorrectFix)) predict_correct_fixes(source, matrix, options, scores, threads, progress);
+  if (options.measure(ScoreMeasure::kCorrectFix))
+    predict_correct_fixes(source, matrix, options, scores, threads, progress);
   return scores;
 }
 

@@ -23,15 +23,15 @@ enum class ScoreMeasure {
   kFriedenEntropy,  ///< Eq. 2–3: H and the Frieden deficit.
   kUniqueness,      ///< The correlation surface of the tile in its search area.
   kDegraded,        ///< The same for degraded copies of the tile.
-  kCorrectFix,      ///< P(correct fix) and what it is made of; V, H and the deficit are then measured too.
+  kGroundCover,  ///< Vegetation, water, direction of edges; of a plan also relief. Not measured by score_tiles, which
+                 ///< sees no colours.
+  kCorrectFix,  ///< P(correct fix) and what it is made of; V, H and the deficit are then measured too.
 };
 
 inline EnumNames<ScoreMeasure> enum_names(ScoreMeasure) {
-  return {{ScoreMeasure::kGrayVariance, "gray_variance"},
-          {ScoreMeasure::kFriedenEntropy, "frieden_entropy"},
-          {ScoreMeasure::kUniqueness, "uniqueness"},
-          {ScoreMeasure::kDegraded, "degraded"},
-          {ScoreMeasure::kCorrectFix, "correct_fix"}};
+  return {{ScoreMeasure::kGrayVariance, "gray_variance"}, {ScoreMeasure::kFriedenEntropy, "frieden_entropy"},
+          {ScoreMeasure::kUniqueness, "uniqueness"},      {ScoreMeasure::kDegraded, "degraded"},
+          {ScoreMeasure::kGroundCover, "ground_cover"},   {ScoreMeasure::kCorrectFix, "correct_fix"}};
 }
 
 /// How a raster without a plan is cut into tiles.
@@ -51,7 +51,8 @@ struct ScoreGridOptions {
 
 struct ScoreOptions {
   std::vector<ScoreMeasure> measures{ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy,
-                                     ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded, ScoreMeasure::kCorrectFix};
+                                     ScoreMeasure::kUniqueness,   ScoreMeasure::kDegraded,
+                                     ScoreMeasure::kGroundCover,  ScoreMeasure::kCorrectFix};
   double min_valid_fraction = 0.5;
   FlyingMatcher matcher = FlyingMatcher::kFeatures;
   std::string model;

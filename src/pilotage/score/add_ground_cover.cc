@@ -1,0 +1,53 @@
+#include "pilotage/score/add_ground_cover.h"
+
+#include <cmath>
+#include <limits>
+
+#include "pilotage/matchability/ground_cover.h"
+#include "pilotage/raster/elevation.h"
+#include "pilotage/raster/gdal_io.h"
+
+namespace pilotage {
+
+void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::vector<TileScore>& scores, int threads,
+                      const Progress& progress) {
+  std::vector<TileScore*> scored;
+  std::vector<std::int64_t> indices;
+  for (TileScore& score : scores) {
+    if (score.status == TileStatus::kTooLittleGround) continue;
+    scored.push_back(&score);
+    indices.push_back(score.row * matrix.matrix_width() + score.column);
+  }
+  if (indices.empty()) return;
+  const std::vector<GroundCover> covers = measure_ground_cover(colors, matrix, indices, threads, progress);
+  for (std::size_t i = 0; i < scored.size(); ++i) {
+    scored[i]->vegetation_share = covers[i].vegetation_share;
+    scored[i]->water_share = covers[i].water_share;
+    scored[i]->aperture = covers[i].aperture;
+  }
+}
+
+void add_relief(const TilePlan& plan, const std::vector<const PlanTile*>& tiles, std::vector<TileScore>& scores) {
+  constexpr int kSteps = 8;
+  if (plan.elevation.empty()) return;
+  const Elevation elevation(plan.elevation);
+  const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (scores[i].status == TileStatus::kTooLittleGround) continue;
+    const Bounds& bounds = tiles[i]->bounds;
+    double lowest_m = std::numeric_limits<double>::infinity();
+    double highest_m = -lowest_m;
+    for (int step = 0; step < (kSteps + 1) * (kSteps + 1) && !std::isnan(highest_m); ++step) {
+      const double x_share = static_cast<double>(step % (kSteps + 1)) / kSteps;
+      const double y_share = static_cast<double>(step / (kSteps + 1)) / kSteps;
+      const auto point = transform.geodetic_from_map(
+          {bounds.min_x_m + x_share * bounds.width_m(), bounds.min_y_m + y_share * bounds.height_m()});
+      const double height_m = point ? elevation.amsl_m(*point) : std::numeric_limits<double>::quiet_NaN();
+      lowest_m = std::min(lowest_m, height_m);
+      highest_m = std::isnan(height_m) ? height_m : std::max(highest_m, height_m);
+    }
+    scores[i].relief_m = highest_m - lowest_m;
+  }
+}
+
+}  // namespace pilotage
