@@ -64,14 +64,10 @@ Scored score_plan_file(const ScoreCommandOptions& options, const Invocation& inv
   }
   const PlanLevel& level = plan.levels[static_cast<std::size_t>(options.level)];
   const ScoreOptions& score = options.imagery.score;
-  auto scores = score_plan(plan, score, invocation.seed, invocation.threads, invocation.progress);
+  ScoredPlan of_plan = score_plan(plan, score, invocation.seed, invocation.threads, invocation.progress);
   const Crs crs = Crs::from_user_input(plan.crs_wkt);
-  Scored scored{crs, level.matrix, {}, {}, {}, plan.camera, {}};
-  if (!score.second_epoch.empty()) {
-    scored.second_epoch = compare_epochs_of_plan(plan, score, invocation.threads, invocation.progress);
-    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = scored.second_epoch->scores[i];
-  }
-  scored.rows = tile_rows(plan, scores);
+  Scored scored{crs,         level.matrix, tile_rows(plan, of_plan.scores), {}, {},
+                plan.camera, std::move(of_plan.second_epoch)};
   if (!options.evaluate.wanted()) return scored;
   scored.ground = {crs,           level.matrix, level.search_radius_px, {}, dataset_names(plan), plan.imagery_options,
                    plan.elevation};

@@ -134,10 +134,10 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
 
-  std::vector<TileScore> scores = score_plan(plan, score_options, run.seed, run.threads, progress);
-  if (!options.score.second_epoch.empty()) {
-    const SecondEpoch epoch = compare_epochs_of_plan(plan, options.score, run.threads, progress);
-    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = epoch.scores[i];
+  const ScoredPlan scored = score_plan(plan, score_options, run.seed, run.threads, progress);
+  const std::vector<TileScore>& scores = scored.scores;
+  if (scored.second_epoch) {
+    const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
     write_score_raster(publish_later(kDisagreement), layer.bands, Crs::from_user_input(plan.crs_wkt),
                        layer.map_from_pixel, true);
