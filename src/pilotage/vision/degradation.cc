@@ -25,6 +25,13 @@ double sign_of(int copy, int effect) {
   return (flips & 1U) != 0 ? -1.0 : 1.0;
 }
 
+double deviation_of(const cv::Mat& values) {
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(values, mean, deviation);
+  return deviation[0];
+}
+
 /// Where the pixels of the copy lie in the tile with its margin, in OpenCV's pixel coordinates (centres at whole
 /// numbers).
 cv::Mat source_positions(int size_px, int margin_px, double angle_rad, double scale) {
@@ -122,13 +129,6 @@ cv::Mat Degrader::redrawn(const cv::Mat& ground) const {
   return copy;
 }
 
-void Degrader::light(cv::Mat& copy) const {
-  if (!illumination_.empty()) cv::multiply(copy, illumination_, copy);
-  if (!shadow_.empty()) cv::multiply(copy, shadow_, copy);
-  if (!haze_.empty()) copy += haze_.mul(1 - copy);  // its own light is as bright as the brightest ground
-  if (options_.gamma > 0) cv::pow(cv::max(copy, 0), gamma_, copy);
-}
-
 cv::Mat Degrader::apply(const cv::Mat& tile) const {
   const int side = size_px_ + 2 * margin_px_;
   if (tile.type() != CV_32FC1 || tile.rows != side || tile.cols != side) {
@@ -148,16 +148,15 @@ cv::Mat Degrader::apply(const cv::Mat& tile) const {
   if (!(high > low)) return cv::Mat::zeros(size_px_, size_px_, CV_32F);
   if (!illumination_.empty() || !shadow_.empty() || !haze_.empty() || options_.gamma > 0) {
     copy.convertTo(copy, CV_32F, 1 / (high - low), -low / (high - low));
-    light(copy);
+    if (!illumination_.empty()) cv::multiply(copy, illumination_, copy);
+    if (!shadow_.empty()) cv::multiply(copy, shadow_, copy);
   }
+  const double clear = haze_.empty() ? 0 : deviation_of(copy);
+  if (!haze_.empty()) copy += haze_.mul(1 - copy);  // its own light is as bright as the brightest ground
+  if (options_.gamma > 0) cv::pow(cv::max(copy, 0), gamma_, copy);
   if (options_.blur_px > 0) blur(copy, copy, options_.blur_px);
-  if (!noise_.empty()) {
-    cv::Scalar mean;
-    cv::Scalar deviation;
-    cv::meanStdDev(copy, mean, deviation);
-    // A sensor's noise does not fade with the ground in haze.
-    cv::scaleAdd(noise_, options_.noise * deviation[0] / (1 - options_.haze), copy, copy);
-  }
+  // A sensor's noise does not fade with the ground in haze.
+  if (!noise_.empty()) cv::scaleAdd(noise_, options_.noise * (haze_.empty() ? deviation_of(copy) : clear), copy, copy);
   return copy;
 }
 

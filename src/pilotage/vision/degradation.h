@@ -75,7 +75,8 @@ struct DegradationOptions {
 /// old one; coarse structure stays); illumination, shadows, haze; tone curve, blur, noise.
 ///
 /// Effects of brightness act on gray values scaled to 0 (darkest pixel) … 1 (brightest), and then the copy stays in
-/// this scale; without them it keeps the tile's. The noise is stated in standard deviations of a copy without haze.
+/// this scale; without them it keeps the tile's. With haze the noise is
+/// in standard deviations of the copy before the haze: a sensor's noise does not fade with the ground.
 ///
 /// Rotation, scale and tone take their full stated size with alternating sign: copy 0 and 1 differ in all signs, and
 /// every tile meets the same change, so that scores compare tiles and not luck. Fields, shapes, places and directions
@@ -95,7 +96,6 @@ class Degrader {
  private:
   cv::Mat seen(const cv::Mat& tile) const;       // geometry
   cv::Mat redrawn(const cv::Mat& ground) const;  // fine texture
-  void light(cv::Mat& copy) const;               // illumination to tone curve, on values 0 … 1
 
   DegradationOptions options_;
   int size_px_;
