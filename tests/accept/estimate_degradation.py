@@ -3,8 +3,8 @@
 estimate_degradation.py DATA [SET...] [--json FILE]
 
 DATA is the folder of real imagery (PILOTAGE_DATA); sets are port (as delivered, and averaged over 2 and 4 pixels),
-sentinel2, levir, dsifn; default all. Prints, for each set, median and quartiles over tiles of 128 px, and what a copy
-by today's defaults would show. Definitions and what follows: docs/methods/degradation.md. numpy and GDAL only."""
+copies (of tiles of the port, changed by known amounts), sentinel2, levir, dsifn; default all. Prints, for each set,
+median and quartiles over tiles of 128 px, and what a copy by today's defaults would show. Definitions and what follows: docs/methods/degradation.md. numpy and GDAL only."""
 
 import json
 import pathlib
@@ -23,7 +23,7 @@ MIN_PAIR_NCC = 0.2  # of whole pictures
 MIN_VALID = 0.95  # of a tile; holes take its mean
 BLOCK_PX = 16
 BANDS_PX = (2.2, 3, 4, 6, 8, 12, 16, 24, 32, 64)  # wavelengths
-PASSED = {"share": 0.65, "sigma_px": 3.0}  # today's defaults
+DEFAULTS = {"share": 0.65, "sigma_px": 3.0}  # today's defaults
 
 
 def read_gray(path, plain=True):
@@ -162,6 +162,28 @@ def tiles_of_port(folder, factor):
             a, b = (averaged(np.where(both, image, image[both].mean()), factor)
                     for image in (images[0][0][one], images[1][0][other]))
             yield a, aligned(a, b)
+
+
+def copies(pairs, share, sigma_px, slope=0, illumination=0.15, gamma=0.2):
+    """Each first tile and a copy of it as vision/degradation.h makes them (texture, illumination, tone curve): what is
+    measured of these is what the measures make of known changes."""
+    random = np.random.default_rng(1)
+    rows, cols = np.mgrid[:TILE_PX, :TILE_PX] / TILE_PX
+    for number, (a, _) in enumerate(pairs):
+        coarse = blur(a, sigma_px)
+        strength = np.sqrt(np.maximum(blur((a - coarse)**2, 2 * sigma_px), 0))
+        field = random.normal(size=a.shape)
+        if slope > 0:
+            frequency = np.hypot(np.fft.fftfreq(TILE_PX)[:, None], np.fft.rfftfreq(TILE_PX)[None])
+            frequency[0, 0] = np.inf
+            field = np.fft.irfft2(np.fft.rfft2(field) / frequency**slope, field.shape)
+        field -= blur(field, sigma_px)
+        copy = coarse + np.sqrt(1 - share**2) * (a - coarse) + share * strength * field / field.std()
+        copy = (copy - copy.min()) / max(np.ptp(copy), 1e-9)
+        direction, phase = random.uniform(0, 2 * np.pi, 2)
+        along = 2 * np.pi * random.uniform(0.5, 1.5) * (np.cos(direction) * cols + np.sin(direction) * rows)
+        copy *= 1 + illumination * np.cos(along + phase)
+        yield a, 255 * copy**((1 + gamma)**(1 if number % 2 else -1))
 
 
 # ---- what is measured of a pair of tiles ----
@@ -387,6 +409,10 @@ def sets_of(data):
         "port 0.3 m": lambda used: tiles_of_port(data / "port", 1),
         "port 0.6 m": lambda used: tiles_of_port(data / "port", 2),
         "port 1.2 m": lambda used: tiles_of_port(data / "port", 4),
+        "copies by the defaults": lambda used: copies(tiles_of_port(data / "port", 2), DEFAULTS["share"],
+                                                      DEFAULTS["sigma_px"]),
+        "copies 0.95, 4.5 px": lambda used: copies(tiles_of_port(data / "port", 2), 0.95, 4.5),
+        "copies 0.95, 4.5 px, slope 1.5": lambda used: copies(tiles_of_port(data / "port", 2), 0.95, 4.5, 1.5),
         "levir 0.5 m": lambda used: tiles_of_pairs(pairs / "highres", "levir_*_1.png", used),
         "dsifn 2 m": lambda used: tiles_of_pairs(pairs / "highres", "dsifn_*_1.png", used),
         "sentinel2 10 m": lambda used: tiles_of_pairs(pairs / "sentinel2", "*_1.png", used),
@@ -416,7 +442,7 @@ def main():
                 value = ", ".join(f"{k} {v:.3g}" for k, v in value.items())
             print(f"  {key}: {value}", flush=True)
     print("today's defaults", dict(zip((f"{a:g}-{b:g}" for a, b in zip(BANDS_PX[:-1], BANDS_PX[1:])),
-                                       np.round(model_coherence(PASSED["share"], PASSED["sigma_px"]), 3).tolist())))
+                                       np.round(model_coherence(DEFAULTS["share"], DEFAULTS["sigma_px"]), 3).tolist())))
     if save:
         pathlib.Path(save).write_text(json.dumps(results, indent=1))
 

@@ -120,6 +120,29 @@ TEST(DegradationEffects, FlatStaysFlat) {
   EXPECT_LT(cv::norm(copy - cv::mean(copy)[0], cv::NORM_INF), 1e-6);
 }
 
+/// With slope 1 every octave has the power of the next finer one, with 0 a quarter of it.
+TEST(DegradationEffects, TextureFallsWithFrequencyAsStated) {
+  for (const double slope : {0.0, 0.5, 1.0}) {
+    const cv::Mat field = texture_field(256, 64, slope, Random(seed_from_name("slope")));
+    EXPECT_NEAR(deviation(field), 1, 1e-3);
+    cv::Mat spectrum;
+    cv::dft(field, spectrum, cv::DFT_COMPLEX_OUTPUT);
+    const auto power = [&](double low, double high) {  // of frequencies in cycles per picture
+      double sum = 0;
+      for (int row = 0; row < 256; ++row) {
+        for (int col = 0; col < 256; ++col) {
+          const double frequency = std::hypot(std::min(row, 256 - row), std::min(col, 256 - col));
+          const cv::Vec2f value = spectrum.at<cv::Vec2f>(row, col);
+          if (frequency >= low && frequency < high) sum += static_cast<double>(value.dot(value));
+        }
+      }
+      return sum;
+    };
+    EXPECT_NEAR(std::log2(power(64, 128) / power(32, 64)), 2 - 2 * slope, 0.15) << slope;
+    EXPECT_NEAR(std::log2(power(32, 64) / power(16, 32)), 2 - 2 * slope, 0.2) << slope;
+  }
+}
+
 TEST(DegradationEffects, ShadowsHaveTheStatedContrastShareAndEdge) {
   for (const double share : {0.05, 0.2, 0.5}) {
     const std::string what = "share " + std::to_string(share);

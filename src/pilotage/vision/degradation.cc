@@ -86,7 +86,9 @@ Degrader::Degrader(int tile_size_px, int margin_px, const DegradationOptions& op
   if (options.objects_per_mpx > 0) {
     objects_ = draw_objects(tile_size_px, options.objects_per_mpx, options.object_size_px, stream("objects"));
   }
-  if (options.texture_redrawn > 0) texture_ = texture_field(tile_size_px, options.texture_scale_px, stream("texture"));
+  if (options.texture_redrawn > 0) {
+    texture_ = texture_field(tile_size_px, options.texture_scale_px, options.texture_slope, stream("texture"));
+  }
   if (options.illumination > 0) {
     illumination_ = wave_field(tile_size_px, 1, options.illumination, stream("illumination"));
   }

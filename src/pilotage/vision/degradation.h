@@ -23,6 +23,7 @@ struct DegradationOptions {
   double gamma = 0.2;
   double blur_px = 0.7;
   double noise = 0.05;
+  double texture_slope = 0;
   double shadow = 0;
   double shadow_share = 0.2;
   double shadow_edge_px = 1;
@@ -47,6 +48,10 @@ struct DegradationOptions {
     fields.field("gamma", self.gamma, "Exponent of the tone curve: 1/(1 + this) or 1 + this.", Range{0, 2});
     fields.field("blur_px", self.blur_px, "Sigma of a Gaussian blur.", Range{0, 16});
     fields.field("noise", self.noise, "Sigma of white noise, in standard deviations of the tile.", Range{0, 4});
+    fields.field("texture_slope", self.texture_slope,
+                 "Amplitude of the texture that is drawn anew falls with frequency to this power: 0 = white, 1 as in "
+                 "natural pictures.",
+                 Range{0, 3});
     fields.field("shadow", self.shadow, "Share of the brightness that is lost inside new shadows.", Range{0, 0.95});
     fields.field("shadow_share", self.shadow_share, "Share of the tile that new shadows cover.", Range{0.01, 0.9});
     fields.field("shadow_edge_px", self.shadow_edge_px, "Sigma of the soft edge of new shadows.", Range{0, 32});

@@ -46,6 +46,21 @@ void paint_quadrilateral(double light, int size_px, Random& random, cv::Mat& mas
   cv::fillConvexPoly(mask, corners.data(), static_cast<int>(corners.size()), 255);
 }
 
+/// Divides the spectrum by frequency to the power `slope`; the mean goes.
+void redden(double slope, cv::Mat& field) {
+  cv::Mat spectrum;
+  cv::dft(field, spectrum, cv::DFT_COMPLEX_OUTPUT);
+  const int size = field.rows;
+  for (int row = 0; row < size; ++row) {
+    for (int col = 0; col < size; ++col) {
+      const double frequency = std::hypot(std::min(row, size - row), std::min(col, size - col));
+      const auto factor = static_cast<float>(frequency > 0 ? std::pow(frequency, -slope) : 0);
+      spectrum.at<cv::Vec2f>(row, col) *= factor;
+    }
+  }
+  cv::dft(spectrum, field, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
+}
+
 }  // namespace
 
 cv::Mat white_field(int size_px, Random random) {
@@ -80,11 +95,12 @@ cv::Mat normalised(const cv::Mat& field) {
   return deviation[0] > 0 ? cv::Mat((field - mean[0]) / deviation[0]) : field;
 }
 
-cv::Mat texture_field(int size_px, double sigma_px, const Random& random) {
-  const cv::Mat white = white_field(size_px, random);
+cv::Mat texture_field(int size_px, double sigma_px, double slope, const Random& random) {
+  cv::Mat field = white_field(size_px, random);
+  if (slope > 0) redden(slope, field);
   cv::Mat coarse;
-  blur(white, coarse, sigma_px);
-  return normalised(white - coarse);
+  blur(field, coarse, sigma_px);
+  return normalised(field - coarse);
 }
 
 cv::Mat wave_field(int size_px, double level, double amplitude, Random random) {

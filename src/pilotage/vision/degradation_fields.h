@@ -21,8 +21,9 @@ cv::Mat local_strength(const cv::Mat& fine, double sigma_px);
 /// Mean 0 and variance 1 (a flat field stays as it is).
 cv::Mat normalised(const cv::Mat& field);
 
-/// What is finer than `sigma_px` in white noise, unit variance.
-cv::Mat texture_field(int size_px, double sigma_px, const Random& random);
+/// What is finer than `sigma_px` in noise whose amplitude falls with frequency to the power `slope` (0: white noise, no
+/// transform is made), unit variance.
+cv::Mat texture_field(int size_px, double sigma_px, double slope, const Random& random);
 
 /// level · (1 + amplitude · one slow wave of random direction and phase), half to one and a half periods across.
 cv::Mat wave_field(int size_px, double level, double amplitude, Random random);
