@@ -24,8 +24,9 @@ struct CalibrateOptions {
   static void describe(Self& self, Fields& fields) {
     fields.field("anchors", self.anchors,
                  "Places whose share of correct fixes flights can expect: they set the level of P. Without it: all.");
-    fields.path("adapt", self.adapt,
-                "Fit nothing, but move the level of this model (\"default\": the program's own) to what was found here.");
+    fields.path(
+        "adapt", self.adapt,
+        "Fit nothing, but move the level of this model (\"default\": the program's own) to what was found here.");
     fields.field("date", self.date, "Date that the model carries, as 2026-11-21; nothing else is dated.");
   }
 };
@@ -68,7 +69,8 @@ void tell(const MatcherModel& model, const std::vector<FitSet>& sets, CommandRes
   }
   result.text += flying_matcher_name(model.matcher) + ": " + std::to_string(samples) + " tiles of " +
                  std::to_string(sets.size()) + " evaluations, " + std::to_string(correct) +
-                 " correct; level differs by " + format_fixed(model.place_sigma, 2) + " (logits, 1 sigma) among anchors\n";
+                 " correct; level differs by " + format_fixed(model.place_sigma, 2) +
+                 " (logits, 1 sigma) among anchors\n";
 }
 
 }  // namespace

@@ -66,8 +66,8 @@ Scored score_plan_file(const ScoreCommandOptions& options, const Invocation& inv
   const ScoreOptions& score = options.imagery.score;
   ScoredPlan of_plan = score_plan(plan, score, invocation.seed, invocation.threads, invocation.progress);
   const Crs crs = Crs::from_user_input(plan.crs_wkt);
-  Scored scored{crs,         level.matrix, tile_rows(plan, of_plan.scores), {}, {},
-                plan.camera, std::move(of_plan.second_epoch)};
+  Scored scored{crs, level.matrix, tile_rows(plan, of_plan.scores), {},
+                {},  plan.camera,  std::move(of_plan.second_epoch)};
   if (!options.evaluate.wanted()) return scored;
   scored.ground = {crs,           level.matrix, level.search_radius_px, {}, dataset_names(plan), plan.imagery_options,
                    plan.elevation};
@@ -85,8 +85,8 @@ Scored score_rasters(const ScoreCommandOptions& options, const Invocation& invoc
               scored.rows, invocation.inputs, options.imagery.imagery,
               ""};
   }
-  return {std::move(scored.crs),      scored.matrix,     std::move(scored.rows),
-          std::move(scored.warnings), std::move(ground), {},
+  return {std::move(scored.crs),         scored.matrix,     std::move(scored.rows),
+          std::move(scored.warnings),    std::move(ground), {},
           std::move(scored.second_epoch)};
 }
 

@@ -28,7 +28,7 @@ TEST(FitModel, FindsTheFunctionThatOutcomesWereDrawnFrom) {
     sets.push_back(drawn_set("a", true, 0.3, area, 3000, random));
     sets.push_back(drawn_set("b", true, -0.3, area, 3000, random));
     // Flown over in another season: the level of these places must not reach the slopes, nor the level of P.
-    sets.push_back(drawn_set("c", false, 4, area, 3000, random));
+    sets.push_back(drawn_set("c", false, 1.5, area, 3000, random));
   }
   const MatcherModel model = fit_matcher_model(FlyingMatcher::kFeatures, sets);
   EXPECT_NEAR(model.vote_contrast.coefficient, 2, 0.1);

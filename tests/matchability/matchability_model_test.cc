@@ -50,7 +50,8 @@ TEST(MatchabilityModel, IsTheStatedLogisticFunction) {
 TEST(MatchabilityModel, PromisesNoMoreThanTheOutermostGroundSeen) {
   const double outermost = predict_p_correct_fix(simple_model(), {6.5, -1, 8}, 100);
   EXPECT_EQ(predict_p_correct_fix(simple_model(), {60, -1, 8}, 100), outermost);
-  EXPECT_LT(predict_p_correct_fix(simple_model(), {3, -1, 8}, 100), predict_p_correct_fix(simple_model(), {3.5, -1, 8}, 100))
+  EXPECT_LT(predict_p_correct_fix(simple_model(), {3, -1, 8}, 100),
+            predict_p_correct_fix(simple_model(), {3.5, -1, 8}, 100))
       << "ground worse than any seen is worse still";
 }
 

@@ -137,7 +137,8 @@ TEST(SelfVotes, RepeatedGroundIsNoisier) {
 
 TEST(SelfVotes, FlatGroundHasNoFeaturesAndNoNoise) {
   const cv::Mat flat(400, 400, CV_8U, cv::Scalar(90));
-  const SelfVotes votes = count_self_votes(source_of(flat), matrix_of(flat, 200, 100), std::vector<std::int64_t>{0}, {}).front();
+  const SelfVotes votes =
+      count_self_votes(source_of(flat), matrix_of(flat, 200, 100), std::vector<std::int64_t>{0}, {}).front();
   EXPECT_EQ(votes.features, 0);
   EXPECT_TRUE(std::isnan(votes.noise));
 }

@@ -102,7 +102,8 @@ EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::
     if (std::isnan(score.map_features) || std::isnan(score.frieden_deficit)) {
       throw DataError(row.where() + "no map_features or no frieden_deficit; score with the measure correct_fix");
     }
-    result.set.samples.push_back({matchability_inputs(score, tile_size_px), outcome == outcome_name(Outcome::kCorrect)});
+    result.set.samples.push_back(
+        {matchability_inputs(score, tile_size_px), outcome == outcome_name(Outcome::kCorrect)});
   }
   return result;
 }

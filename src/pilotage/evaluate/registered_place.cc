@@ -20,7 +20,8 @@ Eigen::Vector2d nearest_displacement_m(const WarpField& field, const Eigen::Vect
         const double begin = origin + index * field.cell_m;
         return std::clamp(value, begin + 0.01 * field.cell_m, begin + 0.99 * field.cell_m);
       };
-      const Eigen::Vector2d in_cell_m(inside(point_m.x(), field.min_x_m, column), inside(point_m.y(), field.min_y_m, row));
+      const Eigen::Vector2d in_cell_m(inside(point_m.x(), field.min_x_m, column),
+                                      inside(point_m.y(), field.min_y_m, row));
       const double distance_m = (in_cell_m - point_m).norm();
       if (distance_m >= nearest) continue;
       nearest = distance_m;

@@ -1,13 +1,13 @@
 #include "pilotage/matchability/fit_model.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <span>
+
+#include <ceres/ceres.h>
 
 #include "pilotage/base/error.h"
 
@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kSlopeRidge = 0.3;
 constexpr double kLevelRidge = 0.05;
+constexpr double kPlaceRidge = 0.2;
 constexpr std::int64_t kMinOfEach = 50;
 /// Tiles that overlap succeed and fail together: so many count as one where a level is learned from a single place.
 constexpr double kTilesThatShareGround = 4;
@@ -118,53 +119,60 @@ double contrasts_of(const MatcherModel& model, const MatchabilityInputs& inputs)
              standardised(model.gray_contrast, inputs.gray_contrast);
 }
 
-/// Rows of the anchors with one parameter for the level; each set weighs as much as a hundred frames.
-void append_rows(const FitSet& set, const MatcherModel& model, std::array<int, 3> parameters, double mean_area,
+double area_term(const MatcherModel& model, const MatchabilityInputs& inputs) {
+  return model.intercept + model.area_coefficient * inputs.described_area;
+}
+
+/// Rows whose z is `factors` · parameters + what the model says already; each set weighs as much as a hundred frames.
+template <class Factors>
+void append_rows(const FitSet& set, const MatcherModel& model, std::array<int, 3> parameters, Factors factors,
                  std::vector<Row>& rows) {
   for (const FitSample& sample : set.samples) {
     Row row;
     row.parameter = parameters;
-    row.factor = {1, sample.inputs.described_area - mean_area, 0};
-    row.offset = contrasts_of(model, sample.inputs);
+    row.factor = factors(sample.inputs);
+    row.offset = contrasts_of(model, sample.inputs) + area_term(model, sample.inputs);
     row.weight = 100.0 / static_cast<double>(set.samples.size());
     row.correct = sample.correct;
     rows.push_back(row);
   }
 }
 
-double area_term(const MatcherModel& model, const MatchabilityInputs& inputs) {
-  return model.intercept + model.area_coefficient * inputs.described_area;
-}
-
+/// How much more is found in larger frames of the same place, then how much is found at all.
 void fit_level(const std::vector<FitSet>& sets, MatcherModel& model) {
-  std::vector<FitSet> anchors;
+  std::map<std::string, std::vector<const FitSet*>> places;
   for (const FitSet& set : sets) {
-    if (set.anchor && !set.samples.empty()) anchors.push_back(set);
+    if (set.anchor && !set.samples.empty()) places[set.place].push_back(&set);
   }
-  // Around the mean, so that level and area can be told apart.
-  const double mean_area = mean_and_spread(anchors, &MatchabilityInputs::described_area).mean;
+  constexpr double kUsualArea = 8;  // around it level and area can be told apart
   std::vector<Row> rows;
-  for (const FitSet& set : anchors) append_rows(set, model, {0, 1, 0}, mean_area, rows);
-  const std::vector<double> fitted = minimise(std::move(rows), {1e-3, 1e-3});
-  model.area_coefficient = fitted[1];
-  model.intercept = fitted[0] - fitted[1] * mean_area;
-
-  std::map<std::string, std::vector<Row>> rows_of_place;
-  for (const FitSet& set : anchors) {
-    std::vector<Row>& of_place = rows_of_place[set.place];
-    const std::size_t begin = of_place.size();
-    append_rows(set, model, {0, 0, 0}, mean_area, of_place);
-    for (std::size_t i = begin; i < of_place.size(); ++i) {
-      of_place[i].factor[1] = 0;
-      of_place[i].offset += area_term(model, set.samples[i - begin].inputs);
-    }
+  int place = 0;
+  for (const auto& [name, of_place] : places) {
+    ++place;
+    const auto factors = [](const MatchabilityInputs& inputs) {
+      return std::array<double, 3>{inputs.described_area - kUsualArea, 1, 0};
+    };
+    for (const FitSet* set : of_place) append_rows(*set, model, {0, place, 0}, factors, rows);
   }
+  std::vector<double> ridge(places.size() + 1, kPlaceRidge);
+  ridge[0] = 1e-3;
+  model.area_coefficient = minimise(std::move(rows), ridge).front();
+
+  const auto level = [](const MatchabilityInputs&) { return std::array<double, 3>{1, 0, 0}; };
+  std::vector<Row> all;
+  for (const auto& [name, of_place] : places) {
+    for (const FitSet* set : of_place) append_rows(*set, model, {}, level, all);
+  }
+  model.intercept = minimise(std::move(all), {1e-3}).front();
+
   double squares = 0;
-  for (auto& [place, of_place] : rows_of_place) {
-    const double off = minimise(std::move(of_place), {0.5}).front();
+  for (const auto& [name, of_place] : places) {
+    std::vector<Row> of_one;
+    for (const FitSet* set : of_place) append_rows(*set, model, {}, level, of_one);
+    const double off = minimise(std::move(of_one), {kPlaceRidge}).front();
     squares += off * off;
   }
-  model.place_sigma = std::sqrt(squares / static_cast<double>(rows_of_place.size()));
+  model.place_sigma = std::sqrt(squares / static_cast<double>(places.size()));
 }
 
 void check_sets(const std::vector<FitSet>& of_slopes, const std::vector<FitSet>& sets) {

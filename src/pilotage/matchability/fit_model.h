@@ -27,8 +27,9 @@ struct FitSet {
 ///    is found more often than the rest of it, and not that one place was flown over in a better season. From the sets
 ///    that are no anchors, or from all where there are no others. Slopes have a ridge of 0.3 on standardised inputs,
 ///    levels one of 0.05.
-/// 2. Intercept and area coefficient, the slopes held, on the anchors, each set with the same weight. place_sigma is the
-///    root mean square of what the levels of their places are off by.
+/// 2. On the anchors, the slopes held and each set with the same weight: the area coefficient with a level for each
+///    place, then the one intercept that gives all of them their mean rate. place_sigma is the root mean square of what
+///    their places' levels are off from it.
 ///
 /// Deterministic. Throws DataError when there is no anchor, when the anchors have a single outcome, or when step 1 has
 /// fewer than 50 samples of either outcome.

@@ -60,8 +60,7 @@ MatchabilityInputs matchability_inputs(const TileScore& score, int tile_size_px,
   }
   const double noise = std::isnan(score.vote_noise) ? 0 : score.vote_noise;
   const double described_px = std::max(tile_size_px - 2 * kDescriptorBorder_px, 4);
-  return {std::log((score.map_features + 2) / (noise + 0.3)),
-          std::log(contrast + 0.01), 2 * std::log(described_px)};
+  return {std::log((score.map_features + 2) / (noise + 0.3)), std::log(contrast + 0.01), 2 * std::log(described_px)};
 }
 
 double predict_p_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features) {

@@ -31,7 +31,8 @@ struct MatchabilityInputs {
   double vote_contrast = 0;
   /// ln(σ/f̄ + 0.01) of the gray values: what haze, season and shadows leave of the picture.
   double gray_contrast = 0;
-  /// ln of the pixels of the frame at which descriptors can be taken: the tile without a border of kDescriptorBorder_px.
+  /// ln of the pixels of the frame at which descriptors can be taken: the tile without a border of
+  /// kDescriptorBorder_px.
   double described_area = 0;
 };
 
@@ -62,8 +63,8 @@ struct MatcherModel {
 
 /// Trained parameters (schemas/matchability-model.schema.json), with where they come from.
 struct MatchabilityModel {
-  std::string date;                 ///< When it was fitted, ISO 8601.
-  std::vector<std::string> places;  ///< The imagery that the slopes were fitted on.
+  std::string date;                  ///< When it was fitted, ISO 8601.
+  std::vector<std::string> places;   ///< The imagery that the slopes were fitted on.
   std::vector<std::string> anchors;  ///< Those of them that set the level.
   std::vector<MatcherModel> matchers;
 };

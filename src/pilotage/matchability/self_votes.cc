@@ -212,7 +212,8 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
     }
     parallel_for(places.size(), threads, [&](std::size_t i, int worker) {
       const std::int64_t column = tile_indices[places[i]] % matrix.matrix_width();
-      result[places[i]] = votes_of_tile(matrix.tile_window(column, row), touched, surfaces[static_cast<std::size_t>(worker)]);
+      result[places[i]] =
+          votes_of_tile(matrix.tile_window(column, row), touched, surfaces[static_cast<std::size_t>(worker)]);
     });
   }
   return result;

@@ -19,7 +19,7 @@ struct ScoredPlan {
 
 /// Scores every tile of a plan on its imagery, level by level; tile size, stride and search radius are the plan's.
 /// Throws as score_tiles, open_gray_on_grid and compare_epochs_of_plan.
-ScoredPlan score_plan(const TilePlan& plan, const ScoreOptions& options, std::uint64_t seed = 1,
-                                  int threads = 0, const Progress& progress = {});
+ScoredPlan score_plan(const TilePlan& plan, const ScoreOptions& options, std::uint64_t seed = 1, int threads = 0,
+                      const Progress& progress = {});
 
 }  // namespace pilotage

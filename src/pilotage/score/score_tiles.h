@@ -25,7 +25,7 @@ enum class ScoreMeasure {
   kDegraded,        ///< The same for degraded copies of the tile.
   kGroundCover,  ///< Vegetation, water, direction of edges; of a plan also relief. Not measured by score_tiles, which
                  ///< sees no colours.
-  kCorrectFix,  ///< P(correct fix) and what it is made of; V, H and the deficit are then measured too.
+  kCorrectFix,   ///< P(correct fix) and what it is made of; V, H and the deficit are then measured too.
 };
 
 inline EnumNames<ScoreMeasure> enum_names(ScoreMeasure) {
@@ -58,7 +58,7 @@ struct ScoreOptions {
   std::string model;
   int degraded_copies = 2;
   DegradationOptions degradation;
-  FeatureOptions features;  ///< Of the map that will be built; no option of `score`, `prepare` sets it.
+  FeatureOptions features;                ///< Of the map that will be built; no option of `score`, `prepare` sets it.
   std::vector<std::string> second_epoch;  ///< Not looked at by score_tiles: see score_second_epoch.h.
   RegistrationOptions registration;
 

@@ -213,8 +213,8 @@ HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, int k, Hamm
   return result;
 }
 
-void HammingIndex::scan_window(const FeatureSet& queries, std::size_t query, const HammingWindow& window,
-                               Scan scan, Nearest& nearest) const {
+void HammingIndex::scan_window(const FeatureSet& queries, std::size_t query, const HammingWindow& window, Scan scan,
+                               Nearest& nearest) const {
   // A window with a NaN edge holds nothing.
   if (!(window.min_x_px <= window.max_x_px && window.min_y_px <= window.max_y_px)) return;
   const auto words = query_words(queries, query);
