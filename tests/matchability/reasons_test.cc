@@ -128,6 +128,9 @@ TEST(Reasons, VegetationWaitsForTheSecondDate) {
   score.vegetation_share = 0.9;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kVegetation));
   EXPECT_THAT(text(score), HasSubstr("90 % of it is green"));
+  score.p_correct_fix = 0.7;
+  EXPECT_THAT(codes(score), IsEmpty()) << "a suspicion is told of a low P only";
+  score.p_correct_fix = 0.3;
   score.epoch.margin = 0.4;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kWeak)) << "it was seen to stay";
   score.epoch.margin = -0.1;
@@ -164,21 +167,21 @@ TEST(Reasons, Changed) {
 
 TEST(Reasons, TheHeaviestThreeInOrder) {
   TileScore score = good();
-  score.water_share = 0.31;       // a little over 0.3
-  score.aperture = 0.01;          // far below
-  score.vegetation_share = 0.68;  // a little over 0.6
-  score.map_features = 20;        // far below
+  score.water_share = 0.105;     // a little over 0.1
+  score.aperture = 0.01;         // far below
+  score.vegetation_share = 0.9;  // a little over 0.8
+  score.map_features = 20;       // far below
   score.vote_noise = 0.1;
   const std::vector<Reason> reasons = tile_reasons(score, context_of());
   ASSERT_EQ(reasons.size(), 3U);
-  EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kEdgeOnly, ReasonCode::kFewFeatures, ReasonCode::kVegetation));
+  EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kEdgeOnly, ReasonCode::kFewFeatures, ReasonCode::kWater));
   EXPECT_GE(reasons[0].weight, reasons[1].weight);
   EXPECT_GE(reasons[1].weight, reasons[2].weight);
 }
 
 TEST(Reasons, TheWatchListTellsOnlyWhatIsPlain) {
   TileScore score = good(0.3);
-  score.water_share = 0.26;  // 0.87 of the threshold
+  score.water_share = 0.087;  // 0.87 of the threshold
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kWater));
   score.p_correct_fix = 0.7;
   EXPECT_THAT(codes(score), IsEmpty());

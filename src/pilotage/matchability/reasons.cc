@@ -16,15 +16,15 @@ constexpr double kEnoughContrast = 0.15;  // σ/f̄ = √deficit
 constexpr double kEnoughFeatures = 60;
 constexpr double kMostVoteNoise = 0.03;   // per feature
 constexpr double kMostRivalRatio = 0.75;  // R₂/R₁ of the clean surface
-constexpr double kMuchVegetation = 0.6;
-constexpr double kMuchWater = 0.3;
-constexpr double kLeastAperture = 0.15;
+constexpr double kMuchVegetation = 0.8;
+constexpr double kMuchWater = 0.1;
+constexpr double kLeastAperture = 0.2;
 constexpr double kMuchRelief = 0.15;  // of the height above ground
 constexpr double kEnoughPixels = 100;
 constexpr double kEpochMargin = 0.05;
 constexpr double kEpochSurvival = 0.1;
-constexpr double kEpochKept = 0.2;  // from this margin on plants have been seen not to matter
 constexpr double kSoft = 0.8;
+constexpr double kSuspicion = 0.99;
 constexpr double kHeaviest = 10;
 constexpr std::size_t kMostReasons = 3;
 
@@ -96,18 +96,18 @@ Reason repeats(const TileScore& score, const ReasonContext& context) {
   return rival.weight >= 1 || rival.weight >= alike.weight ? rival : alike;
 }
 
+/// Not measured, it is a suspicion: some forests are found better than anything else (docs/methods/reasons.md), so it
+/// is told of a low P only, and behind what is plain.
 Reason vegetation(const TileScore& score) {
-  const bool measured = !std::isnan(score.epoch.margin);
-  Reason reason{ReasonCode::kVegetation,
-                percent(score.vegetation_share) + " of it is green: plants look different in another season.",
-                beyond(score.vegetation_share, kMuchVegetation)};
-  if (measured && score.epoch.margin >= kEpochKept) reason.weight = 0;
-  if (measured && score.epoch.margin < kEpochMargin) {
-    reason.weight *= 2;
-    reason.text = percent(score.vegetation_share) + " of it is green, and the second date looks different (margin " +
-                  format_fixed(score.epoch.margin, 2) + ").";
+  const std::string green = percent(score.vegetation_share) + " of it is green";
+  const double weight = beyond(score.vegetation_share, kMuchVegetation);
+  if (std::isnan(score.epoch.margin)) {
+    return {ReasonCode::kVegetation, green + ": plants may look different in another season.",
+            std::min(kSoft * weight, kSuspicion)};
   }
-  return reason;
+  return {ReasonCode::kVegetation,
+          green + ", and the second date looks different (margin " + format_fixed(score.epoch.margin, 2) + ").",
+          score.epoch.margin < kEpochMargin ? 2 * weight : 0};
 }
 
 Reason water(const TileScore& score) {

@@ -24,7 +24,7 @@ enum class ScoreMeasure {
   kDegraded,        ///< The same for degraded copies of the tile.
   kGroundCover,  ///< Vegetation, water, direction of edges; of a plan also relief. Not measured by score_tiles, which
                  ///< sees no colours.
-  kCorrectFix,  ///< P(correct fix) and what it is made of; V, H and the deficit are then measured too.
+  kCorrectFix,   ///< P(correct fix) and what it is made of; V, H and the deficit are then measured too.
 };
 
 inline EnumNames<ScoreMeasure> enum_names(ScoreMeasure) {
