@@ -31,6 +31,9 @@ std::vector<TileRow> random_rows(int count) {
     for (const ScoreColumn& column : score_columns()) {
       if (random.below(4) != 0) column.set(row.score, number());
     }
+    for (const auto& entry : enum_names(ReasonCode{})) {
+      if (i % 4 != 0 && random.below(5) == 0) row.score.reasons.push_back(entry.value);
+    }
     rows.push_back(row);
   }
   return rows;
@@ -90,6 +93,7 @@ TEST(TileTable, RoundTripIsExact) {
     EXPECT_EQ(again[i].score.tile_id, rows[i].tile.tile_id);
     EXPECT_EQ(again[i].score.row, rows[i].tile.row);
     EXPECT_EQ(again[i].tile.valid_fraction, rows[i].score.valid_fraction);
+    EXPECT_EQ(again[i].score.reasons, rows[i].score.reasons);
     for (const ScoreColumn& column : score_columns()) {
       const double before = column.get(rows[i].score);
       const double after = column.get(again[i].score);
@@ -121,9 +125,20 @@ TEST(TileTable, RefusesDamagedTables) {
             "t.csv: line 2: tile_id = \"1099511627776x\" is not allowed");
   EXPECT_THAT(error_of(replaced("1099511627779", "1099511627776")),
               ::testing::HasSubstr("line 3: tile_id 1099511627776 does not follow 1099511627776"));
-  EXPECT_THAT(error_of(csv + "1,2\n"),
-              ::testing::HasSubstr("line 5: 2 cells, expected " + std::to_string(14 + score_columns().size())));
+  EXPECT_THAT(error_of(csv + "1,2\n"), ::testing::HasSubstr("line 5: 2 cells, expected 49"));
   EXPECT_EQ(error_of(csv + "\n"), "") << "an empty line is no row (base/csv.h)";
+}
+
+TEST(TileTable, ReasonsAreKnownWords) {
+  std::vector<TileRow> rows = random_rows(1);
+  rows[0].score.reasons = {ReasonCode::kRepeats, ReasonCode::kWater};
+  const std::string csv = tile_table_to_csv(rows);
+  ASSERT_THAT(csv, ::testing::HasSubstr(",repeats;water\n"));
+  for (const char* bad : {"repeats;", ";water", "repeats;;water", "boring", "repeats water"}) {
+    std::string text = csv;
+    text.replace(text.find("repeats;water"), 13, bad);
+    EXPECT_THAT(error_of(text), ::testing::HasSubstr("reasons = ")) << bad;
+  }
 }
 
 TEST(TileTable, NotANumberIsNoCell) {

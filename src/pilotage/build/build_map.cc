@@ -64,6 +64,8 @@ MapHeader make_header(const TilePlan& plan, bool chips) {
     header.tile_columns.push_back({column.name, MapColumnType::kReal,
                                    column.description + (column.unit.empty() ? "" : " [" + column.unit + "]")});
   }
+  header.tile_columns.push_back(
+      {"reasons", MapColumnType::kText, "Why it may not be recognised, joined by semicolons"});
   header.description = "Reference map for visual navigation along " + plan.route.name;
   return header;
 }
@@ -83,6 +85,7 @@ void write_tiles(MapWriter& writer, const TilePlan& plan, const std::vector<Sele
     std::vector<MapValue> values{std::string(tile_status_name(score->status)), score->valid_fraction,
                                  tile->route_distance_m, tile->route_offset_m};
     for (const ScoreColumn& column : score_columns()) values.emplace_back(column.get(*score));
+    values.emplace_back(reason_words(*score));
     writer.add_tile(row, values);
   }
 }

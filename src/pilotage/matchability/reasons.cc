@@ -12,19 +12,19 @@ namespace {
 
 // Thresholds: docs/methods/reasons.md says where each comes from.
 constexpr double kEnoughGround = 0.75;
-constexpr double kEnoughContrast = 0.06;  // σ/f̄ = √deficit
+constexpr double kEnoughContrast = 0.15;  // σ/f̄ = √deficit
 constexpr double kEnoughFeatures = 60;
-constexpr double kMostVoteNoise = 0.06;   // per feature
+constexpr double kMostVoteNoise = 0.03;   // per feature
 constexpr double kMostRivalRatio = 0.75;  // R₂/R₁ of the clean surface
-constexpr double kMuchVegetation = 0.6;
-constexpr double kMuchWater = 0.3;
-constexpr double kLeastAperture = 0.15;
+constexpr double kMuchVegetation = 0.8;
+constexpr double kMuchWater = 0.1;
+constexpr double kLeastAperture = 0.2;
 constexpr double kMuchRelief = 0.15;  // of the height above ground
 constexpr double kEnoughPixels = 100;
 constexpr double kEpochMargin = 0.05;
 constexpr double kEpochSurvival = 0.1;
-constexpr double kEpochKept = 0.2;  // from this margin on plants have been seen not to matter
 constexpr double kSoft = 0.8;
+constexpr double kSuspicion = 0.99;
 constexpr double kHeaviest = 10;
 constexpr std::size_t kMostReasons = 3;
 
@@ -67,7 +67,8 @@ Reason flat(const TileScore& score) {
     return {ReasonCode::kFlat, "All pixels have the same gray value: there is nothing to recognise.", kHeaviest};
   }
   const double contrast = std::sqrt(std::max(score.frieden_deficit, 0.0));
-  return {ReasonCode::kFlat, "Nearly flat: gray values differ by " + format_fixed(100 * contrast, 1) + " % only.",
+  return {ReasonCode::kFlat,
+          "Low contrast: gray values differ by " + format_fixed(100 * contrast, 0) + " % of their mean.",
           std::isnan(score.frieden_deficit) ? 0 : short_of(contrast, kEnoughContrast)};
 }
 
@@ -89,24 +90,24 @@ Reason repeats(const TileScore& score, const ReasonContext& context) {
   const double noise =
       score.map_features > 0 ? score.vote_noise / score.map_features : std::numeric_limits<double>::quiet_NaN();
   const Reason alike{ReasonCode::kRepeats,
-                     "Its features look like each other: wrong places get votes from " + percent(noise) + " of them (" +
-                         percent(kMostVoteNoise) + " is much).",
+                     "Its features look like each other: wrong places get " + format_fixed(100 * noise, 1) +
+                         " votes for every hundred of them (" + format_fixed(100 * kMostVoteNoise, 0) + " is much).",
                      beyond(noise, kMostVoteNoise)};
   return rival.weight >= 1 || rival.weight >= alike.weight ? rival : alike;
 }
 
+/// Not measured, it is a suspicion: some forests are found better than anything else (docs/methods/reasons.md), so it
+/// is told of a low P only, and behind what is plain.
 Reason vegetation(const TileScore& score) {
-  const bool measured = !std::isnan(score.epoch.margin);
-  Reason reason{ReasonCode::kVegetation,
-                percent(score.vegetation_share) + " of it is green: plants look different in another season.",
-                beyond(score.vegetation_share, kMuchVegetation)};
-  if (measured && score.epoch.margin >= kEpochKept) reason.weight = 0;
-  if (measured && score.epoch.margin < kEpochMargin) {
-    reason.weight *= 2;
-    reason.text = percent(score.vegetation_share) + " of it is green, and the second date looks different (margin " +
-                  format_fixed(score.epoch.margin, 2) + ").";
+  const std::string green = percent(score.vegetation_share) + " of it is green";
+  const double weight = beyond(score.vegetation_share, kMuchVegetation);
+  if (std::isnan(score.epoch.margin)) {
+    return {ReasonCode::kVegetation, green + ": plants may look different in another season.",
+            std::min(kSoft * weight, kSuspicion)};
   }
-  return reason;
+  return {ReasonCode::kVegetation,
+          green + ", and the second date looks different (margin " + format_fixed(score.epoch.margin, 2) + ").",
+          score.epoch.margin < kEpochMargin ? 2 * weight : 0};
 }
 
 Reason water(const TileScore& score) {
@@ -131,9 +132,12 @@ Reason relief(const TileScore& score, const ReasonContext& context) {
 
 Reason coarse(const ReasonContext& context) {
   const int side = context.matrix.tile_size_px;
+  const double pixel_m = std::sqrt(std::abs(context.matrix.map_from_pixel.determinant())) * context.metres_per_unit;
+  const std::string pixel = std::isnan(pixel_m) ? "" : format_fixed(pixel_m, 2) + " m ";
   return {ReasonCode::kCoarse,
-          "A frame shows only " + std::to_string(side) + " x " + std::to_string(side) + " pixels of the map, " +
-              format_fixed(kEnoughPixels, 0) + " are needed: take finer imagery, or fly higher.",
+          "A frame shows only " + std::to_string(side) + " x " + std::to_string(side) + " pixels of " + pixel +
+              "of the map; below " + format_fixed(kEnoughPixels, 0) +
+              " fixes get rare: fly higher, or take finer imagery.",
           short_of(side, kEnoughPixels)};
 }
 

@@ -63,12 +63,7 @@ Cell status_cell() {
 
 /// Codes joined by semicolons.
 Cell reasons_cell() {
-  return {"reasons",
-          [](const TileRow& row) {
-            std::vector<std::string> words;
-            for (const ReasonCode code : row.score.reasons) words.push_back(options_detail::enum_to_name(code));
-            return join(words, ";");
-          },
+  return {"reasons", [](const TileRow& row) { return reason_words(row.score); },
           [](TileRow& row, std::string_view text) {
             row.score.reasons.clear();
             while (!text.empty()) {
@@ -237,6 +232,12 @@ const ScoreColumn* find_score_column(std::string_view name) {
     if (column.name == name) return &column;
   }
   return nullptr;
+}
+
+std::string reason_words(const TileScore& score) {
+  std::vector<std::string> words;
+  for (const ReasonCode code : score.reasons) words.push_back(options_detail::enum_to_name(code));
+  return join(words, ";");
 }
 
 std::string_view tile_status_name(TileStatus status) {

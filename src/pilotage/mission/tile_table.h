@@ -41,6 +41,7 @@ const std::vector<ScoreColumn>& score_columns();
 /// The column of a name, or nullptr.
 const ScoreColumn* find_score_column(std::string_view name);
 
+std::string reason_words(const TileScore& score);      ///< The codes of its reasons, joined by semicolons.
 std::string_view tile_status_name(TileStatus status);  ///< "scored", "too_little_ground" or "flat".
 
 /// tiles.csv: a header line, then one line per row; comma separated, no quotes, "\n". Numbers are the shortest text

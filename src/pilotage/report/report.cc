@@ -8,6 +8,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/safe_text.h"
+#include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
 #include "pilotage/report/route_line.h"
@@ -113,7 +114,13 @@ std::vector<ReportTile> join_tiles(const ReportInput& input) {
   }
   std::sort(tiles.begin(), tiles.end(),
             [](const ReportTile& a, const ReportTile& b) { return a.tile.tile_id < b.tile.tile_id; });
-  for (ReportTile& tile : tiles) tile.reason = reason_for(tile);
+  for (ReportTile& tile : tiles) {
+    tile.reason = reason_for(tile);
+    if (!tile.scored) continue;
+    const auto level = std::find_if(input.plan.levels.begin(), input.plan.levels.end(),
+                                    [&](const PlanLevel& entry) { return entry.matrix.level == tile.tile.level; });
+    tile.reasons = reasons_text(tile_reasons(tile.score, reason_context(*level)));
+  }
   return tiles;
 }
 

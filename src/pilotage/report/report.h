@@ -44,6 +44,8 @@ struct ReportTile {
   bool scored = false;
   bool selected = false;
   std::string reason;  ///< Why it is not selected, as one sentence; "" when it is.
+  std::string
+      reasons;  ///< Why it is not, or may not be, recognised (matchability/reasons.h); "" when nothing speaks so.
 };
 
 /// A stretch of the route over selected tiles.

@@ -1,0 +1,103 @@
+#include "raster/raster_maker.h"
+#include "testing/temporary_folder.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/raster/color_source.h"
+#include "pilotage/raster/gdal_io.h"
+
+namespace pilotage {
+namespace {
+
+using testing::make_raster;
+using testing::RasterSpec;
+using testing::TemporaryFolder;
+
+const Crs kUtm = Crs::from_user_input("EPSG:32633");
+
+RasterSpec colors_of(GDALDataType type, double red) {
+  RasterSpec spec;
+  spec.bands = 3;
+  spec.type = type;
+  spec.creation_options = {"PHOTOMETRIC=RGB"};
+  spec.value = [red](int band, int col, int row) { return red / (band + 1) + (col % 5) + (row % 3); };
+  return spec;
+}
+
+Raster read_all(const ColorSource& source) {
+  return source.read({0, 0, static_cast<int>(source.width_px), static_cast<int>(source.height_px)});
+}
+
+TEST(Colors, KeepTheirDepthAndTheirRatios) {
+  const TemporaryFolder folder;
+  struct Case {
+    GDALDataType type;
+    int depth;
+    double red;
+  };
+  for (const Case& one : {Case{GDT_Byte, CV_8U, 120}, Case{GDT_UInt16, CV_16U, 6000}, Case{GDT_Float32, CV_64F, 0.5}}) {
+    const RasterSpec spec = colors_of(one.type, one.red);
+    const std::string path = make_raster(folder / ("c" + std::to_string(one.depth) + ".tif"), spec);
+    const ColorSource own = open_colors(path);
+    const ColorSource grid = open_colors_on_grid({path}, kUtm, spec.place, 60, 40);
+    for (const ColorSource& source : {own, grid}) {
+      EXPECT_EQ(source.channels, 3);
+      EXPECT_EQ(source.depth, one.depth);
+      const Raster raster = read_all(source);
+      ASSERT_EQ(raster.pixels.type(), CV_MAKETYPE(one.depth, 3));
+      cv::Mat wide;
+      raster.pixels.convertTo(wide, CV_64F);
+      const auto pixel = wide.at<cv::Vec3d>(6, 10);  // its column and row add nothing
+      EXPECT_NEAR(pixel[0], one.red, 1e-6);
+      EXPECT_NEAR(pixel[1], one.red / 2, 1e-6);
+      EXPECT_NEAR(pixel[2], one.red / 3, 1e-6);
+      EXPECT_EQ(cv::countNonZero(raster.valid), 60 * 40);
+    }
+    // The gray of colours is what the readers of gray give.
+    const Raster gray = gray_source_of(grid).read({3, 4, 20, 10});
+    const Raster expected = open_gray_on_grid({path}, kUtm, spec.place, 60, 40).read({3, 4, 20, 10});
+    EXPECT_EQ(cv::norm(gray.pixels, expected.pixels, cv::NORM_INF), 0);
+    EXPECT_EQ(gray.pixels.type(), expected.pixels.type());
+  }
+}
+
+TEST(Colors, OneBandHasNone) {
+  const TemporaryFolder folder;
+  RasterSpec spec;
+  const std::string gray = make_raster(folder / "gray.tif", spec);
+  EXPECT_EQ(open_colors(gray).channels, 1);
+  EXPECT_EQ(read_all(open_colors(gray)).pixels.type(), CV_8UC1);
+
+  // Among colours it shows three equal bands.
+  const std::string colored = make_raster(folder / "colored.tif", colors_of(GDT_Byte, 120));
+  const ColorSource mosaic = open_colors_on_grid({colored, gray}, kUtm, spec.place, 60, 40);
+  EXPECT_EQ(mosaic.channels, 3);
+  const auto pixel = read_all(mosaic).pixels.at<cv::Vec3b>(6, 11);
+  EXPECT_EQ(pixel[0], (11 * 3 + 6 * 7) % 251);
+  EXPECT_EQ(pixel[0], pixel[1]);
+  EXPECT_EQ(pixel[1], pixel[2]);
+}
+
+TEST(Colors, NotFiniteIsNoGroundAndWindowsStayInside) {
+  const TemporaryFolder folder;
+  RasterSpec spec = colors_of(GDT_Float32, 1);
+  spec.value = [](int band, int col, int) { return band == 1 && col < 7 ? std::nan("") : 1.0; };
+  const ColorSource source = open_colors(make_raster(folder / "holes.tif", spec));
+  EXPECT_EQ(cv::countNonZero(read_all(source).valid), 53 * 40);
+  EXPECT_THROW(source.read({50, 0, 11, 4}), UsageError);
+}
+
+TEST(Colors, InMemory) {
+  const cv::Mat pixels(8, 9, CV_16UC3, cv::Scalar(1, 2, 3));
+  const ColorSource source = color_source_from({pixels, cv::Mat(8, 9, CV_8U, cv::Scalar(255)), {}});
+  EXPECT_EQ(source.width_px, 9);
+  EXPECT_EQ(source.height_px, 8);
+  EXPECT_EQ(source.channels, 3);
+  EXPECT_EQ(source.depth, CV_16U);
+  EXPECT_EQ(source.read({1, 2, 3, 4}).pixels.size(), cv::Size(3, 4));
+}
+
+}  // namespace
+}  // namespace pilotage
