@@ -17,12 +17,15 @@ namespace {
 
 struct CalibrateOptions {
   std::vector<std::string> anchors;
+  std::string adapt;
   std::string date;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.field("anchors", self.anchors,
                  "Places whose share of correct fixes flights can expect: they set the level of P. Without it: all.");
+    fields.path("adapt", self.adapt,
+                "Fit nothing, but move the level of this model (\"default\": the program's own) to what was found here.");
     fields.field("date", self.date, "Date that the model carries, as 2026-11-21; nothing else is dated.");
   }
 };
@@ -38,6 +41,10 @@ NamedFolder split(const std::string& input) {
     throw UsageError("\"" + input + "\" is not PLACE=FOLDER");
   }
   return {input.substr(0, equals), input.substr(equals + 1)};
+}
+
+MatchabilityModel model_to_adapt(const std::string& path) {
+  return path == "default" ? default_matchability_model() : read_matchability_model(path);
 }
 
 // The sets of each matcher, in the order of the inputs.
@@ -91,11 +98,14 @@ Command make_calibrate_command() {
     for (const std::string& anchor : anchors) {
       if (!places.contains(anchor)) throw UsageError("anchors: no input is of the place \"" + anchor + "\"");
     }
+    if (!anchors.empty() && !options.adapt.empty()) throw UsageError("--anchors has no meaning with --adapt");
     CommandResult result;
     MatchabilityModel model{options.date, {places.begin(), places.end()}, {anchors.begin(), anchors.end()}, {}};
     if (anchors.empty()) model.anchors = model.places;
     for (const auto& [matcher, sets] : read_sets(inputs, anchors)) {
-      model.matchers.push_back(fit_matcher_model(matcher, sets));
+      model.matchers.push_back(options.adapt.empty()
+                                   ? fit_matcher_model(matcher, sets)
+                                   : adapt_level(model_of(model_to_adapt(options.adapt), matcher), sets));
       tell(model.matchers.back(), sets, result);
     }
     output.write(matchability_model_to_json(model).dump(1) + "\n");

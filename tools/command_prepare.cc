@@ -43,7 +43,7 @@ Command make_prepare_command() {
                    {"within_limit", done.within_limit}};
     add_bytes_per_tile(done.map, result.json);
     result.warnings = done.warnings;
-    if (options.select.require && !done.within_limit) result.exit_code = kExitGateNotMet;
+    if (options.select.require && !done.meets_gate) result.exit_code = kExitGateNotMet;
     return result;
   });
   return command;

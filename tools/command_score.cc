@@ -10,10 +10,12 @@
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_options.h"
 #include "pilotage/evaluate/evaluation_files.h"
+#include "pilotage/evaluate/registered_place.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/score/score_imagery.h"
 #include "pilotage/score/score_plan.h"
 
@@ -23,6 +25,7 @@ namespace {
 struct ScoreCommandOptions {
   ScoreImageryOptions imagery;
   std::string table;
+  std::string second_epoch_output;
   int level = 0;
   EvaluateOptions evaluate;
   CameraOptions camera;
@@ -31,6 +34,8 @@ struct ScoreCommandOptions {
   static void describe(Self& self, Fields& fields) {
     ScoreImageryOptions::describe(self.imagery, fields);
     fields.path("table", self.table, "Also write the scores as a table (CSV), one line per tile.");
+    fields.path("second_epoch_output", self.second_epoch_output,
+                "Also write the disagreement of both dates' georeferences as a raster (GeoTIFF).");
     fields.field("level", self.level, "Level of a plan that the raster shows; the table has all.", Range{0, 30});
     fields.group("evaluate", self.evaluate, "What the scores are worth, held against another date or real frames.");
     fields.group("camera", self.camera, "The camera of --evaluate-frames; without it the plan's.");
@@ -44,6 +49,7 @@ struct Scored {
   std::vector<std::string> warnings;
   ScoredGround ground;            ///< What an evaluation needs; empty when none is wanted.
   std::optional<Camera> of_plan;  ///< The plan's camera.
+  std::optional<SecondEpoch> second_epoch;
 };
 
 bool is_plan(const std::vector<std::string>& inputs) {
@@ -57,9 +63,11 @@ Scored score_plan_file(const ScoreCommandOptions& options, const Invocation& inv
                      std::to_string(plan.levels.size()) + " level(s)");
   }
   const PlanLevel& level = plan.levels[static_cast<std::size_t>(options.level)];
-  const auto scores = score_plan(plan, options.imagery.score, invocation.seed, invocation.threads, invocation.progress);
+  const ScoreOptions& score = options.imagery.score;
+  ScoredPlan of_plan = score_plan(plan, score, invocation.seed, invocation.threads, invocation.progress);
   const Crs crs = Crs::from_user_input(plan.crs_wkt);
-  Scored scored{crs, level.matrix, tile_rows(plan, scores), {}, {}, plan.camera};
+  Scored scored{crs,         level.matrix, tile_rows(plan, of_plan.scores), {}, {},
+                plan.camera, std::move(of_plan.second_epoch)};
   if (!options.evaluate.wanted()) return scored;
   scored.ground = {crs,           level.matrix, level.search_radius_px, {}, dataset_names(plan), plan.imagery_options,
                    plan.elevation};
@@ -78,7 +86,8 @@ Scored score_rasters(const ScoreCommandOptions& options, const Invocation& invoc
               ""};
   }
   return {std::move(scored.crs),      scored.matrix,     std::move(scored.rows),
-          std::move(scored.warnings), std::move(ground), {}};
+          std::move(scored.warnings), std::move(ground), {},
+          std::move(scored.second_epoch)};
 }
 
 std::filesystem::path folder_of_outputs(const ScoreCommandOptions& options, const Invocation& invocation) {
@@ -86,24 +95,31 @@ std::filesystem::path folder_of_outputs(const ScoreCommandOptions& options, cons
   return beside.has_parent_path() ? beside.parent_path() : ".";
 }
 
-FlightFrames read_frames(const ScoreCommandOptions& options, const std::optional<Camera>& of_plan) {
-  const std::string& path = options.evaluate.frames;
-  if (path.empty()) return {};
+FrameTable read_frame_table(const EvaluateOptions& options) {
+  if (options.frames.empty()) return {};
+  return frame_table_from_csv(options.frames, read_file(options.frames), {options.frames_truth, FrameColumns::kAll});
+}
+
+FlightFrames complete(const FrameTable& table, const ScoreCommandOptions& options,
+                      const std::optional<Camera>& of_plan) {
   FrameSources sources;
   sources.of_map = of_plan;
   if (names_camera(options.camera) || !of_plan) sources.given = make_camera(options.camera);
-  const FrameTable table =
-      frame_table_from_csv(path, read_file(path), {options.evaluate.frames_truth, FrameColumns::kAll});
-  return complete_frames(path, table, sources);
+  return complete_frames(options.evaluate.frames, table, sources);
 }
 
 // Shows how well each predictor does, and writes the evaluation's files without letting them appear.
 void add_evaluation(const ScoreCommandOptions& options, const Invocation& invocation, const Scored& scored,
-                    EvaluationFiles& files, CommandResult& result) {
-  const FlightFrames frames = read_frames(options, scored.of_plan);
+                    const FrameTable& table, EvaluationFiles& files, CommandResult& result) {
+  FlightFrames frames;
+  if (!table.frames.empty()) frames = complete(table, options, scored.of_plan);
   const std::filesystem::path scratch = folder_of_outputs(options, invocation) / "evaluation_map.gpkg";
-  const Evaluation evaluation = evaluate(scored.ground, frames.frames, options.evaluate, scratch, invocation.seed,
-                                         invocation.threads, invocation.progress);
+  // The date that is judged by may be the second one as well: its registration then corrects the truth.
+  const std::vector<std::string>& second_epoch = options.imagery.score.second_epoch;
+  const bool registered = second_epoch.size() == 1 && second_epoch.front() == options.evaluate.file;
+  const Evaluation evaluation = evaluate(
+      scored.ground, frames.frames, options.evaluate, scratch, invocation.seed, invocation.threads, invocation.progress,
+      registered ? registered_place(scored.second_epoch->registration.fit.field) : PlaceOnReference(same_place));
   const EvaluationSource source{invocation.inputs, version_line(), options.evaluate, invocation.seed};
   files.write(scored.ground, evaluation, source);
   result.json["evaluation"] = evaluation_json(evaluation, source);
@@ -134,6 +150,62 @@ void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
   }
 }
 
+// Refuses what can be refused before the work is done.
+std::optional<OutputFile> check_second_epoch(const ScoreCommandOptions& options, const Invocation& invocation) {
+  for (const std::string& dataset : options.imagery.score.second_epoch) inspect_imagery(dataset);
+  if (options.second_epoch_output.empty()) return std::nullopt;
+  if (options.imagery.score.second_epoch.empty()) throw UsageError("--second-epoch-output needs --second-epoch");
+  return std::optional<OutputFile>(std::in_place, options.second_epoch_output, invocation.overwrite);
+}
+
+void write_disagreement(const ScoreCommandOptions& options, const Invocation& invocation, const Scored& scored) {
+  const SecondEpoch& epoch = *scored.second_epoch;
+  const DisagreementRaster raster = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
+  write_score_raster(options.second_epoch_output, raster.bands, scored.crs, raster.map_from_pixel,
+                     invocation.overwrite);
+}
+
+std::string metres(const Spread& spread) {
+  if (std::isnan(spread.median)) return "not known";
+  return format_fixed(spread.median, 2) + " m median, " + format_fixed(spread.quantile_95, 2) + " m 95 %, " +
+         format_fixed(spread.largest, 2) + " m largest";
+}
+
+nlohmann::ordered_json json_of(const Spread& spread) {
+  const auto number = [](double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"median", number(spread.median)},
+          {"quantile_95", number(spread.quantile_95)},
+          {"largest", number(spread.largest)}};
+}
+
+void summarise(const SecondEpoch& epoch, CommandResult& result) {
+  const Registration& registration = epoch.registration;
+  const WarpFit& fit = registration.fit;
+  const auto unknown = std::count_if(epoch.scores.begin(), epoch.scores.end(),
+                                     [](const EpochScores& score) { return std::isnan(score.disagreement_m); });
+  result.text += "second epoch: " + std::to_string(registration.finest_ties) + " ties at " +
+                 std::to_string(registration.places) + " places and " +
+                 std::to_string(static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties) +
+                 " coarser ones, " + std::to_string(fit.outliers) + " outliers\n";
+  result.text += "  disagreement: " + metres(fit.disagreement_m) + "\n  residual: " + metres(fit.residual_m) +
+                 "\n  residual of ties left out: " + metres(fit.left_out_m) + "\n";
+  result.json["second_epoch"] = {
+      {"gsd_m", registration.gsd_m},
+      {"places", registration.places},
+      {"ties", registration.finest_ties},
+      {"coarser_ties", static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties},
+      {"outliers", fit.outliers},
+      {"disagreement_m", json_of(fit.disagreement_m)},
+      {"residual_m", json_of(fit.residual_m)},
+      {"left_out_m", json_of(fit.left_out_m)},
+      {"tiles_unknown", unknown}};
+  if (unknown == 0) return;
+  result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
+                            " of " + std::to_string(epoch.scores.size()) + " tiles");
+}
+
 CommandResult tell(const Scored& scored, const Invocation& invocation) {
   const auto of_status = [&](TileStatus status) {
     return std::count_if(scored.rows.begin(), scored.rows.end(),
@@ -150,6 +222,7 @@ CommandResult tell(const Scored& scored, const Invocation& invocation) {
                  {"too_little_ground", of_status(TileStatus::kTooLittleGround)}};
   summarise(scored.rows, result);
   result.warnings = scored.warnings;
+  if (scored.second_epoch) summarise(*scored.second_epoch, result);
   return result;
 }
 
@@ -165,6 +238,8 @@ Command make_score_command() {
        "pilotage score ortho.tif --tile-size-px 256 --stride-px 64 --search-radius-px 128 -o scores.tif "
        "--table tiles.csv"},
       {"The tiles of a plan.", "pilotage score plan.json -o scores.tif --table tiles.csv"},
+      {"Measured against a second date.",
+       "pilotage score plan.json --second-epoch last_year.tif --second-epoch-output disagreement.tif -o scores.tif"},
       {"What the scores are worth: the matcher on another date.",
        "pilotage score ortho.tif --gsd-m 0.6 --tile-size-px 128 --evaluate later.tif -o scores.tif"}};
   command.inputs = {
@@ -174,14 +249,20 @@ Command make_score_command() {
     std::optional<OutputFile> table;  // what exists is refused before the work is done
     if (!options.table.empty()) table.emplace(options.table, invocation.overwrite);
     std::optional<EvaluationFiles> evaluation;
-    if (options.evaluate.wanted()) evaluation.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
+    if (options.evaluate.wanted()) {
+      check_evaluation(options.evaluate);
+      evaluation.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
+    }
+    const FrameTable frames = read_frame_table(options.evaluate);
+    const std::optional<OutputFile> refused = check_second_epoch(options, invocation);
     const Scored scored =
         is_plan(invocation.inputs) ? score_plan_file(options, invocation) : score_rasters(options, invocation);
     CommandResult result = tell(scored, invocation);
-    if (evaluation) add_evaluation(options, invocation, scored, *evaluation, result);
+    if (evaluation) add_evaluation(options, invocation, scored, frames, *evaluation, result);
     const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
     if (table) table->write(tile_table_to_csv(scored.rows));
     write_score_raster(invocation.output, raster.bands, scored.crs, raster.map_from_pixel, invocation.overwrite);
+    if (!options.second_epoch_output.empty()) write_disagreement(options, invocation, scored);
     if (table) table->commit();  // all appear, or none
     if (evaluation) evaluation->commit();
     return result;

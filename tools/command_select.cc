@@ -36,6 +36,21 @@ std::string describe_gap(const RouteGap& gap) {
          " s, error " + format_fixed(gap.error_m, 1) + " m" + (gap.within_limit ? "" : ", over the limit") + "\n";
 }
 
+std::string describe_probability(const Selection& selection) {
+  const RouteProbability& route = *selection.probability;
+  std::string text = "within the limit all the way with P = " + probability_text(route.p_within_limit) +
+                     (route.p_within_limit < route.min_p_within_limit ? ", below the " : ", at least the ") +
+                     probability_text(route.min_p_within_limit) + " asked for; expected fixes " +
+                     format_fixed(route.expected_fixes, 1) + ", false ones at most " +
+                     format_fixed(route.expected_false_fixes, 4) + "\n";
+  if (const auto& worst = route.worst) {
+    text += "most flights are lost from " + format_fixed(worst->from_distance_m / 1000, 2) + " km to " +
+            format_fixed(worst->to_distance_m / 1000, 2) + " km (leg " + std::to_string(worst->leg + 1) +
+            "): " + format_fixed(100 * worst->p_first_excess, 2) + " % of all\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 Command make_select_command() {
@@ -60,11 +75,16 @@ Command make_select_command() {
                   " tiles, at most " + format_fixed(static_cast<double>(selection.estimated_bytes) / 1e6, 2) +
                   " MB; matchable on " + format_fixed(100 * selection.matchable_fraction, 1) + " % of the route\n";
     for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);
+    if (selection.probability) result.text += describe_probability(selection);
+    if (options.select.advise) {
+      // The first note counts tiles.
+      for (std::size_t i = 1; i < selection.notes.size(); ++i) result.text += selection.notes[i] + "\n";
+    }
     result.json = selection_to_json(selection);
     result.json.erase("tile_ids");
     result.json.erase("error_profile");
     result.json["selected_tiles"] = selection.tile_ids.size();
-    if (options.select.require && !selection.within_limit) result.exit_code = kExitGateNotMet;
+    if (options.select.require && !meets_gate(selection)) result.exit_code = kExitGateNotMet;
     return result;
   });
   return command;

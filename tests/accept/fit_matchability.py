@@ -17,14 +17,16 @@ import sys
 from acceptance import need_gdal, run
 
 gdal = need_gdal()
+import numpy as np  # noqa: E402
+from osgeo import osr  # noqa: E402
 
 COARSE = ("abudhabi", "beihai", "bercy", "bordeaux", "chongqing", "cupertino", "hongkong", "milano", "mumbai", "norcia",
           "pisa", "saclay_e")
 FINE = ("levir_test_113_0256", "levir_test_7_0256_0512", "levir_train_36_0512_0512", "levir_train_386_0512_0768",
-        "levir_train_412_0512_0768")
+        "levir_train_412_0512_0768", "CS3")
 GSD_M = 0.6
 SEARCH_PX = 58  # 35 m
-SIZES_PX = {"coarse": (72, 84, 111), "fine": (84, 111), "port": (84, 111, 166, 222)}
+SIZES_PX = {"coarse": (72, 84, 111), "fine": (72, 84, 97, 111, 128), "port": (84, 111, 166, 222)}
 MEASURES = {"coarse": "correct_fix", "fine": "correct_fix",
             "port": "gray_variance,frieden_entropy,uniqueness,degraded,correct_fix"}
 TILES = {"coarse": 60, "fine": 100, "port": 600}
@@ -41,7 +43,50 @@ def as_raster(picture, path):
     return path
 
 
+def write_gray(gray, path):
+    height, width = gray.shape
+    raster = gdal.GetDriverByName("GTiff").Create(str(path), width, height, 1, gdal.GDT_Byte)
+    place = osr.SpatialReference()
+    place.ImportFromEPSG(32633)
+    raster.SetProjection(place.ExportToWkt())
+    raster.SetGeoTransform((500000, GSD_M, 0, 5000000, 0, -GSD_M))
+    raster.GetRasterBand(1).WriteArray(gray)
+
+
+def cross_season_pair(data, work, name):
+    """A pair of pairs/mmim, the second picture brought onto the first by its transform: [x y 1] T, pixels from 1."""
+    paths = [work / f"{name}_{date}.tif" for date in (1, 2)]
+    if all(path.exists() for path in paths):
+        return paths
+    with open(data / "pairs/mmim/transform_moving_to_fixed.csv", newline="", encoding="utf-8") as stream:
+        row = next(row for row in csv.DictReader(stream) if row["pair"].endswith(name))
+    moving_to_fixed = np.array([[float(row[f"t{i}{j}"]) for j in range(3)] for i in range(3)])
+    fixed, moving = (gdal.Open(str(data / f"pairs/mmim/{name}{letter}.png")).ReadAsArray().astype(float)
+                     for letter in "ab")
+    fixed, moving = (picture if picture.ndim == 2 else np.tensordot((0.299, 0.587, 0.114), picture[:3], 1)
+                     for picture in (fixed, moving))
+    rows, columns = np.indices(fixed.shape)
+    at = np.stack([columns + 1, rows + 1, np.ones(fixed.shape)], -1) @ np.linalg.inv(moving_to_fixed)
+    x, y = at[..., 0] / at[..., 2] - 1, at[..., 1] / at[..., 2] - 1
+    known = (x >= 0) & (y >= 0) & (x < moving.shape[1] - 1) & (y < moving.shape[0] - 1)
+    left, top = (np.floor(np.where(known, value, 0)).astype(int) for value in (x, y))
+    a, b = np.where(known, x, 0) - left, np.where(known, y, 0) - top
+    warped = ((1 - b) * ((1 - a) * moving[top, left] + a * moving[top, left + 1]) +
+              b * ((1 - a) * moving[top + 1, left] + a * moving[top + 1, left + 1]))
+    # The largest part that both show, by cutting off the worst side.
+    box = [0, fixed.shape[0], 0, fixed.shape[1]]
+    while not known[box[0]:box[1], box[2]:box[3]].all():
+        part = known[box[0]:box[1], box[2]:box[3]]
+        worst = int(np.argmin([part[0].mean(), part[-1].mean(), part[:, 0].mean(), part[:, -1].mean()]))
+        box[worst] += (1, -1, 1, -1)[worst]
+    for picture, path in ((fixed, paths[0]), (warped, paths[1])):
+        write_gray(np.rint(picture[box[0]:box[1], box[2]:box[3]]).astype(np.uint8), path)
+    return paths
+
+
 def pair(data, work, place):
+    if place.startswith("CS"):
+        return cross_season_pair(data, work, place)
     if place == "port":
         return data / "port/port_2019-08.tif", data / "port/port_2020-07_registered.tif"
     folder = "sentinel2" if place in COARSE else "highres"
@@ -56,7 +101,7 @@ def evaluate(options, work, place, size_px, chips, more=()):
     if not (folder / "evaluation.json").exists():
         folder.mkdir(exist_ok=True)
         reference, other = pair(options.data, work, place)
-        register = ("--evaluate-registered",) if place == "port" else ()
+        register = ("--second-epoch", other) if place == "port" else ()
         run(options.pilotage, "score", reference, "--gsd-m", GSD_M, "--tile-size-px", size_px, "--stride-px",
             max(8, size_px // 4), "--search-radius-px", SEARCH_PX, "--measures",
             MEASURES[kind], "--matcher",

@@ -106,6 +106,22 @@ TEST(InsState, StepsCompose) {
 }
 
 // The result does not depend on where north is.
+TEST(InsState, AStepWorkedOutOnceGivesTheSameBits) {
+  for (const InsGrade grade : {InsGrade::kTactical, InsGrade::kVisualOdometry}) {
+    InsOptions options;
+    options.grade = grade;
+    if (grade == InsGrade::kTactical) options.velocity_aid_sigma_mps = 1;
+    const InsErrorModel model = make_ins_error_model(options);
+    const InsState start = propagate(initial_ins_state(model, 10, 20), 7, 10, 20, model);
+    const InsState direct = propagate(start, 33, 80, 25, model);
+    const InsState stepped = propagate(start, make_ins_step(33, 80, 25, model));
+    EXPECT_EQ(direct.covariance, stepped.covariance);
+    EXPECT_EQ(direct.time_s, stepped.time_s);
+    EXPECT_EQ(stepped.heading_deg, 80);
+    EXPECT_EQ(stepped.speed_mps, 25);
+  }
+}
+
 TEST(InsState, RotatesWithTheHeading) {
   const InsErrorModel model = everything();
   const auto fly = [&](double heading_deg) {

@@ -39,6 +39,29 @@ TEST(FitModel, FindsTheFunctionThatOutcomesWereDrawnFrom) {
   EXPECT_NEAR(predict_p_correct_fix(model, {5, -1, 9}, 100), 0.5, 0.03);
 }
 
+TEST(FitModel, AnchorsSetTheLevelAndOthersTheSlopes) {
+  Random random(5);
+  std::vector<FitSet> sets;
+  for (const double area : {8.0, 10.0}) sets.push_back(drawn_set("others", false, 2, area, 3000, random));
+  FitSet anchor = drawn_set("anchor", true, 0, 9, 3000, random);
+  for (FitSample& sample : anchor.samples) sample.inputs.vote_contrast = 5 + random.normal();  // says nothing here
+  sets.push_back(anchor);
+  EXPECT_NEAR(fit_matcher_model(FlyingMatcher::kFeatures, sets).vote_contrast.coefficient, 2, 0.2);
+}
+
+TEST(FitModel, AdaptsTheLevelToOnePlaceAndNoMore) {
+  Random random(4);
+  const MatcherModel model = fit_matcher_model(
+      FlyingMatcher::kFeatures, {drawn_set("a", true, 1, 9, 4000, random), drawn_set("b", true, -1, 9, 4000, random)});
+  const MatcherModel many = adapt_level(model, {drawn_set("here", false, 1.5, 9, 8000, random)});
+  EXPECT_EQ(many.vote_contrast.coefficient, model.vote_contrast.coefficient);
+  EXPECT_NEAR(many.intercept - model.intercept, 1.5, 0.15);
+  const MatcherModel few = adapt_level(model, {drawn_set("here", false, 1.5, 9, 8, random)});
+  EXPECT_LT(std::abs(few.intercept - model.intercept), std::abs(many.intercept - model.intercept))
+      << "a handful of tiles must not move it as far";
+  EXPECT_THROW(adapt_level(model, {}), DataError);
+}
+
 TEST(FitModel, IsTheSameEveryTime) {
   Random random(1);
   const std::vector<FitSet> sets{drawn_set("a", true, 0, 9, 400, random), drawn_set("b", true, 0, 10, 400, random)};

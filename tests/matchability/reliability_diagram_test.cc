@@ -31,9 +31,9 @@ TEST(ReliabilityDiagram, ShowsBinsWhereTheyBelong) {
   EXPECT_EQ(count(svg, "<circle "), 2);
   EXPECT_EQ(count(svg, "class=\"interval\""), 2);
   EXPECT_EQ(count(svg, "class=\"bar\""), 2);
-  // The plot is 448 wide from (72, 84): promised 0.25 → x = 184; 3 of 10 → y = 84 + 0.7 · 448 = 397.6.
-  EXPECT_THAT(svg, HasSubstr("cx=\"184\" cy=\"397.6\""));
-  EXPECT_THAT(svg, HasSubstr("cx=\"408\" cy=\"173.6\""));
+  // The plot is 448 wide from (72, 102): promised 0.25 → x = 184; 3 of 10 → y = 102 + 0.7 · 448 = 415.6.
+  EXPECT_THAT(svg, HasSubstr("cx=\"184\" cy=\"415.6\""));
+  EXPECT_THAT(svg, HasSubstr("cx=\"408\" cy=\"191.6\""));
   EXPECT_THAT(svg, HasSubstr("promised 0.250 (0.250 … 0.250), came true 3 of 10 = 0.300"));
   EXPECT_THAT(svg, HasSubstr("Port, 77 m"));
   EXPECT_THAT(svg, HasSubstr("20 judged, 11 correct (55.0 %), 10 blocks"));

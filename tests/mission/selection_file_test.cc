@@ -1,5 +1,7 @@
 #include "pilotage/mission/selection_file.h"
 
+#include <cmath>
+
 #include "mission/json_damage.h"
 #include <gtest/gtest.h>
 
@@ -11,9 +13,11 @@ namespace {
 Selection make_selection() {
   Selection selection;
   selection.tile_ids = {0, 3, 4, std::int64_t{1} << 40};
-  selection.gaps = {{1, 100.1, 1e6 / 3, 12.5, 61.25, false}, {2, 0, 1, 2, 3, true}};
-  selection.legs = {{0, 812.3456789012345, 0.1, 9.5, true}, {1, 5, 1.0 / 3, 70, false}};
-  selection.error_profile = {{0, 9, true}, {10, 9.1, false}};
+  selection.gaps = {{1, 100.1, 1e6 / 3, 12.5, 61.25, false, 0.125}, {2, 0, 1, 2, 3, true}};
+  selection.legs = {{0, 812.3456789012345, 0.1, 9.5, true, 0.9, 1.0 / 7}, {1, 5, 1.0 / 3, 70, false}};
+  selection.error_profile = {{0, 9, true, 0.75, 1}, {10, 9.1, false}};
+  selection.probability = RouteProbability{0.875, 0.9, 12.5, 0.002, WorstStretch{1, 100, 2000.5, 0.0625}};
+  selection.advice = {{1, AdviceSide::kLeft, 45.5, 0.25, 0.96, true}, {2, AdviceSide::kNone, 0, 0.5, 0.5, false}};
   selection.matchable_fraction = 2.0 / 3;
   selection.max_error_m = 50;
   selection.sigma_multiple = 2.5;
@@ -32,6 +36,27 @@ TEST(SelectionFile, ReadsBackExactly) {
   EXPECT_EQ(read.legs[1].matchable_fraction, 1.0 / 3);
   EXPECT_FALSE(read.gaps[0].within_limit);
   EXPECT_TRUE(read.error_profile[0].matchable);
+  EXPECT_EQ(read.gaps[0].p_first_excess, 0.125);
+  EXPECT_EQ(read.legs[0].p_fix, 1.0 / 7);
+  EXPECT_TRUE(std::isnan(read.legs[1].p_within_limit));
+  EXPECT_EQ(read.error_profile[0].p_correct_fix, 0.75);
+  ASSERT_TRUE(read.probability && read.probability->worst);
+  EXPECT_EQ(read.probability->worst->to_distance_m, 2000.5);
+  EXPECT_EQ(read.advice[0].side, AdviceSide::kLeft);
+}
+
+TEST(SelectionFile, NoProbabilityIsNull) {
+  Selection selection = make_selection();
+  selection.probability.reset();
+  const auto json = selection_to_json(selection);
+  EXPECT_TRUE(json["probability"].is_null());
+  EXPECT_FALSE(selection_from_json(json, "selection.json").probability);
+}
+
+TEST(SelectionFile, ASideIsLeftRightOrNone) {
+  auto json = selection_to_json(make_selection());
+  json["advice"][0]["side"] = "up";
+  EXPECT_THROW(selection_from_json(json, "selection.json"), DataError);
 }
 
 // Whatever key is removed, added or replaced by another type: DataError that names the file.

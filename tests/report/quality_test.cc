@@ -125,6 +125,24 @@ TEST(Verdict, AdviceAloneDoesNotStopAFlight) {
   EXPECT_THAT(sentence(input), StartsWith("GO: matchable on 12 %"));
 }
 
+TEST(Verdict, TheProbabilityThatWasAskedForIsNeededForGo) {
+  ReportInput input = plain_input(31, 50);
+  input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, std::nullopt};
+  EXPECT_EQ(
+      sentence(input),
+      "GO: matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there 31 m ≤ 50 m; within "
+      "the limit all the way with P = 0.930 ≥ 0.900");
+  input.selection.probability->p_within_limit = 0.89996;
+  input.selection.probability->worst = WorstStretch{2, 1000, 4416, 0.08};
+  EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
+  EXPECT_THAT(sentence(input), HasSubstr("P = 0.899 < 0.900"));
+  const QualityRow row = row_named(input, "route_probability");
+  EXPECT_EQ(row.status, QualityStatus::kBad);
+  EXPECT_THAT(row.advice, HasSubstr("between 1.0 km and 4.4 km, from leg 3"));
+  input.selection.probability.reset();
+  EXPECT_THROW(row_named(input, "route_probability"), std::out_of_range);
+}
+
 TEST(QualityRows, AllGoodWithoutAdvice) {
   for (const QualityRow& row : quality_rows(plain_input(31, 50))) {
     EXPECT_EQ(row.status, QualityStatus::kGood) << row.name;

@@ -29,6 +29,23 @@ TEST(ReportJson, FollowsItsSchema) {
   EXPECT_EQ(violation(report_json(empty)), "");
 }
 
+TEST(ReportJson, CarriesProbabilitiesAndRanksLegsByThem) {
+  ReportInput input = scene();
+  EXPECT_TRUE(report_json(input)["route"]["probability"].is_null());
+  input.selection.probability = RouteProbability{0.8, 0.9, 41.5, 0.0021, WorstStretch{2, 1000, 1500.5, 0.08}};
+  for (LegStatus& leg : input.selection.legs) leg.p_within_limit = leg.leg == 3 ? 0.8 : 1;
+  input.selection.legs[3].p_fix = 0.75;
+  const auto json = report_json(input);
+  EXPECT_EQ(violation(json), "");
+  EXPECT_EQ(json["route"]["probability"]["p_within_limit"], 0.8);
+  EXPECT_EQ(json["route"]["probability"]["worst"]["to_distance_m"], 1500.5);
+  EXPECT_EQ(json["route"]["legs"][3]["p_fix"], 0.75);
+  EXPECT_TRUE(json["route"]["legs"][0]["p_fix"].is_null());
+  EXPECT_EQ(json["route"]["worst_legs"][0], 3);
+  EXPECT_EQ(json["verdict"]["status"], "NO-GO");
+  EXPECT_NE(report_html(input).find("<td>0.800</td><td>0.750</td>"), std::string::npos);
+}
+
 TEST(ReportJson, TheSchemaRefusesWhatIsWrong) {
   const nlohmann::ordered_json good = report_json(scene());
   nlohmann::ordered_json bad = good;

@@ -33,6 +33,61 @@ TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
   EXPECT_FALSE(is_matchable(score, options));
 }
 
+TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
+  SelectOptions options;
+  TileScore score;
+  score.degraded.margin = 0.9;
+  score.p_correct_fix = 0.49;
+  EXPECT_FALSE(is_matchable(score, options));
+  options.min_p_correct_fix = 0.4;
+  EXPECT_TRUE(is_matchable(score, options));
+  score.degraded.margin = -0.9;
+  EXPECT_TRUE(is_matchable(score, options));
+  score.status = TileStatus::kTooLittleGround;
+  EXPECT_FALSE(is_matchable(score, options));
+}
+
+TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {
+  const TilePlan plan = straight_plan(3000);
+  const Selection selection = select_tiles(plan, good_scores(plan), kSize, {});
+  EXPECT_FALSE(selection.probability);
+  EXPECT_TRUE(std::isnan(selection.legs[0].p_within_limit));
+  EXPECT_TRUE(std::isnan(selection.error_profile[0].p_within_limit));
+  EXPECT_TRUE(meets_gate(selection));
+}
+
+TEST(SelectTiles, ProbabilitiesOfTheFlight) {
+  const TilePlan plan = straight_plan(6000, 50, 2);
+  auto scores = good_scores(plan);
+  for (TileScore& score : scores) score.p_correct_fix = 0.8;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    if (plan.tiles[i].route_distance_m > 3500 && plan.tiles[i].route_distance_m < 4350) scores[i].p_correct_fix = 0.2;
+  }
+  scores[0].p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  SelectOptions options;
+  options.min_route_probability = 0.999999;
+  const Selection selection = select_tiles(plan, scores, kSize, options);
+  ASSERT_TRUE(selection.probability);
+  const double p = selection.probability->p_within_limit;
+  EXPECT_GT(p, 0);
+  EXPECT_LT(p, 0.999999);
+  EXPECT_EQ(p, selection.error_profile.back().p_within_limit);
+  EXPECT_NEAR(selection.legs[0].p_within_limit * selection.legs[1].p_within_limit, p, 1e-12);
+  EXPECT_GT(selection.legs[0].p_fix, 0.99);
+  EXPECT_FALSE(meets_gate(selection));
+  ASSERT_EQ(selection.gaps.size(), 1U);
+  EXPECT_GT(selection.gaps[0].p_first_excess, 0.1 * (1 - p)) << "the rest is lost behind it";
+  EXPECT_LE(selection.gaps[0].p_first_excess, 1 - p + 1e-12);
+  ASSERT_TRUE(selection.probability->worst);
+  EXPECT_EQ(selection.probability->worst->leg, 1);
+  EXPECT_EQ(selection.error_profile[380].p_correct_fix, 0) << "no tile is stored there";
+  EXPECT_EQ(selection.error_profile[100].p_correct_fix, 0.8);
+  // 258 s over stored ground, one try every 2 s.
+  EXPECT_NEAR(selection.probability->expected_fixes, 0.8 * 258 / 2, 3);
+  EXPECT_NEAR(selection.probability->expected_false_fixes, 0.001 * 0.2 * 258 / 2, 0.002);
+  EXPECT_EQ(selection.notes.size(), 2U) << "one tile has no probability";
+}
+
 TEST(SelectTiles, TakesEveryMatchableTileByDefault) {
   const TilePlan plan = straight_plan(3000);
   auto scores = good_scores(plan);

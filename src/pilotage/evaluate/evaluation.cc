@@ -9,6 +9,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/judge_tiles.h"
 #include "pilotage/mission/tile_table.h"
+#include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
 namespace {
@@ -30,14 +31,7 @@ constexpr Predictor kPredictors[] = {{"p_correct_fix", "P(correct fix)", true},
                                      {"degraded_peak_margin", "uniqueness, degraded copies", false}};
 
 void check(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options) {
-  check_options(options);
-  if (!options.wanted()) throw UsageError("there is nothing to evaluate by: give --evaluate or --evaluate-frames");
-  if (!options.file.empty() && !options.frames.empty()) {
-    throw UsageError("--evaluate and --evaluate-frames exclude each other");
-  }
-  if (!options.frames.empty() && options.matcher == EvaluateMatcher::kNcc) {
-    throw UsageError("--evaluate-frames is for the matcher that flies: --evaluate-matcher ncc needs --evaluate");
-  }
+  check_evaluation(options);
   const bool any_truth =
       std::any_of(frames.begin(), frames.end(), [](const FlightFrame& frame) { return frame.frame.truth.has_value(); });
   if (!options.frames.empty() && !any_truth) {
@@ -98,6 +92,20 @@ std::int64_t count_false_like_neighbours(const ScoredGround& ground, const Evalu
   return count;
 }
 
+}  // namespace
+
+void check_evaluation(const EvaluateOptions& options) {
+  check_options(options);
+  if (!options.wanted()) throw UsageError("there is nothing to evaluate by: give --evaluate or --evaluate-frames");
+  if (!options.file.empty() && !options.frames.empty()) {
+    throw UsageError("--evaluate and --evaluate-frames exclude each other");
+  }
+  if (!options.frames.empty() && options.matcher == EvaluateMatcher::kNcc) {
+    throw UsageError("--evaluate-frames is for the matcher that flies: --evaluate-matcher ncc needs --evaluate");
+  }
+  if (!options.file.empty()) inspect_imagery(options.file);
+}
+
 QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t seed, int threads) {
   QualityOptions quality;
   quality.bins = options.bins;
@@ -107,8 +115,6 @@ QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t see
   quality.threads = threads;
   return quality;
 }
-
-}  // namespace
 
 std::int64_t Evaluation::judged() const {
   return std::count_if(outcomes.begin(), outcomes.end(),

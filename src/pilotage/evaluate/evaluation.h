@@ -36,6 +36,9 @@ struct Evaluation {
   std::int64_t judged() const;  ///< Outcomes but those not covered.
 };
 
+/// How predictors are judged.
+QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t seed, int threads = 0);
+
 /// The columns of tiles.csv that are judged: p_correct_fix and the measures of the paper.
 std::vector<std::string> predictor_columns();
 
@@ -43,10 +46,14 @@ std::vector<std::string> predictor_columns();
 std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const Evaluation& evaluation,
                                              const std::string& name);
 
+/// Throws what evaluate() would for the options alone, before hours of scoring: UsageError unless exactly one of
+/// options.file and options.frames is given and the matcher fits it, DataError when the imagery cannot be opened.
+void check_evaluation(const EvaluateOptions& options);
+
 /// Judges the scores of `ground` by options.file, or by `frames` (complete, with truth) where options.frames is given.
 /// `scratch` is a path beside which a temporary map may grow; nothing stays there. The same for any number of threads.
-/// Throws UsageError unless exactly one of options.file and options.frames is given, when both are at odds with other
-/// options, or when no tile is left to judge; otherwise as what it calls.
+/// Throws as check_evaluation; DataError when no frame has its truth or no tile is left to judge; otherwise as what it
+/// calls.
 Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
                     const std::filesystem::path& scratch, std::uint64_t seed, int threads, const Progress& progress,
                     const PlaceOnReference& place = same_place);

@@ -58,14 +58,6 @@ std::string conditions(const Evaluation& evaluation, const EvaluateOptions& opti
          "° of attitude, " + format_number(100 * options.height_sigma_fraction) + " % of height.";
 }
 
-QualityOptions explained(const EvaluateOptions& options) {
-  QualityOptions quality;
-  quality.bins = options.bins;
-  quality.resamples = options.resamples;
-  if (options.stated_rate) quality.stated_rate = *options.stated_rate;
-  return quality;
-}
-
 const JudgedPredictor* probability_of(const Evaluation& evaluation) {
   const auto found = std::find_if(evaluation.predictors.begin(), evaluation.predictors.end(),
                                   [](const JudgedPredictor& predictor) { return predictor.quality.probability; });
@@ -119,7 +111,7 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
   text += "- Refused: " + std::to_string(evaluation.counts.at(Outcome::kRefused)) +
           "; not covered and left out: " + std::to_string(evaluation.counts.at(Outcome::kNotCovered)) +
           "; tiles scored: " + std::to_string(evaluation.scored_tiles) + ".\n\n";
-  text += quality_markdown(evaluation.predictors, explained(options));
+  text += quality_markdown(evaluation.predictors, quality_options(options, source.seed));
   text += "- Blocks are squares of " + metres(evaluation.block_m) +
           ". Brackets at the rates above are 95 % intervals by "
           "Clopper and Pearson, as if tiles were independent.\n";

@@ -145,12 +145,12 @@ void update(Matrix& covariance, const Eigen::Matrix<double, 2, InsState::kSize>&
 }
 
 /// A change of heading and speed at one instant: what a turn and an acceleration do to the errors.
-void manoeuvre(InsState& state, double heading_deg, double speed_mps, const InsErrorModel& model) {
+void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry) {
   const double turn_rad = std::remainder(heading_deg - state.heading_deg, 360.0) * kDegree;
   if (turn_rad == 0 && speed_mps == state.speed_mps) return;
   Matrix jump = Matrix::Identity();
   jump(kHeading, kGyroScale) = turn_rad;
-  if (!model.is_odometry()) {
+  if (!odometry) {
     const Eigen::Vector2d change_mps =
         enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(state.heading_deg).col(0) * state.speed_mps;
     jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
@@ -194,32 +194,46 @@ InsState initial_ins_state(const InsErrorModel& model, double heading_deg, doubl
   return state;
 }
 
-InsState propagate(const InsState& state, double dt_s, double heading_deg, double speed_mps,
-                   const InsErrorModel& model) {
+InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const InsErrorModel& model) {
   if (!(dt_s >= 0 && dt_s <= 1e6)) throw UsageError("dt_s = " + format_number(dt_s) + " is outside [0, 1e6]");
   if (!(speed_mps >= 0 && speed_mps <= 1e4)) {
     throw UsageError("speed_mps = " + format_number(speed_mps) + " is outside [0, 1e4]");
   }
   if (!std::isfinite(heading_deg)) throw UsageError("heading_deg is not finite");
-  InsState next = state;
-  manoeuvre(next, heading_deg, speed_mps, model);
-  if (dt_s == 0) return next;
-  const bool aided = !model.is_odometry() && model.velocity_aid_sigma_mps > 0;
-  const double count = std::ceil(dt_s / longest_step_s(model, aided));
-  const double step_s = dt_s / count;
+  InsStep step;
+  step.dt_s = dt_s;
+  step.heading_deg = heading_deg;
+  step.speed_mps = speed_mps;
+  step.odometry = model.is_odometry();
+  step.aided = !step.odometry && model.velocity_aid_sigma_mps > 0;
+  if (dt_s == 0) return step;
+  step.parts = std::ceil(dt_s / longest_step_s(model, step.aided));
+  const double part_s = dt_s / step.parts;
   const Transition transition(system_matrix(model, heading_deg, speed_mps));
-  const Matrix phi = transition.at(step_s);
-  const Matrix noise = step_noise(transition, noise_density(model), step_s);
+  step.phi = transition.at(part_s);
+  step.noise = step_noise(transition, noise_density(model), part_s);
+  return step;
+}
+
+InsState propagate(const InsState& state, const InsStep& step) {
+  InsState next = state;
+  manoeuvre(next, step.heading_deg, step.speed_mps, step.odometry);
   Eigen::Matrix<double, 2, InsState::kSize> aid = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
   aid.block<2, 2>(0, kVelocity).setIdentity();
   aid.block<2, 2>(0, kAid) = -Eigen::Matrix2d::Identity();
-  for (double i = 0; i < count; ++i) {
-    const Matrix grown = phi * next.covariance * phi.transpose() + noise;
+  for (double i = 0; i < step.parts; ++i) {
+    const Matrix grown = step.phi * next.covariance * step.phi.transpose() + step.noise;
     next.covariance = 0.5 * (grown + grown.transpose());
-    if (aided) update(next.covariance, aid, kAidNoise_mps_rt_hz * kAidNoise_mps_rt_hz / step_s);
+    const double part_s = step.dt_s / step.parts;
+    if (step.aided) update(next.covariance, aid, kAidNoise_mps_rt_hz * kAidNoise_mps_rt_hz / part_s);
   }
-  next.time_s += dt_s;
+  next.time_s += step.dt_s;
   return next;
+}
+
+InsState propagate(const InsState& state, double dt_s, double heading_deg, double speed_mps,
+                   const InsErrorModel& model) {
+  return propagate(state, make_ins_step(dt_s, heading_deg, speed_mps, model));
 }
 
 InsState update_with_fix(const InsState& state, double fix_sigma_m) {

@@ -44,6 +44,21 @@ InsState initial_ins_state(const InsErrorModel& model, double heading_deg, doubl
 InsState propagate(const InsState& state, double dt_s, double heading_deg, double speed_mps,
                    const InsErrorModel& model);
 
+/// A step of straight flight worked out once for the many states that fly it: propagate(state, step) gives the very
+/// bits of propagate(state, step.dt_s, …). Throws as propagate.
+struct InsStep {
+  double dt_s = 0;
+  double heading_deg = 0;
+  double speed_mps = 0;
+  bool odometry = false;       ///< Of the model it was made for.
+  bool aided = false;          ///< An aiding velocity is used after each of `parts`.
+  double parts = 0;            ///< The step is flown in this many equal parts; 0 when dt_s = 0.
+  InsState::Covariance phi;    ///< Transition over one part.
+  InsState::Covariance noise;  ///< What one part adds.
+};
+InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const InsErrorModel& model);
+InsState propagate(const InsState& state, const InsStep& step);
+
 /// Kalman update with a position fix of error `fix_sigma_m` on each axis (Joseph form). Each fix bounds the position
 /// error, and several also bound velocity, tilt and biases. Throws UsageError unless fix_sigma_m is positive and
 /// finite.

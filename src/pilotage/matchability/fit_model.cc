@@ -2,8 +2,10 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <span>
 
@@ -15,6 +17,8 @@ namespace {
 constexpr double kSlopeRidge = 0.3;
 constexpr double kLevelRidge = 0.05;
 constexpr std::int64_t kMinOfEach = 50;
+/// Tiles that overlap succeed and fail together: so many count as one where a level is learned from a single place.
+constexpr double kTilesThatShareGround = 4;
 
 /// A row of a logistic regression: which parameters act on it, and how strongly.
 struct Row {
@@ -128,6 +132,10 @@ void append_rows(const FitSet& set, const MatcherModel& model, std::array<int, 3
   }
 }
 
+double area_term(const MatcherModel& model, const MatchabilityInputs& inputs) {
+  return model.intercept + model.area_coefficient * inputs.described_area;
+}
+
 void fit_level(const std::vector<FitSet>& sets, MatcherModel& model) {
   std::vector<FitSet> anchors;
   for (const FitSet& set : sets) {
@@ -144,30 +152,29 @@ void fit_level(const std::vector<FitSet>& sets, MatcherModel& model) {
   std::map<std::string, std::vector<Row>> rows_of_place;
   for (const FitSet& set : anchors) {
     std::vector<Row>& of_place = rows_of_place[set.place];
+    const std::size_t begin = of_place.size();
     append_rows(set, model, {0, 0, 0}, mean_area, of_place);
-    for (Row& row : of_place) row.factor[1] = 0;
+    for (std::size_t i = begin; i < of_place.size(); ++i) {
+      of_place[i].factor[1] = 0;
+      of_place[i].offset += area_term(model, set.samples[i - begin].inputs);
+    }
   }
   double squares = 0;
   for (auto& [place, of_place] : rows_of_place) {
-    std::size_t i = 0;
-    for (const FitSet& set : anchors) {
-      if (set.place != place) continue;
-      for (const FitSample& sample : set.samples) {
-        of_place[i++].offset += model.intercept + model.area_coefficient * sample.inputs.described_area;
-      }
-    }
     const double off = minimise(std::move(of_place), {0.5}).front();
     squares += off * off;
   }
   model.place_sigma = std::sqrt(squares / static_cast<double>(rows_of_place.size()));
 }
 
-void check_sets(const std::vector<FitSet>& sets) {
+void check_sets(const std::vector<FitSet>& of_slopes, const std::vector<FitSet>& sets) {
   std::array<std::int64_t, 2> all{};
   std::array<std::int64_t, 2> of_anchors{};
+  for (const FitSet& set : of_slopes) {
+    for (const FitSample& sample : set.samples) ++all[sample.correct ? 1 : 0];
+  }
   for (const FitSet& set : sets) {
     for (const FitSample& sample : set.samples) {
-      ++all[sample.correct ? 1 : 0];
       if (set.anchor) ++of_anchors[sample.correct ? 1 : 0];
     }
   }
@@ -181,17 +188,44 @@ void check_sets(const std::vector<FitSet>& sets) {
   }
 }
 
+/// What the slopes come from: the sets that set no level, or all where there are no others.
+std::vector<FitSet> sets_of_slopes(const std::vector<FitSet>& sets) {
+  std::vector<FitSet> others;
+  std::copy_if(sets.begin(), sets.end(), std::back_inserter(others), [](const FitSet& set) { return !set.anchor; });
+  return others.empty() ? sets : others;
+}
+
 }  // namespace
 
 MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>& sets) {
-  check_sets(sets);
+  const std::vector<FitSet> of_slopes = sets_of_slopes(sets);
+  check_sets(of_slopes, sets);
   MatcherModel model;
   model.matcher = matcher;
-  model.vote_contrast = mean_and_spread(sets, &MatchabilityInputs::vote_contrast);
-  model.gray_contrast = mean_and_spread(sets, &MatchabilityInputs::gray_contrast);
-  fit_slopes(sets, model);
+  model.vote_contrast = mean_and_spread(of_slopes, &MatchabilityInputs::vote_contrast);
+  model.gray_contrast = mean_and_spread(of_slopes, &MatchabilityInputs::gray_contrast);
+  fit_slopes(of_slopes, model);
   fit_level(sets, model);
   return model;
+}
+
+MatcherModel adapt_level(const MatcherModel& model, const std::vector<FitSet>& sets) {
+  std::vector<Row> rows;
+  for (const FitSet& set : sets) {
+    for (const FitSample& sample : set.samples) {
+      Row row;
+      row.factor = {1, 0, 0};
+      row.offset = contrasts_of(model, sample.inputs) + area_term(model, sample.inputs);
+      row.weight = 1.0 / kTilesThatShareGround;
+      row.correct = sample.correct;
+      rows.push_back(row);
+    }
+  }
+  if (rows.empty()) throw DataError("no tile was judged; there is nothing to adapt to");
+  const double sigma = std::max(model.place_sigma, 1e-3);
+  MatcherModel adapted = model;
+  adapted.intercept += minimise(std::move(rows), {1 / (sigma * sigma)}).front();
+  return adapted;
 }
 
 }  // namespace pilotage

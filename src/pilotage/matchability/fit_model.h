@@ -24,13 +24,19 @@ struct FitSet {
 /// Fits a MatcherModel by penalised maximum likelihood (ceres::GradientProblemSolver, L-BFGS), in two steps.
 ///
 /// 1. The slopes of the two contrasts, with a level of its own for each set: what is learned is which ground of a place
-///    is found more often than the rest of it, and not that one place was flown over in a better season. Slopes have a
-///    ridge of 0.3 on standardised inputs, levels one of 0.05.
+///    is found more often than the rest of it, and not that one place was flown over in a better season. From the sets
+///    that are no anchors, or from all where there are no others. Slopes have a ridge of 0.3 on standardised inputs,
+///    levels one of 0.05.
 /// 2. Intercept and area coefficient, the slopes held, on the anchors, each set with the same weight. place_sigma is the
-///    standard deviation of the levels of their places (mean of a place's sets) around that.
+///    root mean square of what the levels of their places are off by.
 ///
-/// Deterministic. Throws DataError when there is no anchor, when the anchors have a single outcome, or when all sets
-/// together have fewer than 50 samples of either outcome.
+/// Deterministic. Throws DataError when there is no anchor, when the anchors have a single outcome, or when step 1 has
+/// fewer than 50 samples of either outcome.
 MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>& sets);
+
+/// The model for one place where a second date has been judged: the intercept moves to what was found there, held back
+/// by the prior that places differ by place_sigma; four tiles count as one, because neighbours share ground. Nothing
+/// else changes. Throws DataError when there is no sample.
+MatcherModel adapt_level(const MatcherModel& model, const std::vector<FitSet>& sets);
 
 }  // namespace pilotage

@@ -192,7 +192,7 @@ std::string reasons_text(const std::vector<Reason>& reasons) {
   return join(texts, " ");
 }
 
-void explain_tiles(const ReasonContext& context, std::vector<TileScore>& scores) {
+void explain_tiles(const ReasonContext& context, std::span<TileScore> scores) {
   for (TileScore& score : scores) {
     if (score.level != context.matrix.level) continue;
     score.reasons.clear();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,6 @@ std::string reasons_text(const std::vector<Reason>& reasons);
 
 /// Fills `reasons` of every score of the context's level with the codes of tile_reasons. To be called when all numbers
 /// are there.
-void explain_tiles(const ReasonContext& context, std::vector<TileScore>& scores);
+void explain_tiles(const ReasonContext& context, std::span<TileScore> scores);
 
 }  // namespace pilotage

@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kHistogramBars = 20;
 constexpr double kWidth = 560;
-constexpr double kHeight = 650;
+constexpr double kHeight = 668;
 constexpr double kLeft = 72;
 constexpr double kSide = 448;  // of the square plot
-constexpr double kTop = 84;
+constexpr double kTop = 102;
 constexpr double kHistogramTop = kTop + kSide + 22;
 constexpr double kHistogramHeight = 44;
 
@@ -67,16 +67,17 @@ std::string text(std::string_view type, double x, double y, std::string_view con
 }
 
 std::string heading(const std::string& title, const PredictionQuality& quality) {
-  const std::string numbers = "AUC " + estimate_text(quality.auc, 2) + " · Brier skill " +
-                              estimate_text(quality.brier_skill, 2) + " · calibration error " +
-                              estimate_text(quality.calibration_error, 3);
+  const std::string ranking =
+      "AUC " + estimate_text(quality.auc, 2) + " · Brier skill " + estimate_text(quality.brier_skill, 2);
+  std::string calibration = "calibration error " + estimate_text(quality.calibration_error, 3);
+  if (!std::isnan(quality.chance_calibration_error)) {
+    calibration += "; chance alone gives " + format_fixed(quality.chance_calibration_error, 3);
+  }
   std::string counts = std::to_string(quality.count) + " judged, " + std::to_string(quality.correct) + " correct";
   if (quality.count > 0) counts += " (" + format_fixed(100 * quality.base_rate, 1) + " %)";
   counts += ", " + std::to_string(quality.blocks) + " blocks";
-  if (!std::isnan(quality.chance_calibration_error)) {
-    counts += "; chance alone gives a calibration error of " + format_fixed(quality.chance_calibration_error, 3);
-  }
-  return text("title", 16, 26, title) + text("", 16, 48, numbers) + text("small", 16, 66, counts);
+  return text("title", 16, 26, title) + text("", 16, 48, ranking) + text("", 16, 66, calibration) +
+         text("small", 16, 84, counts);
 }
 
 std::string axes() {

@@ -164,26 +164,17 @@ class Bands {
   std::map<std::int64_t, Band> bands_;
 };
 
-/// Rows and columns of pixels whose features' patches lie inside a tile.
-struct Inner {
-  float min_x_px, min_y_px, max_x_px, max_y_px;
+bool holds(const PixelWindow& tile, const Feature& feature) {
+  const auto x = static_cast<double>(feature.x_px) - static_cast<double>(tile.col);
+  const auto y = static_cast<double>(feature.y_px) - static_cast<double>(tile.row);
+  return x >= 0 && x < tile.width && y >= 0 && y < tile.height;
+}
 
-  Inner(const PixelWindow& tile, int border_px)
-      : min_x_px(static_cast<float>(tile.col + border_px)),
-        min_y_px(static_cast<float>(tile.row + border_px)),
-        max_x_px(static_cast<float>(tile.col + tile.width - border_px)),
-        max_y_px(static_cast<float>(tile.row + tile.height - border_px)) {}
-
-  bool holds(const Feature& feature) const {
-    return feature.x_px >= min_x_px && feature.x_px < max_x_px && feature.y_px >= min_y_px && feature.y_px < max_y_px;
-  }
-};
-
-SelfVotes votes_of_tile(const Inner& inner, std::span<const Band* const> bands, VoteSurface& surface) {
+SelfVotes votes_of_tile(const PixelWindow& tile, std::span<const Band* const> bands, VoteSurface& surface) {
   SelfVotes result;
   for (const Band* band : bands) {
     for (std::size_t i = 0; i < band->features.size(); ++i) {
-      if (!inner.holds(band->features.features[i])) continue;
+      if (!holds(tile, band->features.features[i])) continue;
       ++result.features;
       for (const Displacement vote : band->votes[i]) surface.add(vote);
     }
@@ -221,8 +212,7 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
     }
     parallel_for(places.size(), threads, [&](std::size_t i, int worker) {
       const std::int64_t column = tile_indices[places[i]] % matrix.matrix_width();
-      const Inner inner(matrix.tile_window(column, row), patch_radius_px(options));
-      result[places[i]] = votes_of_tile(inner, touched, surfaces[static_cast<std::size_t>(worker)]);
+      result[places[i]] = votes_of_tile(matrix.tile_window(column, row), touched, surfaces[static_cast<std::size_t>(worker)]);
     });
   }
   return result;

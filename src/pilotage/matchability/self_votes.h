@@ -14,7 +14,7 @@ namespace pilotage {
 
 /// What displacement voting has to win against at a tile, counted in the map's own features.
 struct SelfVotes {
-  /// Features whose patch lies inside the tile: those that a frame of its size can show.
+  /// Features inside the tile.
   std::int64_t features = 0;
   /// Standard deviation of the votes (3 × 3 px bins) over the displacements of the surroundings when the tile's own
   /// features vote: high where they look like each other, and highest where they repeat. NaN without a feature.

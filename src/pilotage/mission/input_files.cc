@@ -6,23 +6,20 @@
 #include "pilotage/base/file_digest.h"
 
 namespace pilotage {
-namespace {
 
-InputFile describe_file(const std::string& role, const std::string& name, const std::string& date) {
+InputFile input_file(const std::string& role, const std::string& name, const std::string& date) {
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(name, ignored);
   return {role, name, date, is_file ? "blake2b-256:" + file_digest(name) : ""};
 }
 
-}  // namespace
-
 std::vector<InputFile> input_files(const TilePlan& plan) {
   std::vector<InputFile> files;
   for (const PlanImagery& imagery : plan.imagery) {
-    files.push_back(describe_file("imagery", imagery.dataset, imagery.acquired));
+    files.push_back(input_file("imagery", imagery.dataset, imagery.acquired));
   }
-  if (!plan.elevation.empty()) files.push_back(describe_file("elevation", plan.elevation, ""));
-  if (!plan.route_file.empty()) files.push_back(describe_file("route", plan.route_file, ""));
+  if (!plan.elevation.empty()) files.push_back(input_file("elevation", plan.elevation, ""));
+  if (!plan.route_file.empty()) files.push_back(input_file("route", plan.route_file, ""));
   return files;
 }
 

@@ -15,6 +15,9 @@ struct InputFile {
   std::string digest;  ///< With its algorithm, "blake2b-256:…"; "" when it was not computed.
 };
 
+/// One file with its digest. Throws as input_files.
+InputFile input_file(const std::string& role, const std::string& name, const std::string& date);
+
 /// The files that went into a plan, with date and digest. Only files of this machine have a digest; what GDAL fetches
 /// from elsewhere has none. Throws DataError when a file cannot be read.
 std::vector<InputFile> input_files(const TilePlan& plan);

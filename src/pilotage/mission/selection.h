@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,8 @@ struct RouteGap {
   double duration_s = 0;
   double error_m = 0;  ///< Predicted error (k·σ) at its end.
   bool within_limit = true;
+  /// P that the error first exceeds its limit in this gap; NaN without probabilities.
+  double p_first_excess = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct LegStatus {
@@ -22,6 +26,11 @@ struct LegStatus {
   double matchable_fraction = 0;  ///< Share of its length over selected tiles.
   double max_error_m = 0;         ///< Largest predicted error on it (k·σ).
   bool within_limit = true;
+  /// P that the error stays within its limit on the leg, given that it did up to the leg; the route's is the product of
+  /// its legs'. NaN without probabilities, and where no flight reaches the leg within the limit.
+  double p_within_limit = std::numeric_limits<double>::quiet_NaN();
+  /// P of at least one correct fix on the leg before the error exceeds its limit, given the same; NaN as above.
+  double p_fix = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Predicted error along the route, for the strip chart.
@@ -29,6 +38,40 @@ struct ErrorSample {
   double distance_m = 0;
   double error_m = 0;
   bool matchable = false;
+  /// P that a frame here gives a correct fix: of the stored tile, 0 without one; NaN without probabilities.
+  double p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  /// P that the error has stayed within its limit up to here; NaN without probabilities.
+  double p_within_limit = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// The stretch over which most flights are lost: a fix was taken where it starts, none came after it, and where it ends
+/// the error is beyond its limit.
+struct WorstStretch {
+  int leg = 0;                 ///< Leg on which it starts.
+  double from_distance_m = 0;  ///< Along the route.
+  double to_distance_m = 0;
+  double p_first_excess = 0;  ///< P that the error first exceeds its limit here.
+};
+
+/// What the flight's chances are, where the tiles' P of a correct fix are known (docs/methods/selection.md).
+struct RouteProbability {
+  double p_within_limit = 0;          ///< P that the error stays within its limit from start to end.
+  double min_p_within_limit = 0;      ///< What was asked for; the verdict is held against it.
+  double expected_fixes = 0;          ///< Correct fixes on the flight, one try every fix interval.
+  double expected_false_fixes = 0;    ///< Upper bound, by the rate of false fixes that the matcher promises.
+  std::optional<WorstStretch> worst;  ///< Nothing when no flight is lost.
+};
+
+enum class AdviceSide { kNone, kLeft, kRight };
+
+/// What would make a leg good that is not: the nearest parallel line on which it is, else the best one.
+struct LegAdvice {
+  int leg = 0;
+  AdviceSide side = AdviceSide::kNone;  ///< Seen in the direction of flight; kNone with offset 0.
+  double offset_m = 0;                  ///< How far aside. 0: the line itself, with every tile that can be matched.
+  double p_before = 0;                  ///< LegStatus::p_within_limit of the selection.
+  double p_after = 0;
+  bool good = false;  ///< p_after reaches the limit that was asked for.
 };
 
 /// What `select` decides: which tiles are stored, and what the route looks like with them.
@@ -42,7 +85,18 @@ struct Selection {
   double sigma_multiple = 3;      ///< k of k·σ.
   bool within_limit = true;       ///< No gap lets the error exceed the limit.
   std::int64_t estimated_bytes = 0;
+  std::optional<RouteProbability> probability;  ///< Nothing when no tile has a P.
+  std::vector<LegAdvice> advice;                ///< One for each leg that is not good enough, when asked for.
   std::vector<std::string> notes;
 };
+
+/// "0.987": three decimals, rounded down, so that what is not certain never reads 1.000; "–" for NaN.
+std::string probability_text(double p);
+
+/// Whether the flight may go: within_limit, and the route's probability, where there is one, is what was asked for.
+inline bool meets_gate(const Selection& selection) {
+  return selection.within_limit &&
+         (!selection.probability || selection.probability->p_within_limit >= selection.probability->min_p_within_limit);
+}
 
 }  // namespace pilotage

@@ -1,9 +1,14 @@
 #include "pilotage/mission/selection_file.h"
 
+#include <cmath>
+#include <optional>
+#include <string>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
@@ -13,7 +18,55 @@ using Json = nlohmann::ordered_json;
 constexpr int kSelectionVersion = 1;
 constexpr int kMaxLeg = 1'000'000;
 
+std::string side_name(AdviceSide side) {
+  if (side == AdviceSide::kNone) return "none";
+  return side == AdviceSide::kLeft ? "left" : "right";
+}
+
+AdviceSide side_of(const std::string& name, const std::string& path) {
+  for (const AdviceSide side : {AdviceSide::kNone, AdviceSide::kLeft, AdviceSide::kRight}) {
+    if (side_name(side) == name) return side;
+  }
+  throw DataError(path + " = \"" + name + "\" is no side; allowed are none, left and right");
+}
+
+Json probability_to_json(const std::optional<RouteProbability>& probability) {
+  if (!probability) return nullptr;
+  Json json = {{"p_within_limit", probability->p_within_limit},
+               {"min_p_within_limit", probability->min_p_within_limit},
+               {"expected_fixes", probability->expected_fixes},
+               {"expected_false_fixes", probability->expected_false_fixes},
+               {"worst", nullptr}};
+  if (const auto& worst = probability->worst) {
+    json["worst"] = {{"leg", worst->leg},
+                     {"from_distance_m", worst->from_distance_m},
+                     {"to_distance_m", worst->to_distance_m},
+                     {"p_first_excess", worst->p_first_excess}};
+  }
+  return json;
+}
+
+RouteProbability probability_from_json(JsonObject object) {
+  RouteProbability probability;
+  probability.p_within_limit = object.number("p_within_limit");
+  probability.min_p_within_limit = object.number("min_p_within_limit");
+  probability.expected_fixes = object.number("expected_fixes");
+  probability.expected_false_fixes = object.number("expected_false_fixes");
+  if (!object.value("worst").is_null()) {
+    JsonObject worst = object.object("worst");
+    probability.worst = WorstStretch{worst.small_integer("leg", 0, kMaxLeg), worst.number("from_distance_m"),
+                                     worst.number("to_distance_m"), worst.number("p_first_excess")};
+    worst.finish();
+  }
+  object.finish();
+  return probability;
+}
+
 }  // namespace
+
+std::string probability_text(double p) {
+  return std::isnan(p) ? "–" : format_fixed(std::floor(p * 1000 + 1e-9) / 1000, 3);
+}
 
 Json selection_to_json(const Selection& selection) {
   Json json = {{"pilotage_selection", kSelectionVersion},
@@ -22,29 +75,45 @@ Json selection_to_json(const Selection& selection) {
                {"within_limit", selection.within_limit},
                {"matchable_fraction", selection.matchable_fraction},
                {"estimated_bytes", selection.estimated_bytes},
+               {"probability", probability_to_json(selection.probability)},
+               {"advice", Json::array()},
                {"notes", selection.notes},
                {"gaps", Json::array()},
                {"legs", Json::array()},
                {"error_profile", Json::array()},
                {"tile_ids", selection.tile_ids}};
+  for (const LegAdvice& advice : selection.advice) {
+    json["advice"].push_back({{"leg", advice.leg},
+                              {"side", side_name(advice.side)},
+                              {"offset_m", advice.offset_m},
+                              {"p_before", advice.p_before},
+                              {"p_after", advice.p_after},
+                              {"good", advice.good}});
+  }
   for (const RouteGap& gap : selection.gaps) {
     json["gaps"].push_back({{"leg", gap.leg},
                             {"from_distance_m", gap.from_distance_m},
                             {"to_distance_m", gap.to_distance_m},
                             {"duration_s", gap.duration_s},
                             {"error_m", gap.error_m},
-                            {"within_limit", gap.within_limit}});
+                            {"within_limit", gap.within_limit},
+                            {"p_first_excess", json_number(gap.p_first_excess)}});
   }
   for (const LegStatus& leg : selection.legs) {
     json["legs"].push_back({{"leg", leg.leg},
                             {"length_m", leg.length_m},
                             {"matchable_fraction", leg.matchable_fraction},
                             {"max_error_m", leg.max_error_m},
-                            {"within_limit", leg.within_limit}});
+                            {"within_limit", leg.within_limit},
+                            {"p_within_limit", json_number(leg.p_within_limit)},
+                            {"p_fix", json_number(leg.p_fix)}});
   }
   for (const ErrorSample& sample : selection.error_profile) {
-    json["error_profile"].push_back(
-        {{"distance_m", sample.distance_m}, {"error_m", sample.error_m}, {"matchable", sample.matchable}});
+    json["error_profile"].push_back({{"distance_m", sample.distance_m},
+                                     {"error_m", sample.error_m},
+                                     {"matchable", sample.matchable},
+                                     {"p_correct_fix", json_number(sample.p_correct_fix)},
+                                     {"p_within_limit", json_number(sample.p_within_limit)}});
   }
   return json;
 }
@@ -58,22 +127,33 @@ Selection selection_from_json(const Json& json, const std::string& name) {
   selection.within_limit = object.boolean("within_limit");
   selection.matchable_fraction = object.number("matchable_fraction");
   selection.estimated_bytes = object.integer("estimated_bytes", 0);
+  if (!object.value("probability").is_null()) {
+    selection.probability = probability_from_json(object.object("probability"));
+  }
+  for (JsonObject& advice : object.objects("advice")) {
+    const int leg = advice.small_integer("leg", 0, kMaxLeg);
+    const AdviceSide side = side_of(advice.text("side"), advice.path("side"));
+    selection.advice.push_back({leg, side, advice.number("offset_m"), advice.number("p_before"),
+                                advice.number("p_after"), advice.boolean("good")});
+    advice.finish();
+  }
   selection.notes = object.texts("notes");
   for (JsonObject& gap : object.objects("gaps")) {
     selection.gaps.push_back({gap.small_integer("leg", 0, kMaxLeg), gap.number("from_distance_m"),
                               gap.number("to_distance_m"), gap.number("duration_s"), gap.number("error_m"),
-                              gap.boolean("within_limit")});
+                              gap.boolean("within_limit"), gap.number_or_nan("p_first_excess")});
     gap.finish();
   }
   for (JsonObject& leg : object.objects("legs")) {
     selection.legs.push_back({leg.small_integer("leg", 0, kMaxLeg), leg.number("length_m"),
-                              leg.number("matchable_fraction"), leg.number("max_error_m"),
-                              leg.boolean("within_limit")});
+                              leg.number("matchable_fraction"), leg.number("max_error_m"), leg.boolean("within_limit"),
+                              leg.number_or_nan("p_within_limit"), leg.number_or_nan("p_fix")});
     leg.finish();
   }
   for (JsonObject& sample : object.objects("error_profile")) {
-    selection.error_profile.push_back(
-        {sample.number("distance_m"), sample.number("error_m"), sample.boolean("matchable")});
+    selection.error_profile.push_back({sample.number("distance_m"), sample.number("error_m"),
+                                       sample.boolean("matchable"), sample.number_or_nan("p_correct_fix"),
+                                       sample.number_or_nan("p_within_limit")});
     sample.finish();
   }
   const Json& ids = object.value("tile_ids");

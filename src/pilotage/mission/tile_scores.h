@@ -53,7 +53,7 @@ struct TileScore {
   double frieden_deficit = std::numeric_limits<double>::quiet_NaN();  ///< N (1 − H/e) − 1 ≈ (σ/f̄)².
   /// The probability that a frame taken here is matched and the fix is right, 0 … 1; NaN without a model.
   double p_correct_fix = std::numeric_limits<double>::quiet_NaN();
-  /// Features that a frame of the tile's size can show, and the noise of the votes that they must win against
+  /// The map's features in the tile, and the noise of the votes that they must win against
   /// (docs/methods/matchability.md).
   double map_features = std::numeric_limits<double>::quiet_NaN();
   double vote_noise = std::numeric_limits<double>::quiet_NaN();

@@ -214,7 +214,7 @@ std::vector<ScoreColumn> make_score_columns() {
   add("water_share", "", "share of the ground that looks like open water", &TileScore::water_share);
   add("aperture", "", "how much edges run in all directions (1) rather than in one (0)", &TileScore::aperture);
   add("relief_m", "m", "highest minus lowest ground", &TileScore::relief_m);
-  add("map_features", "", "features of the map that a frame of this tile can show", &TileScore::map_features);
+  add("map_features", "", "features of the map in this tile", &TileScore::map_features);
   add("vote_noise", "", "standard deviation of the votes that they give to wrong places", &TileScore::vote_noise);
   add("p_correct_fix", "", "probability of a correct fix", &TileScore::p_correct_fix);
   return columns;

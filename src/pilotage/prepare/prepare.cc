@@ -14,9 +14,11 @@
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/score/score_plan.h"
+#include "pilotage/score/score_second_epoch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
 
@@ -64,6 +66,8 @@ std::string score_raster_name(int level) {
   return level == 0 ? "scores.tif" : "scores_level" + std::to_string(level) + ".tif";
 }
 
+constexpr const char* kDisagreement = "disagreement.tif";
+
 // Names of outputs of an earlier run, sorted.
 std::vector<std::string> existing_outputs(const fs::path& folder) {
   std::vector<std::string> names;
@@ -71,8 +75,8 @@ std::vector<std::string> existing_outputs(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" ||
-                             name == "map.gpkg" || name == "report.html" || name == "report.json" ||
-                             name == score_raster_name(0);
+                             name == "map.gpkg" || name == kDisagreement || name == "report.html" ||
+                             name == "report.json" || name == score_raster_name(0);
     const bool further_level = name.starts_with("scores_level") && name.ends_with(".tif");
     if (one_of_ours || further_level) names.push_back(name);
   }
@@ -101,11 +105,25 @@ nlohmann::ordered_json described(PrepareOptions options) {
   return options_to_json(list_options(options));
 }
 
+/// P(correct fix) is that of the map that will be built.
+ScoreOptions score_options_of(const PrepareOptions& options) {
+  ScoreOptions score = options.score;
+  score.features = options.build.features;
+  if (options.build.chips.chips) {
+    score.matcher = FlyingMatcher::kFeaturesAndChips;
+  } else if (score.matcher == FlyingMatcher::kFeaturesAndChips) {
+    throw UsageError("matcher = features_and_chips: the map gets no chips; ask for them (chips), or leave matcher out");
+  }
+  return score;
+}
+
 }  // namespace
 
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);
+  const ScoreOptions score_options = score_options_of(options);
   refuse_existing(run.output_folder, run.overwrite);
+  for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
   const TilePlan plan = plan_tiles(options.tile, progress);
   const StagingFolder staging(run.output_folder);
@@ -116,7 +134,14 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
 
-  const std::vector<TileScore> scores = score_plan(plan, options.score, run.seed, run.threads, progress);
+  const ScoredPlan scored = score_plan(plan, score_options, run.seed, run.threads, progress);
+  const std::vector<TileScore>& scores = scored.scores;
+  if (scored.second_epoch) {
+    const SecondEpoch& epoch = *scored.second_epoch;
+    const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
+    write_score_raster(publish_later(kDisagreement), layer.bands, Crs::from_user_input(plan.crs_wkt),
+                       layer.map_from_pixel, true);
+  }
   const std::vector<TileRow> rows = tile_rows(plan, scores);
   write_file(publish_later("tiles.csv"), tile_table_to_csv(rows), true);
   for (const PlanLevel& level : plan.levels) {
@@ -129,7 +154,10 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
-  const std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
+  std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
+  for (const std::string& dataset : options.score.second_epoch) {
+    inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
+  }
   result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
                          options.build, true, run.threads, progress);
 
@@ -147,6 +175,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   result.matchable_fraction = selection.matchable_fraction;
   result.within_limit = selection.within_limit;
+  result.meets_gate = meets_gate(selection);
   result.warnings = plan.warnings;
   return result;
 }

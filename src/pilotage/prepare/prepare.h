@@ -48,14 +48,16 @@ struct PrepareResult {
   std::int64_t selected_tiles = 0;
   double matchable_fraction = 0;
   bool within_limit = false;
+  bool meets_gate = false;            ///< Of the selection: what `require` asks for.
   std::vector<std::string> files;     ///< Written, in the output folder.
   std::vector<std::string> warnings;  ///< For the planner.
 };
 
 /// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …
-/// for further levels), selection.json, map.gpkg, report.html and report.json into the output folder, which is made
-/// when it does not exist. All of them appear at the end, together; when anything fails before, none does. Throws as
-/// the stages; DataError when an output exists and overwrite is not set.
+/// for further levels), disagreement.tif (with score.second_epoch), selection.json, map.gpkg, report.html and
+/// report.json into the output folder, which is made when it does not exist. All of them appear at the end, together;
+/// when anything fails before, none does. Throws as the stages; DataError when an output exists and overwrite is not
+/// set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -60,9 +60,10 @@ void set_statistics(GDALRasterBand& band, const cv::Mat& values) {
   double count = 0;
   const auto for_each = [&](const auto& use) {
     for (int row = 0; row < values.rows; ++row) {
-      const auto* value = values.ptr<double>(row);
       for (int col = 0; col < values.cols; ++col) {
-        if (std::isfinite(value[col])) use(value[col]);
+        const double value =
+            values.depth() == CV_32F ? static_cast<double>(values.at<float>(row, col)) : values.at<double>(row, col);
+        if (std::isfinite(value)) use(value);
       }
     }
   };
@@ -104,7 +105,7 @@ void write_cog(GDALDataset& source, const std::filesystem::path& path, bool over
 
 void check_size(const std::string& name, const cv::Mat& values, const cv::Size& size, int type) {
   if (values.empty() || values.type() != type) {
-    throw UsageError("band \"" + name + "\" is empty or of a type other than " + (type == CV_8U ? "CV_8U" : "CV_64F"));
+    throw UsageError("band \"" + name + "\" is empty or of a type other than " + cv::typeToString(type));
   }
   if (values.size() != size) {
     throw UsageError("band \"" + name + "\" has " + std::to_string(values.cols) + " x " + std::to_string(values.rows) +
@@ -118,12 +119,14 @@ void write_score_raster(const std::filesystem::path& path, const std::vector<Sco
                         const GeoTransform& map_from_pixel, bool overwrite) {
   if (bands.empty()) throw UsageError("a score raster needs a band");
   const cv::Size size = bands.front().values.size();
-  for (const ScoreBand& band : bands) check_size(band.name, band.values, size, CV_64F);
+  const int depth = bands.front().values.type() == CV_32F ? CV_32F : CV_64F;
+  const GDALDataType type = depth == CV_32F ? GDT_Float32 : GDT_Float64;
+  for (const ScoreBand& band : bands) check_size(band.name, band.values, size, depth);
   const DatasetPtr memory =
-      create_in_memory(size, static_cast<int>(bands.size()), GDT_Float64, crs, map_from_pixel, path.string());
+      create_in_memory(size, static_cast<int>(bands.size()), type, crs, map_from_pixel, path.string());
   for (std::size_t i = 0; i < bands.size(); ++i) {
     GDALRasterBand& band = *memory->GetRasterBand(static_cast<int>(i) + 1);
-    fill(band, bands[i].values, GDT_Float64, path.string());
+    fill(band, bands[i].values, type, path.string());
     band.SetDescription(bands[i].name.c_str());
     if (!bands[i].unit.empty()) band.SetUnitType(bands[i].unit.c_str());
     band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());

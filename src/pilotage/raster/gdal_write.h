@@ -17,14 +17,14 @@ namespace pilotage {
 struct ScoreBand {
   std::string name;  ///< Becomes the band's description: "gray_variance".
   std::string unit;  ///< Becomes the band's unit: "gray levels", or "".
-  cv::Mat values;    ///< CV_64F, one channel; NaN where there is no score.
+  cv::Mat values;    ///< CV_64F or CV_32F, one channel; NaN where there is no score.
 };
 
-/// Writes a Cloud-Optimised GeoTIFF of Float64 bands: two tiles' Frieden entropies differ in the sixth digit, which
-/// Float32 would lose. No data is NaN, because every finite number may be a score. Descriptions, units and statistics
-/// (minimum, maximum, mean, standard deviation over the valid pixels) stand in the file itself. The same input gives
-/// the same bytes. Written under a temporary name and renamed. Throws UsageError for bands of wrong type or differing
-/// size, DataError when it cannot be written.
+/// Writes a Cloud-Optimised GeoTIFF of bands that are all Float64 or all Float32. Scores are Float64: two tiles'
+/// Frieden entropies differ in the sixth digit, which Float32 would lose. No data is NaN, because every finite number
+/// may be a score. Descriptions, units and statistics (minimum, maximum, mean, standard deviation over the valid
+/// pixels) stand in the file itself. The same input gives the same bytes. Written under a temporary name and renamed.
+/// Throws UsageError for bands of wrong type or differing size, DataError when it cannot be written.
 void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
                         const GeoTransform& map_from_pixel, bool overwrite);
 

@@ -88,6 +88,32 @@ QualityRow longest_gap_row(const Selection& selection) {
   return row;
 }
 
+// "0.982 ≥ 0.900" or "0.873 < 0.900"
+std::string probability_comparison(const RouteProbability& route) {
+  return probability_text(route.p_within_limit) + (route.p_within_limit >= route.min_p_within_limit ? " ≥ " : " < ") +
+         probability_text(route.min_p_within_limit);
+}
+
+QualityRow probability_row(const RouteProbability& route) {
+  QualityRow row;
+  row.name = "route_probability";
+  row.label = "Probability that the error stays within its limit";
+  row.number = route.p_within_limit;
+  row.unit = "1";
+  row.value = probability_comparison(route) + "; expected fixes " + number_text(route.expected_fixes, 1) +
+              ", false ones at most " + number_text(route.expected_false_fixes, 4);
+  row.threshold = "good from " + probability_text(route.min_p_within_limit) + ", bad below";
+  row.decides = true;
+  if (route.p_within_limit >= route.min_p_within_limit) return row;
+  row.status = QualityStatus::kBad;
+  row.advice = "Lead the route over ground with a larger probability of a correct fix (select --advise).";
+  if (route.worst) {
+    row.advice += " Most flights are lost between " + length_text(route.worst->from_distance_m) + " and " +
+                  length_text(route.worst->to_distance_m) + ", from leg " + std::to_string(route.worst->leg + 1) + ".";
+  }
+  return row;
+}
+
 QualityRow matchable_row(const Selection& selection) {
   QualityRow row;
   row.name = "matchable_length";
@@ -302,17 +328,21 @@ double largest_error_m(const Selection& selection) {
 }
 
 std::vector<QualityRow> quality_rows(const ReportInput& input) {
-  return {largest_error_row(input.selection),
-          longest_gap_row(input.selection),
-          matchable_row(input.selection),
-          selected_row(input),
-          ambiguous_row(input),
-          coverage_row(input.plan),
-          scored_row(input),
-          gsd_row(input.plan),
-          footprint_row(input.plan),
-          distortion_row(input.plan),
-          imagery_date_row(input.plan)};
+  std::vector<QualityRow> rows = {largest_error_row(input.selection),
+                                  longest_gap_row(input.selection),
+                                  matchable_row(input.selection),
+                                  selected_row(input),
+                                  ambiguous_row(input),
+                                  coverage_row(input.plan),
+                                  scored_row(input),
+                                  gsd_row(input.plan),
+                                  footprint_row(input.plan),
+                                  distortion_row(input.plan),
+                                  imagery_date_row(input.plan)};
+  if (const auto& probability = input.selection.probability) {
+    rows.insert(rows.begin() + 2, probability_row(*probability));
+  }
+  return rows;
 }
 
 QualityStatus verdict_of(const std::vector<QualityRow>& rows) {
@@ -339,9 +369,12 @@ std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow
   }
   const bool said = gap != nullptr && error_text(gap->error_m) == error_text(error_m);
   if (!said) text += "; largest error " + comparison_text(error_m, selection.max_error_m);
+  if (selection.probability) {
+    text += "; within the limit all the way with P = " + probability_comparison(*selection.probability);
+  }
   for (const QualityRow& row : rows) {
     if (!row.decides || row.status != verdict || verdict == QualityStatus::kGood) continue;
-    if (row.name == "largest_error" || row.name == "longest_gap") continue;
+    if (row.name == "largest_error" || row.name == "longest_gap" || row.name == "route_probability") continue;
     text += "; " + row.label + ": " + row.value;
   }
   return text;

@@ -158,13 +158,16 @@ std::vector<ReportLeg> place_legs(const ReportInput& input) {
   return legs;
 }
 
-// Worst first: unknown errors, then the largest; equal ones in the order of flight.
+// Worst first: by probability where there is one; then unknown errors, then the largest; equal ones in the order of
+// flight.
 std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
   std::vector<int> order;
   for (std::size_t i = 0; i < legs.size(); ++i) order.push_back(static_cast<int>(i));
   const auto badness = [&](int i) {
-    const double error_m = legs[static_cast<std::size_t>(i)].status.max_error_m;
-    return std::isnan(error_m) ? std::numeric_limits<double>::infinity() : error_m;
+    const LegStatus& status = legs[static_cast<std::size_t>(i)].status;
+    const double p_excess = std::isnan(status.p_within_limit) ? 1 : 1 - status.p_within_limit;
+    return std::pair(p_excess,
+                     std::isnan(status.max_error_m) ? std::numeric_limits<double>::infinity() : status.max_error_m);
   };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return badness(a) > badness(b); });
   order.resize(std::min<std::size_t>(order.size(), 10));
@@ -203,6 +206,7 @@ Report make_report(const ReportInput& input) {
   report.legs = place_legs(input);
   report.worst_legs = rank_legs(report.legs);
   report.gaps = place_gaps(input);
+  report.probability = selection.probability;
   report.fixes = fix_stretches(selection.error_profile);
   report.error_profile = thin_profile(selection.error_profile, 2000);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -83,8 +84,9 @@ struct Report {
   double max_error_m = 0;      ///< The limit.
   double sigma_multiple = 3;
   std::vector<ReportLeg> legs;
-  std::vector<int> worst_legs;  ///< Indices into `legs`, largest error first, at most ten.
+  std::vector<int> worst_legs;  ///< Indices into `legs`, at most ten: smallest probability, then largest error first.
   std::vector<ReportGap> gaps;
+  std::optional<RouteProbability> probability;  ///< As the selection's.
   std::vector<FixStretch> fixes;
   std::vector<ErrorSample> error_profile;  ///< Thinned to at most 2,000 samples; extremes are kept.
 

@@ -50,10 +50,11 @@ std::string legs_html(const Report& report) {
     const ReportLeg& leg = report.legs[static_cast<std::size_t>(index)];
     html += "<tr>" + heading("Leg " + std::to_string(leg.status.leg + 1)) + "<td>" + badge(status_name(leg.quality)) +
             "</td>" + cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
+            cell(probability_text(leg.status.p_within_limit)) + cell(probability_text(leg.status.p_fix)) +
             cell(percent_text(leg.status.matchable_fraction)) + cell(length_text(leg.status.length_m)) +
             copy_cell(leg.from, leg.to) + "</tr>\n";
   }
-  return html.empty() ? "<tr><td colspan=\"6\">The route has no leg.</td></tr>" : html;
+  return html.empty() ? "<tr><td colspan=\"8\">The route has no leg.</td></tr>" : html;
 }
 
 std::string gaps_html(const Report& report) {

@@ -51,6 +51,8 @@ Json legs_json(const Report& report) {
     json["matchable_fraction"] = number(leg.status.matchable_fraction);
     json["max_error_m"] = number(leg.status.max_error_m);
     json["within_limit"] = leg.status.within_limit;
+    json["p_within_limit"] = number(leg.status.p_within_limit);
+    json["p_fix"] = number(leg.status.p_fix);
     json["status"] = status_name(leg.quality);
     legs.push_back(json);
   }
@@ -71,9 +73,27 @@ Json gaps_json(const Report& report) {
     json["speed_mps"] = number(gap.speed_mps);
     json["error_m"] = number(gap.gap.error_m);
     json["within_limit"] = gap.gap.within_limit;
+    json["p_first_excess"] = number(gap.gap.p_first_excess);
     gaps.push_back(json);
   }
   return gaps;
+}
+
+Json probability_json(const Report& report) {
+  if (!report.probability) return nullptr;
+  Json json;
+  json["p_within_limit"] = number(report.probability->p_within_limit);
+  json["min_p_within_limit"] = number(report.probability->min_p_within_limit);
+  json["expected_fixes"] = number(report.probability->expected_fixes);
+  json["expected_false_fixes"] = number(report.probability->expected_false_fixes);
+  json["worst"] = nullptr;
+  if (const auto& worst = report.probability->worst) {
+    json["worst"] = {{"leg", worst->leg},
+                     {"from_distance_m", number(worst->from_distance_m)},
+                     {"to_distance_m", number(worst->to_distance_m)},
+                     {"p_first_excess", number(worst->p_first_excess)}};
+  }
+  return json;
 }
 
 Json route_json(const Report& report) {
@@ -85,6 +105,7 @@ Json route_json(const Report& report) {
   json["largest_error_m"] = number(report.largest_error_m);
   json["max_error_m"] = number(report.max_error_m);
   json["sigma_multiple"] = number(report.sigma_multiple);
+  json["probability"] = probability_json(report);
   json["legs"] = legs_json(report);
   json["worst_legs"] = report.worst_legs;
   json["gaps"] = gaps_json(report);

@@ -119,9 +119,15 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
   result.crs = grid.crs;
   result.matrix = score_matrix(grid.source, options.grid);
   result.warnings = imagery_warnings(infos, 0);
-  const CrsTransform transform(grid.crs);
   std::vector<TileScore> scores = score_tiles(grid.source, result.matrix, options.grid.search_radius_px, {},
                                               options.score, seed, threads, progress);
+  if (!options.score.second_epoch.empty()) {
+    EpochTiles all{result.matrix, options.grid.search_radius_px, {}};
+    for (const TileScore& score : scores) all.indices.push_back(score.tile_id);
+    result.second_epoch = compare_epochs(datasets, options.imagery, grid.crs, {all}, options.score, threads, progress);
+    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = result.second_epoch->scores[i];
+  }
+  const CrsTransform transform(grid.crs);
   if (options.score.measure(ScoreMeasure::kGroundCover)) {
     const ColorSource colors = own_grid
                                    ? open_colors(datasets.front(), options.imagery)

@@ -10,6 +10,7 @@
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/gdal_imagery.h"
+#include "pilotage/score/score_second_epoch.h"
 #include "pilotage/score/score_tiles.h"
 
 namespace pilotage {
@@ -39,6 +40,7 @@ struct ScoredImagery {
   TileMatrix matrix;
   std::vector<TileRow> rows;  ///< All tiles, ascending tile_id = row · matrix_width + column.
   std::vector<std::string> warnings;
+  std::optional<SecondEpoch> second_epoch;  ///< When score.second_epoch is given.
 };
 
 /// Scores every tile of a raster on its own pixel grid, with nothing resampled; or, with gsd_m (or crs, or several

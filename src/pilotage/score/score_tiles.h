@@ -11,6 +11,7 @@
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
+#include "pilotage/registration/registration_options.h"
 #include "pilotage/vision/degradation.h"
 #include "pilotage/vision/features.h"
 
@@ -58,6 +59,8 @@ struct ScoreOptions {
   int degraded_copies = 2;
   DegradationOptions degradation;
   FeatureOptions features;  ///< Of the map that will be built; no option of `score`, `prepare` sets it.
+  std::vector<std::string> second_epoch;  ///< Not looked at by score_tiles: see score_second_epoch.h.
+  RegistrationOptions registration;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -72,6 +75,11 @@ struct ScoreOptions {
     fields.field("degraded_copies", self.degraded_copies, "Degraded copies per tile; scores are their mean.",
                  Range{1, 64});
     fields.group("degradation", self.degradation, "How the degraded copies differ from the reference.");
+    fields.path(
+        "second_epoch", self.second_epoch,
+        "Imagery of the same ground at another date: it is brought onto the reference, the disagreement of both "
+        "georeferences is reported, and each tile is measured against it.");
+    fields.group("registration", self.registration, "How the second date is brought onto the reference.");
   }
 
   bool measures_surface() const;

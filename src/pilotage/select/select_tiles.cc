@@ -2,69 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <set>
-#include <tuple>
+#include <optional>
 #include <utility>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mission/tile_lookup.h"
+#include "pilotage/select/budget_tiles.h"
 #include "pilotage/select/byte_budget.h"
+#include "pilotage/select/fix_attempts.h"
+#include "pilotage/select/leg_advice.h"
 #include "pilotage/select/route_error.h"
+#include "pilotage/select/route_probability.h"
+#include "pilotage/select/storage_count.h"
 
 namespace pilotage {
 namespace {
-
-double judged_margin(const TileScore& score) {
-  return std::isnan(score.degraded.margin) ? score.clean.margin : score.degraded.margin;
-}
-
-// Counts what the chosen tiles need, overlap counted once: the ground is cut into squares of one stride.
-class StorageCount {
- public:
-  StorageCount(const TilePlan& plan, const StoredSize& size) : plan_(plan), size_(size), bytes_(size.bytes_fixed) {}
-
-  double bytes_with(const PlanTile& tile) const {
-    return bytes_ + size_.bytes_per_tile + new_cells(tile) * cell_bytes(tile);
-  }
-  void add(const PlanTile& tile) {
-    bytes_ = bytes_with(tile);
-    for_each_cell(tile, [&](std::int64_t column, std::int64_t row) { covered_.insert({tile.level, row, column}); });
-  }
-  double bytes() const { return bytes_; }
-
- private:
-  template <class Visit>
-  void for_each_cell(const PlanTile& tile, Visit visit) const {
-    const TileMatrix& matrix = matrix_of(tile);
-    const int cells = (matrix.tile_size_px + matrix.stride_px - 1) / matrix.stride_px;
-    for (int row = 0; row < cells; ++row) {
-      for (int column = 0; column < cells; ++column) visit(tile.column + column, tile.row + row);
-    }
-  }
-  double new_cells(const PlanTile& tile) const {
-    int count = 0;
-    for_each_cell(tile, [&](std::int64_t column, std::int64_t row) {
-      if (!covered_.contains({tile.level, row, column})) ++count;
-    });
-    return count;
-  }
-  double cell_bytes(const PlanTile& tile) const {
-    const double stride_px = matrix_of(tile).stride_px;
-    const auto level = static_cast<std::size_t>(tile.level);
-    const double chip_bytes = size_.chip_bytes_per_px.empty() ? 0 : size_.chip_bytes_per_px.at(level);
-    return stride_px * stride_px * (size_.bytes_per_px + chip_bytes);
-  }
-  const TileMatrix& matrix_of(const PlanTile& tile) const {
-    return plan_.levels[static_cast<std::size_t>(tile.level)].matrix;
-  }
-
-  const TilePlan& plan_;
-  const StoredSize& size_;
-  double bytes_ = 0;
-  std::set<std::tuple<int, std::int64_t, std::int64_t>> covered_;  // level, row, column
-};
 
 // The scores in the order of the plan's tiles.
 std::vector<TileScore> scores_of_plan(const TilePlan& plan, const std::vector<TileScore>& scores) {
@@ -80,12 +33,9 @@ std::vector<TileScore> scores_of_plan(const TilePlan& plan, const std::vector<Ti
   return ordered;
 }
 
-std::vector<bool> samples_over(const TilePlan& plan, const TileLookup& lookup, const std::vector<bool>& chosen) {
-  std::vector<bool> over(plan.route_samples.size());
-  for (std::size_t i = 0; i < over.size(); ++i) {
-    const auto tile = lookup.tile_under(plan.route_samples[i]);
-    over[i] = tile && chosen[*tile];
-  }
+std::vector<bool> samples_over(const std::vector<std::optional<std::size_t>>& tiles, const std::vector<bool>& chosen) {
+  std::vector<bool> over(tiles.size());
+  for (std::size_t i = 0; i < over.size(); ++i) over[i] = tiles[i] && chosen[*tiles[i]];
   return over;
 }
 
@@ -108,44 +58,108 @@ std::vector<bool> sparse_areas(const TilePlan& plan, const std::vector<bool>& ma
   return chosen;
 }
 
-// Drops tiles until the rest fits: sparse areas stay longest, then what is near the route, then what stands out most.
-std::vector<bool> within_budget(const TilePlan& plan, const std::vector<TileScore>& scores,
-                                const std::vector<bool>& wanted, const std::vector<bool>& sparse,
-                                const StoredSize& size, std::int64_t budget) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (wanted[i]) order.push_back(i);
-  }
-  const auto rank = [&](std::size_t i) {
-    const double stride_m = plan.levels[static_cast<std::size_t>(plan.tiles[i].level)].matrix.stride_px *
-                            plan.levels[static_cast<std::size_t>(plan.tiles[i].level)].gsd_m;
-    const double offset_m = plan.tiles[i].route_offset_m;
-    const double ring = sparse[i] ? offset_m : std::floor(offset_m / (stride_m / 2));
-    return std::tuple(!sparse[i], ring, -judged_margin(scores[i]), i);
-  };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-  StorageCount count(plan, size);
-  if (count.bytes() > static_cast<double>(budget)) {
-    throw UsageError("budget = " + std::to_string(budget) + " bytes cannot hold even an empty map, which has " +
-                     format_fixed(count.bytes(), 0));
-  }
-  std::vector<bool> kept(wanted.size(), false);
-  for (const std::size_t i : order) {
-    if (count.bytes_with(plan.tiles[i]) > static_cast<double>(budget)) continue;
-    count.add(plan.tiles[i]);
-    kept[i] = true;
-  }
-  return kept;
-}
-
 std::size_t count_true(const std::vector<bool>& flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
 }
 
+// P of a correct fix of each matchable tile, 0 of the others. One without a P counts as certain, as before there were
+// any.
+std::vector<double> fix_chances(const std::vector<TileScore>& scores, const std::vector<bool>& matchable) {
+  std::vector<double> p(scores.size(), 0.0);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (matchable[i]) p[i] = std::isnan(scores[i].p_correct_fix) ? 1.0 : scores[i].p_correct_fix;
+  }
+  return p;
+}
+
+std::vector<double> of_chosen(std::vector<double> p_of_tile, const std::vector<bool>& chosen) {
+  for (std::size_t i = 0; i < p_of_tile.size(); ++i) p_of_tile[i] = chosen[i] ? p_of_tile[i] : 0;
+  return p_of_tile;
+}
+
+// What the selection knows beside the tiles it chooses.
+struct Chances {
+  FlightPath path;
+  std::vector<FixAttempt> attempts;
+  std::vector<double> p_of_tile;  // of the matchable ones
+  double fix_interval_s = 0;
+
+  RouteSurvival of(const std::vector<bool>& chosen) const {
+    return predict_survival(
+        path, route_chances(attempts, of_chosen(p_of_tile, chosen), path.plan->route_samples.size(), fix_interval_s));
+  }
+};
+
+// The better of the stated order and of the search for the largest P; the order where they are alike.
+std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScore>& scores,
+                                const std::vector<bool>& wanted, const std::vector<bool>& sparse,
+                                const StoredSize& size, std::int64_t budget) {
+  const TilePlan& plan = *chances.path.plan;
+  const std::vector<bool> none(wanted.size(), false);
+  std::vector<bool> best = tiles_in_order(plan, scores, wanted, sparse, none, size, budget);
+  const auto worth = [&](const std::vector<bool>& chosen) { return flight_worth(chances.of(chosen).p_within_limit); };
+  double best_worth = worth(best);
+  const std::vector<double> p_of_wanted = of_chosen(chances.p_of_tile, wanted);
+  const auto improve = [&](const std::vector<bool>& start, const std::vector<bool>& history, bool flown) {
+    const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.attempts, p_of_wanted, start,
+                                                              history, size, budget, chances.fix_interval_s, flown);
+    const std::vector<bool> filled = tiles_in_order(plan, scores, wanted, sparse, under_route, size, budget);
+    const double filled_worth = worth(filled);
+    if (filled_worth <= best_worth) return;
+    best = filled;
+    best_worth = filled_worth;
+  };
+  improve(best, wanted, false);
+  improve(none, wanted, false);
+  improve(none, std::vector<bool>(best), false);  // knows better how far a flight gets
+  improve(std::vector<bool>(best), std::vector<bool>(best), true);
+  return best;
+}
+
+void add_chances(const Chances& chances, const std::vector<bool>& chosen,
+                 const std::vector<std::optional<std::size_t>>& tiles, const SelectOptions& options,
+                 Selection& selection) {
+  const RouteSurvival survival = chances.of(chosen);
+  const TilePlan& plan = *chances.path.plan;
+  const std::vector<double> p_of_stored = of_chosen(chances.p_of_tile, chosen);
+  const ExpectedFixes expected =
+      expected_fixes(plan, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
+  selection.probability = RouteProbability{survival.p_within_limit.back(), options.min_route_probability,
+                                           expected.correct, expected.wrong, survival.worst};
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    selection.error_profile[i].p_correct_fix = tiles[i] ? p_of_stored[*tiles[i]] : 0;
+    selection.error_profile[i].p_within_limit = survival.p_within_limit[i];
+  }
+  for (LegStatus& leg : selection.legs) {
+    leg.p_within_limit = survival.leg_p_within_limit[static_cast<std::size_t>(leg.leg)];
+    leg.p_fix = survival.leg_p_fix[static_cast<std::size_t>(leg.leg)];
+  }
+  const auto p_at = [&](double distance_m) {  // after the first of two samples at one place
+    const auto sample = std::lower_bound(plan.route_samples.begin(), plan.route_samples.end(), distance_m,
+                                         [](const PlanSample& a, double b_m) { return a.distance_m < b_m; });
+    return survival.p_within_limit[static_cast<std::size_t>(sample - plan.route_samples.begin())];
+  };
+  for (RouteGap& gap : selection.gaps) {
+    const double before = gap.from_distance_m > 0 ? p_at(gap.from_distance_m) : 1;
+    gap.p_first_excess = before - p_at(gap.to_distance_m);
+  }
+  if (!options.advise) return;
+  selection.advice = advise_legs(chances.path, survival, chances.p_of_tile,
+                                 {options.fix_interval_s, options.fix_decorrelation_m, options.min_leg_probability});
+  for (const LegAdvice& advice : selection.advice) {
+    selection.notes.push_back(advice_text(advice, options.min_leg_probability, plan.corridor_half_width_m));
+  }
+}
+
 }  // namespace
+
+double judged_margin(const TileScore& score) {
+  return std::isnan(score.degraded.margin) ? score.clean.margin : score.degraded.margin;
+}
 
 bool is_matchable(const TileScore& score, const SelectOptions& options) {
   if (score.status != TileStatus::kScored) return false;
+  if (!std::isnan(score.p_correct_fix)) return score.p_correct_fix >= options.min_p_correct_fix;
   const double margin = judged_margin(score);
   return std::isnan(margin) || margin >= options.min_peak_margin;
 }
@@ -155,14 +169,23 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
   check_options(options);
   const double max_error_m = plan.max_error_m;
   const std::vector<TileScore> ordered = scores_of_plan(plan, scores);
-  const TileLookup lookup(plan);
+  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
 
   std::vector<bool> matchable(plan.tiles.size());
   for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(ordered[i], options);
-  const std::vector<bool> sparse = sparse_areas(plan, matchable, samples_over(plan, lookup, matchable), max_error_m);
+  const std::vector<bool> sparse = sparse_areas(plan, matchable, samples_over(tiles, matchable), max_error_m);
   std::vector<bool> chosen = options.sparse ? sparse : matchable;
+  std::optional<Chances> chances;
+  if (std::any_of(ordered.begin(), ordered.end(), [](const TileScore& s) { return !std::isnan(s.p_correct_fix); })) {
+    chances = Chances{make_flight_path(plan, max_error_m),
+                      fix_attempts(plan, tiles, options.fix_interval_s, options.fix_decorrelation_m),
+                      fix_chances(ordered, matchable), options.fix_interval_s};
+  }
   if (options.budget) {
-    chosen = within_budget(plan, ordered, chosen, sparse, size, parse_byte_budget(*options.budget));
+    const std::int64_t budget = parse_byte_budget(*options.budget);
+    const std::vector<bool> none(chosen.size(), false);
+    chosen = chances ? within_budget(*chances, ordered, chosen, sparse, size, budget)
+                     : tiles_in_order(plan, ordered, chosen, sparse, none, size, budget);
   }
 
   Selection selection;
@@ -172,7 +195,7 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
     selection.tile_ids.push_back(plan.tiles[i].tile_id);
     count.add(plan.tiles[i]);
   }
-  RouteError error = predict_route_error(plan, samples_over(plan, lookup, chosen), max_error_m, options.fix_interval_s);
+  RouteError error = predict_route_error(plan, samples_over(tiles, chosen), max_error_m, options.fix_interval_s);
   selection.gaps = std::move(error.gaps);
   selection.legs = std::move(error.legs);
   selection.error_profile = std::move(error.profile);
@@ -183,6 +206,17 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
   selection.estimated_bytes = static_cast<std::int64_t>(std::ceil(count.bytes()));
   selection.notes.push_back(std::to_string(count_true(matchable)) + " of " + std::to_string(plan.tiles.size()) +
                             " tiles can be matched; " + std::to_string(selection.tile_ids.size()) + " are stored");
+  if (chances) {
+    std::size_t without_p = 0;
+    for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(ordered[i].p_correct_fix);
+    if (without_p > 0) {
+      selection.notes.push_back(std::to_string(without_p) +
+                                " stored tiles have no probability of a correct fix; they were counted as certain");
+    }
+    add_chances(*chances, chosen, tiles, options, selection);
+  } else if (options.advise) {
+    selection.notes.push_back("no tile has a probability of a correct fix, so no leg can be advised on");
+  }
   return selection;
 }
 

@@ -10,10 +10,13 @@
 
 namespace pilotage {
 
-/// Whether a frame can be expected to match this tile: scored, and its peak stands
-/// min_peak_margin above every rival. Judged on degraded copies; on the clean surface only where no degraded one
-/// was computed, because clean uniqueness can point the wrong way (docs/methods/uniqueness.md). A tile without either
-/// is judged by its status alone.
+/// R1 − R2 by which a tile is judged: of degraded copies, else of the clean surface, else NaN.
+double judged_margin(const TileScore& score);
+
+/// Whether a frame can be expected to match this tile: scored, and its probability of a correct fix, where it is known,
+/// is at least min_p_correct_fix; else its peak stands min_peak_margin above every rival. Judged on degraded copies; on
+/// the clean surface only where no degraded one was computed, because clean uniqueness can point the wrong way
+/// (docs/methods/uniqueness.md). A tile without either is judged by its status alone.
 bool is_matchable(const TileScore& score, const SelectOptions& options);
 
 /// Chooses the tiles that are stored and predicts what the flight looks like with them.
@@ -21,7 +24,12 @@ bool is_matchable(const TileScore& score, const SelectOptions& options);
 /// Default: every matchable tile. `sparse`: the fewest matching areas such that no gap lets the error exceed the limit
 /// (greedy interval cover along the route); an area is every matchable tile whose centre lies within the corridor's
 /// half width of the point of the fix, because the aircraft may be anywhere in it. `budget`: first the sparse areas,
-/// then the remaining matchable tiles, nearest to the route first and by margin among equals, while they fit.
+/// then the remaining matchable tiles, nearest to the route first and by margin among equals, while they fit. Where
+/// tiles have a P of a correct fix, the tiles under the route are chosen for the largest P that the error stays within
+/// its limit (budget_tiles.h), if that gives more than this order does.
+///
+/// Where at least one tile has a P, the flight's chances are computed (route_probability.h); a matchable tile without
+/// one counts as P = 1, and a note says so. `advise` looks for a parallel line for each leg that is not good enough.
 ///
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
 /// of this plan.

@@ -1,6 +1,7 @@
 #include "pilotage/vision/degradation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -9,9 +10,13 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
+#include "pilotage/vision/degradation_fields.h"
 
 namespace pilotage {
 namespace {
+
+/// Haze runs from 1 - this to 1 + this of its mean across the tile.
+constexpr double kHazeUnevenness = 0.5;
 
 /// Sign of one effect in one copy: copies 2k and 2k + 1 differ in all of them, and the effects do not go together.
 double sign_of(int copy, int effect) {
@@ -20,59 +25,11 @@ double sign_of(int copy, int effect) {
   return (flips & 1U) != 0 ? -1.0 : 1.0;
 }
 
-cv::Mat white_field(int size_px, Random random) {
-  cv::Mat field(size_px, size_px, CV_32F);
-  for (int row = 0; row < size_px; ++row) {
-    float* values = field.ptr<float>(row);
-    for (int col = 0; col < size_px; ++col) values[col] = static_cast<float>(random.normal());
-  }
-  return field;
-}
-
-/// Gaussian blur whose kernel ends at 2.5 sigma: 1.2 % of the weight is cut off.
-void blur(const cv::Mat& from, cv::Mat& to, double sigma_px) {
-  const int side = 2 * static_cast<int>(std::ceil(2.5 * sigma_px)) + 1;
-  cv::GaussianBlur(from, to, {side, side}, sigma_px, sigma_px, cv::BORDER_REFLECT_101);
-}
-
-/// Local standard deviation of a texture of mean 0, over about four times `sigma_px`. It varies slowly and is computed
-/// on a grid four times coarser.
-cv::Mat local_strength(const cv::Mat& fine, double sigma_px) {
-  const cv::Size coarse_size(std::max(1, fine.cols / 4), std::max(1, fine.rows / 4));
-  cv::Mat squares;
-  cv::resize(fine.mul(fine), squares, coarse_size, 0, 0, cv::INTER_AREA);
-  blur(squares, squares, std::max(0.5, sigma_px / 2));
-  cv::sqrt(squares, squares);
-  cv::Mat strength;
-  cv::resize(squares, strength, fine.size(), 0, 0, cv::INTER_LINEAR);
-  return strength;
-}
-
-/// What is finer than `sigma_px` in white noise, unit variance.
-cv::Mat texture_field(int size_px, double sigma_px, const Random& random) {
-  const cv::Mat white = white_field(size_px, random);
-  cv::Mat coarse;
-  blur(white, coarse, sigma_px);
-  cv::Mat fine = white - coarse;
+double deviation_of(const cv::Mat& values) {
   cv::Scalar mean;
   cv::Scalar deviation;
-  cv::meanStdDev(fine, mean, deviation);
-  return deviation[0] > 0 ? cv::Mat((fine - mean[0]) / deviation[0]) : fine;
-}
-
-/// 1 + amplitude · one slow wave of random direction and phase, half to one and a half periods across the tile.
-cv::Mat illumination_field(int size_px, double amplitude, Random random) {
-  const double direction = random.uniform(0, 2 * std::numbers::pi);
-  const double phase = random.uniform(0, 2 * std::numbers::pi);
-  const double wave_number = 2 * std::numbers::pi * random.uniform(0.5, 1.5) / size_px;
-  cv::Mat field(size_px, size_px, CV_32F);
-  for (int row = 0; row < size_px; ++row) {
-    for (int col = 0; col < size_px; ++col) {
-      const double along = std::cos(direction) * col + std::sin(direction) * row;
-      field.at<float>(row, col) = static_cast<float>(1 + amplitude * std::cos(wave_number * along + phase));
-    }
-  }
-  return field;
+  cv::meanStdDev(values, mean, deviation);
+  return deviation[0];
 }
 
 /// Where the pixels of the copy lie in the tile with its margin, in OpenCV's pixel coordinates (centres at whole
@@ -98,10 +55,11 @@ cv::Mat source_positions(int size_px, int margin_px, double angle_rad, double sc
 int rotation_margin_px(int tile_size_px, const DegradationOptions& options) {
   const double angle = options.rotation_deg * std::numbers::pi / 180;
   const double half = tile_size_px / 2.0;
-  const double moved = half * ((1 + options.scale_percent / 100) * (std::cos(angle) + std::sin(angle)) - 1);
-  return options.rotation_deg == 0 && options.scale_percent == 0
+  const double turned = half * ((1 + options.scale_percent / 100) * (std::cos(angle) + std::sin(angle)) - 1);
+  const double moved = std::max(turned, 0.0) + options.parallax_px;
+  return options.rotation_deg == 0 && options.scale_percent == 0 && options.parallax_px == 0
              ? 0
-             : static_cast<int>(std::ceil(std::max(moved, 0.0))) + 1;
+             : static_cast<int>(std::ceil(moved)) + 1;
 }
 
 Degrader::Degrader(int tile_size_px, int margin_px, const DegradationOptions& options, std::uint64_t seed, int copy)
@@ -117,15 +75,60 @@ Degrader::Degrader(int tile_size_px, int margin_px, const DegradationOptions& op
   const double angle = sign_of(copy, 0) * options.rotation_deg * std::numbers::pi / 180;
   const double factor = 1 + options.scale_percent / 100;
   const double scale = sign_of(copy, 1) > 0 ? factor : 1 / factor;
-  if (options.rotation_deg > 0 || options.scale_percent > 0) {
+  if (options.rotation_deg > 0 || options.scale_percent > 0 || options.parallax_px > 0) {
     map_xy_ = source_positions(tile_size_px, margin_px, angle, scale);
   }
-  if (options.texture_redrawn > 0) texture_ = texture_field(tile_size_px, options.texture_scale_px, stream("texture"));
-  if (options.illumination > 0) {
-    illumination_ = illumination_field(tile_size_px, options.illumination, stream("illumination"));
+  if (options.parallax_px > 0) {
+    const double direction = stream("parallax").uniform(0, 2 * std::numbers::pi);
+    parallax_ = options.parallax_px * cv::Point2d(std::cos(direction), std::sin(direction));
   }
+  if (options.water > 0) water_ = water_field(tile_size_px, stream("water"));
+  if (options.objects_per_mpx > 0) {
+    objects_ = draw_objects(tile_size_px, options.objects_per_mpx, options.object_size_px, stream("objects"));
+  }
+  if (options.texture_redrawn > 0) {
+    texture_ = texture_field(tile_size_px, options.texture_scale_px, options.texture_slope, stream("texture"));
+  }
+  if (options.illumination > 0) {
+    illumination_ = wave_field(tile_size_px, 1, options.illumination, stream("illumination"));
+  }
+  if (options.shadow > 0) {
+    shadow_ =
+        shadow_field(tile_size_px, options.shadow, options.shadow_share, options.shadow_edge_px, stream("shadow"));
+  }
+  if (options.haze > 0) haze_ = wave_field(tile_size_px, options.haze, kHazeUnevenness, stream("haze"));
   if (options.noise > 0) noise_ = white_field(tile_size_px, stream("noise"));
   gamma_ = sign_of(copy, 2) > 0 ? 1 + options.gamma : 1 / (1 + options.gamma);
+}
+
+cv::Mat Degrader::seen(const cv::Mat& tile) const {
+  if (map_xy_.empty()) return tile(cv::Rect(margin_px_, margin_px_, size_px_, size_px_)).clone();
+  cv::Mat picture;
+  if (options_.parallax_px == 0) {
+    cv::remap(tile, picture, map_xy_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REFLECT_101);
+    return picture;
+  }
+  cv::Mat heights;
+  cv::remap(guess_heights(tile, options_.parallax_scale_px), heights, map_xy_, cv::noArray(), cv::INTER_LINEAR,
+            cv::BORDER_REFLECT_101);
+  const std::array<cv::Mat, 2> shifts{heights * parallax_.x, heights * parallax_.y};
+  cv::Mat from;
+  cv::merge(shifts.data(), shifts.size(), from);
+  from = map_xy_ - from;  // what is shown here stands back against the displacement
+  cv::remap(tile, picture, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REFLECT_101);
+  return picture;
+}
+
+cv::Mat Degrader::redrawn(const cv::Mat& ground) const {
+  cv::Mat coarse;
+  blur(ground, coarse, options_.texture_scale_px);
+  cv::Mat fine = ground - coarse;
+  const cv::Mat strength = local_strength(fine, options_.texture_scale_px);
+  const double share = options_.texture_redrawn;
+  cv::Mat copy;
+  cv::scaleAdd(fine, std::sqrt(1 - share * share), coarse, copy);
+  cv::scaleAdd(strength.mul(texture_), share, copy, copy);
+  return copy;
 }
 
 cv::Mat Degrader::apply(const cv::Mat& tile) const {
@@ -134,22 +137,10 @@ cv::Mat Degrader::apply(const cv::Mat& tile) const {
     throw UsageError("degraded copy needs a CV_32F tile of " + std::to_string(side) + " x " + std::to_string(side) +
                      " px");
   }
-  cv::Mat copy;
-  if (map_xy_.empty()) {
-    copy = tile(cv::Rect(margin_px_, margin_px_, size_px_, size_px_)).clone();
-  } else {
-    cv::remap(tile, copy, map_xy_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REFLECT_101);
-  }
-
-  if (!texture_.empty()) {
-    cv::Mat coarse;
-    blur(copy, coarse, options_.texture_scale_px);
-    cv::Mat fine = copy - coarse;
-    const cv::Mat strength = local_strength(fine, options_.texture_scale_px);
-    const double redrawn = options_.texture_redrawn;
-    cv::scaleAdd(fine, std::sqrt(1 - redrawn * redrawn), coarse, copy);
-    cv::scaleAdd(strength.mul(texture_), redrawn, copy, copy);
-  }
+  cv::Mat copy = seen(tile);
+  if (!water_.empty()) redraw_water(options_.water, water_, copy);
+  move_objects(objects_, copy);
+  if (!texture_.empty()) copy = redrawn(copy);
 
   // Brightness effects act on gray values between 0 (darkest pixel) and 1 (brightest); correlation does not see the
   // change.
@@ -157,18 +148,17 @@ cv::Mat Degrader::apply(const cv::Mat& tile) const {
   double high = 0;
   cv::minMaxLoc(copy, &low, &high);
   if (!(high > low)) return cv::Mat::zeros(size_px_, size_px_, CV_32F);
-  if (!illumination_.empty() || options_.gamma > 0) {
+  if (!illumination_.empty() || !shadow_.empty() || !haze_.empty() || options_.gamma > 0) {
     copy.convertTo(copy, CV_32F, 1 / (high - low), -low / (high - low));
     if (!illumination_.empty()) cv::multiply(copy, illumination_, copy);
-    if (options_.gamma > 0) cv::pow(cv::max(copy, 0), gamma_, copy);
+    if (!shadow_.empty()) cv::multiply(copy, shadow_, copy);
   }
+  const double clear = haze_.empty() ? 0 : deviation_of(copy);
+  if (!haze_.empty()) copy += haze_.mul(1 - copy);  // its own light is as bright as the brightest ground
+  if (options_.gamma > 0) cv::pow(cv::max(copy, 0), gamma_, copy);
   if (options_.blur_px > 0) blur(copy, copy, options_.blur_px);
-  if (!noise_.empty()) {
-    cv::Scalar mean;
-    cv::Scalar deviation;
-    cv::meanStdDev(copy, mean, deviation);
-    cv::scaleAdd(noise_, options_.noise * deviation[0], copy, copy);
-  }
+  // A sensor's noise does not fade with the ground in haze.
+  if (!noise_.empty()) cv::scaleAdd(noise_, options_.noise * (haze_.empty() ? deviation_of(copy) : clear), copy, copy);
   return copy;
 }
 

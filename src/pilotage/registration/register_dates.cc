@@ -1,0 +1,104 @@
+#include "pilotage/registration/register_dates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/options.h"
+#include "pilotage/raster/gdal_gray.h"
+#include "pilotage/registration/warped_source.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kDefaultGsd_m = 0.6;
+constexpr double kCoarseRadius_px = 12;
+constexpr int kRefineRadius_px = 6;  // three pixels of the level before
+constexpr int kLastRadius_px = 4;
+/// Other ground gives ties at 0.3 % (real) to 1.7 % (random texture) of the places, by chance (docs/methods).
+constexpr double kLeastShare = 0.04;
+
+struct Pass {
+  double gsd_m;
+  int radius_px;  // when a field is known from the pass before
+};
+
+/// Halving the pixel from where the search is short; the finest level twice.
+std::vector<Pass> make_passes(double gsd_m, double search_radius_m) {
+  std::vector<Pass> passes;
+  double coarse_m = gsd_m;
+  while (search_radius_m / coarse_m > kCoarseRadius_px) coarse_m *= 2;
+  for (; coarse_m > 1.5 * gsd_m; coarse_m /= 2) passes.push_back({coarse_m, kRefineRadius_px});
+  passes.push_back({gsd_m, kRefineRadius_px});
+  passes.push_back({gsd_m, kLastRadius_px});
+  return passes;
+}
+
+int whole_radius_px(double search_radius_m, double gsd_m) {
+  return std::max(kLastRadius_px, static_cast<int>(std::ceil(search_radius_m / gsd_m)) + 1);
+}
+
+DatePair open_level(const OpenPair& open, const Bounds& area_m, double gsd_m) {
+  const GeoTransform place = GeoTransform::north_up(std::floor(area_m.min_x_m / gsd_m) * gsd_m,
+                                                    std::ceil(area_m.max_y_m / gsd_m) * gsd_m, gsd_m);
+  const Eigen::Vector2d corner = place.pixel_from_map({area_m.max_x_m, area_m.min_y_m});
+  return open(place, static_cast<std::int64_t>(std::ceil(corner.x())),
+              static_cast<std::int64_t>(std::ceil(corner.y())));
+}
+
+/// What a tie of the warped second date says of the second date itself.
+void compose(const WarpField& field, std::vector<Tie>& ties) {
+  for (Tie& tie : ties) {
+    const Eigen::Vector2d found = tie.point_m + tie.displacement_m;
+    tie.displacement_m += field.continued_m(found.x(), found.y());
+  }
+}
+
+}  // namespace
+
+Registration register_dates(const OpenPair& open, const Bounds& area_m, double gsd_m,
+                            const RegistrationOptions& options, const Wanted& wanted, int threads,
+                            const Progress& progress) {
+  check_options(options);
+  Registration result;
+  result.gsd_m = gsd_m;
+  result.fit = fit_warp({}, gsd_m, options.warp);
+  for (const Pass& pass : make_passes(gsd_m, options.search_radius_m)) {
+    // A square may lie half outside the area, so that its edge gets ties too.
+    const double margin_m = (options.ties.template_px / 2.0 + kCoarseRadius_px) * pass.gsd_m;
+    const DatePair dates = open_level(open, area_m.grown(margin_m), pass.gsd_m);
+    const bool first = result.fit.field.control_m.empty();
+    const auto field = std::make_shared<const WarpField>(result.fit.field);
+    TieSearch search = find_ties(dates.reference, first ? dates.second : warped_source(dates.second, field, true),
+                                 first ? whole_radius_px(options.search_radius_m, pass.gsd_m) : pass.radius_px,
+                                 options.ties, wanted, threads, progress);
+    if (static_cast<double>(search.ties.size()) < kLeastShare * static_cast<double>(search.places)) search.ties.clear();
+    compose(*field, search.ties);
+    result.places = search.places;
+    std::erase_if(result.ties, [&](const Tie& tie) { return tie.gsd_m < 1.5 * pass.gsd_m; });
+    result.ties.insert(result.ties.begin(), search.ties.begin(), search.ties.end());
+    result.fit = fit_warp(result.ties, pass.gsd_m, options.warp);
+  }
+  result.finest_ties =
+      std::count_if(result.ties.begin(), result.ties.end(), [&](const Tie& tie) { return tie.gsd_m < 1.5 * gsd_m; });
+  if (result.places == 0) throw DataError("the second date shows no ground that the reference shows");
+  return result;
+}
+
+double registration_gsd_m(const std::vector<ImageryInfo>& infos, const RegistrationOptions& options) {
+  if (options.gsd_m) return *options.gsd_m;
+  double gsd_m = kDefaultGsd_m;
+  for (const ImageryInfo& info : infos) gsd_m = std::max({gsd_m, info.gsd_x_m, info.gsd_y_m});
+  return gsd_m;
+}
+
+OpenPair open_rasters(const std::vector<std::string>& reference, const ImageryOptions& reference_options,
+                      const std::vector<std::string>& second, const Crs& crs) {
+  return [=](const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px) {
+    return DatePair{open_gray_on_grid(reference, crs, map_from_pixel, width_px, height_px, reference_options),
+                    open_gray_on_grid(second, crs, map_from_pixel, width_px, height_px)};
+  };
+}
+
+}  // namespace pilotage

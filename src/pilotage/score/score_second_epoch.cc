@@ -1,0 +1,322 @@
+#include "pilotage/score/score_second_epoch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
+#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/raster/gray_stretch.h"
+#include "pilotage/registration/surviving_features.h"
+#include "pilotage/registration/warped_source.h"
+#include "pilotage/score/map_strip.h"
+#include "pilotage/score/tile_surfaces.h"
+#include "pilotage/vision/correlation_peaks.h"
+#include "pilotage/vision/features.h"
+#include "pilotage/vision/fft_correlation.h"
+
+namespace pilotage {
+namespace {
+
+constexpr std::int64_t kGroupColumns = 64;                      // of tiles, worked on together
+constexpr std::int64_t kFeatureStrip_px = 4 * kFeatureBlockPx;  // whole blocks
+
+/// Tiles of a group of columns: their places in the result by row, then column.
+using Group = std::map<std::int64_t, std::map<std::int64_t, std::size_t>>;
+
+struct Job {
+  const EpochTiles& tiles;
+  GraySource reference;
+  GraySource second;  // drawn onto the reference
+  double min_valid_fraction;
+  int threads;
+  double reference_center;
+  double second_center;
+
+  int radius_px() const { return std::max(tiles.search_radius_px, kEpochPlace_px); }
+};
+
+std::vector<Group> make_groups(const EpochTiles& tiles) {
+  std::map<std::int64_t, Group> groups;
+  const std::int64_t width = tiles.matrix.matrix_width();
+  for (std::size_t i = 0; i < tiles.indices.size(); ++i) {
+    const std::int64_t column = tiles.indices[i] % width;
+    groups[column / kGroupColumns][tiles.indices[i] / width][column] = i;
+  }
+  std::vector<Group> list;
+  for (auto& [key, group] : groups) list.push_back(std::move(group));
+  return list;
+}
+
+/// The window around tiles of a group in rows [first, last], grown by a halo and cut to the grid.
+PixelWindow window_of(const TileMatrix& matrix, const Group& group, std::int64_t first, std::int64_t last, int halo) {
+  std::int64_t low = matrix.matrix_width();
+  std::int64_t high = -1;
+  for (const auto& [row, columns] : group) {
+    low = std::min(low, columns.begin()->first);
+    high = std::max(high, columns.rbegin()->first);
+  }
+  const PixelWindow begin = matrix.search_window(low, first, halo);
+  const PixelWindow end = matrix.search_window(high, last, halo);
+  return {begin.col, begin.row, static_cast<int>(end.col + end.width - begin.col),
+          static_cast<int>(end.row + end.height - begin.row)};
+}
+
+bool is_flat(const cv::Mat& pixels, const cv::Mat& valid) {
+  double low = 0;
+  double high = 0;
+  cv::minMaxLoc(pixels, &low, &high, nullptr, nullptr, valid);
+  return low == high;
+}
+
+/// ncc and margin of one tile.
+void score_surface(const Job& job, const MapStrip& reference, const MapStrip& second, std::int64_t column,
+                   std::int64_t row, EpochScores& score) {
+  const SearchArea area(job.tiles.matrix, column, row, job.radius_px());
+  const double least = job.min_valid_fraction * area.tile.width * area.tile.height;
+  if (static_cast<double>(second.count_valid(area.tile)) < least ||
+      static_cast<double>(reference.count_valid(area.tile)) < least) {
+    return;
+  }
+  const cv::Mat tile = second.view(second.centred, area.tile);
+  const cv::Mat tile_valid = second.view(second.valid, area.tile);
+  const cv::Mat region = reference.view(reference.centred, area.window);
+  if (is_flat(tile, tile_valid) ||
+      is_flat(reference.view(reference.centred, area.tile), reference.view(reference.valid, area.tile))) {
+    return;
+  }
+  const bool whole = second.count_valid(area.tile) == std::int64_t{area.tile.width} * area.tile.height &&
+                     reference.count_valid(area.window) == std::int64_t{area.window.width} * area.window.height;
+  const cv::Mat surface =
+      whole ? correlation_surface(tile, region)
+            : masked_correlation_surface(tile, tile_valid, region, reference.view(reference.valid, area.window),
+                                         job.min_valid_fraction);
+  const cv::Rect near = cv::Rect(area.truth.x - kEpochPlace_px, area.truth.y - kEpochPlace_px, 2 * kEpochPlace_px + 1,
+                                 2 * kEpochPlace_px + 1) &
+                        cv::Rect(0, 0, surface.cols, surface.rows);
+  cv::Mat close = surface(near).clone();
+  cv::patchNaNs(close, -2);
+  cv::Point best;
+  cv::minMaxLoc(close, nullptr, nullptr, nullptr, &best);
+  const CorrelationPeaks peaks = correlation_peaks(surface, near.tl() + best, area.tile.width);
+  score.ncc = peaks.peak;
+  if (job.tiles.search_radius_px > 0) score.margin = peaks.margin;
+}
+
+void score_surfaces(const Job& job, const Group& group, std::vector<EpochScores>& scores) {
+  const TileMatrix& matrix = job.tiles.matrix;
+  std::optional<MapStrip> reference;
+  std::optional<MapStrip> second;
+  for (const auto& [row, columns] : group) {
+    // Both strips share a window: what lies below the tiles now is read once for the rows to come.
+    const PixelWindow window = window_of(matrix, group, row, row, job.radius_px());
+    reference = load_strip(job.reference, window, job.reference_center, matrix.tile_size_px, false,
+                           reference ? &*reference : nullptr, job.threads);
+    second = load_strip(job.second, window, job.second_center, matrix.tile_size_px, false, second ? &*second : nullptr,
+                        job.threads);
+    const std::vector<std::pair<std::int64_t, std::size_t>> list(columns.begin(), columns.end());
+    const std::int64_t tile_row = row;
+    parallel_for(list.size(), job.threads, [&](std::size_t i, int) {
+      score_surface(job, *reference, *second, list[i].first, tile_row, scores[list[i].second]);
+    });
+  }
+}
+
+struct Survival {
+  std::int64_t features = 0;
+  std::int64_t survive = 0;
+};
+
+/// Counts a feature for every tile of the group that it lies in.
+void count_feature(const TileMatrix& matrix, const Group& group, const Feature& feature, bool survives,
+                   std::map<std::size_t, Survival>& counts) {
+  const auto x = static_cast<std::int64_t>(feature.x_px);
+  const auto y = static_cast<std::int64_t>(feature.y_px);
+  const auto first = [&](std::int64_t position) {
+    return std::max<std::int64_t>(0, (position - matrix.tile_size_px) / matrix.stride_px);
+  };
+  for (auto row = group.lower_bound(first(y)); row != group.end() && row->first * matrix.stride_px <= y; ++row) {
+    if (y >= row->first * matrix.stride_px + matrix.tile_size_px) continue;
+    for (auto tile = row->second.lower_bound(first(x));
+         tile != row->second.end() && tile->first * matrix.stride_px <= x; ++tile) {
+      if (x >= tile->first * matrix.stride_px + matrix.tile_size_px) continue;
+      Survival& count = counts[tile->second];
+      ++count.features;
+      if (survives) ++count.survive;
+    }
+  }
+}
+
+void score_survival(const Job& job, const Group& group, std::vector<EpochScores>& scores) {
+  const TileMatrix& matrix = job.tiles.matrix;
+  const PixelWindow all = window_of(matrix, group, group.begin()->first, group.rbegin()->first, 0);
+  const std::int64_t end = all.row + all.height;
+  std::map<std::size_t, Survival> counts;
+  for (std::int64_t top = all.row / kFeatureStrip_px * kFeatureStrip_px; top < end; top += kFeatureStrip_px) {
+    const std::int64_t first = std::max(top, all.row);
+    const PixelWindow strip{all.col, first, all.width, static_cast<int>(std::min(top + kFeatureStrip_px, end) - first)};
+    const FeatureSet reference = extract_features_of_map(job.reference, {strip}, {}, job.threads);
+    if (reference.size() == 0) continue;
+    // A feature at the strip's edge may have its counterpart just beyond.
+    const auto reach = static_cast<std::int64_t>(std::ceil(SurvivalOptions{}.radius_px));
+    const std::int64_t above = std::max<std::int64_t>(0, strip.row - reach);
+    const std::int64_t below = std::min(matrix.grid_height_px, strip.row + strip.height + reach);
+    const FeatureSet second = extract_features_of_map(
+        job.second, {{strip.col, above, strip.width, static_cast<int>(below - above)}}, {}, job.threads);
+    const std::vector<std::uint8_t> survives = surviving_features(reference, second);
+    const cv::Mat valid = job.second.read(strip).valid;
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+      const Feature& feature = reference.features[i];
+      const auto col = static_cast<int>(static_cast<std::int64_t>(feature.x_px) - strip.col);
+      const auto row = static_cast<int>(static_cast<std::int64_t>(feature.y_px) - strip.row);
+      if (valid.at<std::uint8_t>(row, col) == 0) continue;
+      count_feature(matrix, group, feature, survives[i] != 0, counts);
+    }
+  }
+  for (const auto& [place, count] : counts) {
+    if (std::isnan(scores[place].ncc)) continue;
+    scores[place].survival = static_cast<double>(count.survive) / static_cast<double>(count.features);
+  }
+}
+
+/// Squares of ground that hold a tile.
+class Occupied {
+ public:
+  Occupied(const std::vector<Bounds>& tiles, const Bounds& area_m, double cell_m)
+      : area_m_(area_m),
+        cell_m_(cell_m),
+        columns_(static_cast<int>(area_m.width_m() / cell_m) + 1),
+        cells_(static_cast<std::size_t>(columns_) * (static_cast<std::size_t>(area_m.height_m() / cell_m) + 1), 0) {
+    for (const Bounds& tile : tiles) {
+      for_each_cell(tile, [&](std::size_t cell) { cells_[cell] = 1; });
+    }
+  }
+  bool touches(const Bounds& bounds) const {
+    bool found = false;
+    for_each_cell(bounds, [&](std::size_t cell) { found = found || cells_[cell] != 0; });
+    return found;
+  }
+
+ private:
+  template <class Use>
+  void for_each_cell(const Bounds& bounds, const Use& use) const {
+    const auto rows = static_cast<int>(cells_.size()) / columns_;
+    const auto index = [&](double offset_m, int count) {
+      return static_cast<int>(std::clamp(std::floor(offset_m / cell_m_), 0.0, count - 1.0));
+    };
+    if (!bounds.intersects(area_m_)) return;
+    for (int row = index(bounds.min_y_m - area_m_.min_y_m, rows); row <= index(bounds.max_y_m - area_m_.min_y_m, rows);
+         ++row) {
+      for (int col = index(bounds.min_x_m - area_m_.min_x_m, columns_);
+           col <= index(bounds.max_x_m - area_m_.min_x_m, columns_); ++col) {
+        use(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(col));
+      }
+    }
+  }
+
+  Bounds area_m_;
+  double cell_m_;
+  int columns_;
+  std::vector<std::uint8_t> cells_;
+};
+
+Bounds tile_bounds(const TileMatrix& matrix, std::int64_t index) {
+  const PixelWindow window = matrix.tile_window(index % matrix.matrix_width(), index / matrix.matrix_width());
+  Bounds bounds;
+  for (const int corner : {0, window.width}) {
+    bounds.extend(matrix.map_from_pixel.map_from_pixel(
+        {static_cast<double>(window.col + corner), static_cast<double>(window.row + corner)}));
+  }
+  return bounds;
+}
+
+void check_grid(const Crs& crs, const GeoTransform& place) {
+  const bool square = place.x_per_row == 0 && place.y_per_col == 0 && place.x_per_col > 0 &&
+                      std::abs(place.x_per_col + place.y_per_row) < 1e-6 * place.x_per_col;
+  if (square && crs.is_projected() && crs.metres_per_unit() == 1.0) return;
+  throw UsageError(
+      "second_epoch needs a north-up grid of square pixels in metres, which the raster's own is not; "
+      "give --gsd-m");
+}
+
+}  // namespace
+
+std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpField& field, const EpochTiles& tiles,
+                                           double min_valid_fraction, int threads, const Progress& progress) {
+  std::vector<EpochScores> scores(tiles.indices.size());
+  const auto shared = std::make_shared<const WarpField>(field);
+  const GraySource reference = stretch_to_8bit(dates.reference);
+  const GraySource second = stretch_to_8bit(dates.second);
+  const Job job{tiles,
+                reference,
+                warped_source(second, shared),
+                min_valid_fraction,
+                threads,
+                sample_center(reference),
+                sample_center(second)};
+  const std::vector<Group> groups = make_groups(tiles);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    report_progress(progress, "second epoch", static_cast<std::int64_t>(i), static_cast<std::int64_t>(groups.size()));
+    score_surfaces(job, groups[i], scores);
+    score_survival(job, groups[i], scores);
+  }
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const Eigen::Vector2d center = tile_bounds(tiles.matrix, tiles.indices[i]).center_m();
+    scores[i].disagreement_m = field.displacement_m(center.x(), center.y()).norm();
+  }
+  return scores;
+}
+
+SecondEpoch compare_epochs(const std::vector<std::string>& reference, const ImageryOptions& imagery, const Crs& crs,
+                           const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads,
+                           const Progress& progress) {
+  std::vector<ImageryInfo> infos;
+  for (const std::string& dataset : reference) infos.push_back(inspect_imagery(dataset, imagery));
+  for (const std::string& dataset : options.second_epoch) infos.push_back(inspect_imagery(dataset));
+  SecondEpoch result;
+  std::vector<Bounds> tiles;
+  double largest_m = 1;
+  for (const EpochTiles& level : levels) {
+    check_grid(crs, level.matrix.map_from_pixel);
+    for (const std::int64_t index : level.indices) {
+      const Bounds bounds = tiles.emplace_back(tile_bounds(level.matrix, index));
+      result.area_m.extend({bounds.min_x_m, bounds.min_y_m});
+      result.area_m.extend({bounds.max_x_m, bounds.max_y_m});
+      largest_m = std::max(largest_m, bounds.width_m());
+    }
+  }
+  if (tiles.empty()) return result;
+  const Occupied occupied(tiles, result.area_m, largest_m);
+  const OpenPair open = open_rasters(reference, imagery, options.second_epoch, crs);
+  result.registration = register_dates(
+      open, result.area_m, registration_gsd_m(infos, options.registration), options.registration,
+      [&](const Bounds& bounds) { return occupied.touches(bounds); }, threads, progress);
+  for (const EpochTiles& level : levels) {
+    const DatePair dates = open(level.matrix.map_from_pixel, level.matrix.grid_width_px, level.matrix.grid_height_px);
+    for (const EpochScores& score : score_epoch_tiles(dates, result.registration.fit.field, level,
+                                                      options.min_valid_fraction, threads, progress)) {
+      result.scores.push_back(score);
+    }
+  }
+  return result;
+}
+
+SecondEpoch compare_epochs_of_plan(const TilePlan& plan, const ScoreOptions& options, int threads,
+                                   const Progress& progress) {
+  std::vector<EpochTiles> levels;
+  for (const PlanLevel& level : plan.levels) levels.push_back({level.matrix, level.search_radius_px, {}});
+  for (const PlanTile& tile : plan.tiles) {  // ascending by level
+    const auto level = std::find_if(levels.begin(), levels.end(),
+                                    [&](const EpochTiles& candidate) { return candidate.matrix.level == tile.level; });
+    level->indices.push_back(tile.row * level->matrix.matrix_width() + tile.column);
+  }
+  return compare_epochs(dataset_names(plan), plan.imagery_options, Crs::from_user_input(plan.crs_wkt), levels, options,
+                        threads, progress);
+}
+
+}  // namespace pilotage

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pilotage/base/progress.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/tile_scores.h"
+#include "pilotage/registration/register_dates.h"
+#include "pilotage/score/score_tiles.h"
+
+namespace pilotage {
+
+/// A second date beside the reference: where it disagrees, and what of each tile it confirms.
+struct SecondEpoch {
+  Registration registration;
+  Bounds area_m;                    ///< That was looked at, in the CRS of the grid.
+  std::vector<EpochScores> scores;  ///< One for each tile asked for.
+};
+
+/// Tiles of one level whose second date is looked at.
+struct EpochTiles {
+  TileMatrix matrix;
+  int search_radius_px = 0;
+  std::vector<std::int64_t> indices;  ///< row · matrix_width + column.
+};
+
+/// What the second date, drawn onto the reference by `field`, says of each tile. `dates` is on the grid of the matrix:
+/// north-up, square pixels, metres.
+///  - ncc: the second date's tile correlated with the reference at its place, the highest within kEpochPlace_px of it;
+///  - margin: ncc minus the best rival's in the tile's search area, with the second date's tile as query
+///    (correlation_peaks.h; masked correlation where ground is missing);
+///  - survival: the share of the reference's upright features (features.h, default options) inside the tile that
+///    survive (surviving_features.h), over those where the second date has ground;
+///  - disagreement_m: length of the field's displacement at the tile's centre.
+/// NaN where the field is not known, where less than `min_valid_fraction` of the tile is ground in either date, for
+/// flat tiles; margin also with radius 0 or when nothing lies outside the main lobe; survival for tiles without
+/// features. Streams both dates; memory does not grow with the height of the grid. The same for any number of threads.
+/// Throws what the sources throw; Interrupted.
+std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpField& field, const EpochTiles& tiles,
+                                           double min_valid_fraction, int threads = 0, const Progress& progress = {});
+
+/// How far from the registered place the tile may be found, columns and rows.
+inline constexpr int kEpochPlace_px = 2;
+
+/// Registers options.second_epoch to the reference rasters over the tiles and scores them on each of the levels; the
+/// scores follow level after level, tile after tile. Throws UsageError when the grid of a level is not north-up with
+/// square pixels in metres, DataError as register_dates and inspect_imagery.
+SecondEpoch compare_epochs(const std::vector<std::string>& reference, const ImageryOptions& imagery, const Crs& crs,
+                           const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads = 0,
+                           const Progress& progress = {});
+
+/// The same for a plan; one score for each of plan.tiles, in their order.
+SecondEpoch compare_epochs_of_plan(const TilePlan& plan, const ScoreOptions& options, int threads = 0,
+                                   const Progress& progress = {});
+
+}  // namespace pilotage

@@ -1,0 +1,246 @@
+#include "pilotage/select/budget_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/select/fix_chain.h"
+#include "pilotage/select/select_tiles.h"
+#include "pilotage/select/storage_count.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kLeastGain = 1e-12;
+constexpr int kMostTrials = 400;       // exchanges that are tried; each fills the budget again
+constexpr int kMostFlownTrials = 100;  // of those that are judged by a flight, at most; fewer on
+constexpr int kSamplesFlown = 60'000;  // long routes
+
+// A set of tiles under the route that grows and shrinks, with its bytes and its worth.
+class TileSet {
+ public:
+  TileSet(const FlightPath& path, const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
+          const FixChain& chain, const StoredSize& size, double budget)
+      : plan_(path.plan),
+        attempts_(&attempts),
+        p_of_tile_(&p_of_tile),
+        chain_(&chain),
+        budget_(budget),
+        count_(*path.plan, size),
+        chosen_(p_of_tile.size(), false) {
+    for (const FixAttempt& attempt : attempts) {
+      if (p_of_tile[attempt.tile] > 0) candidates_.push_back(attempt.tile);
+    }
+    std::sort(candidates_.begin(), candidates_.end());
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
+  }
+
+  const std::vector<std::size_t>& candidates() const { return candidates_; }
+  const std::vector<bool>& chosen() const { return chosen_; }
+  bool fits(std::size_t tile) const { return count_.bytes() + bytes_of(tile) <= budget_; }
+  bool can_ever_fit(std::size_t tile, const StoredSize& size) const {
+    return StorageCount(*plan_, size).bytes() + StorageCount(*plan_, size).bytes_of(plan_->tiles[tile]) <= budget_;
+  }
+  double bytes_of(std::size_t tile) const { return count_.bytes_of(plan_->tiles[tile]); }
+  void add(std::size_t tile) {
+    count_.add(plan_->tiles[tile]);
+    chosen_[tile] = true;
+  }
+  void remove(std::size_t tile) {
+    count_.remove(plan_->tiles[tile]);
+    chosen_[tile] = false;
+  }
+  double value() const { return chain_value(*chain_, node_probabilities()).value; }
+
+  // P of the chosen tiles, 0 of the others.
+  std::vector<double> stored_p() const {
+    std::vector<double> stored(p_of_tile_->size(), 0.0);
+    for (std::size_t i = 0; i < stored.size(); ++i) stored[i] = chosen_[i] ? (*p_of_tile_)[i] : 0;
+    return stored;
+  }
+
+  // What each tile adds, or for a chosen one what it holds, in the order of the candidates: first order where it would
+  // take the place of another attempt of its window.
+  std::vector<double> gains() const {
+    const std::vector<double> p = node_probabilities();
+    const std::vector<double> slope = chain_value(*chain_, p).slope;
+    std::vector<double> gain(p_of_tile_->size(), 0.0);
+    for (std::size_t k = 0; k < attempts_->size();) {
+      std::size_t next = k;
+      double held = 0;
+      for (; next < attempts_->size() && (*attempts_)[next].window == (*attempts_)[k].window; ++next) {
+        held += p[next + 1] * slope[next + 1];  // one attempt of the window counts
+      }
+      for (; k < next; ++k) {
+        const std::size_t tile = (*attempts_)[k].tile;
+        const double own = (*p_of_tile_)[tile] * slope[k + 1];
+        if (p[k + 1] > 0) gain[tile] += own;
+        if (!chosen_[tile]) gain[tile] += std::max(0.0, own - held);
+      }
+    }
+    std::vector<double> of_candidates;
+    for (const std::size_t tile : candidates_) of_candidates.push_back(gain[tile]);
+    return of_candidates;
+  }
+
+  // Adds the tile with the largest gain per byte, but for `barred`, while one fits.
+  void fill(std::size_t barred) {
+    while (true) {
+      const std::vector<double> gain = gains();
+      std::size_t best = candidates_.size();
+      double best_rate = 0;
+      for (std::size_t k = 0; k < candidates_.size(); ++k) {
+        const std::size_t tile = candidates_[k];
+        if (chosen_[tile] || tile == barred || gain[k] < kLeastGain || !fits(tile)) continue;
+        const double rate = gain[k] / bytes_of(tile);
+        if (rate > best_rate) {
+          best_rate = rate;
+          best = k;
+        }
+      }
+      if (best == candidates_.size()) return;
+      add(candidates_[best]);
+    }
+  }
+
+  // The chosen candidates, least worth per byte first.
+  std::vector<std::size_t> least_worth() const {
+    const std::vector<double> gain = gains();
+    std::vector<std::pair<double, std::size_t>> rated;
+    StorageCount without = count_;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      if (!chosen_[candidates_[k]]) continue;
+      const PlanTile& tile = plan_->tiles[candidates_[k]];
+      without.remove(tile);
+      rated.emplace_back(gain[k] / without.bytes_of(tile), candidates_[k]);
+      without.add(tile);
+    }
+    std::sort(rated.begin(), rated.end());
+    std::vector<std::size_t> tiles;
+    for (const auto& [rate, tile] : rated) tiles.push_back(tile);
+    return tiles;
+  }
+
+ private:
+  std::vector<double> node_probabilities() const {
+    std::vector<double> p(attempts_->size() + 2, 0.0);
+    const std::vector<double> stored = stored_p();
+    for (const std::size_t k : counted_attempts(*attempts_, stored)) p[k + 1] = stored[(*attempts_)[k].tile];
+    return p;
+  }
+
+  const TilePlan* plan_;
+  const std::vector<FixAttempt>* attempts_;
+  const std::vector<double>* p_of_tile_;
+  const FixChain* chain_;
+  double budget_;
+  StorageCount count_;
+  std::vector<bool> chosen_;
+  std::vector<std::size_t> candidates_;
+};
+
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+// Takes each chosen tile out, and forces each other one in, and fills again: keeps what has the larger worth.
+template <class Worth>
+void exchange(TileSet& set, const StoredSize& size, int most_trials, Worth worth) {
+  int trials = 0;
+  bool better = true;
+  double best = worth(set);
+  const auto keep_if_better = [&](TileSet& trial) {
+    ++trials;
+    const double value = worth(trial);
+    if (value <= best + kLeastGain) return;
+    set = trial;
+    best = value;
+    better = true;
+  };
+  while (better) {
+    better = false;
+    for (const std::size_t out : set.least_worth()) {
+      if (trials >= most_trials) return;
+      if (!set.chosen()[out]) continue;
+      TileSet trial = set;
+      trial.remove(out);
+      trial.fill(out);
+      keep_if_better(trial);
+    }
+    for (const std::size_t in : set.candidates()) {
+      if (trials >= most_trials) return;
+      if (set.chosen()[in] || !set.can_ever_fit(in, size)) continue;
+      TileSet trial = set;
+      for (const std::size_t out : set.least_worth()) {
+        if (trial.fits(in)) break;
+        trial.remove(out);
+      }
+      trial.add(in);
+      trial.fill(kNone);
+      keep_if_better(trial);
+    }
+  }
+}
+
+}  // namespace
+
+double flight_worth(const std::vector<double>& p_within_limit) {
+  const double sum = std::accumulate(p_within_limit.begin(), p_within_limit.end(), 0.0);
+  return p_within_limit.back() + 1e-3 * sum / static_cast<double>(p_within_limit.size());
+}
+
+std::vector<bool> tiles_in_order(const TilePlan& plan, const std::vector<TileScore>& scores,
+                                 const std::vector<bool>& wanted, const std::vector<bool>& sparse,
+                                 const std::vector<bool>& first, const StoredSize& size, std::int64_t budget) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (wanted[i]) order.push_back(i);
+  }
+  const auto rank = [&](std::size_t i) {
+    const double stride_m = plan.levels[static_cast<std::size_t>(plan.tiles[i].level)].matrix.stride_px *
+                            plan.levels[static_cast<std::size_t>(plan.tiles[i].level)].gsd_m;
+    const double offset_m = plan.tiles[i].route_offset_m;
+    const double ring = sparse[i] ? offset_m : std::floor(offset_m / (stride_m / 2));
+    return std::tuple(!first[i], !sparse[i], ring, -judged_margin(scores[i]), i);
+  };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  StorageCount count(plan, size);
+  if (count.bytes() > static_cast<double>(budget)) {
+    throw UsageError("budget = " + std::to_string(budget) + " bytes cannot hold even an empty map, which has " +
+                     format_fixed(count.bytes(), 0));
+  }
+  std::vector<bool> kept(wanted.size(), false);
+  for (const std::size_t i : order) {
+    if (count.bytes() + count.bytes_of(plan.tiles[i]) > static_cast<double>(budget)) continue;
+    count.add(plan.tiles[i]);
+    kept[i] = true;
+  }
+  return kept;
+}
+
+std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
+                                      const std::vector<double>& p_of_tile, const std::vector<bool>& start,
+                                      const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
+                                      double fix_interval_s, bool flown) {
+  std::vector<double> p_of_history = p_of_tile;
+  for (std::size_t i = 0; i < p_of_history.size(); ++i) p_of_history[i] = history[i] ? p_of_tile[i] : 0;
+  const FixChain chain = make_fix_chain(path, attempts, p_of_history);
+  TileSet set(path, attempts, p_of_tile, chain, size, static_cast<double>(budget));
+  for (const std::size_t tile : set.candidates()) {
+    if (start[tile] && set.fits(tile)) set.add(tile);
+  }
+  set.fill(kNone);
+  exchange(set, size, kMostTrials, [](const TileSet& trial) { return trial.value(); });
+  if (!flown) return set.chosen();
+  const std::size_t sample_count = path.plan->route_samples.size();
+  const int flown_trials = std::min(kMostFlownTrials, kSamplesFlown / static_cast<int>(sample_count));
+  exchange(set, size, flown_trials, [&](const TileSet& trial) {
+    const RouteChances chances = route_chances(attempts, trial.stored_p(), sample_count, fix_interval_s);
+    return flight_worth(predict_survival(path, chances).p_within_limit);
+  });
+  return set.chosen();
+}
+
+}  // namespace pilotage

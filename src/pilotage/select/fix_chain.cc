@@ -1,0 +1,96 @@
+#include "pilotage/select/fix_chain.h"
+
+#include <algorithm>
+
+namespace pilotage {
+namespace {
+
+constexpr double kFaint = 1e-4;  // P of a fix where there is none, to learn the error after it
+constexpr double kMeanWeight = 1e-3;
+constexpr double kNothing = 1e-12;  // of a group of flights: what is left of it is not followed
+
+// From node to node, straight and at the speed of its first sample.
+std::vector<InsStep> node_steps(const FlightPath& path, const std::vector<std::size_t>& sample_of_node) {
+  const std::vector<PlanSample>& samples = path.plan->route_samples;
+  std::vector<InsStep> steps;
+  for (std::size_t k = 0; k + 1 < sample_of_node.size(); ++k) {
+    const PlanSample& from = samples[sample_of_node[k]];
+    double step_s = 0;
+    for (std::size_t i = sample_of_node[k]; i < sample_of_node[k + 1]; ++i) step_s += path.steps[i].dt_s;
+    steps.push_back(make_ins_step(step_s, from.azimuth_deg, from.speed_mps, path.model));
+  }
+  return steps;
+}
+
+std::size_t fly_on(const FlightPath& path, const std::vector<InsStep>& steps, std::size_t node, InsState state) {
+  for (std::size_t next = node; next < steps.size(); ++next) {
+    state = propagate(state, steps[next]);
+    if (!(position_error_m(state, path.model.sigma_multiple) <= path.max_error_m)) return next;
+  }
+  return steps.size();
+}
+
+}  // namespace
+
+FixChain make_fix_chain(const FlightPath& path, const std::vector<FixAttempt>& attempts,
+                        const std::vector<double>& p_of_tile) {
+  const std::size_t sample_count = path.plan->route_samples.size();
+  std::vector<std::size_t> sample_of_node = {0};
+  for (const FixAttempt& attempt : attempts) sample_of_node.push_back(attempt.sample);
+  sample_of_node.push_back(sample_count - 1);
+  const std::vector<InsStep> steps = node_steps(path, sample_of_node);
+
+  RouteChances chances = route_chances(attempts, p_of_tile, sample_count, 0);
+  for (const FixAttempt& attempt : attempts) chances.p[attempt.sample] = std::max(chances.p[attempt.sample], kFaint);
+  const FlightStretch flight = fly_stretch(path, chances, 0, sample_count, first_branches(path));
+
+  FixChain chain;
+  chain.last.push_back(fly_on(path, steps, 0, first_branches(path).front().state));
+  auto fix = flight.fixes.begin();
+  for (std::size_t k = 0; k < attempts.size(); ++k) {
+    while (fix != flight.fixes.end() && fix->fix_sample < attempts[k].sample) ++fix;
+    auto likeliest = flight.fixes.end();  // of the groups that this fix made
+    for (; fix != flight.fixes.end() && fix->fix_sample == attempts[k].sample; ++fix) {
+      if (likeliest == flight.fixes.end() || fix->probability > likeliest->probability) likeliest = fix;
+    }
+    chain.last.push_back(likeliest != flight.fixes.end() ? fly_on(path, steps, k + 1, likeliest->state) : k + 1);
+  }
+  return chain;
+}
+
+ChainValue chain_value(const FixChain& chain, const std::vector<double>& p) {
+  const std::size_t end = chain.end();
+  const double node_weight = kMeanWeight / static_cast<double>(end);
+  // fixed[j]: P of a fix at j within the limit. reached[j]: P of coming to j within the limit.
+  std::vector<double> fixed(end, 0.0);
+  std::vector<double> reached(end + 1, 0.0);
+  std::vector<std::size_t> last = chain.last;  // cut where next to nothing is left of the flights
+  fixed[0] = 1;
+  for (std::size_t j = 0; j < end; ++j) {
+    if (j > 0) fixed[j] = reached[j] * p[j];
+    double missed = 1;
+    for (std::size_t c = j + 1; c <= last[j]; ++c) {
+      reached[c] += fixed[j] * missed;
+      if (c < end) missed *= 1 - p[c];
+      if (missed < kNothing) last[j] = c;
+    }
+  }
+  ChainValue result;
+  result.slope.assign(end + 1, 0.0);
+  std::vector<double> after_fix(end, 0.0);  // value that is still to come after a fix at the node
+  std::vector<double> missed;
+  for (std::size_t j = end; j-- > 0;) {
+    missed.assign(1, 1.0);
+    for (std::size_t c = j + 1; c <= last[j] && c < end; ++c) missed.push_back(missed.back() * (1 - p[c]));
+    double to_come = last[j] == end ? 1.0 : 0.0;
+    for (std::size_t c = std::min(last[j], end - 1); c > j; --c) {
+      result.slope[c] += fixed[j] * missed[c - j - 1] * (after_fix[c] - to_come);
+      to_come = node_weight + p[c] * after_fix[c] + (1 - p[c]) * to_come;
+    }
+    after_fix[j] = to_come;
+  }
+  result.value = after_fix[0] + node_weight;
+  return result;
+}
+
+}  // namespace pilotage

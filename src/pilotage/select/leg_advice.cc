@@ -1,0 +1,106 @@
+#include "pilotage/select/leg_advice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotage/base/text.h"
+
+namespace pilotage {
+namespace {
+
+struct LegSamples {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+std::vector<LegSamples> samples_of_legs(const TilePlan& plan) {
+  std::vector<LegSamples> legs(plan.route.legs.size());
+  for (std::size_t i = 0; i < plan.route_samples.size(); ++i) {
+    LegSamples& leg = legs[static_cast<std::size_t>(plan.route_samples[i].leg)];
+    if (leg.end == 0) leg.begin = i;
+    leg.end = i + 1;
+  }
+  return legs;
+}
+
+// The sample moved to the right of the track (negative: to the left), on the mission grid. The direction is that of the
+// leg's neighbouring samples, so the grid's convergence does not matter.
+PlanSample moved_aside(const TilePlan& plan, const LegSamples& leg, std::size_t i, double right_m) {
+  PlanSample sample = plan.route_samples[i];
+  const std::size_t a = i > leg.begin ? i - 1 : i;
+  const std::size_t b = i + 1 < leg.end ? i + 1 : i;
+  const Eigen::Vector2d along = plan.route_samples[b].point_map_m - plan.route_samples[a].point_map_m;
+  if (along.norm() > 0) sample.point_map_m += right_m / along.norm() * Eigen::Vector2d(along.y(), -along.x());
+  return sample;
+}
+
+// One stride of the coarsest level that the leg uses.
+double stride_m(const TilePlan& plan, const LegSamples& leg) {
+  double stride = 0;
+  for (std::size_t i = leg.begin; i < leg.end; ++i) {
+    const int level = plan.route_samples[i].level;
+    if (level == PlanSample::kNoLevel) continue;
+    const TileMatrix& matrix = plan.levels[static_cast<std::size_t>(level)].matrix;
+    stride = std::max(stride, matrix.stride_px * std::abs(matrix.map_from_pixel.x_per_col));
+  }
+  return stride;
+}
+
+}  // namespace
+
+std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& survival,
+                                   const std::vector<double>& p_of_tile, const AdviceOptions& options) {
+  const TilePlan& plan = *path.plan;
+  const TileLookup lookup(plan);
+  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, lookup);
+  const std::vector<LegSamples> legs = samples_of_legs(plan);
+  std::vector<LegAdvice> result;
+  for (std::size_t leg = 0; leg < legs.size(); ++leg) {
+    const double p_before = survival.leg_p_within_limit[leg];
+    if (!(p_before < options.min_leg_probability)) continue;
+    const auto& [begin, end] = legs[leg];
+    double entering = 0;
+    for (const FlightBranch& branch : survival.leg_entries[leg]) entering += branch.probability;
+    LegAdvice best{static_cast<int>(leg), AdviceSide::kNone, 0, p_before, p_before, false};
+    const auto try_line = [&](double right_m) {
+      auto moved = tiles;
+      for (std::size_t i = begin; i < end; ++i) moved[i] = lookup.tile_under(moved_aside(plan, legs[leg], i, right_m));
+      const auto attempts = fix_attempts(plan, moved, options.fix_interval_s, options.decorrelation_m);
+      const RouteChances chances = route_chances(attempts, p_of_tile, moved.size(), options.fix_interval_s);
+      const FlightStretch flown = fly_stretch(path, chances, begin, end, survival.leg_entries[leg]);
+      const double p_after = std::min(1.0, flown.p_within_limit.back() / entering);
+      if (p_after <= best.p_after) return;
+      best.p_after = p_after;
+      best.offset_m = std::abs(right_m);
+      best.side = right_m == 0 ? AdviceSide::kNone : right_m < 0 ? AdviceSide::kLeft : AdviceSide::kRight;
+      best.good = p_after >= options.min_leg_probability;
+    };
+    try_line(0);
+    const double stride = stride_m(plan, legs[leg]);
+    for (double offset_m = stride; stride > 0 && offset_m <= plan.corridor_half_width_m; offset_m += stride) {
+      if (!best.good) try_line(-offset_m);
+      if (!best.good) try_line(offset_m);
+    }
+    result.push_back(best);
+  }
+  return result;
+}
+
+std::string advice_text(const LegAdvice& advice, double min_leg_probability, double half_width_m) {
+  const std::string leg = "leg " + std::to_string(advice.leg + 1) +
+                          " stays within the limit with P = " + probability_text(advice.p_before) +
+                          " (asked for: " + probability_text(min_leg_probability) + "); ";
+  if (advice.p_after <= advice.p_before) {
+    return leg + "no parallel line up to " + format_fixed(half_width_m, 0) +
+           " m aside, where tiles are scored, is better";
+  }
+  const std::string line = advice.side == AdviceSide::kNone
+                               ? "with every tile stored that can be matched it has "
+                               : "flown " + format_fixed(advice.offset_m, 0) + " m to the " +
+                                     (advice.side == AdviceSide::kLeft ? "left" : "right") + " it has ";
+  if (advice.good) return leg + line + probability_text(advice.p_after);
+  return leg + "no parallel line up to " + format_fixed(half_width_m, 0) +
+         " m aside, where tiles are scored, makes it good; the best: " + line + probability_text(advice.p_after);
+}
+
+}  // namespace pilotage

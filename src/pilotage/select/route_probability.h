@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "pilotage/ins/ins_state.h"
+#include "pilotage/mission/selection.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/select/fix_attempts.h"
+
+namespace pilotage {
+
+/// The plan's route with every step of its flight worked out once. The plan must outlive it.
+struct FlightPath {
+  const TilePlan* plan = nullptr;
+  InsErrorModel model;
+  std::vector<InsStep> steps;  ///< From each sample to the next; one fewer than samples.
+  double max_error_m = 0;
+  double horizon_s = 0;  ///< Time from a fix to the limit; histories are told apart by the error after it.
+};
+FlightPath make_flight_path(const TilePlan& plan, double max_error_m);
+
+/// Flights that are still within the limit, had their last fix at the same sample and nearly the same error after it.
+struct FlightBranch {
+  std::size_t fix_sample = 0;  ///< Of the last fix; 0 with `fixed` false: none since GNSS was lost.
+  bool fixed = false;
+  double probability = 0;
+  InsState state;
+  double fix_time_s = 0;     ///< Of the last fix, as state.time_s.
+  std::int64_t window = -1;  ///< Of the last try. Its draw u is known to be in [u_low, u_high).
+  double u_low = 0;
+  double u_high = 1;
+};
+
+/// A stretch of flight, sample by sample.
+struct FlightStretch {
+  std::vector<double> p_within_limit;  ///< After each sample's error has been held against the limit.
+  double p_fix = 0;                    ///< P of at least one fix on it while within the limit.
+  std::vector<FlightBranch> branches;  ///< At sample `end`, before its error is judged; at the route's end as they are.
+  std::vector<FlightBranch> fixes;     ///< The branches right after the fix that made them, by sample.
+  /// Of each group of flights that was lost, the sample of the last fix and the one where it was lost.
+  std::vector<std::pair<std::size_t, std::size_t>> losses;
+};
+
+/// The one branch with which the route starts: GNSS has just been lost.
+std::vector<FlightBranch> first_branches(const FlightPath& path);
+
+/// Flies the samples [begin, end) with the flights of `branches`, which stand at sample `begin`; `p_fix[i]` is the P of
+/// a correct fix at sample i, independent of each other (fix_attempts.h).
+///
+/// Forward recursion over "last fix at sample i" and what is known of the window's draw, exact for the probabilities.
+/// What the fixes before i taught the filter matters, too: the branches that come to a fix at i are sorted by the error
+/// they would have a horizon later, and those within 2 % of each other become one, with the mean of their covariances
+/// weighted by probability (at most 12 groups; the 2 % are doubled until there are no more). Merging is that of the
+/// generalised pseudo-Bayesian filter (G. Ackerson, K. Fu, On state estimation in switching environments, IEEE Trans.
+/// Automatic Control 15(1), 1970). Because the update with a fix is concave in the covariance, what is carried is never
+/// below the mean covariance of the flights it stands for (as B. Sinopoli et al., Kalman filtering with intermittent
+/// observations, IEEE Trans. Automatic Control 49(9), 2004). Branches that hold less than 1e-9 of the flights count as
+/// lost.
+FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
+                          std::vector<FlightBranch> branches);
+
+/// What the route's chances are.
+struct RouteSurvival {
+  std::vector<double> p_within_limit;      ///< One for each sample.
+  std::vector<double> leg_p_within_limit;  ///< One for each leg, as LegStatus.
+  std::vector<double> leg_p_fix;
+  std::vector<std::vector<FlightBranch>> leg_entries;  ///< At each leg's first sample, before its error is judged.
+  std::optional<WorstStretch> worst;
+};
+RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances);
+
+}  // namespace pilotage
