@@ -107,7 +107,7 @@ TEST(WriteScoreRaster, RefusesWhatIsNotRight) {
   const TemporaryFolder folder;
   const cv::Mat good(4, 5, CV_64F, cv::Scalar(1));
   EXPECT_THROW(write_score_raster(folder / "a.tif", {}, kUtm, kPlace, false), UsageError);
-  EXPECT_THROW(write_score_raster(folder / "a.tif", {{"a", "", cv::Mat(4, 5, CV_32F)}}, kUtm, kPlace, false),
+  EXPECT_THROW(write_score_raster(folder / "a.tif", {{"a", "", cv::Mat(4, 5, CV_32S)}}, kUtm, kPlace, false),
                UsageError);
   EXPECT_THROW(
       write_score_raster(folder / "a.tif", {{"a", "", good}, {"b", "", cv::Mat(5, 4, CV_64F)}}, kUtm, kPlace, false),

@@ -4,6 +4,10 @@
 #include <cstring>
 
 #include <gmock/gmock.h>
+#include <functional>
+#include <map>
+#include <string>
+
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -167,9 +171,11 @@ TEST(ScoreTiles, OnlyWhatIsAskedForIsMeasured) {
     one.measures = {measure};
     if (!one.measures_surface()) one.grid.search_radius_px = 0;
     const TileScore tile = score(raster, one)[2];
-    EXPECT_EQ(std::isnan(tile.gray_variance), measure != ScoreMeasure::kGrayVariance);
-    EXPECT_EQ(std::isnan(tile.frieden_entropy), measure != ScoreMeasure::kFriedenEntropy);
-    EXPECT_EQ(std::isnan(tile.frieden_deficit), measure != ScoreMeasure::kFriedenEntropy);
+    const bool model = measure == ScoreMeasure::kCorrectFix;  // which needs V and the deficit
+    EXPECT_EQ(std::isnan(tile.p_correct_fix), !model);
+    EXPECT_EQ(std::isnan(tile.gray_variance), !model && measure != ScoreMeasure::kGrayVariance);
+    EXPECT_EQ(std::isnan(tile.frieden_entropy), !model && measure != ScoreMeasure::kFriedenEntropy);
+    EXPECT_EQ(std::isnan(tile.frieden_deficit), !model && measure != ScoreMeasure::kFriedenEntropy);
     EXPECT_EQ(std::isnan(tile.clean.peak), measure != ScoreMeasure::kUniqueness);
     EXPECT_EQ(std::isnan(tile.degraded.peak), measure != ScoreMeasure::kDegraded);
     if (measure == ScoreMeasure::kDegraded) {
@@ -299,14 +305,16 @@ TEST(ScoreTiles, ProgressCountsAndStops) {
   const GraySource source = gray_source_from(ground(100, 100, "progress"));
   const Request options = options_of(32, 16, 8);
   const TileMatrix matrix = score_matrix(source, options.grid);
-  std::int64_t last = -1;
-  score_tiles(source, matrix, 8, {}, options, 1, 1, [&](std::string_view, std::int64_t done, std::int64_t total) {
-    EXPECT_GE(done, last);
-    EXPECT_EQ(total, matrix.tile_count());
-    last = done;
+  std::map<std::string, std::int64_t, std::less<>> last;
+  score_tiles(source, matrix, 8, {}, options, 1, 1, [&](std::string_view what, std::int64_t done, std::int64_t total) {
+    const auto [of_work, is_new] = last.try_emplace(std::string(what), -1);
+    EXPECT_GE(done, of_work->second) << what;
+    EXPECT_LE(done, total) << what;
+    of_work->second = done;
     return true;
   });
-  EXPECT_EQ(last, matrix.tile_count());
+  EXPECT_EQ(last.size(), 2U) << "scoring, then counting votes";
+  EXPECT_EQ(last["score"], matrix.tile_count());
   const Progress stop = [](std::string_view, std::int64_t done, std::int64_t) { return done == 0; };
   EXPECT_THROW(score_tiles(source, matrix, 8, {}, options, 1, 1, stop), Interrupted);
 }
