@@ -2,12 +2,11 @@
 
 #include <cmath>
 #include <cstring>
-
-#include <gmock/gmock.h>
 #include <functional>
 #include <map>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <string>
 
 #include "pilotage/base/error.h"
@@ -82,7 +83,8 @@ FeatureSet some_features(const FeatureSet& all, std::size_t begin, std::size_t e
 /// Features of one band of rows, in the order of their rows, and the displacements that each votes for.
 struct Band {
   FeatureSet features;
-  std::vector<std::vector<Displacement>> votes;  ///< Empty until it is asked for.
+  std::vector<std::uint32_t> by_x;               ///< Their indices, from left to right.
+  std::vector<std::vector<Displacement>> votes;  ///< Empty until they are asked for.
 };
 
 /// The features of the map band by band, each read once and kept while it is needed.
@@ -134,8 +136,16 @@ class Bands {
     const auto wanted = windows_.find(band);
     if (wanted == windows_.end()) return nullptr;
     const auto [entry, is_new] = bands_.try_emplace(band);
-    if (is_new) entry->second.features = extract_features_of_map(source_, wanted->second, options_, threads_);
-    return &entry->second;
+    Band& loaded = entry->second;
+    if (is_new) {
+      loaded.features = extract_features_of_map(source_, wanted->second, options_, threads_);
+      const std::vector<Feature>& features = loaded.features.features;
+      loaded.by_x.resize(features.size());
+      std::iota(loaded.by_x.begin(), loaded.by_x.end(), 0U);
+      std::sort(loaded.by_x.begin(), loaded.by_x.end(),
+                [&](std::uint32_t a, std::uint32_t b) { return features[a].x_px < features[b].x_px; });
+    }
+    return &loaded;
   }
 
   static void vote(const HammingIndex& index, const FeatureSet& around, const FeatureSet& voters,
@@ -164,19 +174,18 @@ class Bands {
   std::map<std::int64_t, Band> bands_;
 };
 
-bool holds(const PixelWindow& tile, const Feature& feature) {
-  const auto x = static_cast<double>(feature.x_px) - static_cast<double>(tile.col);
-  const auto y = static_cast<double>(feature.y_px) - static_cast<double>(tile.row);
-  return x >= 0 && x < tile.width && y >= 0 && y < tile.height;
-}
-
 SelfVotes votes_of_tile(const PixelWindow& tile, std::span<const Band* const> bands, VoteSurface& surface) {
   SelfVotes result;
   for (const Band* band : bands) {
-    for (std::size_t i = 0; i < band->features.size(); ++i) {
-      if (!holds(tile, band->features.features[i])) continue;
+    const std::vector<Feature>& features = band->features.features;
+    const auto first = std::lower_bound(band->by_x.begin(), band->by_x.end(), static_cast<float>(tile.col),
+                                        [&](std::uint32_t index, float x_px) { return features[index].x_px < x_px; });
+    const auto end_px = static_cast<float>(tile.col + tile.width);
+    for (auto index = first; index != band->by_x.end() && features[*index].x_px < end_px; ++index) {
+      const auto y = static_cast<double>(features[*index].y_px) - static_cast<double>(tile.row);
+      if (y < 0 || y >= tile.height) continue;
       ++result.features;
-      for (const Displacement vote : band->votes[i]) surface.add(vote);
+      for (const Displacement vote : band->votes[*index]) surface.add(vote);
     }
   }
   if (result.features > 0) result.noise = surface.take_noise();
@@ -216,6 +225,7 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
           votes_of_tile(matrix.tile_window(column, row), touched, surfaces[static_cast<std::size_t>(worker)]);
     });
   }
+  report_progress(progress, "counting votes", done, done);
   return result;
 }
 
