@@ -134,6 +134,62 @@ def tell(folder):
     sys.stdout.flush()
 
 
+def predicted(folder, matcher):
+    """P and outcome of each judged tile of an evaluation, by the formula of docs/methods/matchability.md."""
+    with open(folder / "evaluation.json", encoding="utf-8") as stream:
+        judged = json.load(stream)
+    side_px = round(judged["footprint_m"] / judged["gsd_m"])
+    with open(folder / "evaluation.csv", newline="", encoding="utf-8") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["outcome"] != "not_covered"]
+
+    def column(name):
+        return np.array([float(row[name] or 0) for row in rows])
+
+    def term(name, x):
+        of = matcher[name]
+        return of["coefficient"] * np.minimum(x - of["mean"], 3 * of["spread"])
+
+    z = (matcher["intercept"] + matcher["area_coefficient"] * 2 * np.log(side_px - 32) +
+         term("vote_contrast", np.log((column("map_features") + 2) / (column("vote_noise") + 0.3))) +
+         term("gray_contrast", np.log(np.sqrt(np.maximum(column("frieden_deficit"), 0)) + 0.01)))
+    p = np.where(column("map_features") < 20, 0, 1 / (1 + np.exp(-z)))
+    return p, np.array([row["outcome"] == "correct" for row in rows], float)
+
+
+def quality(p, y):
+    """AUC, Brier skill and calibration error (ten bins of equal count)."""
+    order = np.argsort(p, kind="stable")
+    ranks = np.empty(len(p))
+    ranks[order] = np.arange(1, len(p) + 1)
+    right = y.sum()
+    auc = (ranks[y > 0].sum() - right * (right + 1) / 2) / max(right * (len(y) - right), 1)
+    error = sum(len(part) * abs(p[part].mean() - y[part].mean()) for part in np.array_split(order, 10)) / len(y)
+    return auc, 1 - ((p - y)**2).mean() / max(y.mean() * (1 - y.mean()), 1e-9), error
+
+
+def leave_one_place_out(options, folders):
+    """Each coarse place predicted by a model of the other coarse ones."""
+    for chips in (False, True):
+        of_size = {size_px: ([], []) for size_px in SIZES_PX["coarse"]}
+        for place in COARSE:
+            others = [entry for entry in folders if entry.endswith("_chips") == chips and
+                      entry.split("=")[0] in COARSE and entry.split("=")[0] != place]
+            model = options.work / "left_out.json"
+            run(options.pilotage, "calibrate", *others, "-o", model, "--overwrite", "-q")
+            matcher = json.loads(model.read_text())["matchers"][0]
+            for size_px, (ps, ys) in of_size.items():
+                folder = options.work / f"{place}_{size_px}{'_chips' if chips else ''}"
+                if folder.exists():
+                    p, y = predicted(folder, matcher)
+                    ps.append(p)
+                    ys.append(y)
+        for name, parts in [*of_size.items(), ("all", [sum((of_size[size][i] for size in of_size), []) for i in (0, 1)])]:
+            p, y = (np.concatenate(part) for part in parts)
+            auc, skill, error = quality(p, y)
+            print(f"leave one place out, {'chips' if chips else 'features'}, {name} px: {len(y)} tiles, {y.mean():.2f} found, "
+                  f"AUC {auc:.3f}, skill {skill:.3f}, calibration error {error:.3f}", flush=True)
+
+
 def command_line():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pilotage")
@@ -144,8 +200,10 @@ def command_line():
     options.data = pathlib.Path(os.environ["PILOTAGE_DATA"])
     options.work.mkdir(exist_ok=True)
     model = options.output or options.work / "model.json"
-    print(run(options.pilotage, "calibrate", *all_folders(options, options.work), "--anchors", ",".join(FINE), "--date",
+    folders = list(all_folders(options, options.work))
+    print(run(options.pilotage, "calibrate", *folders, "--anchors", ",".join(FINE), "--date",
               options.date, "-o", model, "--overwrite"))
+    leave_one_place_out(options, folders)
     for chips in (False, True):
         for size_px in SIZES_PX["port"]:
             tell(evaluate(options, options.work, "port", size_px, chips, ("--model", model)))
