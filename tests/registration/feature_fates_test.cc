@@ -1,5 +1,7 @@
 #include "pilotage/registration/feature_fates.h"
 
+#include <algorithm>
+
 #include "registration/two_dates.h"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -33,7 +35,7 @@ TEST_F(FeatureFates, TellWhatStayedFromWhatChangedAndWhatIsNotShown) {
   FeatureOptions options;
   options.octaves = 2;
   const FeatureSet found = extract_features_of_map(reference_, kAll, options);
-  const std::vector<FeatureFate> fates = feature_fates(found, kAll, second_, options);
+  const std::vector<FeatureFate> fates = feature_fates(found, second_, options);
   ASSERT_EQ(fates.size(), found.size());
   int stayed = 0;
   int changed = 0;
@@ -47,9 +49,10 @@ TEST_F(FeatureFates, TellWhatStayedFromWhatChangedAndWhatIsNotShown) {
       EXPECT_EQ(fates[i], FeatureFate::kNotKnown) << feature.x_px << ", " << feature.y_px;
       continue;
     }
-    if (static_cast<double>(feature.y_px) + reach > kNoGround_px - 2) continue;
+    const double nearest_edge = static_cast<double>(std::min({feature.x_px, feature.y_px, kSide_px - feature.x_px}));
+    if (static_cast<double>(feature.y_px) + reach > kNoGround_px - 2 || nearest_edge < reach + 2) continue;
     EXPECT_NE(fates[i], FeatureFate::kNotKnown) << feature.x_px << ", " << feature.y_px;
-    if (static_cast<double>(feature.x_px) + 100 < kChanged_px) {  // beyond the reach of patches and of cells' shares
+    if (static_cast<double>(feature.x_px) + 2 * reach < kChanged_px) {
       ++stayed;
       EXPECT_EQ(fates[i], FeatureFate::kSurvives) << feature.x_px << ", " << feature.y_px;
     } else if (feature.x_px > kChanged_px + 20) {
@@ -60,16 +63,16 @@ TEST_F(FeatureFates, TellWhatStayedFromWhatChangedAndWhatIsNotShown) {
   EXPECT_GT(stayed, 5000);
   EXPECT_GT(changed, 2000);
   EXPECT_GT(not_shown, 1000);
-  EXPECT_LT(changed_and_survived, changed / 50);
+  EXPECT_LT(changed_and_survived, changed / 20) << "smooth texture resembles itself now and then";
 }
 
 TEST_F(FeatureFates, DependNeitherOnWindowsNorOnThreads) {
   const FeatureSet all = extract_features_of_map(reference_, kAll, {});
-  const std::vector<FeatureFate> of_all = feature_fates(all, kAll, second_, {}, 1);
-  EXPECT_EQ(feature_fates(all, kAll, second_, {}, 3), of_all);
+  const std::vector<FeatureFate> of_all = feature_fates(all, second_, {}, 1);
+  EXPECT_EQ(feature_fates(all, second_, {}, 3), of_all);
   const std::vector<PixelWindow> part{{600, 450, 200, 500}};
   const FeatureSet few = extract_features_of_map(reference_, part, {});
-  const std::vector<FeatureFate> of_few = feature_fates(few, part, second_, {}, 2);
+  const std::vector<FeatureFate> of_few = feature_fates(few, second_, {}, 2);
   ASSERT_GT(few.size(), 500U);
   std::size_t i = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
@@ -80,7 +83,7 @@ TEST_F(FeatureFates, DependNeitherOnWindowsNorOnThreads) {
     ++i;
   }
   EXPECT_EQ(i, few.size());
-  EXPECT_TRUE(feature_fates({}, {}, second_, {}).empty());
+  EXPECT_TRUE(feature_fates({}, second_, {}).empty());
 }
 
 }  // namespace

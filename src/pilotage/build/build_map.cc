@@ -151,10 +151,9 @@ class LevelBuilder {
   }
 
   void add_strip(std::int64_t begin_px, std::int64_t end_px, int threads) {
-    const std::vector<PixelWindow> windows = windows_of_strip(begin_px, end_px);
-    const FeatureSet found = extract_features_of_map(source_, windows, features_, threads);
+    const FeatureSet found = extract_features_of_map(source_, windows_of_strip(begin_px, end_px), features_, threads);
     std::vector<FeatureFate> fates;
-    if (second_) fates = feature_fates(found, windows, *second_, features_, threads);
+    if (second_) fates = feature_fates(found, *second_, features_, threads);
     for (std::size_t i = 0; i < found.size(); ++i) {
       Feature feature = found.features[i];
       const auto cell = owner_.owner_of(feature.x_px, feature.y_px);

@@ -186,6 +186,11 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.within_limit = selection.within_limit;
   result.meets_gate = meets_gate(selection);
   result.warnings = plan.warnings;
+  if (options.build.keep_features != KeepFeatures::kAll && score_options.measure(ScoreMeasure::kCorrectFix)) {
+    result.warnings.emplace_back(
+        "keep_features = stable: P(correct fix), the selection and the verdict are those of a map with all its "
+        "features; this one has fewer, and fewer fixes are to be expected");
+  }
   return result;
 }
 

@@ -6,8 +6,11 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
-#include "pilotage/registration/surviving_features.h"
+#include "pilotage/vision/feature_descriptor.h"
+#include "pilotage/vision/feature_octave.h"
+#include "pilotage/vision/hamming_distance.h"
 
 namespace pilotage {
 namespace {
@@ -41,53 +44,123 @@ PixelWindow grown(const PixelWindow& window, std::int64_t margin_px, const GrayS
   return {left, top, static_cast<int>(right - left), static_cast<int>(bottom - top)};
 }
 
-/// Pixels around a feature on which a counterpart within the radius of survival may depend.
-std::int64_t reach_px(const Feature& feature, const FeatureOptions& options) {
-  const double pixel = std::pow(options.scale_factor, feature.octave);
-  return static_cast<std::int64_t>(std::ceil((patch_radius_px(options) + 1) * pixel + SurvivalOptions{}.radius_px));
+/// The second date around one block, in one octave.
+struct Ground {
+  Octave octave;
+  cv::Mat missing;  // integral of the pixels that are not valid
+};
+
+Ground ground_around(const Raster& raster, const PixelWindow& window, double scale) {
+  Ground ground{make_octave(raster.pixels, raster.valid, window.col, window.row, scale), {}};
+  cv::integral((ground.octave.valid == 0) / 255, ground.missing, CV_32S);
+  return ground;
 }
 
-/// Marks the features of one block around which the second date does not show everything.
-void mark_not_known(const std::vector<Feature>& features, const Run& run, const GraySource& second,
-                    const FeatureOptions& options, std::vector<FeatureFate>& fates) {
-  std::int64_t widest_px = 0;
-  for (std::size_t i = run.begin; i < run.end; ++i) widest_px = std::max(widest_px, reach_px(features[i], options));
-  const PixelWindow block{block_of(features[run.begin].x_px) * kFeatureBlockPx,
-                          block_of(features[run.begin].y_px) * kFeatureBlockPx, kFeatureBlockPx, kFeatureBlockPx};
-  const PixelWindow window = grown(block, widest_px, second);
-  cv::Mat missing;
-  cv::integral((second.read(window).valid == 0) / 255, missing, CV_32S);
+/// Whether all pixels within `reach` of a pixel of the octave are there and valid.
+bool shown(const Ground& ground, int x, int y, int reach) {
+  const cv::Rect around(x - reach, y - reach, 2 * reach + 1, 2 * reach + 1);
+  if ((around & cv::Rect({0, 0}, ground.octave.gray.size())) != around) return false;
+  const cv::Mat& sums = ground.missing;
+  return sums.at<int>(around.br()) - sums.at<int>(around.y, around.br().x) - sums.at<int>(around.br().y, around.x) +
+             sums.at<int>(around.tl()) ==
+         0;
+}
+
+/// Steps in pixels to all places within a radius.
+std::vector<cv::Point> steps_within(double radius_px) {
+  std::vector<cv::Point> steps;
+  const int most = static_cast<int>(radius_px);
+  for (int y = -most; y <= most; ++y) {
+    for (int x = -most; x <= most; ++x) {
+      if (x * x + y * y <= radius_px * radius_px) steps.emplace_back(x, y);
+    }
+  }
+  return steps;
+}
+
+struct Search {
+  const FeatureOptions& features;
+  std::vector<cv::Point> steps;
+  int patch_px;
+  std::uint32_t most_bits;
+
+  double scale_of(int octave) const { return std::pow(features.scale_factor, octave); }
+};
+
+/// Where the second date is described for one feature: one place for each step, or none when one of them is not shown.
+std::vector<Corner> places_around(const Feature& feature, const Ground& ground, const Search& search) {
+  const Octave& octave = ground.octave;
+  const auto place = [&](float position_px, std::int64_t first) {
+    return static_cast<int>(std::llround(static_cast<double>(position_px) / octave.scale - 0.5) - first);
+  };
+  const int x = place(feature.x_px, octave.first_col);
+  const int y = place(feature.y_px, octave.first_row);
+  std::vector<Corner> places;
+  for (const cv::Point& step : search.steps) {
+    if (!shown(ground, x + step.x, y + step.y, search.patch_px)) return {};
+    places.push_back({x + step.x, y + step.y, 0});
+  }
+  return places;
+}
+
+/// Judges the features of a run that lie in one octave.
+void judge_octave(const FeatureSet& reference, const Run& run, int octave, const Ground& ground, const Search& search,
+                  std::vector<FeatureFate>& fates) {
+  std::vector<std::size_t> judged;
+  std::vector<Corner> places;  // of the judged features, one after the other
   for (std::size_t i = run.begin; i < run.end; ++i) {
-    const std::int64_t reach = reach_px(features[i], options);
-    const PixelWindow pixel{static_cast<std::int64_t>(features[i].x_px), static_cast<std::int64_t>(features[i].y_px), 1,
-                            1};
-    const PixelWindow around = grown(pixel, reach, second);
-    const auto left = static_cast<int>(around.col - window.col);
-    const auto top = static_cast<int>(around.row - window.row);
-    const int sum = missing.at<int>(top + around.height, left + around.width) -
-                    missing.at<int>(top, left + around.width) - missing.at<int>(top + around.height, left) +
-                    missing.at<int>(top, left);
-    if (sum != 0) fates[i] = FeatureFate::kNotKnown;
+    if (reference.features[i].octave != octave) continue;
+    const std::vector<Corner> around = places_around(reference.features[i], ground, search);
+    if (around.empty()) continue;
+    judged.push_back(i);
+    places.insert(places.end(), around.begin(), around.end());
+  }
+  std::vector<float> angles_deg(places.size(), 0.0F);
+  if (search.features.oriented) {
+    std::transform(places.begin(), places.end(), angles_deg.begin(),
+                   [&](const Corner& place) { return centroid_angle_deg(ground.octave.gray, place.x, place.y); });
+  }
+  const auto descriptors = describe_corners(ground.octave.gray, places, angles_deg, search.features.descriptor_bits);
+  const auto bytes = static_cast<std::size_t>(reference.descriptor_bytes);
+  std::vector<const std::uint8_t*> candidates(search.steps.size());
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    for (std::size_t step = 0; step < candidates.size(); ++step) {
+      candidates[step] = descriptors.data() + (k * candidates.size() + step) * bytes;
+    }
+    const NearestDescriptor nearest =
+        nearest_descriptor(reference.descriptor(judged[k]), candidates.data(), candidates.size(), bytes);
+    fates[judged[k]] = nearest.distance <= search.most_bits ? FeatureFate::kSurvives : FeatureFate::kGone;
+  }
+}
+
+void judge_run(const FeatureSet& reference, const Run& run, const GraySource& second, const Search& search,
+               std::vector<FeatureFate>& fates) {
+  const FeatureOptions& options = search.features;
+  const Feature& any = reference.features[run.begin];
+  const PixelWindow block{block_of(any.x_px) * kFeatureBlockPx, block_of(any.y_px) * kFeatureBlockPx, kFeatureBlockPx,
+                          kFeatureBlockPx};
+  const int reach_px = search.patch_px + 2 - search.steps.front().y;  // the first step is the farthest up
+  const auto margin_px = static_cast<std::int64_t>(std::ceil(reach_px * search.scale_of(options.octaves - 1)));
+  const PixelWindow window = grown(block, margin_px, second);
+  const Raster raster = second.read(window);
+  if (raster.pixels.type() != CV_8UC1) throw UsageError("features need a gray source of 8 bits");
+  for (int octave = 0; octave < options.octaves; ++octave) {
+    judge_octave(reference, run, octave, ground_around(raster, window, search.scale_of(octave)), search, fates);
   }
 }
 
 }  // namespace
 
-std::vector<FeatureFate> feature_fates(const FeatureSet& reference, const std::vector<PixelWindow>& windows,
-                                       const GraySource& registered_second, const FeatureOptions& options,
-                                       int threads) {
-  std::vector<PixelWindow> around;  // a feature at the edge may have its counterpart just beyond
-  const auto radius_px = static_cast<std::int64_t>(std::ceil(SurvivalOptions{}.radius_px));
-  for (const PixelWindow& window : windows) around.push_back(grown(window, radius_px, registered_second));
-  const FeatureSet second = extract_features_of_map(registered_second, around, options, threads);
-  std::vector<FeatureFate> fates;
-  for (const std::uint8_t survives : surviving_features(reference, second)) {
-    fates.push_back(survives != 0 ? FeatureFate::kSurvives : FeatureFate::kGone);
-  }
+std::vector<FeatureFate> feature_fates(const FeatureSet& reference, const GraySource& registered_second,
+                                       const FeatureOptions& options, int threads, const SurvivalOptions& survival) {
+  check_feature_options(options);
+  const Search search{
+      options, steps_within(survival.radius_px), patch_radius_px(options),
+      static_cast<std::uint32_t>(std::floor(survival.max_share_of_bits * 8 * reference.descriptor_bytes))};
+  std::vector<FeatureFate> fates(reference.size(), FeatureFate::kNotKnown);
   const std::vector<Run> runs = runs_of(reference.features);
-  parallel_for(runs.size(), threads, [&](std::size_t i, int) {
-    mark_not_known(reference.features, runs[i], registered_second, options, fates);
-  });
+  parallel_for(runs.size(), threads,
+               [&](std::size_t i, int) { judge_run(reference, runs[i], registered_second, search, fates); });
   return fates;
 }
 
