@@ -189,7 +189,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   if (options.build.keep_features != KeepFeatures::kAll && score_options.measure(ScoreMeasure::kCorrectFix)) {
     result.warnings.emplace_back(
         "keep_features = stable: P(correct fix), the selection and the verdict are those of a map with all its "
-        "features; this one has fewer, and fewer fixes are to be expected");
+        "features");
   }
   return result;
 }
