@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <optional>
 
 #include "commands.h"
 #include "map_size.h"
@@ -9,6 +10,8 @@
 #include "pilotage/base/text.h"
 #include "pilotage/build/build_map.h"
 #include "pilotage/mapdb/map_signature.h"
+#include "pilotage/mission/input_files.h"
+#include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
 namespace {
@@ -16,6 +19,8 @@ namespace {
 struct BuildCommandOptions {
   StageFileOptions files;
   std::string sign_key;
+  std::vector<std::string> second_epoch;
+  RegistrationOptions registration;
   BuildOptions build;
 
   template <class Self, class Fields>
@@ -24,8 +29,28 @@ struct BuildCommandOptions {
     fields.path("sign_key", self.sign_key,
                 "Sign the map with this minisign secret key; the passphrase comes from PILOTAGE_KEY_PASSPHRASE.");
     BuildOptions::describe(self.build, fields);
+    fields.path("second_epoch", self.second_epoch,
+                "Imagery of the same ground at another date, for keep_features; give what `score` was given.");
+    fields.group("registration", self.registration, "How the second date is brought onto the reference.");
   }
 };
+
+// The files of the plan and of the second date, as `prepare` lists them.
+std::vector<InputFile> inputs_of(const TilePlan& plan, const std::vector<std::string>& second_epoch) {
+  std::vector<InputFile> inputs = input_files(plan);
+  for (const std::string& dataset : second_epoch) {
+    inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
+  }
+  return inputs;
+}
+
+// Nothing is registered when nothing asks for it.
+std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, const TilePlan& plan,
+                                         const Invocation& invocation) {
+  if (options.build.keep_features == KeepFeatures::kAll || options.second_epoch.empty()) return std::nullopt;
+  return register_second_date(plan, options.second_epoch, options.registration, invocation.threads,
+                              invocation.progress);
+}
 
 }  // namespace
 
@@ -38,15 +63,19 @@ Command make_build_command() {
       {"From the files of the stages before.",
        "pilotage build plan.json --table tiles.csv --selection selection.json -o map.gpkg"},
       {"Signed.",
-       "pilotage build plan.json --table tiles.csv --selection selection.json --sign-key key.sec -o map.gpkg"}};
+       "pilotage build plan.json --table tiles.csv --selection selection.json --sign-key key.sec -o map.gpkg"},
+      {"Without the features that another date contradicts.",
+       "pilotage build plan.json --table tiles.csv --selection selection.json --second-epoch other.tif "
+       "--keep-features stable -o map.gpkg"}};
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile, .help = "The map database (GeoPackage)."};
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
     const StageFiles files = read_stage_files(options.files, invocation);
     OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
     const BuildStats stats =
-        build_map(map.temporary_path(), files.plan, files.scores, files.selection, input_files(files.plan),
-                  version_line(), options.build, true, invocation.threads, invocation.progress);
+        build_map(map.temporary_path(), files.plan, files.scores, files.selection,
+                  inputs_of(files.plan, options.second_epoch), version_line(), options.build, true, invocation.threads,
+                  invocation.progress, second_date_of(options, files.plan, invocation));
     std::string signature;
     if (!options.sign_key.empty()) {
       SignOptions sign;
@@ -60,13 +89,17 @@ Command make_build_command() {
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
                   format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(stats) +
-                  "digest " + stats.content_digest + "\n";
+                  kept_features_text(stats) + "digest " + stats.content_digest + "\n";
     result.json = {{"output", invocation.output},
                    {"tiles", stats.tiles},
                    {"descriptors", stats.descriptors},
                    {"bytes", stats.bytes},
                    {"digest", stats.content_digest}};
     add_bytes_per_tile(stats, result.json);
+    add_kept_features(stats, result.json);
+    if (!options.second_epoch.empty() && !stats.stable) {
+      result.warnings.push_back("--second-epoch changes no feature without --keep-features stable");
+    }
     if (!signature.empty()) {
       result.text += "signed: " + signature + "\n";
       result.json["signature"] = signature;

@@ -29,7 +29,7 @@ Command make_prepare_command() {
     result.text = done.verdict + "\n" + std::to_string(done.planned_tiles) + " tiles, " +
                   std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
                   " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
-                  bytes_per_tile_text(done.map) +
+                  bytes_per_tile_text(done.map) + kept_features_text(done.map) +
                   "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
     result.json = {{"verdict", done.verdict},
                    {"output", folder},
@@ -42,6 +42,7 @@ Command make_prepare_command() {
                    {"matchable_fraction", done.matchable_fraction},
                    {"within_limit", done.within_limit}};
     add_bytes_per_tile(done.map, result.json);
+    add_kept_features(done.map, result.json);
     result.warnings = done.warnings;
     if (options.select.require && !done.meets_gate) result.exit_code = kExitGateNotMet;
     return result;

@@ -27,4 +27,26 @@ void add_bytes_per_tile(const BuildStats& stats, nlohmann::ordered_json& json) {
   json["chip_bytes_per_tile"] = per_tile(stats.chip_bytes, stats);
 }
 
+std::string kept_features_text(const BuildStats& stats) {
+  if (!stats.stable) return "";
+  const StableStats& stable = *stats.stable;
+  std::string text = "second date: " + std::to_string(stable.survived) + " features confirmed, " +
+                     std::to_string(stable.not_known) + " kept without a say, " + std::to_string(stable.dropped) +
+                     " dropped";
+  if (stable.refilled > 0) {
+    text += "; " + std::to_string(stable.refilled) + " more kept in " + std::to_string(stable.tiles_refilled) +
+            " tiles that would have fewer than " + std::to_string(kLeastFeatures);
+  }
+  return text + "\n";
+}
+
+void add_kept_features(const BuildStats& stats, nlohmann::ordered_json& json) {
+  if (!stats.stable) return;
+  json["keep_features"] = {{"survived", stats.stable->survived},
+                           {"not_known", stats.stable->not_known},
+                           {"dropped", stats.stable->dropped},
+                           {"refilled", stats.stable->refilled},
+                           {"tiles_refilled", stats.stable->tiles_refilled}};
+}
+
 }  // namespace pilotage

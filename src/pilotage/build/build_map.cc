@@ -94,15 +94,17 @@ void write_tiles(MapWriter& writer, const TilePlan& plan, const std::vector<Sele
 class LevelBuilder {
  public:
   LevelBuilder(MapWriter& writer, const TilePlan& plan, const PlanLevel& level, std::vector<const PlanTile*> tiles,
-               const FeatureOptions& features)
+               const BuildOptions& options, const std::optional<SecondDate>& second_date)
       : writer_(writer),
         level_(level),
         tiles_(std::move(tiles)),
-        features_(features),
+        features_(options.features),
+        windows_(level.matrix),
         owner_(level.matrix, cells_of(tiles_)),
         transform_(Crs::from_user_input(plan.crs_wkt)) {
     if (!plan.elevation.empty()) elevation_.emplace(plan.elevation);
     source_ = stretch_to_8bit(open_plan_imagery(plan, level));
+    if (options.keep_features == KeepFeatures::kStable) second_ = open_second_date(*second_date, plan, level);
   }
 
   void build(BuildStats& stats, int threads, const Progress& progress) {
@@ -112,7 +114,7 @@ class LevelBuilder {
     const std::int64_t end_px = tiles_.back()->row * matrix.stride_px + matrix.tile_size_px;
     for (; begin_px < end_px; begin_px += kStrip_px) {
       add_strip(begin_px, begin_px + kStrip_px, threads);
-      write_tiles_above(begin_px + kStrip_px);
+      write_tiles_above(begin_px + kStrip_px, stats);
       report_progress(progress, "describing level " + std::to_string(matrix.level), static_cast<std::int64_t>(written_),
                       static_cast<std::int64_t>(tiles_.size()));
     }
@@ -150,12 +152,19 @@ class LevelBuilder {
 
   void add_strip(std::int64_t begin_px, std::int64_t end_px, int threads) {
     const FeatureSet found = extract_features_of_map(source_, windows_of_strip(begin_px, end_px), features_, threads);
+    std::vector<FeatureFate> fates;
+    if (second_) fates = feature_fates(found, *second_, features_, threads);
     for (std::size_t i = 0; i < found.size(); ++i) {
       Feature feature = found.features[i];
       const auto cell = owner_.owner_of(feature.x_px, feature.y_px);
       if (!cell) continue;
       const auto key = std::pair(cell->row, cell->column);
-      TileDescriptors& stored = pending_[key];
+      Pending& pending = pending_[key];
+      TileDescriptors& stored = pending.stored;
+      if (second_) {
+        pending.fates.push_back(fates[i]);
+        if (fates[i] != FeatureFate::kGone) windows_.add(feature.x_px, feature.y_px);
+      }
       stored.window = level_.matrix.tile_window(cell->column, cell->row);
       stored.features.descriptor_bytes = found.descriptor_bytes;
       if (elevation_) stored.ground_height_m.push_back(ground_height_m(feature));
@@ -175,29 +184,41 @@ class LevelBuilder {
   }
 
   // Tiles that end above this row of pixels get no more features.
-  void write_tiles_above(std::int64_t row_px) {
+  void write_tiles_above(std::int64_t row_px, BuildStats& stats) {
     while (written_ < tiles_.size()) {
       const PlanTile& tile = *tiles_[written_];
       if (tile.row * level_.matrix.stride_px + level_.matrix.tile_size_px > row_px) return;
       ++written_;
       auto found = pending_.extract({tile.row, tile.column});
       if (found.empty()) continue;
-      found.mapped().tile_id = tile.tile_id;
-      found.mapped().level = tile.level;
-      descriptors_ += static_cast<std::int64_t>(found.mapped().features.size());
-      writer_.add_descriptors(found.mapped());
+      TileDescriptors& stored = found.mapped().stored;
+      stored.tile_id = tile.tile_id;
+      stored.level = tile.level;
+      if (second_) {
+        drop_contradicted(stored.features, stored.ground_height_m, found.mapped().fates,
+                          windows_.take(tile.column, tile.row), *stats.stable);
+      }
+      descriptors_ += static_cast<std::int64_t>(stored.features.size());
+      if (stored.features.size() > 0) writer_.add_descriptors(stored);
     }
   }
+
+  struct Pending {
+    TileDescriptors stored;
+    std::vector<FeatureFate> fates;  // with a second date
+  };
 
   MapWriter& writer_;
   const PlanLevel& level_;
   std::vector<const PlanTile*> tiles_;  // ascending tile_id: by row, then column
   FeatureOptions features_;
+  WindowCounts windows_;
   TileOwner owner_;
   CrsTransform transform_;
   std::optional<Elevation> elevation_;
   GraySource source_;
-  std::map<std::pair<std::int64_t, std::int64_t>, TileDescriptors> pending_;  // by (row, column)
+  std::optional<GraySource> second_;                                  // with keep_features = stable
+  std::map<std::pair<std::int64_t, std::int64_t>, Pending> pending_;  // by (row, column)
   std::size_t written_ = 0;
   std::int64_t descriptors_ = 0;
 };
@@ -238,10 +259,18 @@ void write_options(MapWriter& writer, const std::string& prefix, Options options
 }
 
 void write_info(MapWriter& writer, const TilePlan& plan, const Selection& selection, const BuildOptions& options,
-                const std::vector<InputFile>& inputs, const std::string& software_version) {
+                const std::vector<InputFile>& inputs, const std::string& software_version, const BuildStats& stats) {
   writer.add_info("tool_version", software_version);
   for (const auto& [key, value] : camera_to_text(plan.camera)) writer.add_info("camera." + key, value);
   write_options(writer, "features.", options.features);
+  if (stats.stable) {
+    writer.add_info("keep_features", "stable");
+    writer.add_info("keep_features.survived", std::to_string(stats.stable->survived));
+    writer.add_info("keep_features.not_known", std::to_string(stats.stable->not_known));
+    writer.add_info("keep_features.dropped", std::to_string(stats.stable->dropped));
+    writer.add_info("keep_features.refilled", std::to_string(stats.stable->refilled));
+    writer.add_info("keep_features.tiles_refilled", std::to_string(stats.stable->tiles_refilled));
+  }
   if (options.chips.chips) {
     writer.add_info("chips.gsd_m", format_number(options.chips.chip_gsd_m));
     writer.add_info("chips.gray_bits", std::to_string(options.chips.chip_gray_bits));
@@ -286,27 +315,30 @@ StoredSize stored_size(const BuildOptions& options, const TilePlan& plan) {
 BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads,
-                     const Progress& progress) {
+                     const Progress& progress, const std::optional<SecondDate>& second_date) {
   check_options(options);
   check_feature_options(options.features);
+  const bool stable = options.keep_features == KeepFeatures::kStable;
+  if (stable && !second_date) throw UsageError("keep_features = stable needs a second date: give --second-epoch");
   const auto selected = selected_tiles(plan, scores, selection);
 
   MapWriter writer(path, make_header(plan, options.chips.chips), overwrite);
   write_tiles(writer, plan, selected);
   BuildStats stats;
   stats.tiles = static_cast<std::int64_t>(selected.size());
+  if (stable) stats.stable.emplace();
   for (const PlanLevel& level : plan.levels) {
     std::vector<const PlanTile*> tiles;
     for (const SelectedTile& entry : selected) {
       if (entry.tile->level == level.matrix.level) tiles.push_back(entry.tile);
     }
     if (tiles.empty()) continue;
-    LevelBuilder builder(writer, plan, level, std::move(tiles), options.features);
+    LevelBuilder builder(writer, plan, level, std::move(tiles), options, second_date);
     builder.build(stats, threads, progress);
     if (options.chips.chips) builder.build_chips(stats, options.chips, threads, progress);
   }
   write_route(writer, plan, selection);
-  write_info(writer, plan, selection, options, inputs, software_version);
+  write_info(writer, plan, selection, options, inputs, software_version, stats);
   stats.content_digest = writer.finish();
   stats.bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
   return stats;

@@ -1,6 +1,7 @@
 #include "pilotage/prepare/prepare.h"
 
 #include <algorithm>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -122,6 +123,9 @@ ScoreOptions score_options_of(const PrepareOptions& options) {
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);
   const ScoreOptions score_options = score_options_of(options);
+  if (options.build.keep_features != KeepFeatures::kAll && options.score.second_epoch.empty()) {
+    throw UsageError("keep_features = stable needs a second date: give --second-epoch");
+  }
   refuse_existing(run.output_folder, run.overwrite);
   for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
@@ -158,8 +162,13 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   for (const std::string& dataset : options.score.second_epoch) {
     inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
   }
+  std::optional<SecondDate> second_date;
+  if (scored.second_epoch) {
+    const Registration& registration = scored.second_epoch->registration;
+    second_date = SecondDate{options.score.second_epoch, registration.fit.field};
+  }
   result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
-                         options.build, true, run.threads, progress);
+                         options.build, true, run.threads, progress, second_date);
 
   ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version);
   input.parameters = described(options);
@@ -177,6 +186,11 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.within_limit = selection.within_limit;
   result.meets_gate = meets_gate(selection);
   result.warnings = plan.warnings;
+  if (options.build.keep_features != KeepFeatures::kAll && score_options.measure(ScoreMeasure::kCorrectFix)) {
+    result.warnings.emplace_back(
+        "keep_features = stable: P(correct fix), the selection and the verdict are those of a map with all its "
+        "features");
+  }
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "pilotage/base/parallel.h"
 #include "pilotage/mission/plan_imagery.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/registration/register_tiles.h"
 #include "pilotage/registration/surviving_features.h"
 #include "pilotage/registration/warped_source.h"
 #include "pilotage/score/map_strip.h"
@@ -184,47 +185,6 @@ void score_survival(const Job& job, const Group& group, std::vector<EpochScores>
   }
 }
 
-/// Squares of ground that hold a tile.
-class Occupied {
- public:
-  Occupied(const std::vector<Bounds>& tiles, const Bounds& area_m, double cell_m)
-      : area_m_(area_m),
-        cell_m_(cell_m),
-        columns_(static_cast<int>(area_m.width_m() / cell_m) + 1),
-        cells_(static_cast<std::size_t>(columns_) * (static_cast<std::size_t>(area_m.height_m() / cell_m) + 1), 0) {
-    for (const Bounds& tile : tiles) {
-      for_each_cell(tile, [&](std::size_t cell) { cells_[cell] = 1; });
-    }
-  }
-  bool touches(const Bounds& bounds) const {
-    bool found = false;
-    for_each_cell(bounds, [&](std::size_t cell) { found = found || cells_[cell] != 0; });
-    return found;
-  }
-
- private:
-  template <class Use>
-  void for_each_cell(const Bounds& bounds, const Use& use) const {
-    const auto rows = static_cast<int>(cells_.size()) / columns_;
-    const auto index = [&](double offset_m, int count) {
-      return static_cast<int>(std::clamp(std::floor(offset_m / cell_m_), 0.0, count - 1.0));
-    };
-    if (!bounds.intersects(area_m_)) return;
-    for (int row = index(bounds.min_y_m - area_m_.min_y_m, rows); row <= index(bounds.max_y_m - area_m_.min_y_m, rows);
-         ++row) {
-      for (int col = index(bounds.min_x_m - area_m_.min_x_m, columns_);
-           col <= index(bounds.max_x_m - area_m_.min_x_m, columns_); ++col) {
-        use(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(col));
-      }
-    }
-  }
-
-  Bounds area_m_;
-  double cell_m_;
-  int columns_;
-  std::vector<std::uint8_t> cells_;
-};
-
 Bounds tile_bounds(const TileMatrix& matrix, std::int64_t index) {
   const PixelWindow window = matrix.tile_window(index % matrix.matrix_width(), index / matrix.matrix_width());
   Bounds bounds;
@@ -275,27 +235,17 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
 SecondEpoch compare_epochs(const std::vector<std::string>& reference, const ImageryOptions& imagery, const Crs& crs,
                            const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads,
                            const Progress& progress) {
-  std::vector<ImageryInfo> infos;
-  for (const std::string& dataset : reference) infos.push_back(inspect_imagery(dataset, imagery));
-  for (const std::string& dataset : options.second_epoch) infos.push_back(inspect_imagery(dataset));
   SecondEpoch result;
   std::vector<Bounds> tiles;
-  double largest_m = 1;
   for (const EpochTiles& level : levels) {
     check_grid(crs, level.matrix.map_from_pixel);
-    for (const std::int64_t index : level.indices) {
-      const Bounds bounds = tiles.emplace_back(tile_bounds(level.matrix, index));
-      result.area_m.extend({bounds.min_x_m, bounds.min_y_m});
-      result.area_m.extend({bounds.max_x_m, bounds.max_y_m});
-      largest_m = std::max(largest_m, bounds.width_m());
-    }
+    for (const std::int64_t index : level.indices) tiles.push_back(tile_bounds(level.matrix, index));
   }
-  if (tiles.empty()) return result;
-  const Occupied occupied(tiles, result.area_m, largest_m);
+  TileRegistration registered =
+      register_tiles(reference, imagery, options.second_epoch, crs, tiles, options.registration, threads, progress);
+  result.registration = std::move(registered.registration);
+  result.area_m = registered.area_m;
   const OpenPair open = open_rasters(reference, imagery, options.second_epoch, crs);
-  result.registration = register_dates(
-      open, result.area_m, registration_gsd_m(infos, options.registration), options.registration,
-      [&](const Bounds& bounds) { return occupied.touches(bounds); }, threads, progress);
   for (const EpochTiles& level : levels) {
     const DatePair dates = open(level.matrix.map_from_pixel, level.matrix.grid_width_px, level.matrix.grid_height_px);
     for (const EpochScores& score : score_epoch_tiles(dates, result.registration.fit.field, level,
