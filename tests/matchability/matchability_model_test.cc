@@ -1,5 +1,6 @@
 #include "pilotage/matchability/matchability_model.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -58,6 +59,23 @@ TEST(MatchabilityModel, PromisesNoMoreThanTheOutermostGroundSeen) {
 TEST(MatchabilityModel, FewerFeaturesThanTheMatcherNeedsGiveNothing) {
   EXPECT_EQ(predict_p_correct_fix(simple_model(), {6, -1, 12}, 19), 0);
   EXPECT_GT(predict_p_correct_fix(simple_model(), {6, -1, 12}, 20), 0);
+}
+
+TEST(MatchabilityModel, ChipsNeverMakeAFixLessLikely) {
+  const MatcherModel chips = simple_model();
+  MatcherModel features = simple_model();
+  features.matcher = FlyingMatcher::kFeatures;
+  features.intercept -= 1;
+  features.area_coefficient += 0.2;
+  const MatchabilityModel both{"", {}, {}, {features, chips}};
+  for (const double area : {3.0, 8.0}) {
+    const MatchabilityInputs inputs{5, -1, area};
+    const double p = predict_p_correct_fix(both, FlyingMatcher::kFeaturesAndChips, inputs, 100);
+    EXPECT_EQ(p, std::max(predict_p_correct_fix(features, inputs, 100), predict_p_correct_fix(chips, inputs, 100)));
+    EXPECT_EQ(predict_p_correct_fix(both, FlyingMatcher::kFeatures, inputs, 100),
+              predict_p_correct_fix(features, inputs, 100));
+  }
+  EXPECT_THROW(predict_p_correct_fix({"", {}, {}, {chips}}, FlyingMatcher::kFeatures, {5, -1, 8}, 100), DataError);
 }
 
 TEST(MatchabilityModel, ComesBackFromJson) {

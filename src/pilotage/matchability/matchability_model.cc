@@ -77,6 +77,16 @@ const MatcherModel& model_of(const MatchabilityModel& model, FlyingMatcher match
   throw DataError("the matchability model has no parameters for the matcher \"" + flying_matcher_name(matcher) + "\"");
 }
 
+double predict_p_correct_fix(const MatchabilityModel& model, FlyingMatcher matcher, const MatchabilityInputs& inputs,
+                             double map_features) {
+  double p = predict_p_correct_fix(model_of(model, matcher), inputs, map_features);
+  if (matcher == FlyingMatcher::kFeatures) return p;
+  for (const MatcherModel& other : model.matchers) {
+    if (other.matcher == FlyingMatcher::kFeatures) p = std::max(p, predict_p_correct_fix(other, inputs, map_features));
+  }
+  return p;
+}
+
 const MatchabilityModel& default_matchability_model() {
   static const MatchabilityModel kModel =
       matchability_model_from_json(parse_json("the default model", default_model::bytes()), "the default model");

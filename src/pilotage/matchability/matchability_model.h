@@ -69,9 +69,14 @@ struct MatchabilityModel {
   std::vector<MatcherModel> matchers;
 };
 
-/// P(correct fix) of one frame over the tile for the matcher of `model`; 0 when the tile has fewer features than the
-/// matcher needs (kMinFeatures of match()).
+/// P(correct fix) of one frame over the tile by the parameters of one matcher; 0 when the tile has fewer than 20
+/// features, where match() refuses.
 double predict_p_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features);
+
+/// The same for what flies. A map with chips has all that one without has: its P is the larger of both where the model
+/// has parameters for both. Throws DataError when it has none for `matcher`.
+double predict_p_correct_fix(const MatchabilityModel& model, FlyingMatcher matcher, const MatchabilityInputs& inputs,
+                             double map_features);
 
 /// The model's parameters for a matcher. Throws DataError when it has none.
 const MatcherModel& model_of(const MatchabilityModel& model, FlyingMatcher matcher);

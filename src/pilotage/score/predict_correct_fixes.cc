@@ -10,7 +10,7 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
                            std::vector<TileScore>& scores, int threads, const Progress& progress) {
   const MatchabilityModel model =
       options.model.empty() ? default_matchability_model() : read_matchability_model(options.model);
-  const MatcherModel& of_matcher = model_of(model, options.matcher);
+  model_of(model, options.matcher);  // refuses before the work is done
   std::vector<TileScore*> scored;
   std::vector<std::int64_t> indices;
   for (TileScore& score : scores) {
@@ -26,7 +26,7 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
     scored[i]->map_features = static_cast<double>(votes[i].features);
     scored[i]->vote_noise = votes[i].noise;
     const MatchabilityInputs inputs = matchability_inputs(*scored[i], matrix.tile_size_px, black);
-    scored[i]->p_correct_fix = predict_p_correct_fix(of_matcher, inputs, scored[i]->map_features);
+    scored[i]->p_correct_fix = predict_p_correct_fix(model, options.matcher, inputs, scored[i]->map_features);
   }
 }
 

@@ -14,7 +14,7 @@ struct SelectOptions {
   bool require = false;
   double min_peak_margin = 0.05;
   double fix_interval_s = 2.0;
-  double min_p_correct_fix = 0.5;
+  double min_p_correct_fix = 0.2;
   std::optional<double> fix_decorrelation_m;
   double max_false_fix_rate = 0.001;
   double min_route_probability = 0.9;
