@@ -37,9 +37,9 @@ TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
   SelectOptions options;
   TileScore score;
   score.degraded.margin = 0.9;
-  score.p_correct_fix = 0.49;
+  score.p_correct_fix = 0.19;
   EXPECT_FALSE(is_matchable(score, options));
-  options.min_p_correct_fix = 0.4;
+  options.min_p_correct_fix = 0.1;
   EXPECT_TRUE(is_matchable(score, options));
   score.degraded.margin = -0.9;
   EXPECT_TRUE(is_matchable(score, options));
@@ -61,7 +61,7 @@ TEST(SelectTiles, ProbabilitiesOfTheFlight) {
   auto scores = good_scores(plan);
   for (TileScore& score : scores) score.p_correct_fix = 0.8;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (plan.tiles[i].route_distance_m > 3500 && plan.tiles[i].route_distance_m < 4350) scores[i].p_correct_fix = 0.2;
+    if (plan.tiles[i].route_distance_m > 3500 && plan.tiles[i].route_distance_m < 4350) scores[i].p_correct_fix = 0.1;
   }
   scores[0].p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   SelectOptions options;

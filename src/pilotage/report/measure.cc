@@ -43,10 +43,15 @@ std::string hex_color(Rgb color) {
 
 const std::vector<Measure>& report_measures() {
   static const std::vector<Measure> measures = {
+      {"p_correct_fix", "P(correct fix)", "1",
+       "Probability that the matcher finds a frame taken here on another day, and is right; from one date of imagery. "
+       "This "
+       "is the measure to judge by.",
+       ColorMap::kViridis, 2, [](const TileScore& score) { return score.p_correct_fix; }},
       {"degraded_peak_margin", "Uniqueness, degraded copies", "NCC",
        "Correlation at the true place minus the best rival in the search area, mean over degraded copies of the tile. "
        "Above 0 "
-       "the true place wins. This is the measure to judge by.",
+       "the true place wins.",
        ColorMap::kViridis, 3, [](const TileScore& score) { return score.degraded.margin; }},
       {"clean_peak_margin", "Uniqueness, clean", "NCC",
        "Correlation at the true place minus the best rival, the tile matched against its own map. On fine imagery it "
@@ -82,7 +87,7 @@ MeasureScale measure_scale(const Measure& measure, const std::vector<TileScore>&
     scale.least = values.front();
     scale.most = values.back();
   }
-  if (measure.name == "valid_fraction" || values.empty()) return scale;
+  if (measure.name == "valid_fraction" || measure.name == "p_correct_fix" || values.empty()) return scale;
   scale.low = percentile(values, 0.02);
   scale.high = percentile(values, 0.98);
   if (!(scale.high > scale.low)) {

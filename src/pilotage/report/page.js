@@ -28,7 +28,8 @@
 
   // ---- State: what is shown ----
   const levels = [...new Set(tiles.map((row) => valueOf(row, 'level')))].sort((a, b) => a - b);
-  const state = { measure: 0, level: levels.length ? levels[0] : 0, threshold: null, tile: -1 };
+  const measured = report.measures.findIndex((m) => m.least !== null);
+  const state = { measure: Math.max(0, measured), level: levels.length ? levels[0] : 0, threshold: null, tile: -1 };
   const scaleOf = (m) => report.measures[m];
   const decimalsOf = (m) => display.decimals[m];
   function thresholdValue() {
