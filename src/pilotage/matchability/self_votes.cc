@@ -210,7 +210,9 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
   std::vector<SelfVotes> result(tile_indices.size());
   std::vector<VoteSurface> surfaces(static_cast<std::size_t>(thread_count(threads)));
   std::int64_t done = 0;
-  for (const auto& [row, places] : rows) {
+  for (const auto& entry : rows) {
+    const std::int64_t row = entry.first;
+    const std::vector<std::size_t>& places = entry.second;
     report_progress(progress, "counting votes", done++, static_cast<std::int64_t>(rows.size()));
     const std::int64_t first_band = row * matrix.stride_px / kFeatureBlockPx;
     const std::int64_t last_band = (row * matrix.stride_px + matrix.tile_size_px - 1) / kFeatureBlockPx;

@@ -30,7 +30,6 @@ constexpr std::int64_t kMostColumns = 64;
 constexpr std::int64_t kStripPixels = 8 << 20;
 /// Integral images of power sums serve square groups of tiles of at most this side.
 constexpr int kGroupSide = 640;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Tiles of a few columns and a few rows: what is worked on with one strip in memory.
 struct Piece {
