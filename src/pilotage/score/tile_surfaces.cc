@@ -32,7 +32,7 @@ void ensure_workspaces(std::vector<RealFft2d::Workspace>& workspaces, const Bloc
 }
 
 cv::Mat make_surface(int radius_px) {
-  return {2 * radius_px + 1, 2 * radius_px + 1, CV_32F};
+  return cv::Mat(2 * radius_px + 1, 2 * radius_px + 1, CV_32F);
 }
 
 /// out = terms[0] + … , in this order.

@@ -58,16 +58,18 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
   for (std::size_t leg = 0; leg < legs.size(); ++leg) {
     const double p_before = survival.leg_p_within_limit[leg];
     if (!(p_before < options.min_leg_probability)) continue;
-    const auto& [begin, end] = legs[leg];
+    const LegSamples samples = legs[leg];
     double entering = 0;
     for (const FlightBranch& branch : survival.leg_entries[leg]) entering += branch.probability;
     LegAdvice best{static_cast<int>(leg), AdviceSide::kNone, 0, p_before, p_before, false};
     const auto try_line = [&](double right_m) {
       auto moved = tiles;
-      for (std::size_t i = begin; i < end; ++i) moved[i] = lookup.tile_under(moved_aside(plan, legs[leg], i, right_m));
+      for (std::size_t i = samples.begin; i < samples.end; ++i) {
+        moved[i] = lookup.tile_under(moved_aside(plan, samples, i, right_m));
+      }
       const auto attempts = fix_attempts(plan, moved, options.fix_interval_s, options.decorrelation_m);
       const RouteChances chances = route_chances(attempts, p_of_tile, moved.size(), options.fix_interval_s);
-      const FlightStretch flown = fly_stretch(path, chances, begin, end, survival.leg_entries[leg]);
+      const FlightStretch flown = fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg]);
       const double p_after = std::min(1.0, flown.p_within_limit.back() / entering);
       if (p_after <= best.p_after) return;
       best.p_after = p_after;
