@@ -6,6 +6,7 @@
 #include "version.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_options.h"
@@ -172,12 +173,9 @@ std::string metres(const Spread& spread) {
 }
 
 nlohmann::ordered_json json_of(const Spread& spread) {
-  const auto number = [](double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-  };
-  return {{"median", number(spread.median)},
-          {"quantile_95", number(spread.quantile_95)},
-          {"largest", number(spread.largest)}};
+  return {{"median", json_number(spread.median)},
+          {"quantile_95", json_number(spread.quantile_95)},
+          {"largest", json_number(spread.largest)}};
 }
 
 void summarise(const SecondEpoch& epoch, CommandResult& result) {

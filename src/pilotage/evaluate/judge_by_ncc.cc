@@ -27,18 +27,11 @@ cv::Mat as_float(const cv::Mat& pixels) {
   return result;
 }
 
-bool all_valid(const cv::Mat& valid) {
-  return cv::countNonZero(valid) == valid.rows * valid.cols;
-}
-
 /// Correlation of the other date's tile at every position of the search area; empty when it is not covered.
 cv::Mat surface_of(const Pair& pair, const PixelWindow& tile, const PixelWindow& area) {
   const Raster shown = pair.other.read(tile);
   if (valid_fraction(shown.valid) < kMinValidFraction) return {};
   const Raster region = pair.reference.read(area);
-  if (all_valid(shown.valid) && all_valid(region.valid)) {
-    return correlation_surface(as_float(shown.pixels), as_float(region.pixels));
-  }
   return masked_correlation_surface(as_float(shown.pixels), shown.valid, as_float(region.pixels), region.valid,
                                     kMinOverlap);
 }

@@ -44,10 +44,6 @@ struct Peak {
   double margin = 0;
 };
 
-bool all_valid(const cv::Mat& valid) {
-  return cv::countNonZero(valid) == valid.rows * valid.cols;
-}
-
 /// The vertex of the quadratic through the nine values around `at` by least squares, from it; nothing when it is no
 /// maximum.
 std::optional<Eigen::Vector2d> quadratic_vertex(const cv::Mat& surface, const cv::Point& at) {
@@ -76,12 +72,8 @@ std::optional<Eigen::Vector2d> quadratic_vertex(const cv::Mat& surface, const cv
 
 std::optional<Peak> find_peak(const Patchwork& from, const cv::Rect& square, const Patchwork& in,
                               const cv::Rect& around, const TieOptions& options) {
-  const cv::Mat tile_valid = from.valid(square);
-  const cv::Mat region_valid = in.valid(around);
-  const bool whole = all_valid(tile_valid) && all_valid(region_valid);
-  cv::Mat surface = whole ? correlation_surface(from.pixels(square), in.pixels(around))
-                          : masked_correlation_surface(from.pixels(square), tile_valid, in.pixels(around), region_valid,
-                                                       options.min_valid_fraction);
+  const cv::Mat surface = masked_correlation_surface(from.pixels(square), from.valid(square), in.pixels(around),
+                                                     in.valid(around), options.min_valid_fraction);
   cv::Mat compared = surface.clone();
   cv::patchNaNs(compared, -2);
   cv::Point at;

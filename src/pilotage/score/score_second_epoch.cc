@@ -91,12 +91,8 @@ void score_surface(const Job& job, const MapStrip& reference, const MapStrip& se
       is_flat(reference.view(reference.centred, area.tile), reference.view(reference.valid, area.tile))) {
     return;
   }
-  const bool whole = second.count_valid(area.tile) == std::int64_t{area.tile.width} * area.tile.height &&
-                     reference.count_valid(area.window) == std::int64_t{area.window.width} * area.window.height;
-  const cv::Mat surface =
-      whole ? correlation_surface(tile, region)
-            : masked_correlation_surface(tile, tile_valid, region, reference.view(reference.valid, area.window),
-                                         job.min_valid_fraction);
+  const cv::Mat surface = masked_correlation_surface(
+      tile, tile_valid, region, reference.view(reference.valid, area.window), job.min_valid_fraction);
   const cv::Rect near = cv::Rect(area.truth.x - kEpochPlace_px, area.truth.y - kEpochPlace_px, 2 * kEpochPlace_px + 1,
                                  2 * kEpochPlace_px + 1) &
                         cv::Rect(0, 0, surface.cols, surface.rows);

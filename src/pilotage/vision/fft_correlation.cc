@@ -244,6 +244,8 @@ cv::Mat masked_correlation_surface(const cv::Mat& tile, const cv::Mat& tile_vali
       region_valid.size() != region.size()) {
     throw UsageError("masked correlation: masks must be CV_8U and as large as their images");
   }
+  const auto all_valid = [](const cv::Mat& valid) { return cv::countNonZero(valid) == valid.rows * valid.cols; };
+  if (all_valid(tile_valid) && all_valid(region_valid)) return correlation_surface(tile, region);
   const double needed = std::max(2.0, min_overlap * cv::countNonZero(tile_valid));
   const double mean = cv::mean(tile, tile_valid)[0];
   const auto masked = [mean](const cv::Mat& pixels, const cv::Mat& valid) {

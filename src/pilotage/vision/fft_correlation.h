@@ -120,7 +120,7 @@ cv::Mat correlation_surface(const cv::Mat& tile, const cv::Mat& region);
 /// D. Padfield, "Masked object registration in the Fourier domain", IEEE Trans. Image Processing 21(5), 2012, eq. 9.
 /// Positions that overlap less than `min_overlap` of the tile's valid pixels are NaN. Windows whose variance over the
 /// overlap is below 1e-5 of the largest one count as flat and get 0. Error below 1e-3 where the variance is at least
-/// 1/100 of the largest.
+/// 1/100 of the largest. Where everything is valid it is correlation_surface().
 cv::Mat masked_correlation_surface(const cv::Mat& tile, const cv::Mat& tile_valid, const cv::Mat& region,
                                    const cv::Mat& region_valid, double min_overlap);
 
