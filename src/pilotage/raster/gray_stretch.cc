@@ -86,8 +86,10 @@ cv::Mat apply_stretch(const cv::Mat& pixels, const GrayStretch& stretch) {
 }
 
 GraySource stretch_to_8bit(const GraySource& source, double low_percent, double high_percent) {
-  if (source.depth == CV_8U) return source;
-  const GrayStretch stretch = find_stretch(source, low_percent, high_percent);
+  return source.depth == CV_8U ? source : stretch_to_8bit(source, find_stretch(source, low_percent, high_percent));
+}
+
+GraySource stretch_to_8bit(const GraySource& source, const GrayStretch& stretch) {
   GraySource stretched = source;
   stretched.depth = CV_8U;
   stretched.read = [read = source.read, stretch](const PixelWindow& window) {

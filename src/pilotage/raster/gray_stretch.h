@@ -24,6 +24,9 @@ cv::Mat apply_stretch(const cv::Mat& pixels, const GrayStretch& stretch);
 /// sample is read once, here; windows are stretched as they are read.
 GraySource stretch_to_8bit(const GraySource& source, double low_percent = 0.5, double high_percent = 99.5);
 
+/// The same by a stretch that is known.
+GraySource stretch_to_8bit(const GraySource& source, const GrayStretch& stretch);
+
 /// Share of the pixels of a window that are valid, 0 … 1; reads the window.
 double valid_fraction(const GraySource& source, const PixelWindow& window);
 

@@ -6,11 +6,16 @@
 
 namespace pilotage {
 
-void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
-                           std::vector<TileScore>& scores, int threads, const Progress& progress) {
-  const MatchabilityModel model =
+MatchabilityModel model_for(const ScoreOptions& options) {
+  MatchabilityModel model =
       options.model.empty() ? default_matchability_model() : read_matchability_model(options.model);
-  model_of(model, options.matcher);  // refuses before the work is done
+  model_of(model, options.matcher);
+  return model;
+}
+
+void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
+                           const MatchabilityModel& model, std::vector<TileScore>& scores, int threads,
+                           const Progress& progress) {
   std::vector<TileScore*> scored;
   std::vector<std::int64_t> indices;
   for (TileScore& score : scores) {
@@ -20,12 +25,14 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
     indices.push_back(score.row * matrix.matrix_width() + score.column);
   }
   // The map's features are found in 8 bits, and the contrast that they have is what counts.
-  const double black = source.depth == CV_8U ? 0 : find_stretch(source).low;
-  const auto votes = count_self_votes(stretch_to_8bit(source), matrix, indices, options.features, threads, progress);
+  const bool is_8bit = source.depth == CV_8U;
+  const GrayStretch stretch = is_8bit ? GrayStretch{0, 255} : find_stretch(source);
+  const GraySource shown = is_8bit ? source : stretch_to_8bit(source, stretch);
+  const auto votes = count_self_votes(shown, matrix, indices, options.features, threads, progress);
   for (std::size_t i = 0; i < scored.size(); ++i) {
     scored[i]->map_features = static_cast<double>(votes[i].features);
     scored[i]->vote_noise = votes[i].noise;
-    const MatchabilityInputs inputs = matchability_inputs(*scored[i], matrix.tile_size_px, black);
+    const MatchabilityInputs inputs = matchability_inputs(*scored[i], matrix.tile_size_px, stretch.low);
     scored[i]->p_correct_fix = predict_p_correct_fix(model, options.matcher, inputs, scored[i]->map_features);
   }
 }

@@ -10,9 +10,14 @@
 
 namespace pilotage {
 
+/// The parameters of P that the options ask for. Throws as read_matchability_model, and DataError when they have none
+/// for the matcher.
+MatchabilityModel model_for(const ScoreOptions& options);
+
 /// Fills map_features, vote_noise and p_correct_fix of scored tiles of `matrix`, whose statistics are there. Flat tiles
-/// have P = 0; those with too little ground have none. Throws as count_self_votes and read_matchability_model.
+/// have P = 0; those with too little ground have none. Throws as count_self_votes.
 void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
-                           std::vector<TileScore>& scores, int threads, const Progress& progress);
+                           const MatchabilityModel& model, std::vector<TileScore>& scores, int threads,
+                           const Progress& progress);
 
 }  // namespace pilotage

@@ -306,6 +306,8 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
                                    std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
                                    std::uint64_t seed, int threads, const Progress& progress) {
   check_request(source, matrix, search_radius_px, tile_indices, options);
+  std::optional<MatchabilityModel> model;  // a wrong one is refused before the work is done
+  if (options.measure(ScoreMeasure::kCorrectFix)) model = model_for(options);
   std::vector<std::int64_t> indices(tile_indices.begin(), tile_indices.end());
   if (indices.empty()) {
     indices.resize(static_cast<std::size_t>(matrix.tile_count()));
@@ -362,8 +364,7 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
     }
     if (next.valid()) strip = next.get();
   }
-  if (options.measure(ScoreMeasure::kCorrectFix))
-    predict_correct_fixes(source, matrix, options, scores, threads, progress);
+  if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
   return scores;
 }
 
