@@ -17,7 +17,7 @@
 namespace pilotage {
 
 /// Where a command stands in the way of the data; `pilotage --help` lists the groups in this order.
-enum class CommandGroup { kPrepare, kStages, kInspect, kFlight, kStudy };
+enum class CommandGroup { kPrepare, kStages, kInspect, kFlight, kStudy, kHelp };
 
 struct CommandExample {
   std::string what;  ///< One line: what it does.
@@ -31,8 +31,10 @@ struct InputSpec {
   std::string name = "INPUT";  ///< As usage shows it, in capitals; of inputs that differ each: "MAP [FRAME]".
   std::string help;
   int min = 0;
-  int max = 0;             ///< kMany: any number.
-  bool is_config = false;  ///< The one input is a configuration file: `pilotage prepare mission.json`.
+  int max = 0;                            ///< kMany: any number.
+  bool is_config = false;                 ///< The one input is a configuration file: `pilotage prepare mission.json`.
+  bool is_command = false;                ///< Words of commands: `pilotage manual score`.
+  std::vector<std::string> choices = {};  ///< Words that are allowed; empty: files and other names.
 };
 
 /// What `-o` means. With kFile, an output that exists is refused before any work is done unless --overwrite is given;
@@ -45,6 +47,8 @@ struct OutputSpec {
   bool required = true;
 };
 
+struct Command;
+
 /// What a command is run with, besides its own options.
 struct Invocation {
   std::vector<std::string> inputs;  ///< As typed; GDAL dataset strings are allowed where imagery is.
@@ -52,7 +56,8 @@ struct Invocation {
   bool overwrite = false;
   int threads = 0;  ///< 0 = all cores.
   std::uint64_t seed = 1;
-  Progress progress;  ///< Never empty: also carries the user's wish to stop.
+  Progress progress;                               ///< Never empty: also carries the user's wish to stop.
+  const std::vector<Command>* commands = nullptr;  ///< All of the program, never null.
 };
 
 /// What a command has to say; the caller prints it.

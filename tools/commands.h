@@ -16,5 +16,7 @@ Command make_inspect_command();
 Command make_verify_command();
 Command make_compare_command();
 Command make_calibrate_command();
+Command make_completion_command();
+Command make_manual_command();
 
 }  // namespace pilotage

@@ -4,6 +4,7 @@
 #include <exception>
 #include <filesystem>
 #include <ostream>
+#include <sstream>
 
 #include "cli_options.h"
 #include "common_options.h"
@@ -29,6 +30,22 @@ int print(std::ostream& out, const std::string& text) {
   return kExitDone;
 }
 
+/// `code`: of ECMA-48's "select graphic rendition", 31 for red.
+std::string in_colour(const std::ostream& stream, const char* code, const std::string& text) {
+  return wants_colour(stream) ? "\x1b[" + std::string(code) + "m" + text + "\x1b[0m" : text;
+}
+
+/// On a terminal the headings stand out: the lines at the margin that end with a colon.
+int print_help(std::ostream& out, const std::string& text) {
+  if (!wants_colour(out)) return print(out, text);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const bool heading = !line.empty() && line.front() != ' ' && line.back() == ':';
+    out << (heading ? in_colour(out, "1", line) : line) << "\n";
+  }
+  return kExitDone;
+}
+
 std::string dump(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -49,6 +66,11 @@ void check_inputs(const Command& command, const std::vector<std::string>& inputs
     throw UsageError(count == 0 ? command.inputs.name + " is missing: " + command.inputs.help
                                 : "at least " + std::to_string(command.inputs.min) + " of " + command.inputs.name +
                                       " are needed, " + std::to_string(count) + " given");
+  }
+  const std::vector<std::string>& choices = command.inputs.choices;
+  for (const std::string& input : inputs) {
+    if (choices.empty() || std::find(choices.begin(), choices.end(), input) != choices.end()) continue;
+    throw UsageError(command.inputs.name + " = \"" + input + "\" is not one of: " + join(choices, ", "));
   }
   if (count > command.inputs.max) {
     const std::string& first_extra = inputs[static_cast<std::size_t>(command.inputs.max)];
@@ -98,9 +120,10 @@ std::int64_t own_integer(const Command& command, const char* flag, std::int64_t 
   return otherwise;
 }
 
-Invocation make_invocation(const Command& command, const CommonOptions& common, const ParsedLine& line,
-                           ProgressMeter& meter) {
+Invocation make_invocation(const std::vector<Command>& commands, const Command& command, const CommonOptions& common,
+                           const ParsedLine& line, ProgressMeter& meter) {
   Invocation invocation;
+  invocation.commands = &commands;
   invocation.inputs = line.inputs;
   invocation.output = common.output;
   invocation.overwrite = common.overwrite;
@@ -117,7 +140,7 @@ void print_result(const Command& command, const CommonOptions& common, const Com
                   std::ostream& err) {
   if (!common.quiet) {
     for (const std::string& warning : result.warnings) {
-      err << "pilotage " << command.word << ": warning: " << warning << "\n";
+      err << "pilotage " << command.word << ": " << in_colour(err, "33", "warning:") << " " << warning << "\n";
     }
   }
   if (common.json) {
@@ -129,12 +152,12 @@ void print_result(const Command& command, const CommonOptions& common, const Com
   }
 }
 
-int run_command(const Command& command, const std::vector<std::string>& arguments, std::ostream& out,
-                std::ostream& err) {
+int run_command(const std::vector<Command>& commands, const Command& command, const std::vector<std::string>& arguments,
+                std::ostream& out, std::ostream& err) {
   CommonOptions common;
   const OptionList common_fields = common_fields_for(command, common);
   const ParsedLine line = parse_line({&command.options, &common_fields}, arguments);
-  if (line.help) return print(out, command_help(command, common_fields));
+  if (line.help) return print_help(out, command_help(command, common_fields));
   if (line.version) return print(out, version_text());
   apply_flags(common_fields, line);
   if (common.print_schema) {
@@ -148,7 +171,7 @@ int run_command(const Command& command, const std::vector<std::string>& argument
   for (const std::string& key_value : common.gdal_config) set_gdal_config(key_value);
   watch_for_interruption();
   ProgressMeter meter = make_progress_meter(common.quiet ? ProgressMode::kNone : common.progress, err);
-  const Invocation invocation = make_invocation(command, common, line, meter);
+  const Invocation invocation = make_invocation(commands, command, common, line, meter);
   cv::setNumThreads(1);  // work is shared out by parallel_for; OpenCV's own threads would come on top of it
   CommandResult result;
   try {
@@ -172,10 +195,10 @@ int dispatch(std::vector<Command>& commands, const std::vector<std::string>& arg
   const std::vector<std::string> rest(arguments.begin() + 1, arguments.end());
   if (word == "--version") return print(out, version_text());
   if (word == "--help" || word == "-h" || (word == "help" && rest.empty())) {
-    return print(out, overview_help(commands));
+    return print_help(out, overview_help(commands));
   }
-  if (word == "help") return run_command(find_command(commands, rest.front()), {"--help"}, out, err);
-  return run_command(find_command(commands, word), rest, out, err);
+  if (word == "help") return run_command(commands, find_command(commands, rest.front()), {"--help"}, out, err);
+  return run_command(commands, find_command(commands, word), rest, out, err);
 }
 
 /// How an error is told: its exit code, and its kind for programs.
@@ -218,8 +241,7 @@ void tell_failure(const Failure& failure, const std::vector<std::string>& argume
   const bool has_word = !arguments.empty() && !arguments.front().starts_with("-");
   const std::string who =
       "pilotage" + (has_word && failure.message.find("unknown command") != 0 ? " " + arguments.front() : std::string());
-  const bool colour = wants_colour(err);
-  err << (colour ? "\x1b[31m" : "") << who << ":" << (colour ? "\x1b[0m" : "") << " " << failure.message << std::endl;
+  err << in_colour(err, "31", who + ":") << " " << failure.message << std::endl;
   if (wants_json(arguments)) {
     out << dump({{"error", {{"kind", failure.kind}, {"message", failure.message}, {"exit_code", failure.exit_code}}}});
   }

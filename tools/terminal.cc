@@ -11,7 +11,13 @@ namespace pilotage {
 namespace {
 
 bool is_terminal(const std::ostream& stream) {
-  return &stream == &std::cerr && ::isatty(STDERR_FILENO) == 1;
+  if (&stream == &std::cerr) return ::isatty(STDERR_FILENO) == 1;
+  return &stream == &std::cout && ::isatty(STDOUT_FILENO) == 1;
+}
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
 }
 
 bool understands_escapes() {
@@ -30,13 +36,14 @@ int terminal_width() {
 ProgressMeter make_progress_meter(ProgressMode mode, std::ostream& stream) {
   ProgressStyle style = ProgressStyle::kNone;
   if (mode == ProgressMode::kJson) style = ProgressStyle::kJson;
-  if (mode == ProgressMode::kAuto && is_terminal(stream)) style = ProgressStyle::kBar;
+  if (mode == ProgressMode::kAuto && &stream == &std::cerr && is_terminal(stream)) style = ProgressStyle::kBar;
   return ProgressMeter(stream, style, terminal_width(), understands_escapes());
 }
 
 bool wants_colour(const std::ostream& stream) {
-  const char* no_colour = std::getenv("NO_COLOR");
-  return is_terminal(stream) && understands_escapes() && (no_colour == nullptr || *no_colour == '\0');
+  if (is_set("NO_COLOR")) return false;
+  if (is_set("CLICOLOR_FORCE") && std::string_view(std::getenv("CLICOLOR_FORCE")) != "0") return true;
+  return is_terminal(stream) && understands_escapes();
 }
 
 }  // namespace pilotage

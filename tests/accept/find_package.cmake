@@ -28,6 +28,12 @@ else()
   set(component prep)
   run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
   run(${prefix}/bin/pilotage --version)
+  foreach(file man/man1/pilotage.1 man/man1/pilotage-score.1 bash-completion/completions/pilotage
+          zsh/site-functions/_pilotage fish/vendor_completions.d/pilotage.fish)
+    if(NOT EXISTS ${prefix}/share/${file})
+      message(FATAL_ERROR "share/${file} is not installed")
+    endif()
+  endforeach()
 endif()
 
 if(SANITIZE)

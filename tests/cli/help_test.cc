@@ -4,6 +4,7 @@
 
 #include "cli/toy_command.h"
 #include "common_options.h"
+#include "option_text.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,9 +29,9 @@ TEST(Help, TellsRangeUnitDefaultAndChoices) {
   EXPECT_THAT(text, HasSubstr("--size-px INTEGER Side of a tile. [pixels; 16 to 4096; default 256]"));
   EXPECT_THAT(text, HasSubstr("--speed-mps NUMBER Speed over ground. [m/s; 0 to 400]"));
   EXPECT_THAT(text, HasSubstr("--fate NAME How it ends. [done | gate | data"));
-  EXPECT_THAT(text, HasSubstr("--no-check Do not: Look twice."));
+  EXPECT_THAT(text, HasSubstr("--no-check Do not look twice."));
   EXPECT_THAT(text, HasSubstr("--imagery PATH Rasters. [may be repeated]"));
-  EXPECT_THAT(text, HasSubstr("How the aircraft sees the ground --camera-hfov-deg NUMBER"));
+  EXPECT_THAT(text, HasSubstr("How the aircraft sees the ground: --camera-hfov-deg NUMBER"));
   EXPECT_THAT(text, HasSubstr("Usage: pilotage toy [OPTIONS] RASTER... [-o OUTPUT]"));
   EXPECT_THAT(text, HasSubstr("-o, --output PATH The toy."));
   EXPECT_THAT(text, HasSubstr("pilotage toy a.tif -o b.tif"));
@@ -85,6 +86,36 @@ TEST(Help, OverviewGroupsByTheWayOfTheData) {
 TEST(Help, WrapCountsCharactersNotBytes) {
   EXPECT_EQ(wrap_text("één twéé drie", 2, 10), "  één twéé\n  drie\n");
   EXPECT_EQ(wrap_text("unbreakable-word", 2, 8), "  unbreakable-word\n");
+}
+
+TEST(Help, BrokenCommandLinesCanStillBePasted) {
+  EXPECT_EQ(wrap_command("pilotage toy a.tif", 2, 40), "  pilotage toy a.tif\n");
+  EXPECT_EQ(wrap_command("pilotage toy a.tif --size-px 64 --loud -o b.tif", 2, 32),
+            "  pilotage toy a.tif \\\n      --size-px 64 --loud \\\n      -o b.tif\n");
+}
+
+TEST(Help, NumbersAreWrittenOut) {
+  struct Wide {
+    double size_m = 1;
+    static void describe(Wide& self, options_detail::FieldCollector& fields) {
+      fields.field("size_m", self.size_m, "Size.", Range{1e-4, 1e5});
+    }
+  };
+  Wide wide;
+  EXPECT_EQ(describe_option(list_options(wide).fields.front()).limits,
+            (std::vector<std::string>{"m", "0.0001 to 100000", "default 1"}));
+}
+
+TEST(Help, AListThatHasAllNamesSaysSo) {
+  struct Everything {
+    std::vector<Fate> fates{Fate::kDone,     Fate::kGate,  Fate::kDataError, Fate::kUsageError, Fate::kIntegrityError,
+                            Fate::kNoMemory, Fate::kOther, Fate::kStopped,   Fate::kEndless};
+    static void describe(Everything& self, options_detail::FieldCollector& fields) {
+      fields.field("fates", self.fates, "All.");
+    }
+  };
+  Everything everything;
+  EXPECT_EQ(describe_option(list_options(everything).fields.front()).limits.back(), "default all");
 }
 
 }  // namespace
