@@ -22,18 +22,24 @@ std::string format_rate(double per_second) {
   return format_fixed(per_second, per_second < 10 ? 1 : 0) + "/s";
 }
 
+double remaining_s(std::int64_t done, std::int64_t total, double per_second) {
+  return static_cast<double>(std::max<std::int64_t>(total - done, 0)) / per_second;
+}
+
+double to_milliseconds(double seconds) {
+  return std::round(seconds * 1000) / 1000;
+}
+
 }  // namespace
 
-std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t total, double elapsed_s, int width) {
+std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t total, double per_second, int width) {
   std::string line(what);
-  const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
   std::string tail;
   if (total > 0) {
     const double fraction = std::clamp(static_cast<double>(done) / static_cast<double>(total), 0.0, 1.0);
     tail = " " + format_fixed(std::floor(100 * fraction), 0) + " %";
-    if (rate > 0) {
-      tail += "  " + format_rate(rate) + "  " +
-              format_duration(static_cast<double>(std::max<std::int64_t>(total - done, 0)) / rate) + " left";
+    if (per_second > 0) {
+      tail += "  " + format_rate(per_second) + "  " + format_duration(remaining_s(done, total, per_second)) + " left";
     }
     const int room = std::min(30, width - static_cast<int>(line.size() + tail.size()) - 3);
     if (room >= 5) {
@@ -41,7 +47,7 @@ std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t 
       line += " [" + std::string(filled, '#') + std::string(static_cast<std::size_t>(room) - filled, '.') + "]";
     }
   } else {
-    tail = " " + std::to_string(done) + (rate > 0 ? "  " + format_rate(rate) : "");
+    tail = " " + std::to_string(done) + (per_second > 0 ? "  " + format_rate(per_second) : "");
   }
   line += tail;
   return line.substr(0, static_cast<std::size_t>(std::max(width, 0)));
@@ -50,26 +56,48 @@ std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t 
 ProgressMeter::ProgressMeter(std::ostream& stream, ProgressStyle style, int width, bool escapes)
     : stream_(stream), style_(style), width_(width), escapes_(escapes) {}
 
+void ProgressMeter::begin(std::string_view what, std::int64_t done) {
+  finish_lines();
+  what_ = what;
+  first_done_ = done;
+  began_ = Clock::now();
+}
+
 void ProgressMeter::report(std::string_view what, std::int64_t done, std::int64_t total) {
   if (style_ == ProgressStyle::kNone) return;
+  // A count that falls is the same kind of work once more, of the next level.
+  const bool first = what != what_ || done < done_;
+  if (first) begin(what, done);
+  done_ = done;
+  total_ = total;
+  pending_ = true;
   const auto now = Clock::now();
-  const bool first = what != what_;
-  if (first) {
-    what_ = what;
-    began_ = now;
-  }
   const auto interval = std::chrono::milliseconds(style_ == ProgressStyle::kJson ? 250 : 100);
   const bool last = total > 0 && done >= total;
-  if (!first && !last && now - shown_ < interval) return;
+  if (first || last || now - shown_ >= interval) show(now);
+}
+
+void ProgressMeter::show(Clock::time_point now) {
   shown_ = now;
+  pending_ = false;
   const double elapsed_s = std::chrono::duration<double>(now - began_).count();
-  if (style_ == ProgressStyle::kBar) return draw(progress_bar(what, done, total, elapsed_s, width_ - 1));
-  const nlohmann::ordered_json line = {
-      {"what", what}, {"done", done}, {"total", total}, {"elapsed_s", std::round(elapsed_s * 1000) / 1000}};
+  const double per_second =
+      elapsed_s > 0 && done_ > first_done_ ? static_cast<double>(done_ - first_done_) / elapsed_s : 0;
+  if (style_ == ProgressStyle::kBar) return draw(progress_bar(what_, done_, total_, per_second, width_ - 1));
+  nlohmann::ordered_json line = {
+      {"what", what_}, {"done", done_}, {"total", total_}, {"elapsed_s", to_milliseconds(elapsed_s)}};
+  line["remaining_s"] = total_ > 0 && per_second > 0
+                            ? nlohmann::ordered_json(to_milliseconds(remaining_s(done_, total_, per_second)))
+                            : nlohmann::ordered_json(nullptr);
   stream_ << line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << std::endl;
 }
 
+void ProgressMeter::finish_lines() {
+  if (pending_ && style_ == ProgressStyle::kJson) show(Clock::now());
+}
+
 void ProgressMeter::clear() {
+  finish_lines();
   if (bar_visible_) draw("");
   bar_visible_ = false;
 }

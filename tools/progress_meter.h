@@ -18,10 +18,12 @@ inline EnumNames<ProgressMode> enum_names(ProgressMode) {
 enum class ProgressStyle { kNone, kBar, kJson };
 
 /// One line of at most `width` characters: what, a bar, percent, rate and the time that remains at that rate.
-std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t total, double elapsed_s, int width);
+/// `per_second` 0: not known yet, and neither is the time.
+std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t total, double per_second, int width);
 
 /// Shows progress on a stream, at most ten times a second as a bar that redraws itself and four times as JSON lines
-/// {"what", "done", "total", "elapsed_s"}; the first and the last report of each kind of work always show as JSON.
+/// (schemas/progress.json); the first and the last report of each kind of work always show as JSON. Rates count from
+/// the first report on, so that work that was done before it makes nothing look fast.
 class ProgressMeter {
  public:
   /// `width`: columns of the terminal. `escapes`: the terminal understands "erase to the end of the line".
@@ -29,12 +31,15 @@ class ProgressMeter {
 
   void report(std::string_view what, std::int64_t done, std::int64_t total);
 
-  /// Takes the bar away, so that other lines can be written.
+  /// Takes the bar away, so that other lines can be written; as JSON, shows what has not been shown.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  void begin(std::string_view what, std::int64_t done);
+  void show(Clock::time_point now);
+  void finish_lines();
   void draw(const std::string& line);
 
   std::ostream& stream_;
@@ -42,6 +47,10 @@ class ProgressMeter {
   int width_;
   bool escapes_;
   std::string what_;
+  std::int64_t first_done_ = 0;
+  std::int64_t done_ = 0;
+  std::int64_t total_ = 0;
+  bool pending_ = false;  ///< The last report has not been shown.
   Clock::time_point began_;
   Clock::time_point shown_;
   bool bar_visible_ = false;

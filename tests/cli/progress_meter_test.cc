@@ -1,7 +1,10 @@
 #include "progress_meter.h"
 
+#include <chrono>
 #include <sstream>
+#include <thread>
 
+#include "testing/json_schema.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -12,10 +15,10 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(ProgressBar, TellsShareRateAndTimeLeft) {
-  EXPECT_EQ(progress_bar("score", 30, 120, 2, 80), "score [#######.......................] 25 %  15/s  6 s left");
-  EXPECT_EQ(progress_bar("score", 120, 120, 2, 80), "score [##############################] 100 %  60/s  0 s left");
-  EXPECT_THAT(progress_bar("score", 1, 1000, 10, 80), HasSubstr("0 %  0.1/s  2 h 46 min left"));
-  EXPECT_EQ(progress_bar("read", 12, 0, 2, 80), "read 12  6.0/s");
+  EXPECT_EQ(progress_bar("score", 30, 120, 15, 80), "score [#######.......................] 25 %  15/s  6 s left");
+  EXPECT_EQ(progress_bar("score", 120, 120, 60, 80), "score [##############################] 100 %  60/s  0 s left");
+  EXPECT_THAT(progress_bar("score", 1, 1000, 0.1, 80), HasSubstr("0 %  0.1/s  2 h 46 min left"));
+  EXPECT_EQ(progress_bar("read", 12, 0, 6, 80), "read 12  6.0/s");
   EXPECT_EQ(progress_bar("read", 0, 10, 0, 80), "read [..............................] 0 %");
 }
 
@@ -42,6 +45,51 @@ TEST(ProgressMeter, JsonTellsTheFirstAndTheLastOfEachWork) {
   EXPECT_EQ(parsed.back()["done"], 2);
   EXPECT_EQ(parsed.back()["total"], 2);
   EXPECT_GE(parsed.back()["elapsed_s"].get<double>(), 0);
+}
+
+std::vector<nlohmann::json> parse_lines(const std::string& text) {
+  std::vector<nlohmann::json> parsed;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    parsed.push_back(nlohmann::json::parse(line));
+    EXPECT_EQ(testing::schema_violation("progress.json", parsed.back()), "");
+  }
+  return parsed;
+}
+
+TEST(ProgressMeter, WorkThatStopsEarlyShowsItsLastReport) {
+  std::ostringstream stream;
+  ProgressMeter meter(stream, ProgressStyle::kJson, 80, false);
+  for (int done = 0; done < 7; ++done) meter.report("a", done, 1000);
+  for (int done = 0; done < 9; ++done) meter.report("b", done, 0);
+  meter.clear();
+  const auto lines = parse_lines(stream.str());
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_EQ(lines[1]["done"], 6);
+  EXPECT_EQ(lines[3]["done"], 8);
+  EXPECT_TRUE(lines[3]["remaining_s"].is_null()) << "nobody knows of how much";
+}
+
+TEST(ProgressMeter, WhatWasDoneBeforeDoesNotCountForTheRate) {
+  std::ostringstream stream;
+  ProgressMeter meter(stream, ProgressStyle::kJson, 80, false);
+  meter.report("a", 900, 1000);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  meter.report("a", 910, 1000);
+  meter.clear();
+  const auto lines = parse_lines(stream.str());
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_TRUE(lines[0]["remaining_s"].is_null());
+  EXPECT_GT(lines[1]["remaining_s"].get<double>(), 0.1) << "90 are left, 10 took at least 20 ms";
+}
+
+TEST(ProgressMeter, AFallingCountBeginsAnew) {
+  std::ostringstream stream;
+  ProgressMeter meter(stream, ProgressStyle::kJson, 80, false);
+  for (int level = 0; level < 2; ++level) {
+    for (int done = 0; done <= 3; ++done) meter.report("a", done, 3);
+  }
+  EXPECT_EQ(parse_lines(stream.str()).size(), 4U);
 }
 
 TEST(ProgressMeter, TheBarIsTakenAway) {
