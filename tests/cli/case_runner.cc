@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "testing/json_schema.h"
 #include "testing/temporary_folder.h"
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
 #include "pilotage/base/output_file.h"
@@ -93,6 +95,26 @@ bool matches(const std::string& text, const std::string& pattern) {
   return false;
 }
 
+/// `text` is JSON that satisfies a schema; says what is wrong where it does not.
+bool satisfies(const std::string& text, const std::string& schema) {
+  const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
+  const std::string wrong = json.is_discarded() ? "is not JSON" : testing::schema_violation(schema, json);
+  if (!wrong.empty()) std::cout << "schema " << schema << ": " << wrong << "\n";
+  return wrong.empty();
+}
+
+/// Every line that begins with a brace does, and there is one.
+bool lines_satisfy(const std::string& text, const std::string& schema) {
+  std::istringstream lines(text);
+  int count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("{")) continue;
+    if (!satisfies(line, schema)) return false;
+    ++count;
+  }
+  return count > 0;
+}
+
 bool holds(const Expectation& expected, const Outcome& outcome, const std::filesystem::path& folder) {
   const auto& [key, value, line] = expected;
   if (key == "exit") return parse_number(value) == static_cast<double>(outcome.exit_code);
@@ -100,6 +122,12 @@ bool holds(const Expectation& expected, const Outcome& outcome, const std::files
   if (key == "stderr") return value == "empty" ? outcome.err.empty() : matches(outcome.err, value);
   if (key == "stdout-not") return !matches(outcome.out, value);
   if (key == "stderr-not") return !matches(outcome.err, value);
+  if (key == "stdout-schema") return satisfies(outcome.out, value);
+  if (key == "stderr-schema") return lines_satisfy(outcome.err, value);
+  if (key == "file-schema") {  // FILE SCHEMA
+    const auto blank = value.find(' ');
+    return satisfies(read_file(folder / value.substr(0, blank)), value.substr(blank + 1));
+  }
   if (key == "exists") return std::filesystem::exists(folder / value);
   if (key == "absent") return !std::filesystem::exists(folder / value);
   if (key == "files") {  // exactly so many entries, hidden ones included

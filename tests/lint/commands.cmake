@@ -1,5 +1,6 @@
-# A command is one word in five places: tools/command_<word>.cc, main.cc, docs/commands/<word>.md,
-# schemas/options/<word>.json (generated) and tests/cli/cases/<word>_*.case. Input: PILOTAGE, the program.
+# A command is one word in six places: tools/command_<word>.cc, main.cc, docs/commands/<word>.md,
+# schemas/options/<word>.json (generated), schemas/results/<word>.json and tests/cli/cases/<word>_*.case. Input: PILOTAGE,
+# the program.
 include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
 file(GLOB sources ${SOURCE}/tools/command_*.cc)
 set(words "")
@@ -55,15 +56,32 @@ foreach(word IN LISTS words)
   if(cases STREQUAL "")
     problem("tests/cli/cases/${word}_*.case: there is none")
   endif()
+
+  # Its --json has a schema, and a case holds real output against it.
+  set(schema results/${word}.json)
+  if(NOT EXISTS ${SOURCE}/schemas/${schema})
+    problem("schemas/${schema}: does not exist; it says what pilotage ${word} --json prints")
+  endif()
+  set(checked NO)
+  foreach(case IN LISTS cases)
+    file(READ ${case} text)
+    if(text MATCHES "\nrun: [^\n]*--json[^\n]*\n([a-z-]+: [^\n]*\n)*stdout-schema: ${schema}\n")
+      set(checked YES)
+    endif()
+  endforeach()
+  if(NOT checked)
+    problem("tests/cli/cases/${word}_*.case: none has a run with --json and \"stdout-schema: ${schema}\"")
+  endif()
 endforeach()
 
 # And nothing is left over from a command that is gone.
 file(GLOB leftovers RELATIVE ${SOURCE} ${SOURCE}/docs/commands/*.md ${SOURCE}/schemas/options/*.json
+     ${SOURCE}/schemas/results/*.json
      ${SOURCE}/tests/cli/cases/*.case)
 foreach(file IN LISTS leftovers)
   cmake_path(GET file STEM LAST_ONLY stem)
   string(REGEX REPLACE "_.*$" "" word ${stem})
-  if(NOT word IN_LIST words AND NOT word MATCHES "^(README|pilotage|toy)$")
+  if(NOT word IN_LIST words AND NOT word MATCHES "^(README|pilotage|toy|error)$")
     problem("${file}: there is no tools/command_${word}.cc")
   endif()
 endforeach()
