@@ -50,12 +50,14 @@ MatchabilityModel model_to_adapt(const std::string& path) {
 
 // The sets of each matcher, in the order of the inputs.
 std::map<FlyingMatcher, std::vector<FitSet>> read_sets(const std::vector<NamedFolder>& inputs,
-                                                       const std::set<std::string>& anchors) {
+                                                       const std::set<std::string>& anchors, const Progress& progress) {
+  std::int64_t done = 0;
   std::map<FlyingMatcher, std::vector<FitSet>> sets;
   for (const NamedFolder& input : inputs) {
     const bool anchor = anchors.empty() || anchors.contains(input.place);
     EvaluatedSet read = read_evaluated_set(input.folder, input.place, anchor);
     sets[read.matcher].push_back(std::move(read.set));
+    report_progress(progress, "reading evaluations", ++done, std::ssize(inputs));
   }
   return sets;
 }
@@ -104,7 +106,8 @@ Command make_calibrate_command() {
     CommandResult result;
     MatchabilityModel model{options.date, {places.begin(), places.end()}, {anchors.begin(), anchors.end()}, {}};
     if (anchors.empty()) model.anchors = model.places;
-    for (const auto& [matcher, sets] : read_sets(inputs, anchors)) {
+    for (const auto& [matcher, sets] : read_sets(inputs, anchors, invocation.progress)) {
+      report_progress(invocation.progress, "fitting " + flying_matcher_name(matcher), 0, 0);
       model.matchers.push_back(options.adapt.empty()
                                    ? fit_matcher_model(matcher, sets)
                                    : adapt_level(model_of(model_to_adapt(options.adapt), matcher), sets));

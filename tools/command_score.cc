@@ -257,6 +257,7 @@ Command make_score_command() {
         is_plan(invocation.inputs) ? score_plan_file(options, invocation) : score_rasters(options, invocation);
     CommandResult result = tell(scored, invocation);
     if (evaluation) add_evaluation(options, invocation, scored, frames, *evaluation, result);
+    report_progress(invocation.progress, "writing scores", 0, 0);
     const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
     if (table) table->write(tile_table_to_csv(scored.rows));
     write_score_raster(invocation.output, raster.bands, scored.crs, raster.map_from_pixel, invocation.overwrite);

@@ -47,7 +47,7 @@ std::string progress_bar(std::string_view what, std::int64_t done, std::int64_t 
       line += " [" + std::string(filled, '#') + std::string(static_cast<std::size_t>(room) - filled, '.') + "]";
     }
   } else {
-    tail = " " + std::to_string(done) + (per_second > 0 ? "  " + format_rate(per_second) : "");
+    tail = done == 0 ? " ..." : " " + std::to_string(done) + (per_second > 0 ? "  " + format_rate(per_second) : "");
   }
   line += tail;
   return line.substr(0, static_cast<std::size_t>(std::max(width, 0)));

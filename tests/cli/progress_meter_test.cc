@@ -19,6 +19,7 @@ TEST(ProgressBar, TellsShareRateAndTimeLeft) {
   EXPECT_EQ(progress_bar("score", 120, 120, 60, 80), "score [##############################] 100 %  60/s  0 s left");
   EXPECT_THAT(progress_bar("score", 1, 1000, 0.1, 80), HasSubstr("0 %  0.1/s  2 h 46 min left"));
   EXPECT_EQ(progress_bar("read", 12, 0, 6, 80), "read 12  6.0/s");
+  EXPECT_EQ(progress_bar("read", 0, 0, 0, 80), "read ...");
   EXPECT_EQ(progress_bar("read", 0, 10, 0, 80), "read [..............................] 0 %");
 }
 

@@ -87,6 +87,8 @@ ChipStats write_chips(MapWriter& writer, const PlanLevel& level, const std::vect
   constexpr std::size_t kBatch = 64;  // of chips in memory
   const int factor = chip_factor(options, level.gsd_m);
   ChipStats stats;
+  const std::string what = "chips of level " + std::to_string(level.matrix.level);
+  report_progress(progress, what, 0, std::ssize(tiles));
   for (std::size_t begin = 0; begin < tiles.size(); begin += kBatch) {
     std::vector<std::optional<MapChip>> chips(std::min(kBatch, tiles.size() - begin));
     parallel_for(chips.size(), threads, [&](std::size_t i, int) {
@@ -98,8 +100,7 @@ ChipStats write_chips(MapWriter& writer, const PlanLevel& level, const std::vect
       ++stats.chips;
       stats.bytes += static_cast<std::int64_t>(chip->data.size());
     }
-    report_progress(progress, "chips of level " + std::to_string(level.matrix.level),
-                    static_cast<std::int64_t>(begin + chips.size()), static_cast<std::int64_t>(tiles.size()));
+    report_progress(progress, what, static_cast<std::int64_t>(begin + chips.size()), std::ssize(tiles));
   }
   return stats;
 }

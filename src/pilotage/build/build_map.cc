@@ -112,11 +112,21 @@ class LevelBuilder {
     constexpr std::int64_t kStrip_px = 4 * kFeatureBlockPx;  // whole blocks, so that none is computed twice
     std::int64_t begin_px = tiles_.front()->row * matrix.stride_px / kFeatureBlockPx * kFeatureBlockPx;
     const std::int64_t end_px = tiles_.back()->row * matrix.stride_px + matrix.tile_size_px;
+    const std::string what = "describing level " + std::to_string(matrix.level);
+    const double rows_px = static_cast<double>(end_px - begin_px);
+    const std::int64_t first_px = begin_px;
+    // Counted in tiles, by the rows of pixels that are done: a strip is seconds of work.
+    const auto tell = [&](double row_px) {
+      const double share = std::min(1.0, (row_px - static_cast<double>(first_px)) / rows_px);
+      report_progress(progress, what, std::llround(share * static_cast<double>(tiles_.size())), std::ssize(tiles_));
+    };
+    tell(static_cast<double>(begin_px));
     for (; begin_px < end_px; begin_px += kStrip_px) {
-      add_strip(begin_px, begin_px + kStrip_px, threads);
+      add_strip(begin_px, begin_px + kStrip_px, threads, [&](std::string_view, std::int64_t done, std::int64_t total) {
+        tell(static_cast<double>(begin_px) + kStrip_px * static_cast<double>(done) / static_cast<double>(total));
+        return true;
+      });
       write_tiles_above(begin_px + kStrip_px, stats);
-      report_progress(progress, "describing level " + std::to_string(matrix.level), static_cast<std::int64_t>(written_),
-                      static_cast<std::int64_t>(tiles_.size()));
     }
     stats.descriptors += descriptors_;
     stats.descriptor_bytes += descriptors_ * (kKeypointBytes + features_.descriptor_bits / 8);
@@ -150,8 +160,9 @@ class LevelBuilder {
     return windows;
   }
 
-  void add_strip(std::int64_t begin_px, std::int64_t end_px, int threads) {
-    const FeatureSet found = extract_features_of_map(source_, windows_of_strip(begin_px, end_px), features_, threads);
+  void add_strip(std::int64_t begin_px, std::int64_t end_px, int threads, const Progress& progress) {
+    const FeatureSet found =
+        extract_features_of_map(source_, windows_of_strip(begin_px, end_px), features_, threads, progress);
     std::vector<FeatureFate> fates;
     if (second_) fates = feature_fates(found, *second_, features_, threads);
     for (std::size_t i = 0; i < found.size(); ++i) {

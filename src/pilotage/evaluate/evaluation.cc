@@ -143,9 +143,12 @@ std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const E
 }
 
 std::vector<JudgedPredictor> judge_predictors(const ScoredGround& ground, const Evaluation& evaluation,
-                                              const EvaluateOptions& options, std::uint64_t seed, int threads) {
+                                              const EvaluateOptions& options, std::uint64_t seed, int threads,
+                                              const Progress& progress) {
   std::vector<JudgedPredictor> judged;
+  std::int64_t done = 0;
   for (const Predictor& predictor : kPredictors) {
+    report_progress(progress, "judging scores", done++, std::ssize(kPredictors));
     JudgedPredictor next{predictor.name, predictor.title, {}};
     next.quality = judge_predictions(predictions_of(ground, evaluation, predictor.name), predictor.probability,
                                      quality_options(options, seed, threads));
@@ -180,7 +183,7 @@ Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& 
                                                         : " tiles are not covered by the other date and are left out"));
   }
   evaluation.false_like_neighbours = count_false_like_neighbours(ground, evaluation);
-  evaluation.predictors = judge_predictors(ground, evaluation, options, seed, threads);
+  evaluation.predictors = judge_predictors(ground, evaluation, options, seed, threads, progress);
   return evaluation;
 }
 

@@ -146,6 +146,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     write_score_raster(publish_later(kDisagreement), layer.bands, Crs::from_user_input(plan.crs_wkt),
                        layer.map_from_pixel, true);
   }
+  report_progress(progress, "writing scores", 0, 0);
   const std::vector<TileRow> rows = tile_rows(plan, scores);
   write_file(publish_later("tiles.csv"), tile_table_to_csv(rows), true);
   for (const PlanLevel& level : plan.levels) {
@@ -155,6 +156,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
                        Crs::from_user_input(plan.crs_wkt), raster.map_from_pixel, true);
   }
 
+  report_progress(progress, "selecting", 0, 0);
   const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
@@ -170,6 +172,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
                          options.build, true, run.threads, progress, second_date);
 
+  report_progress(progress, "writing the report", 0, 0);
   ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version);
   input.parameters = described(options);
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
