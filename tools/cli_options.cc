@@ -32,7 +32,8 @@ CLI::Option* add_field(CLI::App& app, const OptionField& field) {
     for (const OptionField& field : list->fields) known.push_back("--" + field.flag);
   }
   const std::string nearest = typed.starts_with("--") ? nearest_word(typed, known) : "";
-  throw UsageError("unknown option " + typed + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  throw UsageError("unknown option " + typed +
+                   (nearest.empty() ? "; --help lists them" : "; did you mean " + nearest + "?"));
 }
 
 // CLI11 takes "--flag=" for a flag without a value and eats the next argument.
@@ -63,6 +64,9 @@ ParsedLine parse_line(const std::vector<const OptionList*>& lists, const std::ve
   }
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::ArgumentMismatch& error) {  // "--size-px: 1 required INTEGER missing"
+    const std::string text = error.what();
+    throw UsageError(text.substr(0, text.find(':')) + " needs a value");
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }

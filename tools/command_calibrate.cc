@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "stage_files.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
@@ -55,6 +56,7 @@ std::map<FlyingMatcher, std::vector<FitSet>> read_sets(const std::vector<NamedFo
   std::map<FlyingMatcher, std::vector<FitSet>> sets;
   for (const NamedFolder& input : inputs) {
     const bool anchor = anchors.empty() || anchors.contains(input.place);
+    need_file(input.folder + "/evaluation.json", "score --evaluate");
     EvaluatedSet read = read_evaluated_set(input.folder, input.place, anchor);
     sets[read.matcher].push_back(std::move(read.set));
     report_progress(progress, "reading evaluations", ++done, std::ssize(inputs));

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "stage_files.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
@@ -203,6 +204,7 @@ Command make_match_command() {
     if (single == !options.frames.empty()) {
       throw UsageError(single ? "FRAME and --frames exclude each other" : "FRAME is missing: a picture, or --frames");
     }
+    need_file(invocation.inputs.front(), "build` or `pilotage prepare");
     const FlightFrames frames = single ? one_frame(options, invocation) : whole_flight(options, invocation);
     const std::vector<FrameMatch> matches = match_flight(invocation.inputs.front(), frames.frames, options.match,
                                                          options.truth, invocation.threads, invocation.progress);

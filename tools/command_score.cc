@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "stage_files.h"
 #include "version.h"
 
 #include "pilotage/base/error.h"
@@ -58,7 +59,7 @@ bool is_plan(const std::vector<std::string>& inputs) {
 }
 
 Scored score_plan_file(const ScoreCommandOptions& options, const Invocation& invocation) {
-  const TilePlan plan = read_plan(invocation.inputs.front());
+  const TilePlan plan = read_stage_plan(invocation.inputs.front());
   if (options.level >= static_cast<int>(plan.levels.size())) {
     throw UsageError("level = " + std::to_string(options.level) + ": the plan has " +
                      std::to_string(plan.levels.size()) + " level(s)");

@@ -64,7 +64,7 @@ Command make_select_command() {
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile, .help = "The selection (JSON)."};
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
-    TilePlan plan = read_plan(invocation.inputs.front());
+    TilePlan plan = read_stage_plan(invocation.inputs.front());
     plan.max_error_m = options.max_error_m.value_or(plan.max_error_m);
     report_progress(invocation.progress, "selecting", 0, 0);
     const Selection selection =

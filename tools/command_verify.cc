@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "stage_files.h"
 
 #include "pilotage/base/text.h"
 #include "pilotage/mapdb/map_signature.h"
@@ -38,6 +39,7 @@ Command make_verify_command() {
   command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
   bind_options<VerifyOptions>(command, [](const VerifyOptions& options, const Invocation& invocation) {
     const std::string& path = invocation.inputs.front();
+    need_file(path, "build` or `pilotage prepare");
     const VerifyReport report = verify_map(path);
     CommandResult result;
     result.json = {{"map", path},

@@ -10,6 +10,7 @@
 #include "common_options.h"
 #include "help.h"
 #include "interruption.h"
+#include "option_text.h"
 #include "terminal.h"
 #include "version.h"
 #include <opencv2/core/utility.hpp>
@@ -55,6 +56,7 @@ Command& find_command(std::vector<Command>& commands, const std::string& word) {
   if (found != commands.end()) return *found;
   std::vector<std::string> words;
   for (const Command& command : commands) words.push_back(command.word);
+  words.insert(words.end(), {"help", "--help", "--version"});
   const std::string nearest = nearest_word(word, words);
   throw UsageError((word.starts_with("-") ? "unknown option " + word : "unknown command \"" + word + "\"") +
                    (nearest.empty() ? "; pilotage --help lists them" : "; did you mean \"" + nearest + "\"?"));
@@ -67,6 +69,9 @@ void check_inputs(const Command& command, const std::vector<std::string>& inputs
                                 : "at least " + std::to_string(command.inputs.min) + " of " + command.inputs.name +
                                       " are needed, " + std::to_string(count) + " given");
   }
+  for (const std::string& input : inputs) {
+    if (input.empty()) throw UsageError(command.inputs.name + " is empty: " + command.inputs.help);
+  }
   const std::vector<std::string>& choices = command.inputs.choices;
   for (const std::string& input : inputs) {
     if (choices.empty() || std::find(choices.begin(), choices.end(), input) != choices.end()) continue;
@@ -74,7 +79,7 @@ void check_inputs(const Command& command, const std::vector<std::string>& inputs
   }
   if (count > command.inputs.max) {
     const std::string& first_extra = inputs[static_cast<std::size_t>(command.inputs.max)];
-    throw UsageError("unexpected argument \"" + first_extra + "\"");
+    throw UsageError("unexpected argument \"" + first_extra + "\"; usage: " + usage_of(command));
   }
 }
 

@@ -29,6 +29,13 @@ struct StageFiles {
   Selection selection;
 };
 
+/// Throws DataError "plan.json: does not exist; `pilotage tile` writes it" when there is no file of this name; `writer`
+/// is the command to run first.
+void need_file(const std::string& path, const std::string& writer);
+
+/// The plan of a file. Throws as need_file and read_plan do.
+TilePlan read_stage_plan(const std::string& path);
+
 /// The scores of a table. Throws UsageError when `table` is empty, DataError when it cannot be read.
 std::vector<TileScore> read_scores(const std::string& table);
 

@@ -101,7 +101,7 @@ TEST(Options, JsonIsStrict) {
   EXPECT_EQ(error_of(R"({"count": null})"), "m.json: count is nothing, expected an integer");
   EXPECT_THAT(error_of(R"({"count": 1, "count": 2})"), ::testing::HasSubstr("\"count\" stands twice"));
   EXPECT_THAT(error_of(R"({"count": 1e999})"), ::testing::HasSubstr("m.json: not valid JSON"));  // found by fuzzing
-  EXPECT_THAT(error_of("{"), ::testing::HasSubstr("m.json: not valid JSON"));
+  EXPECT_THAT(error_of("{"), ::testing::StartsWith("m.json: not valid JSON: line 1, column 2: syntax error"));
   EXPECT_THAT(error_of(R"({"count": 9e999})"), ::testing::HasSubstr("m.json: not valid JSON")) << "not a parse_error";
 }
 

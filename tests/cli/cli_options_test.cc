@@ -90,7 +90,9 @@ TEST(CliOptions, ErrorsNameTheFlagAsTyped) {
   EXPECT_EQ(error_of({"--size-px", "32", "--size-px", "64"}), "--size-px takes one value, 2 given");
   EXPECT_EQ(error_of({"--loud=maybe"}), "--loud = \"maybe\" is not true or false");
   EXPECT_EQ(error_of({"--fate", "gat"}),
-            "--fate = \"gat\" is not one of: done, gate, data, usage, integrity, memory, other, stopped, endless");
+            "--fate = \"gat\" is not one of: done, gate, data, usage, integrity, memory, other, stopped, endless; did "
+            "you mean "
+            "\"gate\"?");
   EXPECT_EQ(error_of({"--steps", "0,,1"}), "--steps = \"\" is not a number");
   EXPECT_EQ(error_of({"--offset-m", "nan"}), "--offset-m = nan is not a finite number");
   EXPECT_EQ(error_of({"--size-px", "99999999999999999999"}), "--size-px = \"99999999999999999999\" is not an integer");
@@ -99,9 +101,10 @@ TEST(CliOptions, ErrorsNameTheFlagAsTyped) {
 TEST(CliOptions, WrongGrammarIsOurError) {
   EXPECT_EQ(error_of({"--sise-px", "64"}), "unknown option --sise-px; did you mean --size-px?");
   EXPECT_EQ(error_of({"--sise-px=64"}), "unknown option --sise-px; did you mean --size-px?");
-  EXPECT_EQ(error_of({"-z"}), "unknown option -z");
+  EXPECT_EQ(error_of({"-z"}), "unknown option -z; --help lists them");
   EXPECT_EQ(error_of({"--size-px=", "64"}), "--size-px= gives no value; an empty one is written --size-px ''");
-  EXPECT_THAT(error_of({"--size-px"}), ::testing::HasSubstr("--size-px"));
+  EXPECT_EQ(error_of({"--size-px"}), "--size-px needs a value");
+  EXPECT_EQ(error_of({"--imagery"}), "--imagery needs a value");
 }
 
 }  // namespace

@@ -74,6 +74,7 @@ TEST(RunProgram, UnknownCommandsSuggestTheNearest) {
   const Outcome outcome = run({"toyy"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err, "pilotage: unknown command \"toyy\"; did you mean \"toy\"?\n");
+  EXPECT_EQ(run({"--versoin"}).err, "pilotage: unknown option --versoin; did you mean \"--version\"?\n");
   EXPECT_EQ(run({"--wrong"}).err, "pilotage: unknown option --wrong; pilotage --help lists them\n");
 }
 
@@ -93,7 +94,9 @@ TEST(RunProgram, HelpNeedsNoInputs) {
 
 TEST(RunProgram, CountsInputs) {
   EXPECT_EQ(run({"toy"}).err, "pilotage toy: RASTER is missing: The imagery.\n");
-  EXPECT_EQ(run({"toy", "a", "b", "c"}).err, "pilotage toy: unexpected argument \"c\"\n");
+  EXPECT_EQ(run({"toy", "a", "b", "c"}).err,
+            "pilotage toy: unexpected argument \"c\"; usage: pilotage toy [OPTIONS] RASTER... [-o OUTPUT]\n");
+  EXPECT_EQ(run({"toy", ""}).err, "pilotage toy: RASTER is empty: The imagery.\n");
   EXPECT_EQ(run({"toy", "a", "b", "c"}).exit_code, 2);
 }
 

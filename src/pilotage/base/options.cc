@@ -27,7 +27,9 @@ std::string allowed_list(const std::vector<std::string>& choices) {
 
 void check_choice(const std::string& path, const std::string& text, const std::vector<std::string>& choices) {
   if (choices.empty() || std::find(choices.begin(), choices.end(), text) != choices.end()) return;
-  throw UsageError(path + " = \"" + text + "\" is not one of: " + allowed_list(choices));
+  const std::string nearest = nearest_word(text, choices);
+  throw UsageError(path + " = \"" + text + "\" is not one of: " + allowed_list(choices) +
+                   (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
 }
 
 void check_range(const std::string& path, double number, const std::string& shown, const std::optional<Range>& range) {

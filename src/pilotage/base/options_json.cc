@@ -12,6 +12,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// "[json.exception.parse_error.101] parse error at line 2, column 1: …" is for programmers up to the line.
+std::string without_code(const std::string& message) {
+  for (const std::string_view mark : {"parse error at ", "] "}) {
+    const auto at = message.find(mark);
+    if (at != std::string::npos) return message.substr(at + mark.size());
+  }
+  return message;
+}
+
 // What walks over JSON (dump(), our own readers) recurses; no file of ours nests a tenth of it.
 constexpr int kMaxJsonDepth = 100;
 
@@ -185,7 +194,7 @@ Json parse_json(const std::string& name, std::string_view text) {
   try {
     json = Json::parse(text, watch_keys);
   } catch (const Json::exception& error) {
-    throw DataError(name + ": not valid JSON: " + error.what());
+    throw DataError(name + ": not valid JSON: " + without_code(error.what()));
   }
   if (!repeated.empty()) throw DataError(name + ": the key \"" + repeated + "\" stands twice in one object");
   return json;

@@ -189,6 +189,9 @@ Json plan_to_json(const TilePlan& plan) {
 TilePlan plan_from_json(const Json& json, const std::string& name) {
   JsonObject object(json, name);
   TilePlan plan;
+  if (!object.has("pilotage_plan")) {
+    throw DataError(name + ": is not a tile plan; `pilotage tile` makes one of a mission file");
+  }
   const std::int64_t version = object.integer("pilotage_plan", 1);
   if (version > kPlanVersion) {
     throw DataError(name + ": plan version " + std::to_string(version) + " is newer than this program reads (" +

@@ -121,6 +121,7 @@ Json selection_to_json(const Selection& selection) {
 Selection selection_from_json(const Json& json, const std::string& name) {
   JsonObject object(json, name);
   Selection selection;
+  if (!object.has("pilotage_selection")) throw DataError(name + ": is not a selection; `pilotage select` makes one");
   object.integer("pilotage_selection", 1, kSelectionVersion);
   selection.max_error_m = object.number("max_error_m");
   selection.sigma_multiple = object.number("sigma_multiple");

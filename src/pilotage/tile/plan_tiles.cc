@@ -33,7 +33,7 @@ constexpr double kSampleStep_m = 10;
 constexpr int kCoverageReduction = 4;
 
 void require(bool given, const char* what) {
-  if (!given) throw UsageError(std::string(what) + " is missing");
+  if (!given) throw UsageError(std::string(what) + " is missing; give it as --" + what + ", or in a mission file");
 }
 
 std::vector<ImageryInfo> inspect_all(const TileOptions& options) {
