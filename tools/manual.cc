@@ -119,6 +119,10 @@ ManualPage manual_of_program(const std::vector<Command>& commands, const std::st
 ManualPage manual_of_command(const Command& command, const std::string& version) {
   const std::string name = "pilotage-" + command.word;
   std::string text = heading(name, command.summary, version) + ".SH SYNOPSIS\n" + roff(usage_of(command)) + "\n";
+  text += ".SH DESCRIPTION\n" + roff(command.summary + ".") + "\n";
+  if (command.output.kind != OutputKind::kNone) {
+    text += ".PP\n.B \\-o\n.IR OUTPUT :\n" + roff(command.output.help) + "\n";
+  }
   text += examples_of(command);
   if (!command.inputs.help.empty()) {
     text += ".SH INPUTS\n.TP\n.I " + macro_argument(command.inputs.name) + "\n" + roff(command.inputs.help) + "\n";

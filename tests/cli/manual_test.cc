@@ -17,6 +17,9 @@ TEST(Manual, ACommandsPageHasAllItsParts) {
   EXPECT_THAT(page.text, StartsWith(".TH \"PILOTAGE\\-TOY\" 1 \"\" \"pilotage 1.2.3\""));
   EXPECT_THAT(page.text, HasSubstr("pilotage\\-toy \\- Does nothing in every possible way\n"));
   EXPECT_THAT(page.text, HasSubstr("pilotage toy [OPTIONS] RASTER... [\\-o OUTPUT]\n"));
+  EXPECT_THAT(
+      page.text,
+      HasSubstr(".SH DESCRIPTION\nDoes nothing in every possible way.\n.PP\n.B \\-o\n.IR OUTPUT :\nThe toy.\n"));
   EXPECT_THAT(page.text, HasSubstr("pilotage toy a.tif \\-o b.tif\n"));
   EXPECT_THAT(page.text,
               HasSubstr(".BI \"\\-\\-size\\-px\" \" INTEGER\"\nSide of a tile.\n[pixels; 16 to 4096; default 256]"));

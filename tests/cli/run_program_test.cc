@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "cli/toy_command.h"
+#include "testing/json_schema.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -68,6 +69,10 @@ TEST(RunProgram, ErrorsAreJsonToo) {
   EXPECT_EQ(json["error"]["exit_code"], 4);
   EXPECT_EQ(json["error"]["message"], "map.gpkg: wrong digest");
   EXPECT_EQ(nlohmann::json::parse(run({"toy", "--json", "--wrong"}).out)["error"]["kind"], "usage");
+  for (const char* fate : {"data", "usage", "integrity", "memory", "other", "stopped"}) {
+    const auto error = nlohmann::ordered_json::parse(run({"toy", "a.tif", "--json", "--fate", fate}).out);
+    EXPECT_EQ(testing::schema_violation("results/error.json", error), "") << fate;
+  }
 }
 
 TEST(RunProgram, UnknownCommandsSuggestTheNearest) {
