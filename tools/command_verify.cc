@@ -40,7 +40,7 @@ Command make_verify_command() {
   bind_options<VerifyOptions>(command, [](const VerifyOptions& options, const Invocation& invocation) {
     const std::string& path = invocation.inputs.front();
     need_file(path, "build` or `pilotage prepare");
-    const VerifyReport report = verify_map(path);
+    const VerifyReport report = verify_map(path, invocation.progress);
     CommandResult result;
     result.json = {{"map", path},
                    {"intact", report.ok()},

@@ -27,7 +27,8 @@ struct Examination {
   MapReader reader;
   Database database;
   VerifyReport& report;
-  std::set<std::int64_t> tile_ids;
+  const Progress& progress;
+  std::set<std::int64_t> tile_ids = {};
 
   void add(MapProblem::Kind kind, std::string_view table, std::optional<std::int64_t> tile_id, std::string message) {
     if (report.problems.size() >= kMaxProblems) return;
@@ -159,7 +160,7 @@ void check_descriptors(Examination& e) {
   Statement statement = e.database.prepare(
       "SELECT " + std::string(kDescriptorColumns) + " FROM pilotage_descriptors ORDER BY id", kTable);
   while (statement.step()) {
-    ++e.report.descriptor_rows;
+    report_progress(e.progress, "checking tiles", ++e.report.descriptor_rows, e.report.tiles);
     e.guard(kTable, std::nullopt, [&] {
       const std::int64_t tile_id = statement.integer(0);
       e.guard(kTable, tile_id, [&] {
@@ -181,7 +182,7 @@ void check_chips(Examination& e) {
   Statement statement =
       e.database.prepare("SELECT " + std::string(kChipColumns) + " FROM pilotage_chips ORDER BY id", kTable);
   while (statement.step()) {
-    ++e.report.chips;
+    report_progress(e.progress, "checking chips", ++e.report.chips, e.report.tiles);
     e.guard(kTable, std::nullopt, [&] {
       const std::int64_t tile_id = statement.integer(0);
       e.guard(kTable, tile_id, [&] {
@@ -212,6 +213,7 @@ void check_content(Examination& e) {
 }
 
 void examine(Examination& e) {
+  report_progress(e.progress, "checking the file", 0, 0);
   e.guard("", std::nullopt, [&] { check_structure(e); });
   std::vector<MapTile> tiles;
   e.guard("tiles", std::nullopt, [&] { tiles = e.reader.tiles(); });
@@ -224,20 +226,21 @@ void examine(Examination& e) {
   }
   e.guard("pilotage_descriptors", std::nullopt, [&] { check_descriptors(e); });
   if (e.reader.has_chips()) e.guard("pilotage_chips", std::nullopt, [&] { check_chips(e); });
+  report_progress(e.progress, "digest of all rows", 0, 0);
   e.guard("map_info", std::nullopt, [&] { check_content(e); });
 }
 
 }  // namespace
 
-VerifyReport verify_map(const std::filesystem::path& path) {
+VerifyReport verify_map(const std::filesystem::path& path, const Progress& progress) {
   VerifyReport report;
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
   report.bytes = static_cast<std::int64_t>(bytes);
   try {
-    Examination examination{
-        path.string(), MapReader(path), Database::open_untrusted(path, kMaxMapBlobBytes), report, {}};
+    Examination examination{path.string(), MapReader(path), Database::open_untrusted(path, kMaxMapBlobBytes), report,
+                            progress};
     examine(examination);
   } catch (const DataError& damage) {  // it cannot even be opened as a map
     report.problems.push_back({MapProblem::Kind::kDamaged, "", std::nullopt, damage.what()});

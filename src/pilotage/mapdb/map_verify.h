@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pilotage/base/progress.h"
+
 namespace pilotage {
 
 /// One thing that is wrong with a map.
@@ -36,7 +38,7 @@ struct VerifyReport {
 /// R-trees against the tiles, geometry against bounds, rows that refer to nothing, lengths and values in blobs, the
 /// digest of every descriptor row and chip, and the digest over all rows of all tables. Damage is reported, not thrown;
 /// throws DataError only when there is no file to read.
-VerifyReport verify_map(const std::filesystem::path& path);
+VerifyReport verify_map(const std::filesystem::path& path, const Progress& progress = {});
 
 /// Throws IntegrityError with the first wrong digest, else DataError with the first damage, else nothing.
 void require_intact(const VerifyReport& report);
