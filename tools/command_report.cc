@@ -37,7 +37,6 @@ Command make_report_command() {
   command.output = {.kind = OutputKind::kFile, .help = "The page (one self-contained HTML file)."};
   bind_options<ReportCommandOptions>(command, [](const ReportCommandOptions& options, const Invocation& invocation) {
     const StageFiles files = read_stage_files(options.files, invocation);
-    report_progress(invocation.progress, "writing the report", 0, 0);
     ReportInput input =
         make_report_input(files.plan, files.scores, files.selection, input_files(files.plan), version_line());
     input.title = options.title;

@@ -66,7 +66,6 @@ Command make_select_command() {
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
     TilePlan plan = read_stage_plan(invocation.inputs.front());
     plan.max_error_m = options.max_error_m.value_or(plan.max_error_m);
-    report_progress(invocation.progress, "selecting", 0, 0);
     const Selection selection =
         select_tiles(plan, read_scores(options.table), stored_size(options.build, plan), options.select);
     write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);

@@ -180,6 +180,8 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   cv::setNumThreads(1);  // work is shared out by parallel_for; OpenCV's own threads would come on top of it
   CommandResult result;
   try {
+    // Until it counts something. What runs whenever a shell starts leaves the terminal alone.
+    if (command.group != CommandGroup::kHelp) report_progress(invocation.progress, "running " + command.word, 0, 0);
     result = command.run(invocation);
   } catch (...) {
     meter.clear();

@@ -158,7 +158,9 @@ TEST(RunProgram, GdalConfigIsChecked) {
 }
 
 TEST(RunProgram, ProgressAsJsonLines) {
-  EXPECT_THAT(run({"toy", "a.tif", "--progress", "json"}).err, StartsWith(R"({"what":"toying","done":1,"total":1)"));
+  const std::string lines = run({"toy", "a.tif", "--progress", "json"}).err;
+  EXPECT_THAT(lines, StartsWith(R"({"what":"running toy","done":0,"total":0)"));
+  EXPECT_THAT(lines, HasSubstr(R"({"what":"toying","done":1,"total":1)"));
   EXPECT_EQ(run({"toy", "a.tif", "--progress", "json", "-q"}).err, "");
 }
 
