@@ -13,9 +13,9 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
-#include "pilotage/score/gray_statistics.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/predict_correct_fixes.h"
+#include "pilotage/score/tile_statistics.h"
 #include "pilotage/score/tile_surfaces.h"
 #include "pilotage/vision/correlation_peaks.h"
 
@@ -28,8 +28,6 @@ constexpr std::int64_t kMostColumns = 64;
 /// Pixels of a strip: the map is held in memory in pieces of about this size (twice: one is read while one is worked
 /// on).
 constexpr std::int64_t kStripPixels = 8 << 20;
-/// Integral images of power sums serve square groups of tiles of at most this side.
-constexpr int kGroupSide = 640;
 
 /// Tiles of a few columns and a few rows: what is worked on with one strip in memory.
 struct Piece {
@@ -127,58 +125,13 @@ std::vector<Piece> make_pieces(const Job& job) {
   return list;
 }
 
-void set_statistics(const Job& job, const GrayStatistics& statistics, TileScore& score) {
-  const double area = static_cast<double>(job.matrix.tile_size_px) * job.matrix.tile_size_px;
-  score.valid_fraction = static_cast<double>(statistics.count) / area;
-  if (score.valid_fraction < job.options.min_valid_fraction) {
-    score.status = TileStatus::kTooLittleGround;
-    return;
-  }
-  score.status = statistics.count < 2 || statistics.gray_variance == 0 ? TileStatus::kFlat : TileStatus::kScored;
-  const bool model = job.options.measure(ScoreMeasure::kCorrectFix);
-  if (model || job.options.measure(ScoreMeasure::kGrayVariance)) score.gray_variance = statistics.gray_variance;
-  if (model || job.options.measure(ScoreMeasure::kFriedenEntropy)) {
-    score.frieden_entropy = statistics.frieden_entropy;
-    score.frieden_deficit = statistics.frieden_deficit;
-  }
-}
-
-/// V and H of a piece's tiles, and their status; groups of neighbouring tiles share their integral images.
-void score_statistics(const Job& job, const Piece& piece, const MapStrip& strip, std::vector<TileScore>& scores) {
-  const int side = job.matrix.tile_size_px;
-  const std::int64_t across = std::max(1, (kGroupSide - side) / job.matrix.stride_px + 1);
-  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::int64_t>> groups;
+/// V and H of a piece's tiles, and their status.
+void score_piece_statistics(const Job& job, const Piece& piece, const MapStrip& strip, std::vector<TileScore>& scores) {
+  std::vector<TileScore*> tiles;
   for (const auto& [row, columns] : piece.columns_of_row) {
-    for (const std::int64_t column : columns) {
-      groups[{row / across, column / across}].push_back(job.index_of(column, row));
-    }
+    for (const std::int64_t column : columns) tiles.push_back(&scores[job.place_of(job.index_of(column, row))]);
   }
-  std::vector<std::vector<std::int64_t>> list;
-  for (auto& [key, tiles] : groups) list.push_back(std::move(tiles));
-  parallel_for(list.size(), job.threads, [&](std::size_t group, int) {
-    const auto window_of = [&](std::int64_t index) {
-      return job.matrix.tile_window(index % job.matrix.matrix_width(), index / job.matrix.matrix_width());
-    };
-    PixelWindow all = window_of(list[group].front());
-    for (const std::int64_t index : list[group]) {
-      const PixelWindow tile = window_of(index);
-      const std::int64_t end_col = std::max(all.col + all.width, tile.col + side);
-      const std::int64_t end_row = std::max(all.row + all.height, tile.row + side);
-      all.col = std::min(all.col, tile.col);
-      all.row = std::min(all.row, tile.row);
-      all.width = static_cast<int>(end_col - all.col);
-      all.height = static_cast<int>(end_row - all.row);
-    }
-    const cv::Mat pixels = strip.view(strip.pixels, all);
-    const cv::Mat valid = strip.view(strip.valid, all);
-    const bool alone = list[group].size() == 1 && side > kGroupSide;
-    const std::optional<PowerSums> sums = alone ? std::nullopt : std::optional<PowerSums>(std::in_place, pixels, valid);
-    for (const std::int64_t index : list[group]) {
-      const PixelWindow tile = window_of(index);
-      const cv::Rect rect(static_cast<int>(tile.col - all.col), static_cast<int>(tile.row - all.row), side, side);
-      set_statistics(job, sums ? sums->at(rect) : gray_statistics(pixels, valid), scores[job.place_of(index)]);
-    }
-  });
+  score_statistics({strip.window, strip.pixels, strip.valid}, job.matrix, job.options, tiles, job.threads);
 }
 
 SurfaceScores surface_scores(const cv::Mat& surface, const SearchArea& area) {
@@ -356,7 +309,7 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
         degraded.emplace(matrix, job.radius_px, piece.first_column, piece.columns, job.copies, job.margin_px);
       }
     }
-    score_statistics(job, piece, strip, scores);
+    score_piece_statistics(job, piece, strip, scores);
     for (const auto& [row, columns] : piece.columns_of_row) {
       if (job.surfaces()) score_row(job, strip, row, columns, clean, degraded, scratch, scores);
       done += static_cast<std::int64_t>(columns.size());
