@@ -206,8 +206,13 @@ std::function<Raster(const PixelWindow&)> windows_on_own_pixels(const ImageryInf
 }
 
 GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& options) {
-  return {info.width_px, info.height_px, info.map_from_pixel, info.depth,
-          windows_on_own_pixels(info, options, read_gray)};
+  return {info.width_px,
+          info.height_px,
+          info.map_from_pixel,
+          info.depth,
+          windows_on_own_pixels(info, options, read_gray),
+          info.block_width_px,
+          info.block_height_px};
 }
 
 }  // namespace
@@ -238,6 +243,8 @@ GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs
   source.height_px = height_px;
   source.map_from_pixel = map_from_pixel;
   source.depth = mosaic->depth;
+  source.block_width_px = RasterView::kWarpedBlockWidth_px;
+  source.block_height_px = RasterView::kWarpedBlockHeight_px;
   source.read = [mosaic](const PixelWindow& window) {
     check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
     return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, 1),

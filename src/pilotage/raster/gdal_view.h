@@ -28,6 +28,10 @@ struct TargetGrid {
 /// maybe an alpha band behind them. Belongs to one thread at a time.
 class RasterView {
  public:
+  /// What GDAL warps at a time, counted from the first pixel of the grid.
+  static constexpr int kWarpedBlockWidth_px = 512;
+  static constexpr int kWarpedBlockHeight_px = 128;
+
   /// The raster on its own grid.
   RasterView(const ImageryInfo& info, const ImageryOptions& options);
   /// The raster on another grid.

@@ -290,6 +290,13 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
                                         [](const auto& a, const auto& b) { return a.first == b.first; });
   if (twice != job.order.end()) throw UsageError("tile index " + std::to_string(twice->first) + " stands twice");
 
+  if (!job.surfaces()) {
+    std::vector<TileScore*> tiles;
+    for (const auto& [index, place] : job.order) tiles.push_back(&scores[place]);
+    stream_statistics(source, matrix, options, tiles, job.threads, progress);
+    if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
+    return scores;
+  }
   const std::vector<Piece> pieces = make_pieces(job);
   std::optional<CleanSurfaces> clean;
   std::optional<DegradedSurfaces> degraded;

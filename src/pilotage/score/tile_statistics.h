@@ -4,8 +4,10 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/mission/tile_scores.h"
+#include "pilotage/raster/gray_source.h"
 #include "pilotage/score/score_tiles.h"
 
 namespace pilotage {
@@ -19,9 +21,16 @@ struct GrayWindow {
 
 /// Sets valid_fraction, status, and of V, H and the deficit what `options` asks for (all of them for P(correct fix)),
 /// of tiles of `matrix` that lie inside the window; column and row of each say which tile it is. Tiles are computed
-/// from integral images of power sums, which groups of neighbours share (gray_statistics.h). The same bytes for any
-/// number of threads and any choice and order of tiles. Throws UsageError for pixels of another type.
+/// from sums of powers that they share (WindowSums). The same bytes for any number of threads and any choice and order
+/// of tiles. Throws UsageError for pixels of another type.
 void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const ScoreOptions& options,
                       std::span<TileScore* const> tiles, int threads);
+
+/// The same of tiles anywhere on the map, whose pixel grid is that of `source`: rows of tiles stream from the top to
+/// the bottom, and each block of the source that a tile touches is read once. `tiles` ascend by row, then column.
+/// Memory: some 16 million pixels and their sums, more only where a tile's height of the map is more. Throws what
+/// reading throws; Interrupted.
+void stream_statistics(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
+                       std::span<TileScore* const> tiles, int threads, const Progress& progress = {});
 
 }  // namespace pilotage
