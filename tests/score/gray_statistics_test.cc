@@ -156,6 +156,23 @@ TEST(GrayStatistics, GridsOfWindowsAreAsTheOracle) {
   expect_grid_as_oracle(words, valid);
 }
 
+/// Cells of many pixels with the largest powers of f − 128.
+TEST(GrayStatistics, LargeDarkTilesDoNotOverflow) {
+  cv::Mat gray(1100, 1100, CV_8U, cv::Scalar(0));
+  gray.row(600).setTo(255);
+  gray.col(3).setTo(1);
+  for (const auto& [side, stride] : {std::pair{1024, 1024}, {1000, 500}, {1096, 1}}) {
+    const GrayStatistics fast = WindowSums(gray, all_valid(gray), side, stride).at(0, 0);
+    const cv::Rect window(0, 0, side, side);
+    const GrayStatistics oracle = gray_statistics(gray(window), all_valid(gray(window)));
+    EXPECT_EQ(fast.count, oracle.count);
+    EXPECT_EQ(fast.mean, oracle.mean);
+    expect_near_relative(fast.gray_variance, static_cast<long double>(oracle.gray_variance), 1e-12, "V");
+    expect_near_relative(fast.frieden_entropy, static_cast<long double>(oracle.frieden_entropy), 1e-12, "H");
+    expect_near_relative(fast.frieden_deficit, static_cast<long double>(oracle.frieden_deficit), 1e-10, "deficit");
+  }
+}
+
 TEST(GrayStatistics, AnImageSmallerThanTheWindowHasNone) {
   const cv::Mat gray(20, 40, CV_8U, cv::Scalar(3));
   const WindowSums sums(gray, all_valid(gray), 30, 8);

@@ -15,6 +15,7 @@
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_view.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/raster/shared_blocks.h"
 
 namespace pilotage {
 namespace {
@@ -218,7 +219,7 @@ GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& o
 }  // namespace
 
 GraySource open_gray(const std::string& dataset, const ImageryOptions& options) {
-  return source_on_own_pixels(inspect_imagery(dataset, options), options);
+  return share_blocks(source_on_own_pixels(inspect_imagery(dataset, options), options));
 }
 
 cv::Mat read_gray8_picture(const std::string& dataset) {
@@ -250,7 +251,7 @@ GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs
     return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, 1),
                    [&](const RasterView& view) { return read_gray(view, window); });
   };
-  return source;
+  return share_blocks(source);
 }
 
 ColorSource open_colors(const std::string& dataset, const ImageryOptions& options) {

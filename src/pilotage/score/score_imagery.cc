@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
 #include "pilotage/base/text.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/raster/gdal_io.h"
@@ -85,22 +89,41 @@ Bounds tile_bounds(const TileMatrix& matrix, const PixelWindow& window, double m
   return bounds;
 }
 
-TileRow make_row(const TileMatrix& matrix, const TileScore& score, const Crs& crs, const CrsTransform& transform) {
+TileRow make_row(const TileMatrix& matrix, TileScore& score, double metres_per_unit, const CrsTransform& transform) {
   constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
   const PixelWindow window = matrix.tile_window(score.column, score.row);
   TileRow row;
   row.tile.tile_id = score.tile_id;
   row.tile.column = score.column;
   row.tile.row = score.row;
-  row.tile.bounds = tile_bounds(matrix, window, crs.metres_per_unit());
+  row.tile.bounds = tile_bounds(matrix, window, metres_per_unit);
   const Eigen::Vector2d center = matrix.map_from_pixel.map_from_pixel(
       {static_cast<double>(window.col) + window.width / 2.0, static_cast<double>(window.row) + window.height / 2.0});
   row.tile.center = transform.geodetic_from_map(center).value_or(GeodeticPoint{kNowhere, kNowhere});
   row.tile.valid_fraction = score.valid_fraction;
   row.min_col_px = window.col;
   row.min_row_px = window.row;
-  row.score = score;
+  row.score = std::move(score);
   return row;
+}
+
+/// Rows with places and reasons of all scores, which are moved out.
+std::vector<TileRow> make_rows(const TileMatrix& matrix, const Crs& crs, std::span<TileScore> scores, int threads) {
+  constexpr std::size_t kRowsAtOnce = 4096;
+  const double metres_per_unit = crs.metres_per_unit();
+  std::vector<std::optional<CrsTransform>> transforms(static_cast<std::size_t>(thread_count(threads)));
+  std::vector<TileRow> rows(scores.size());
+  parallel_for((scores.size() + kRowsAtOnce - 1) / kRowsAtOnce, threads, [&](std::size_t piece, int worker) {
+    std::optional<CrsTransform>& transform = transforms[static_cast<std::size_t>(worker)];
+    if (!transform) transform.emplace(crs);
+    const std::size_t first = piece * kRowsAtOnce;
+    const std::span<TileScore> part = scores.subspan(first, std::min(kRowsAtOnce, scores.size() - first));
+    explain_tiles({matrix, metres_per_unit}, part);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      rows[first + i] = make_row(matrix, part[i], metres_per_unit, *transform);
+    }
+  });
+  return rows;
 }
 
 }  // namespace
@@ -113,7 +136,7 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
   for (const auto& dataset : datasets) infos.push_back(inspect_imagery(dataset, options.imagery));
 
   const bool own_grid = datasets.size() == 1 && !options.gsd_m && options.crs.empty();
-  const ImageryGrid grid = own_grid ? ImageryGrid{infos.front().crs, open_gray(datasets.front(), options.imagery)}
+  ImageryGrid grid = own_grid ? ImageryGrid{infos.front().crs, open_gray(datasets.front(), options.imagery)}
                                     : resampled_grid(datasets, infos, options);
   ScoredImagery result;
   result.crs = grid.crs;
@@ -127,7 +150,6 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
     result.second_epoch = compare_epochs(datasets, options.imagery, grid.crs, {all}, options.score, threads, progress);
     for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = result.second_epoch->scores[i];
   }
-  const CrsTransform transform(grid.crs);
   if (options.score.measure(ScoreMeasure::kGroundCover)) {
     const ColorSource colors = own_grid
                                    ? open_colors(datasets.front(), options.imagery)
@@ -135,10 +157,8 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
                                                          grid.source.width_px, grid.source.height_px, options.imagery);
     add_ground_cover(colors, result.matrix, scores, threads, progress);
   }
-  explain_tiles({result.matrix, grid.crs.metres_per_unit()}, scores);
-  for (const TileScore& score : scores) {
-    result.rows.push_back(make_row(result.matrix, score, grid.crs, transform));
-  }
+  grid.source.read = {};  // gives the decoded blocks back that GDAL holds: rows take their memory
+  result.rows = make_rows(result.matrix, grid.crs, scores, threads);
   return result;
 }
 

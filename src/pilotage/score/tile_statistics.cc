@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
+#include <limits>
 #include <vector>
 
 #include "pilotage/base/parallel.h"
@@ -10,9 +12,9 @@
 namespace pilotage {
 namespace {
 
-constexpr std::size_t kTilesAtOnce = 4096;       // one piece of work
-constexpr std::int64_t kStripPixels = 16 << 20;  // of the map in memory, where a tile is not higher
-constexpr std::int64_t kUnitSide_px = 256;       // least side of what is read at a time
+constexpr std::size_t kTilesAtOnce = 4096;      // one piece of work
+constexpr std::int64_t kStripPixels = 8 << 20;  // of the map in memory, where a tile is not higher
+constexpr std::int64_t kUnitSide_px = 256;      // least side of what is read at a time
 constexpr std::int64_t kLargestBlock_px = 4096;
 
 void set_statistics(const TileMatrix& matrix, const ScoreOptions& options, const GrayStatistics& statistics,
@@ -32,23 +34,16 @@ void set_statistics(const TileMatrix& matrix, const ScoreOptions& options, const
   }
 }
 
-/// The smallest window around tiles.
-PixelWindow window_around(const TileMatrix& matrix, std::span<TileScore* const> tiles) {
-  std::int64_t first_column = tiles.front()->column;
-  std::int64_t last_column = first_column;
-  std::int64_t first_row = tiles.front()->row;
-  std::int64_t last_row = first_row;
-  for (const TileScore* tile : tiles) {
-    first_column = std::min(first_column, tile->column);
-    last_column = std::max(last_column, tile->column);
-    first_row = std::min(first_row, tile->row);
-    last_row = std::max(last_row, tile->row);
+/// Columns of tiles.
+struct ColumnRange {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  std::int64_t last = 0;
+
+  void extend(std::int64_t column) {
+    first = std::min(first, column);
+    last = std::max(last, column);
   }
-  const PixelWindow first = matrix.tile_window(first_column, first_row);
-  const PixelWindow last = matrix.tile_window(last_column, last_row);
-  return {first.col, first.row, static_cast<int>(last.col + last.width - first.col),
-          static_cast<int>(last.row + last.height - first.row)};
-}
+};
 
 cv::Rect rect_in(const PixelWindow& outer, const PixelWindow& part) {
   return {static_cast<int>(part.col - outer.col), static_cast<int>(part.row - outer.row), part.width, part.height};
@@ -60,6 +55,7 @@ struct ReadUnits {
   std::int64_t height_px = 0;
   std::int64_t across = 0;
   std::vector<char> wanted;  // row by row: some tile touches it
+  ColumnRange columns;       // of the tiles
 
   ReadUnits(const GraySource& source, const TileMatrix& matrix, std::span<TileScore* const> tiles)
       : width_px(source.block_width_px >= source.width_px ? source.width_px : side(source.block_width_px)),
@@ -67,6 +63,7 @@ struct ReadUnits {
     across = (source.width_px + width_px - 1) / width_px;
     wanted.resize(static_cast<std::size_t>(across * ((source.height_px + height_px - 1) / height_px)));
     for (const TileScore* tile : tiles) {
+      columns.extend(tile->column);
       const PixelWindow window = matrix.tile_window(tile->column, tile->row);
       for (std::int64_t row = window.row / height_px; row * height_px < window.row + window.height; ++row) {
         const std::int64_t first = window.col / width_px;
@@ -83,20 +80,24 @@ struct ReadUnits {
   }
 };
 
-/// All columns of the map from one row to another. Rows that `above` has are not read again.
+/// Moves rows of an image that fills its memory to the top of it.
+void move_to_top(cv::Mat& image, int first_row, int rows) {
+  std::memmove(image.ptr(0), image.ptr(first_row), static_cast<std::size_t>(rows) * image.step[0]);
+}
+
+/// All columns of the map from one row to another, in `memory`, which holds the strip above; rows that it has are not
+/// read again.
 GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int64_t first_row, std::int64_t end_row,
-                      const GrayWindow& above, int threads) {
-  GrayWindow strip;
-  strip.window = {0, first_row, static_cast<int>(source.width_px), static_cast<int>(end_row - first_row)};
-  strip.pixels.create(strip.window.height, strip.window.width, source.depth);
-  strip.valid.create(strip.window.height, strip.window.width, CV_8U);
+                      const GrayWindow& above, GrayWindow& memory, int threads) {
   const std::int64_t known = std::max(first_row, above.window.row + above.window.height);
   if (known > first_row) {
-    const cv::Range from(static_cast<int>(first_row - above.window.row), above.window.height);
-    const cv::Range to(0, static_cast<int>(known - first_row));
-    above.pixels.rowRange(from).copyTo(strip.pixels.rowRange(to));
-    above.valid.rowRange(from).copyTo(strip.valid.rowRange(to));
+    move_to_top(memory.pixels, static_cast<int>(first_row - above.window.row), static_cast<int>(known - first_row));
+    move_to_top(memory.valid, static_cast<int>(first_row - above.window.row), static_cast<int>(known - first_row));
   }
+  GrayWindow strip;
+  strip.window = {0, first_row, static_cast<int>(source.width_px), static_cast<int>(end_row - first_row)};
+  strip.pixels = memory.pixels.rowRange(0, strip.window.height);
+  strip.valid = memory.valid.rowRange(0, strip.window.height);
   const std::int64_t first_unit = known / units.height_px * units.across;
   const std::int64_t end_unit = (end_row + units.height_px - 1) / units.height_px * units.across;
   parallel_for(static_cast<std::size_t>(end_unit - first_unit), threads, [&](std::size_t index, int) {
@@ -119,43 +120,58 @@ GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int
   return strip;
 }
 
+/// Statistics of tiles, which ascend by row and stand in these columns.
+void score_sorted(const GrayWindow& map, const TileMatrix& matrix, const ScoreOptions& options,
+                  std::span<TileScore* const> tiles, const ColumnRange& columns, int threads) {
+  const std::int64_t first_row = tiles.front()->row;
+  const PixelWindow first = matrix.tile_window(columns.first, first_row);
+  const PixelWindow last = matrix.tile_window(columns.last, tiles.back()->row);
+  const cv::Rect place = rect_in(map.window, {first.col, first.row, static_cast<int>(last.col + last.width - first.col),
+                                              static_cast<int>(last.row + last.height - first.row)});
+  const WindowSums sums(map.pixels(place), map.valid(place), matrix.tile_size_px, matrix.stride_px, threads);
+  parallel_for((tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce, threads, [&](std::size_t piece, int) {
+    const std::size_t begin = piece * kTilesAtOnce;
+    for (TileScore* tile : tiles.subspan(begin, std::min(kTilesAtOnce, tiles.size() - begin))) {
+      set_statistics(matrix, options, sums.at(tile->column - columns.first, tile->row - first_row), *tile);
+    }
+  });
+}
+
 }  // namespace
 
 void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const ScoreOptions& options,
                       std::span<TileScore* const> tiles, int threads) {
   if (tiles.empty()) return;
-  const PixelWindow all = window_around(matrix, tiles);
-  const WindowSums sums(map.pixels(rect_in(map.window, all)), map.valid(rect_in(map.window, all)), matrix.tile_size_px,
-                        matrix.stride_px, threads);
-  const std::int64_t first_column = all.col / matrix.stride_px;
-  const std::int64_t first_row = all.row / matrix.stride_px;
-  parallel_for((tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce, threads, [&](std::size_t piece, int) {
-    for (TileScore* tile :
-         tiles.subspan(piece * kTilesAtOnce, std::min(kTilesAtOnce, tiles.size() - piece * kTilesAtOnce))) {
-      set_statistics(matrix, options, sums.at(tile->column - first_column, tile->row - first_row), *tile);
-    }
-  });
+  std::vector<TileScore*> sorted(tiles.begin(), tiles.end());
+  std::sort(sorted.begin(), sorted.end(), [](const TileScore* a, const TileScore* b) { return a->row < b->row; });
+  ColumnRange columns;
+  for (const TileScore* tile : tiles) columns.extend(tile->column);
+  score_sorted(map, matrix, options, sorted, columns, threads);
 }
 
 void stream_statistics(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
                        std::span<TileScore* const> tiles, int threads, const Progress& progress) {
+  const auto count = static_cast<std::int64_t>(tiles.size());
   const ReadUnits units(source, matrix, tiles);
   const std::int64_t strip_rows = std::max<std::int64_t>(matrix.tile_size_px, kStripPixels / source.width_px);
+  const auto most_rows = static_cast<int>(std::min(source.height_px, strip_rows + units.height_px));
+  const auto width = static_cast<int>(source.width_px);
+  GrayWindow memory{{}, cv::Mat(most_rows, width, source.depth), cv::Mat(most_rows, width, CV_8U)};
   GrayWindow strip;
-  for (std::size_t done = 0; done < tiles.size();) {
-    report_progress(progress, "score", static_cast<std::int64_t>(done), static_cast<std::int64_t>(tiles.size()));
-    const std::int64_t first_row = matrix.tile_window(0, tiles[done]->row).row;
+  while (!tiles.empty()) {
+    report_progress(progress, "score", count - static_cast<std::int64_t>(tiles.size()), count);
+    const std::int64_t first_row = matrix.tile_window(0, tiles.front()->row).row;
     const std::int64_t end = (first_row + strip_rows + units.height_px - 1) / units.height_px * units.height_px;
-    strip = read_strip(source, units, first_row, std::min(end, source.height_px), strip, threads);
-    const auto below =
-        std::find_if(tiles.begin() + static_cast<std::ptrdiff_t>(done), tiles.end(), [&](const TileScore* tile) {
-          return matrix.tile_window(0, tile->row).row + matrix.tile_size_px > strip.window.row + strip.window.height;
-        });
-    const auto next = static_cast<std::size_t>(below - tiles.begin());
-    score_statistics(strip, matrix, options, tiles.subspan(done, next - done), threads);
-    done = next;
+    strip = read_strip(source, units, first_row, std::min(end, source.height_px), strip, memory, threads);
+    const auto below = std::partition_point(tiles.begin(), tiles.end(), [&](const TileScore* tile) {
+      const PixelWindow window = matrix.tile_window(0, tile->row);
+      return window.row + window.height <= strip.window.row + strip.window.height;
+    });
+    const auto inside = static_cast<std::size_t>(below - tiles.begin());
+    score_sorted(strip, matrix, options, tiles.first(inside), units.columns, threads);
+    tiles = tiles.subspan(inside);
   }
-  report_progress(progress, "score", static_cast<std::int64_t>(tiles.size()), static_cast<std::int64_t>(tiles.size()));
+  report_progress(progress, "score", count, count);
 }
 
 }  // namespace pilotage

@@ -28,7 +28,7 @@ void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const Sco
 
 /// The same of tiles anywhere on the map, whose pixel grid is that of `source`: rows of tiles stream from the top to
 /// the bottom, and each block of the source that a tile touches is read once. `tiles` ascend by row, then column.
-/// Memory: some 16 million pixels and their sums, more only where a tile's height of the map is more. Throws what
+/// Memory: some 8 million pixels and their sums, more only where a tile's height of the map is more. Throws what
 /// reading throws; Interrupted.
 void stream_statistics(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
                        std::span<TileScore* const> tiles, int threads, const Progress& progress = {});
