@@ -4,14 +4,11 @@
 // does, one after the other: pixels of the level, read and warped; cv::ORB of them, with as many features as the map
 // gets; features of the map from pixels in memory; build_map, which reads, describes, writes and digests. Printed are
 // best and median of the repeats and the processor time of all threads, each with its ratio to that of cv::ORB.
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <ctime>
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "bench/steps.h"
 #include "testing/temporary_folder.h"
 #include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
@@ -26,37 +23,6 @@
 
 namespace pilotage {
 namespace {
-
-struct Step {
-  std::string name;
-  std::function<void()> run;
-  std::vector<double> times_s{};
-  double processor_s = 1e9;  // of all threads, least
-};
-
-void measure(std::vector<Step>& steps, int repeats) {
-  for (int i = 0; i < repeats; ++i) {
-    for (Step& step : steps) {
-      const auto start = std::chrono::steady_clock::now();
-      const std::clock_t processor_start = std::clock();
-      step.run();
-      step.processor_s =
-          std::min(step.processor_s, static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
-      step.times_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    }
-  }
-}
-
-void print(std::vector<Step>& steps, std::size_t reference) {
-  const auto median = [](const Step& step) { return step.times_s[step.times_s.size() / 2]; };
-  for (Step& step : steps) std::sort(step.times_s.begin(), step.times_s.end());
-  const Step& one = steps[reference];
-  for (const Step& step : steps) {
-    std::printf("%-32s best %7.1f ms (%5.2f)  median %7.1f ms (%5.2f)  processor %7.1f ms (%5.2f)\n", step.name.c_str(),
-                1e3 * step.times_s.front(), step.times_s.front() / one.times_s.front(), 1e3 * median(step),
-                median(step) / median(one), 1e3 * step.processor_s, step.processor_s / one.processor_s);
-  }
-}
 
 void run(char** argv) {
   const TilePlan plan = read_plan(argv[1]);

@@ -11,6 +11,7 @@
 #include <GeographicLib/TransverseMercator.hpp>
 #include <benchmark/benchmark.h>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "pilotage/base/random.h"
@@ -122,11 +123,19 @@ void BM_TilesNearAndDescriptors(benchmark::State& state) {
   state.counters["features"] = benchmark::Counter(static_cast<double>(features), benchmark::Counter::kAvgIterations);
 }
 
+/// Blocks of 512 bytes that the system read from the disk for this process.
+std::int64_t blocks_read() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_inblock;
+}
+
 /// The pages of the file are dropped from the system's cache before each open (as far as the system obeys).
 void BM_ColdOpenNearDescriptors(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0));
   const std::filesystem::path& path = map_of_side(side);
   Random random(3);
+  const std::int64_t before = blocks_read();
   for (auto _ : state) {
     state.PauseTiming();
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -138,6 +147,8 @@ void BM_ColdOpenNearDescriptors(benchmark::State& state) {
     MapReader reader(path);
     benchmark::DoNotOptimize(read_near(reader, place, 60));
   }
+  state.counters["read_KiB"] =
+      benchmark::Counter(0.5 * static_cast<double>(blocks_read() - before), benchmark::Counter::kAvgIterations);
   state.counters["GB"] = 1e-9 * static_cast<double>(std::filesystem::file_size(path));
 }
 

@@ -5,13 +5,12 @@
 // the score raster; the table. Printed are best and median of the repeats and the processor time of all threads, each
 // with its ratio to that of GDAL alone.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <ctime>
-#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "bench/steps.h"
 #include "testing/temporary_folder.h"
 #include <gdal_priv.h>
 
@@ -96,13 +95,6 @@ void score_in_memory(const Request& request) {
   score_tiles(source, score_matrix(source, request.grid), 0, {}, request.score, 1, request.threads);
 }
 
-struct Step {
-  std::string name;
-  std::function<void()> run;
-  std::vector<double> times_s{};
-  double processor_s = 1e9;  // of all threads, least
-};
-
 void run(const Request& request, int repeats) {
   const testing::TemporaryFolder folder;
   ScoreImageryOptions options;
@@ -122,25 +114,9 @@ void run(const Request& request, int repeats) {
                      write_score_raster(folder / "scores.tif", raster.bands, scored.crs, raster.map_from_pixel, true);
                    }});
   steps.push_back({"table", [&] { write_file(folder / "tiles.csv", tile_table_to_csv(scored.rows), true); }});
-  for (int i = 0; i < repeats; ++i) {
-    for (Step& step : steps) {
-      const auto start = std::chrono::steady_clock::now();
-      const std::clock_t processor_start = std::clock();
-      step.run();
-      step.processor_s =
-          std::min(step.processor_s, static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
-      step.times_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    }
-  }
+  measure(steps, repeats);
   std::printf("%zu tiles, %d threads\n", scored.rows.size(), request.threads);
-  for (Step& step : steps) std::sort(step.times_s.begin(), step.times_s.end());
-  const auto median = [](const Step& step) { return step.times_s[step.times_s.size() / 2]; };
-  const Step& first = steps.front();
-  for (const Step& step : steps) {
-    std::printf("%-32s best %7.1f ms (%5.2f)  median %7.1f ms (%5.2f)  processor %7.1f ms (%5.2f)\n", step.name.c_str(),
-                1e3 * step.times_s.front(), step.times_s.front() / first.times_s.front(), 1e3 * median(step),
-                median(step) / median(first), 1e3 * step.processor_s, step.processor_s / first.processor_s);
-  }
+  print(steps, 0);
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
 
   const bool own_grid = datasets.size() == 1 && !options.gsd_m && options.crs.empty();
   ImageryGrid grid = own_grid ? ImageryGrid{infos.front().crs, open_gray(datasets.front(), options.imagery)}
-                                    : resampled_grid(datasets, infos, options);
+                              : resampled_grid(datasets, infos, options);
   ScoredImagery result;
   result.crs = grid.crs;
   result.matrix = score_matrix(grid.source, options.grid);
