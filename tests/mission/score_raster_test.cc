@@ -76,5 +76,18 @@ TEST(ScoreRaster, NoRowsNoBandsAndRowsOutsideAreRefused) {
   EXPECT_NO_THROW(score_raster(make_matrix(0), std::vector<TileRow>{make_row(0, 17, 12, 5)}));
 }
 
+TEST(ClassRaster, LiesOnThePixelsOfTheScoreRaster) {
+  const std::vector<TileRow> rows{make_row(0, 3, 2, 7), make_row(0, 5, 4, 8), make_row(1, 0, 0, 9)};
+  const TileMatrix matrix = make_matrix(0);
+  const cv::Mat classes =
+      class_raster(matrix, rows, [](const TileRow& row) { return static_cast<std::uint8_t>(row.score.gray_variance); });
+  EXPECT_EQ(classes.size(), score_raster(matrix, rows).bands[0].values.size());
+  EXPECT_EQ(classes.type(), CV_8U);
+  EXPECT_EQ(classes.at<std::uint8_t>(0, 0), 7);
+  EXPECT_EQ(classes.at<std::uint8_t>(2, 2), 8);
+  EXPECT_EQ(classes.at<std::uint8_t>(1, 1), kNoClass);
+  EXPECT_TRUE(class_raster(make_matrix(2), rows, [](const TileRow&) { return std::uint8_t{0}; }).empty());
+}
+
 }  // namespace
 }  // namespace pilotage

@@ -48,17 +48,22 @@ GeoTransform cell_transform(const TileMatrix& matrix, const CellRange& range) {
   return transform;
 }
 
-template <class Get>
-cv::Mat draw(const TileMatrix& matrix, std::span<const TileRow> rows, const CellRange& range, Get get) {
+template <class Value, class Get>
+cv::Mat draw(const TileMatrix& matrix, std::span<const TileRow> rows, const CellRange& range, Value nothing, Get get) {
   cv::Mat values(static_cast<int>(range.last_row - range.first_row + 1),
-                 static_cast<int>(range.last_column - range.first_column + 1), CV_64FC1,
-                 cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
+                 static_cast<int>(range.last_column - range.first_column + 1), cv::DataType<Value>::type,
+                 cv::Scalar(nothing));
   for (const TileRow& row : rows) {
     if (row.tile.level != matrix.level) continue;
-    values.at<double>(static_cast<int>(row.tile.row - range.first_row),
-                      static_cast<int>(row.tile.column - range.first_column)) = get(row);
+    values.at<Value>(static_cast<int>(row.tile.row - range.first_row),
+                     static_cast<int>(row.tile.column - range.first_column)) = get(row);
   }
   return values;
+}
+
+template <class Get>
+cv::Mat draw_scores(const TileMatrix& matrix, std::span<const TileRow> rows, const CellRange& range, Get get) {
+  return draw(matrix, rows, range, std::numeric_limits<double>::quiet_NaN(), get);
 }
 
 /// For each score column, whether some tile of the level has a number.
@@ -81,16 +86,25 @@ ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows
   const CellRange range = range_of(matrix, rows);
   if (range.last_row < 0) return raster;
   raster.map_from_pixel = cell_transform(matrix, range);
-  raster.bands.push_back(
-      {"valid_fraction", "", draw(matrix, rows, range, [](const TileRow& row) { return row.score.valid_fraction; })});
+  raster.bands.push_back({"valid_fraction", "", draw_scores(matrix, rows, range, [](const TileRow& row) {
+                            return row.score.valid_fraction;
+                          })});
   const std::vector<char> measured = measured_columns(matrix, rows);
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (measured[i] == 0) continue;
     const ScoreColumn& column = score_columns()[i];
-    raster.bands.push_back({column.name, column.unit,
-                            draw(matrix, rows, range, [&](const TileRow& row) { return column.get(row.score); })});
+    raster.bands.push_back({column.name, column.unit, draw_scores(matrix, rows, range, [&](const TileRow& row) {
+                              return column.get(row.score);
+                            })});
   }
   return raster;
+}
+
+cv::Mat class_raster(const TileMatrix& matrix, std::span<const TileRow> rows,
+                     const std::function<std::uint8_t(const TileRow&)>& class_of) {
+  const CellRange range = range_of(matrix, rows);
+  if (range.last_row < 0) return {};
+  return draw(matrix, rows, range, kNoClass, class_of);
 }
 
 }  // namespace pilotage

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -19,5 +20,10 @@ struct ScoreRaster {
 /// The raster of the rows of one level, cropped to the tiles there are; columns that no row has a value for are left
 /// out. Empty bands when there is no row. Throws DataError when a row lies outside `matrix`.
 ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows);
+
+/// One byte per tile on the same pixels, kNoClass where there is no tile; empty when there is no row. Throws as
+/// score_raster.
+cv::Mat class_raster(const TileMatrix& matrix, std::span<const TileRow> rows,
+                     const std::function<std::uint8_t(const TileRow&)>& class_of);
 
 }  // namespace pilotage

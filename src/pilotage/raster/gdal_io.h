@@ -9,4 +9,5 @@
 #include "pilotage/raster/gdal_gray.h"            // IWYU pragma: export
 #include "pilotage/raster/gdal_image_metadata.h"  // IWYU pragma: export
 #include "pilotage/raster/gdal_imagery.h"         // IWYU pragma: export
+#include "pilotage/raster/gdal_vector.h"          // IWYU pragma: export
 #include "pilotage/raster/gdal_write.h"           // IWYU pragma: export

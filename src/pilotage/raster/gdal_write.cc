@@ -14,34 +14,11 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/raster/gdal_handle.h"
+#include "pilotage/raster/gdal_local_config.h"
+#include "pilotage/raster/gdal_memory.h"
 
 namespace pilotage {
 namespace {
-
-/// A GDAL configuration option of this thread while it lives.
-class LocalConfig {
- public:
-  LocalConfig(const char* key, const char* value) : key_(key) { CPLSetThreadLocalConfigOption(key, value); }
-  ~LocalConfig() { CPLSetThreadLocalConfigOption(key_, nullptr); }
-  LocalConfig(const LocalConfig&) = delete;
-  LocalConfig& operator=(const LocalConfig&) = delete;
-
- private:
-  const char* key_;
-};
-
-DatasetPtr create_in_memory(const cv::Size& size, int bands, GDALDataType type, const Crs& crs,
-                            const GeoTransform& place, const std::string& path) {
-  const GdalErrors errors;
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("MEM");
-  DatasetPtr dataset(driver == nullptr ? nullptr : driver->Create("", size.width, size.height, bands, type, nullptr));
-  if (dataset == nullptr) errors.throw_data_error(path + ": no memory for the raster");
-  std::array<double, 6> numbers{place.origin_x, place.x_per_col, place.x_per_row,
-                                place.origin_y, place.y_per_col, place.y_per_row};
-  dataset->SetGeoTransform(numbers.data());
-  dataset->SetProjection(crs.wkt().c_str());
-  return dataset;
-}
 
 void fill(GDALRasterBand& band, const cv::Mat& values, GDALDataType type, const std::string& path) {
   const GdalErrors errors;
