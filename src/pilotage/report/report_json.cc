@@ -2,6 +2,7 @@
 
 #include "pilotage/base/text.h"
 #include "pilotage/report/report.h"
+#include "pilotage/report/stored_report.h"
 #include "pilotage/report/tile_fields.h"
 
 namespace pilotage {
@@ -216,7 +217,7 @@ Json inputs_json(const Report& report) {
 Json report_json(const Report& report) {
   Json json;
   json["format"] = "pilotage-report";
-  json["format_version"] = 1;
+  json["format_version"] = kReportFormatVersion;
   json["software_version"] = report.software_version;
   json["title"] = report.title;
   json["verdict"]["status"] = verdict_name(report.verdict);
