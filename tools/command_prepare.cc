@@ -19,8 +19,8 @@ Command make_prepare_command() {
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
   command.output = {.kind = OutputKind::kFolder,
                     .help =
-                        "Folder for map.gpkg, scores.tif, tiles.csv, report.html, report.json, and plan.json and "
-                        "selection.json, from which the stages can be run again."};
+                        "Folder for map.gpkg, scores.tif, tiles.csv, the files of the report (--outputs), and "
+                        "plan.json and selection.json, from which the stages can be run again."};
   bind_options<PrepareOptions>(command, [](const PrepareOptions& options, const Invocation& invocation) {
     const PrepareRun run{invocation.output, invocation.overwrite, invocation.seed, invocation.threads, version_line()};
     const PrepareResult done = prepare(options, run, invocation.progress);
@@ -29,8 +29,10 @@ Command make_prepare_command() {
     result.text = done.verdict + "\n" + std::to_string(done.planned_tiles) + " tiles, " +
                   std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
                   " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
-                  bytes_per_tile_text(done.map) + kept_features_text(done.map) +
-                  "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
+                  bytes_per_tile_text(done.map) + kept_features_text(done.map);
+    if (asks_for(options.outputs, ReportOutput::kHtml)) {
+      result.text += "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
+    }
     result.json = {{"verdict", done.verdict},
                    {"output", folder},
                    {"files", done.files},

@@ -1,10 +1,17 @@
+#include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "stage_files.h"
 #include "version.h"
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/staging_folder.h"
+#include "pilotage/gis/report_outputs.h"
+#include "pilotage/report/compare_reports.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 
@@ -13,16 +20,89 @@ namespace {
 
 struct ReportCommandOptions {
   StageFileOptions files;
+  bool compare = false;
+  std::vector<ReportOutput> outputs{ReportOutput::kHtml};
   std::string report_json;
   std::string title;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
-    fields.path("report_json", self.report_json, "Also write the same numbers as JSON.");
+    fields.field("compare", self.compare, "Say what changed between two report.json; -o takes it as JSON.");
+    fields.field("outputs", self.outputs, kOutputsHelp);
+    fields.path("report_json", self.report_json, "Also write the numbers as JSON here, wherever --outputs puts them.");
     fields.field("title", self.title, "Title of the page; the route's name if not given.");
   }
 };
+
+// The page is the output; the other files stand beside it and begin with its name.
+struct OutputPlace {
+  std::filesystem::path folder;
+  std::string page;
+  std::string stem;
+};
+
+OutputPlace place_of(const std::string& output) {
+  const std::filesystem::path path(output);
+  return {path.has_parent_path() ? path.parent_path() : ".", path.filename().string(), path.stem().string()};
+}
+
+void refuse_existing(const OutputPlace& place, const std::vector<std::string>& names, bool overwrite) {
+  for (const std::string& name : names) const OutputFile refused(place.folder / name, overwrite);
+}
+
+CommandResult report_of_plan(const ReportCommandOptions& options, const Invocation& invocation) {
+  const OutputPlace place = place_of(invocation.output);
+  const StageFiles files = read_stage_files(options.files, invocation);
+  refuse_existing(place, report_output_names(place.stem, options.outputs, files.plan.levels, true),
+                  invocation.overwrite);
+  ReportInput input =
+      make_report_input(files.plan, files.scores, files.selection, input_files(files.plan), version_line());
+  input.title = options.title;
+  const Report report = make_report(input);
+  std::optional<OutputFile> numbers;
+  if (!options.report_json.empty()) {
+    numbers.emplace(options.report_json, invocation.overwrite);
+    numbers->write(report_json(report).dump(1) + "\n");
+  }
+  const StagingFolder staging(place.folder);
+  std::vector<std::string> written =
+      write_report_outputs(staging / "", place.stem, input, report, options.outputs, true, invocation.progress);
+  for (std::string& name : written) {
+    if (name != place.stem + ".html") continue;
+    std::filesystem::rename(staging / name, staging / place.page);  // -o page.htm is meant as it stands
+    name = place.page;
+  }
+  staging.publish(written);
+  if (numbers) numbers->commit();  // all appear, or none
+  CommandResult result;
+  result.text = report.verdict_text + "\n";
+  result.json = {{"output", invocation.output}, {"files", written}, {"verdict", report.verdict_text}};
+  return result;
+}
+
+CommandResult comparison_of_reports(const Invocation& invocation) {
+  if (invocation.inputs.size() != 2) {
+    throw UsageError("compare takes two reports, " + std::to_string(invocation.inputs.size()) +
+                     " is given: pilotage report --compare a.json b.json");
+  }
+  const ReportComparison comparison =
+      compare_reports(read_report(invocation.inputs[0]), read_report(invocation.inputs[1]));
+  CommandResult result;
+  result.text = report_comparison_text(comparison);
+  result.json = report_comparison_json(comparison);
+  if (!invocation.output.empty()) {
+    write_file(invocation.output, result.json.dump(1) + "\n", invocation.overwrite);
+  }
+  return result;
+}
+
+CommandResult run_report(const ReportCommandOptions& options, const Invocation& invocation) {
+  if (options.compare) return comparison_of_reports(invocation);
+  if (invocation.inputs.size() != 1) throw UsageError("two inputs are for --compare; a report is made of one plan");
+  if (invocation.output.empty()) throw UsageError("output is missing; give -o report.html");
+  return report_of_plan(options, invocation);
+}
 
 }  // namespace
 
@@ -32,27 +112,19 @@ Command make_report_command() {
   command.group = CommandGroup::kStages;
   command.summary = "Heat maps and a go / no-go page to open offline";
   command.examples = {{"From the files of the stages before.",
-                       "pilotage report plan.json --table tiles.csv --selection selection.json -o report.html"}};
-  command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
-  command.output = {.kind = OutputKind::kFile, .help = "The page (one self-contained HTML file)."};
-  bind_options<ReportCommandOptions>(command, [](const ReportCommandOptions& options, const Invocation& invocation) {
-    const StageFiles files = read_stage_files(options.files, invocation);
-    ReportInput input =
-        make_report_input(files.plan, files.scores, files.selection, input_files(files.plan), version_line());
-    input.title = options.title;
-    const Report report = make_report(input);
-    std::optional<OutputFile> numbers;
-    if (!options.report_json.empty()) {
-      numbers.emplace(options.report_json, invocation.overwrite);
-      numbers->write(report_json(report).dump(1) + "\n");
-    }
-    write_file(invocation.output, report_html(report), invocation.overwrite);
-    if (numbers) numbers->commit();  // both appear, or neither
-    CommandResult result;
-    result.text = report.verdict_text + "\n";
-    result.json = {{"output", invocation.output}, {"verdict", report.verdict_text}};
-    return result;
-  });
+                       "pilotage report plan.json --table tiles.csv --selection selection.json -o report.html"},
+                      {"For QGIS and Google Earth as well.",
+                       "pilotage report plan.json --table tiles.csv --selection selection.json --outputs "
+                       "html,cog,gpkg,kmz -o report.html"},
+                      {"What changed between two plans.", "pilotage report --compare before/report.json report.json"}};
+  command.inputs = {.name = "INPUT",
+                    .help = "The tile plan (plan.json); with --compare two reports (report.json).",
+                    .min = 1,
+                    .max = 2};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "The page (one self-contained HTML file); other outputs stand beside it with its name.",
+                    .required = false};
+  bind_options<ReportCommandOptions>(command, run_report);
   return command;
 }
 

@@ -2,6 +2,8 @@
 
 sample_mission.py PILOTAGE SOURCE_FOLDER"""
 
+import csv
+import json
 import pathlib
 import shutil
 import sys
@@ -10,7 +12,8 @@ from acceptance import check, main, need_gdal, run
 
 gdal = need_gdal()
 
-FILES = ["map.gpkg", "plan.json", "report.html", "report.json", "scores.tif", "selection.json", "tiles.csv"]
+FILES = ["map.gpkg", "plan.json", "report.gpkg", "report.html", "report.json", "report_classes.qml",
+         "report_classes.tif", "report_classes.tif.aux.xml", "scores.qml", "scores.tif", "selection.json", "tiles.csv"]
 BANDS = ["valid_fraction", "gray_variance", "frieden_entropy", "frieden_deficit", "clean_peak_margin",
          "degraded_peak_margin"]
 
@@ -41,6 +44,35 @@ def scores_are_cloud_optimised(path):
         check(abs(minimum - values.min()) <= 1e-9 * abs(minimum) + 1e-12, f"{name}: minimum {minimum}, {values.min()}")
         check(abs(maximum - values.max()) <= 1e-9 * abs(maximum) + 1e-12, f"{name}: maximum {maximum}, {values.max()}")
     check(not pathlib.Path(str(path) + ".aux.xml").exists(), "scores.tif.aux.xml")
+
+
+def gis_files_agree(pilotage, work):
+    """Every way in which a tile's P is handed on says what tiles.csv says."""
+    out = work / "out"
+    run(pilotage, "report", out / "plan.json", "--table", out / "tiles.csv", "--selection", out / "selection.json",
+        "--outputs", "all", "-o", work / "all.html")
+    with open(out / "tiles.csv", newline="") as table:
+        expected = {int(row["tile_id"]): float(row["p_correct_fix"]) for row in csv.DictReader(table)}
+    report = json.loads((work / "all.json").read_text())
+    at = {name: i for i, name in enumerate(report["tiles"]["columns"])}
+    told = {"report.json": {row[at["tile_id"]]: row[at["p_correct_fix"]] for row in report["tiles"]["rows"]}}
+    for name in ("all.gpkg", "all_tiles.geojson"):
+        dataset = gdal.OpenEx(str(work / name))
+        told[name] = {feature["tile_id"]: feature["p_correct_fix"] for feature in dataset.GetLayerByName("tiles")}
+    for name, found in told.items():
+        check(found.keys() == expected.keys(), f"{name} has other tiles")
+        wrong = [tile for tile, p in expected.items() if abs(found[tile] - p) > 5e-7]
+        check(not wrong, f"{name}: tiles {wrong[:5]} have another P than tiles.csv")
+    for name in ("all_scores.tif", "all_classes.tif"):
+        run(sys.executable, "-m", "osgeo_utils.samples.validate_cloud_optimized_geotiff", work / name)
+    check((work / "all_scores.tif").read_bytes() == (out / "scores.tif").read_bytes(), "all_scores.tif differs")
+    classes = gdal.Open(str(work / "all_classes.tif")).ReadAsArray()
+    for number, wanted in enumerate((lambda p: p >= 0.5, lambda p: 0.2 <= p < 0.5, lambda p: p < 0.2)):
+        count = sum(wanted(p) for p in expected.values())
+        check((classes == number).sum() == count, f"class {number}: {(classes == number).sum()} tiles, not {count}")
+    run(sys.executable, "-m", "osgeo_utils.samples.validate_gpkg", "--extra", "--warning-as-error", work / "all.gpkg")
+    compared = json.loads(run(pilotage, "report", "--compare", out / "report.json", work / "all.json", "--json"))
+    check(not any(compared["areas"][key] for key in ("added", "removed", "changed")), "areas differ from themselves")
 
 
 def flipped_byte_is_seen(pilotage, source, work):
@@ -83,6 +115,7 @@ def test(pilotage, source, work, _):
     map_is_a_geopackage(work / "map.gpkg")
     check("intact" in run(pilotage, "verify", work / "out/map.gpkg"), "verify does not say intact")
     scores_are_cloud_optimised(work / "out/scores.tif")
+    gis_files_agree(pilotage, work)
     flipped_byte_is_seen(pilotage, source, work)
     stages_alone_agree(pilotage, mission, work)
     threads_do_not_matter(pilotage, mission, work)

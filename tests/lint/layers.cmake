@@ -19,7 +19,8 @@ set(below_stages ${foundation} route ins mapdb registration mission matchability
 foreach(stage tile score select build report match compare landmark)
   set(may_include_${stage} ${below_stages})
 endforeach()
-set(may_include_prepare ${below_stages} tile score select build report)
+set(may_include_gis ${below_stages} report)
+set(may_include_prepare ${below_stages} tile score select build report gis)
 set(may_include_evaluate ${below_stages} scene build match)
 set(may_include_simulate ${below_stages} scene match)
 
@@ -48,4 +49,4 @@ foreach(folder IN LISTS folders)
   endforeach()
 endforeach()
 finish("base <- geo <- raster <- {camera, vision} <- {route, ins, mapdb, registration} <- mission <- {scene, matchability <- stages}; a stage never \
-includes another stage, except prepare (the stages it is made of), evaluate (build and match) and simulate (match)")
+includes another stage, except prepare (the stages it is made of), gis (report), evaluate (build and match) and simulate (match)")

@@ -41,8 +41,10 @@ TEST(Prepare, WritesAllFilesAndNothingElse) {
   const testing::TemporaryFolder folder;
   const PrepareResult result = prepare(small_options(folder.path()), run_into(folder / "out"));
   EXPECT_EQ(names_in(folder / "out"), std::set<std::string>(result.files.begin(), result.files.end()));
-  EXPECT_EQ(names_in(folder / "out"), (std::set<std::string>{"map.gpkg", "plan.json", "report.html", "report.json",
-                                                             "scores.tif", "selection.json", "tiles.csv"}));
+  EXPECT_EQ(names_in(folder / "out"),
+            (std::set<std::string>{"map.gpkg", "plan.json", "report.gpkg", "report.html", "report.json",
+                                   "report_classes.qml", "report_classes.tif", "report_classes.tif.aux.xml",
+                                   "scores.qml", "scores.tif", "selection.json", "tiles.csv"}));
   EXPECT_THAT(result.verdict, ::testing::StartsWith("GO"));
   EXPECT_EQ(result.selected_tiles, result.map.tiles);
   EXPECT_EQ(result.matchable_fraction, 1);
@@ -50,7 +52,7 @@ TEST(Prepare, WritesAllFilesAndNothingElse) {
 
 TEST(Prepare, RefusesExistingOutputsBeforeAnyWork) {
   for (const char* name : {"plan.json", "tiles.csv", "scores.tif", "scores_level1.tif", "selection.json", "map.gpkg",
-                           "report.html", "report.json"}) {
+                           "report.html", "report.json", "report.kmz", "report_classes_level2.tif", "scores.qml"}) {
     const testing::TemporaryFolder folder;
     write_file(folder / name, "mine", false);
     PrepareOptions options;
@@ -64,6 +66,15 @@ TEST(Prepare, RefusesExistingOutputsBeforeAnyWork) {
     }
     EXPECT_EQ(read_file(folder / name), "mine");
   }
+}
+
+TEST(Prepare, WritesOnlyTheOutputsThatAreAskedFor) {
+  const testing::TemporaryFolder folder;
+  PrepareOptions options = small_options(folder.path());
+  options.outputs = {ReportOutput::kKmz};
+  prepare(options, run_into(folder / "out"));
+  EXPECT_EQ(names_in(folder / "out"), (std::set<std::string>{"map.gpkg", "plan.json", "report.kmz", "scores.tif",
+                                                             "selection.json", "tiles.csv"}));
 }
 
 // Interrupted wherever progress is told: nothing is left, and what stood there before is untouched.
@@ -91,9 +102,13 @@ TEST(Prepare, LeavesNothingWhenInterruptedAnywhere) {
 TEST(Prepare, OverwritingRemovesRastersOfLevelsThatAreGone) {
   const testing::TemporaryFolder folder;
   write_file(folder / "scores_level1.tif", "of an earlier map", false);
+  write_file(folder / "report_classes_level1.tif", "of an earlier map", false);
+  write_file(folder / "report.kmz", "of an earlier map", false);
   write_file(folder / "notes.txt", "mine", false);
   prepare(small_options(folder.path()), run_into(folder.path(), true));
   EXPECT_FALSE(fs::exists(folder / "scores_level1.tif"));
+  EXPECT_FALSE(fs::exists(folder / "report_classes_level1.tif"));
+  EXPECT_FALSE(fs::exists(folder / "report.kmz"));
   EXPECT_EQ(read_file(folder / "notes.txt"), "mine");
 }
 

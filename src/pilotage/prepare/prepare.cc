@@ -5,11 +5,11 @@
 #include <system_error>
 #include <utility>
 
-#include <unistd.h>
-
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/staging_folder.h"
+#include "pilotage/gis/score_files.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/score_raster.h"
 #include "pilotage/mission/selection_file.h"
@@ -28,46 +28,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The outputs grow in a hidden folder inside the output folder and move out together at the end.
-class StagingFolder {
- public:
-  explicit StagingFolder(const fs::path& output_folder)
-      : output_folder_(output_folder), path_(output_folder / (".partial-" + std::to_string(::getpid()))) {
-    std::error_code error;
-    made_output_folder_ = fs::create_directories(output_folder_, error);
-    if (!error) fs::remove_all(path_, error);
-    if (!error) fs::create_directory(path_, error);
-    if (error) throw DataError(output_folder_.string() + ": the folder cannot be made: " + error.message());
-  }
-  ~StagingFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-    if (made_output_folder_) fs::remove(output_folder_, ignored);  // only when it is empty
-  }
-  StagingFolder(const StagingFolder&) = delete;
-  StagingFolder& operator=(const StagingFolder&) = delete;
-
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-
-  void publish(const std::vector<std::string>& names) const {
-    for (const std::string& name : names) {
-      std::error_code error;
-      fs::rename(path_ / name, output_folder_ / name, error);
-      if (error) throw DataError((output_folder_ / name).string() + ": cannot be created: " + error.message());
-    }
-  }
-
- private:
-  fs::path output_folder_;
-  fs::path path_;
-  bool made_output_folder_ = false;
-};
-
 std::string score_raster_name(int level) {
   return level == 0 ? "scores.tif" : "scores_level" + std::to_string(level) + ".tif";
 }
 
 constexpr const char* kDisagreement = "disagreement.tif";
+constexpr const char* kReport = "report";  // what the names of its files begin with
 
 // Names of outputs of an earlier run, sorted.
 std::vector<std::string> existing_outputs(const fs::path& folder) {
@@ -76,9 +42,9 @@ std::vector<std::string> existing_outputs(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" ||
-                             name == "map.gpkg" || name == kDisagreement || name == "report.html" ||
-                             name == "report.json" || name == score_raster_name(0);
-    const bool further_level = name.starts_with("scores_level") && name.ends_with(".tif");
+                             name == "map.gpkg" || name == kDisagreement || name == score_raster_name(0) ||
+                             name == "scores.qml" || is_report_output(kReport, name);
+    const bool further_level = name.starts_with("scores_level") && (name.ends_with(".tif") || name.ends_with(".qml"));
     if (one_of_ours || further_level) names.push_back(name);
   }
   std::sort(names.begin(), names.end());
@@ -152,8 +118,12 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   for (const PlanLevel& level : plan.levels) {
     const ScoreRaster raster = score_raster(level.matrix, rows);
     if (raster.bands.empty()) continue;
-    write_score_raster(publish_later(score_raster_name(level.matrix.level)), raster.bands,
-                       Crs::from_user_input(plan.crs_wkt), raster.map_from_pixel, true);
+    const fs::path path = publish_later(score_raster_name(level.matrix.level));
+    write_score_raster(path, raster.bands, Crs::from_user_input(plan.crs_wkt), raster.map_from_pixel, true);
+    const auto shown = shown_measure(raster, scores);
+    if (shown && asks_for(options.outputs, ReportOutput::kCog)) {
+      result.files.push_back(write_heat_style(path, *shown, true));
+    }
   }
 
   report_progress(progress, "selecting", 0, 0);
@@ -177,8 +147,9 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   input.parameters = described(options);
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
   const Report report = make_report(input);
-  write_file(publish_later("report.json"), report_json(report).dump(1) + "\n", true);
-  write_file(publish_later("report.html"), report_html(report), true);
+  const std::vector<std::string> written =
+      write_report_outputs(staging / "", kReport, input, report, options.outputs, false, progress);
+  result.files.insert(result.files.end(), written.begin(), written.end());
   staging.publish(result.files);
   remove_stale(run.output_folder, result.files);
 

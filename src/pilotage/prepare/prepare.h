@@ -8,6 +8,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/build/build_map.h"
+#include "pilotage/gis/report_outputs.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/score/score_tiles.h"
@@ -22,6 +23,7 @@ struct PrepareOptions {
   ScoreOptions score;
   SelectOptions select;
   BuildOptions build;
+  std::vector<ReportOutput> outputs{ReportOutput::kHtml, ReportOutput::kJson, ReportOutput::kCog, ReportOutput::kGpkg};
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -29,6 +31,7 @@ struct PrepareOptions {
     fields.group("score", self.score, "How tiles are scored.", FlagPrefix::kNone);
     fields.group("select", self.select, "Which tiles become matching areas.", FlagPrefix::kNone);
     fields.group("build", self.build, "What is stored of them.", FlagPrefix::kNone);
+    fields.field("outputs", self.outputs, kOutputsHelp);
   }
 };
 
@@ -54,10 +57,10 @@ struct PrepareResult {
 };
 
 /// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …
-/// for further levels), disagreement.tif (with score.second_epoch), selection.json, map.gpkg, report.html and
-/// report.json into the output folder, which is made when it does not exist. All of them appear at the end, together;
-/// when anything fails before, none does. Throws as the stages; DataError when an output exists and overwrite is not
-/// set.
+/// for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif (with
+/// score.second_epoch), selection.json, map.gpkg and the files of the report that `outputs` ask for, "report.html" and
+/// so on, into the output folder, which is made when it does not exist. All of them appear at the end, together; when
+/// anything fails before, none does. Throws as the stages; DataError when an output exists and overwrite is not set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "pilotage/raster/gdal_vector.h"
+#include "pilotage/report/report.h"
+
+namespace pilotage {
+
+/// A report as layers of a map (schemas/report-layers.md). Every number is the very number of report.json, so that the
+/// files cannot disagree; geometry comes from the plan. Each layer has its style for QGIS and for KML.
+struct ReportLayers {
+  VectorLayer tiles;  ///< The cell of every tile, with all columns of report.json's tiles, in the mission grid's CRS.
+  VectorLayer areas;  ///< Outlines of the matching areas: selected cells of a level that touch along edges, joined.
+  VectorLayer legs;   ///< WGS 84, as gaps and route.
+  VectorLayer gaps;
+  VectorLayer route;
+  VectorLayer report;  ///< Without a shape: the verdict and what the report was made of, as keys and values.
+};
+
+/// The measure in which tiles and heat maps are coloured: the first of the report that any tile has a value of,
+/// P(correct fix) where there is one; the first when none has.
+const MeasureScale& shown_scale(const Report& report);
+
+/// `report` is make_report(input) and `numbers` its report_json. Features come in the order of report.json; route is
+/// empty when the plan has no route.
+ReportLayers report_layers(const ReportInput& input, const Report& report, const nlohmann::ordered_json& numbers);
+
+}  // namespace pilotage

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
+#include "pilotage/report/report.h"
+
+namespace pilotage {
+
+/// Files in which a report can be handed on (docs/commands/report.md).
+enum class ReportOutput { kHtml, kJson, kCog, kGpkg, kKmz, kKml, kGeojson, kAll };
+
+inline EnumNames<ReportOutput> enum_names(ReportOutput) {
+  return {{ReportOutput::kHtml, "html"},       {ReportOutput::kJson, "json"}, {ReportOutput::kCog, "cog"},
+          {ReportOutput::kGpkg, "gpkg"},       {ReportOutput::kKmz, "kmz"},   {ReportOutput::kKml, "kml"},
+          {ReportOutput::kGeojson, "geojson"}, {ReportOutput::kAll, "all"}};
+}
+
+inline constexpr const char* kOutputsHelp =
+    "Files to write: html, json, cog (heat map and classes), gpkg (QGIS), kmz (Google Earth), kml (QGroundControl), "
+    "geojson, or all.";
+
+/// Whether `outputs` ask for `which`, by name or as part of all.
+bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which);
+
+/// The names of the files that `outputs` would write for a plan with these levels, without writing them; all of them
+/// begin with `stem`. `with_scores` says whether cog brings its own score raster, `<stem>_scores.tif`.
+std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,
+                                             const std::vector<PlanLevel>& levels, bool with_scores);
+
+/// Whether a file of this name could be one of report_output_names(stem, all): leftovers of an earlier run are.
+bool is_report_output(const std::string& stem, const std::string& name);
+
+/// Writes them into `folder`, over what stands there, and returns the names; `report` is make_report(input). Throws
+/// DataError, Interrupted.
+std::vector<std::string> write_report_outputs(const std::filesystem::path& folder, const std::string& stem,
+                                              const ReportInput& input, const Report& report,
+                                              const std::vector<ReportOutput>& outputs, bool with_scores,
+                                              const Progress& progress = {});
+
+}  // namespace pilotage

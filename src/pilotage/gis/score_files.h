@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pilotage/mission/score_raster.h"
+#include "pilotage/mission/tile_plan.h"
+#include "pilotage/report/measure.h"
+
+namespace pilotage {
+
+/// The measure that a score raster shows when it is opened: the first of report_measures() that is a band of it, with
+/// its scale over the rows of the level. Nothing when there is none.
+struct ShownMeasure {
+  MeasureScale scale;
+  int band = 0;  ///< From 1.
+};
+std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScore>& scores);
+
+/// Classes go, marginal, no-go (tile_class.h) of the tiles of one level on the pixels of score_raster, kNoClass where
+/// there is no tile; CV_8U, empty when there is no row. Throws as score_raster.
+cv::Mat class_values(const TileMatrix& matrix, const std::vector<TileRow>& rows);
+
+/// Writes the heat map's style beside `raster_path`: the same name with .qml. Returns its file name.
+std::string write_heat_style(const std::filesystem::path& raster_path, const ShownMeasure& shown, bool overwrite);
+
+/// Writes the class raster with its style (.qml) and the names of its classes (.aux.xml, where GDAL looks for them).
+/// Returns the file names.
+std::vector<std::string> write_classes(const std::filesystem::path& path, const cv::Mat& values, const Crs& crs,
+                                       const GeoTransform& map_from_pixel, bool overwrite);
+
+}  // namespace pilotage

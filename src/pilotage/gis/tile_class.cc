@@ -1,0 +1,38 @@
+#include "pilotage/gis/tile_class.h"
+
+#include <cmath>
+
+namespace pilotage {
+
+std::optional<TileClass> tile_class(const TileScore& score) {
+  using Limits = TileClassThresholds;
+  if (score.status != TileStatus::kScored) return TileClass::kNoGo;
+  if (!std::isnan(score.p_correct_fix)) {
+    if (score.p_correct_fix >= Limits::kGoodP) return TileClass::kGo;
+    return score.p_correct_fix >= Limits::kMatchableP ? TileClass::kMarginal : TileClass::kNoGo;
+  }
+  if (std::isnan(score.degraded.margin)) return std::nullopt;
+  if (score.degraded.margin >= Limits::kGoodMargin) return TileClass::kGo;
+  return score.degraded.margin > Limits::kMatchableMargin ? TileClass::kMarginal : TileClass::kNoGo;
+}
+
+Rgb status_color(QualityStatus status) {
+  if (status == QualityStatus::kGood) return {0x00, 0x72, 0xb2};
+  return status == QualityStatus::kMarginal ? Rgb{0xe6, 0x9f, 0x00} : Rgb{0xd5, 0x00, 0x8a};
+}
+
+const std::vector<RasterClass>& tile_classes() {
+  static const std::vector<RasterClass> classes = [] {
+    std::vector<RasterClass> list;
+    for (const auto& [name, status] :
+         {std::pair("go", QualityStatus::kGood), std::pair("marginal", QualityStatus::kMarginal),
+          std::pair("no-go", QualityStatus::kBad)}) {
+      const Rgb color = status_color(status);
+      list.push_back({name, {color.red, color.green, color.blue}});
+    }
+    return list;
+  }();
+  return classes;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,40 @@
+#include "gis/gis_scene.h"
+
+#include <algorithm>
+
+#include "pilotage/base/random.h"
+#include "pilotage/base/text.h"
+
+namespace pilotage::testing {
+
+ReportInput gis_scene(GeodeticPoint origin, bool two_levels) {
+  ReportSceneOptions options;
+  options.origin = origin;
+  options.turn_deg = 0;
+  options.matchable_from = 0.3;
+  options.matchable_to = 0.5;
+  options.tiles_along = 14;
+  ReportInput input = report_scene(options);
+  input.plan.crs_wkt = "+proj=aeqd +datum=WGS84 +units=m +no_defs +lat_0=" + format_number(origin.lat_deg) +
+                       " +lon_0=" + format_number(origin.lon_deg);
+  if (!two_levels) {
+    const auto upper = [](const auto& entry) { return entry.level > 0; };
+    std::erase_if(input.plan.tiles, upper);
+    std::erase_if(input.scores, upper);
+    const auto tiles = static_cast<std::int64_t>(input.plan.tiles.size());
+    std::erase_if(input.selection.tile_ids, [&](std::int64_t id) { return id >= tiles; });
+    input.plan.levels.resize(1);
+  }
+  Random random(3);
+  for (TileScore& score : input.scores) {
+    if (score.status == TileStatus::kScored && score.tile_id % 9 != 0) score.p_correct_fix = random.uniform();
+  }
+  input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, WorstStretch{1, 300, 520, 0.04}};
+  for (LegStatus& leg : input.selection.legs) {
+    leg.p_within_limit = 0.98;
+    leg.p_fix = 0.9;
+  }
+  return input;
+}
+
+}  // namespace pilotage::testing

@@ -1,0 +1,143 @@
+#include "pilotage/gis/report_layers.h"
+
+#include <set>
+
+#include "gis/gis_scene.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pilotage/geo/geodesic.h"
+#include "pilotage/gis/kml_files.h"
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+ReportLayers layers_of(const ReportInput& input) {
+  const Report report = make_report(input);
+  return report_layers(input, report, report_json(report));
+}
+
+std::size_t column_of(const VectorLayer& layer, const std::string& name) {
+  for (std::size_t i = 0; i < layer.columns.size(); ++i) {
+    if (layer.columns[i].name == name) return i;
+  }
+  ADD_FAILURE() << layer.name << " has no column " << name;
+  return 0;
+}
+
+nlohmann::ordered_json json_of(const VectorValue& value) {
+  return std::visit(
+      [](const auto& held) -> nlohmann::ordered_json {
+        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, std::monostate>) {
+          return nullptr;
+        } else {
+          return held;
+        }
+      },
+      value);
+}
+
+TEST(ReportLayers, TilesHoldTheNumbersOfTheReport) {
+  const ReportInput input = testing::gis_scene();
+  const auto json = report_json(input);
+  const VectorLayer tiles = layers_of(input).tiles;
+  ASSERT_EQ(tiles.columns.size(), json["tiles"]["columns"].size());
+  ASSERT_EQ(tiles.features.size(), json["tiles"]["rows"].size());
+  for (std::size_t row = 0; row < tiles.features.size(); ++row) {
+    for (std::size_t c = 0; c < tiles.columns.size(); ++c) {
+      EXPECT_EQ(tiles.columns[c].name, json["tiles"]["columns"][c]);
+      EXPECT_EQ(json_of(tiles.features[row].values[c]), json["tiles"]["rows"][row][c]) << row << " " << c;
+    }
+  }
+}
+
+TEST(ReportLayers, CellsOfALevelTouchWithoutOverlap) {
+  const ReportInput input = testing::gis_scene({7.6, 51.96}, false);
+  const VectorLayer tiles = layers_of(input).tiles;
+  std::vector<std::vector<Eigen::Vector2d>> cells;
+  std::set<std::pair<double, double>> corners;
+  for (const VectorFeature& feature : tiles.features) {
+    ASSERT_EQ(feature.points.size(), 4u);
+    cells.push_back(feature.points);
+    for (const Eigen::Vector2d& point : feature.points) corners.emplace(point.x(), point.y());
+  }
+  EXPECT_EQ(corners.size(), 8u * 15u);  // 7 × 14 cells share their corners exactly
+  EXPECT_EQ(join_polygons(cells).holes.size(), 0u);
+}
+
+TEST(ReportLayers, LegsAndGapsHoldTheNumbersOfTheReport) {
+  const ReportInput input = testing::gis_scene();
+  const auto json = report_json(input);
+  const ReportLayers layers = layers_of(input);
+  ASSERT_EQ(layers.legs.features.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t c = 0; c < layers.legs.columns.size(); ++c) {
+      EXPECT_EQ(json_of(layers.legs.features[i].values[c]), json["route"]["legs"][i][layers.legs.columns[c].name]);
+    }
+    EXPECT_EQ(layers.legs.features[i].points.front().x(), input.plan.route.vertices[i].point.lon_deg);
+  }
+  ASSERT_EQ(layers.gaps.features.size(), 1u);
+  EXPECT_EQ(json_of(layers.gaps.features[0].values[column_of(layers.gaps, "error_m")]),
+            json["route"]["gaps"][0]["error_m"]);
+  ASSERT_EQ(layers.route.features.size(), 1u);
+  EXPECT_EQ(json_of(layers.route.features[0].values[column_of(layers.route, "p_within_limit")]), 0.93);
+  EXPECT_EQ(json_of(layers.route.features[0].values[column_of(layers.route, "verdict_status")]),
+            json["verdict"]["status"]);
+}
+
+TEST(ReportLayers, AreasJoinSelectedTilesThatTouch) {
+  ReportInput input = testing::gis_scene({7.6, 51.96}, false);
+  // A ring of eight cells around one that is not selected, and one that touches the ring at a corner only.
+  const auto id = [](std::int64_t column, std::int64_t row) { return row * 7 + column; };
+  input.selection.tile_ids.clear();
+  for (std::int64_t row = 0; row < 3; ++row) {
+    for (std::int64_t column = 0; column < 3; ++column) {
+      if (row != 1 || column != 1) input.selection.tile_ids.push_back(id(column, row));
+    }
+  }
+  input.selection.tile_ids.push_back(id(3, 3));
+  const VectorLayer areas = layers_of(input).areas;
+  ASSERT_EQ(areas.features.size(), 2u);
+  EXPECT_EQ(json_of(areas.features[0].values[column_of(areas, "tiles")]), 8);
+  EXPECT_EQ(areas.features[0].holes.size(), 1u);
+  EXPECT_EQ(json_of(areas.features[1].values[column_of(areas, "tiles")]), 1);
+  EXPECT_EQ(areas.features[1].title, "Matching area 2");
+}
+
+TEST(ReportLayers, AnEmptyPlanHasEmptyLayers) {
+  ReportInput input = testing::gis_scene();
+  input.plan.tiles.clear();
+  input.scores.clear();
+  input.selection = {};
+  input.plan.route = {};
+  input.plan.route_samples.clear();
+  const ReportLayers layers = layers_of(input);
+  EXPECT_TRUE(layers.tiles.features.empty());
+  EXPECT_TRUE(layers.areas.features.empty());
+  EXPECT_TRUE(layers.route.features.empty());
+  EXPECT_FALSE(layers.report.features.empty());
+}
+
+// QGroundControl takes a file that holds a polygon for polygons, and the first line of one that holds none.
+TEST(KmlFiles, LinesAndAreasStandInFilesOfTheirOwn) {
+  const ReportInput input = testing::gis_scene();
+  const Report report = make_report(input);
+  const ReportLayers layers = layers_of(input);
+  const std::string legs = legs_kml(report, layers);
+  EXPECT_THAT(legs, Not(HasSubstr("<Polygon")));
+  EXPECT_THAT(legs, Not(HasSubstr("<Point")));
+  const auto first_line = legs.find("<LineString");
+  ASSERT_NE(first_line, std::string::npos);
+  EXPECT_LT(legs.find("<Folder id=\"route\""), first_line);
+  EXPECT_GT(legs.find("<Folder id=\"legs\""), first_line);
+  EXPECT_THAT(legs, HasSubstr("<color>ffb27200</color>"));  // #0072b2 as KML writes it: opacity, blue, green, red
+  const std::string areas = areas_kml(report, layers);
+  EXPECT_THAT(areas, HasSubstr("<Polygon"));
+  EXPECT_THAT(areas, Not(HasSubstr("<LineString")));
+}
+
+}  // namespace
+}  // namespace pilotage
