@@ -62,6 +62,17 @@ void check_imagery(const Raster& imagery) {
   }
 }
 
+void check_pictures(const ReportInput& input) {
+  const TilePictures& pictures = input.pictures;
+  if (pictures.sheet.empty() || input.plan.tiles.empty()) return;
+  const cv::Rect sheet({0, 0}, pictures.sheet.size());
+  const bool whole =
+      pictures.sheet.type() == CV_8UC3 && pictures.side_px > 0 && pictures.columns > 0 &&
+      pictures.columns * pictures.side_px <= sheet.width &&
+      (pictures.place(input.plan.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
+  if (!whole) throw DataError("report: the sheet of pictures does not hold one for each tile of the plan");
+}
+
 std::string reason_for(const ReportTile& tile) {
   if (tile.selected) return "";
   if (!tile.scored) return "It was not scored.";
@@ -185,6 +196,7 @@ double route_length_m(const TilePlan& plan) {
 Report make_report(const ReportInput& input) {
   check_route(input);
   check_imagery(input.imagery);
+  check_pictures(input);
   const TilePlan& plan = input.plan;
   const Selection& selection = input.selection;
   Report report;
@@ -237,6 +249,8 @@ Report make_report(const ReportInput& input) {
   for (const auto* more : {&selection.notes, &input.assumptions}) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }
+  report.evaluation = input.evaluation;
+  report.weak_places = weak_places(report, selection.advice);
   report.display = make_display(input, report);
   return report;
 }
