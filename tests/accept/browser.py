@@ -131,15 +131,16 @@ class Browser:
                 if event["method"] == "Network.requestWillBeSent"]
 
     # ---- Hands ----
-    def _pointer(self, actions):
+    def pointer(self, actions):
+        """Actions of a mouse as the protocol has them."""
         self._send("POST", self.session + "/actions", {"actions": [
             {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions}]})
 
     def move(self, x, y):
-        self._pointer([{"type": "pointerMove", "duration": 0, "x": round(x), "y": round(y)}])
+        self.pointer([{"type": "pointerMove", "duration": 0, "x": round(x), "y": round(y)}])
 
     def click(self, x, y):
-        self._pointer([{"type": "pointerMove", "duration": 0, "x": round(x), "y": round(y)},
+        self.pointer([{"type": "pointerMove", "duration": 0, "x": round(x), "y": round(y)},
                        {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}])
 
     def press(self, *keys):

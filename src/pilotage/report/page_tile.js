@@ -46,7 +46,7 @@ function showTile(i, move) {
   $('tile-title').textContent = 'Tile ' + id;
   $('tile-state').textContent = selected ? 'chosen' : 'refused';
   $('tile-state').className = 'badge ' + (selected ? 'good' : 'refused');
-  $('tile-reasons').textContent = [p === null || p === undefined ? '' : 'P(correct fix) ' + p.toFixed(2) + '.', valueOf(row, 'reason'), valueOf(row, 'reasons')]
+  $('tile-reasons').textContent = [p === null || !selected ? '' : 'P(correct fix) ' + p.toFixed(2) + '.', valueOf(row, 'reason'), valueOf(row, 'reasons')]
     .filter((text) => text).join(' ');
   $('tile-hint').textContent = selected ? 'Chosen for the map.' : 'Refused.';
   const center = formatted(valueOf(row, 'center_lat_deg'), 6) + ', ' + formatted(valueOf(row, 'center_lon_deg'), 6);

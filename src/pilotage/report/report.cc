@@ -80,6 +80,10 @@ std::string reason_for(const ReportTile& tile) {
     return "Too little ground: the imagery covers " + percent_text(tile.score.valid_fraction) + " of it.";
   }
   if (tile.score.status == TileStatus::kFlat) return "Flat: all its pixels have the same gray value.";
+  if (std::isfinite(tile.score.p_correct_fix)) {  // then it is what the selection judges by, not the margin
+    return "The selection left it out (smallest P allowed, size budget or sparse areas): its P(correct fix) is " +
+           number_text(tile.score.p_correct_fix, 3) + ".";
+  }
   if (tile.score.degraded.margin <= 0) {
     return "A rival in its search area looks as much like it as itself (margin " +
            number_text(tile.score.degraded.margin, 3) + " on degraded copies).";
