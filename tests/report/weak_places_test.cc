@@ -29,7 +29,7 @@ TEST(WeakPlaces, AGapOverTheLimitSaysWhereWhyAndWhatToDo) {
   EXPECT_EQ(place.status, QualityStatus::kBad);
   EXPECT_EQ(place.from_distance_m, report.gaps[0].gap.from_distance_m);
   EXPECT_EQ(place.to_distance_m, report.gaps[0].gap.to_distance_m);
-  EXPECT_EQ(place.where, "1.1 km – 3.2 km, leg 2");
+  EXPECT_EQ(place.where, "1.1 km – 3.2 km, legs 2 to 4");
   EXPECT_THAT(place.what, HasSubstr("without a fix; error at its end 68 m > 50 m"));
   int tiles = 0;
   int green = 0;

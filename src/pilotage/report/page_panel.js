@@ -1,13 +1,13 @@
 // Beside the map: which measure, its scale with the threshold, which layers.
-function radio(name, index, text, checked, change) {
+function levelRadio(level) {
   const label = element('label');
   const input = element('input');
   input.type = 'radio';
-  input.name = name;
-  input.value = String(index);
-  input.checked = checked;
-  input.addEventListener('change', change);
-  label.append(input, ' ' + text);
+  input.name = 'level';
+  input.value = String(level);
+  input.checked = level === state.level;
+  input.addEventListener('change', () => setLevel(level));
+  label.append(input, ' Level ' + level);
   return label;
 }
 // How many tiles lie where on the scale: bars above the colours.
@@ -79,15 +79,18 @@ function setLevel(level) {
 }
 function makePanel() {
   report.measures.forEach((measure, i) => {
-    $('measures').append(radio('measure', i, measure.label, i === state.measure, () => {
-      state.measure = i;
-      showScale();
-      updateThreshold();
-    }));
+    if (measure.least === null && i !== state.measure) return;  // was not computed
+    const option = element('option', measure.label);
+    option.value = String(i);
+    option.selected = i === state.measure;
+    $('measure').append(option);
   });
-  if (levels.length > 1) {
-    levels.forEach((level) => $('levels').append(radio('level', level, 'Level ' + level, level === state.level, () => setLevel(level))));
-  }
+  $('measure').addEventListener('change', () => {
+    state.measure = Number($('measure').value);
+    showScale();
+    updateThreshold();
+  });
+  if (levels.length > 1) levels.forEach((level) => $('levels').append(levelRadio(level)));
   showScale();
   updateThreshold();
   $('opacity').addEventListener('input', setOpacity);

@@ -21,11 +21,13 @@ function drawPicture(i) {
   const side = (Math.max(...xs) - Math.min(...xs)) * perMetre;
   context.drawImage(image, (Math.min(...xs) - minX) * perMetre, (maxY - Math.max(...ys)) * perMetre, side, side, 0, 0, canvas.width, canvas.height);
 }
+// Columns that no tile has a value in were not asked for.
+const emptyColumns = report.tiles.columns.map((name, k) => tiles.every((row) => row[k] === null));
 function fillTable(row) {
   const table = $('tile-table');
   table.replaceChildren();
   report.tiles.columns.forEach((name, k) => {
-    if (name === 'tile_id' || name === 'reason' || name === 'reasons' || name === 'selected') return;
+    if (name === 'tile_id' || name === 'reason' || name === 'reasons' || name === 'selected' || emptyColumns[k]) return;
     const line = element('tr');
     const head = element('th', report.tiles.labels[k]);
     head.scope = 'row';

@@ -110,8 +110,15 @@ std::string advice_text(const Report& report, const std::vector<LegAdvice>& advi
   return text;
 }
 
-std::string where_text(double from_m, double to_m, int leg) {
-  return length_text(from_m) + " – " + length_text(to_m) + ", leg " + std::to_string(leg + 1);
+// "1.5 km – 2.2 km, legs 5 to 6"; `leg` is where it starts.
+std::string where_text(const Report& report, double from_m, double to_m, int leg) {
+  int last = leg;
+  for (const ReportLeg& entry : report.legs) {
+    if (entry.from_distance_m < to_m - 1) last = std::max(last, entry.status.leg);
+  }
+  const std::string legs = last == leg ? "leg " + std::to_string(leg + 1)
+                                       : "legs " + std::to_string(leg + 1) + " to " + std::to_string(last + 1);
+  return length_text(from_m) + " – " + length_text(to_m) + ", " + legs;
 }
 
 // A place and what it is ranked by.
@@ -127,7 +134,7 @@ Ranked gap_place(const Report& report, const ReportGap& entry) {
   ranked.place.from_distance_m = gap.from_distance_m;
   ranked.place.to_distance_m = gap.to_distance_m;
   ranked.place.status = gap.within_limit ? judge_error(gap.error_m, report.max_error_m) : QualityStatus::kBad;
-  ranked.place.where = where_text(gap.from_distance_m, gap.to_distance_m, gap.leg);
+  ranked.place.where = where_text(report, gap.from_distance_m, gap.to_distance_m, gap.leg);
   ranked.place.what = length_text(entry.length_m) + " = " + duration_text(gap.duration_s) +
                       " without a fix; error at its end " + comparison_text(gap.error_m, report.max_error_m) + ".";
   ranked.p_lost = std::isnan(gap.p_first_excess) ? 0 : gap.p_first_excess;
@@ -144,7 +151,7 @@ void add_worst_stretch(const Report& report, std::vector<Ranked>& places) {
   ranked.place.from_distance_m = worst.from_distance_m;
   ranked.place.to_distance_m = worst.to_distance_m;
   ranked.place.status = QualityStatus::kBad;
-  ranked.place.where = where_text(worst.from_distance_m, worst.to_distance_m, worst.leg);
+  ranked.place.where = where_text(report, worst.from_distance_m, worst.to_distance_m, worst.leg);
   ranked.place.what = "Most flights are lost here: with P = " + probability_text(worst.p_first_excess) +
                       " the error first exceeds its limit on this stretch.";
   ranked.p_lost = worst.p_first_excess;
@@ -167,7 +174,7 @@ void add_legs(const Report& report, std::vector<Ranked>& places) {
     ranked.place.from_distance_m = leg.from_distance_m;
     ranked.place.to_distance_m = to_m;
     ranked.place.status = leg.quality;
-    ranked.place.where = where_text(leg.from_distance_m, to_m, leg.status.leg);
+    ranked.place.where = where_text(report, leg.from_distance_m, to_m, leg.status.leg);
     ranked.place.what = "Largest error " + comparison_text(leg.status.max_error_m, report.max_error_m) + ".";
     ranked.error_m = leg.status.max_error_m;
     places.push_back(ranked);

@@ -15,7 +15,7 @@ struct WeakPlace {
   double from_distance_m = 0;  ///< Along the route.
   double to_distance_m = 0;
   QualityStatus status = QualityStatus::kGood;
-  std::string where;  ///< "1.5 km – 2.2 km, leg 5".
+  std::string where;  ///< "1.5 km – 2.2 km, legs 5 to 6".
   std::string what;   ///< "752 m = 42 s without a fix; error at its end 37 m ≤ 60 m".
   std::string why;    ///< "Open water (9 of 14 tiles), hardly any contrast (4)."; "" when nothing is known.
   std::string todo;   ///< What to change, one sentence or two.
