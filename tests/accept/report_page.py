@@ -66,8 +66,11 @@ class Report:
 
 def opens_quietly(page, path, report):
     page.console()
+    page.devtools("Network.enable")
+    page.devtools("Network.emulateNetworkConditions", offline=True, latency=0, downloadThroughput=0, uploadThroughput=0)
     page.addresses()
     page.open(path)
+    check(not page.run("return navigator.onLine"), "the browser is not cut off")
     page.wait("const image = pilotage.layers.imagery.getElement(); return image.complete && image.naturalWidth > 0",
               "the imagery")
     foreign = [address for address in page.addresses()

@@ -50,8 +50,8 @@ TEST(StripChart, ProbabilitiesAreARibbonInTheColoursOfTheirHeatMap) {
   EXPECT_THAT(svg, HasSubstr(">P(fix)</text>"));
   const auto colors = color_table(ColorMap::kViridis);
   // One rectangle for each stretch of one shade, 64 … 624 … 1184 of the chart's units.
-  EXPECT_THAT(svg, HasSubstr("<rect x=\"64\" y=\"264\" width=\"560\" height=\"10\" fill=\"" + hex_color(colors[0])));
-  EXPECT_THAT(svg, HasSubstr("<rect x=\"624\" y=\"264\" width=\"560\" height=\"10\" fill=\"" + hex_color(colors[255])));
+  EXPECT_THAT(svg, HasSubstr("<rect x=\"64\" y=\"276\" width=\"560\" height=\"12\" fill=\"" + hex_color(colors[0])));
+  EXPECT_THAT(svg, HasSubstr("<rect x=\"624\" y=\"276\" width=\"560\" height=\"12\" fill=\"" + hex_color(colors[255])));
   for (ErrorSample& sample : report.error_profile) sample.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(strip_chart_svg(report), Not(HasSubstr("P(fix)")));
 }

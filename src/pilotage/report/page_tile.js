@@ -50,7 +50,7 @@ function showTile(i, move) {
   $('tile-state').className = 'badge ' + (selected ? 'good' : 'refused');
   $('tile-reasons').textContent = [p === null || !selected ? '' : 'P(correct fix) ' + p.toFixed(2) + '.', valueOf(row, 'reason'), valueOf(row, 'reasons')]
     .filter((text) => text).join(' ');
-  $('tile-hint').textContent = selected ? 'Chosen for the map.' : 'Refused.';
+  $('tile-hint').textContent = 'Tile ' + id + (selected ? ': chosen for the map.' : ': refused.');
   const center = formatted(valueOf(row, 'center_lat_deg'), 6) + ', ' + formatted(valueOf(row, 'center_lon_deg'), 6);
   $('tile-center').textContent = center;
   $('tile-copy').dataset.copy = center;

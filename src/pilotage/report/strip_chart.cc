@@ -12,7 +12,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kWidth = 1200;
-constexpr double kHeight = 304;
+constexpr double kHeight = 322;
 constexpr double kLeft = 64;
 constexpr double kRight = 1184;
 constexpr double kTop = 16;
@@ -117,14 +117,14 @@ std::string probability_ribbon(const Report& report, const Axes& axes, double to
     const double x2 = axes.x(profile[std::min(to, profile.size() - 1)].distance_m);
     if (shade >= 0) {
       svg += "<rect x=\"" + n(x1) + "\" y=\"" + n(top) + "\" width=\"" + n(std::max(x2 - x1, 0.5)) +
-             "\" height=\"10\" fill=\"" + hex_color(colors[static_cast<std::size_t>(shade * 255 / (kShades - 1))]) +
+             "\" height=\"12\" fill=\"" + hex_color(colors[static_cast<std::size_t>(shade * 255 / (kShades - 1))]) +
              "\"/>";
     }
     from = to;
   }
   if (svg.empty()) return "";
   return "<g><title>P(correct fix) of the chosen tile under the route: dark 0, bright 1</title>" + svg + "</g>\n" +
-         text("ribbon", kLeft - 8, top + 10, "P(fix)");
+         text("ribbon", kLeft - 8, top + 11.5, "P(fix)");
 }
 
 std::string ribbons(const Report& report, const Axes& axes) {
@@ -140,17 +140,17 @@ std::string ribbons(const Report& report, const Axes& axes) {
     if (x2 - x1 >= 26) svg += text("leg-number", (x1 + x2) / 2, leg_top + 12.5, number);
   }
   svg += text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
-  const double fix_top = leg_top + 20;
+  const double fix_top = leg_top + 25;  // far enough for the larger letters of a small screen
   std::string path;
   for (const FixStretch& fix : report.fixes) {
     const double x1 = axes.x(fix.from_distance_m);
     path +=
-        "M" + n(x1) + " " + n(fix_top) + "h" + n(std::max(axes.x(fix.to_distance_m) - x1, 1.0)) + "v10H" + n(x1) + "Z";
+        "M" + n(x1) + " " + n(fix_top) + "h" + n(std::max(axes.x(fix.to_distance_m) - x1, 1.0)) + "v12H" + n(x1) + "Z";
   }
   if (!path.empty())
     svg += "<path class=\"fixes\" d=\"" + path + "\"><title>Over selected tiles: fixes are expected</title></path>\n";
-  svg += text("ribbon", kLeft - 8, fix_top + 10, "Fixes");
-  return svg + probability_ribbon(report, axes, fix_top + 14);
+  svg += text("ribbon", kLeft - 8, fix_top + 11.5, "Fixes");
+  return svg + probability_ribbon(report, axes, fix_top + 21);
 }
 
 // Those over the limit are hatched too, so that colour is not alone. Wide ones say how long they are.
