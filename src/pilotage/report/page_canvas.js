@@ -236,7 +236,7 @@ function drawSelected(context, view) {
 function drawRefused(context, view) {
   strokeTwice(context, edgePath(view, cachedEdges('refused', isRefused)), ['#fff', 3], ['#000', 1.6], [5, 4]);
   const side = bucketSize_m * view.scale;
-  if (side < 26) return;  // crosses would hide what lies under them
+  if (side < 20) return;  // crosses would hide what lies under them
   const arm = Math.min(6, side / 6);
   const crosses = new Path2D();
   for (const i of visibleCells(view)) {
