@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <functional>
 
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>

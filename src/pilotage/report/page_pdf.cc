@@ -1,5 +1,6 @@
 #include "pilotage/report/page_pdf.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
