@@ -165,7 +165,7 @@ def counted(report, measure, level, threshold):
     rows = [row for row in report.rows if row["level"] == level]
     above = [row for row in rows if row[measure["name"]] is not None and row[measure["name"]] >= threshold]
     below = sum(1 for row in rows if row["selected"]) - sum(1 for row in above if row["selected"])
-    return f"{len(above)} of {len(rows)} tiles at or above; {below} chosen tiles below"
+    return len(above), len(rows), below
 
 
 def threshold_recounts(page, report):
@@ -182,7 +182,10 @@ def threshold_recounts(page, report):
             position = int(page.run("return document.getElementById('threshold').value"))
             threshold = measure["low"] + (measure["high"] - measure["low"]) * position / 200
             text = text_of(page, "threshold-count")
-            check(text.startswith(counted(report, measure, level, threshold)), f"{measure['name']} at {threshold}: {text}")
+            told = re.match(r"(\d+) of (\d+) tiles at or above ([-\d.]+)[^;]*; (\d+) chosen tiles below; \d+ % of the route", text)
+            wanted = counted(report, measure, level, threshold)
+            check(told and tuple(int(told.group(k)) for k in (1, 2, 4)) == wanted, f"{measure['name']} at {threshold}: {text}, not {wanted}")
+            check(abs(float(told.group(3)) - threshold) <= 0.51 * 10 ** -len(told.group(3).partition(".")[2]), f"threshold {text}")
             check(text != last, "the count does not change")
             last = text
             i = report.first(lambda row: row["level"] == level and row[measure["name"]] is not None

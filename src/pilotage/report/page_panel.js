@@ -58,8 +58,9 @@ function countThreshold() {
     if (passes(i)) ++above; else if (valueOf(row, 'selected')) ++selectedBelow;
   });
   const share = routeShare();
-  $('threshold-text').textContent = withUnit(formatted(state.threshold, decimalsNow()), scaleNow().unit);
-  $('threshold-count').textContent = above + ' of ' + all + ' tiles at or above; ' + selectedBelow + ' chosen tiles below' +
+  const value = withUnit(formatted(state.threshold, decimalsNow()), scaleNow().unit);
+  $('threshold-text').textContent = value;
+  $('threshold-count').textContent = above + ' of ' + all + ' tiles at or above ' + value + '; ' + selectedBelow + ' chosen tiles below' +
     (share === null ? '' : '; ' + Math.floor(100 * share + 1e-9) + ' % of the route over tiles at or above');
 }
 function updateThreshold() {
