@@ -29,7 +29,7 @@ function makeButtons() {
 // On paper the map shows the whole corridor, as wide as the page, and what was folded is open. Browsers lay the page out
 // for paper after `beforeprint`, so the map gets the size of the paper here: A4 less the margins of the style sheet.
 // A canvas drawn at this moment is printed without its transparency, so all layers are put together on one.
-const paper_px = { width: 700, height: 430 };
+const paper_px = { width: 700, height: 400 };
 const beforePrint = { center: null, zoom: 0, minZoom: 0, folded: [], picture: null };
 function mapPicture() {
   const canvas = document.createElement('canvas');
