@@ -144,8 +144,7 @@ void wait_for(Child& child, const fs::path& program, const fs::path& log, double
       throw DataError(program.string() + ": did not print the page within " + format_number(timeout_s) +
                       " s and was ended");
     }
-    report_progress(progress, "printing the PDF", static_cast<std::int64_t>(passed_s),
-                    static_cast<std::int64_t>(timeout_s));
+    report_progress(progress, "printing the PDF", 0, 0);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   const int status = *child.ended();
