@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
@@ -105,40 +106,73 @@ TileRow make_row(const TileMatrix& matrix, const TileScore& score, const Crs& cr
 
 }  // namespace
 
-ScoredImagery score_imagery(const std::vector<std::string>& datasets, const ScoreImageryOptions& options,
-                            std::uint64_t seed, int threads, const Progress& progress) {
+OpenImagery open_imagery(const std::vector<std::string>& datasets, const ScoreImageryOptions& options) {
   check_options(options);
   if (datasets.empty()) throw UsageError("there is no raster to score");
   std::vector<ImageryInfo> infos;
   for (const auto& dataset : datasets) infos.push_back(inspect_imagery(dataset, options.imagery));
-
   const bool own_grid = datasets.size() == 1 && !options.gsd_m && options.crs.empty();
-  const ImageryGrid grid = own_grid ? ImageryGrid{infos.front().crs, open_gray(datasets.front(), options.imagery)}
-                                    : resampled_grid(datasets, infos, options);
-  ScoredImagery result;
-  result.crs = grid.crs;
-  result.matrix = score_matrix(grid.source, options.grid);
-  result.warnings = imagery_warnings(infos, 0);
-  std::vector<TileScore> scores = score_tiles(grid.source, result.matrix, options.grid.search_radius_px, {},
+  ImageryGrid grid = own_grid ? ImageryGrid{infos.front().crs, open_gray(datasets.front(), options.imagery)}
+                              : resampled_grid(datasets, infos, options);
+  OpenImagery imagery{datasets, own_grid, std::move(grid.crs), std::move(grid.source), {}, imagery_warnings(infos, 0)};
+  imagery.matrix = score_matrix(imagery.source, options.grid);
+  return imagery;
+}
+
+SecondEpoch register_second_epoch(const OpenImagery& imagery, const ScoreImageryOptions& options, int threads,
+                                  const Progress& progress) {
+  EpochTiles all{imagery.matrix, options.grid.search_radius_px, {}};
+  all.indices.resize(static_cast<std::size_t>(imagery.matrix.tile_count()));
+  std::iota(all.indices.begin(), all.indices.end(), 0);
+  return register_epochs({imagery.datasets, options.imagery, imagery.crs}, {all}, options.score, threads, progress);
+}
+
+std::vector<TileScore> score_imagery_tiles(const OpenImagery& imagery, const ScoreImageryOptions& options,
+                                           const std::vector<std::int64_t>& indices, const WarpField* second_epoch,
+                                           std::uint64_t seed, int threads, const Progress& progress) {
+  std::vector<TileScore> scores = score_tiles(imagery.source, imagery.matrix, options.grid.search_radius_px, indices,
                                               options.score, seed, threads, progress);
-  if (!options.score.second_epoch.empty()) {
-    EpochTiles all{result.matrix, options.grid.search_radius_px, {}};
-    for (const TileScore& score : scores) all.indices.push_back(score.tile_id);
-    result.second_epoch = compare_epochs(datasets, options.imagery, grid.crs, {all}, options.score, threads, progress);
-    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = result.second_epoch->scores[i];
+  if (second_epoch != nullptr) {
+    EpochTiles tiles{imagery.matrix, options.grid.search_radius_px, {}};
+    for (const TileScore& score : scores) tiles.indices.push_back(score.tile_id);
+    const std::vector<EpochScores> epochs = score_epochs({imagery.datasets, options.imagery, imagery.crs},
+                                                         *second_epoch, {tiles}, options.score, threads, progress);
+    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = epochs[i];
   }
-  const CrsTransform transform(grid.crs);
   if (options.score.measure(ScoreMeasure::kGroundCover)) {
-    const ColorSource colors = own_grid
-                                   ? open_colors(datasets.front(), options.imagery)
-                                   : open_colors_on_grid(datasets, grid.crs, grid.source.map_from_pixel,
-                                                         grid.source.width_px, grid.source.height_px, options.imagery);
-    add_ground_cover(colors, result.matrix, scores, threads, progress);
+    const GraySource& source = imagery.source;
+    const ColorSource colors = imagery.own_grid
+                                   ? open_colors(imagery.datasets.front(), options.imagery)
+                                   : open_colors_on_grid(imagery.datasets, imagery.crs, source.map_from_pixel,
+                                                         source.width_px, source.height_px, options.imagery);
+    add_ground_cover(colors, imagery.matrix, scores, threads, progress);
   }
-  explain_tiles({result.matrix, grid.crs.metres_per_unit()}, scores);
+  return scores;
+}
+
+std::vector<TileRow> imagery_rows(const OpenImagery& imagery, std::vector<TileScore> scores) {
+  explain_tiles({imagery.matrix, imagery.crs.metres_per_unit()}, scores);
+  const CrsTransform transform(imagery.crs);
+  std::vector<TileRow> rows;
+  rows.reserve(scores.size());
+  for (const TileScore& score : scores) rows.push_back(make_row(imagery.matrix, score, imagery.crs, transform));
+  return rows;
+}
+
+ScoredImagery score_imagery(const std::vector<std::string>& datasets, const ScoreImageryOptions& options,
+                            std::uint64_t seed, int threads, const Progress& progress) {
+  const OpenImagery imagery = open_imagery(datasets, options);
+  ScoredImagery result{imagery.crs, imagery.matrix, {}, imagery.warnings, {}};
+  const WarpField* field = nullptr;
+  if (!options.score.second_epoch.empty()) {
+    result.second_epoch = register_second_epoch(imagery, options, threads, progress);
+    field = &result.second_epoch->registration.fit.field;
+  }
+  std::vector<TileScore> scores = score_imagery_tiles(imagery, options, {}, field, seed, threads, progress);
   for (const TileScore& score : scores) {
-    result.rows.push_back(make_row(result.matrix, score, grid.crs, transform));
+    if (result.second_epoch) result.second_epoch->scores.push_back(score.epoch);
   }
+  result.rows = imagery_rows(imagery, std::move(scores));
   return result;
 }
 
