@@ -126,6 +126,9 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
   ScoreShard result{describe_run(run, version_line()), shard, {}};
   CommandResult told;
   const bool done = !invocation.overwrite && is_done(file, result.run, shard, told.warnings);
+  if (!done && shard.count > 1 && !options.imagery.score.second_epoch.empty()) {
+    told.warnings.emplace_back("with a second date each shard registers both dates over all tiles of the run");
+  }
   if (!done) {
     result.scores = score_part(run, places, invocation.threads, invocation.progress).scores;
     // A second task with the same shard writes the same bytes: whichever is last wins.
