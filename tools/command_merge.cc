@@ -44,7 +44,7 @@ Command make_merge_command() {
     ScoreOutputs outputs(options, invocation, merged.run);
     PartScores all{std::move(merged.scores),
                    register_second_epoch(merged.run, invocation.threads, invocation.progress)};
-    return outputs.write(finish_run(merged.run, std::move(all)));
+    return outputs.write(finish_run(merged.run, std::move(all), invocation.threads));
   });
   return command;
 }

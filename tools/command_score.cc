@@ -148,7 +148,7 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
 CommandResult score_all(const ScoreCommandOptions& options, const Invocation& invocation) {
   if (!options.shards.empty()) throw UsageError("--shards goes with --shard");
   if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: where the score raster goes");
-  const ScoreRun run = open_run(options, invocation);
+  ScoreRun run = open_run(options, invocation);
   ScoreOutputs outputs(options.outputs, invocation, run);
   return outputs.write(score_run(run, invocation.threads, invocation.progress));
 }

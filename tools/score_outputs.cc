@@ -43,18 +43,24 @@ std::string for_people(double number) {
 
 // One line per measure: how far it ranges.
 void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
-  for (const ScoreColumn& column : score_columns()) {
-    std::vector<double> values;
-    for (const TileRow& row : rows) {
-      if (const double value = column.get(row.score); !std::isnan(value)) values.push_back(value);
+  const std::vector<ScoreColumn>& columns = score_columns();
+  std::vector<std::vector<double>> numbers(columns.size());
+  for (const TileRow& row : rows) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (const double value = columns[i].get(row.score); !std::isnan(value)) numbers[i].push_back(value);
     }
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    std::vector<double>& values = numbers[i];
     if (values.empty()) continue;
-    std::sort(values.begin(), values.end());
-    const double median = values[values.size() / 2];
-    result.text += column.name + ": " + for_people(values.front()) + " … " + for_people(median) + " … " +
-                   for_people(values.back()) + (column.unit.empty() ? "" : " " + column.unit) + "\n";
-    result.json["measures"][column.name] = {
-        {"minimum", values.front()}, {"median", median}, {"maximum", values.back()}, {"tiles", values.size()}};
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    const double median = *middle;
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    result.text += columns[i].name + ": " + for_people(*low) + " … " + for_people(median) + " … " + for_people(*high) +
+                   (columns[i].unit.empty() ? "" : " " + columns[i].unit) + "\n";
+    result.json["measures"][columns[i].name] = {
+        {"minimum", *low}, {"median", median}, {"maximum", *high}, {"tiles", values.size()}};
   }
 }
 

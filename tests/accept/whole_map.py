@@ -1,7 +1,7 @@
 """A map of all the ground of a raster, by the ordinary commands, for measuring the matcher.
 
 whole_map.py PILOTAGE RASTER -o MAP.gpkg [--footprint-m 154,80] [--hfov-deg 60 --width-px 640 --height-px 480]
-             [--gsd-m M] [--build="--features-per-mpx 30000"]
+             [--gsd-m M] [--build="--features-per-mpx 30000"] [--keep FOLDER]
 
 The route is a line across the middle of the raster with a corridor as wide as the raster, flown once at each height
 that gives a footprint of the stated width; every tile with ground is stored. What it runs, for a raster 1200 m high and
@@ -74,21 +74,26 @@ def route_over(raster, heights_m):
     return {"type": "FeatureCollection", "features": [feature]}, diagonal_m / 2
 
 
-def make_whole_map(pilotage, raster, output, footprints_m=(154,), camera=(60, 640, 480), tile_args=(), build_args=()):
-    """`camera`: horizontal field of view in degrees, width and height in pixels. Returns what the commands said."""
+def make_whole_map(pilotage, raster, output, footprints_m=(154,), camera=(60, 640, 480), tile_args=(), build_args=(),
+                   keep=None):
+    """`camera`: horizontal field of view in degrees, width and height in pixels. The files between the commands are
+    written to the folder `keep`, if one is named. Returns what the commands said."""
     hfov_deg, width_px, height_px = camera
     heights_m = heights_for(footprints_m, hfov_deg)
     route, half_diagonal_m = route_over(raster, heights_m)
     with tempfile.TemporaryDirectory(prefix="pilotage_map_") as folder:
-        work = pathlib.Path(folder)
+        work = pathlib.Path(keep or folder)
+        work.mkdir(parents=True, exist_ok=True)
         (work / "route.geojson").write_text(json.dumps(route))
         said = run(pilotage, "tile", "--imagery", raster, "--route", work / "route.geojson", "--height-reference", "agl",
                    "--speed-mps", SPEED_MPS, "--camera-hfov-deg", hfov_deg, "--camera-width-px", width_px,
                    "--camera-height-px", height_px, "--max-error-m", 60, "--min-agl-m", 1, "--corridor-half-width-m",
-                   math.ceil(half_diagonal_m), *tile_args, "-o", work / "plan.json")
+                   math.ceil(half_diagonal_m), *tile_args, "--overwrite",
+                   "-o", work / "plan.json")
         said += run(pilotage, "score", work / "plan.json", "--measures", "gray_variance", "--min-valid-fraction", 0.01,
-                    "-o", work / "scores.tif", "--table", work / "tiles.csv")
-        said += run(pilotage, "select", work / "plan.json", "--table", work / "tiles.csv", "-o", work / "selection.json")
+                    "--overwrite", "-o", work / "scores.tif", "--table", work / "tiles.csv")
+        said += run(pilotage, "select", work / "plan.json", "--table", work / "tiles.csv", "--overwrite",
+                    "-o", work / "selection.json")
         said += run(pilotage, "build", work / "plan.json", "--table", work / "tiles.csv", "--selection",
                     work / "selection.json", *build_args, "--overwrite", "-o", output)
     return said
@@ -105,13 +110,14 @@ def command_line():
     parser.add_argument("--height-px", type=int, default=480)
     parser.add_argument("--gsd-m", type=float, help="of the map; chosen by `tile` if not given")
     parser.add_argument("--build", default="", help="further options of `pilotage build`, as one text")
+    parser.add_argument("--keep", help="folder for plan.json, tiles.csv and selection.json")
     options = parser.parse_args()
     tile_args = ["--gsd-m", options.gsd_m] if options.gsd_m else []
     try:
         print(make_whole_map(options.pilotage, pathlib.Path(options.raster).absolute(), options.output,
                              [float(width) for width in options.footprint_m.split(",")],
                              (options.hfov_deg, options.width_px, options.height_px), tile_args,
-                             shlex.split(options.build)), end="")
+                             shlex.split(options.build), options.keep), end="")
     except Failed as failure:
         raise SystemExit(str(failure)) from None
 

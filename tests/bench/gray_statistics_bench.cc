@@ -1,4 +1,4 @@
-// V and H of one 256 px window: from the integral images of power sums, and by two passes over the pixels.
+// V and H of one 256 px window: from sums of powers, and by two passes over the pixels.
 #include <benchmark/benchmark.h>
 
 #include "pilotage/base/random.h"
@@ -21,33 +21,44 @@ cv::Mat image(int type) {
   return gray;
 }
 
-cv::Rect window(std::size_t i) {
-  return {static_cast<int>(i * 37 % (1024 - kTile)), static_cast<int>(i * 101 % (1024 - kTile)), kTile, kTile};
-}
-
 void from_sums(benchmark::State& state) {
   const cv::Mat gray = image(static_cast<int>(state.range(0)));
-  const PowerSums sums(gray, cv::Mat(gray.size(), CV_8U, cv::Scalar(255)));
+  const WindowSums sums(gray, cv::Mat(gray.size(), CV_8U, cv::Scalar(255)), kTile, static_cast<int>(state.range(1)));
+  const auto columns = static_cast<std::size_t>(sums.columns());
   std::size_t i = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(sums.at(window(i++)));
+  for (auto _ : state) {
+    ++i;
+    benchmark::DoNotOptimize(
+        sums.at(static_cast<std::int64_t>(i * 37 % columns), static_cast<std::int64_t>(i * 101 % columns)));
+  }
 }
-BENCHMARK(from_sums)->Arg(CV_8U)->Arg(CV_16U);
+BENCHMARK(from_sums)->ArgNames({"depth", "stride"})->ArgsProduct({{CV_8U, CV_16U}, {1, 8}});
 
 void from_pixels(benchmark::State& state) {
   const cv::Mat gray = image(static_cast<int>(state.range(0)));
   const cv::Mat valid(kTile, kTile, CV_8U, cv::Scalar(255));
   std::size_t i = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(gray_statistics(gray(window(i++)), valid));
+  for (auto _ : state) {
+    ++i;
+    const cv::Rect window(static_cast<int>(i * 37 % (1024 - kTile)), static_cast<int>(i * 101 % (1024 - kTile)), kTile,
+                          kTile);
+    benchmark::DoNotOptimize(gray_statistics(gray(window), valid));
+  }
 }
-BENCHMARK(from_pixels)->Arg(CV_8U)->Arg(CV_16U);
+BENCHMARK(from_pixels)->ArgName("depth")->Arg(CV_8U)->Arg(CV_16U);
 
 void make_sums(benchmark::State& state) {
   const cv::Mat gray = image(static_cast<int>(state.range(0)));
   const cv::Mat valid(gray.size(), CV_8U, cv::Scalar(255));
-  for (auto _ : state) benchmark::DoNotOptimize(PowerSums(gray, valid));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(WindowSums(gray, valid, kTile, static_cast<int>(state.range(1))));
+  }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * 1024 * 1024);
 }
-BENCHMARK(make_sums)->Arg(CV_8U)->Arg(CV_16U)->Unit(benchmark::kMillisecond);
+BENCHMARK(make_sums)
+    ->ArgNames({"depth", "stride"})
+    ->ArgsProduct({{CV_8U, CV_16U}, {1, 8, 64}})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace pilotage

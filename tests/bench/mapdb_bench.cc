@@ -1,11 +1,17 @@
-// Reading the onboard map: a synthetic map of 200 × 200 tiles, 400 descriptors each.
+// Reading the onboard map: synthetic maps of side × side tiles, 400 descriptors each, one a hundred times larger than
+// the other. $PILOTAGE_BENCH_MAP_SIDE is the side of the larger one: 200 (default) makes 0.8 GB, 720 makes 10 GB.
+// TMPDIR says where they are made; they are removed afterwards.
 
+#include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "testing/temporary_folder.h"
 #include <GeographicLib/TransverseMercator.hpp>
 #include <benchmark/benchmark.h>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "pilotage/base/random.h"
@@ -17,7 +23,6 @@
 namespace pilotage {
 namespace {
 
-constexpr int kSide = 200;
 constexpr int kTilePx = 128;
 constexpr int kFeatures = 400;
 
@@ -44,20 +49,25 @@ TileDescriptors random_descriptors(const MapTile& tile, const PixelWindow& windo
   return result;
 }
 
-std::filesystem::path write_large_map(const std::filesystem::path& path) {
+int large_side() {
+  const char* named = std::getenv("PILOTAGE_BENCH_MAP_SIDE");
+  return named == nullptr ? 200 : std::stoi(named);
+}
+
+std::filesystem::path write_map(const std::filesystem::path& path, int side) {
   Random random(seed_from_name("mapdb_bench"));
   MapHeader header;
   header.crs = {"WGS 84 / UTM zone 50S", "PROJCS[\"WGS 84 / UTM zone 50S\"]", ""};
   MapLevel level;
   level.gsd_m = 0.6;
-  level.matrix = {0, GeoTransform::north_up(380000, 6450000, 0.6), kSide * kTilePx, kSide * kTilePx, kTilePx, kTilePx};
+  level.matrix = {0, GeoTransform::north_up(380000, 6450000, 0.6), side * kTilePx, side * kTilePx, kTilePx, kTilePx};
   header.levels = {level};
   MapWriter writer(path, header, false);
-  for (int row = 0; row < kSide; ++row) {
-    for (int column = 0; column < kSide; ++column) {
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
       const PixelWindow window = level.matrix.tile_window(column, row);
       MapTile tile;
-      tile.tile_id = row * kSide + column;
+      tile.tile_id = static_cast<std::int64_t>(row) * side + column;
       tile.column = column;
       tile.row = row;
       const auto corner = [&](int x, int y) {
@@ -76,14 +86,17 @@ std::filesystem::path write_large_map(const std::filesystem::path& path) {
   return path;
 }
 
-const std::filesystem::path& large_map() {
+const std::filesystem::path& map_of_side(int side) {
   static const testing::TemporaryFolder folder;
-  static const std::filesystem::path path = write_large_map(folder / "large.gpkg");
-  return path;
+  static std::map<int, std::filesystem::path> paths;
+  if (!paths.contains(side)) paths[side] = write_map(folder / (std::to_string(side) + ".gpkg"), side);
+  return paths[side];
 }
 
-GeodeticPoint random_place(Random& random) {
-  return *from_utm({random.uniform(381000, 394000), random.uniform(6436000, 6449000)});
+/// At least 600 m from the edge of a map.
+GeodeticPoint random_place(Random& random, int side) {
+  const double extent_m = side * kTilePx * 0.6;
+  return *from_utm({380000 + random.uniform(600, extent_m - 600), 6450000 - random.uniform(600, extent_m - 600)});
 }
 
 std::size_t read_near(MapReader& reader, GeodeticPoint place, double radius_m) {
@@ -95,56 +108,75 @@ std::size_t read_near(MapReader& reader, GeodeticPoint place, double radius_m) {
 }
 
 void BM_TilesNear(benchmark::State& state) {
-  MapReader reader(large_map());
+  const int side = static_cast<int>(state.range(0));
+  MapReader reader(map_of_side(side));
   Random random(1);
-  for (auto _ : state) benchmark::DoNotOptimize(reader.tiles_near(random_place(random), 60, 0));
+  for (auto _ : state) benchmark::DoNotOptimize(reader.tiles_near(random_place(random, side), 60, 0));
 }
 
 void BM_TilesNearAndDescriptors(benchmark::State& state) {
-  MapReader reader(large_map());
+  const int side = static_cast<int>(state.range(0));
+  MapReader reader(map_of_side(side));
   Random random(2);
   std::size_t features = 0;
-  for (auto _ : state) features += read_near(reader, random_place(random), 60);
+  for (auto _ : state) features += read_near(reader, random_place(random, side), 60);
   state.counters["features"] = benchmark::Counter(static_cast<double>(features), benchmark::Counter::kAvgIterations);
+}
+
+/// Blocks of 512 bytes that the system read from the disk for this process.
+std::int64_t blocks_read() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_inblock;
 }
 
 /// The pages of the file are dropped from the system's cache before each open (as far as the system obeys).
 void BM_ColdOpenNearDescriptors(benchmark::State& state) {
-  const std::filesystem::path& path = large_map();
+  const int side = static_cast<int>(state.range(0));
+  const std::filesystem::path& path = map_of_side(side);
   Random random(3);
+  const std::int64_t before = blocks_read();
   for (auto _ : state) {
     state.PauseTiming();
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     ::fsync(descriptor);
     ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_DONTNEED);
     ::close(descriptor);
-    const GeodeticPoint place = random_place(random);
+    const GeodeticPoint place = random_place(random, side);
     state.ResumeTiming();
     MapReader reader(path);
     benchmark::DoNotOptimize(read_near(reader, place, 60));
   }
+  state.counters["read_KiB"] =
+      benchmark::Counter(0.5 * static_cast<double>(blocks_read() - before), benchmark::Counter::kAvgIterations);
+  state.counters["GB"] = 1e-9 * static_cast<double>(std::filesystem::file_size(path));
 }
 
 void BM_OpenNearDescriptors(benchmark::State& state) {
+  const int side = static_cast<int>(state.range(0));
   Random random(4);
   for (auto _ : state) {
-    MapReader reader(large_map());
-    benchmark::DoNotOptimize(read_near(reader, random_place(random), 60));
+    MapReader reader(map_of_side(side));
+    benchmark::DoNotOptimize(read_near(reader, random_place(random, side), 60));
   }
 }
 
 void BM_Verify(benchmark::State& state) {
   for (auto _ : state) {
-    if (!verify_map(large_map()).ok()) state.SkipWithError("the map is damaged");
+    if (!verify_map(map_of_side(20)).ok()) state.SkipWithError("the map is damaged");
   }
   state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) *
-                          static_cast<std::int64_t>(std::filesystem::file_size(large_map())));
+                          static_cast<std::int64_t>(std::filesystem::file_size(map_of_side(20))));
 }
 
-BENCHMARK(BM_TilesNear)->Unit(benchmark::kMicrosecond);
-BENCHMARK(BM_TilesNearAndDescriptors)->Unit(benchmark::kMicrosecond);
-BENCHMARK(BM_OpenNearDescriptors)->Unit(benchmark::kMicrosecond);
-BENCHMARK(BM_ColdOpenNearDescriptors)->Unit(benchmark::kMicrosecond)->Iterations(200);
+void both_maps(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgName("side")->Arg(large_side() / 10)->Arg(large_side())->Unit(benchmark::kMicrosecond);
+}
+
+BENCHMARK(BM_TilesNear)->Apply(both_maps);
+BENCHMARK(BM_TilesNearAndDescriptors)->Apply(both_maps);
+BENCHMARK(BM_OpenNearDescriptors)->Apply(both_maps);
+BENCHMARK(BM_ColdOpenNearDescriptors)->Apply(both_maps)->Iterations(200);
 BENCHMARK(BM_Verify)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace

@@ -65,8 +65,10 @@ std::string write_shard(const TemporaryFolder& folder, const ScoreRun& run, cons
 TEST(MergeShards, GivesTheTableOfTheWholeRun) {
   const TemporaryFolder folder;
   // 96 columns of tiles: both groups of columns, and shards that end inside a row.
-  const ScoreRun run = open_score_run({write_ground(folder, 80, 430)}, options_of_test(), 7);
-  const std::string whole = tile_table_to_csv(score_run(run).rows);
+  const std::string ground = write_ground(folder, 80, 430);
+  ScoreRun in_one = open_score_run({ground}, options_of_test(), 7);
+  const std::string whole = tile_table_to_csv(score_run(in_one).rows);
+  const ScoreRun run = open_score_run({ground}, options_of_test(), 7);
   std::vector<std::string> files;
   for (const std::int64_t number : {4, 2, 1, 3, 5}) {
     files.push_back(write_shard(folder, run, {number, 5}, 1 + static_cast<int>(number % 2)));

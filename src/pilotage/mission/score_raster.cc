@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "pilotage/base/error.h"
 
@@ -60,6 +61,19 @@ cv::Mat draw(const TileMatrix& matrix, std::span<const TileRow> rows, const Cell
   return values;
 }
 
+/// For each score column, whether some tile of the level has a number.
+std::vector<char> measured_columns(const TileMatrix& matrix, std::span<const TileRow> rows) {
+  const std::vector<ScoreColumn>& columns = score_columns();
+  std::vector<char> measured(columns.size());
+  for (const TileRow& row : rows) {
+    if (row.tile.level != matrix.level) continue;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (measured[i] == 0 && !std::isnan(columns[i].get(row.score))) measured[i] = 1;
+    }
+  }
+  return measured;
+}
+
 }  // namespace
 
 ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows) {
@@ -69,11 +83,10 @@ ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows
   raster.map_from_pixel = cell_transform(matrix, range);
   raster.bands.push_back(
       {"valid_fraction", "", draw(matrix, rows, range, [](const TileRow& row) { return row.score.valid_fraction; })});
-  for (const ScoreColumn& column : score_columns()) {
-    const bool measured = std::any_of(rows.begin(), rows.end(), [&](const TileRow& row) {
-      return row.tile.level == matrix.level && !std::isnan(column.get(row.score));
-    });
-    if (!measured) continue;
+  const std::vector<char> measured = measured_columns(matrix, rows);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (measured[i] == 0) continue;
+    const ScoreColumn& column = score_columns()[i];
     raster.bands.push_back({column.name, column.unit,
                             draw(matrix, rows, range, [&](const TileRow& row) { return column.get(row.score); })});
   }

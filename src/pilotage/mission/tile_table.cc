@@ -81,14 +81,10 @@ Cell reasons_cell() {
 
 std::vector<Cell> make_cells() {
   std::vector<Cell> cells;
-  const auto tile_number = [&](std::string name, double& (*member)(TileRow&)) {
+  const auto tile_number = [&](std::string name, auto member) {
     cells.push_back(number_cell(
-        std::move(name), true,
-        [member](const TileRow& row) {
-          TileRow copy = row;
-          return member(copy);
-        },
-        [member](TileRow& row, double value) { member(row) = value; }));
+        std::move(name), true, [member](const TileRow& row) { return *member(row); },
+        [member](TileRow& row, double value) { *member(row) = value; }));
   };
   cells.push_back(integer_cell(
       "tile_id", [](const TileRow& row) { return row.tile.tile_id; },
@@ -114,12 +110,12 @@ std::vector<Cell> make_cells() {
         row.tile.row = row.score.row = value;
         return true;
       }));
-  tile_number("center_lon_deg", [](TileRow& row) -> double& { return row.tile.center.lon_deg; });
-  tile_number("center_lat_deg", [](TileRow& row) -> double& { return row.tile.center.lat_deg; });
-  tile_number("min_x_m", [](TileRow& row) -> double& { return row.tile.bounds.min_x_m; });
-  tile_number("min_y_m", [](TileRow& row) -> double& { return row.tile.bounds.min_y_m; });
-  tile_number("max_x_m", [](TileRow& row) -> double& { return row.tile.bounds.max_x_m; });
-  tile_number("max_y_m", [](TileRow& row) -> double& { return row.tile.bounds.max_y_m; });
+  tile_number("center_lon_deg", [](auto& row) { return &row.tile.center.lon_deg; });
+  tile_number("center_lat_deg", [](auto& row) { return &row.tile.center.lat_deg; });
+  tile_number("min_x_m", [](auto& row) { return &row.tile.bounds.min_x_m; });
+  tile_number("min_y_m", [](auto& row) { return &row.tile.bounds.min_y_m; });
+  tile_number("max_x_m", [](auto& row) { return &row.tile.bounds.max_x_m; });
+  tile_number("max_y_m", [](auto& row) { return &row.tile.bounds.max_y_m; });
   cells.push_back(integer_cell(
       "min_col_px", [](const TileRow& row) { return row.min_col_px; },
       [](TileRow& row, std::int64_t value) {
@@ -279,6 +275,8 @@ std::string tile_table_to_csv(std::span<const TileRow> rows) {
   std::string text;
   for (const Cell& cell : cells()) text += (text.empty() ? "" : ",") + cell.name;
   text += '\n';
+  constexpr std::size_t kUsualRow = 320;
+  text.reserve(text.size() + rows.size() * kUsualRow);  // growing by doubling would hold it twice
   for (const TileRow& row : rows) {
     bool first = true;
     for (const Cell& cell : cells()) {

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -141,14 +143,24 @@ struct CrsTransform::Impl {
 };
 
 CrsTransform::CrsTransform(const Crs& crs) : impl_(std::make_unique<Impl>()) {
+  // PROJ searches its database for some 20 ms; copies of what it finds cost next to nothing. Never destroyed, because
+  // PROJ may be gone when statics are.
+  static std::mutex mutex;
+  static auto& found = *new std::map<std::string, Impl>;
+  const std::lock_guard lock(mutex);
   const GdalErrors errors;
-  const OGRSpatialReference map = horizontal_reference_of(crs);
-  const OGRSpatialReference geodetic = reference_from("EPSG:4326");
-  impl_->map_from_geodetic = make_transform(geodetic, map);
-  impl_->geodetic_from_map = make_transform(map, geodetic);
-  if (impl_->map_from_geodetic == nullptr || impl_->geodetic_from_map == nullptr) {
-    errors.throw_data_error("no transformation between WGS 84 and \"" + crs.name() + "\"");
+  auto known = found.find(crs.wkt());
+  if (known == found.end()) {
+    const OGRSpatialReference map = horizontal_reference_of(crs);
+    const OGRSpatialReference geodetic = reference_from("EPSG:4326");
+    Impl made{make_transform(geodetic, map), make_transform(map, geodetic)};
+    if (made.map_from_geodetic == nullptr || made.geodetic_from_map == nullptr) {
+      errors.throw_data_error("no transformation between WGS 84 and \"" + crs.name() + "\"");
+    }
+    known = found.emplace(crs.wkt(), std::move(made)).first;
   }
+  *impl_ = {TransformPtr(known->second.map_from_geodetic->Clone()),
+            TransformPtr(known->second.geodetic_from_map->Clone())};
 }
 
 CrsTransform::~CrsTransform() = default;

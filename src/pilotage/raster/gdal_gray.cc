@@ -15,6 +15,7 @@
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_view.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/raster/shared_blocks.h"
 
 namespace pilotage {
 namespace {
@@ -206,14 +207,19 @@ std::function<Raster(const PixelWindow&)> windows_on_own_pixels(const ImageryInf
 }
 
 GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& options) {
-  return {info.width_px, info.height_px, info.map_from_pixel, info.depth,
-          windows_on_own_pixels(info, options, read_gray)};
+  return {info.width_px,
+          info.height_px,
+          info.map_from_pixel,
+          info.depth,
+          windows_on_own_pixels(info, options, read_gray),
+          info.block_width_px,
+          info.block_height_px};
 }
 
 }  // namespace
 
 GraySource open_gray(const std::string& dataset, const ImageryOptions& options) {
-  return source_on_own_pixels(inspect_imagery(dataset, options), options);
+  return share_blocks(source_on_own_pixels(inspect_imagery(dataset, options), options));
 }
 
 cv::Mat read_gray8_picture(const std::string& dataset) {
@@ -238,12 +244,14 @@ GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs
   source.height_px = height_px;
   source.map_from_pixel = map_from_pixel;
   source.depth = mosaic->depth;
+  source.block_width_px = RasterView::kWarpedBlockWidth_px;
+  source.block_height_px = RasterView::kWarpedBlockHeight_px;
   source.read = [mosaic](const PixelWindow& window) {
     check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
     return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, 1),
                    [&](const RasterView& view) { return read_gray(view, window); });
   };
-  return source;
+  return share_blocks(source);
 }
 
 ColorSource open_colors(const std::string& dataset, const ImageryOptions& options) {

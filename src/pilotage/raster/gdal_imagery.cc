@@ -228,6 +228,7 @@ void read_bands(GDALDataset& dataset, const ImageryOptions& options, ImageryInfo
   }
   info.mask = find_mask(dataset, info.gray_bands, options.nodata.has_value());
   info.overviews = first->GetOverviewCount();
+  first->GetBlockSize(&info.block_width_px, &info.block_height_px);
   info.scale = first->GetScale();
   info.offset = first->GetOffset();
   info.unit = first->GetUnitType();

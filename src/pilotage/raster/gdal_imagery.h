@@ -79,6 +79,8 @@ struct ImageryInfo {
   bool palette = false;                  ///< The one gray band holds indices of colours.
   MaskKind mask = MaskKind::kNone;
   int overviews = 0;
+  int block_width_px = 1;  ///< Of the blocks in which the file holds the first used band.
+  int block_height_px = 1;
   /// Ground distance between neighbouring pixels at the centre of the raster, along a row and along a column: metres on
   /// the ellipsoid, whatever the CRS (degrees, feet, the stretched metres of EPSG:3857). Good to 1e-6 relative.
   double gsd_x_m = 0;

@@ -63,6 +63,9 @@ std::vector<std::string> warp_arguments(const ImageryInfo& info, const TargetGri
 }  // namespace
 
 RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options)
+    : RasterView(info, options, For::kReading) {}
+
+RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, For purpose)
     : info_(info), channels_(info.palette ? 3 : static_cast<int>(info.gray_bands.size())) {
   stack_.push_back(open_raster(info.dataset));
   const GdalErrors errors;
@@ -73,9 +76,12 @@ RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options)
     expand_palette(options);
   } else if (GDALDataTypeIsComplex(top().GetRasterBand(info.gray_bands.front())->GetRasterDataType()) != 0) {
     take_magnitude();
+  } else if (purpose == For::kReading && !options.nodata) {
+    take_file_bands();
   } else {
     select_bands(options);
   }
+  if (purpose == For::kReading) return;
   const GeoTransform& place = info.map_from_pixel;
   std::array<double, 6> numbers{place.origin_x, place.x_per_col, place.x_per_row,
                                 place.origin_y, place.y_per_col, place.y_per_row};
@@ -85,7 +91,7 @@ RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options)
 
 RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, const TargetGrid& grid,
                        Resampling resampling)
-    : RasterView(info, options) {
+    : RasterView(info, options, For::kWarping) {
   const GdalErrors errors;
   Arguments arguments(warp_arguments(info, grid, resampling));
   const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> warp_options(
@@ -96,7 +102,7 @@ RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, c
                         : GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, warp_options.get(), nullptr)));
   if (warped == nullptr) fail(errors, "cannot be warped onto the mission grid");
   stack_.push_back(std::move(warped));
-  has_alpha_ = true;
+  alpha_band_ = channels_ + 1;
   warped_ = true;
 }
 
@@ -120,13 +126,21 @@ void RasterView::translate(const std::vector<std::string>& arguments) {
   stack_.push_back(std::move(made));
 }
 
+/// The bands as the file has them: a view of them would copy every pixel once more.
+void RasterView::take_file_bands() {
+  std::copy(info_.gray_bands.begin(), info_.gray_bands.end(), bands_.begin());
+  for (int band = top().GetRasterCount(); band > 0; --band) {
+    if (top().GetRasterBand(band)->GetColorInterpretation() == GCI_AlphaBand) alpha_band_ = band;  // the first one
+  }
+}
+
 void RasterView::select_bands(const ImageryOptions& options) {
   std::vector<std::string> arguments{"-of", "VRT"};
   for (const int band : info_.gray_bands) arguments.insert(arguments.end(), {"-b", std::to_string(band)});
-  for (int band = 1; band <= top().GetRasterCount() && !has_alpha_; ++band) {
+  for (int band = 1; band <= top().GetRasterCount() && alpha_band_ == 0; ++band) {
     if (top().GetRasterBand(band)->GetColorInterpretation() != GCI_AlphaBand) continue;
     arguments.insert(arguments.end(), {"-b", std::to_string(band)});
-    has_alpha_ = true;
+    alpha_band_ = channels_ + 1;
   }
   const GDALDataType type = top().GetRasterBand(info_.gray_bands.front())->GetRasterDataType();
   if (options.nodata) {
@@ -150,8 +164,10 @@ void RasterView::expand_palette(const ImageryOptions& options) {
     colors->SetColorEntry(static_cast<int>(nodata), &entry);
     band->SetColorTable(colors.get());
   }
-  for (int i = 0; i < colors->GetColorEntryCount(); ++i) has_alpha_ = has_alpha_ || colors->GetColorEntry(i)->c4 < 255;
-  translate({"-of", "VRT", "-expand", has_alpha_ ? "rgba" : "rgb"});
+  for (int i = 0; i < colors->GetColorEntryCount(); ++i) {
+    if (colors->GetColorEntry(i)->c4 < 255) alpha_band_ = channels_ + 1;
+  }
+  translate({"-of", "VRT", "-expand", alpha_band_ > 0 ? "rgba" : "rgb"});
 }
 
 /// Complex values → their magnitude, before anything is resampled: their phases would cancel each other.
@@ -176,7 +192,7 @@ void RasterView::take_magnitude() {
 cv::Mat RasterView::read_pixels(const PixelWindow& window) const {
   const GdalErrors errors;
   cv::Mat pixels(window.height, window.width, CV_MAKETYPE(info_.depth, channels_));
-  std::array<int, 3> bands{1, 2, 3};
+  std::array<int, 3> bands = bands_;
   const auto element = static_cast<GSpacing>(pixels.elemSize1());
   const CPLErr result =
       top().RasterIO(GF_Read, static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height,
@@ -198,14 +214,15 @@ cv::Mat RasterView::read_valid(const PixelWindow& window) const {
     return cv::Mat(mask != 0);
   };
   cv::Mat valid(window.height, window.width, CV_8U, cv::Scalar(255));
-  if (has_alpha_) valid = read(*top().GetRasterBand(channels_ + 1));
+  if (alpha_band_ > 0) valid = read(*top().GetRasterBand(alpha_band_));
   if (warped_) return valid;
 
-  const int flags = top().GetRasterBand(1)->GetMaskFlags();
+  const auto band_of = [&](int channel) { return top().GetRasterBand(bands_.at(static_cast<std::size_t>(channel))); };
+  const int flags = band_of(0)->GetMaskFlags();
   if ((flags & (GMF_ALL_VALID | GMF_ALPHA)) != 0) return valid;
-  cv::Mat masks = read(*top().GetRasterBand(1)->GetMaskBand());
-  for (int band = 2; band <= channels_ && (flags & GMF_PER_DATASET) == 0; ++band) {
-    const cv::Mat mask = read(*top().GetRasterBand(band)->GetMaskBand());
+  cv::Mat masks = read(*band_of(0)->GetMaskBand());
+  for (int channel = 1; channel < channels_ && (flags & GMF_PER_DATASET) == 0; ++channel) {
+    const cv::Mat mask = read(*band_of(channel)->GetMaskBand());
     masks = info_.depth == CV_8U ? cv::Mat(masks | mask) : cv::Mat(masks & mask);
   }
   return valid & masks;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -24,10 +25,14 @@ struct TargetGrid {
   std::int64_t height_px = 0;
 };
 
-/// A stack of GDAL datasets, each made from the one before; the last one has one gray band or red, green, blue, and
-/// maybe an alpha band behind them. Belongs to one thread at a time.
+/// A stack of GDAL datasets, each made from the one before; `bands` of the last one are gray or red, green, blue.
+/// Belongs to one thread at a time.
 class RasterView {
  public:
+  /// What GDAL warps at a time, counted from the first pixel of the grid.
+  static constexpr int kWarpedBlockWidth_px = 512;
+  static constexpr int kWarpedBlockHeight_px = 128;
+
   /// The raster on its own grid.
   RasterView(const ImageryInfo& info, const ImageryOptions& options);
   /// The raster on another grid.
@@ -43,6 +48,9 @@ class RasterView {
   cv::Mat read_valid(const PixelWindow& window) const;
 
  private:
+  enum class For { kReading, kWarping };
+  RasterView(const ImageryInfo& info, const ImageryOptions& options, For purpose);
+  void take_file_bands();
   void select_bands(const ImageryOptions& options);
   void expand_palette(const ImageryOptions& options);
   void take_magnitude();
@@ -53,7 +61,8 @@ class RasterView {
   ImageryInfo info_;
   std::vector<DatasetPtr> stack_;
   int channels_ = 1;
-  bool has_alpha_ = false;
+  std::array<int, 3> bands_{1, 2, 3};
+  int alpha_band_ = 0;  // 0 = there is none
   bool warped_ = false;
 };
 

@@ -17,6 +17,12 @@ struct GraySource {
   /// The pixels of a window that lies inside the grid, as one channel of type `depth`. May be called by several threads
   /// at a time. Throws DataError when the data cannot be read.
   std::function<Raster(const PixelWindow& window)> read;
+
+  /// The pixels lie in blocks of this size, counted from the first pixel, each of which is decoded (or warped) as a
+  /// whole by each thread that reads a part of it: who reads along their borders reads each once. 1 where any window
+  /// costs the same.
+  int block_width_px = 1;
+  int block_height_px = 1;
 };
 
 /// A source over pixels already in memory (shared, not copied).

@@ -3,14 +3,20 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 
+#include <opencv2/core/hal/intrin.hpp>
+
 #include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
 
 namespace pilotage {
 namespace {
 
 __extension__ using Wide = unsigned __int128;
+constexpr std::size_t kRowsAtOnce = 8;       // rows of cells that are one piece of work
+constexpr std::size_t kColumnsAtOnce = 128;  // columns of windows that are one piece of work
 
 void check_images(const cv::Mat& gray, const cv::Mat& valid) {
   const int depth = gray.depth();
@@ -135,32 +141,106 @@ GrayStatistics from_histogram(const cv::Mat& gray, const cv::Mat& valid) {
   return result;
 }
 
+/// Adds the valid pixels of a rectangle to power sums.
 template <class T, class Sums>
-std::vector<Sums> integrate(const cv::Mat& gray, const cv::Mat& valid) {
-  const auto pitch = static_cast<std::size_t>(gray.cols) + 1;
-  std::vector<Sums> sums(pitch * (static_cast<std::size_t>(gray.rows) + 1));
-  using Power = decltype(Sums::s3);
-  for (int row = 0; row < gray.rows; ++row) {
-    const T* values = gray.ptr<T>(row);
-    const std::uint8_t* mask = valid.ptr(row);
-    const Sums* above = sums.data() + static_cast<std::size_t>(row) * pitch + 1;
-    Sums* here = sums.data() + static_cast<std::size_t>(row + 1) * pitch + 1;
-    Sums line{};
-    for (int col = 0; col < gray.cols; ++col) {
-      if (mask[col] != 0) {
-        const std::uint64_t f = values[col];
-        const std::uint64_t f2 = f * f;
-        line.count += 1;
-        line.s1 += f;
-        line.s2 += f2;
-        line.s3 += static_cast<Power>(f2) * static_cast<Power>(f);
-        line.s4 += static_cast<Power>(f2) * static_cast<Power>(f2);
-      }
-      here[col] = {above[col].count + line.count, above[col].s1 + line.s1, above[col].s2 + line.s2,
-                   above[col].s3 + line.s3, above[col].s4 + line.s4};
+void add_pixels(const cv::Mat& gray, const cv::Mat& valid, const cv::Rect& place, Sums& sums) {
+  using Power = decltype(Sums::s4);
+  for (int row = place.y; row < place.y + place.height; ++row) {
+    const T* values = gray.ptr<T>(row) + place.x;
+    const std::uint8_t* mask = valid.ptr(row) + place.x;
+    for (int col = 0; col < place.width; ++col) {
+      const std::uint64_t f = mask[col] != 0 ? values[col] : 0;
+      const std::uint64_t f2 = f * f;
+      sums.count += mask[col] != 0 ? 1 : 0;
+      sums.s1 += f;
+      sums.s2 += f2;
+      sums.s3 += f2 * f;
+      sums.s4 += static_cast<Power>(f2 * f2);
     }
   }
-  return sums;
+}
+
+std::uint64_t wide_sum(const cv::v_int32x4& lanes) {
+  cv::v_int64x2 low;
+  cv::v_int64x2 high;
+  cv::v_expand(lanes, low, high);
+  return static_cast<std::uint64_t>(cv::v_reduce_sum(low + high));
+}
+
+/// The same of 8-bit pixels, eight at a time: sums of d = f − 128 by products of 16-bit numbers. |d|³ ≤ 2^21, so 32
+/// bits hold the sums of 512 times eight pixels; d⁴ is added up in 64 bits.
+template <class Sums>
+void add_bytes(const cv::Mat& gray, const cv::Mat& valid, const cv::Rect& place, Sums& sums) {
+  constexpr int kLanes = 8;
+  constexpr int kMostAdds = 512;
+  const int vectors = place.width / kLanes;
+  if (vectors == 0 || vectors > kMostAdds) return add_pixels<std::uint8_t>(gray, valid, place, sums);
+  const cv::v_int16x8 middle = cv::v_setall_s16(128);
+  const cv::v_int16x8 one = cv::v_setall_s16(1);
+  const int rows_at_once = kMostAdds / vectors;
+  for (int first = place.y; first < place.y + place.height; first += rows_at_once) {
+    cv::v_int32x4 n = cv::v_setzero_s32();
+    cv::v_int32x4 d1 = n;
+    cv::v_int32x4 d2 = n;
+    cv::v_int32x4 d3 = n;
+    cv::v_uint64x2 d4 = cv::v_setzero_u64();
+    for (int row = first; row < std::min(first + rows_at_once, place.y + place.height); ++row) {
+      const std::uint8_t* values = gray.ptr(row) + place.x;
+      const std::uint8_t* mask = valid.ptr(row) + place.x;
+      for (int i = 0; i < vectors * kLanes; i += kLanes) {
+        const cv::v_int16x8 keep = cv::v_reinterpret_as_s16(cv::v_load_expand(mask + i)) != cv::v_setzero_s16();
+        const cv::v_int16x8 d = (cv::v_reinterpret_as_s16(cv::v_load_expand(values + i)) - middle) & keep;
+        const cv::v_int16x8 square = cv::v_mul_wrap(d, d);
+        cv::v_uint64x2 low;
+        cv::v_uint64x2 high;
+        cv::v_expand(cv::v_reinterpret_as_u32(cv::v_dotprod(square, square)), low, high);
+        n -= cv::v_dotprod(keep, one);
+        d1 += cv::v_dotprod(d, one);
+        d2 += cv::v_dotprod(d, d);
+        d3 += cv::v_dotprod(square, d);
+        d4 = d4 + low + high;
+      }
+    }
+    // Powers of f = d + 128, modulo 2^64.
+    const auto count = static_cast<std::uint64_t>(cv::v_reduce_sum(n));
+    const auto sum1 = static_cast<std::uint64_t>(std::int64_t{cv::v_reduce_sum(d1)});
+    const auto sum2 = static_cast<std::uint64_t>(cv::v_reduce_sum(d2));
+    const auto sum3 = wide_sum(d3);
+    const auto sum4 = static_cast<std::uint64_t>(cv::v_reduce_sum(d4));
+    sums.count += count;
+    sums.s1 += sum1 + 128 * count;
+    sums.s2 += sum2 + 256 * sum1 + (count << 14);
+    sums.s3 += sum3 + 384 * sum2 + 49152 * sum1 + (count << 21);
+    sums.s4 += sum4 + 512 * sum3 + 98304 * sum2 + 8388608 * sum1 + (count << 28);
+  }
+  const int rest = place.width - vectors * kLanes;
+  if (rest > 0) {
+    add_pixels<std::uint8_t>(gray, valid, {place.x + vectors * kLanes, place.y, rest, place.height}, sums);
+  }
+}
+
+template <class Sums>
+void add(Sums& sums, const Sums& others) {
+  sums.count += others.count;
+  sums.s1 += others.s1;
+  sums.s2 += others.s2;
+  sums.s3 += others.s3;
+  sums.s4 += others.s4;
+}
+
+template <class Sums>
+Sums difference(const Sums& a, const Sums& b) {
+  return {a.count - b.count, a.s1 - b.s1, a.s2 - b.s2, a.s3 - b.s3, a.s4 - b.s4};
+}
+
+double to_double(std::uint64_t value) {
+  return static_cast<double>(value);
+}
+
+/// To one part in 2^52, several times faster than the compiler's conversion.
+double to_double(Wide value) {
+  return static_cast<double>(static_cast<std::uint64_t>(value >> 64)) * 0x1p64 +
+         static_cast<double>(static_cast<std::uint64_t>(value));
 }
 
 }  // namespace
@@ -179,49 +259,97 @@ GrayStatistics gray_statistics(const cv::Mat& gray, const cv::Mat& valid) {
   }
 }
 
-PowerSums::PowerSums(const cv::Mat& gray, const cv::Mat& valid) : gray_(gray), valid_(valid) {
+WindowSums::WindowSums(const cv::Mat& gray, const cv::Mat& valid, int side_px, int stride_px, int threads)
+    : gray_(gray), valid_(valid), side_px_(side_px), stride_px_(stride_px) {
+  constexpr int kLargestSide = 65535;  // S3 of as many 8-bit pixels is below 2^64
   check_images(gray, valid);
-  if (gray.depth() == CV_8U) sums_ = integrate<std::uint8_t, Exact8>(gray, valid);
-  if (gray.depth() == CV_16U) sums_ = integrate<std::uint16_t, Exact16>(gray, valid);
+  if (side_px < 1 || side_px > kLargestSide || stride_px < 1) {
+    throw UsageError("windows of " + std::to_string(side_px) + " px every " + std::to_string(stride_px) +
+                     " px: sides are 1 to " + std::to_string(kLargestSide) + " px, strides at least 1 px");
+  }
+  cell_px_ = std::gcd(side_px, stride_px);
+  if (gray.cols < side_px || gray.rows < side_px) return;
+  columns_ = (gray.cols - side_px) / stride_px + 1;
+  rows_ = (gray.rows - side_px) / stride_px + 1;
+  if (gray.depth() == CV_8U) add_up<std::uint8_t>(sums_.emplace<std::vector<Sums8>>(), threads);
+  if (gray.depth() == CV_16U) add_up<std::uint16_t>(sums_.emplace<std::vector<Sums16>>(), threads);
 }
 
-GrayStatistics PowerSums::at(const cv::Rect& window) const {
-  if (const auto* sums = std::get_if<std::vector<Exact8>>(&sums_)) return at_sums(*sums, window);
-  if (const auto* sums = std::get_if<std::vector<Exact16>>(&sums_)) return at_sums(*sums, window);
-  return gray_statistics(gray_(window), valid_(window));
+cv::Rect WindowSums::window(std::int64_t column, std::int64_t row) const {
+  return {static_cast<int>(column * stride_px_), static_cast<int>(row * stride_px_), side_px_, side_px_};
 }
 
-template <class Sums>
-GrayStatistics PowerSums::at_sums(const std::vector<Sums>& sums, const cv::Rect& window) const {
-  constexpr bool kByte = std::is_same_v<Sums, Exact8>;
+GrayStatistics WindowSums::at(std::int64_t column, std::int64_t row) const {
+  if (const auto* sums = std::get_if<std::vector<Sums8>>(&sums_)) return at_sums(*sums, column, row);
+  if (const auto* sums = std::get_if<std::vector<Sums16>>(&sums_)) return at_sums(*sums, column, row);
+  return gray_statistics(gray_(window(column, row)), valid_(window(column, row)));
+}
+
+/// Line r + 1 of `sums` gets what row r of cells adds to each column of windows; then lines are added up downwards.
+template <class T, class Power>
+void WindowSums::add_up(std::vector<Sums<Power>>& sums, int threads) const {
+  const auto columns = static_cast<std::size_t>(columns_);
+  const auto cells_down = static_cast<std::size_t>(((rows_ - 1) * stride_px_ + side_px_) / cell_px_);
+  const auto cells_across = static_cast<std::size_t>(((columns_ - 1) * stride_px_ + side_px_) / cell_px_);
+  const auto cells_of_window = static_cast<std::size_t>(side_px_ / cell_px_);
+  const auto cells_of_stride = static_cast<std::size_t>(stride_px_ / cell_px_);
+  sums.resize((cells_down + 1) * columns);
+  parallel_for((cells_down + kRowsAtOnce - 1) / kRowsAtOnce, threads, [&](std::size_t piece, int) {
+    std::vector<Sums<Power>> line(cells_across + 1);  // from the left edge to each cell
+    const std::size_t end = std::min(cells_down, (piece + 1) * kRowsAtOnce);
+    for (std::size_t row = piece * kRowsAtOnce; row < end; ++row) {
+      for (std::size_t cell = 0; cell < cells_across; ++cell) {
+        const cv::Rect place(static_cast<int>(cell) * cell_px_, static_cast<int>(row) * cell_px_, cell_px_, cell_px_);
+        line[cell + 1] = line[cell];
+        if constexpr (std::is_same_v<T, std::uint8_t>) {
+          add_bytes(gray_, valid_, place, line[cell + 1]);
+        } else {
+          add_pixels<T>(gray_, valid_, place, line[cell + 1]);
+        }
+      }
+      Sums<Power>* below = sums.data() + (row + 1) * columns;
+      for (std::size_t column = 0; column < columns; ++column) {
+        const std::size_t first = column * cells_of_stride;
+        below[column] = difference(line[first + cells_of_window], line[first]);
+      }
+    }
+  });
+  parallel_for((columns + kColumnsAtOnce - 1) / kColumnsAtOnce, threads, [&](std::size_t piece, int) {
+    const std::size_t end = std::min(columns, (piece + 1) * kColumnsAtOnce);
+    for (std::size_t row = 1; row <= cells_down; ++row) {
+      const Sums<Power>* above = sums.data() + (row - 1) * columns;
+      Sums<Power>* here = sums.data() + row * columns;
+      for (std::size_t column = piece * kColumnsAtOnce; column < end; ++column) add(here[column], above[column]);
+    }
+  });
+}
+
+template <class Power>
+GrayStatistics WindowSums::at_sums(const std::vector<Sums<Power>>& sums, std::int64_t column, std::int64_t row) const {
+  constexpr bool kByte = std::is_same_v<Power, std::uint64_t>;
   constexpr double kLargest = kByte ? 255 : 65535;
-  const auto pitch = static_cast<std::size_t>(gray_.cols) + 1;
-  const Sums* top = sums.data() + static_cast<std::size_t>(window.y) * pitch + static_cast<std::size_t>(window.x);
-  const Sums* bottom = top + static_cast<std::size_t>(window.height) * pitch;
-  const auto width = static_cast<std::size_t>(window.width);
-  const auto over_window = [&](auto Sums::*power) {
-    return bottom[width].*power - bottom[0].*power - (top[width].*power - top[0].*power);
-  };
-  const std::uint64_t n = over_window(&Sums::count);
-  const std::uint64_t s1 = over_window(&Sums::s1);
-  const double scatter_value = scatter(n, s1, over_window(&Sums::s2));
-  GrayStatistics result = moments(n, s1, scatter_value);
-  if (s1 == 0) return result;
+  const Sums<Power>* top = sums.data() + row * (stride_px_ / cell_px_) * columns_ + column;
+  const Sums<Power> in = difference(top[side_px_ / cell_px_ * columns_], top[0]);
+  const double scatter_value = scatter(in.count, in.s1, in.s2);
+  GrayStatistics result = moments(in.count, in.s1, scatter_value);
+  if (in.s1 == 0) return result;
 
   // N(1 − H/e) − 1 = (N·P2 − 1) − N·P3/2 + N·P4/6 − …, an alternating series whose rest is at most N·P5/24.
-  const auto sum = static_cast<double>(s1);
-  const double n_over_square = static_cast<double>(n) / (sum * sum);
-  const double third = n_over_square * static_cast<double>(over_window(&Sums::s3)) / (2 * sum);
-  const double fourth = n_over_square * static_cast<double>(over_window(&Sums::s4)) / (6 * sum * sum);
-  const double deficit = scatter_value / (sum * sum) - third + fourth;
-  const double rest = fourth / 4 * std::min(1.0, kLargest / sum);
-  const double ratio = 1 - (1 + deficit) / static_cast<double>(n);  // H/e
-  if (rest > 1e-11 * std::abs(deficit) || rest > 1e-13 * ratio * static_cast<double>(n)) {
-    if constexpr (kByte) return from_histogram(gray_(window), valid_(window));
-    return gray_statistics(gray_(window), valid_(window));
+  const auto n = static_cast<double>(in.count);
+  const double inverse = 1 / static_cast<double>(in.s1);
+  const double inverse_square = inverse * inverse;
+  const double third = n * inverse_square * inverse * to_double(in.s3) / 2;
+  const double fourth = n * inverse_square * inverse_square * to_double(in.s4) / 6;
+  const double deficit = scatter_value * inverse_square - third + fourth;
+  const double rest = fourth / 4 * std::min(1.0, kLargest * inverse);
+  const double beyond_entropy = 1 + deficit;  // N·(1 − H/e)
+  if (rest > 1e-11 * std::abs(deficit) || rest > 1e-13 * (n - beyond_entropy)) {
+    const cv::Rect place = window(column, row);
+    if constexpr (kByte) return from_histogram(gray_(place), valid_(place));
+    return gray_statistics(gray_(place), valid_(place));
   }
   result.frieden_deficit = deficit;
-  result.frieden_entropy = std::numbers::e * ratio;
+  result.frieden_entropy = std::numbers::e * (1 - beyond_entropy / n);
   return result;
 }
 

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
 #include "pilotage/base/text.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/raster/gdal_io.h"
@@ -86,22 +90,41 @@ Bounds tile_bounds(const TileMatrix& matrix, const PixelWindow& window, double m
   return bounds;
 }
 
-TileRow make_row(const TileMatrix& matrix, const TileScore& score, const Crs& crs, const CrsTransform& transform) {
+TileRow make_row(const TileMatrix& matrix, TileScore& score, double metres_per_unit, const CrsTransform& transform) {
   constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
   const PixelWindow window = matrix.tile_window(score.column, score.row);
   TileRow row;
   row.tile.tile_id = score.tile_id;
   row.tile.column = score.column;
   row.tile.row = score.row;
-  row.tile.bounds = tile_bounds(matrix, window, crs.metres_per_unit());
+  row.tile.bounds = tile_bounds(matrix, window, metres_per_unit);
   const Eigen::Vector2d center = matrix.map_from_pixel.map_from_pixel(
       {static_cast<double>(window.col) + window.width / 2.0, static_cast<double>(window.row) + window.height / 2.0});
   row.tile.center = transform.geodetic_from_map(center).value_or(GeodeticPoint{kNowhere, kNowhere});
   row.tile.valid_fraction = score.valid_fraction;
   row.min_col_px = window.col;
   row.min_row_px = window.row;
-  row.score = score;
+  row.score = std::move(score);
   return row;
+}
+
+/// Rows with places and reasons of all scores, which are moved out.
+std::vector<TileRow> make_rows(const TileMatrix& matrix, const Crs& crs, std::span<TileScore> scores, int threads) {
+  constexpr std::size_t kRowsAtOnce = 4096;
+  const double metres_per_unit = crs.metres_per_unit();
+  std::vector<std::optional<CrsTransform>> transforms(static_cast<std::size_t>(thread_count(threads)));
+  std::vector<TileRow> rows(scores.size());
+  parallel_for((scores.size() + kRowsAtOnce - 1) / kRowsAtOnce, threads, [&](std::size_t piece, int worker) {
+    std::optional<CrsTransform>& transform = transforms[static_cast<std::size_t>(worker)];
+    if (!transform) transform.emplace(crs);
+    const std::size_t first = piece * kRowsAtOnce;
+    const std::span<TileScore> part = scores.subspan(first, std::min(kRowsAtOnce, scores.size() - first));
+    explain_tiles({matrix, metres_per_unit}, part);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      rows[first + i] = make_row(matrix, part[i], metres_per_unit, *transform);
+    }
+  });
+  return rows;
 }
 
 }  // namespace
@@ -150,18 +173,13 @@ std::vector<TileScore> score_imagery_tiles(const OpenImagery& imagery, const Sco
   return scores;
 }
 
-std::vector<TileRow> imagery_rows(const OpenImagery& imagery, std::vector<TileScore> scores) {
-  explain_tiles({imagery.matrix, imagery.crs.metres_per_unit()}, scores);
-  const CrsTransform transform(imagery.crs);
-  std::vector<TileRow> rows;
-  rows.reserve(scores.size());
-  for (const TileScore& score : scores) rows.push_back(make_row(imagery.matrix, score, imagery.crs, transform));
-  return rows;
+std::vector<TileRow> imagery_rows(const OpenImagery& imagery, std::vector<TileScore> scores, int threads) {
+  return make_rows(imagery.matrix, imagery.crs, scores, threads);
 }
 
 ScoredImagery score_imagery(const std::vector<std::string>& datasets, const ScoreImageryOptions& options,
                             std::uint64_t seed, int threads, const Progress& progress) {
-  const OpenImagery imagery = open_imagery(datasets, options);
+  OpenImagery imagery = open_imagery(datasets, options);
   ScoredImagery result{imagery.crs, imagery.matrix, {}, imagery.warnings, {}};
   const WarpField* field = nullptr;
   if (!options.score.second_epoch.empty()) {
@@ -172,7 +190,8 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
   for (const TileScore& score : scores) {
     if (result.second_epoch) result.second_epoch->scores.push_back(score.epoch);
   }
-  result.rows = imagery_rows(imagery, std::move(scores));
+  imagery.source.read = {};  // gives the decoded blocks back that GDAL holds: rows take their memory
+  result.rows = imagery_rows(imagery, std::move(scores), threads);
   return result;
 }
 

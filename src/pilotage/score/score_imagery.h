@@ -63,7 +63,7 @@ std::vector<TileScore> score_imagery_tiles(const OpenImagery& imagery, const Sco
                                            std::uint64_t seed = 1, int threads = 0, const Progress& progress = {});
 
 /// The rows of all tiles from the scores of all (ascending tile_id), which get their reasons.
-std::vector<TileRow> imagery_rows(const OpenImagery& imagery, std::vector<TileScore> scores);
+std::vector<TileRow> imagery_rows(const OpenImagery& imagery, std::vector<TileScore> scores, int threads = 0);
 
 struct ScoredImagery {
   Crs crs;

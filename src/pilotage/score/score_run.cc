@@ -43,7 +43,7 @@ PartScores score_part(const ScoreRun& run, const std::vector<std::int64_t>& plac
   return part;
 }
 
-ScoredRun finish_run(const ScoreRun& run, PartScores all) {
+ScoredRun finish_run(ScoreRun& run, PartScores all, int threads) {
   if (static_cast<std::int64_t>(all.scores.size()) != tile_count(run)) {
     throw DataError(std::to_string(all.scores.size()) + " scores of " + std::to_string(tile_count(run)) + " tiles");
   }
@@ -72,14 +72,15 @@ ScoredRun finish_run(const ScoreRun& run, PartScores all) {
   }
   result.crs = run.imagery->crs;
   result.warnings = run.imagery->warnings;
-  result.rows = imagery_rows(*run.imagery, std::move(all.scores));
+  run.imagery->source.read = {};
+  result.rows = imagery_rows(*run.imagery, std::move(all.scores), threads);
   return result;
 }
 
-ScoredRun score_run(const ScoreRun& run, int threads, const Progress& progress) {
+ScoredRun score_run(ScoreRun& run, int threads, const Progress& progress) {
   std::vector<std::int64_t> places(static_cast<std::size_t>(tile_count(run)));
   std::iota(places.begin(), places.end(), 0);
-  return finish_run(run, score_part(run, places, threads, progress));
+  return finish_run(run, score_part(run, places, threads, progress), threads);
 }
 
 }  // namespace pilotage

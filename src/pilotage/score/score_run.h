@@ -52,10 +52,11 @@ struct ScoredRun {
 };
 
 /// Puts together what the scores of all tiles (in the order of places) and the registration give. The scores' level,
-/// column and row are filled in.
-ScoredRun finish_run(const ScoreRun& run, PartScores all);
+/// column and row are filled in. Closes the run's imagery, so that the rows can have the memory of its decoded blocks:
+/// nothing more can be scored.
+ScoredRun finish_run(ScoreRun& run, PartScores all, int threads = 0);
 
-/// Scores all tiles.
-ScoredRun score_run(const ScoreRun& run, int threads = 0, const Progress& progress = {});
+/// Scores all tiles; closes the imagery as finish_run does.
+ScoredRun score_run(ScoreRun& run, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage

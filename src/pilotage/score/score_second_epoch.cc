@@ -111,10 +111,13 @@ void score_surfaces(const Job& job, const Group& group, std::vector<EpochScores>
   for (const auto& [row, columns] : group) {
     // Both strips share a window: what lies below the tiles now is read once for the rows to come.
     const PixelWindow window = window_of(matrix, group, row, row, job.radius_px());
-    reference = load_strip(job.reference, window, job.reference_center, matrix.tile_size_px, false,
-                           reference ? &*reference : nullptr, job.threads);
-    second = load_strip(job.second, window, job.second_center, matrix.tile_size_px, false, second ? &*second : nullptr,
-                        job.threads);
+    const auto move_on = [&](const GraySource& source, double center, std::optional<MapStrip>& strip) {
+      MapStrip next;
+      load_strip(source, window, center, matrix.tile_size_px, 0, strip ? &*strip : nullptr, job.threads, next);
+      strip = std::move(next);
+    };
+    move_on(job.reference, job.reference_center, reference);
+    move_on(job.second, job.second_center, second);
     const std::vector<std::pair<std::int64_t, std::size_t>> list(columns.begin(), columns.end());
     const std::int64_t tile_row = row;
     parallel_for(list.size(), job.threads, [&](std::size_t i, int) {
@@ -212,8 +215,8 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
                 warped_source(second, shared),
                 min_valid_fraction,
                 threads,
-                sample_center(reference),
-                sample_center(second)};
+                sample_map(reference).center,
+                sample_map(second).center};
   const std::vector<Group> groups = make_groups(tiles);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     report_progress(progress, "second epoch", static_cast<std::int64_t>(i), static_cast<std::int64_t>(groups.size()));

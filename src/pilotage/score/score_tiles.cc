@@ -1,9 +1,13 @@
 #include "pilotage/score/score_tiles.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <future>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -13,9 +17,9 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
-#include "pilotage/score/gray_statistics.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/predict_correct_fixes.h"
+#include "pilotage/score/tile_statistics.h"
 #include "pilotage/score/tile_surfaces.h"
 #include "pilotage/vision/correlation_peaks.h"
 
@@ -28,8 +32,6 @@ constexpr std::int64_t kMostColumns = 64;
 /// Pixels of a strip: the map is held in memory in pieces of about this size (twice: one is read while one is worked
 /// on).
 constexpr std::int64_t kStripPixels = 8 << 20;
-/// Integral images of power sums serve square groups of tiles of at most this side.
-constexpr int kGroupSide = 640;
 
 /// Tiles of a few columns and a few rows: what is worked on with one strip in memory.
 struct Piece {
@@ -47,6 +49,7 @@ struct Job {
   int margin_px;  // context of degraded copies
   int threads;
   double center = 0;
+  int lag_step = 1;
   std::vector<Degrader> copies{};
   std::vector<std::pair<std::int64_t, std::size_t>> order{};  // tile index and its place in the result, ascending
 
@@ -90,8 +93,8 @@ void check_request(const GraySource& source, const TileMatrix& matrix, int searc
 
 std::int64_t columns_per_piece(const Job& job) {
   std::size_t bytes = 1;
-  if (job.clean()) bytes += CleanSurfaces::bytes_per_column(job.matrix, job.radius_px);
-  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px);
+  if (job.clean()) bytes += CleanSurfaces::bytes_per_column(job.matrix, job.radius_px, job.lag_step);
+  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px, job.lag_step);
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(kColumnMemory / bytes), 1, kMostColumns);
 }
 
@@ -127,63 +130,16 @@ std::vector<Piece> make_pieces(const Job& job) {
   return list;
 }
 
-void set_statistics(const Job& job, const GrayStatistics& statistics, TileScore& score) {
-  const double area = static_cast<double>(job.matrix.tile_size_px) * job.matrix.tile_size_px;
-  score.valid_fraction = static_cast<double>(statistics.count) / area;
-  if (score.valid_fraction < job.options.min_valid_fraction) {
-    score.status = TileStatus::kTooLittleGround;
-    return;
-  }
-  score.status = statistics.count < 2 || statistics.gray_variance == 0 ? TileStatus::kFlat : TileStatus::kScored;
-  const bool model = job.options.measure(ScoreMeasure::kCorrectFix);
-  if (model || job.options.measure(ScoreMeasure::kGrayVariance)) score.gray_variance = statistics.gray_variance;
-  if (model || job.options.measure(ScoreMeasure::kFriedenEntropy)) {
-    score.frieden_entropy = statistics.frieden_entropy;
-    score.frieden_deficit = statistics.frieden_deficit;
-  }
-}
-
-/// V and H of a piece's tiles, and their status; groups of neighbouring tiles share their integral images.
-void score_statistics(const Job& job, const Piece& piece, const MapStrip& strip, std::vector<TileScore>& scores) {
-  const int side = job.matrix.tile_size_px;
-  const std::int64_t across = std::max(1, (kGroupSide - side) / job.matrix.stride_px + 1);
-  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::int64_t>> groups;
+/// V and H of a piece's tiles, and their status.
+void score_piece_statistics(const Job& job, const Piece& piece, const MapStrip& strip, std::vector<TileScore>& scores) {
+  std::vector<TileScore*> tiles;
   for (const auto& [row, columns] : piece.columns_of_row) {
-    for (const std::int64_t column : columns) {
-      groups[{row / across, column / across}].push_back(job.index_of(column, row));
-    }
+    for (const std::int64_t column : columns) tiles.push_back(&scores[job.place_of(job.index_of(column, row))]);
   }
-  std::vector<std::vector<std::int64_t>> list;
-  for (auto& [key, tiles] : groups) list.push_back(std::move(tiles));
-  parallel_for(list.size(), job.threads, [&](std::size_t group, int) {
-    const auto window_of = [&](std::int64_t index) {
-      return job.matrix.tile_window(index % job.matrix.matrix_width(), index / job.matrix.matrix_width());
-    };
-    PixelWindow all = window_of(list[group].front());
-    for (const std::int64_t index : list[group]) {
-      const PixelWindow tile = window_of(index);
-      const std::int64_t end_col = std::max(all.col + all.width, tile.col + side);
-      const std::int64_t end_row = std::max(all.row + all.height, tile.row + side);
-      all.col = std::min(all.col, tile.col);
-      all.row = std::min(all.row, tile.row);
-      all.width = static_cast<int>(end_col - all.col);
-      all.height = static_cast<int>(end_row - all.row);
-    }
-    const cv::Mat pixels = strip.view(strip.pixels, all);
-    const cv::Mat valid = strip.view(strip.valid, all);
-    const bool alone = list[group].size() == 1 && side > kGroupSide;
-    const std::optional<PowerSums> sums = alone ? std::nullopt : std::optional<PowerSums>(std::in_place, pixels, valid);
-    for (const std::int64_t index : list[group]) {
-      const PixelWindow tile = window_of(index);
-      const cv::Rect rect(static_cast<int>(tile.col - all.col), static_cast<int>(tile.row - all.row), side, side);
-      set_statistics(job, sums ? sums->at(rect) : gray_statistics(pixels, valid), scores[job.place_of(index)]);
-    }
-  });
+  score_statistics({strip.window, strip.pixels, strip.valid}, job.matrix, job.options, tiles, job.threads);
 }
 
-SurfaceScores surface_scores(const cv::Mat& surface, const SearchArea& area) {
-  if (surface.empty()) return {};
-  const CorrelationPeaks peaks = correlation_peaks(surface, area.truth, area.tile.width);
+SurfaceScores surface_scores(const CorrelationPeaks& peaks) {
   return {peaks.peak,        peaks.rival,      peaks.margin,        peaks.rival_ratio,
           peaks.psr,         peaks.rivals,     peaks.half_width_px, peaks.expected_error_px,
           peaks.rival_dx_px, peaks.rival_dy_px};
@@ -221,10 +177,12 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
   const cv::Mat tile_valid = strip.view(strip.valid, area.tile);
   const cv::Mat region = strip.view(strip.centred, area.window);
   const cv::Mat region_valid = strip.view(strip.valid, area.window);
-  const double overlap = job.options.min_valid_fraction;
-  if (job.clean()) {
-    score.clean = surface_scores(masked_correlation_surface(tile, tile_valid, region, region_valid, overlap), area);
-  }
+  const auto masked_scores = [&](const cv::Mat& pixels, const cv::Mat& valid) {
+    const double overlap = job.options.min_valid_fraction;
+    const cv::Mat surface = masked_correlation_surface(pixels, valid, region, region_valid, overlap);
+    return surface_scores(correlation_peaks(surface, area.truth, area.tile.width));
+  };
+  if (job.clean()) score.clean = masked_scores(tile, tile_valid);
   if (!job.degraded()) return;
   cv::Mat kept = tile_valid.clone();
   if (cv::countNonZero(tile_valid) < tile_valid.rows * tile_valid.cols) {
@@ -235,48 +193,117 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
   std::vector<SurfaceScores> copies;
   for (const Degrader& degrader : job.copies) {
     const cv::Mat copy = degraded_tile(strip, area.tile, degrader, job.margin_px);
-    copies.push_back(surface_scores(masked_correlation_surface(copy, kept, region, region_valid, overlap), area));
+    copies.push_back(masked_scores(copy, kept));
   }
   score.degraded = mean_scores(copies);
 }
 
-/// Surfaces of the tiles of one row of a piece.
-void score_row(const Job& job, const MapStrip& strip, std::int64_t row, const std::vector<std::int64_t>& asked,
-               std::optional<CleanSurfaces>& clean, std::optional<DegradedSurfaces>& degraded,
-               std::vector<cv::Mat>& scratch, std::vector<TileScore>& scores) {
-  std::vector<std::int64_t> whole;    // search area all ground
-  std::vector<std::int64_t> partial;  // not all
+/// Neighbouring tile columns of a piece and of those below it, for one thread: what they share they compute once.
+struct ColumnGroup {
+  std::int64_t first_column = 0;
+  std::int64_t columns = 0;
+  std::optional<CleanSurfaces> clean;
+  std::optional<DegradedSurfaces> degraded;
+  SurfaceScratch scratch;
+  std::vector<std::int64_t> masked;  // tile indices that are left for score_masked
+};
+
+/// Groups for the pieces that follow each other down one set of columns, with about as many tiles each. Groups compute
+/// what lies across their borders twice, so they are not cut finer than the threads need.
+std::vector<std::unique_ptr<ColumnGroup>> make_groups(const Job& job, std::span<const Piece> pieces) {
+  const Piece& first = pieces.front();
+  std::vector<std::size_t> tiles(static_cast<std::size_t>(first.columns), 0);
+  std::size_t total = 0;
+  for (const Piece& piece : pieces) {
+    if (piece.first_column != first.first_column) break;
+    for (const auto& [row, columns] : piece.columns_of_row) {
+      total += columns.size();
+      for (const std::int64_t column : columns) ++tiles[static_cast<std::size_t>(column - first.first_column)];
+    }
+  }
+  const std::int64_t least = 2 * BlockSums::blocks_per_side(job.matrix);
+  const auto wanted = static_cast<std::size_t>(std::clamp<std::int64_t>(first.columns / least, 1, job.threads));
+  std::vector<std::unique_ptr<ColumnGroup>> groups;
+  std::size_t before = 0;
+  std::int64_t begin = 0;
+  for (std::int64_t column = 0; column < first.columns; ++column) {
+    before += tiles[static_cast<std::size_t>(column)];
+    const bool last = column + 1 == first.columns;
+    if (!last && before * wanted < total * (groups.size() + 1)) continue;
+    auto group = std::make_unique<ColumnGroup>();
+    group->first_column = first.first_column + begin;
+    group->columns = column + 1 - begin;
+    if (job.clean()) {
+      group->clean.emplace(job.matrix, job.radius_px, job.lag_step, group->first_column, group->columns);
+    }
+    if (job.degraded()) {
+      group->degraded.emplace(job.matrix, job.radius_px, job.lag_step, group->first_column, group->columns, job.copies,
+                              job.margin_px);
+    }
+    groups.push_back(std::move(group));
+    begin = column + 1;
+  }
+  return groups;
+}
+
+/// Surfaces of the tiles of one row that belong to a group, but for those that need masks.
+void score_row(const Job& job, const MapStrip& strip, std::int64_t row, std::span<const std::int64_t> asked,
+               ColumnGroup& group, std::vector<TileScore>& scores) {
+  std::vector<std::int64_t> whole;  // search area all ground
   for (const std::int64_t column : asked) {
-    if (scores[job.place_of(job.index_of(column, row))].status != TileStatus::kScored) continue;
+    const std::int64_t index = job.index_of(column, row);
+    if (scores[job.place_of(index)].status != TileStatus::kScored) continue;
     const SearchArea area(job.matrix, column, row, job.radius_px);
     const std::int64_t pixels = static_cast<std::int64_t>(area.window.width) * area.window.height;
-    (strip.count_valid(area.window) == pixels ? whole : partial).push_back(column);
+    if (strip.count_valid(area.window) == pixels) {
+      whole.push_back(column);
+    } else {
+      group.masked.push_back(index);
+    }
   }
-  if (clean && !whole.empty()) clean->prepare(strip, row, whole, job.threads);
-  if (degraded && !whole.empty()) degraded->prepare(strip, row, whole, job.threads);
-  parallel_for(whole.size() + partial.size(), job.threads, [&](std::size_t index, int worker) {
-    const bool all_ground = index < whole.size();
-    const std::int64_t column = all_ground ? whole[index] : partial[index - whole.size()];
+  if (whole.empty()) return;
+  if (group.clean) group.clean->prepare(strip, row, whole);
+  for (const std::int64_t column : whole) {
     const SearchArea area(job.matrix, column, row, job.radius_px);
     TileScore& score = scores[job.place_of(job.index_of(column, row))];
-    if (!all_ground) {
-      score_masked(job, strip, area, score);
-      return;
-    }
-    cv::Mat& space = scratch[static_cast<std::size_t>(worker)];
-    if (clean) score.clean = surface_scores(clean->surface(strip, area, column, row, space), area);
-    if (!degraded) return;
+    if (group.clean) score.clean = surface_scores(group.clean->peaks(strip, area, column, row, group.scratch));
+    if (!group.degraded) continue;
     std::vector<SurfaceScores> copies;
-    for (std::size_t copy = 0; copy < job.copies.size(); ++copy) {
-      copies.push_back(surface_scores(degraded->surface(strip, area, column, row, copy, worker, space), area));
+    for (const auto& peaks : group.degraded->peaks(strip, area, column, row)) {
+      copies.push_back(peaks ? surface_scores(*peaks) : SurfaceScores{});
     }
     score.degraded = mean_scores(copies);
+  }
+}
+
+/// Surfaces of the tiles of a piece; `advance(n)` says that n more are done and returns false to stop.
+void score_surfaces(const Job& job, const Piece& piece, const MapStrip& strip,
+                    std::span<const std::unique_ptr<ColumnGroup>> groups,
+                    const std::function<bool(std::int64_t)>& advance, std::vector<TileScore>& scores) {
+  std::atomic<bool> stopped{false};
+  parallel_for(groups.size(), job.threads, [&](std::size_t index, int) {
+    ColumnGroup& group = *groups[index];
+    group.masked.clear();
+    for (const auto& [row, columns] : piece.columns_of_row) {
+      if (stopped) return;
+      const auto first = std::lower_bound(columns.begin(), columns.end(), group.first_column);
+      const auto last = std::lower_bound(first, columns.end(), group.first_column + group.columns);
+      score_row(job, strip, row, {first, last}, group, scores);
+      if (!advance(last - first)) stopped = true;
+    }
+  });
+  if (stopped) throw Interrupted{};
+  std::vector<std::int64_t> masked;
+  for (const auto& group : groups) masked.insert(masked.end(), group->masked.begin(), group->masked.end());
+  parallel_for(masked.size(), job.threads, [&](std::size_t i, int) {
+    const SearchArea area(job.matrix, masked[i] % job.matrix.matrix_width(), masked[i] / job.matrix.matrix_width(),
+                          job.radius_px);
+    score_masked(job, strip, area, scores[job.place_of(masked[i])]);
   });
 }
 
-MapStrip load(const Job& job, const Piece& piece, const MapStrip* previous) {
-  return load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.surfaces(), previous,
-                    job.threads);
+void load(const Job& job, const Piece& piece, const MapStrip* previous, MapStrip& strip) {
+  load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.lag_step, previous, job.threads, strip);
 }
 
 }  // namespace
@@ -321,7 +348,11 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
       job.copies.emplace_back(matrix.tile_size_px, job.margin_px, options.degradation, seed, copy);
     }
   }
-  if (job.surfaces()) job.center = sample_center(source);
+  if (job.surfaces()) {
+    const MapSample sample = sample_map(source);
+    job.center = sample.center;
+    job.lag_step = options.every_lag ? 1 : choose_lag_step(sample, matrix.tile_size_px, job.radius_px);
+  }
   std::vector<TileScore> scores(indices.size());
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const std::int64_t index = indices[i];
@@ -337,32 +368,40 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
                                         [](const auto& a, const auto& b) { return a.first == b.first; });
   if (twice != job.order.end()) throw UsageError("tile index " + std::to_string(twice->first) + " stands twice");
 
+  if (!job.surfaces()) {
+    std::vector<TileScore*> tiles;
+    for (const auto& [index, place] : job.order) tiles.push_back(&scores[place]);
+    stream_statistics(source, matrix, options, tiles, job.threads, progress);
+    if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
+    return scores;
+  }
   const std::vector<Piece> pieces = make_pieces(job);
-  std::optional<CleanSurfaces> clean;
-  std::optional<DegradedSurfaces> degraded;
-  std::vector<cv::Mat> scratch(static_cast<std::size_t>(job.threads));  // a surface per worker
+  std::vector<std::unique_ptr<ColumnGroup>> groups;
+  std::mutex progress_mutex;
   std::int64_t done = 0;
-  report_progress(progress, "score", 0, static_cast<std::int64_t>(indices.size()));
-  MapStrip strip = load(job, pieces.front(), nullptr);
+  const auto advance = [&](std::int64_t tiles) {
+    const std::lock_guard lock(progress_mutex);
+    done += tiles;
+    return !progress || progress("score", done, static_cast<std::int64_t>(indices.size()));
+  };
+  if (!advance(0)) throw Interrupted{};
+  MapStrip strip;
+  MapStrip next_strip;
+  load(job, pieces.front(), nullptr, strip);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
-    std::future<MapStrip> next;  // read while this piece is worked on
+    std::future<void> next;  // read while this piece is worked on
     if (i + 1 < pieces.size()) {
-      next = std::async(std::launch::async, [&job, &pieces, &strip, i] { return load(job, pieces[i + 1], &strip); });
+      next = std::async(std::launch::async, [&, i] { load(job, pieces[i + 1], &strip, next_strip); });
     }
     if (i == 0 || pieces[i - 1].first_column != piece.first_column) {
-      if (job.clean()) clean.emplace(matrix, job.radius_px, piece.first_column, piece.columns);
-      if (job.degraded()) {
-        degraded.emplace(matrix, job.radius_px, piece.first_column, piece.columns, job.copies, job.margin_px);
-      }
+      groups = make_groups(job, std::span(pieces).subspan(i));
     }
-    score_statistics(job, piece, strip, scores);
-    for (const auto& [row, columns] : piece.columns_of_row) {
-      if (job.surfaces()) score_row(job, strip, row, columns, clean, degraded, scratch, scores);
-      done += static_cast<std::int64_t>(columns.size());
-      report_progress(progress, "score", done, static_cast<std::int64_t>(indices.size()));
-    }
-    if (next.valid()) strip = next.get();
+    score_piece_statistics(job, piece, strip, scores);
+    score_surfaces(job, piece, strip, groups, advance, scores);
+    if (!next.valid()) continue;
+    next.get();
+    std::swap(strip, next_strip);
   }
   if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
   return scores;

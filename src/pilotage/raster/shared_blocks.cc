@@ -1,0 +1,137 @@
+#include "pilotage/raster/shared_blocks.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <future>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+
+namespace pilotage {
+namespace {
+
+constexpr std::int64_t kLeastSide_px = 256;  // smaller blocks are joined
+constexpr std::int64_t kKeptPixels = 16 << 20;
+
+std::int64_t unit_side(std::int64_t block_px, std::int64_t extent_px) {
+  return std::min(extent_px, (kLeastSide_px + block_px - 1) / block_px * block_px);
+}
+
+class Blocks {
+ public:
+  explicit Blocks(const GraySource& source)
+      : source_(source),
+        width_px_(unit_side(source.block_width_px, source.width_px)),
+        height_px_(unit_side(source.block_height_px, source.height_px)) {
+    const std::int64_t across = (source.width_px + width_px_ - 1) / width_px_;
+    most_ = static_cast<std::size_t>(std::max(3 * across, kKeptPixels / (width_px_ * height_px_)));
+  }
+
+  bool too_large() const { return width_px_ * height_px_ > kKeptPixels; }
+
+  Raster read(const PixelWindow& window) {
+    if (whole(window.col, window.width, width_px_, source_.width_px) &&
+        whole(window.row, window.height, height_px_, source_.height_px)) {
+      return source_.read(window);
+    }
+    if (window.width < 1 || window.height < 1 || window.col < 0 || window.row < 0 ||
+        window.col + window.width > source_.width_px || window.row + window.height > source_.height_px) {
+      return source_.read(window);  // refuses it
+    }
+    Raster result{cv::Mat(window.height, window.width, source_.depth), cv::Mat(window.height, window.width, CV_8U),
+                  source_.map_from_pixel.shifted(static_cast<double>(window.col), static_cast<double>(window.row))};
+    const std::int64_t end_col = window.col + window.width;
+    const std::int64_t end_row = window.row + window.height;
+    for (std::int64_t row = window.row / height_px_; row * height_px_ < end_row; ++row) {
+      for (std::int64_t col = window.col / width_px_; col * width_px_ < end_col; ++col) {
+        const Raster block = get({row, col});
+        const std::int64_t left = std::max(window.col, col * width_px_);
+        const std::int64_t top = std::max(window.row, row * height_px_);
+        const cv::Rect from(static_cast<int>(left - col * width_px_), static_cast<int>(top - row * height_px_),
+                            static_cast<int>(std::min(end_col, (col + 1) * width_px_) - left),
+                            static_cast<int>(std::min(end_row, (row + 1) * height_px_) - top));
+        const cv::Rect to(static_cast<int>(left - window.col), static_cast<int>(top - window.row), from.width,
+                          from.height);
+        block.pixels(from).copyTo(result.pixels(to));
+        block.valid(from).copyTo(result.valid(to));
+      }
+    }
+    return result;
+  }
+
+ private:
+  using Place = std::pair<std::int64_t, std::int64_t>;  // row and column among the blocks
+  struct Hash {
+    std::size_t operator()(const Place& place) const {
+      return std::hash<std::int64_t>{}(place.first * 0x9E3779B97F4A7C15 + place.second);
+    }
+  };
+  struct Kept {
+    std::shared_future<Raster> raster;
+    std::list<Place>::iterator age;
+  };
+
+  /// Begins and ends at the borders of blocks.
+  static bool whole(std::int64_t begin, std::int64_t length, std::int64_t side, std::int64_t extent) {
+    return begin % side == 0 && ((begin + length) % side == 0 || begin + length == extent);
+  }
+
+  /// Of a block that another thread is making, waits until it is there.
+  Raster get(const Place& place) {
+    std::promise<Raster> promise;
+    {
+      std::unique_lock lock(mutex_);
+      if (const auto found = kept_.find(place); found != kept_.end()) {
+        used_.splice(used_.begin(), used_, found->second.age);
+        const std::shared_future<Raster> raster = found->second.raster;
+        lock.unlock();
+        return raster.get();
+      }
+      used_.push_front(place);
+      kept_[place] = {promise.get_future().share(), used_.begin()};
+      if (kept_.size() > most_) {
+        kept_.erase(used_.back());
+        used_.pop_back();
+      }
+    }
+    try {
+      const std::int64_t col = place.second * width_px_;
+      const std::int64_t row = place.first * height_px_;
+      Raster raster = source_.read({col, row, static_cast<int>(std::min(width_px_, source_.width_px - col)),
+                                    static_cast<int>(std::min(height_px_, source_.height_px - row))});
+      promise.set_value(raster);
+      return raster;
+    } catch (...) {
+      promise.set_exception(std::current_exception());
+      const std::lock_guard lock(mutex_);
+      if (const auto found = kept_.find(place); found != kept_.end()) {  // who asks again tries again
+        used_.erase(found->second.age);
+        kept_.erase(found);
+      }
+      throw;
+    }
+  }
+
+  GraySource source_;
+  std::int64_t width_px_;
+  std::int64_t height_px_;
+  std::size_t most_ = 0;
+  std::mutex mutex_;
+  std::unordered_map<Place, Kept, Hash> kept_;
+  std::list<Place> used_;  // the last one used first
+};
+
+}  // namespace
+
+GraySource share_blocks(const GraySource& source) {
+  if (source.block_width_px <= 1 && source.block_height_px <= 1) return source;
+  auto blocks = std::make_shared<Blocks>(source);
+  if (blocks->too_large()) return source;
+  GraySource shared = source;
+  shared.read = [blocks](const PixelWindow& window) { return blocks->read(window); };
+  return shared;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,120 @@
+#include "pilotage/raster/shared_blocks.h"
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
+#include "pilotage/base/random.h"
+
+namespace pilotage {
+namespace {
+
+Raster noise(int width, int height) {
+  Random random(seed_from_name("shared blocks"));
+  Raster raster{cv::Mat(height, width, CV_16U), cv::Mat(height, width, CV_8U), {}};
+  for (int row = 0; row < height; ++row) {
+    for (int col = 0; col < width; ++col) {
+      raster.pixels.at<std::uint16_t>(row, col) = static_cast<std::uint16_t>(random.below(65536));
+      raster.valid.at<std::uint8_t>(row, col) = random.below(9) == 0 ? 0 : 255;
+    }
+  }
+  return raster;
+}
+
+GraySource in_blocks(const Raster& raster, int width, int height) {
+  GraySource source = gray_source_from(raster);
+  source.block_width_px = width;
+  source.block_height_px = height;
+  return source;
+}
+
+TEST(SharedBlocks, OverlappingWindowsOfThreadsReadEachBlockOnce) {
+  const Raster raster = noise(1500, 1100);
+  GraySource source = in_blocks(raster, 300, 130);
+  std::mutex mutex;
+  std::map<std::pair<std::int64_t, std::int64_t>, int> reads;
+  source.read = [whole = source.read, &mutex, &reads](const PixelWindow& window) {
+    const std::lock_guard lock(mutex);
+    ++reads[{window.row, window.col}];
+    return whole(window);
+  };
+  const GraySource shared = share_blocks(source);
+  EXPECT_EQ(shared.width_px, source.width_px);
+  parallel_for(40, 4, [&](std::size_t index, int) {
+    Random random(index + 1);
+    const auto width = static_cast<int>(1 + random.below(700));
+    const auto height = static_cast<int>(1 + random.below(500));
+    const PixelWindow window{static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(1500 - width))),
+                             static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(1100 - height))), width,
+                             height};
+    const Raster read = shared.read(window);
+    const cv::Rect rect(static_cast<int>(window.col), static_cast<int>(window.row), width, height);
+    EXPECT_EQ(cv::norm(read.pixels, raster.pixels(rect), cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(read.valid, raster.valid(rect), cv::NORM_INF), 0);
+    EXPECT_EQ(read.map_from_pixel.origin_x, static_cast<double>(window.col));
+  });
+  EXPECT_GT(reads.size(), 10U);
+  for (const auto& [place, count] : reads) {
+    EXPECT_EQ(count, 1) << place.first << ", " << place.second;
+    EXPECT_EQ(place.first % 260, 0);  // two blocks: at least 256 px
+    EXPECT_EQ(place.second % 300, 0);
+  }
+}
+
+/// More than three rows of blocks do not stay.
+TEST(SharedBlocks, WhatWasDroppedIsReadAgain) {
+  const Raster raster = noise(300, 260);
+  GraySource source = in_blocks(raster, 300, 1);
+  source.width_px = 300;
+  source.height_px = 260 * 1000;  // far more than is kept
+  std::atomic<int> reads = 0;
+  source.read = [&](const PixelWindow& window) {
+    ++reads;
+    return Raster{cv::Mat(window.height, window.width, CV_16U, cv::Scalar(static_cast<double>(window.row % 1000))),
+                  cv::Mat(window.height, window.width, CV_8U, cv::Scalar(255)),
+                  {}};
+  };
+  const GraySource shared = share_blocks(source);
+  for (int round = 0; round < 2; ++round) {
+    for (std::int64_t row = 0; row < 256 * 900; row += 256) {
+      EXPECT_EQ(shared.read({5, row + 3, 10, 10}).pixels.at<std::uint16_t>(0, 0), row % 1000);
+    }
+  }
+  EXPECT_EQ(reads, 1800);
+}
+
+TEST(SharedBlocks, AnErrorIsToldAndTriedAgain) {
+  const Raster raster = noise(600, 600);
+  GraySource source = in_blocks(raster, 256, 256);
+  bool broken = true;
+  source.read = [&broken, whole = source.read](const PixelWindow& window) {
+    if (broken) throw DataError("broken");
+    return whole(window);
+  };
+  const GraySource shared = share_blocks(source);
+  EXPECT_THROW(shared.read({10, 10, 20, 20}), DataError);
+  broken = false;
+  EXPECT_EQ(shared.read({10, 10, 1, 1}).pixels.at<std::uint16_t>(0, 0), raster.pixels.at<std::uint16_t>(10, 10));
+}
+
+TEST(SharedBlocks, PixelsOnTheirOwnAreNotKept) {
+  GraySource source = gray_source_from(noise(40, 40));
+  int reads = 0;
+  source.read = [&reads, whole = source.read](const PixelWindow& window) {
+    ++reads;
+    return whole(window);
+  };
+  const GraySource shared = share_blocks(source);
+  shared.read({1, 1, 5, 5});
+  shared.read({1, 1, 5, 5});
+  EXPECT_EQ(reads, 2);
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,143 @@
+#include "pilotage/score/tile_statistics.h"
+
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/random.h"
+#include "pilotage/score/gray_statistics.h"
+
+namespace pilotage {
+namespace {
+
+Raster noise(int width, int height, std::string_view name) {
+  Random random(seed_from_name(name));
+  Raster raster{cv::Mat(height, width, CV_8U), cv::Mat(height, width, CV_8U, cv::Scalar(255)), {}};
+  for (int row = 0; row < height; ++row) {
+    for (int col = 0; col < width; ++col) raster.pixels.at<std::uint8_t>(row, col) = random.below(256) & 255;
+  }
+  raster.valid(cv::Rect(width / 2, height / 3, 40, 30)).setTo(0);
+  return raster;
+}
+
+TileMatrix matrix_of(const GraySource& source, int side, int stride) {
+  return {0, source.map_from_pixel, source.width_px, source.height_px, side, stride};
+}
+
+/// Tiles of every `step`-th index.
+std::vector<TileScore> tiles_of(const TileMatrix& matrix, std::int64_t step) {
+  std::vector<TileScore> tiles;
+  for (std::int64_t index = 0; index < matrix.tile_count(); index += step) {
+    TileScore score;
+    score.column = index % matrix.matrix_width();
+    score.row = index / matrix.matrix_width();
+    tiles.push_back(score);
+  }
+  return tiles;
+}
+
+std::vector<TileScore*> pointers(std::vector<TileScore>& tiles) {
+  std::vector<TileScore*> list;
+  for (TileScore& tile : tiles) list.push_back(&tile);
+  return list;
+}
+
+void expect_as_pixels(const Raster& raster, const TileMatrix& matrix, const std::vector<TileScore>& tiles) {
+  for (const TileScore& tile : tiles) {
+    const PixelWindow window = matrix.tile_window(tile.column, tile.row);
+    const cv::Rect rect(static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height);
+    const GrayStatistics oracle = gray_statistics(raster.pixels(rect), raster.valid(rect));
+    ASSERT_DOUBLE_EQ(tile.valid_fraction, static_cast<double>(oracle.count) / rect.area());
+    ASSERT_NEAR(tile.gray_variance, oracle.gray_variance, 1e-10 * oracle.gray_variance);
+    ASSERT_NEAR(tile.frieden_entropy, oracle.frieden_entropy, 1e-10 * oracle.frieden_entropy);
+  }
+}
+
+/// A source in blocks that counts how often each is read.
+struct CountedReads {
+  std::mutex mutex;
+  std::map<std::pair<std::int64_t, std::int64_t>, int> of_block;
+};
+
+GraySource in_blocks(const Raster& raster, int width, int height, CountedReads& reads) {
+  GraySource source = gray_source_from(raster);
+  source.block_width_px = width;
+  source.block_height_px = height;
+  source.read = [whole = source.read, width, height, &reads](const PixelWindow& window) {
+    const std::lock_guard lock(reads.mutex);
+    for (std::int64_t row = window.row / height; row * height < window.row + window.height; ++row) {
+      for (std::int64_t col = window.col / width; col * width < window.col + window.width; ++col) {
+        ++reads.of_block[{row, col}];
+      }
+    }
+    return whole(window);
+  };
+  return source;
+}
+
+/// Three strips of the map, the last of them short.
+TEST(TileStatistics, StreamsWhatTheOracleSaysAndReadsEachBlockOnce) {
+  const Raster raster = noise(500, 36'000, "stream");
+  const TileMatrix matrix = matrix_of(gray_source_from(raster), 96, 40);
+  std::vector<std::vector<TileScore>> results;
+  for (const int threads : {1, 3}) {
+    CountedReads reads;
+    const GraySource source = in_blocks(raster, 130, 300, reads);
+    std::vector<TileScore> tiles = tiles_of(matrix, 1);
+    stream_statistics(source, matrix, {}, pointers(tiles), threads);
+    EXPECT_EQ(reads.of_block.size(), 4U * 120U);
+    for (const auto& [block, count] : reads.of_block) EXPECT_EQ(count, 1) << block.first << ", " << block.second;
+    results.push_back(std::move(tiles));
+  }
+  std::vector<TileScore> some;
+  for (std::size_t i = 0; i < results[0].size(); i += 17) some.push_back(results[0][i]);
+  expect_as_pixels(raster, matrix, some);
+  for (std::size_t i = 0; i < results[0].size(); ++i) {
+    ASSERT_EQ(results[0][i].frieden_deficit, results[1][i].frieden_deficit);
+  }
+}
+
+TEST(TileStatistics, FewTilesAreAsAmongAllAndOthersAreNotRead) {
+  const Raster raster = noise(1200, 900, "few");
+  const TileMatrix matrix = matrix_of(gray_source_from(raster), 50, 25);
+  std::vector<TileScore> all = tiles_of(matrix, 1);
+  score_statistics({{0, 0, 1200, 900}, raster.pixels, raster.valid}, matrix, {}, pointers(all), 2);
+  CountedReads reads;
+  const GraySource source = in_blocks(raster, 300, 300, reads);
+  std::vector<TileScore> few;
+  for (const std::size_t index : {3U, 7U, 49U}) few.push_back(all[index]);
+  for (TileScore& tile : few) tile.frieden_deficit = tile.gray_variance = -1;
+  stream_statistics(source, matrix, {}, pointers(few), 2);
+  EXPECT_EQ(few[0].frieden_deficit, all[3].frieden_deficit);
+  EXPECT_EQ(few[1].frieden_deficit, all[7].frieden_deficit);
+  EXPECT_EQ(few[2].gray_variance, all[49].gray_variance);
+  EXPECT_EQ(reads.of_block.size(), 1U);  // all three lie in the first block
+}
+
+TEST(TileStatistics, AreComputedInAnyWindowAndOrder) {
+  const Raster raster = noise(700, 400, "window");
+  const TileMatrix matrix = matrix_of(gray_source_from(raster), 64, 16);
+  std::vector<TileScore> tiles = tiles_of(matrix, 7);
+  std::erase_if(tiles, [](const TileScore& tile) { return tile.column < 3 || tile.row < 2; });
+  std::vector<TileScore*> backwards = pointers(tiles);
+  std::reverse(backwards.begin(), backwards.end());
+  const cv::Rect part(37, 11, 663, 389);  // begins between two tiles
+  score_statistics({{part.x, part.y, part.width, part.height}, raster.pixels(part), raster.valid(part)}, matrix, {},
+                   backwards, 2);
+  expect_as_pixels(raster, matrix, tiles);
+}
+
+TEST(TileStatistics, AnErrorOfReadingIsTold) {
+  const Raster raster = noise(300, 300, "error");
+  GraySource source = gray_source_from(raster);
+  source.read = [](const PixelWindow&) -> Raster { throw DataError("broken"); };
+  const TileMatrix matrix = matrix_of(source, 64, 64);
+  std::vector<TileScore> tiles = tiles_of(matrix, 1);
+  EXPECT_THROW(stream_statistics(source, matrix, {}, pointers(tiles), 2), DataError);
+}
+
+}  // namespace
+}  // namespace pilotage
