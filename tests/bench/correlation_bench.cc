@@ -1,6 +1,8 @@
 // The correlation surface of a 256 px tile in its search area of ±256 px: cv::matchTemplate, one FFT for one tile, and
 // the share of one tile when blocks and map windows are shared (its blocks' own work: one block, its share of the map's
 // transforms, four sums). Then what is read from a surface, and what a degraded copy costs.
+#include <array>
+
 #include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
@@ -51,31 +53,44 @@ void surface_alone(benchmark::State& state) {
 }
 BENCHMARK(surface_alone)->Unit(benchmark::kMillisecond);
 
-/// Argument: block side. 64 px: a clean tile's share; 256 px: a degraded copy.
+/// What one tile costs when neighbours share the rest. Arguments: block side (64 px: a clean tile's share; 256 px: a
+/// degraded copy) and step of the lags.
 void surface_share(benchmark::State& state) {
   const auto block = static_cast<int>(state.range(0));
-  const BlockCorrelator correlator(block, kRadius, kStride);
+  const auto step = static_cast<int>(state.range(1));
+  const BlockCorrelator correlator(block, kRadius, kStride, step);
   const cv::Mat map = ground(block + 2 * kRadius);
-  auto workspace = correlator.make_workspace();
+  const auto components = [step](const cv::Mat& image) {
+    std::vector<cv::Mat> result;
+    take_apart(image, step, result);
+    return result;
+  };
+  std::array<RealFft2d::Workspace, 1> workspaces{correlator.make_workspace()};
   std::vector<AlignedFloats> windows;
   std::vector<const float*> pointers;
   const int parts = correlator.windows_per_side();
   const int side = correlator.window_px();
+  const auto window = [&](int part) {
+    return components(
+        map(cv::Rect(part % parts * correlator.hop_px(), part / parts * correlator.hop_px(), side, side)));
+  };
   for (int part = 0; part < parts * parts; ++part) {
     windows.emplace_back(correlator.spectrum_size());
-    correlator.forward(
-        map(cv::Rect(part % parts * correlator.hop_px(), part / parts * correlator.hop_px(), side, side)), workspace,
-        windows.back().data());
+    correlator.forward(window(part), workspaces[0], windows.back().data());
   }
-  for (const AlignedFloats& window : windows) pointers.push_back(window.data());
+  for (const AlignedFloats& spectrum : windows) pointers.push_back(spectrum.data());
   AlignedFloats own(correlator.spectrum_size());
+  const std::array<const float*, 1> blocks{own.data()};
+  const int positions = 2 * correlator.radius() + 1;
   std::vector<cv::Mat> surfaces;
-  for (int i = 0; i < 4; ++i) surfaces.emplace_back(2 * kRadius + 1, 2 * kRadius + 1, CV_32F, cv::Scalar(0));
-  cv::Mat sum(2 * kRadius + 1, 2 * kRadius + 1, CV_32F);
+  for (int i = 0; i < 4; ++i) surfaces.emplace_back(positions, positions, CV_32F, cv::Scalar(0));
+  cv::Mat sum(positions, positions, CV_32F);
+  const std::vector<cv::Mat> window_pixels = window(0);
+  const std::vector<cv::Mat> block_pixels = components(map(cv::Rect(kRadius, kRadius, block, block)));
   for (auto _ : state) {
-    correlator.forward(map(cv::Rect(0, 0, side, side)), workspace, windows[0].data());  // one new window per block
-    correlator.forward(map(cv::Rect(kRadius, kRadius, block, block)), workspace, own.data());
-    correlator.correlate(own.data(), pointers, {0, 2 * kRadius + 1}, workspace, surfaces[0]);
+    correlator.forward(window_pixels, workspaces[0], windows[0].data());  // one new window per block
+    correlator.forward(block_pixels, workspaces[0], own.data());
+    correlator.correlate(blocks, pointers, {0, positions}, workspaces, {surfaces.data(), 1});
     for (int times = 0; times < (block < kTile ? 2 : 0); ++times) {  // blocks of a row, rows of a tile
       add_four(surfaces[0].ptr<float>(), surfaces[1].ptr<float>(), surfaces[2].ptr<float>(), surfaces[3].ptr<float>(),
                sum.total(), sum.ptr<float>());
@@ -83,7 +98,7 @@ void surface_share(benchmark::State& state) {
     benchmark::DoNotOptimize(sum.data);
   }
 }
-BENCHMARK(surface_share)->Arg(64)->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK(surface_share)->ArgsProduct({{64, 256}, {1, 2, 4}})->Unit(benchmark::kMillisecond);
 
 void peaks_of_surface(benchmark::State& state) {
   const cv::Mat region = ground(kRegion);

@@ -128,6 +128,79 @@ TEST(ScoreTiles, PiecesFitTogether) {
   expect_as_plain(ground(90, 700, "pieces"), options);
 }
 
+/// Ground as smooth as an orthophoto, `sigma_px` the scale of its finest structure.
+Raster smooth_ground(int rows, int cols, double sigma_px, std::string_view name) {
+  Random random(seed_from_name(name));
+  cv::Mat noise(rows, cols, CV_32F);
+  for (int row = 0; row < rows; ++row) {
+    for (int col = 0; col < cols; ++col) noise.at<float>(row, col) = static_cast<float>(random.normal());
+  }
+  cv::Mat fine;
+  cv::Mat coarse;
+  cv::GaussianBlur(noise, fine, {0, 0}, sigma_px);
+  cv::GaussianBlur(noise, coarse, {0, 0}, 6 * sigma_px);
+  Raster raster;
+  cv::Mat(110 + 60 * sigma_px * fine + 120 * 6 * sigma_px * coarse / 4).convertTo(raster.pixels, CV_8U);
+  raster.valid = cv::Mat(rows, cols, CV_8U, cv::Scalar(255));
+  return raster;
+}
+
+/// Surfaces of every second and every fourth lag against those of every lag; the bounds are those of
+/// docs/methods/uniqueness.md.
+TEST(ScoreTiles, LatticesOfLagsAgreeWithEveryLag) {
+  for (const double sigma_px : {1.0, 2.0}) {  // a step of 2, of 4
+    const Raster raster = smooth_ground(300, 320, sigma_px, "lattice");
+    Request options = options_of(64, 32, 100);
+    options.measures = {ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded};
+    const std::vector<TileScore> sparse = score(raster, options, {}, 2);
+    options.every_lag = true;
+    const std::vector<TileScore> all = score(raster, options, {}, 2);
+    EXPECT_NE(bits_of(sparse), bits_of(all)) << "no lattice was used";
+    int equal = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_NEAR(sparse[i].clean.peak, all[i].clean.peak, 1e-4);
+      EXPECT_NEAR(sparse[i].clean.rival, all[i].clean.rival, 0.02);
+      EXPECT_NEAR(sparse[i].clean.half_width_px, all[i].clean.half_width_px, 0.1);
+      EXPECT_NEAR(sparse[i].clean.psr, all[i].clean.psr, 0.03 * all[i].clean.psr);
+      EXPECT_NEAR(sparse[i].degraded.peak, all[i].degraded.peak, 1e-4);
+      EXPECT_NEAR(sparse[i].degraded.rival, all[i].degraded.rival, 0.02);
+      equal += std::abs(sparse[i].clean.rival - all[i].clean.rival) < 1e-4 &&
+               std::abs(sparse[i].degraded.rival - all[i].degraded.rival) < 1e-4;
+    }
+    EXPECT_GT(equal, static_cast<int>(all.size()) * 9 / 10) << sigma_px;
+  }
+}
+
+/// On a smooth map a tile of white noise is left to the plain way.
+TEST(ScoreTiles, SharpTilesOfASmoothMapGetEveryLag) {
+  Raster raster = smooth_ground(400, 420, 2, "sharp");
+  ground(64, 64, "grain").pixels.copyTo(raster.pixels(cv::Rect(128, 128, 64, 64)));
+  Request options = options_of(64, 64, 100);
+  options.measures = {ScoreMeasure::kUniqueness};
+  const TileScore tile = score(raster, options)[2 * 6 + 2];
+  options.every_lag = true;
+  const TileScore expected = score(raster, options)[2 * 6 + 2];
+  EXPECT_NEAR(tile.clean.rival, expected.clean.rival, 1e-4);
+  EXPECT_NEAR(tile.clean.psr, expected.clean.psr, 1e-3 * expected.clean.psr);
+  EXPECT_EQ(tile.clean.rivals, expected.clean.rivals);
+}
+
+TEST(ScoreTiles, LatticesGiveTheSameBytesForAnyThreadsAndAnyChoiceOfTiles) {
+  Raster raster = smooth_ground(300, 340, 2, "lattice determinism");
+  raster.valid(cv::Rect(280, 200, 30, 60)).setTo(0);
+  Request options = options_of(64, 16, 70);
+  options.measures = {ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded};
+  const std::vector<TileScore> all = score(raster, options);
+  EXPECT_EQ(bits_of(score(raster, options, {}, 3)), bits_of(all));
+  std::vector<std::int64_t> some;
+  std::vector<TileScore> expected;
+  for (std::size_t i = 2; i < all.size(); i += 5) {
+    some.push_back(static_cast<std::int64_t>(i));
+    expected.push_back(all[i]);
+  }
+  EXPECT_EQ(bits_of(score(raster, options, some, 2)), bits_of(expected));
+}
+
 TEST(ScoreTiles, SixteenBitAndDoubleGiveTheSameSurfaces) {
   const Raster bytes = ground(80, 90, "depths");
   Request options = options_of(32, 16, 12);

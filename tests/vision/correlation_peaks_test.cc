@@ -131,5 +131,93 @@ TEST(CorrelationPeaks, RefusesAPositionOutside) {
   EXPECT_THROW(correlation_peaks(cv::Mat(3, 3, CV_64F), {1, 1}, 16), UsageError);
 }
 
+/// A part of a whole surface, as sparse_correlation_peaks() takes it.
+SparseSurface part_of(const cv::Mat& surface, const cv::Point& truth, int step, int tile_size_px) {
+  const int radius = near_radius_px(tile_size_px);
+  const cv::Rect near = cv::Rect(truth.x - radius, truth.y - radius, 2 * radius + 1, 2 * radius + 1) &
+                        cv::Rect(0, 0, surface.cols, surface.rows);
+  SparseSurface part;
+  part.step = step;
+  part.near = surface(near).clone();
+  part.near_truth = truth - near.tl();
+  part.lattice_truth = {truth.x / step, truth.y / step};
+  const cv::Point first = truth - step * part.lattice_truth;
+  part.lattice.create((surface.rows - 1 - first.y) / step + 1, (surface.cols - 1 - first.x) / step + 1, CV_32F);
+  for (int row = 0; row < part.lattice.rows; ++row) {
+    for (int col = 0; col < part.lattice.cols; ++col) {
+      part.lattice.at<float>(row, col) = surface.at<float>(first.y + step * row, first.x + step * col);
+    }
+  }
+  return part;
+}
+
+ValuesAround values_of(const cv::Mat& surface, const cv::Point& truth, int& asked) {
+  return [&surface, truth, &asked](const cv::Point& lag) {
+    ++asked;
+    std::vector<SurfaceValue> values;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const cv::Point at = truth + lag + cv::Point(dx, dy);
+        if (!cv::Rect(0, 0, surface.cols, surface.rows).contains(at)) continue;
+        values.push_back({at - truth, surface.at<float>(at)});
+      }
+    }
+    return values;
+  };
+}
+
+/// A rival that stands between the positions of the lattice is found at its own place and height.
+TEST(SparseCorrelationPeaks, FindsTheRivalBetweenThePositions) {
+  for (const int step : {2, 4}) {
+    for (const cv::Point rival : {cv::Point(101, 31), cv::Point(99, 30), cv::Point(20, 113), cv::Point(102, 98)}) {
+      cv::Mat surface = cv::Mat::zeros(129, 131, CV_32F);
+      add_gaussian(surface, {64, 60}, 0.9, 4);
+      add_gaussian(surface, rival, 0.6, 4);
+      add_gaussian(surface, {100, 66}, 0.59, 4);  // on the lattice
+      const cv::Point truth(64, 60);
+      int asked = 0;
+      const auto sparse =
+          sparse_correlation_peaks(part_of(surface, truth, step, 64), 64, values_of(surface, truth, asked));
+      const CorrelationPeaks all = correlation_peaks(surface, truth, 64);
+      ASSERT_TRUE(sparse);
+      EXPECT_EQ(sparse->peak, all.peak);
+      EXPECT_EQ(sparse->half_width_px, all.half_width_px);
+      EXPECT_EQ(sparse->expected_error_px, all.expected_error_px);
+      EXPECT_EQ(sparse->rival, all.rival) << step << ": " << rival;
+      EXPECT_EQ(sparse->rival_dx_px, rival.x - truth.x);
+      EXPECT_EQ(sparse->rival_dy_px, rival.y - truth.y);
+      EXPECT_EQ(sparse->margin, all.margin);
+      EXPECT_NEAR(sparse->psr, all.psr, 0.05 * all.psr);  // σ is that of a few peaks on nothing
+      EXPECT_GT(asked, 0);
+      EXPECT_LT(asked, 20);
+    }
+  }
+}
+
+TEST(SparseCorrelationPeaks, CountsRivalsByTheirHeight) {
+  cv::Mat surface = cv::Mat::zeros(129, 129, CV_32F);
+  add_gaussian(surface, {64, 64}, 0.9, 4);
+  for (const cv::Point at : {cv::Point(20, 20), cv::Point(105, 23), cv::Point(23, 105)}) {
+    add_gaussian(surface, at, 0.75, 4);
+  }
+  add_gaussian(surface, {107, 107}, 0.65, 4);
+  int asked = 0;
+  const auto sparse =
+      sparse_correlation_peaks(part_of(surface, {64, 64}, 4, 64), 64, values_of(surface, {64, 64}, asked));
+  ASSERT_TRUE(sparse);
+  EXPECT_EQ(sparse->rivals, 3);
+}
+
+/// Ground so sharp that a peak fits between the positions is left to the plain way.
+TEST(SparseCorrelationPeaks, RefusesSharpGround) {
+  cv::Mat surface = cv::Mat::zeros(129, 129, CV_32F);
+  add_gaussian(surface, {64, 64}, 1, 1);
+  int asked = 0;
+  const ValuesAround around = values_of(surface, {64, 64}, asked);
+  EXPECT_FALSE(sparse_correlation_peaks(part_of(surface, {64, 64}, 2, 64), 64, around));
+  EXPECT_FALSE(sparse_correlation_peaks(part_of(surface, {64, 64}, 4, 64), 64, around));
+  EXPECT_FALSE(sparse_correlation_peaks(part_of(-surface, {64, 64}, 4, 64), 64, around));
+}
+
 }  // namespace
 }  // namespace pilotage

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <complex>
 
@@ -32,7 +33,7 @@ TEST(FastFftSize, IsTheNextProductOfSmallPrimes) {
   EXPECT_EQ(fast_fft_size(1), 1);
   EXPECT_EQ(fast_fft_size(11), 12);
   EXPECT_EQ(fast_fft_size(320), 320);
-  EXPECT_EQ(fast_fft_size(513), 525);
+  EXPECT_EQ(fast_fft_size(513), 540);
 }
 
 TEST(CorrelationSurface, AgreesWithMatchTemplate) {
@@ -113,38 +114,98 @@ TEST(MaskedCorrelation, WithoutHolesIsTheOrdinaryOne) {
   EXPECT_LT(cv::norm(masked, correlation_surface(region(where), region), cv::NORM_INF), 1e-3);
 }
 
-/// Blocks against plain sums, for radii that make one, two and four windows a side.
+/// What take_apart() gives, pixel by pixel.
+std::vector<cv::Mat> components(const cv::Mat& image, int lag_step) {
+  std::vector<cv::Mat> result;
+  for (int i = 0; i < lag_step; ++i) {
+    for (int j = 0; j < lag_step; ++j) {
+      cv::Mat component((image.rows + lag_step - 1 - i) / lag_step, (image.cols + lag_step - 1 - j) / lag_step, CV_32F);
+      for (int row = 0; row < component.rows; ++row) {
+        for (int col = 0; col < component.cols; ++col) {
+          component.at<float>(row, col) = image.at<float>(lag_step * row + i, lag_step * col + j);
+        }
+      }
+      result.push_back(component);
+    }
+  }
+  return result;
+}
+
+TEST(TakeApart, PutsEachPixelIntoItsComponent) {
+  const cv::Mat image = ground(11, 14, "TakeApart");
+  for (const int step : {1, 2, 4}) {
+    std::vector<cv::Mat> parts;
+    take_apart(image, step, parts);
+    const std::vector<cv::Mat> expected = components(image, step);
+    ASSERT_EQ(parts.size(), expected.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      ASSERT_EQ(parts[i].size(), expected[i].size());
+      EXPECT_EQ(cv::norm(parts[i], expected[i], cv::NORM_INF), 0);
+    }
+  }
+  std::vector<cv::Mat> parts;
+  EXPECT_THROW(take_apart(image, 3, parts), UsageError);
+}
+
+struct Blocks {
+  int block;
+  int radius;
+  int stride;
+  int lag_step;
+};
+
+/// Two blocks at one place against plain sums, for radii that make one, two and four windows a side, and steps of the
+/// lags that divide sizes or do not.
 TEST(BlockCorrelator, AgreesWithDirectSums) {
-  for (const auto& [block, radius, stride] :
-       {std::tuple(8, 5, 8), std::tuple(8, 16, 8), std::tuple(4, 32, 4), std::tuple(16, 8, 16), std::tuple(7, 3, 2)}) {
-    const BlockCorrelator correlator(block, radius, stride);
-    const cv::Mat map = ground(block + 2 * radius, block + 2 * radius, "BlockCorrelator") - 110;
-    auto workspace = correlator.make_workspace();
-    AlignedFloats own(correlator.spectrum_size());
-    correlator.forward(map(cv::Rect(radius, radius, block, block)), workspace, own.data());
+  for (const Blocks& sizes : {Blocks{8, 5, 8, 1}, Blocks{8, 16, 8, 1}, Blocks{4, 32, 4, 1}, Blocks{16, 8, 16, 1},
+                              Blocks{7, 3, 2, 1}, Blocks{16, 32, 16, 2}, Blocks{15, 9, 4, 2}, Blocks{16, 64, 16, 4},
+                              Blocks{18, 13, 9, 4}, Blocks{16, 64, 5, 2}}) {
+    const BlockCorrelator correlator(sizes.block, sizes.radius, sizes.stride, sizes.lag_step);
+    const int step = sizes.lag_step;
+    const int reach = correlator.radius_px();
+    ASSERT_EQ(reach, sizes.radius / step * step);
+    const cv::Mat map = ground(sizes.block + 2 * reach + step, sizes.block + 2 * reach + step, "BlockCorrelator") - 110;
+    const cv::Mat block = map(cv::Rect(reach, reach, sizes.block, sizes.block));
+    const cv::Mat other = ground(sizes.block, sizes.block, "other") - 110;
+    std::vector<RealFft2d::Workspace> workspaces;
+    std::vector<AlignedFloats> own;
+    std::vector<const float*> spectra;
+    std::vector<cv::Mat> surfaces;
+    const int side = 2 * correlator.radius() + 1;
+    for (const cv::Mat& pixels : {block, other}) {
+      workspaces.push_back(correlator.make_workspace());
+      own.emplace_back(correlator.spectrum_size());
+      correlator.forward(components(pixels, step), workspaces.back(), own.back().data());
+      surfaces.emplace_back(side, side, CV_32F);
+    }
+    for (const AlignedFloats& spectrum : own) spectra.push_back(spectrum.data());
     std::vector<AlignedFloats> windows;
     std::vector<const float*> pointers;
     for (int row = 0; row < correlator.windows_per_side(); ++row) {
       for (int col = 0; col < correlator.windows_per_side(); ++col) {
         windows.emplace_back(correlator.spectrum_size());
-        const int side = correlator.window_px();
-        correlator.forward(map(cv::Rect(col * correlator.hop_px(), row * correlator.hop_px(), side, side)), workspace,
-                           windows.back().data());
+        const cv::Rect window(col * correlator.hop_px(), row * correlator.hop_px(), correlator.window_px(),
+                              correlator.window_px());
+        correlator.forward(components(map(window), step), workspaces[0], windows.back().data());
       }
     }
     for (const AlignedFloats& window : windows) pointers.push_back(window.data());
-    cv::Mat surface(2 * radius + 1, 2 * radius + 1, CV_32F);
-    correlator.correlate(own.data(), pointers, {0, 2 * radius + 1}, workspace, surface);
-    for (int row = 0; row <= 2 * radius; ++row) {
-      for (int col = 0; col <= 2 * radius; ++col) {
-        const double expected = map(cv::Rect(radius, radius, block, block)).dot(map(cv::Rect(col, row, block, block)));
-        ASSERT_NEAR(surface.at<float>(row, col) / correlator.scale(), expected, 2e-6 * block * block * 1e3)
-            << block << ' ' << radius << ": " << col << ", " << row;
+    correlator.correlate(spectra, pointers, {0, side}, workspaces, surfaces);
+    for (int row = 0; row < side; ++row) {
+      for (int col = 0; col < side; ++col) {
+        const cv::Mat there = map(cv::Rect(step * col, step * row, sizes.block, sizes.block));
+        const double bound = 2e-6 * sizes.block * sizes.block * 1e3;
+        ASSERT_NEAR(surfaces[0].at<float>(row, col) / correlator.scale(), block.dot(there), bound)
+            << sizes.block << ' ' << sizes.radius << ' ' << step << ": " << col << ", " << row;
+        ASSERT_NEAR(surfaces[1].at<float>(row, col) / correlator.scale(), other.dot(there), bound);
       }
     }
   }
   EXPECT_EQ(BlockCorrelator(7, 3, 2).windows_per_side(), 1);
   EXPECT_GT(BlockCorrelator(64, 256, 64).windows_per_side(), 1);
+  EXPECT_GT(BlockCorrelator(64, 256, 64, 4).windows_per_side(), 1);
+  EXPECT_THROW(BlockCorrelator(64, 256, 64, 3), UsageError);
+  EXPECT_THROW(BlockCorrelator(64, 256, 64, 0), UsageError);
 }
 
 TEST(CorrelationKernels, AgreeWithPlainLoops) {
@@ -158,14 +219,19 @@ TEST(CorrelationKernels, AgreeWithPlainLoops) {
     add_four(in[0].data(), in[1].data(), in[2].data(), in[3].data(), count, out.data());
     std::vector<float> sum = in[0];
     add_to(in[1].data(), count, sum.data());
-    std::vector<float> ncc = in[2];
-    normalise(in[0].data(), in[1].data(), 0.5F, 1.5F, count, ncc.data());
+    for (const std::size_t step : {1U, 2U, 4U}) {
+      const std::size_t values = (count + step - 1) / step;
+      std::vector<float> ncc(in[2].begin(), in[2].begin() + static_cast<std::ptrdiff_t>(values));
+      normalise(in[0].data(), in[1].data(), step, 0.5F, 1.5F, values, ncc.data());
+      for (std::size_t i = 0; i < values; ++i) {
+        EXPECT_EQ(ncc[i], std::clamp((in[2][i] - 0.5F * in[0][step * i]) * (1.5F * in[1][step * i]), -1.0F, 1.0F));
+      }
+    }
     double total = 0;
     float highest = -2;
     for (std::size_t i = 0; i < count; ++i) {
       EXPECT_EQ(out[i], ((in[0][i] + in[1][i]) + in[2][i]) + in[3][i]);
       EXPECT_EQ(sum[i], in[0][i] + in[1][i]);
-      EXPECT_EQ(ncc[i], std::clamp((in[2][i] - 0.5F * in[0][i]) * (1.5F * in[1][i]), -1.0F, 1.0F));
       if (i == 3) in[0][i] = std::numeric_limits<float>::quiet_NaN();
       if (i == 3) continue;
       total += in[0][i];
@@ -178,17 +244,38 @@ TEST(CorrelationKernels, AgreeWithPlainLoops) {
   }
   EXPECT_EQ(sum_span(nullptr, 0).count, 0);
 
-  std::vector<float> a(16);
-  std::vector<float> b(16);
-  std::vector<float> product(16);
-  for (std::size_t i = 0; i < 16; ++i) a[i] = static_cast<float>(random.normal());
-  for (std::size_t i = 0; i < 16; ++i) b[i] = static_cast<float>(random.normal());
-  multiply_conjugate(a.data(), b.data(), 8, product.data());
-  for (std::size_t i = 0; i < 16; i += 2) {
-    const std::complex<float> expected =
-        std::conj(std::complex<float>(a[i], a[i + 1])) * std::complex<float>(b[i], b[i + 1]);
-    EXPECT_NEAR(product[i], expected.real(), 1e-6);
-    EXPECT_NEAR(product[i + 1], expected.imag(), 1e-6);
+  for (const std::size_t terms : {1U, 2U, 3U, 16U}) {
+    constexpr std::size_t kCount = 8;
+    std::vector<float> a(2 * kCount * terms);
+    std::vector<float> b(2 * kCount * terms);
+    std::vector<float> product(2 * kCount);
+    for (float& value : a) value = static_cast<float>(random.normal());
+    for (float& value : b) value = static_cast<float>(random.normal());
+    multiply_conjugate_sum(a.data(), b.data(), terms, kCount, product.data());
+    for (std::size_t i = 0; i < 2 * kCount; i += 2) {
+      std::complex<double> expected;
+      for (std::size_t j = i; j < a.size(); j += 2 * kCount) {
+        expected += std::conj(std::complex<double>(a[j], a[j + 1])) * std::complex<double>(b[j], b[j + 1]);
+      }
+      EXPECT_NEAR(product[i], expected.real(), 1e-5);
+      EXPECT_NEAR(product[i + 1], expected.imag(), 1e-5);
+    }
+  }
+}
+
+TEST(CorrelationKernels, ProductsWithNineNeighbours) {
+  const cv::Mat image = ground(20, 40, "nine");
+  for (const int width : {1, 7, 8, 19, 38}) {
+    std::array<double, 9> sums{};
+    for (int row = 0; row < 5; ++row) {
+      const std::array<const float*, 3> map{image.ptr<float>(row), image.ptr<float>(row + 1),
+                                            image.ptr<float>(row + 2)};
+      add_products_3x3(image.ptr<float>(10 + row) + 1, map.data(), static_cast<std::size_t>(width), sums.data());
+    }
+    for (int k = 0; k < 9; ++k) {
+      const double expected = image(cv::Rect(1, 10, width, 5)).dot(image(cv::Rect(k % 3, k / 3, width, 5)));
+      EXPECT_NEAR(sums[static_cast<std::size_t>(k)], expected, 1e-6 * expected);
+    }
   }
 }
 

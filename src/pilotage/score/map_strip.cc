@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/parallel.h"
+#include "pilotage/vision/fft_correlation.h"
 
 namespace pilotage {
 namespace {
@@ -39,14 +40,14 @@ void center_band(const cv::Mat& pixels, const cv::Mat& valid, double center, cv:
 }
 
 /// Rows [first, last) of window_sum and inverse_norm.
-void norm_rows(const cv::Mat& sums, const cv::Mat& squares, int tile_size_px, int first, int last, MapStrip& strip) {
+void norm_rows(int tile_size_px, int first, int last, MapStrip& strip) {
   const double count = static_cast<double>(tile_size_px) * tile_size_px;
   const int width = strip.window_sum.cols;
   for (int row = first; row < last; ++row) {
-    const double* sum_top = sums.ptr<double>(row);
-    const double* sum_bottom = sums.ptr<double>(row + tile_size_px);
-    const double* square_top = squares.ptr<double>(row);
-    const double* square_bottom = squares.ptr<double>(row + tile_size_px);
+    const double* sum_top = strip.sums.ptr<double>(row);
+    const double* sum_bottom = strip.sums.ptr<double>(row + tile_size_px);
+    const double* square_top = strip.squares.ptr<double>(row);
+    const double* square_bottom = strip.squares.ptr<double>(row + tile_size_px);
     float* sum_out = strip.window_sum.ptr<float>(row);
     float* norm_out = strip.inverse_norm.ptr<float>(row);
     for (int col = 0; col < width; ++col) {
@@ -86,34 +87,79 @@ std::int64_t MapStrip::count_valid(const PixelWindow& part) const {
          at(rect.y + rect.height, rect.x) + at(rect.y, rect.x);
 }
 
-double sample_center(const GraySource& source) {
+std::vector<cv::Mat> MapStrip::components_of(const PixelWindow& part, int correlator_lag_step) const {
+  if (correlator_lag_step == 1) return {centred_window(part)};
+  const int step = correlator_lag_step;
+  const cv::Rect rect = rect_in(window, part);
+  std::vector<cv::Mat> result;
+  if ((rect & cv::Rect(0, 0, window.width, window.height)) != rect) {
+    take_apart(centred_window(part), step, result);
+    return result;
+  }
+  for (int i = 0; i < step; ++i) {
+    for (int j = 0; j < step; ++j) {
+      const int row = rect.y + i;
+      const int col = rect.x + j;
+      const cv::Mat& component = components[static_cast<std::size_t>(step * (row % step) + col % step)];
+      result.push_back(component(
+          cv::Rect(col / step, row / step, (rect.width + step - 1 - j) / step, (rect.height + step - 1 - i) / step)));
+    }
+  }
+  return result;
+}
+
+MapSample sample_map(const GraySource& source) {
   constexpr int kSamples = 8;
   constexpr std::int64_t kSide = 32;
+  struct Window {
+    cv::Mat pixels;
+    cv::Mat valid;
+  };
+  std::vector<Window> windows;
   double sum = 0;
   std::int64_t count = 0;
   for (int i = 0; i < kSamples; ++i) {
     for (int j = 0; j < kSamples; ++j) {
       const auto width = static_cast<int>(std::min(kSide, source.width_px));
       const auto height = static_cast<int>(std::min(kSide, source.height_px));
-      const PixelWindow window{(source.width_px - width) * i / (kSamples - 1),
-                               (source.height_px - height) * j / (kSamples - 1), width, height};
-      cv::Mat pixels(height, width, source.depth);
-      cv::Mat valid(height, width, CV_8U);
-      read_band(source, window, pixels, valid);
-      const int n = cv::countNonZero(valid);
+      const PixelWindow place{(source.width_px - width) * i / (kSamples - 1),
+                              (source.height_px - height) * j / (kSamples - 1), width, height};
+      Window window{cv::Mat(height, width, source.depth), cv::Mat(height, width, CV_8U)};
+      read_band(source, place, window.pixels, window.valid);
+      const int n = cv::countNonZero(window.valid);
       if (n == 0) continue;
-      sum += cv::mean(pixels, valid)[0] * n;
+      sum += cv::mean(window.pixels, window.valid)[0] * n;
       count += n;
+      windows.push_back(std::move(window));
     }
   }
-  if (count == 0) return 0;
+  MapSample sample;
+  if (count == 0) return sample;
   const double mean = sum / static_cast<double>(count);
-  return source.depth == CV_8U || source.depth == CV_16U ? std::round(mean) : mean;
+  sample.center = source.depth == CV_8U || source.depth == CV_16U ? std::round(mean) : mean;
+  const auto diagonal_correlation = [&](int distance) {
+    double squares = 0;
+    double falling = 0;
+    double rising = 0;
+    for (const Window& window : windows) {
+      cv::Mat values(window.pixels.size(), CV_32F);
+      center_band(window.pixels, window.valid, mean, values);
+      const cv::Rect rest(0, 0, values.cols - distance, values.rows - distance);
+      if (rest.width <= 0 || rest.height <= 0) continue;
+      const cv::Mat top_left = values(rest);
+      squares += top_left.dot(top_left);
+      falling += top_left.dot(values(rest + cv::Point(distance, distance)));
+      rising += values(rest + cv::Point(distance, 0)).dot(values(rest + cv::Point(0, distance)));
+    }
+    return squares > 0 ? std::min(falling, rising) / squares : 0.0;
+  };
+  sample.diagonal_correlation_1px = diagonal_correlation(1);
+  sample.diagonal_correlation_2px = diagonal_correlation(2);
+  return sample;
 }
 
-MapStrip load_strip(const GraySource& source, const PixelWindow& window, double center, int tile_size_px, bool norms,
-                    const MapStrip* previous, int threads) {
-  MapStrip strip;
+void load_strip(const GraySource& source, const PixelWindow& window, double center, int tile_size_px, int lag_step,
+                const MapStrip* previous, int threads, MapStrip& strip) {
   strip.window = window;
   strip.pixels.create(window.height, window.width, source.depth);
   strip.valid.create(window.height, window.width, CV_8U);
@@ -145,19 +191,18 @@ MapStrip load_strip(const GraySource& source, const PixelWindow& window, double 
   cv::Mat ones;
   cv::bitwise_and(strip.valid, 1, ones);
   cv::integral(ones, strip.valid_count, CV_32S);
-  if (!norms) return strip;
-  cv::Mat sums;
-  cv::Mat squares;
-  cv::integral(strip.centred, sums, squares, CV_64F, CV_64F);
+  if (lag_step == 0) return;
+  strip.lag_step = lag_step;
+  if (lag_step > 1) take_apart(strip.centred, lag_step, strip.components);
+  cv::integral(strip.centred, strip.sums, strip.squares, CV_64F, CV_64F);
   const cv::Size positions(window.width - tile_size_px + 1, window.height - tile_size_px + 1);
   strip.window_sum.create(positions, CV_32F);
   strip.inverse_norm.create(positions, CV_32F);
   const int norm_bands = (positions.height + kBandRows - 1) / kBandRows;
   parallel_for(static_cast<std::size_t>(norm_bands), threads, [&](std::size_t band, int) {
     const int first = static_cast<int>(band) * kBandRows;
-    norm_rows(sums, squares, tile_size_px, first, std::min(positions.height, first + kBandRows), strip);
+    norm_rows(tile_size_px, first, std::min(positions.height, first + kBandRows), strip);
   });
-  return strip;
 }
 
 }  // namespace pilotage

@@ -10,7 +10,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
-#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/registration/register_tiles.h"
 #include "pilotage/registration/surviving_features.h"
@@ -112,10 +111,13 @@ void score_surfaces(const Job& job, const Group& group, std::vector<EpochScores>
   for (const auto& [row, columns] : group) {
     // Both strips share a window: what lies below the tiles now is read once for the rows to come.
     const PixelWindow window = window_of(matrix, group, row, row, job.radius_px());
-    reference = load_strip(job.reference, window, job.reference_center, matrix.tile_size_px, false,
-                           reference ? &*reference : nullptr, job.threads);
-    second = load_strip(job.second, window, job.second_center, matrix.tile_size_px, false, second ? &*second : nullptr,
-                        job.threads);
+    const auto move_on = [&](const GraySource& source, double center, std::optional<MapStrip>& strip) {
+      MapStrip next;
+      load_strip(source, window, center, matrix.tile_size_px, 0, strip ? &*strip : nullptr, job.threads, next);
+      strip = std::move(next);
+    };
+    move_on(job.reference, job.reference_center, reference);
+    move_on(job.second, job.second_center, second);
     const std::vector<std::pair<std::int64_t, std::size_t>> list(columns.begin(), columns.end());
     const std::int64_t tile_row = row;
     parallel_for(list.size(), job.threads, [&](std::size_t i, int) {
@@ -213,8 +215,8 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
                 warped_source(second, shared),
                 min_valid_fraction,
                 threads,
-                sample_center(reference),
-                sample_center(second)};
+                sample_map(reference).center,
+                sample_map(second).center};
   const std::vector<Group> groups = make_groups(tiles);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     report_progress(progress, "second epoch", static_cast<std::int64_t>(i), static_cast<std::int64_t>(groups.size()));
@@ -228,41 +230,30 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
   return scores;
 }
 
-SecondEpoch compare_epochs(const std::vector<std::string>& reference, const ImageryOptions& imagery, const Crs& crs,
-                           const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads,
-                           const Progress& progress) {
-  SecondEpoch result;
+SecondEpoch register_epochs(const EpochGround& ground, const std::vector<EpochTiles>& levels,
+                            const ScoreOptions& options, int threads, const Progress& progress) {
   std::vector<Bounds> tiles;
   for (const EpochTiles& level : levels) {
-    check_grid(crs, level.matrix.map_from_pixel);
+    check_grid(ground.crs, level.matrix.map_from_pixel);
     for (const std::int64_t index : level.indices) tiles.push_back(tile_bounds(level.matrix, index));
   }
-  TileRegistration registered =
-      register_tiles(reference, imagery, options.second_epoch, crs, tiles, options.registration, threads, progress);
-  result.registration = std::move(registered.registration);
-  result.area_m = registered.area_m;
-  const OpenPair open = open_rasters(reference, imagery, options.second_epoch, crs);
-  for (const EpochTiles& level : levels) {
-    const DatePair dates = open(level.matrix.map_from_pixel, level.matrix.grid_width_px, level.matrix.grid_height_px);
-    for (const EpochScores& score : score_epoch_tiles(dates, result.registration.fit.field, level,
-                                                      options.min_valid_fraction, threads, progress)) {
-      result.scores.push_back(score);
-    }
-  }
-  return result;
+  TileRegistration registered = register_tiles(ground.reference, ground.imagery, options.second_epoch, ground.crs,
+                                               tiles, options.registration, threads, progress);
+  return {std::move(registered.registration), registered.area_m, {}};
 }
 
-SecondEpoch compare_epochs_of_plan(const TilePlan& plan, const ScoreOptions& options, int threads,
-                                   const Progress& progress) {
-  std::vector<EpochTiles> levels;
-  for (const PlanLevel& level : plan.levels) levels.push_back({level.matrix, level.search_radius_px, {}});
-  for (const PlanTile& tile : plan.tiles) {  // ascending by level
-    const auto level = std::find_if(levels.begin(), levels.end(),
-                                    [&](const EpochTiles& candidate) { return candidate.matrix.level == tile.level; });
-    level->indices.push_back(tile.row * level->matrix.matrix_width() + tile.column);
+std::vector<EpochScores> score_epochs(const EpochGround& ground, const WarpField& field,
+                                      const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads,
+                                      const Progress& progress) {
+  std::vector<EpochScores> scores;
+  const OpenPair open = open_rasters(ground.reference, ground.imagery, options.second_epoch, ground.crs);
+  for (const EpochTiles& level : levels) {
+    const DatePair dates = open(level.matrix.map_from_pixel, level.matrix.grid_width_px, level.matrix.grid_height_px);
+    const std::vector<EpochScores> of_level =
+        score_epoch_tiles(dates, field, level, options.min_valid_fraction, threads, progress);
+    scores.insert(scores.end(), of_level.begin(), of_level.end());
   }
-  return compare_epochs(dataset_names(plan), plan.imagery_options, Crs::from_user_input(plan.crs_wkt), levels, options,
-                        threads, progress);
+  return scores;
 }
 
 }  // namespace pilotage

@@ -1,9 +1,13 @@
 #include "pilotage/score/score_tiles.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <future>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -45,6 +49,7 @@ struct Job {
   int margin_px;  // context of degraded copies
   int threads;
   double center = 0;
+  int lag_step = 1;
   std::vector<Degrader> copies{};
   std::vector<std::pair<std::int64_t, std::size_t>> order{};  // tile index and its place in the result, ascending
 
@@ -88,8 +93,8 @@ void check_request(const GraySource& source, const TileMatrix& matrix, int searc
 
 std::int64_t columns_per_piece(const Job& job) {
   std::size_t bytes = 1;
-  if (job.clean()) bytes += CleanSurfaces::bytes_per_column(job.matrix, job.radius_px);
-  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px);
+  if (job.clean()) bytes += CleanSurfaces::bytes_per_column(job.matrix, job.radius_px, job.lag_step);
+  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px, job.lag_step);
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(kColumnMemory / bytes), 1, kMostColumns);
 }
 
@@ -134,9 +139,7 @@ void score_piece_statistics(const Job& job, const Piece& piece, const MapStrip& 
   score_statistics({strip.window, strip.pixels, strip.valid}, job.matrix, job.options, tiles, job.threads);
 }
 
-SurfaceScores surface_scores(const cv::Mat& surface, const SearchArea& area) {
-  if (surface.empty()) return {};
-  const CorrelationPeaks peaks = correlation_peaks(surface, area.truth, area.tile.width);
+SurfaceScores surface_scores(const CorrelationPeaks& peaks) {
   return {peaks.peak,        peaks.rival,      peaks.margin,        peaks.rival_ratio,
           peaks.psr,         peaks.rivals,     peaks.half_width_px, peaks.expected_error_px,
           peaks.rival_dx_px, peaks.rival_dy_px};
@@ -174,10 +177,12 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
   const cv::Mat tile_valid = strip.view(strip.valid, area.tile);
   const cv::Mat region = strip.view(strip.centred, area.window);
   const cv::Mat region_valid = strip.view(strip.valid, area.window);
-  const double overlap = job.options.min_valid_fraction;
-  if (job.clean()) {
-    score.clean = surface_scores(masked_correlation_surface(tile, tile_valid, region, region_valid, overlap), area);
-  }
+  const auto masked_scores = [&](const cv::Mat& pixels, const cv::Mat& valid) {
+    const double overlap = job.options.min_valid_fraction;
+    const cv::Mat surface = masked_correlation_surface(pixels, valid, region, region_valid, overlap);
+    return surface_scores(correlation_peaks(surface, area.truth, area.tile.width));
+  };
+  if (job.clean()) score.clean = masked_scores(tile, tile_valid);
   if (!job.degraded()) return;
   cv::Mat kept = tile_valid.clone();
   if (cv::countNonZero(tile_valid) < tile_valid.rows * tile_valid.cols) {
@@ -188,48 +193,117 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
   std::vector<SurfaceScores> copies;
   for (const Degrader& degrader : job.copies) {
     const cv::Mat copy = degraded_tile(strip, area.tile, degrader, job.margin_px);
-    copies.push_back(surface_scores(masked_correlation_surface(copy, kept, region, region_valid, overlap), area));
+    copies.push_back(masked_scores(copy, kept));
   }
   score.degraded = mean_scores(copies);
 }
 
-/// Surfaces of the tiles of one row of a piece.
-void score_row(const Job& job, const MapStrip& strip, std::int64_t row, const std::vector<std::int64_t>& asked,
-               std::optional<CleanSurfaces>& clean, std::optional<DegradedSurfaces>& degraded,
-               std::vector<cv::Mat>& scratch, std::vector<TileScore>& scores) {
-  std::vector<std::int64_t> whole;    // search area all ground
-  std::vector<std::int64_t> partial;  // not all
+/// Neighbouring tile columns of a piece and of those below it, for one thread: what they share they compute once.
+struct ColumnGroup {
+  std::int64_t first_column = 0;
+  std::int64_t columns = 0;
+  std::optional<CleanSurfaces> clean;
+  std::optional<DegradedSurfaces> degraded;
+  SurfaceScratch scratch;
+  std::vector<std::int64_t> masked;  // tile indices that are left for score_masked
+};
+
+/// Groups for the pieces that follow each other down one set of columns, with about as many tiles each. Groups compute
+/// what lies across their borders twice, so they are not cut finer than the threads need.
+std::vector<std::unique_ptr<ColumnGroup>> make_groups(const Job& job, std::span<const Piece> pieces) {
+  const Piece& first = pieces.front();
+  std::vector<std::size_t> tiles(static_cast<std::size_t>(first.columns), 0);
+  std::size_t total = 0;
+  for (const Piece& piece : pieces) {
+    if (piece.first_column != first.first_column) break;
+    for (const auto& [row, columns] : piece.columns_of_row) {
+      total += columns.size();
+      for (const std::int64_t column : columns) ++tiles[static_cast<std::size_t>(column - first.first_column)];
+    }
+  }
+  const std::int64_t least = 2 * BlockSums::blocks_per_side(job.matrix);
+  const auto wanted = static_cast<std::size_t>(std::clamp<std::int64_t>(first.columns / least, 1, job.threads));
+  std::vector<std::unique_ptr<ColumnGroup>> groups;
+  std::size_t before = 0;
+  std::int64_t begin = 0;
+  for (std::int64_t column = 0; column < first.columns; ++column) {
+    before += tiles[static_cast<std::size_t>(column)];
+    const bool last = column + 1 == first.columns;
+    if (!last && before * wanted < total * (groups.size() + 1)) continue;
+    auto group = std::make_unique<ColumnGroup>();
+    group->first_column = first.first_column + begin;
+    group->columns = column + 1 - begin;
+    if (job.clean()) {
+      group->clean.emplace(job.matrix, job.radius_px, job.lag_step, group->first_column, group->columns);
+    }
+    if (job.degraded()) {
+      group->degraded.emplace(job.matrix, job.radius_px, job.lag_step, group->first_column, group->columns, job.copies,
+                              job.margin_px);
+    }
+    groups.push_back(std::move(group));
+    begin = column + 1;
+  }
+  return groups;
+}
+
+/// Surfaces of the tiles of one row that belong to a group, but for those that need masks.
+void score_row(const Job& job, const MapStrip& strip, std::int64_t row, std::span<const std::int64_t> asked,
+               ColumnGroup& group, std::vector<TileScore>& scores) {
+  std::vector<std::int64_t> whole;  // search area all ground
   for (const std::int64_t column : asked) {
-    if (scores[job.place_of(job.index_of(column, row))].status != TileStatus::kScored) continue;
+    const std::int64_t index = job.index_of(column, row);
+    if (scores[job.place_of(index)].status != TileStatus::kScored) continue;
     const SearchArea area(job.matrix, column, row, job.radius_px);
     const std::int64_t pixels = static_cast<std::int64_t>(area.window.width) * area.window.height;
-    (strip.count_valid(area.window) == pixels ? whole : partial).push_back(column);
+    if (strip.count_valid(area.window) == pixels) {
+      whole.push_back(column);
+    } else {
+      group.masked.push_back(index);
+    }
   }
-  if (clean && !whole.empty()) clean->prepare(strip, row, whole, job.threads);
-  if (degraded && !whole.empty()) degraded->prepare(strip, row, whole, job.threads);
-  parallel_for(whole.size() + partial.size(), job.threads, [&](std::size_t index, int worker) {
-    const bool all_ground = index < whole.size();
-    const std::int64_t column = all_ground ? whole[index] : partial[index - whole.size()];
+  if (whole.empty()) return;
+  if (group.clean) group.clean->prepare(strip, row, whole);
+  for (const std::int64_t column : whole) {
     const SearchArea area(job.matrix, column, row, job.radius_px);
     TileScore& score = scores[job.place_of(job.index_of(column, row))];
-    if (!all_ground) {
-      score_masked(job, strip, area, score);
-      return;
-    }
-    cv::Mat& space = scratch[static_cast<std::size_t>(worker)];
-    if (clean) score.clean = surface_scores(clean->surface(strip, area, column, row, space), area);
-    if (!degraded) return;
+    if (group.clean) score.clean = surface_scores(group.clean->peaks(strip, area, column, row, group.scratch));
+    if (!group.degraded) continue;
     std::vector<SurfaceScores> copies;
-    for (std::size_t copy = 0; copy < job.copies.size(); ++copy) {
-      copies.push_back(surface_scores(degraded->surface(strip, area, column, row, copy, worker, space), area));
+    for (const auto& peaks : group.degraded->peaks(strip, area, column, row)) {
+      copies.push_back(peaks ? surface_scores(*peaks) : SurfaceScores{});
     }
     score.degraded = mean_scores(copies);
+  }
+}
+
+/// Surfaces of the tiles of a piece; `advance(n)` says that n more are done and returns false to stop.
+void score_surfaces(const Job& job, const Piece& piece, const MapStrip& strip,
+                    std::span<const std::unique_ptr<ColumnGroup>> groups,
+                    const std::function<bool(std::int64_t)>& advance, std::vector<TileScore>& scores) {
+  std::atomic<bool> stopped{false};
+  parallel_for(groups.size(), job.threads, [&](std::size_t index, int) {
+    ColumnGroup& group = *groups[index];
+    group.masked.clear();
+    for (const auto& [row, columns] : piece.columns_of_row) {
+      if (stopped) return;
+      const auto first = std::lower_bound(columns.begin(), columns.end(), group.first_column);
+      const auto last = std::lower_bound(first, columns.end(), group.first_column + group.columns);
+      score_row(job, strip, row, {first, last}, group, scores);
+      if (!advance(last - first)) stopped = true;
+    }
+  });
+  if (stopped) throw Interrupted{};
+  std::vector<std::int64_t> masked;
+  for (const auto& group : groups) masked.insert(masked.end(), group->masked.begin(), group->masked.end());
+  parallel_for(masked.size(), job.threads, [&](std::size_t i, int) {
+    const SearchArea area(job.matrix, masked[i] % job.matrix.matrix_width(), masked[i] / job.matrix.matrix_width(),
+                          job.radius_px);
+    score_masked(job, strip, area, scores[job.place_of(masked[i])]);
   });
 }
 
-MapStrip load(const Job& job, const Piece& piece, const MapStrip* previous) {
-  return load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.surfaces(), previous,
-                    job.threads);
+void load(const Job& job, const Piece& piece, const MapStrip* previous, MapStrip& strip) {
+  load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.lag_step, previous, job.threads, strip);
 }
 
 }  // namespace
@@ -274,7 +348,11 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
       job.copies.emplace_back(matrix.tile_size_px, job.margin_px, options.degradation, seed, copy);
     }
   }
-  if (job.surfaces()) job.center = sample_center(source);
+  if (job.surfaces()) {
+    const MapSample sample = sample_map(source);
+    job.center = sample.center;
+    job.lag_step = options.every_lag ? 1 : choose_lag_step(sample, matrix.tile_size_px, job.radius_px);
+  }
   std::vector<TileScore> scores(indices.size());
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const std::int64_t index = indices[i];
@@ -298,31 +376,32 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
     return scores;
   }
   const std::vector<Piece> pieces = make_pieces(job);
-  std::optional<CleanSurfaces> clean;
-  std::optional<DegradedSurfaces> degraded;
-  std::vector<cv::Mat> scratch(static_cast<std::size_t>(job.threads));  // a surface per worker
+  std::vector<std::unique_ptr<ColumnGroup>> groups;
+  std::mutex progress_mutex;
   std::int64_t done = 0;
-  report_progress(progress, "score", 0, static_cast<std::int64_t>(indices.size()));
-  MapStrip strip = load(job, pieces.front(), nullptr);
+  const auto advance = [&](std::int64_t tiles) {
+    const std::lock_guard lock(progress_mutex);
+    done += tiles;
+    return !progress || progress("score", done, static_cast<std::int64_t>(indices.size()));
+  };
+  if (!advance(0)) throw Interrupted{};
+  MapStrip strip;
+  MapStrip next_strip;
+  load(job, pieces.front(), nullptr, strip);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
-    std::future<MapStrip> next;  // read while this piece is worked on
+    std::future<void> next;  // read while this piece is worked on
     if (i + 1 < pieces.size()) {
-      next = std::async(std::launch::async, [&job, &pieces, &strip, i] { return load(job, pieces[i + 1], &strip); });
+      next = std::async(std::launch::async, [&, i] { load(job, pieces[i + 1], &strip, next_strip); });
     }
     if (i == 0 || pieces[i - 1].first_column != piece.first_column) {
-      if (job.clean()) clean.emplace(matrix, job.radius_px, piece.first_column, piece.columns);
-      if (job.degraded()) {
-        degraded.emplace(matrix, job.radius_px, piece.first_column, piece.columns, job.copies, job.margin_px);
-      }
+      groups = make_groups(job, std::span(pieces).subspan(i));
     }
     score_piece_statistics(job, piece, strip, scores);
-    for (const auto& [row, columns] : piece.columns_of_row) {
-      if (job.surfaces()) score_row(job, strip, row, columns, clean, degraded, scratch, scores);
-      done += static_cast<std::int64_t>(columns.size());
-      report_progress(progress, "score", done, static_cast<std::int64_t>(indices.size()));
-    }
-    if (next.valid()) strip = next.get();
+    score_surfaces(job, piece, strip, groups, advance, scores);
+    if (!next.valid()) continue;
+    next.get();
+    std::swap(strip, next_strip);
   }
   if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
   return scores;

@@ -57,6 +57,7 @@ struct ScoreOptions {
   FlyingMatcher matcher = FlyingMatcher::kFeatures;
   std::string model;
   int degraded_copies = 2;
+  bool every_lag = false;
   DegradationOptions degradation;
   FeatureOptions features;                ///< Of the map that will be built; no option of `score`, `prepare` sets it.
   std::vector<std::string> second_epoch;  ///< Not looked at by score_tiles: see score_second_epoch.h.
@@ -74,6 +75,9 @@ struct ScoreOptions {
     fields.path("model", self.model, "Parameters of P(correct fix), as `pilotage calibrate` writes them.");
     fields.field("degraded_copies", self.degraded_copies, "Degraded copies per tile; scores are their mean.",
                  Range{1, 64});
+    fields.field(
+        "every_lag", self.every_lag,
+        "Correlation at every lag, not at every second one with the rivals refined: about three times slower.");
     fields.group("degradation", self.degradation, "How the degraded copies differ from the reference.");
     fields.path(
         "second_epoch", self.second_epoch,

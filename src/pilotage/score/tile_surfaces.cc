@@ -6,43 +6,82 @@
 
 #include <opencv2/core.hpp>
 
-#include "pilotage/base/parallel.h"
 #include "pilotage/vision/correlation_kernels.h"
 
 namespace pilotage {
 namespace {
 
-/// Tiles of more blocks than this along a side are not put together from blocks: the sums would cost more than they
-/// save.
-constexpr int kMostBlocks = 8;
+/// The map must be this smooth over half a step for surfaces of every second and every fourth lag: the steeper the tile
+/// that such a surface does not do justice, the more time the plain one costs.
+constexpr double kSmoothEnoughFor2 = 0.6;
+constexpr double kSmoothEnoughFor4 = 0.75;
+/// Smaller tiles and search areas are not worth two kinds of surfaces, and their mean and σ would suffer.
+constexpr int kSmallestTileFor2_px = 32;
+constexpr int kSmallestTileFor4_px = 64;
+constexpr int kLeastRadius_steps = 16;
 
-int blocks_per_side(const TileMatrix& matrix) {
-  const int blocks = matrix.stride_px > 0 ? matrix.tile_size_px / matrix.stride_px : 1;
-  return matrix.tile_size_px % matrix.stride_px == 0 && blocks <= kMostBlocks ? std::max(1, blocks) : 1;
+/// The positions of a search area at lags that are multiples of a step and no farther than `radius` steps.
+struct Positions {
+  cv::Point truth;  ///< Index of lag 0.
+  cv::Size size;
+};
+
+Positions positions(const SearchArea& area, int radius, int lag_step) {
+  const auto steps = [&](int room) { return std::min(radius, room / lag_step); };
+  const cv::Point before(steps(area.truth.x), steps(area.truth.y));
+  const cv::Point after(steps(area.positions.width - 1 - area.truth.x),
+                        steps(area.positions.height - 1 - area.truth.y));
+  return {before, cv::Size(before.x + after.x + 1, before.y + after.y + 1)};
 }
 
-BlockCorrelator make_correlator(const TileMatrix& matrix, int radius_px) {
-  return {matrix.tile_size_px / blocks_per_side(matrix), radius_px, matrix.stride_px};
+/// Turns a row of sums of products into correlations; `lag` is that of its first element.
+void normalise_row(const MapStrip& strip, const SearchArea& area, const cv::Point& lag, int lag_step, float mean,
+                   float scale, std::span<float> values) {
+  const int row = static_cast<int>(area.tile.row - strip.window.row) + lag.y;
+  const int col = static_cast<int>(area.tile.col - strip.window.col) + lag.x;
+  normalise(strip.window_sum.ptr<float>(row) + col, strip.inverse_norm.ptr<float>(row) + col,
+            static_cast<std::size_t>(lag_step), mean, scale, values.size(), values.data());
 }
 
-void ensure_workspaces(std::vector<RealFft2d::Workspace>& workspaces, const BlockCorrelator& correlator, int threads) {
-  while (workspaces.size() < static_cast<std::size_t>(thread_count(threads))) {
-    workspaces.push_back(correlator.make_workspace());
+/// Correlations of a tile at a lag and its neighbours by plain sums. (tile − mean)·scale has mean 0 and norm 1 when
+/// `tile` is made of pixels of the map.
+std::vector<SurfaceValue> values_around(const MapStrip& strip, const SearchArea& area, const cv::Mat& tile, float mean,
+                                        float scale, cv::Point lag) {
+  if (area.positions.width < 3 || area.positions.height < 3) return {};
+  lag.x = std::clamp(lag.x, 1 - area.truth.x, area.positions.width - 2 - area.truth.x);
+  lag.y = std::clamp(lag.y, 1 - area.truth.y, area.positions.height - 2 - area.truth.y);
+  const cv::Point corner(static_cast<int>(area.tile.col - strip.window.col) + lag.x - 1,
+                         static_cast<int>(area.tile.row - strip.window.row) + lag.y - 1);
+  std::array<double, 9> sums{};
+  for (int row = 0; row < tile.rows; ++row) {
+    std::array<const float*, 3> map{};
+    for (int dy = 0; dy < 3; ++dy) {
+      map[static_cast<std::size_t>(dy)] = strip.centred.ptr<float>(corner.y + row + dy) + corner.x;
+    }
+    add_products_3x3(tile.ptr<float>(row), map.data(), static_cast<std::size_t>(tile.cols), sums.data());
   }
-}
-
-cv::Mat make_surface(int radius_px) {
-  return cv::Mat(2 * radius_px + 1, 2 * radius_px + 1, CV_32F);
-}
-
-/// out = terms[0] + … , in this order.
-void add_rows(std::span<const float* const> terms, std::size_t count, float* out) {
-  if (terms.size() == 4) {  // the usual number, worth one pass
-    add_four(terms[0], terms[1], terms[2], terms[3], count, out);
-    return;
+  std::vector<SurfaceValue> result;
+  for (int dy = -1; dy <= 1; ++dy) {
+    std::array<float, 3> values{};
+    for (std::size_t dx = 0; dx < 3; ++dx)
+      values[dx] = static_cast<float>(sums[static_cast<std::size_t>(3 * dy + 3) + dx]);
+    normalise_row(strip, area, lag + cv::Point(-1, dy), 1, mean, scale, values);
+    for (int dx = -1; dx <= 1; ++dx) {
+      result.push_back({lag + cv::Point(dx, dy), values[static_cast<std::size_t>(dx + 1)]});
+    }
   }
-  std::copy(terms[0], terms[0] + count, out);
-  for (const float* term : terms.subspan(1)) add_to(term, count, out);
+  return result;
+}
+
+/// Peaks of a surface, of every lag or every second one; the tile is correlated again where that is not enough.
+CorrelationPeaks peaks_of(const MapStrip& strip, const SearchArea& area, const cv::Mat& tile, float mean, float scale,
+                          const SparseSurface& surface) {
+  if (surface.near.empty()) return correlation_peaks(surface.lattice, surface.lattice_truth, area.tile.width);
+  const auto around = [&](const cv::Point& lag) { return values_around(strip, area, tile, mean, scale, lag); };
+  const std::optional<CorrelationPeaks> peaks = sparse_correlation_peaks(surface, area.tile.width, around);
+  if (peaks) return *peaks;
+  return correlation_peaks(correlation_surface(tile, strip.view(strip.centred, area.window)), area.truth,
+                           area.tile.width);
 }
 
 }  // namespace
@@ -51,180 +90,154 @@ SearchArea::SearchArea(const TileMatrix& matrix, std::int64_t column, std::int64
     : tile(matrix.tile_window(column, row)),
       window(matrix.search_window(column, row, radius_px)),
       truth(static_cast<int>(tile.col - window.col), static_cast<int>(tile.row - window.row)),
-      lags(radius_px - truth.x, radius_px - truth.y, window.width - tile.width + 1, window.height - tile.height + 1) {}
+      positions(window.width - tile.width + 1, window.height - tile.height + 1) {}
 
-CleanSurfaces::CleanSurfaces(const TileMatrix& matrix, int radius_px, std::int64_t first_column, std::int64_t columns)
-    : matrix_(matrix),
-      blocks_(blocks_per_side(matrix)),
-      first_column_(first_column),
-      columns_(columns),
-      correlator_(make_correlator(matrix, radius_px)),
-      spectra_(correlator_, matrix.stride_px, first_column, columns + blocks_ - 1),
-      row_sums_(static_cast<std::size_t>(columns * blocks_)) {}
-
-std::size_t CleanSurfaces::bytes_per_column(const TileMatrix& matrix, int radius_px) {
-  const auto side = static_cast<std::size_t>(2 * radius_px + 1);
-  return static_cast<std::size_t>(blocks_per_side(matrix)) * side * side * sizeof(float) +
-         WindowSpectra::bytes_per_column(make_correlator(matrix, radius_px), matrix.stride_px);
+int choose_lag_step(const MapSample& sample, int tile_size_px, int radius_px) {
+  const auto fits = [&](int step, int smallest_tile_px) {
+    return tile_size_px >= smallest_tile_px && radius_px >= kLeastRadius_steps * step &&
+           radius_px >= 2 * near_radius_px(tile_size_px);
+  };
+  if (fits(4, kSmallestTileFor4_px) && sample.diagonal_correlation_2px >= kSmoothEnoughFor4) return 4;
+  if (fits(2, kSmallestTileFor2_px) && sample.diagonal_correlation_1px >= kSmoothEnoughFor2) return 2;
+  return 1;
 }
 
-CleanSurfaces::RowSum& CleanSurfaces::row_sum(std::int64_t column, std::int64_t block_row) {
-  return row_sums_[static_cast<std::size_t>(block_row % blocks_ * columns_ + column - first_column_)];
-}
-const CleanSurfaces::RowSum& CleanSurfaces::row_sum(std::int64_t column, std::int64_t block_row) const {
-  return row_sums_[static_cast<std::size_t>(block_row % blocks_ * columns_ + column - first_column_)];
-}
-
-void CleanSurfaces::prepare(const MapStrip& strip, std::int64_t tile_row, std::span<const std::int64_t> tile_columns,
-                            int threads) {
-  ensure_workspaces(workspaces_, correlator_, threads);
-  workers_.resize(workspaces_.size());
-  for (int block = 0; block < blocks_; ++block) {
-    std::vector<std::int64_t> missing;
-    for (const std::int64_t column : tile_columns) {
-      if (row_sum(column, tile_row + block).row != tile_row + block) missing.push_back(column);
-    }
-    if (!missing.empty()) prepare_block_row(strip, tile_row + block, missing, threads);
-  }
+CleanSurfaces::CleanSurfaces(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column,
+                             std::int64_t columns)
+    : sums_(matrix, radius_px, lag_step, first_column, columns) {
+  if (lag_step > 1) near_.emplace(matrix, near_radius_px(matrix.tile_size_px), 1, first_column, columns);
 }
 
-void CleanSurfaces::prepare_block_row(const MapStrip& strip, std::int64_t block_row,
-                                      const std::vector<std::int64_t>& tile_columns, int threads) {
-  std::vector<bool> needed(static_cast<std::size_t>(columns_ + blocks_ - 1), false);
-  for (const std::int64_t column : tile_columns) {
-    for (int block = 0; block < blocks_; ++block)
-      needed[static_cast<std::size_t>(column - first_column_ + block)] = true;
-  }
-  spectra_.prepare(
-      strip, block_row, [&](std::int64_t column) { return needed[static_cast<std::size_t>(column - first_column_)]; },
-      workspaces_, threads);
-
-  // One run of tiles per thread: neighbours share blocks, and runs share none, so runs are not cut finer than needed.
-  const std::size_t runs =
-      std::clamp<std::size_t>(tile_columns.size() / static_cast<std::size_t>(2 * blocks_), 1, workspaces_.size());
-  parallel_for(runs, threads, [&](std::size_t run, int thread) {
-    const std::size_t first = tile_columns.size() * run / runs;
-    const std::size_t last = tile_columns.size() * (run + 1) / runs;
-    Worker& worker = workers_[static_cast<std::size_t>(thread)];
-    worker.workspace = &workspaces_[static_cast<std::size_t>(thread)];
-    add_up(strip, block_row, std::span(tile_columns).subspan(first, last - first), worker);
-  });
+std::size_t CleanSurfaces::bytes_per_column(const TileMatrix& matrix, int radius_px, int lag_step) {
+  std::size_t bytes = BlockSums::bytes_per_column(matrix, radius_px, lag_step);
+  if (lag_step > 1) bytes += BlockSums::bytes_per_column(matrix, near_radius_px(matrix.tile_size_px), 1);
+  return bytes;
 }
 
-/// Rows of the surfaces of a row of blocks that are positions on the map for any tile the blocks belong to.
-cv::Range CleanSurfaces::rows_on_map(std::int64_t block_row) const {
-  const std::int64_t radius = correlator_.radius_px();
-  const std::int64_t top = block_row * matrix_.stride_px;                  // of the lowest of these tiles
-  const std::int64_t upper_top = top - (blocks_ - 1) * matrix_.stride_px;  // and of the highest
-  const std::int64_t room = matrix_.grid_height_px - matrix_.tile_size_px - upper_top;
-  return {static_cast<int>(radius - std::min(radius, top)),
-          static_cast<int>(radius + std::clamp<std::int64_t>(room, 0, radius) + 1)};
+void CleanSurfaces::prepare(const MapStrip& strip, std::int64_t tile_row, std::span<const std::int64_t> tile_columns) {
+  sums_.prepare(strip, tile_row, tile_columns);
+  if (near_) near_->prepare(strip, tile_row, tile_columns);
 }
 
-void CleanSurfaces::add_up(const MapStrip& strip, std::int64_t block_row, std::span<const std::int64_t> tile_columns,
-                           Worker& worker) {
-  const int side = correlator_.block_px();
-  const cv::Range on_map = rows_on_map(block_row);
-  const auto blocks = static_cast<std::size_t>(blocks_);
-  if (worker.block.size() == 0) worker.block = AlignedFloats(correlator_.spectrum_size());
-  worker.surfaces.resize(blocks);
-  worker.columns.assign(blocks, -1);
-  for (const std::int64_t tile_column : tile_columns) {
-    std::vector<const cv::Mat*> terms;
-    for (std::int64_t column = tile_column; column < tile_column + blocks_; ++column) {
-      const auto slot = static_cast<std::size_t>(column % blocks_);
-      terms.push_back(&worker.surfaces[slot]);
-      if (worker.columns[slot] == column) continue;
-      worker.columns[slot] = column;
-      if (worker.surfaces[slot].empty()) worker.surfaces[slot] = make_surface(correlator_.radius_px());
-      const cv::Mat pixels =
-          strip.centred_window({column * matrix_.stride_px, block_row * matrix_.stride_px, side, side});
-      correlator_.forward(pixels, *worker.workspace, worker.block.data());
-      correlator_.correlate(worker.block.data(), spectra_.of_block(column, block_row), on_map, *worker.workspace,
-                            worker.surfaces[slot]);
-    }
-    RowSum& sum = row_sum(tile_column, block_row);
-    if (sum.surface.empty()) sum.surface = make_surface(correlator_.radius_px());
-    std::vector<const float*> rows(terms.size());
-    for (int row = on_map.start; row < on_map.end; ++row) {
-      std::transform(terms.begin(), terms.end(), rows.begin(),
-                     [row](const cv::Mat* term) { return term->ptr<float>(row); });
-      add_rows(rows, static_cast<std::size_t>(sum.surface.cols), sum.surface.ptr<float>(row));
-    }
-    sum.row = block_row;
-  }
-}
-
-cv::Mat CleanSurfaces::surface(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column,
-                               std::int64_t tile_row, cv::Mat& scratch) const {
-  scratch.create(area.lags.size(), CV_32F);
+cv::Mat CleanSurfaces::normalised(const BlockSums& sums, const MapStrip& strip, const SearchArea& area,
+                                  std::int64_t tile_column, std::int64_t tile_row, cv::Mat& scratch) const {
+  const int step = sums.lag_step();
+  const auto [truth, size] = positions(area, sums.radius(), step);
+  scratch.create(size, CV_32F);
   const cv::Point tile(static_cast<int>(area.tile.col - strip.window.col),
                        static_cast<int>(area.tile.row - strip.window.row));
   // The sums of products come multiplied by the correlator's scale, and so must what is taken from them.
-  const auto times = static_cast<float>(correlator_.scale());
+  const auto times = static_cast<float>(sums.scale());
   const float mean = times * strip.window_sum.at<float>(tile) / static_cast<float>(area.tile.width * area.tile.height);
   const float scale = strip.inverse_norm.at<float>(tile) / times;
-  const int first_col = static_cast<int>(area.window.col - strip.window.col);
-  const int first_row = static_cast<int>(area.window.row - strip.window.row);
-  std::vector<const float*> terms(static_cast<std::size_t>(blocks_));
-  const auto width = static_cast<std::size_t>(scratch.cols);
-  for (int row = 0; row < scratch.rows; ++row) {
-    for (int block = 0; block < blocks_; ++block) {
-      terms[static_cast<std::size_t>(block)] =
-          row_sum(tile_column, tile_row + block).surface.ptr<float>(area.lags.y + row) + area.lags.x;
-    }
-    float* out = scratch.ptr<float>(row);
-    add_rows(terms, width, out);
-    normalise(strip.window_sum.ptr<float>(first_row + row) + first_col,
-              strip.inverse_norm.ptr<float>(first_row + row) + first_col, mean, scale, width, out);
+  for (int row = 0; row < size.height; ++row) {
+    const std::span<float> values(scratch.ptr<float>(row), static_cast<std::size_t>(size.width));
+    sums.row(tile_column, tile_row, sums.radius() - truth.x, sums.radius() - truth.y + row, values);
+    normalise_row(strip, area, step * cv::Point(-truth.x, row - truth.y), step, mean, scale, values);
   }
   return scratch;
 }
 
-DegradedSurfaces::DegradedSurfaces(const TileMatrix& matrix, int radius_px, std::int64_t first_column,
-                                   std::int64_t columns, std::span<const Degrader> copies, int margin_px)
-    : copies_(copies),
-      margin_px_(margin_px),
-      correlator_(matrix.tile_size_px, radius_px, matrix.stride_px),
-      spectra_(correlator_, matrix.stride_px, first_column, columns) {}
-
-std::size_t DegradedSurfaces::bytes_per_column(const TileMatrix& matrix, int radius_px) {
-  return WindowSpectra::bytes_per_column({matrix.tile_size_px, radius_px, matrix.stride_px}, matrix.stride_px);
-}
-
-void DegradedSurfaces::prepare(const MapStrip& strip, std::int64_t tile_row, std::span<const std::int64_t> tile_columns,
-                               int threads) {
-  ensure_workspaces(workspaces_, correlator_, threads);
-  while (blocks_.size() < workspaces_.size()) blocks_.emplace_back(correlator_.spectrum_size());
-  spectra_.prepare(
-      strip, tile_row,
-      [&](std::int64_t column) { return std::binary_search(tile_columns.begin(), tile_columns.end(), column); },
-      workspaces_, threads);
-}
-
-cv::Mat DegradedSurfaces::surface(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column,
-                                  std::int64_t tile_row, std::size_t copy, int worker, cv::Mat& scratch) {
-  cv::Mat tile = degraded_tile(strip, area.tile, copies_[copy], margin_px_);
-  tile -= cv::mean(tile)[0];
-  const double norm = cv::norm(tile, cv::NORM_L2);
-  if (!(norm > 0)) return {};
-  AlignedFloats& block = blocks_[static_cast<std::size_t>(worker)];
-  RealFft2d::Workspace& workspace = workspaces_[static_cast<std::size_t>(worker)];
-  correlator_.forward(tile, workspace, block.data());
-  scratch.create(2 * correlator_.radius_px() + 1, 2 * correlator_.radius_px() + 1, CV_32F);
-  correlator_.correlate(block.data(), spectra_.of_block(tile_column, tile_row),
-                        {area.lags.y, area.lags.y + area.lags.height}, workspace, scratch);
-
-  cv::Mat surface = scratch(area.lags);
-  const auto scale = static_cast<float>(1 / (norm * correlator_.scale()));
-  const int first_col = static_cast<int>(area.window.col - strip.window.col);
-  const int first_row = static_cast<int>(area.window.row - strip.window.row);
-  for (int row = 0; row < surface.rows; ++row) {
-    normalise(strip.window_sum.ptr<float>(first_row + row) + first_col,
-              strip.inverse_norm.ptr<float>(first_row + row) + first_col, 0, scale,
-              static_cast<std::size_t>(surface.cols), surface.ptr<float>(row));
+CorrelationPeaks CleanSurfaces::peaks(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column,
+                                      std::int64_t tile_row, SurfaceScratch& scratch) const {
+  SparseSurface surface;
+  surface.step = sums_.lag_step();
+  surface.lattice = normalised(sums_, strip, area, tile_column, tile_row, scratch.surface);
+  surface.lattice_truth = positions(area, sums_.radius(), sums_.lag_step()).truth;
+  if (near_) {
+    surface.near = normalised(*near_, strip, area, tile_column, tile_row, scratch.near);
+    surface.near_truth = positions(area, near_->radius(), 1).truth;
   }
-  return surface;
+  const cv::Point tile(static_cast<int>(area.tile.col - strip.window.col),
+                       static_cast<int>(area.tile.row - strip.window.row));
+  const float mean = strip.window_sum.at<float>(tile) / static_cast<float>(area.tile.width * area.tile.height);
+  return peaks_of(strip, area, strip.view(strip.centred, area.tile), mean, strip.inverse_norm.at<float>(tile), surface);
+}
+
+DegradedSurfaces::Correlation::Correlation(const TileMatrix& matrix, int radius_px, int lag_step,
+                                           std::int64_t first_column, std::int64_t columns, std::size_t copies)
+    : correlator(matrix.tile_size_px, radius_px, matrix.stride_px, lag_step),
+      windows(correlator, matrix.stride_px, first_column, columns) {
+  const int side = 2 * correlator.radius() + 1;
+  for (std::size_t copy = 0; copy < copies; ++copy) {
+    workspaces.push_back(correlator.make_workspace());
+    spectra.emplace_back(correlator.spectrum_size());
+    surfaces.emplace_back(side, side, CV_32F);
+  }
+}
+
+std::vector<cv::Mat> DegradedSurfaces::Correlation::normalised(const MapStrip& strip, const SearchArea& area,
+                                                               std::int64_t tile_column, std::int64_t tile_row,
+                                                               std::span<const cv::Mat> tiles,
+                                                               std::span<const double> norms) {
+  const int step = correlator.lag_step();
+  const int radius = correlator.radius();
+  std::vector<const float*> blocks;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    std::vector<cv::Mat> components;
+    take_apart(tiles[i], step, components);
+    correlator.forward(components, workspaces[i], spectra[i].data());
+    blocks.push_back(spectra[i].data());
+  }
+  const auto [truth, size] = positions(area, radius, step);
+  const cv::Rect lags(radius - truth.x, radius - truth.y, size.width, size.height);
+  correlator.correlate(blocks, windows.of_block(strip, tile_column, tile_row), {lags.y, lags.y + lags.height},
+                       workspaces, surfaces);
+  std::vector<cv::Mat> result;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    result.push_back(surfaces[i](lags));
+    const auto scale = static_cast<float>(1 / (norms[i] * correlator.scale()));
+    for (int row = 0; row < size.height; ++row) {
+      normalise_row(strip, area, step * cv::Point(-truth.x, row - truth.y), step, 0, scale,
+                    {result.back().ptr<float>(row), static_cast<std::size_t>(size.width)});
+    }
+  }
+  return result;
+}
+
+DegradedSurfaces::DegradedSurfaces(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column,
+                                   std::int64_t columns, std::span<const Degrader> copies, int margin_px)
+    : copies_(copies), margin_px_(margin_px), all_(matrix, radius_px, lag_step, first_column, columns, copies.size()) {
+  if (lag_step > 1) {
+    near_.emplace(matrix, near_radius_px(matrix.tile_size_px), 1, first_column, columns, copies.size());
+  }
+}
+
+std::size_t DegradedSurfaces::bytes_per_column(const TileMatrix& matrix, int radius_px, int lag_step) {
+  const auto bytes = [&](int radius, int step) {
+    return WindowSpectra::bytes_per_column({matrix.tile_size_px, radius, matrix.stride_px, step}, matrix.stride_px);
+  };
+  return bytes(radius_px, lag_step) + (lag_step > 1 ? bytes(near_radius_px(matrix.tile_size_px), 1) : 0);
+}
+
+std::vector<std::optional<CorrelationPeaks>> DegradedSurfaces::peaks(const MapStrip& strip, const SearchArea& area,
+                                                                     std::int64_t tile_column, std::int64_t tile_row) {
+  std::vector<std::optional<CorrelationPeaks>> result(copies_.size());
+  std::vector<std::size_t> copies;  // that are not flat
+  std::vector<cv::Mat> tiles;
+  std::vector<double> norms;
+  for (std::size_t copy = 0; copy < copies_.size(); ++copy) {
+    cv::Mat tile = degraded_tile(strip, area.tile, copies_[copy], margin_px_);
+    tile -= cv::mean(tile)[0];
+    const double norm = cv::norm(tile, cv::NORM_L2);
+    if (!(norm > 0)) continue;
+    copies.push_back(copy);
+    tiles.push_back(tile);
+    norms.push_back(norm);
+  }
+  const std::vector<cv::Mat> all = all_.normalised(strip, area, tile_column, tile_row, tiles, norms);
+  std::vector<cv::Mat> near(tiles.size());
+  if (near_) near = near_->normalised(strip, area, tile_column, tile_row, tiles, norms);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    SparseSurface surface;
+    surface.step = all_.correlator.lag_step();
+    surface.lattice = all[i];
+    surface.lattice_truth = positions(area, all_.correlator.radius(), surface.step).truth;
+    surface.near = near[i];
+    if (near_) surface.near_truth = positions(area, near_->correlator.radius(), 1).truth;
+    result[copies[i]] = peaks_of(strip, area, tiles[i], 0, static_cast<float>(1 / norms[i]), surface);
+  }
+  return result;
 }
 
 cv::Mat degraded_tile(const MapStrip& strip, const PixelWindow& tile, const Degrader& degrader, int margin_px) {

@@ -1,14 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "pilotage/geo/tile_matrix.h"
+#include "pilotage/score/block_sums.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/window_spectra.h"
+#include "pilotage/vision/correlation_peaks.h"
 #include "pilotage/vision/degradation.h"
 #include "pilotage/vision/fft_correlation.h"
 
@@ -19,84 +22,79 @@ struct SearchArea {
   PixelWindow tile;
   PixelWindow window;  ///< The tile's window grown by the radius, cut to the grid.
   cv::Point truth;     ///< The tile's place among the positions of the window.
-  cv::Rect lags;       ///< The positions within a surface of all lags −radius … radius.
+  cv::Size positions;  ///< Places where the tile fits into the window.
 
   SearchArea(const TileMatrix& matrix, std::int64_t column, std::int64_t row, int radius_px);
 };
 
-/// Surfaces of the tiles of a few columns, row by row, from the correlations of blocks: the sum of products of a tile
-/// of n × n blocks is the sum of those of its blocks, and each block belongs to up to n × n tiles. n = 1 when tiles do
-/// not overlap by whole blocks.
+/// Which lags of the surfaces are computed: all (1), or every second or fourth and what sparse_correlation_peaks() asks
+/// for.
+int choose_lag_step(const MapSample& sample, int tile_size_px, int radius_px);
+
+/// Memory for the surfaces of one tile.
+struct SurfaceScratch {
+  cv::Mat surface;
+  cv::Mat near;
+};
+
+/// Peaks of the surfaces of the tiles of a few columns, row by row. For one thread.
 class CleanSurfaces {
  public:
   /// For tiles of columns [first_column, first_column + columns) of `matrix`.
-  CleanSurfaces(const TileMatrix& matrix, int radius_px, std::int64_t first_column, std::int64_t columns);
-  CleanSurfaces(const CleanSurfaces&) = delete;  // spectra_ refers to correlator_
-  CleanSurfaces& operator=(const CleanSurfaces&) = delete;
+  CleanSurfaces(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column, std::int64_t columns);
 
   /// Computes what the tiles at `tile_columns` (ascending) of one row need.
-  void prepare(const MapStrip& strip, std::int64_t tile_row, std::span<const std::int64_t> tile_columns, int threads);
+  void prepare(const MapStrip& strip, std::int64_t tile_row, std::span<const std::int64_t> tile_columns);
 
-  /// Normalised surface of a prepared tile whose search area is all valid and which is not flat; CV_32F, one element
-  /// per position. The result lives in `scratch`.
-  cv::Mat surface(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column, std::int64_t tile_row,
-                  cv::Mat& scratch) const;
+  /// Peaks of a prepared tile whose search area is all valid and which is not flat.
+  CorrelationPeaks peaks(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column, std::int64_t tile_row,
+                         SurfaceScratch& scratch) const;
 
-  static std::size_t bytes_per_column(const TileMatrix& matrix, int radius_px);
+  static std::size_t bytes_per_column(const TileMatrix& matrix, int radius_px, int lag_step);
 
  private:
-  struct RowSum {  // sum over the n blocks of one row of blocks of a tile
-    std::int64_t row = -1;
-    cv::Mat surface;
-  };
-  struct Worker {
-    RealFft2d::Workspace* workspace = nullptr;
-    AlignedFloats block;
-    std::vector<cv::Mat> surfaces;  // of the last n blocks
-    std::vector<std::int64_t> columns;
-  };
-  RowSum& row_sum(std::int64_t column, std::int64_t block_row);
-  const RowSum& row_sum(std::int64_t column, std::int64_t block_row) const;
-  void prepare_block_row(const MapStrip& strip, std::int64_t block_row, const std::vector<std::int64_t>& tile_columns,
-                         int threads);
-  cv::Range rows_on_map(std::int64_t block_row) const;
-  void add_up(const MapStrip& strip, std::int64_t block_row, std::span<const std::int64_t> tile_columns,
-              Worker& worker);
+  cv::Mat normalised(const BlockSums& sums, const MapStrip& strip, const SearchArea& area, std::int64_t tile_column,
+                     std::int64_t tile_row, cv::Mat& scratch) const;
 
-  TileMatrix matrix_;
-  int blocks_;  // n
-  std::int64_t first_column_;
-  std::int64_t columns_;
-  BlockCorrelator correlator_;
-  WindowSpectra spectra_;
-  std::vector<RowSum> row_sums_;  // of the last n rows of blocks
-  std::vector<RealFft2d::Workspace> workspaces_;
-  std::vector<Worker> workers_;
+  BlockSums sums_;
+  std::optional<BlockSums> near_;  // every lag, when sums_ has not
 };
 
-/// Surfaces of degraded copies of tiles, row by row.
+/// Peaks of the surfaces of degraded copies of tiles, row by row. For one thread.
 class DegradedSurfaces {
  public:
-  DegradedSurfaces(const TileMatrix& matrix, int radius_px, std::int64_t first_column, std::int64_t columns,
-                   std::span<const Degrader> copies, int margin_px);
-  DegradedSurfaces(const DegradedSurfaces&) = delete;
+  DegradedSurfaces(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column,
+                   std::int64_t columns, std::span<const Degrader> copies, int margin_px);
+  DegradedSurfaces(const DegradedSurfaces&) = delete;  // the windows refer to the correlators
   DegradedSurfaces& operator=(const DegradedSurfaces&) = delete;
 
-  void prepare(const MapStrip& strip, std::int64_t tile_row, std::span<const std::int64_t> tile_columns, int threads);
+  /// Peaks of each copy of a tile whose search area is all valid; nothing for a copy that is flat.
+  std::vector<std::optional<CorrelationPeaks>> peaks(const MapStrip& strip, const SearchArea& area,
+                                                     std::int64_t tile_column, std::int64_t tile_row);
 
-  /// Normalised surface of one copy of a prepared tile whose search area is all valid; empty when the copy is flat.
-  cv::Mat surface(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column, std::int64_t tile_row,
-                  std::size_t copy, int worker, cv::Mat& scratch);
-
-  static std::size_t bytes_per_column(const TileMatrix& matrix, int radius_px);
+  static std::size_t bytes_per_column(const TileMatrix& matrix, int radius_px, int lag_step);
 
  private:
+  /// Surfaces of the copies at every lag, or every lag_step-th.
+  struct Correlation {
+    BlockCorrelator correlator;
+    WindowSpectra windows;
+    std::vector<RealFft2d::Workspace> workspaces;  // of each copy, as what follows
+    std::vector<AlignedFloats> spectra;
+    std::vector<cv::Mat> surfaces;
+
+    Correlation(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column, std::int64_t columns,
+                std::size_t copies);
+    /// Normalised surfaces of `tiles`, which have mean 0 and these norms.
+    std::vector<cv::Mat> normalised(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column,
+                                    std::int64_t tile_row, std::span<const cv::Mat> tiles,
+                                    std::span<const double> norms);
+  };
+
   std::span<const Degrader> copies_;
   int margin_px_;
-  BlockCorrelator correlator_;
-  WindowSpectra spectra_;
-  std::vector<RealFft2d::Workspace> workspaces_;
-  std::vector<AlignedFloats> blocks_;  // per worker
+  Correlation all_;
+  std::optional<Correlation> near_;  // every lag, when all_ has not
 };
 
 /// A degraded copy of a tile, from its surroundings in the strip.

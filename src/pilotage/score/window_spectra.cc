@@ -1,7 +1,5 @@
 #include "pilotage/score/window_spectra.h"
 
-#include "pilotage/base/parallel.h"
-
 namespace pilotage {
 
 int WindowSpectra::step(const BlockCorrelator& correlator, int stride_px) {
@@ -24,50 +22,28 @@ WindowSpectra::WindowSpectra(const BlockCorrelator& correlator, int stride_px, s
       depth_(depth(correlator, stride_px)),
       first_column_(first_column),
       columns_(columns + (correlator.windows_per_side() - 1) * step_),
-      slots_(static_cast<std::size_t>(columns_ * depth_)) {}
+      slots_(static_cast<std::size_t>(columns_ * depth_)),
+      workspace_(correlator.make_workspace()) {}
 
-std::size_t WindowSpectra::slot_index(std::int64_t column, std::int64_t row) const {
-  return static_cast<std::size_t>(row % depth_ * columns_ + column - first_column_);
+const float* WindowSpectra::window(const MapStrip& strip, std::int64_t column, std::int64_t row) {
+  Slot& slot = slots_[static_cast<std::size_t>(row % depth_ * columns_ + column - first_column_)];
+  if (slot.row == row) return slot.spectrum.data();
+  slot.row = row;
+  if (slot.spectrum.size() == 0) slot.spectrum = AlignedFloats(correlator_.spectrum_size());
+  const int side = correlator_.window_px();
+  const PixelWindow place{column * stride_px_ - correlator_.radius_px(), row * stride_px_ - correlator_.radius_px(),
+                          side, side};
+  correlator_.forward(strip.components_of(place, correlator_.lag_step()), workspace_, slot.spectrum.data());
+  return slot.spectrum.data();
 }
 
-void WindowSpectra::prepare(const MapStrip& strip, std::int64_t row, const std::function<bool(std::int64_t)>& needed,
-                            std::vector<RealFft2d::Workspace>& workspaces, int threads) {
+std::span<const float* const> WindowSpectra::of_block(const MapStrip& strip, std::int64_t column, std::int64_t row) {
   const int parts = correlator_.windows_per_side();
-  const std::int64_t block_columns = columns_ - (parts - 1) * step_;
-  struct Missing {
-    std::int64_t column;
-    std::int64_t row;
-  };
-  std::vector<Missing> missing;
-  for (std::int64_t block = first_column_; block < first_column_ + block_columns; ++block) {
-    if (!needed(block)) continue;
-    for (int part = 0; part < parts * parts; ++part) {
-      const std::int64_t window_column = block + part % parts * step_;
-      const std::int64_t window_row = row + part / parts * step_;
-      Slot& slot = slots_[slot_index(window_column, window_row)];
-      if (slot.row == window_row) continue;
-      slot.row = window_row;
-      missing.push_back({window_column, window_row});
-    }
-  }
-  parallel_for(missing.size(), threads, [&](std::size_t index, int worker) {
-    const Missing& window = missing[index];
-    Slot& slot = slots_[slot_index(window.column, window.row)];
-    if (slot.spectrum.size() == 0) slot.spectrum = AlignedFloats(correlator_.spectrum_size());
-    const int side = correlator_.window_px();
-    const cv::Mat pixels = strip.centred_window({window.column * stride_px_ - correlator_.radius_px(),
-                                                 window.row * stride_px_ - correlator_.radius_px(), side, side});
-    correlator_.forward(pixels, workspaces[static_cast<std::size_t>(worker)], slot.spectrum.data());
-  });
-}
-
-std::vector<const float*> WindowSpectra::of_block(std::int64_t column, std::int64_t row) const {
-  const int parts = correlator_.windows_per_side();
-  std::vector<const float*> spectra;
+  of_block_.clear();
   for (int part = 0; part < parts * parts; ++part) {
-    spectra.push_back(slots_[slot_index(column + part % parts * step_, row + part / parts * step_)].spectrum.data());
+    of_block_.push_back(window(strip, column + part % parts * step_, row + part / parts * step_));
   }
-  return spectra;
+  return of_block_;
 }
 
 }  // namespace pilotage

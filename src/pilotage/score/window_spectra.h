@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <span>
 #include <vector>
 
 #include "pilotage/score/map_strip.h"
@@ -19,13 +19,10 @@ class WindowSpectra {
   /// For blocks of columns [first_column, first_column + columns).
   WindowSpectra(const BlockCorrelator& correlator, int stride_px, std::int64_t first_column, std::int64_t columns);
 
-  /// Makes all windows of the blocks of one row available; `needed(column)` says which blocks these are. `strip`
-  /// must hold the blocks' surroundings as far as the map goes (what is beyond it counts as 0).
-  void prepare(const MapStrip& strip, std::int64_t row, const std::function<bool(std::int64_t)>& needed,
-               std::vector<RealFft2d::Workspace>& workspaces, int threads);
-
-  /// Spectra of the parts of a prepared block, in BlockCorrelator's order.
-  std::vector<const float*> of_block(std::int64_t column, std::int64_t row) const;
+  /// Spectra of the parts of a block, in BlockCorrelator's order, valid until the next call; those that are not there
+  /// yet are computed. `strip` must hold the block's surroundings as far as the map goes (what is beyond it counts as
+  /// 0).
+  std::span<const float* const> of_block(const MapStrip& strip, std::int64_t column, std::int64_t row);
 
   /// Bytes kept per column of blocks.
   static std::size_t bytes_per_column(const BlockCorrelator& correlator, int stride_px);
@@ -37,7 +34,7 @@ class WindowSpectra {
   };
   static int step(const BlockCorrelator& correlator, int stride_px);
   static int depth(const BlockCorrelator& correlator, int stride_px);
-  std::size_t slot_index(std::int64_t column, std::int64_t row) const;
+  const float* window(const MapStrip& strip, std::int64_t column, std::int64_t row);
 
   const BlockCorrelator& correlator_;
   int stride_px_;
@@ -46,6 +43,8 @@ class WindowSpectra {
   std::int64_t first_column_;
   std::int64_t columns_;  // of windows
   std::vector<Slot> slots_;
+  RealFft2d::Workspace workspace_;
+  std::vector<const float*> of_block_;
 };
 
 }  // namespace pilotage

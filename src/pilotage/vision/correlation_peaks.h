@@ -1,5 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <vector>
+
 #include <opencv2/core/mat.hpp>
 
 namespace pilotage {
@@ -35,5 +39,34 @@ struct CorrelationPeaks {
 /// that R1 implies and noise as correlated as the ground itself (docs/methods/uniqueness.md). Throws UsageError when
 /// the surface is not CV_32F or `truth` lies outside it.
 CorrelationPeaks correlation_peaks(const cv::Mat& surface, const cv::Point& truth, int tile_size_px);
+
+/// A surface of which a part is known: a lattice of positions, and all around the true one.
+struct SparseSurface {
+  cv::Mat lattice;          ///< CV_32F: the positions a multiple of `step` columns and rows from the true one.
+  cv::Point lattice_truth;  ///< The true position in `lattice`.
+  int step = 2;
+  cv::Mat near;          ///< CV_32F: all positions up to near_radius_px() columns and rows from the true one.
+  cv::Point near_truth;  ///< The true position in `near`.
+};
+
+/// Radius of `near` for tiles of this side: the largest main lobe and one position more, made odd.
+int near_radius_px(int tile_size_px);
+
+struct SurfaceValue {
+  cv::Point lag;  ///< From the true position.
+  float value = 0;
+};
+/// Values at a lag and its up to eight neighbours.
+using ValuesAround = std::function<std::vector<SurfaceValue>(const cv::Point& lag)>;
+
+/// The peaks from a part of the surface: what belongs to the main lobe, and rivals next to it, exactly; the highest
+/// rival elsewhere by climbing, with `values_around`, from each local maximum of the lattice that may hide a higher one
+/// than is known. It may if its height by parabolas through its neighbours, plus 0.5·fall·height, exceeds the best
+/// value so far, where fall is how much the main peak falls over half a step in columns and rows. Rivals are counted by
+/// those heights, and mean and σ are taken from the lattice with the weight of step² positions. Nothing when the fall
+/// exceeds 0.5: then a peak fits between the known positions. How much this differs from correlation_peaks() of all
+/// positions stands in docs/methods/uniqueness.md. Throws UsageError as correlation_peaks().
+std::optional<CorrelationPeaks> sparse_correlation_peaks(const SparseSurface& surface, int tile_size_px,
+                                                         const ValuesAround& values_around);
 
 }  // namespace pilotage

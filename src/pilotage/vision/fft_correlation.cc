@@ -31,31 +31,48 @@ fftwf_complex* as_complex(float* pointer) {
   return reinterpret_cast<fftwf_complex*>(pointer);
 }
 
-/// Work of one block, in transforms of one frame: its own, its share of the map's windows, and the inverses. An inverse
-/// also reads a spectrum that is no longer in the cache; 1.4 sets the measured order of 1, 2 and 4 windows a side
-/// right.
-double cost(int block_px, int radius_px, int windows_per_side) {
-  const double size = fast_fft_size(2 * radius_px / windows_per_side + block_px);
-  return (2 + 1.4 * windows_per_side * windows_per_side) * size * size * std::log2(size);
+/// Work of one block, in transforms of one frame: its own, its share of the map's windows, and the inverses, of which
+/// one serves all components. An inverse also reads spectra that are no longer in the cache; 1.4 sets the measured
+/// order of 1, 2 and 4 windows a side right.
+double cost(int block, int radius, int components, int windows_per_side) {
+  const double size = fast_fft_size(2 * radius / windows_per_side + block);
+  return (2 * components + 1.4 * windows_per_side * windows_per_side) * size * size * std::log2(size);
 }
 
-int choose_windows_per_side(int block_px, int radius_px, int stride_px) {
+/// Block and radius in steps of the lags, the stride in pixels.
+int choose_windows_per_side(int block, int radius, int stride_px, int lag_step) {
   int best = 1;
   for (const int windows : {2, 4}) {
-    const bool shared = 2 * radius_px % (windows * stride_px) == 0 && radius_px > 0;
-    if (shared && cost(block_px, radius_px, windows) < cost(block_px, radius_px, best)) best = windows;
+    const bool shared = radius > 0 && 2 * radius % windows == 0 && 2 * radius * lag_step % (windows * stride_px) == 0;
+    const int components = lag_step * lag_step;
+    if (shared && cost(block, radius, components, windows) < cost(block, radius, components, best)) best = windows;
   }
   return best;
+}
+
+int checked_lag_step(int lag_step) {
+  if (lag_step != 1 && lag_step != 2 && lag_step != 4) {
+    throw UsageError("lag_step = " + std::to_string(lag_step) + " is not 1, 2 or 4");
+  }
+  return lag_step;
+}
+
+/// Every step-th number of a row, from the first.
+template <int step>
+void take_every(const float* values, int count, float* out) {
+  for (int i = 0; i < count; ++i) out[i] = values[step * i];
 }
 
 cv::Mat region_correlation(const RealFft2d& fft, const AlignedFloats& a, const AlignedFloats& b, const cv::Size& size,
                            RealFft2d::Workspace& workspace) {
   cv::Mat result(size, CV_32F);
   const auto scale = static_cast<float>(1.0 / (static_cast<double>(fft.height()) * fft.width()));
-  fft.correlate(a.data(), b.data(), {0, size.height}, workspace, [&](int row, const float* values) {
-    float* line = result.ptr<float>(row);
-    for (int col = 0; col < size.width; ++col) line[col] = values[col] * scale;
-  });
+  const std::array<const float*, 1> spectrum_a{a.data()};
+  fft.correlate(spectrum_a, b.data(), {0, size.height}, {&workspace, 1},
+                [&](std::size_t, int row, const float* values) {
+                  float* line = result.ptr<float>(row);
+                  for (int col = 0; col < size.width; ++col) line[col] = values[col] * scale;
+                });
   return result;
 }
 
@@ -80,7 +97,7 @@ cv::Size positions_of(const cv::Mat& tile, const cv::Mat& region) {
 int fast_fft_size(int size) {
   for (int candidate = std::max(1, size);; ++candidate) {
     int rest = candidate;
-    for (const int factor : {2, 3, 5, 7}) {
+    for (const int factor : {2, 3, 5}) {
       while (rest % factor == 0) rest /= factor;
     }
     if (rest == 1) return candidate;
@@ -131,22 +148,24 @@ struct RealFft2d::Plans {
   Plans& operator=(const Plans&) = delete;
 };
 
-RealFft2d::RealFft2d(int height, int width)
+RealFft2d::RealFft2d(int height, int width, int terms)
     : height_(height),
       width_(width),
+      terms_(static_cast<std::size_t>(terms)),
       pitch_(static_cast<std::size_t>(width / 2 + 1 + kStrip - 1) / kStrip * kStrip),
       plans_(std::make_shared<const Plans>(height, width, pitch_, make_workspace())) {}
 
 std::size_t RealFft2d::spectrum_size() const {
-  return 2 * pitch_ * static_cast<std::size_t>(height_);
+  return 2 * pitch_ * static_cast<std::size_t>(height_) * terms_;
 }
 
 RealFft2d::Workspace RealFft2d::make_workspace() const {
-  return {AlignedFloats(spectrum_size()), AlignedFloats(static_cast<std::size_t>(height_) * kStrip * 2),
+  return {AlignedFloats(2 * pitch_ * static_cast<std::size_t>(height_)),
+          AlignedFloats(static_cast<std::size_t>(height_) * kStrip * 2),
           AlignedFloats((static_cast<std::size_t>(width_) + 15) / 16 * 16)};
 }
 
-void RealFft2d::forward(const cv::Mat& pixels, Workspace& workspace, float* spectrum) const {
+void RealFft2d::forward(const cv::Mat& pixels, Workspace& workspace, float* spectrum, int term) const {
   float* line = workspace.line.data();
   float* rows = workspace.rows.data();
   std::fill(line + pixels.cols, line + width_, 0.0F);
@@ -154,50 +173,89 @@ void RealFft2d::forward(const cv::Mat& pixels, Workspace& workspace, float* spec
     std::memcpy(line, pixels.ptr<float>(row), static_cast<std::size_t>(pixels.cols) * sizeof(float));
     fftwf_execute_dft_r2c(plans_->rows, line, as_complex(rows + 2 * pitch_ * static_cast<std::size_t>(row)));
   }
-  std::fill(rows + 2 * pitch_ * static_cast<std::size_t>(pixels.rows), rows + spectrum_size(), 0.0F);
+  std::fill(rows + 2 * pitch_ * static_cast<std::size_t>(pixels.rows), rows + workspace.rows.size(), 0.0F);
   const std::size_t strip_size = static_cast<std::size_t>(height_) * kStrip * 2;
+  float* out = spectrum + static_cast<std::size_t>(term) * strip_size;
   for (std::size_t strip = 0; strip < pitch_ / kStrip; ++strip) {
     fftwf_execute_dft(plans_->columns, as_complex(rows + strip * kStrip * 2),
-                      as_complex(spectrum + strip * strip_size));
+                      as_complex(out + strip * terms_ * strip_size));
   }
 }
 
-void RealFft2d::correlate(const float* spectrum_a, const float* spectrum_b, const cv::Range& rows, Workspace& workspace,
-                          const std::function<void(int, const float*)>& sink) const {
-  float* spectra = workspace.rows.data();
-  float* strip_data = workspace.strip.data();
+void RealFft2d::correlate(std::span<const float* const> spectra_a, const float* spectrum_b, const cv::Range& rows,
+                          std::span<Workspace> workspaces,
+                          const std::function<void(std::size_t, int, const float*)>& sink) const {
   const std::size_t strip_size = static_cast<std::size_t>(height_) * kStrip * 2;
   for (std::size_t strip = 0; strip < pitch_ / kStrip; ++strip) {
-    multiply_conjugate(spectrum_a + strip * strip_size, spectrum_b + strip * strip_size, strip_size / 2, strip_data);
-    fftwf_execute_dft(plans_->inverse_columns, as_complex(strip_data), as_complex(spectra + strip * kStrip * 2));
+    const std::size_t first = strip * terms_ * strip_size;
+    for (std::size_t i = 0; i < spectra_a.size(); ++i) {
+      float* product = workspaces[i].strip.data();
+      multiply_conjugate_sum(spectra_a[i] + first, spectrum_b + first, terms_, strip_size / 2, product);
+      fftwf_execute_dft(plans_->inverse_columns, as_complex(product),
+                        as_complex(workspaces[i].rows.data() + strip * kStrip * 2));
+    }
   }
-  float* line = workspace.line.data();
-  for (int row = rows.start; row < rows.end; ++row) {
-    fftwf_execute_dft_c2r(plans_->inverse_rows, as_complex(spectra + 2 * pitch_ * static_cast<std::size_t>(row)), line);
-    sink(row, line);
+  for (std::size_t i = 0; i < spectra_a.size(); ++i) {
+    float* line = workspaces[i].line.data();
+    for (int row = rows.start; row < rows.end; ++row) {
+      float* spectrum = workspaces[i].rows.data() + 2 * pitch_ * static_cast<std::size_t>(row);
+      fftwf_execute_dft_c2r(plans_->inverse_rows, as_complex(spectrum), line);
+      sink(i, row, line);
+    }
   }
 }
 
-BlockCorrelator::BlockCorrelator(int block_px, int radius_px, int stride_px)
-    : block_px_(block_px),
-      radius_px_(radius_px),
-      windows_per_side_(choose_windows_per_side(block_px, radius_px, stride_px)),
-      hop_px_(2 * radius_px / windows_per_side_),
-      fft_(fast_fft_size(hop_px_ + block_px), fast_fft_size(hop_px_ + block_px)) {}
+void take_apart(const cv::Mat& image, int step, std::vector<cv::Mat>& components) {
+  checked_lag_step(step);
+  components.resize(static_cast<std::size_t>(step) * static_cast<std::size_t>(step));
+  for (int i = 0; i < step; ++i) {
+    for (int j = 0; j < step; ++j) {
+      cv::Mat& component = components[static_cast<std::size_t>(step * i + j)];
+      component.create((image.rows + step - 1 - i) / step, (image.cols + step - 1 - j) / step, CV_32F);
+      for (int row = 0; row < component.rows; ++row) {
+        const float* values = image.ptr<float>(step * row + i) + j;
+        float* out = component.ptr<float>(row);
+        if (step == 2) {
+          take_every<2>(values, component.cols, out);
+        } else if (step == 4) {
+          take_every<4>(values, component.cols, out);
+        } else {
+          std::memcpy(out, values, static_cast<std::size_t>(component.cols) * sizeof(float));
+        }
+      }
+    }
+  }
+}
 
-void BlockCorrelator::correlate(const float* block, std::span<const float* const> windows, const cv::Range& rows,
-                                RealFft2d::Workspace& workspace, cv::Mat& surface) const {
+BlockCorrelator::BlockCorrelator(int block_px, int radius_px, int stride_px, int lag_step)
+    : block_px_(block_px),
+      lag_step_(checked_lag_step(lag_step)),
+      radius_(radius_px / lag_step_),
+      windows_per_side_(choose_windows_per_side((block_px + lag_step_ - 1) / lag_step_, radius_, stride_px, lag_step_)),
+      hop_(2 * radius_ / windows_per_side_),
+      fft_(fast_fft_size(window_px() / lag_step_), fast_fft_size(window_px() / lag_step_), lag_step_ * lag_step_) {}
+
+void BlockCorrelator::forward(std::span<const cv::Mat> components, RealFft2d::Workspace& workspace,
+                              float* spectra) const {
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    fft_.forward(components[i], workspace, spectra, static_cast<int>(i));
+  }
+}
+
+void BlockCorrelator::correlate(std::span<const float* const> blocks, std::span<const float* const> windows,
+                                const cv::Range& rows, std::span<RealFft2d::Workspace> workspaces,
+                                std::span<cv::Mat> surfaces) const {
   // Part k covers lags k·hop … k·hop + hop − 1 above −radius; the last one has lag +radius too.
-  const auto lags = [&](int part) { return hop_px_ + (part + 1 == windows_per_side_ ? 1 : 0); };
+  const auto lags = [&](int part) { return hop_ + (part + 1 == windows_per_side_ ? 1 : 0); };
   for (int part_row = 0; part_row < windows_per_side_; ++part_row) {
-    const int first = part_row * hop_px_;
+    const int first = part_row * hop_;
     const cv::Range wanted(std::max(rows.start - first, 0), std::min(rows.end - first, lags(part_row)));
     if (wanted.start >= wanted.end) continue;
     for (int part_col = 0; part_col < windows_per_side_; ++part_col) {
       const auto part = static_cast<std::size_t>(part_row * windows_per_side_ + part_col);
       const std::size_t bytes = static_cast<std::size_t>(lags(part_col)) * sizeof(float);
-      fft_.correlate(block, windows[part], wanted, workspace, [&](int row, const float* values) {
-        std::memcpy(surface.ptr<float>(first + row) + part_col * hop_px_, values, bytes);
+      fft_.correlate(blocks, windows[part], wanted, workspaces, [&](std::size_t block, int row, const float* values) {
+        std::memcpy(surfaces[block].ptr<float>(first + row) + part_col * hop_, values, bytes);
       });
     }
   }

@@ -10,7 +10,7 @@
 
 namespace pilotage {
 
-/// The smallest product of powers of 2, 3, 5 and 7 that is at least `size`: lengths FFTW has fast code for.
+/// The smallest product of powers of 2, 3 and 5 that is at least `size`: lengths FFTW is fast at.
 int fast_fft_size(int size);
 
 /// Floats on a 64-byte boundary, as vector code likes them; all zero at first.
@@ -44,69 +44,87 @@ class RealFft2d {
     AlignedFloats line;   // one row of pixels
   };
 
-  RealFft2d(int height, int width);
+  /// `terms` images of this size are transformed and correlated together: their spectra stand side by side in memory.
+  RealFft2d(int height, int width, int terms = 1);
 
   int height() const { return height_; }
   int width() const { return width_; }
-  /// Floats of a spectrum. Its order is private to this class: strips of eight columns, complex numbers interleaved.
+  /// Floats of the spectra of all terms. Their order is private to this class: strips of eight columns of each term in
+  /// turn, complex numbers interleaved.
   std::size_t spectrum_size() const;
   Workspace make_workspace() const;
 
   /// Transform of `pixels` (CV_32F, at most height × width) in the top left corner of a frame of zeros. `spectrum` has
-  /// spectrum_size() floats on a 64-byte boundary.
-  void forward(const cv::Mat& pixels, Workspace& workspace, float* spectrum) const;
+  /// spectrum_size() floats on a 64-byte boundary, of which those of `term` are written.
+  void forward(const cv::Mat& pixels, Workspace& workspace, float* spectrum, int term = 0) const;
 
-  /// Rows `rows` of the circular cross-correlation Σ_u a(u)·b(u + lag), times height · width, given to
-  /// `sink(lag_row, values)` with `width` values each, in order.
-  void correlate(const float* spectrum_a, const float* spectrum_b, const cv::Range& rows, Workspace& workspace,
-                 const std::function<void(int, const float*)>& sink) const;
+  /// Rows `rows` of the circular cross-correlations Σ_u a(u)·b(u + lag) of each of `spectra_a`, summed over the terms,
+  /// times height · width, given to `sink(index of a, lag_row, values)` with `width` values each, in order. One
+  /// workspace for each. Several at a time read `spectrum_b` from memory once.
+  void correlate(std::span<const float* const> spectra_a, const float* spectrum_b, const cv::Range& rows,
+                 std::span<Workspace> workspaces,
+                 const std::function<void(std::size_t, int, const float*)>& sink) const;
 
  private:
   struct Plans;
   int height_;
   int width_;
+  std::size_t terms_;
   std::size_t pitch_;  // complex numbers of a row of spectra, a multiple of 8
   std::shared_ptr<const Plans> plans_;
 };
 
-/// Correlation of many overlapping blocks of one map with their surroundings, all lags −radius … radius in rows and
-/// columns, with the transforms of the map shared between blocks.
+/// components[step·i + j] becomes the pixels (step·v + i, step·w + j) of a CV_32F image; step is 1, 2 or 4.
+void take_apart(const cv::Mat& image, int step, std::vector<cv::Mat>& components);
+
+/// Correlation of many overlapping blocks of one map with their surroundings at the lags k·lag_step (k whole numbers in
+/// rows and columns) up to the radius, with the transforms of the map shared between blocks.
+///
+/// With lag_step s, block and map are split into s × s components (take_apart), from the first pixel of the block or
+/// window. The correlation at lag s·k is the sum over the components of their
+/// correlations at lag k, so transforms are s times shorter either way, and as few as there are lags to compute.
 ///
 /// The lags of a block at p fall into windows_per_side² parts. Part (a, b) needs the map window of window_px² pixels at
-/// p + (b, a)·hop − radius (overlap-save). When hop is a multiple of the stride between blocks, the windows of one
-/// block are the windows of others too, and each is transformed once. The transform of a block and the inverses of the
-/// parts are what remains per block. How many parts are cheapest follows from the sizes alone.
+/// p + (b, a)·hop_px − radius_px (overlap-save). When hop_px is a multiple of the stride between blocks, the windows of
+/// one block are the windows of others too, and each is transformed once. The transform of a block and the inverses of
+/// the parts are what remains per block. How many parts are cheapest follows from the sizes alone.
 class BlockCorrelator {
  public:
-  BlockCorrelator(int block_px, int radius_px, int stride_px);
+  /// Throws UsageError unless lag_step is 1, 2 or 4.
+  BlockCorrelator(int block_px, int radius_px, int stride_px, int lag_step = 1);
 
   int block_px() const { return block_px_; }
-  int radius_px() const { return radius_px_; }
+  int lag_step() const { return lag_step_; }
+  /// Lags to each side; the farthest is radius()·lag_step pixels away.
+  int radius() const { return radius_; }
+  int radius_px() const { return radius_ * lag_step_; }
   int windows_per_side() const { return windows_per_side_; }
-  int hop_px() const { return hop_px_; }
+  int hop_px() const { return hop_ * lag_step_; }
   /// Pixels of a map window that matter; the rest of the transform's frame is zero.
-  int window_px() const { return hop_px_ + block_px_; }
+  int window_px() const { return (hop_ + (block_px_ + lag_step_ - 1) / lag_step_) * lag_step_; }
+  /// Floats of the spectra of a block or a window, all components.
   std::size_t spectrum_size() const { return fft_.spectrum_size(); }
   RealFft2d::Workspace make_workspace() const { return fft_.make_workspace(); }
 
-  /// Transform of a block (block_px²) or a map window (window_px²), CV_32F.
-  void forward(const cv::Mat& pixels, RealFft2d::Workspace& workspace, float* spectrum) const {
-    fft_.forward(pixels, workspace, spectrum);
-  }
+  /// Transforms of the components of a block (block_px²) or a map window (window_px²), CV_32F, in the order (0,0),
+  /// (0,1) ….
+  void forward(std::span<const cv::Mat> components, RealFft2d::Workspace& workspace, float* spectra) const;
 
-  /// `surface` (CV_32F, (2·radius + 1)², allocated by the caller) becomes Σ_u block(u)·map(u + lag) · scale(), where
-  /// element (radius, radius) is lag 0; only its rows `rows` are computed. `windows` are the spectra of parts (0,0),
-  /// (0,1) …, row by row; those of parts without such rows are not looked at.
-  void correlate(const float* block, std::span<const float* const> windows, const cv::Range& rows,
-                 RealFft2d::Workspace& workspace, cv::Mat& surface) const;
+  /// Each of `surfaces` (CV_32F, (2·radius() + 1)², allocated by the caller) becomes Σ_u block(u)·map(u + lag) ·
+  /// scale() of one of `blocks`, which all stand at the same place, where element (radius(), radius()) is lag 0 and
+  /// neighbours are lag_step pixels apart; only rows `rows` are computed. `windows` are the spectra of parts (0,0),
+  /// (0,1) …, row by row; those of parts without such rows are not looked at. One workspace for each block.
+  void correlate(std::span<const float* const> blocks, std::span<const float* const> windows, const cv::Range& rows,
+                 std::span<RealFft2d::Workspace> workspaces, std::span<cv::Mat> surfaces) const;
   /// Multiply surfaces by 1/scale() to get sums of products.
   double scale() const { return static_cast<double>(fft_.height()) * fft_.width(); }
 
  private:
   int block_px_;
-  int radius_px_;
+  int lag_step_;
+  int radius_;  // lags
   int windows_per_side_;
-  int hop_px_;
+  int hop_;  // lags
   RealFft2d fft_;
 };
 
