@@ -12,6 +12,7 @@
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/report/compare_reports.h"
+#include "pilotage/report/page_pdf.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 
@@ -24,6 +25,9 @@ struct ReportCommandOptions {
   std::vector<ReportOutput> outputs{ReportOutput::kHtml};
   std::string report_json;
   std::string title;
+  std::string evaluation;
+  std::string pdf;
+  std::string pdf_browser;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -32,6 +36,11 @@ struct ReportCommandOptions {
     fields.field("outputs", self.outputs, kOutputsHelp);
     fields.path("report_json", self.report_json, "Also write the numbers as JSON here, wherever --outputs puts them.");
     fields.field("title", self.title, "Title of the page; the route's name if not given.");
+    fields.path("evaluation", self.evaluation,
+                "Also show what the scores are worth: evaluation.json of score --evaluate, or its folder.");
+    fields.path("pdf", self.pdf, "Also print the page into this PDF; needs Chromium.");
+    fields.field("pdf_browser", self.pdf_browser,
+                 "Browser to print with, one that takes Chromium's options. Default: the first that is installed.");
   }
 };
 
@@ -51,14 +60,29 @@ void refuse_existing(const OutputPlace& place, const std::vector<std::string>& n
   for (const std::string& name : names) const OutputFile refused(place.folder / name, overwrite);
 }
 
+ReportInput read_report_input(const ReportCommandOptions& options, const StageFiles& files,
+                              const Invocation& invocation) {
+  ReportInput input = make_report_input(files.plan, files.scores, files.selection, input_files(files.plan),
+                                        version_line(), invocation.threads, invocation.progress);
+  input.title = options.title;
+  if (!options.evaluation.empty()) {
+    input.evaluation = read_evaluation_note(options.evaluation);
+    input.inputs.push_back(input_file("evaluation", input.evaluation->file, ""));
+  }
+  return input;
+}
+
 CommandResult report_of_plan(const ReportCommandOptions& options, const Invocation& invocation) {
+  const bool prints = !options.pdf.empty();
+  if (prints && !asks_for(options.outputs, ReportOutput::kHtml)) {
+    throw UsageError("--pdf prints the page: give html among --outputs");
+  }
+  if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const StageFiles files = read_stage_files(options.files, invocation);
   refuse_existing(place, report_output_names(place.stem, options.outputs, files.plan.levels, true),
                   invocation.overwrite);
-  ReportInput input =
-      make_report_input(files.plan, files.scores, files.selection, input_files(files.plan), version_line());
-  input.title = options.title;
+  const ReportInput input = read_report_input(options, files, invocation);
   const Report report = make_report(input);
   std::optional<OutputFile> numbers;
   if (!options.report_json.empty()) {
@@ -73,8 +97,15 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
     std::filesystem::rename(staging / name, staging / place.page);  // -o page.htm is meant as it stands
     name = place.page;
   }
+  std::optional<OutputFile> pdf;
+  if (prints) {
+    pdf.emplace(options.pdf, invocation.overwrite);
+    print_page_to_pdf(staging / place.page, pdf->temporary_path(), {.browser = options.pdf_browser},
+                      invocation.progress);
+  }
   staging.publish(written);
   if (numbers) numbers->commit();  // all appear, or none
+  if (pdf) pdf->commit();
   CommandResult result;
   result.text = report.verdict_text + "\n";
   result.json = {{"output", invocation.output}, {"files", written}, {"verdict", report.verdict_text}};

@@ -1,234 +1,156 @@
 #include <algorithm>
-#include <cmath>
-#include <optional>
+#include <cstdlib>
+#include <filesystem>
 
 #include "commands.h"
+#include "score_outputs.h"
 #include "stage_files.h"
 #include "version.h"
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
-#include "pilotage/camera/camera_options.h"
-#include "pilotage/evaluate/evaluation_files.h"
-#include "pilotage/evaluate/registered_place.h"
-#include "pilotage/mission/plan_file.h"
-#include "pilotage/mission/plan_imagery.h"
-#include "pilotage/mission/score_raster.h"
-#include "pilotage/raster/gdal_io.h"
-#include "pilotage/registration/disagreement_raster.h"
-#include "pilotage/score/score_imagery.h"
-#include "pilotage/score/score_plan.h"
+#include "pilotage/score/describe_run.h"
+#include "pilotage/score/score_run.h"
+#include "pilotage/score/score_shard.h"
 
 namespace pilotage {
 namespace {
 
 struct ScoreCommandOptions {
   ScoreImageryOptions imagery;
-  std::string table;
-  std::string second_epoch_output;
-  int level = 0;
-  EvaluateOptions evaluate;
-  CameraOptions camera;
+  ScoreOutputOptions outputs;
+  std::int64_t plan_shards = 0;
+  std::string shard;
+  std::string shards;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     ScoreImageryOptions::describe(self.imagery, fields);
-    fields.path("table", self.table, "Also write the scores as a table (CSV), one line per tile.");
-    fields.path("second_epoch_output", self.second_epoch_output,
-                "Also write the disagreement of both dates' georeferences as a raster (GeoTIFF).");
-    fields.field("level", self.level, "Level of a plan that the raster shows; the table has all.", Range{0, 30});
-    fields.group("evaluate", self.evaluate, "What the scores are worth, held against another date or real frames.");
-    fields.group("camera", self.camera, "The camera of --evaluate-frames; without it the plan's.");
+    ScoreOutputOptions::describe(self.outputs, fields);
+    fields.field("plan_shards", self.plan_shards, "Score nothing; say what so many shards are (-o: as JSON). 0: score.",
+                 Range{0, static_cast<double>(kMostShards)});
+    fields.field("shard", self.shard,
+                 "Score a part of the tiles: 3/16 is the third of 16 shards; auto/16 takes the number from "
+                 "SLURM_ARRAY_TASK_ID (1 …), JOB_COMPLETION_INDEX or AWS_BATCH_JOB_ARRAY_INDEX (0 …).");
+    fields.path("shards", self.shards, "Folder of the shards' results, for `pilotage merge`; made when it is missing.");
   }
 };
 
-struct Scored {
-  Crs crs;
-  TileMatrix matrix;
-  std::vector<TileRow> rows;
-  std::vector<std::string> warnings;
-  ScoredGround ground;            ///< What an evaluation needs; empty when none is wanted.
-  std::optional<Camera> of_plan;  ///< The plan's camera.
-  std::optional<SecondEpoch> second_epoch;
-};
-
-bool is_plan(const std::vector<std::string>& inputs) {
-  return inputs.size() == 1 && inputs.front().ends_with(".json");
+ScoreRun open_run(const ScoreCommandOptions& options, const Invocation& invocation) {
+  const std::vector<std::string>& inputs = invocation.inputs;
+  if (inputs.size() == 1 && inputs.front().ends_with(".json")) need_file(inputs.front(), "tile");
+  return open_score_run(inputs, options.imagery, invocation.seed);
 }
 
-Scored score_plan_file(const ScoreCommandOptions& options, const Invocation& invocation) {
-  const TilePlan plan = read_stage_plan(invocation.inputs.front());
-  if (options.level >= static_cast<int>(plan.levels.size())) {
-    throw UsageError("level = " + std::to_string(options.level) + ": the plan has " +
-                     std::to_string(plan.levels.size()) + " level(s)");
-  }
-  const PlanLevel& level = plan.levels[static_cast<std::size_t>(options.level)];
-  const ScoreOptions& score = options.imagery.score;
-  ScoredPlan of_plan = score_plan(plan, score, invocation.seed, invocation.threads, invocation.progress);
-  const Crs crs = Crs::from_user_input(plan.crs_wkt);
-  Scored scored{crs, level.matrix, tile_rows(plan, of_plan.scores), {},
-                {},  plan.camera,  std::move(of_plan.second_epoch)};
-  if (!options.evaluate.wanted()) return scored;
-  scored.ground = {crs,           level.matrix, level.search_radius_px, {}, dataset_names(plan), plan.imagery_options,
-                   plan.elevation};
-  std::copy_if(scored.rows.begin(), scored.rows.end(), std::back_inserter(scored.ground.rows),
-               [&](const TileRow& row) { return row.tile.level == level.matrix.level; });
-  return scored;
-}
-
-Scored score_rasters(const ScoreCommandOptions& options, const Invocation& invocation) {
-  ScoredImagery scored =
-      score_imagery(invocation.inputs, options.imagery, invocation.seed, invocation.threads, invocation.progress);
-  ScoredGround ground;
-  if (options.evaluate.wanted()) {
-    ground = {scored.crs,  scored.matrix,     options.imagery.grid.search_radius_px,
-              scored.rows, invocation.inputs, options.imagery.imagery,
-              ""};
-  }
-  return {std::move(scored.crs),         scored.matrix,     std::move(scored.rows),
-          std::move(scored.warnings),    std::move(ground), {},
-          std::move(scored.second_epoch)};
-}
-
-std::filesystem::path folder_of_outputs(const ScoreCommandOptions& options, const Invocation& invocation) {
-  const std::filesystem::path beside = options.table.empty() ? invocation.output : options.table;
-  return beside.has_parent_path() ? beside.parent_path() : ".";
-}
-
-FrameTable read_frame_table(const EvaluateOptions& options) {
-  if (options.frames.empty()) return {};
-  return frame_table_from_csv(options.frames, read_file(options.frames), {options.frames_truth, FrameColumns::kAll});
-}
-
-FlightFrames complete(const FrameTable& table, const ScoreCommandOptions& options,
-                      const std::optional<Camera>& of_plan) {
-  FrameSources sources;
-  sources.of_map = of_plan;
-  if (names_camera(options.camera) || !of_plan) sources.given = make_camera(options.camera);
-  return complete_frames(options.evaluate.frames, table, sources);
-}
-
-// Shows how well each predictor does, and writes the evaluation's files without letting them appear.
-void add_evaluation(const ScoreCommandOptions& options, const Invocation& invocation, const Scored& scored,
-                    const FrameTable& table, EvaluationFiles& files, CommandResult& result) {
-  FlightFrames frames;
-  if (!table.frames.empty()) frames = complete(table, options, scored.of_plan);
-  const std::filesystem::path scratch = folder_of_outputs(options, invocation) / "evaluation_map.gpkg";
-  // The date that is judged by may be the second one as well: its registration then corrects the truth.
-  const std::vector<std::string>& second_epoch = options.imagery.score.second_epoch;
-  const bool registered = second_epoch.size() == 1 && second_epoch.front() == options.evaluate.file;
-  const Evaluation evaluation = evaluate(
-      scored.ground, frames.frames, options.evaluate, scratch, invocation.seed, invocation.threads, invocation.progress,
-      registered ? registered_place(scored.second_epoch->registration.fit.field) : PlaceOnReference(same_place));
-  const EvaluationSource source{invocation.inputs, version_line(), options.evaluate, invocation.seed};
-  files.write(scored.ground, evaluation, source);
-  result.json["evaluation"] = evaluation_json(evaluation, source);
-  result.text += evaluation_text(evaluation);
-  result.warnings.insert(result.warnings.end(), frames.warnings.begin(), frames.warnings.end());
-  result.warnings.insert(result.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
-}
-
-// Entropies differ in the sixth digit.
-std::string for_people(double number) {
-  return std::abs(number) < 1e-3 ? format_number(number) : format_fixed(number, 6);
-}
-
-// One line per measure: how far it ranges.
-void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
-  const std::vector<ScoreColumn>& columns = score_columns();
-  std::vector<std::vector<double>> numbers(columns.size());
-  for (const TileRow& row : rows) {
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (const double value = columns[i].get(row.score); !std::isnan(value)) numbers[i].push_back(value);
-    }
-  }
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    std::vector<double>& values = numbers[i];
-    if (values.empty()) continue;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    const double median = *middle;
-    const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    result.text += columns[i].name + ": " + for_people(*low) + " … " + for_people(median) + " … " + for_people(*high) +
-                   (columns[i].unit.empty() ? "" : " " + columns[i].unit) + "\n";
-    result.json["measures"][columns[i].name] = {
-        {"minimum", *low}, {"median", median}, {"maximum", *high}, {"tiles", values.size()}};
+// What belongs to the whole run is made by `merge`.
+void refuse_outputs(const ScoreCommandOptions& options, const std::string& with, bool with_output) {
+  const ScoreOutputOptions& outputs = options.outputs;
+  const std::pair<const char*, bool> given[] = {{"-o", with_output},
+                                                {"--table", !outputs.table.empty()},
+                                                {"--second-epoch-output", !outputs.second_epoch_output.empty()},
+                                                {"--level", outputs.level != 0},
+                                                {"--evaluate", outputs.evaluate.wanted()}};
+  for (const auto& [flag, is_given] : given) {
+    if (is_given) throw UsageError(std::string(flag) + " does not go with " + with + "; give it to `pilotage merge`");
   }
 }
 
-// Refuses what can be refused before the work is done.
-std::optional<OutputFile> check_second_epoch(const ScoreCommandOptions& options, const Invocation& invocation) {
-  for (const std::string& dataset : options.imagery.score.second_epoch) inspect_imagery(dataset);
-  if (options.second_epoch_output.empty()) return std::nullopt;
-  if (options.imagery.score.second_epoch.empty()) throw UsageError("--second-epoch-output needs --second-epoch");
-  return std::optional<OutputFile>(std::in_place, options.second_epoch_output, invocation.overwrite);
+std::string range_text(std::int64_t first, std::int64_t last) {
+  return std::to_string(first) + (last > first ? " to " + std::to_string(last) : "");
 }
 
-void write_disagreement(const ScoreCommandOptions& options, const Invocation& invocation, const Scored& scored) {
-  const SecondEpoch& epoch = *scored.second_epoch;
-  const DisagreementRaster raster = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
-  write_score_raster(options.second_epoch_output, raster.bands, scored.crs, raster.map_from_pixel,
-                     invocation.overwrite);
-}
-
-std::string metres(const Spread& spread) {
-  if (std::isnan(spread.median)) return "not known";
-  return format_fixed(spread.median, 2) + " m median, " + format_fixed(spread.quantile_95, 2) + " m 95 %, " +
-         format_fixed(spread.largest, 2) + " m largest";
-}
-
-nlohmann::ordered_json json_of(const Spread& spread) {
-  return {{"median", json_number(spread.median)},
-          {"quantile_95", json_number(spread.quantile_95)},
-          {"largest", json_number(spread.largest)}};
-}
-
-void summarise(const SecondEpoch& epoch, CommandResult& result) {
-  const Registration& registration = epoch.registration;
-  const WarpFit& fit = registration.fit;
-  const auto unknown = std::count_if(epoch.scores.begin(), epoch.scores.end(),
-                                     [](const EpochScores& score) { return std::isnan(score.disagreement_m); });
-  result.text += "second epoch: " + std::to_string(registration.finest_ties) + " ties at " +
-                 std::to_string(registration.places) + " places and " +
-                 std::to_string(static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties) +
-                 " coarser ones, " + std::to_string(fit.outliers) + " outliers\n";
-  result.text += "  disagreement: " + metres(fit.disagreement_m) + "\n  residual: " + metres(fit.residual_m) +
-                 "\n  residual of ties left out: " + metres(fit.left_out_m) + "\n";
-  result.json["second_epoch"] = {
-      {"gsd_m", registration.gsd_m},
-      {"places", registration.places},
-      {"ties", registration.finest_ties},
-      {"coarser_ties", static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties},
-      {"outliers", fit.outliers},
-      {"disagreement_m", json_of(fit.disagreement_m)},
-      {"residual_m", json_of(fit.residual_m)},
-      {"left_out_m", json_of(fit.left_out_m)},
-      {"tiles_unknown", unknown}};
-  if (unknown == 0) return;
-  result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
-                            " of " + std::to_string(epoch.scores.size()) + " tiles");
-}
-
-CommandResult tell(const Scored& scored, const Invocation& invocation) {
-  const auto of_status = [&](TileStatus status) {
-    return std::count_if(scored.rows.begin(), scored.rows.end(),
-                         [&](const TileRow& row) { return row.score.status == status; });
-  };
+CommandResult plan_shards(const ScoreCommandOptions& options, const Invocation& invocation) {
+  refuse_outputs(options, "--plan-shards", false);
+  const ScoreRun run = open_run(options, invocation);
   CommandResult result;
-  result.text = std::to_string(scored.rows.size()) + " tiles, " + std::to_string(of_status(TileStatus::kScored)) +
-                " scored, " + std::to_string(of_status(TileStatus::kFlat)) + " flat, " +
-                std::to_string(of_status(TileStatus::kTooLittleGround)) + " with too little ground\n";
-  result.json = {{"output", invocation.output},
-                 {"tiles", scored.rows.size()},
-                 {"scored", of_status(TileStatus::kScored)},
-                 {"flat", of_status(TileStatus::kFlat)},
-                 {"too_little_ground", of_status(TileStatus::kTooLittleGround)}};
-  summarise(scored.rows, result);
-  result.warnings = scored.warnings;
-  if (scored.second_epoch) summarise(*scored.second_epoch, result);
+  result.text = std::to_string(options.plan_shards) + " shards of " + std::to_string(tile_count(run)) + " tiles\n";
+  result.json = {{"tiles", tile_count(run)}, {"shards", nlohmann::ordered_json::array()}};
+  for (std::int64_t number = 1; number <= options.plan_shards; ++number) {
+    const Shard shard{number, options.plan_shards};
+    const std::vector<ShardTile> tiles = shard_tiles(run, shard);
+    nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+    std::vector<std::string> words;
+    for (const ShardPart& part : shard_parts(tiles)) {
+      words.push_back((run.plan ? "level " + std::to_string(part.level) + " " : "") + "columns " +
+                      range_text(part.first_column, part.last_column) + " rows " +
+                      range_text(part.first_row, part.last_row));
+      parts.push_back({{"level", part.level},
+                       {"columns", {part.first_column, part.last_column}},
+                       {"rows", {part.first_row, part.last_row}},
+                       {"tiles", part.tiles}});
+    }
+    result.text += "shard " + std::to_string(number) + "/" + std::to_string(options.plan_shards) + ": " +
+                   std::to_string(tiles.size()) + " tiles: " + join(words, ", ") + "\n";
+    result.json["shards"].push_back(
+        {{"shard", number}, {"file", shard_file_name(shard)}, {"tiles", tiles.size()}, {"parts", parts}});
+  }
+  if (!invocation.output.empty()) write_file(invocation.output, result.json.dump(1) + "\n", invocation.overwrite);
   return result;
+}
+
+/// Whether the shard's result is there already. What is damaged is none, and will be replaced. Throws DataError for
+/// that of another run.
+bool is_done(const std::filesystem::path& file, const nlohmann::ordered_json& run, const Shard& shard,
+             std::vector<std::string>& warnings) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return false;
+  try {
+    const ScoreShard found = read_score_shard(file);
+    const std::string difference = run_difference(found.run, run);
+    if (difference.empty() && found.shard == shard) return true;
+    throw DataError(file.string() + ": is of another run (" + difference +
+                    " of this one); take another folder, or give --overwrite");
+  } catch (const IntegrityError& error) {
+    warnings.push_back(std::string(error.what()) + "; it is scored again");
+    return false;
+  }
+}
+
+CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& invocation) {
+  refuse_outputs(options, "--shard", !invocation.output.empty());
+  if (options.shards.empty()) throw UsageError("shards is missing; give --shards FOLDER");
+  const Shard shard = parse_shard(options.shard, [](const std::string& name) {
+    const char* value = std::getenv(name.c_str());
+    return value == nullptr ? std::optional<std::string>() : std::optional<std::string>(value);
+  });
+  const ScoreRun run = open_run(options, invocation);
+  std::vector<std::int64_t> places;
+  for (const ShardTile& tile : shard_tiles(run, shard)) places.push_back(tile.place);
+  std::sort(places.begin(), places.end());
+
+  const std::filesystem::path file = std::filesystem::path(options.shards) / shard_file_name(shard);
+  std::error_code error;
+  std::filesystem::create_directories(options.shards, error);
+  if (error) throw DataError(options.shards + ": cannot be made: " + error.message());
+  ScoreShard result{describe_run(run, version_line()), shard, {}};
+  CommandResult told;
+  const bool done = !invocation.overwrite && is_done(file, result.run, shard, told.warnings);
+  if (!done && shard.count > 1 && !options.imagery.score.second_epoch.empty()) {
+    told.warnings.emplace_back("with a second date each shard registers both dates over all tiles of the run");
+  }
+  if (!done) {
+    result.scores = score_part(run, places, invocation.threads, invocation.progress).scores;
+    // A second task with the same shard writes the same bytes: whichever is last wins.
+    write_file(file, score_shard_to_bytes(result), true);
+  }
+  told.text = "shard " + std::to_string(shard.number) + "/" + std::to_string(shard.count) + ": " +
+              std::to_string(places.size()) + " tiles, " + (done ? "done already" : "written") + ": " + file.string() +
+              "\n";
+  told.json = {{"shard", shard.number},
+               {"shards", shard.count},
+               {"tiles", places.size()},
+               {"file", file.string()},
+               {"done_already", done}};
+  return told;
+}
+
+CommandResult score_all(const ScoreCommandOptions& options, const Invocation& invocation) {
+  if (!options.shards.empty()) throw UsageError("--shards goes with --shard");
+  if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: where the score raster goes");
+  ScoreRun run = open_run(options, invocation);
+  ScoreOutputs outputs(options.outputs, invocation, run);
+  return outputs.write(score_run(run, invocation.threads, invocation.progress));
 }
 
 }  // namespace
@@ -246,32 +168,18 @@ Command make_score_command() {
       {"Measured against a second date.",
        "pilotage score plan.json --second-epoch last_year.tif --second-epoch-output disagreement.tif -o scores.tif"},
       {"What the scores are worth: the matcher on another date.",
-       "pilotage score ortho.tif --gsd-m 0.6 --tile-size-px 128 --evaluate later.tif -o scores.tif"}};
+       "pilotage score ortho.tif --gsd-m 0.6 --tile-size-px 128 --evaluate later.tif -o scores.tif"},
+      {"One of 16 parts, for as many machines; `pilotage merge` puts them together.",
+       "pilotage score ortho.tif --shard 3/16 --shards parts"}};
   command.inputs = {
       .name = "RASTER", .help = "GDAL datasets, or one tile plan (plan.json).", .min = 1, .max = InputSpec::kMany};
-  command.output = {.kind = OutputKind::kFile, .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure."};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure; not with --shard.",
+                    .required = false};
   bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
-    std::optional<OutputFile> table;  // what exists is refused before the work is done
-    if (!options.table.empty()) table.emplace(options.table, invocation.overwrite);
-    std::optional<EvaluationFiles> evaluation;
-    if (options.evaluate.wanted()) {
-      check_evaluation(options.evaluate);
-      evaluation.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
-    }
-    const FrameTable frames = read_frame_table(options.evaluate);
-    const std::optional<OutputFile> refused = check_second_epoch(options, invocation);
-    const Scored scored =
-        is_plan(invocation.inputs) ? score_plan_file(options, invocation) : score_rasters(options, invocation);
-    CommandResult result = tell(scored, invocation);
-    if (evaluation) add_evaluation(options, invocation, scored, frames, *evaluation, result);
-    report_progress(invocation.progress, "writing scores", 0, 0);
-    const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
-    if (table) table->write(tile_table_to_csv(scored.rows));
-    write_score_raster(invocation.output, raster.bands, scored.crs, raster.map_from_pixel, invocation.overwrite);
-    if (!options.second_epoch_output.empty()) write_disagreement(options, invocation, scored);
-    if (table) table->commit();  // all appear, or none
-    if (evaluation) evaluation->commit();
-    return result;
+    if (options.plan_shards > 0 && !options.shard.empty()) throw UsageError("--plan-shards or --shard, not both");
+    if (options.plan_shards > 0) return plan_shards(options, invocation);
+    return options.shard.empty() ? score_all(options, invocation) : score_shard(options, invocation);
   });
   return command;
 }

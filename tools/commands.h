@@ -8,6 +8,7 @@ namespace pilotage {
 Command make_prepare_command();
 Command make_tile_command();
 Command make_score_command();
+Command make_merge_command();
 Command make_select_command();
 Command make_build_command();
 Command make_report_command();

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "pilotage/base/error.h"
 #include "pilotage/report/report.h"
 
 namespace pilotage {
@@ -59,11 +60,55 @@ TEST(ReportHtml, TheVerdictComesFirstAndIsWordShapeAndColour) {
   EXPECT_LT(body.find("MARGINAL"), body.find("<main>"));
 }
 
+TEST(ReportHtml, AnswersTheQuestionAndSaysWhereToLookFirst) {
+  const Report bad = make_report(scene(0.04));
+  const std::string html = report_html(bad);
+  EXPECT_EQ(between(html, "<p class=\"answer\">", "</p>"), "The route cannot be flown without GNSS as planned.");
+  EXPECT_EQ(between(html, "<h2 id=\"first-heading\">", "</h2>"), "Where it cannot, why, and what to do");
+  const std::string places = between(html, "<ol class=\"places\">", "</ol>");
+  for (const std::string& text : {bad.weak_places[0].where, bad.weak_places[0].why, bad.weak_places[0].todo})
+    EXPECT_THAT(places, HasSubstr(text));
+  EXPECT_LT(html.find("<ol class=\"places\">"), html.find("id=\"map\""));
+  const std::string good = report_html(scene(0.01));
+  EXPECT_EQ(between(good, "<p class=\"answer\">", "</p>"), "The route can be flown without GNSS.");
+  EXPECT_EQ(between(good, "<h2 id=\"first-heading\">", "</h2>"), "Weakest places");
+}
+
+TEST(ReportHtml, CoordinatesStandAsDegreesAndAsMinutesAndSeconds) {
+  Report report = make_report(scene(0.04));
+  report.gaps[0].from = {-7.5, 52.99999999};
+  report.gaps[0].to = {179.0125, -0.25};
+  const std::string gaps = between(report_html(report), "<tbody id=\"gaps\">", "</tbody>");
+  EXPECT_THAT(gaps, HasSubstr("<code>53.000000, -7.500000 → -0.250000, 179.012500</code>"));
+  EXPECT_THAT(
+      gaps, HasSubstr("53°00&#39;00.0&quot; N 7°30&#39;00.0&quot; W → 0°15&#39;00.0&quot; S 179°00&#39;45.0&quot; E"));
+}
+
+TEST(ReportHtml, PicturesFollowTheOrderOfTheTiles) {
+  ReportInput input = scene(0.04);
+  input.pictures.sheet.setTo(cv::Scalar::all(0));
+  input.pictures.sheet(input.pictures.place(7)).setTo(cv::Scalar::all(255));
+  const std::int64_t white = input.plan.tiles[7].tile_id;
+  std::swap(input.plan.tiles[7], input.plan.tiles[3]);  // and their pictures with them
+  input.pictures.sheet(input.pictures.place(3)).setTo(cv::Scalar::all(255));
+  input.pictures.sheet(input.pictures.place(7)).setTo(cv::Scalar::all(0));
+  const Report report = make_report(input);
+  const std::string& jpeg = report.display.pictures_jpeg;
+  const cv::Mat sheet = cv::imdecode(std::vector<char>(jpeg.begin(), jpeg.end()), cv::IMREAD_GRAYSCALE);
+  ASSERT_FALSE(sheet.empty());
+  for (std::size_t i = 0; i < 20; ++i) {
+    const double mean = cv::mean(sheet(input.pictures.place(i)))[0];
+    EXPECT_NEAR(mean, report.tiles[i].tile.tile_id == white ? 255 : 0, 20) << i;
+  }
+  input.pictures.sheet = input.pictures.sheet.rowRange(0, 40).clone();
+  EXPECT_THROW(make_report(input), DataError);
+}
+
 TEST(ReportHtml, NeedsNoOtherFileAndNoNetwork) {
   std::string html = report_html(scene(0.04));
   EXPECT_TRUE(contains(html, "default-src 'none'"));
   EXPECT_FALSE(contains(html, "sourceMappingURL"));
-  const std::regex outside(R"re((?:src|href)\s*=\s*"(?!data:)|url\((?!data:)|@import)re");
+  const std::regex outside(R"re((?:src|href)\s*=\s*"(?!data:|#)|url\((?!data:|#)|@import)re");
   // Leaflet's script builds such texts from options that the page does not set; everything else must have none.
   const std::size_t script = html.find("<script>");
   const std::string before = html.substr(0, html.find("<script type=\"application/json\""));
@@ -158,7 +203,9 @@ TEST(ReportHtml, ControlsAreRealAndLabelled) {
   for (std::sregex_iterator it(panel.begin(), panel.end(), control); it != std::sregex_iterator(); ++it, ++controls) {
     const std::string tag = it->str();
     const std::string id = between(tag, "id=\"", "\"");
+    const std::size_t content = static_cast<std::size_t>(it->position()) + tag.size();
     const bool labelled = tag.find("aria-label") != std::string::npos ||
+                          (tag.starts_with("<button") && panel[content] != '<') ||
                           panel.find("for=\"" + id + "\"") != std::string::npos ||
                           panel.substr(0, static_cast<std::size_t>(it->position())).rfind("<label>") + 7 ==
                               static_cast<std::size_t>(it->position());

@@ -1,5 +1,6 @@
 #include "report/report_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -87,7 +88,31 @@ TileScore score_of(const PlanTile& tile, Random& random) {
   score.degraded.rival = score.degraded.peak - score.degraded.margin;
   score.degraded.rival_ratio = score.degraded.rival / score.degraded.peak;
   score.degraded.expected_error_px = random.uniform(0.3, 1.5);
+  score.p_correct_fix = std::clamp(0.2 + 2.5 * score.degraded.margin, 0.01, 0.99);
+  if (score.p_correct_fix < 0.5) score.reasons = {ReasonCode::kVegetation, ReasonCode::kFlat};
   return score;
+}
+
+// Cut from the overview, as read_tile_pictures cuts them from the imagery.
+TilePictures pictures_of(const ReportInput& input) {
+  TilePictures pictures;
+  pictures.side_px = 32;
+  pictures.columns = 64;
+  const int rows = static_cast<int>(input.plan.tiles.size()) / pictures.columns + 1;
+  pictures.sheet = cv::Mat(rows * pictures.side_px, pictures.columns * pictures.side_px, CV_8UC3, cv::Scalar::all(192));
+  const cv::Rect all({0, 0}, input.imagery.pixels.size());
+  for (std::size_t i = 0; i < input.plan.tiles.size(); ++i) {
+    const Bounds& bounds = input.plan.tiles[i].bounds;
+    const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({bounds.min_x_m, bounds.max_y_m});
+    const Eigen::Vector2d b = input.imagery.map_from_pixel.pixel_from_map({bounds.max_x_m, bounds.min_y_m});
+    const cv::Rect window = cv::Rect(cv::Point(static_cast<int>(a.x()), static_cast<int>(a.y())),
+                                     cv::Point(static_cast<int>(b.x()), static_cast<int>(b.y()))) &
+                            all;
+    if (window.empty()) continue;
+    cv::resize(input.imagery.pixels(window), pictures.sheet(pictures.place(i)),
+               cv::Size(pictures.side_px, pictures.side_px), 0, 0, cv::INTER_AREA);
+  }
+  return pictures;
 }
 
 void add_level(const ReportSceneOptions& options, int level, ReportInput& input) {
@@ -117,6 +142,7 @@ void add_level(const ReportSceneOptions& options, int level, ReportInput& input)
                      top_left.x() + kTile_px * plan_level.gsd_m, top_left.y()};
       tile.center = input.geodetic_from_map(tile.bounds.center_m());
       tile.valid_fraction = column < 1 && row * 9 < matrix.matrix_height() ? 0.3 : 1;
+      tile.route_distance_m = static_cast<double>(row) * kStride_px * plan_level.gsd_m;
       tile.route_offset_m = std::abs(static_cast<double>(column) - options.tiles_across / 2) * kStride_m;
       input.plan.tiles.push_back(tile);
     }
@@ -212,6 +238,7 @@ ReportInput report_scene(const ReportSceneOptions& options) {
   }
   input.selection.estimated_bytes = static_cast<std::int64_t>(input.selection.tile_ids.size()) * 6000;
   input.imagery = draw_ground(matrix_of(options));
+  input.pictures = pictures_of(input);
   input.parameters = {{"agl_m", 120}, {"camera", {{"hfov_deg", 73.7}, {"width_px", 4000}}}, {"ins_grade", "tactical"}};
   input.inputs = {{"imagery", "valley.tif", "2024-06-01", "blake2b-256:00112233445566778899aabbccddeeff"},
                   {"route", "valley.plan", "", "blake2b-256:ffeeddccbbaa99887766554433221100"}};

@@ -33,6 +33,27 @@ TEST(StripChart, ShowsLimitGapLegsAndFixes) {
   EXPECT_THAT(svg, HasSubstr("class=\"leg bad\""));
   EXPECT_THAT(svg, HasSubstr("class=\"fixes\""));
   EXPECT_THAT(svg, HasSubstr("Distance along the route (km)"));
+  EXPECT_THAT(svg, HasSubstr("class=\"hatch\"")) << "over the limit by more than colour";
+  EXPECT_THAT(svg, HasSubstr(">✕ 2.2 km</text>"));
+  options.drift = 0.01;
+  const std::string good = strip_chart_svg(make_report(testing::report_scene(options)));
+  EXPECT_THAT(good, Not(HasSubstr("class=\"hatch\"")));
+  EXPECT_THAT(good, HasSubstr(">2.2 km</text>"));
+}
+
+TEST(StripChart, ProbabilitiesAreARibbonInTheColoursOfTheirHeatMap) {
+  Report report;
+  report.max_error_m = 50;
+  report.route_length_m = 100;
+  report.error_profile = {{0, 1, true, 0.001}, {25, 1, true, 0.002}, {50, 1, true, 0.999}, {100, 1, true, 1}};
+  const std::string svg = strip_chart_svg(report);
+  EXPECT_THAT(svg, HasSubstr(">P(fix)</text>"));
+  const auto colors = color_table(ColorMap::kViridis);
+  // One rectangle for each stretch of one shade, 64 … 624 … 1184 of the chart's units.
+  EXPECT_THAT(svg, HasSubstr("<rect x=\"64\" y=\"276\" width=\"560\" height=\"12\" fill=\"" + hex_color(colors[0])));
+  EXPECT_THAT(svg, HasSubstr("<rect x=\"624\" y=\"276\" width=\"560\" height=\"12\" fill=\"" + hex_color(colors[255])));
+  for (ErrorSample& sample : report.error_profile) sample.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(strip_chart_svg(report), Not(HasSubstr("P(fix)")));
 }
 
 TEST(StripChart, UnboundedAndUnknownErrorsAreDrawnAtTheTop) {

@@ -1,4 +1,5 @@
-// Writes report.html and report.json of a drawn mission, to look at: write_report_scene FOLDER [go|no-go|polar|long]
+// Writes report.html and report.json of a drawn mission, to look at: write_report_scene FOLDER
+// [go|no-go|polar|long|very-long]
 #include <iostream>
 #include <string>
 
@@ -8,7 +9,7 @@
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::cerr << "usage: write_report_scene FOLDER [go|no-go|polar|long]\n";
+    std::cerr << "usage: write_report_scene FOLDER [go|no-go|polar|long|very-long]\n";
     return 2;
   }
   const std::string kind = argc > 2 ? argv[2] : "no-go";
@@ -18,6 +19,11 @@ int main(int argc, char** argv) {
   options.drift = kind == "go" ? 0.018 : 0.024;
   if (kind == "polar") options.origin = {40, 88};
   if (kind == "long") options.tiles_along = 650;
+  if (kind == "very-long") {  // 200 km and 5,208 tiles on the finer level
+    options.tiles_across = 2;
+    options.tiles_along = 2604;
+    options.turn_deg = 50;
+  }
   const pilotage::Report report = pilotage::make_report(pilotage::testing::report_scene(options));
   const std::filesystem::path folder = argv[1];
   pilotage::write_file(folder / "report.html", pilotage::report_html(report), true);

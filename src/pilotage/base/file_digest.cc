@@ -9,6 +9,25 @@
 #include "pilotage/base/error.h"
 
 namespace pilotage {
+namespace {
+
+using DigestBytes = std::array<unsigned char, 32>;
+
+std::string to_hex(const DigestBytes& digest) {
+  std::array<char, 65> hex{};
+  sodium_bin2hex(hex.data(), hex.size(), digest.data(), digest.size());
+  return hex.data();
+}
+
+}  // namespace
+
+std::string bytes_digest(std::string_view bytes) {
+  if (sodium_init() < 0) throw DataError("libsodium cannot be initialised");
+  DigestBytes digest{};
+  crypto_generichash(digest.data(), digest.size(), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
+                     nullptr, 0);
+  return to_hex(digest);
+}
 
 std::string file_digest(const std::filesystem::path& path) {
   if (sodium_init() < 0) throw DataError("libsodium cannot be initialised");
@@ -23,11 +42,9 @@ std::string file_digest(const std::filesystem::path& path) {
                               static_cast<unsigned long long>(stream.gcount()));
   }
   if (stream.bad()) throw DataError(path.string() + ": cannot be read");
-  std::array<unsigned char, 32> digest{};
+  DigestBytes digest{};
   crypto_generichash_final(&state, digest.data(), digest.size());
-  std::array<char, 65> hex{};
-  sodium_bin2hex(hex.data(), hex.size(), digest.data(), digest.size());
-  return hex.data();
+  return to_hex(digest);
 }
 
 }  // namespace pilotage

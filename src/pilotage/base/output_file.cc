@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <random>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -38,9 +39,9 @@ OutputFile::OutputFile(fs::path destination, bool overwrite) : destination_(std:
   if (!overwrite && fs::exists(destination_, ignored)) {
     throw DataError(destination_.string() + ": exists already; give --overwrite to replace it");
   }
-  temporary_ = folder / ("." + destination_.stem().string() + ".partial-" + std::to_string(::getpid()) +
-                         destination_.extension().string());
-  fs::remove(temporary_, ignored);
+  // Two machines that share the folder may write the same file with the same process number.
+  temporary_ = folder / ("." + destination_.stem().string() + ".partial-" + std::to_string(::getpid()) + "-" +
+                         std::to_string(std::random_device()()) + destination_.extension().string());
 }
 
 OutputFile::~OutputFile() {

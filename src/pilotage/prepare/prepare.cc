@@ -142,8 +142,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
                          options.build, true, run.threads, progress, second_date);
 
+  ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version, run.threads, progress);
   report_progress(progress, "writing the report", 0, 0);
-  ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version);
   input.parameters = described(options);
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
   const Report report = make_report(input);

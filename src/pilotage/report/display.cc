@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kImagerySide_px = 1600;
 constexpr std::size_t kImageryMaxBytes = 1200000;
+constexpr std::size_t kPicturesMaxBytes = 700000;
 constexpr std::size_t kMaxLinePoints = 4000;
 constexpr std::size_t kMaxPlaces = 2000;
 
@@ -68,6 +69,21 @@ void add_route(const ReportInput& input, const Report& report, double reference_
   }
 }
 
+// The pictures of the report's tiles, in their order.
+void add_pictures(const ReportInput& input, const Report& report, ReportDisplay& display) {
+  const TilePictures& pictures = input.pictures;
+  if (pictures.sheet.empty()) return;
+  std::map<std::int64_t, std::size_t> index;
+  for (std::size_t i = 0; i < input.plan.tiles.size(); ++i) index[input.plan.tiles[i].tile_id] = i;
+  cv::Mat sheet(pictures.sheet.size(), pictures.sheet.type(), cv::Scalar::all(0));
+  for (std::size_t i = 0; i < report.tiles.size(); ++i) {
+    pictures.sheet(pictures.place(index.at(report.tiles[i].tile.tile_id))).copyTo(sheet(pictures.place(i)));
+  }
+  display.pictures_jpeg = encode_jpeg(sheet, kPicturesMaxBytes);
+  display.picture_side_px = pictures.side_px;
+  display.picture_columns = pictures.columns;
+}
+
 // What is drawn, with a margin of 4 %; empty when a point lies outside the plane.
 Bounds drawn_bounds(const ReportDisplay& display) {
   Bounds bounds;
@@ -99,10 +115,15 @@ ReportDisplay make_display(const ReportInput& input, const Report& report) {
     display.cells_m.push_back(cell_corners(tile.tile, *levels.at(tile.tile.level), display_from_map));
   }
   add_route(input, report, reference_deg, display);
+  add_pictures(input, report, display);
 
   const Bounds bounds = drawn_bounds(display);
   if (bounds.empty()) {
+    const ReportDisplay before = display;
     display = {};
+    display.pictures_jpeg = before.pictures_jpeg;  // shown beside the numbers of a tile
+    display.picture_side_px = before.picture_side_px;
+    display.picture_columns = before.picture_columns;
     display.missing = report.tiles.empty() && report.legs.empty()
                           ? "There is no tile and no route to draw."
                           : "The map is not drawn: a part of the mission lies beyond " +

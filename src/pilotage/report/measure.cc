@@ -16,6 +16,13 @@ double percentile(const std::vector<double>& sorted, double share) {
   return sorted[std::min(index, sorted.size() - 1)];
 }
 
+// Shares and probabilities are always shown from 0 to 1.
+bool is_share(std::string_view name) {
+  constexpr std::array<std::string_view, 5> kShares = {"valid_fraction", "p_correct_fix", "vegetation_share",
+                                                       "water_share", "epoch_survival"};
+  return std::find(kShares.begin(), kShares.end(), name) != kShares.end();
+}
+
 }  // namespace
 
 std::array<Rgb, 256> color_table(ColorMap map) {
@@ -69,6 +76,25 @@ const std::vector<Measure>& report_measures() {
        ColorMap::kCividis, 9, [](const TileScore& score) { return score.frieden_entropy; }},
       {"valid_fraction", "Imagery coverage", "1", "Share of the tile's pixels that the imagery covers.",
        ColorMap::kCividis, 3, [](const TileScore& score) { return score.valid_fraction; }},
+      {"map_features", "Features of the map", "features", "Features that the map would hold of the tile.",
+       ColorMap::kCividis, 0, [](const TileScore& score) { return score.map_features; }},
+      {"vegetation_share", "Green ground", "1",
+       "Share of the tile that is green: plants look different in another season.", ColorMap::kCividis, 2,
+       [](const TileScore& score) { return score.vegetation_share; }},
+      {"water_share", "Open water", "1", "Share of the tile that looks like open water: nothing there stays.",
+       ColorMap::kCividis, 2, [](const TileScore& score) { return score.water_share; }},
+      {"relief_m", "Relief", "m", "Highest minus lowest ground of the tile.", ColorMap::kCividis, 0,
+       [](const TileScore& score) { return score.relief_m; }},
+      {"epoch_margin", "Second date: margin", "NCC",
+       "Correlation with the registered second date at the true place minus the best wrong place: measured, where "
+       "uniqueness is predicted.",
+       ColorMap::kViridis, 3, [](const TileScore& score) { return score.epoch.margin; }},
+      {"epoch_survival", "Second date: features that stayed", "1",
+       "Share of the tile's descriptors found in both dates.", ColorMap::kViridis, 2,
+       [](const TileScore& score) { return score.epoch.survival; }},
+      {"epoch_disagreement_m", "Second date: georeferences apart", "m",
+       "Distance between the georeferences of both dates: what a fix may be off even where it is right.",
+       ColorMap::kCividis, 1, [](const TileScore& score) { return score.epoch.disagreement_m; }},
   };
   return measures;
 }
@@ -87,7 +113,7 @@ MeasureScale measure_scale(const Measure& measure, const std::vector<TileScore>&
     scale.least = values.front();
     scale.most = values.back();
   }
-  if (measure.name == "valid_fraction" || measure.name == "p_correct_fix" || values.empty()) return scale;
+  if (is_share(measure.name) || values.empty()) return scale;
   scale.low = percentile(values, 0.02);
   scale.high = percentile(values, 0.98);
   if (!(scale.high > scale.low)) {

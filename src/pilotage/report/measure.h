@@ -42,8 +42,8 @@ struct Measure {
 const std::vector<Measure>& report_measures();
 
 /// A measure with the range its colours span: the 2nd to the 98th percentile (nearest rank) of its defined values, so
-/// that a few extreme tiles do not wash out the rest; values beyond take the end colours. valid_fraction and
-/// p_correct_fix always span 0 to 1.
+/// that a few extreme tiles do not wash out the rest; values beyond take the end colours. Shares
+/// and probabilities always span 0 to 1.
 struct MeasureScale {
   Measure measure;
   double low = 0;

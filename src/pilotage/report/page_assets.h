@@ -7,7 +7,15 @@ namespace pilotage::page_assets {
 
 std::string_view page_html();
 std::string_view page_css();
-std::string_view page_js();
+/// The scripts that are joined, in this order, into the page's own.
+std::string_view page_state_js();
+std::string_view page_ground_js();
+std::string_view page_canvas_js();
+std::string_view page_map_js();
+std::string_view page_tile_js();
+std::string_view page_panel_js();
+std::string_view page_chart_js();
+std::string_view page_start_js();
 std::string_view leaflet_css();
 std::string_view leaflet_js();
 

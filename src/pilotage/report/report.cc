@@ -62,6 +62,17 @@ void check_imagery(const Raster& imagery) {
   }
 }
 
+void check_pictures(const ReportInput& input) {
+  const TilePictures& pictures = input.pictures;
+  if (pictures.sheet.empty() || input.plan.tiles.empty()) return;
+  const cv::Rect sheet({0, 0}, pictures.sheet.size());
+  const bool whole =
+      pictures.sheet.type() == CV_8UC3 && pictures.side_px > 0 && pictures.columns > 0 &&
+      pictures.columns * pictures.side_px <= sheet.width &&
+      (pictures.place(input.plan.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
+  if (!whole) throw DataError("report: the sheet of pictures does not hold one for each tile of the plan");
+}
+
 std::string reason_for(const ReportTile& tile) {
   if (tile.selected) return "";
   if (!tile.scored) return "It was not scored.";
@@ -69,6 +80,10 @@ std::string reason_for(const ReportTile& tile) {
     return "Too little ground: the imagery covers " + percent_text(tile.score.valid_fraction) + " of it.";
   }
   if (tile.score.status == TileStatus::kFlat) return "Flat: all its pixels have the same gray value.";
+  if (std::isfinite(tile.score.p_correct_fix)) {  // then it is what the selection judges by, not the margin
+    return "The selection left it out (smallest P allowed, size budget or sparse areas): its P(correct fix) is " +
+           number_text(tile.score.p_correct_fix, 3) + ".";
+  }
   if (tile.score.degraded.margin <= 0) {
     return "A rival in its search area looks as much like it as itself (margin " +
            number_text(tile.score.degraded.margin, 3) + " on degraded copies).";
@@ -185,6 +200,7 @@ double route_length_m(const TilePlan& plan) {
 Report make_report(const ReportInput& input) {
   check_route(input);
   check_imagery(input.imagery);
+  check_pictures(input);
   const TilePlan& plan = input.plan;
   const Selection& selection = input.selection;
   Report report;
@@ -237,6 +253,8 @@ Report make_report(const ReportInput& input) {
   for (const auto* more : {&selection.notes, &input.assumptions}) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }
+  report.evaluation = input.evaluation;
+  report.weak_places = weak_places(report, selection.advice);
   report.display = make_display(input, report);
   return report;
 }

@@ -13,6 +13,7 @@
 #include "pilotage/report/measure.h"
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
+#include "pilotage/report/weak_places.h"
 
 // The `report` stage: what a planner decides on. make_report() computes every number and sentence once; report_json()
 // and report_html() only write them down, so that the page and the file for machines cannot disagree.
@@ -62,7 +63,10 @@ struct ReportDisplay {
   double min_y_m = 0;
   double max_x_m = 0;
   double max_y_m = 0;
-  std::string imagery_jpeg;                                  ///< Covers exactly these edges; "" without imagery.
+  std::string imagery_jpeg;   ///< Covers exactly these edges; "" without imagery.
+  std::string pictures_jpeg;  ///< A sheet with one picture per tile of the report; "" without pictures.
+  int picture_side_px = 0;    ///< Of a picture on that sheet.
+  int picture_columns = 1;    ///< Pictures in a row of it.
   std::vector<std::array<Eigen::Vector2d, 4>> cells_m;       ///< Per tile of the report: the cell it stands for.
   std::vector<std::vector<Eigen::Vector2d>> leg_lines_m;     ///< Per leg of the report.
   std::vector<std::vector<Eigen::Vector2d>> gap_lines_m;     ///< Per gap of the report.
@@ -75,6 +79,7 @@ struct Report {
   QualityStatus verdict = QualityStatus::kBad;  ///< Worst of the quality rows that decide; said as GO, MARGINAL, NO-GO.
   std::string verdict_text;                     ///< "NO-GO: matchable on 87 % of its length; longest gap 3.4 km = …".
   std::vector<QualityRow> quality;
+  std::vector<WeakPlace> weak_places;  ///< Where to look first. Not part of report.json, which has the gaps and legs.
 
   std::string route_name;
   std::string route_format;
@@ -107,6 +112,7 @@ struct Report {
   nlohmann::ordered_json parameters;
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
+  std::optional<EvaluationNote> evaluation;  ///< Not part of report.json: it is a file of its own.
 
   ReportDisplay display;  ///< Not part of report.json.
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <regex>
 
@@ -6,6 +7,7 @@
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/strip_chart.h"
+#include "pilotage/report/tile_fields.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -24,15 +26,90 @@ std::string badge(std::string_view status) {
   return "<span class=\"badge " + std::string(status) + "\">" + std::string(status) + "</span>";
 }
 
+// "55°29'42.7\" N"
+std::string dms(double degrees, char positive, char negative) {
+  if (!std::isfinite(degrees)) return "–";
+  const auto tenths = static_cast<std::int64_t>(std::llround(std::abs(degrees) * 36000));  // of a second
+  const auto two = [](std::int64_t number) { return (number < 10 ? "0" : "") + std::to_string(number); };
+  return std::to_string(tenths / 36000) + "°" + two(tenths / 600 % 60) + "'" + two(tenths / 10 % 60) + "." +
+         std::to_string(tenths % 10) + "\" " + (degrees < 0 ? negative : positive);
+}
+std::string lat_lon_dms(GeodeticPoint point) {
+  return dms(point.lat_deg, 'N', 'S') + " " + dms(point.lon_deg, 'E', 'W');
+}
+
 // "53.123456, 7.123456": latitude first, as planners write it.
 std::string lat_lon(GeodeticPoint point) {
   return number_text(point.lat_deg, 6) + ", " + number_text(point.lon_deg, 6);
 }
 
-std::string copy_cell(GeodeticPoint from, GeodeticPoint to) {
+// Brings a stretch of the route into sight; nothing for one whose place is not known.
+std::string show_button(double from_m, double to_m, const std::string& what) {
+  if (!std::isfinite(from_m) || !std::isfinite(to_m)) return "";
+  return " <button type=\"button\" class=\"show\" data-from=\"" + format_number(from_m) + "\" data-to=\"" +
+         format_number(to_m) + "\" aria-label=\"Show " + html_escape(what) + " on the map\">Show</button>";
+}
+
+std::string copy_cell(GeodeticPoint from, GeodeticPoint to, const std::string& show) {
   const std::string text = html_escape(lat_lon(from) + " → " + lat_lon(to));
   return "<td class=\"coordinates\"><code>" + text + "</code> <button type=\"button\" class=\"copy\" data-copy=\"" +
-         text + "\">Copy</button></td>";
+         text + "\">Copy</button>" + show + "<span class=\"dms\">" +
+         html_escape(lat_lon_dms(from) + " → " + lat_lon_dms(to)) + "</span></td>";
+}
+
+// The question the page answers, in one sentence.
+std::string answer_text(QualityStatus verdict) {
+  if (verdict == QualityStatus::kGood) return "The route can be flown without GNSS.";
+  if (verdict == QualityStatus::kMarginal) return "The route can be flown without GNSS only with little reserve.";
+  return "The route cannot be flown without GNSS as planned.";
+}
+
+std::string places_heading(const Report& report) {
+  const bool weak = std::any_of(report.weak_places.begin(), report.weak_places.end(),
+                                [](const WeakPlace& place) { return place.status != QualityStatus::kGood; });
+  return weak ? "Where it cannot, why, and what to do" : "Weakest places";
+}
+
+std::string places_html(const Report& report) {
+  std::string html;
+  for (const WeakPlace& place : report.weak_places) {
+    const std::string status(status_name(place.status));
+    html += "<li class=\"" + status + "\"><p><span class=\"where\">" + html_escape(place.where) + "</span> " +
+            badge(status) + show_button(place.from_distance_m, place.to_distance_m, place.where) + "</p><p>" +
+            html_escape(place.what) + "</p>";
+    if (!place.why.empty()) html += "<p><b>Why:</b> " + html_escape(place.why) + "</p>";
+    if (!place.todo.empty()) {
+      const bool good = place.status == QualityStatus::kGood;
+      html += "<p class=\"todo\">" + std::string(good ? "To do better: " : "What to do: ") + html_escape(place.todo) +
+              "</p>";
+    }
+    html += "</li>\n";
+  }
+  return html.empty() ? "<li class=\"good\"><p>No gap, and no leg beyond 80 % of the limit.</p></li>\n" : html;
+}
+
+std::string evaluation_html(const Report& report) {
+  if (!report.evaluation) return "";
+  const EvaluationNote& note = *report.evaluation;
+  std::string html =
+      "<section aria-labelledby=\"evaluation-heading\">\n  <h2 id=\"evaluation-heading\">What the scores are "
+      "worth</h2>\n";
+  html +=
+      "  <p>" + html_escape(note.source) + ": " + html_escape(note.outcomes) + ".</p>\n  <div class=\"evaluation\">\n";
+  if (!note.diagram_svg.empty()) {
+    // As a picture, so that nothing in the file can run.
+    html += "    <img src=\"data:image/svg+xml;base64," + base64(note.diagram_svg) +
+            "\" alt=\"Reliability diagram: promised probability against the share that came true\">\n";
+  }
+  html +=
+      "    <table><thead><tr><th scope=\"col\">Predictor</th><th scope=\"col\">AUC</th><th scope=\"col\">Brier "
+      "skill</th>"
+      "<th scope=\"col\">Calibration error</th></tr></thead><tbody>\n";
+  for (const EvaluationNote::Row& row : note.rows) {
+    html +=
+        "<tr>" + heading(row.title) + cell(row.auc) + cell(row.brier_skill) + cell(row.calibration_error) + "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n</section>\n";
 }
 
 std::string quality_html(const Report& report) {
@@ -52,7 +129,10 @@ std::string legs_html(const Report& report) {
             "</td>" + cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
             cell(probability_text(leg.status.p_within_limit)) + cell(probability_text(leg.status.p_fix)) +
             cell(percent_text(leg.status.matchable_fraction)) + cell(length_text(leg.status.length_m)) +
-            copy_cell(leg.from, leg.to) + "</tr>\n";
+            copy_cell(leg.from, leg.to,
+                      show_button(leg.from_distance_m, leg.from_distance_m + leg.status.length_m,
+                                  "leg " + std::to_string(leg.status.leg + 1))) +
+            "</tr>\n";
   }
   return html.empty() ? "<tr><td colspan=\"8\">The route has no leg.</td></tr>" : html;
 }
@@ -65,7 +145,11 @@ std::string gaps_html(const Report& report) {
             badge(status_name(gap.gap.within_limit ? judge_error(gap.gap.error_m, report.max_error_m)
                                                    : QualityStatus::kBad)) +
             "</td>" + cell(length_text(gap.length_m)) + cell(duration_text(gap.gap.duration_s)) +
-            cell(comparison_text(gap.gap.error_m, report.max_error_m)) + copy_cell(gap.from, gap.to) + "</tr>\n";
+            cell(comparison_text(gap.gap.error_m, report.max_error_m)) +
+            copy_cell(gap.from, gap.to,
+                      show_button(gap.gap.from_distance_m, gap.gap.to_distance_m,
+                                  "the gap at " + length_text(gap.gap.from_distance_m))) +
+            "</tr>\n";
   }
   return html.empty() ? "<tr><td colspan=\"6\">No gap.</td></tr>" : html;
 }
@@ -140,6 +224,9 @@ Json display_json(const Report& report) {
   json["missing"] = display.missing;
   json["edges_m"] = {display.min_x_m, display.min_y_m, display.max_x_m, display.max_y_m};
   json["imagery"] = display.imagery_jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(display.imagery_jpeg);
+  json["pictures"] = display.pictures_jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(display.pictures_jpeg);
+  json["picture_side_px"] = display.picture_side_px;
+  json["picture_columns"] = display.picture_columns;
   json["cells_m"] = Json::array();
   for (const auto& corners : display.cells_m)
     json["cells_m"].push_back(plane_line_json({corners.begin(), corners.end()}));
@@ -151,6 +238,10 @@ Json display_json(const Report& report) {
   for (const auto& [distance_m, point] : display.places_m) {
     json["places_m"].push_back(
         {std::round(distance_m * 10) / 10, std::round(point.x() * 10) / 10, std::round(point.y() * 10) / 10});
+  }
+  json["profile_p"] = Json::array();  // one for each row of the error profile
+  for (const ErrorSample& sample : report.error_profile) {
+    json["profile_p"].push_back(Json::array({rounded(sample.p_correct_fix, 4), rounded(sample.p_within_limit, 6)}));
   }
   json["shades"] = Json::array();
   json["color_maps"] = Json::array();
@@ -179,6 +270,18 @@ std::string without_files(const std::string& css) {
   return std::regex_replace(css, std::regex(R"(url\([^)]*\))"), "none");
 }
 
+// The page's scripts in one scope of their own.
+std::string page_script() {
+  std::string script = "(function () {\n'use strict';\n";
+  for (const std::string_view part :
+       {page_assets::page_state_js(), page_assets::page_ground_js(), page_assets::page_canvas_js(),
+        page_assets::page_map_js(), page_assets::page_tile_js(), page_assets::page_panel_js(),
+        page_assets::page_chart_js(), page_assets::page_start_js()}) {
+    script += part;
+  }
+  return script + "}());\n";
+}
+
 }  // namespace
 
 std::string report_html(const Report& report) {
@@ -193,11 +296,15 @@ std::string report_html(const Report& report) {
                         {"leaflet_css", without_source_map(without_files(std::string(page_assets::leaflet_css())))},
                         {"leaflet_js", without_source_map(std::string(page_assets::leaflet_js()))},
                         {"page_css", std::string(page_assets::page_css())},
-                        {"page_js", std::string(page_assets::page_js())},
+                        {"page_js", page_script()},
                         {"data", script_json(data)},
                         {"verdict_status", std::string(status_name(report.verdict))},
                         {"verdict_word", verdict},
                         {"verdict_rest", html_escape(report.verdict_text.substr(verdict.size() + 2))},
+                        {"answer", answer_text(report.verdict)},
+                        {"places_heading", places_heading(report)},
+                        {"places", places_html(report)},
+                        {"evaluation", evaluation_html(report)},
                         {"chart", strip_chart_svg(report)},
                         {"quality", quality_html(report)},
                         {"legs", legs_html(report)},

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/raster.h"
+#include "pilotage/report/evaluation_note.h"
+#include "pilotage/report/tile_pictures.h"
 
 namespace pilotage {
 
@@ -26,6 +29,9 @@ struct ReportInput {
   /// Overview of the imagery in the mission grid's CRS, CV_8UC3 (red, green, blue) or CV_8UC1, of any size; it may be
   /// empty. 1,000 to 4,000 pixels on the longer side are enough: the page carries at most 1,600.
   Raster imagery;
+
+  TilePictures pictures;                     ///< Of plan.tiles, in their order; may be empty.
+  std::optional<EvaluationNote> evaluation;  ///< What the scores are worth, where that was measured.
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be
   /// inverted over the corridor. Called from one thread, some 10,000 times and four times per tile.

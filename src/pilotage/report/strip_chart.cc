@@ -1,6 +1,7 @@
 #include "pilotage/report/strip_chart.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pilotage/base/safe_text.h"
@@ -11,7 +12,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kWidth = 1200;
-constexpr double kHeight = 290;
+constexpr double kHeight = 322;
 constexpr double kLeft = 64;
 constexpr double kRight = 1184;
 constexpr double kTop = 16;
@@ -98,6 +99,34 @@ std::string error_curve(const Report& report, const Axes& axes) {
   return "<path class=\"area\" d=\"" + area + "\"/>\n<path class=\"curve\" d=\"" + path + "\"/>\n";
 }
 
+// P(correct fix) of the tile under each place, in the colours of its heat map; nothing without probabilities.
+std::string probability_ribbon(const Report& report, const Axes& axes, double top) {
+  constexpr int kShades = 16;  // neighbours of one shade become one rectangle
+  const std::vector<ErrorSample>& profile = report.error_profile;
+  const std::array<Rgb, 256> colors = color_table(ColorMap::kViridis);
+  const auto shade_of = [](const ErrorSample& sample) {
+    if (std::isnan(sample.p_correct_fix)) return -1;
+    return std::min(kShades - 1, static_cast<int>(std::clamp(sample.p_correct_fix, 0.0, 1.0) * kShades));
+  };
+  std::string svg;
+  for (std::size_t from = 0; from < profile.size();) {
+    const int shade = shade_of(profile[from]);
+    std::size_t to = from + 1;
+    while (to < profile.size() && shade_of(profile[to]) == shade) ++to;
+    const double x1 = axes.x(profile[from].distance_m);
+    const double x2 = axes.x(profile[std::min(to, profile.size() - 1)].distance_m);
+    if (shade >= 0) {
+      svg += "<rect x=\"" + n(x1) + "\" y=\"" + n(top) + "\" width=\"" + n(std::max(x2 - x1, 0.5)) +
+             "\" height=\"12\" fill=\"" + hex_color(colors[static_cast<std::size_t>(shade * 255 / (kShades - 1))]) +
+             "\"/>";
+    }
+    from = to;
+  }
+  if (svg.empty()) return "";
+  return "<g><title>P(correct fix) of the chosen tile under the route: dark 0, bright 1</title>" + svg + "</g>\n" +
+         text("ribbon", kLeft - 8, top + 11.5, "P(fix)");
+}
+
 std::string ribbons(const Report& report, const Axes& axes) {
   std::string svg;
   const double leg_top = kBottom + 30;
@@ -111,16 +140,44 @@ std::string ribbons(const Report& report, const Axes& axes) {
     if (x2 - x1 >= 26) svg += text("leg-number", (x1 + x2) / 2, leg_top + 12.5, number);
   }
   svg += text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
-  const double fix_top = leg_top + 20;
+  const double fix_top = leg_top + 25;  // far enough for the larger letters of a small screen
   std::string path;
   for (const FixStretch& fix : report.fixes) {
     const double x1 = axes.x(fix.from_distance_m);
     path +=
-        "M" + n(x1) + " " + n(fix_top) + "h" + n(std::max(axes.x(fix.to_distance_m) - x1, 1.0)) + "v10H" + n(x1) + "Z";
+        "M" + n(x1) + " " + n(fix_top) + "h" + n(std::max(axes.x(fix.to_distance_m) - x1, 1.0)) + "v12H" + n(x1) + "Z";
   }
   if (!path.empty())
     svg += "<path class=\"fixes\" d=\"" + path + "\"><title>Over selected tiles: fixes are expected</title></path>\n";
-  svg += text("ribbon", kLeft - 8, fix_top + 10, "Fixes");
+  svg += text("ribbon", kLeft - 8, fix_top + 11.5, "Fixes");
+  return svg + probability_ribbon(report, axes, fix_top + 21);
+}
+
+// Those over the limit are hatched too, so that colour is not alone. Wide ones say how long they are.
+std::string gap_bands(const Report& report, const Axes& axes) {
+  std::string svg =
+      "<defs><pattern id=\"chart-hatch\" width=\"9\" height=\"9\" patternUnits=\"userSpaceOnUse\" "
+      "patternTransform=\"rotate(45)\"><line y2=\"9\"/></pattern></defs>\n";
+  for (const ReportGap& gap : report.gaps) {
+    const double x1 = axes.x(gap.gap.from_distance_m);
+    const double x2 = axes.x(gap.gap.to_distance_m);
+    const std::string title = "Gap of " + length_text(gap.length_m) + ", error at its end " +
+                              comparison_text(gap.gap.error_m, report.max_error_m);
+    svg += rect(gap.gap.within_limit ? "gap" : "gap over", x1, kTop, x2, kBottom, title);
+    if (!gap.gap.within_limit) svg += rect("hatch", x1, kTop, x2, kBottom, title);
+  }
+  return svg;
+}
+
+std::string gap_labels(const Report& report, const Axes& axes) {
+  std::string svg;
+  for (const ReportGap& gap : report.gaps) {
+    const double x1 = axes.x(gap.gap.from_distance_m);
+    const double x2 = axes.x(gap.gap.to_distance_m);
+    if (x2 - x1 < 70) continue;
+    svg +=
+        text("gap-label", (x1 + x2) / 2, kBottom - 8, (gap.gap.within_limit ? "" : "✕ ") + length_text(gap.length_m));
+  }
   return svg;
 }
 
@@ -143,18 +200,14 @@ std::string strip_chart_svg(const Report& report) {
                     "\" data-left=\"" + n(kLeft) + "\" data-right=\"" + n(kRight) + "\" data-top=\"" + n(kTop) +
                     "\" data-bottom=\"" + n(kBottom) + "\" data-distance-m=\"" + format_number(axes.distance_m) +
                     "\" data-error-m=\"" + format_number(axes.error_m) + "\">\n";
-  for (const ReportGap& gap : report.gaps) {
-    svg += rect(gap.gap.within_limit ? "gap" : "gap over", axes.x(gap.gap.from_distance_m), kTop,
-                axes.x(gap.gap.to_distance_m), kBottom,
-                "Gap of " + length_text(gap.length_m) + ", error at its end " +
-                    comparison_text(gap.gap.error_m, report.max_error_m));
-  }
+  svg += gap_bands(report, axes);
   svg += grid_lines(axes) + error_curve(report, axes);
   if (std::isfinite(report.max_error_m)) {
     const double y = axes.y(report.max_error_m);
     svg += line("limit", kLeft, y, kRight, y);
     svg += text("limit-label", kLeft + 8, y < kTop + 24 ? y + 18 : y - 6, "limit " + error_text(report.max_error_m));
   }
+  svg += gap_labels(report, axes);
   svg += line("axis-line", kLeft, kBottom, kRight, kBottom) + ribbons(report, axes);
   svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + n(kTop) + "\" y2=\"" +
          n(kBottom) + "\"/><circle class=\"cursor-dot\" r=\"5\"/></g>\n</svg>";

@@ -90,6 +90,12 @@ const std::vector<TileField>& tile_fields() {
        [](Tile t) { return six(t.score.clean.expected_error_px); }},
       {"clean_rival_dx_px", "Clean: rival to the right", "px", [](Tile t) { return six(t.score.clean.rival_dx_px); }},
       {"clean_rival_dy_px", "Clean: rival downwards", "px", [](Tile t) { return six(t.score.clean.rival_dy_px); }},
+      {"epoch_ncc", "Second date: correlation", "NCC", [](Tile t) { return six(t.score.epoch.ncc); }},
+      {"epoch_margin", "Second date: above the best wrong place", "NCC",
+       [](Tile t) { return six(t.score.epoch.margin); }},
+      {"epoch_survival", "Second date: features that stayed", "", [](Tile t) { return six(t.score.epoch.survival); }},
+      {"epoch_disagreement_m", "Second date: georeferences apart", "m",
+       [](Tile t) { return six(t.score.epoch.disagreement_m); }},
   };
   return fields;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -128,37 +129,69 @@ std::vector<TileRow> make_rows(const TileMatrix& matrix, const Crs& crs, std::sp
 
 }  // namespace
 
-ScoredImagery score_imagery(const std::vector<std::string>& datasets, const ScoreImageryOptions& options,
-                            std::uint64_t seed, int threads, const Progress& progress) {
+OpenImagery open_imagery(const std::vector<std::string>& datasets, const ScoreImageryOptions& options) {
   check_options(options);
   if (datasets.empty()) throw UsageError("there is no raster to score");
   std::vector<ImageryInfo> infos;
   for (const auto& dataset : datasets) infos.push_back(inspect_imagery(dataset, options.imagery));
-
   const bool own_grid = datasets.size() == 1 && !options.gsd_m && options.crs.empty();
   ImageryGrid grid = own_grid ? ImageryGrid{infos.front().crs, open_gray(datasets.front(), options.imagery)}
                               : resampled_grid(datasets, infos, options);
-  ScoredImagery result;
-  result.crs = grid.crs;
-  result.matrix = score_matrix(grid.source, options.grid);
-  result.warnings = imagery_warnings(infos, 0);
-  std::vector<TileScore> scores = score_tiles(grid.source, result.matrix, options.grid.search_radius_px, {},
+  OpenImagery imagery{datasets, own_grid, std::move(grid.crs), std::move(grid.source), {}, imagery_warnings(infos, 0)};
+  imagery.matrix = score_matrix(imagery.source, options.grid);
+  return imagery;
+}
+
+SecondEpoch register_second_epoch(const OpenImagery& imagery, const ScoreImageryOptions& options, int threads,
+                                  const Progress& progress) {
+  EpochTiles all{imagery.matrix, options.grid.search_radius_px, {}};
+  all.indices.resize(static_cast<std::size_t>(imagery.matrix.tile_count()));
+  std::iota(all.indices.begin(), all.indices.end(), 0);
+  return register_epochs({imagery.datasets, options.imagery, imagery.crs}, {all}, options.score, threads, progress);
+}
+
+std::vector<TileScore> score_imagery_tiles(const OpenImagery& imagery, const ScoreImageryOptions& options,
+                                           const std::vector<std::int64_t>& indices, const WarpField* second_epoch,
+                                           std::uint64_t seed, int threads, const Progress& progress) {
+  std::vector<TileScore> scores = score_tiles(imagery.source, imagery.matrix, options.grid.search_radius_px, indices,
                                               options.score, seed, threads, progress);
-  if (!options.score.second_epoch.empty()) {
-    EpochTiles all{result.matrix, options.grid.search_radius_px, {}};
-    for (const TileScore& score : scores) all.indices.push_back(score.tile_id);
-    result.second_epoch = compare_epochs(datasets, options.imagery, grid.crs, {all}, options.score, threads, progress);
-    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = result.second_epoch->scores[i];
+  if (second_epoch != nullptr) {
+    EpochTiles tiles{imagery.matrix, options.grid.search_radius_px, {}};
+    for (const TileScore& score : scores) tiles.indices.push_back(score.tile_id);
+    const std::vector<EpochScores> epochs = score_epochs({imagery.datasets, options.imagery, imagery.crs},
+                                                         *second_epoch, {tiles}, options.score, threads, progress);
+    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = epochs[i];
   }
   if (options.score.measure(ScoreMeasure::kGroundCover)) {
-    const ColorSource colors = own_grid
-                                   ? open_colors(datasets.front(), options.imagery)
-                                   : open_colors_on_grid(datasets, grid.crs, grid.source.map_from_pixel,
-                                                         grid.source.width_px, grid.source.height_px, options.imagery);
-    add_ground_cover(colors, result.matrix, scores, threads, progress);
+    const GraySource& source = imagery.source;
+    const ColorSource colors = imagery.own_grid
+                                   ? open_colors(imagery.datasets.front(), options.imagery)
+                                   : open_colors_on_grid(imagery.datasets, imagery.crs, source.map_from_pixel,
+                                                         source.width_px, source.height_px, options.imagery);
+    add_ground_cover(colors, imagery.matrix, scores, threads, progress);
   }
-  grid.source.read = {};  // gives the decoded blocks back that GDAL holds: rows take their memory
-  result.rows = make_rows(result.matrix, grid.crs, scores, threads);
+  return scores;
+}
+
+std::vector<TileRow> imagery_rows(const OpenImagery& imagery, std::vector<TileScore> scores, int threads) {
+  return make_rows(imagery.matrix, imagery.crs, scores, threads);
+}
+
+ScoredImagery score_imagery(const std::vector<std::string>& datasets, const ScoreImageryOptions& options,
+                            std::uint64_t seed, int threads, const Progress& progress) {
+  OpenImagery imagery = open_imagery(datasets, options);
+  ScoredImagery result{imagery.crs, imagery.matrix, {}, imagery.warnings, {}};
+  const WarpField* field = nullptr;
+  if (!options.score.second_epoch.empty()) {
+    result.second_epoch = register_second_epoch(imagery, options, threads, progress);
+    field = &result.second_epoch->registration.fit.field;
+  }
+  std::vector<TileScore> scores = score_imagery_tiles(imagery, options, {}, field, seed, threads, progress);
+  for (const TileScore& score : scores) {
+    if (result.second_epoch) result.second_epoch->scores.push_back(score.epoch);
+  }
+  imagery.source.read = {};  // gives the decoded blocks back that GDAL holds: rows take their memory
+  result.rows = imagery_rows(imagery, std::move(scores), threads);
   return result;
 }
 

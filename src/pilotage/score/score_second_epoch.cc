@@ -10,7 +10,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
-#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/registration/register_tiles.h"
 #include "pilotage/registration/surviving_features.h"
@@ -231,41 +230,30 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
   return scores;
 }
 
-SecondEpoch compare_epochs(const std::vector<std::string>& reference, const ImageryOptions& imagery, const Crs& crs,
-                           const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads,
-                           const Progress& progress) {
-  SecondEpoch result;
+SecondEpoch register_epochs(const EpochGround& ground, const std::vector<EpochTiles>& levels,
+                            const ScoreOptions& options, int threads, const Progress& progress) {
   std::vector<Bounds> tiles;
   for (const EpochTiles& level : levels) {
-    check_grid(crs, level.matrix.map_from_pixel);
+    check_grid(ground.crs, level.matrix.map_from_pixel);
     for (const std::int64_t index : level.indices) tiles.push_back(tile_bounds(level.matrix, index));
   }
-  TileRegistration registered =
-      register_tiles(reference, imagery, options.second_epoch, crs, tiles, options.registration, threads, progress);
-  result.registration = std::move(registered.registration);
-  result.area_m = registered.area_m;
-  const OpenPair open = open_rasters(reference, imagery, options.second_epoch, crs);
-  for (const EpochTiles& level : levels) {
-    const DatePair dates = open(level.matrix.map_from_pixel, level.matrix.grid_width_px, level.matrix.grid_height_px);
-    for (const EpochScores& score : score_epoch_tiles(dates, result.registration.fit.field, level,
-                                                      options.min_valid_fraction, threads, progress)) {
-      result.scores.push_back(score);
-    }
-  }
-  return result;
+  TileRegistration registered = register_tiles(ground.reference, ground.imagery, options.second_epoch, ground.crs,
+                                               tiles, options.registration, threads, progress);
+  return {std::move(registered.registration), registered.area_m, {}};
 }
 
-SecondEpoch compare_epochs_of_plan(const TilePlan& plan, const ScoreOptions& options, int threads,
-                                   const Progress& progress) {
-  std::vector<EpochTiles> levels;
-  for (const PlanLevel& level : plan.levels) levels.push_back({level.matrix, level.search_radius_px, {}});
-  for (const PlanTile& tile : plan.tiles) {  // ascending by level
-    const auto level = std::find_if(levels.begin(), levels.end(),
-                                    [&](const EpochTiles& candidate) { return candidate.matrix.level == tile.level; });
-    level->indices.push_back(tile.row * level->matrix.matrix_width() + tile.column);
+std::vector<EpochScores> score_epochs(const EpochGround& ground, const WarpField& field,
+                                      const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads,
+                                      const Progress& progress) {
+  std::vector<EpochScores> scores;
+  const OpenPair open = open_rasters(ground.reference, ground.imagery, options.second_epoch, ground.crs);
+  for (const EpochTiles& level : levels) {
+    const DatePair dates = open(level.matrix.map_from_pixel, level.matrix.grid_width_px, level.matrix.grid_height_px);
+    const std::vector<EpochScores> of_level =
+        score_epoch_tiles(dates, field, level, options.min_valid_fraction, threads, progress);
+    scores.insert(scores.end(), of_level.begin(), of_level.end());
   }
-  return compare_epochs(dataset_names(plan), plan.imagery_options, Crs::from_user_input(plan.crs_wkt), levels, options,
-                        threads, progress);
+  return scores;
 }
 
 }  // namespace pilotage

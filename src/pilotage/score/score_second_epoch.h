@@ -44,15 +44,23 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
 /// How far from the registered place the tile may be found, columns and rows.
 inline constexpr int kEpochPlace_px = 2;
 
-/// Registers options.second_epoch to the reference rasters over the tiles and scores them on each of the levels; the
-/// scores follow level after level, tile after tile. Throws UsageError when the grid of a level is not north-up with
-/// square pixels in metres, DataError as register_dates and inspect_imagery.
-SecondEpoch compare_epochs(const std::vector<std::string>& reference, const ImageryOptions& imagery, const Crs& crs,
-                           const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads = 0,
-                           const Progress& progress = {});
+/// Where rasters of two dates lie: what both steps below need of the run.
+struct EpochGround {
+  std::vector<std::string> reference;
+  ImageryOptions imagery;
+  Crs crs;  ///< Of the grid.
+};
 
-/// The same for a plan; one score for each of plan.tiles, in their order.
-SecondEpoch compare_epochs_of_plan(const TilePlan& plan, const ScoreOptions& options, int threads = 0,
-                                   const Progress& progress = {});
+/// Registers options.second_epoch to the reference rasters over all tiles of all levels; `scores` stay empty. Throws
+/// UsageError when the grid of a level is not north-up with square pixels in metres, DataError as register_dates and
+/// inspect_imagery.
+SecondEpoch register_epochs(const EpochGround& ground, const std::vector<EpochTiles>& levels,
+                            const ScoreOptions& options, int threads = 0, const Progress& progress = {});
+
+/// Scores tiles, any part of those that were registered, by the registration's field: level after level, tile after
+/// tile. Throws as score_epoch_tiles.
+std::vector<EpochScores> score_epochs(const EpochGround& ground, const WarpField& field,
+                                      const std::vector<EpochTiles>& levels, const ScoreOptions& options,
+                                      int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -1,0 +1,55 @@
+// The chart along the route, linked with the map both ways.
+const chart = $('chart');
+const axes = ['left', 'right', 'top', 'bottom', 'distanceM', 'errorM'].reduce((all, name) => {
+  all[name] = Number(chart.dataset[name]);
+  return all;
+}, {});
+
+function alongText(distance, error) {
+  const rows = report.route.error_profile.rows;
+  const parts = [(distance / 1000).toFixed(2) + ' km'];
+  const leg = report.route.legs.find((entry) => entry.from_distance_m !== null && distance >= entry.from_distance_m &&
+    distance <= entry.from_distance_m + entry.length_m);
+  if (leg) parts.push('leg ' + (leg.leg + 1));
+  parts.push(error === null ? 'error unknown' : 'error ' + error.toFixed(1) + ' m of ' + report.route.max_error_m + ' m');
+  const p = rows.length ? display.profile_p[lastBefore(rows, distance)] : [null, null];
+  const fix = report.route.fixes.some((stretch) => distance >= stretch.from_distance_m && distance <= stretch.to_distance_m);
+  parts.push(fix ? 'over a chosen tile' + (p[0] === null ? '' : ', P(correct fix) ' + p[0].toFixed(2)) : 'no fix');
+  if (p[1] !== null) parts.push('within the limit so far with P = ' + p[1].toFixed(3));
+  return parts.join(' · ');
+}
+// `source`: 'map', 'chart', 'slider' or 'button'; the map follows all but itself.
+function setAlong(distance, source) {
+  state.along = distance;
+  const rows = report.route.error_profile.rows;
+  const error = rows.length ? between(rows, distance, 1) : null;
+  const x = axes.left + distance / axes.distanceM * (axes.right - axes.left);
+  const share = error === null ? 1 : Math.min(1, error / axes.errorM);
+  const y = axes.bottom - share * (axes.bottom - axes.top);
+  const cursor = $('chart-cursor');
+  cursor.setAttribute('visibility', 'visible');
+  cursor.querySelector('line').setAttribute('x1', x);
+  cursor.querySelector('line').setAttribute('x2', x);
+  cursor.querySelector('circle').setAttribute('cx', x);
+  cursor.querySelector('circle').setAttribute('cy', y);
+  const text = alongText(distance, error);
+  $('along-text').textContent = text;
+  $('along').setAttribute('aria-valuetext', text);
+  if (source !== 'slider') $('along').value = String(Math.round(1000 * distance / axes.distanceM));
+  redrawMarks();
+  if (!map || source === 'map' || !display.places_m.length) return;
+  const point = toLatLng(...placeAlong(distance));
+  if (!map.getBounds().contains(point)) map.panTo(point, { animate: false });
+}
+function linkChart() {
+  const follow = (event) => {
+    const box = chart.getBoundingClientRect();
+    const x = (event.clientX - box.left) / box.width * chart.viewBox.baseVal.width;
+    const share = (x - axes.left) / (axes.right - axes.left);
+    if (share >= 0 && share <= 1) setAlong(share * axes.distanceM, 'chart');
+  };
+  chart.addEventListener('pointermove', follow);
+  chart.addEventListener('pointerdown', follow);
+  chart.addEventListener('click', () => $('along').focus({ preventScroll: true }));  // from here the arrow keys go on
+  $('along').addEventListener('input', () => setAlong(Number($('along').value) / 1000 * axes.distanceM, 'slider'));
+}

@@ -1,0 +1,107 @@
+// Beside the map: which measure, its scale with the threshold, which layers.
+function levelRadio(level) {
+  const label = element('label');
+  const input = element('input');
+  input.type = 'radio';
+  input.name = 'level';
+  input.value = String(level);
+  input.checked = level === state.level;
+  input.addEventListener('change', () => setLevel(level));
+  label.append(input, ' Level ' + level);
+  return label;
+}
+// How many tiles lie where on the scale: bars above the colours.
+function showCounts() {
+  const bars = 32;
+  const counts = new Array(bars).fill(0);
+  tiles.forEach((row, i) => {
+    const index = display.shades[state.measure][i];
+    if (valueOf(row, 'level') === state.level && index >= 0) ++counts[Math.min(bars - 1, Math.floor(index * bars / 256))];
+  });
+  const most = Math.max(1, ...counts);
+  const svg = svgElement('svg', { viewBox: '0 0 ' + bars + ' 10', preserveAspectRatio: 'none' });
+  counts.forEach((count, k) => {
+    const height = count > 0 ? Math.max(0.6, 10 * Math.sqrt(count / most)) : 0;
+    svg.append(svgElement('rect', { x: k + 0.08, width: 0.84, y: 10 - height, height: height }));
+  });
+  $('scale-counts').replaceChildren(svg);
+}
+function showScale() {
+  const scale = scaleNow();
+  const colors = display.colors[display.color_maps[state.measure]];
+  const stops = [];
+  for (let i = 0; i < 256; i += 15) stops.push(colors[i]);
+  $('scale-bar').style.background = 'linear-gradient(to right,' + stops.join(',') + ')';
+  const decimals = decimalsNow();
+  $('scale-name').textContent = scale.label;
+  $('scale-low').textContent = (scale.least !== null && scale.least < scale.low ? '≤ ' : '') + formatted(scale.low, decimals);
+  $('scale-high').textContent = (scale.most !== null && scale.most > scale.high ? '≥ ' : '') + formatted(scale.high, decimals);
+  $('scale-unit').textContent = scale.unit === '1' ? '(no unit)' : scale.unit;
+  $('scale-meaning').textContent = '· ' + scale.meaning;
+  showCounts();
+}
+function routeShare() {
+  const under = tilesUnderRoute();
+  if (under.length < 2) return null;
+  return under.filter((i) => i >= 0 && passes(i)).length / under.length;
+}
+function countThreshold() {
+  if (state.threshold === null) {
+    $('threshold-text').textContent = 'off';
+    $('threshold-count').textContent = '';
+    return;
+  }
+  let all = 0, above = 0, selectedBelow = 0;
+  tiles.forEach((row, i) => {
+    if (valueOf(row, 'level') !== state.level) return;
+    ++all;
+    if (passes(i)) ++above; else if (valueOf(row, 'selected')) ++selectedBelow;
+  });
+  const share = routeShare();
+  const value = withUnit(formatted(state.threshold, decimalsNow()), scaleNow().unit);
+  $('threshold-text').textContent = value;
+  $('threshold-count').textContent = above + ' of ' + all + ' tiles at or above ' + value + '; ' + selectedBelow + ' chosen tiles below' +
+    (share === null ? '' : '; ' + Math.floor(100 * share + 1e-9) + ' % of the route over tiles at or above');
+}
+function updateThreshold() {
+  const scale = scaleNow();
+  const value = scale.low + (scale.high - scale.low) * Number($('threshold').value) / 200;
+  state.threshold = $('threshold-on').checked ? value : null;
+  $('threshold').setAttribute('aria-valuetext', withUnit(formatted(value, decimalsNow()), scale.unit));
+  recolor();
+  countThreshold();
+}
+function setLevel(level) {
+  state.level = level;
+  document.querySelectorAll('input[name="level"]').forEach((input) => { input.checked = Number(input.value) === level; });
+  ['heat', 'detail', 'selected', 'refused'].forEach((name) => { if (layers[name]) layers[name].redraw(); });
+  showCounts();
+  countThreshold();
+}
+function makePanel() {
+  report.measures.forEach((measure, i) => {
+    if (measure.least === null && i !== state.measure) return;  // was not computed
+    const option = element('option', measure.label);
+    option.value = String(i);
+    option.selected = i === state.measure;
+    $('measure').append(option);
+  });
+  $('measure').addEventListener('change', () => {
+    state.measure = Number($('measure').value);
+    showScale();
+    updateThreshold();
+  });
+  if (levels.length > 1) levels.forEach((level) => $('levels').append(levelRadio(level)));
+  showScale();
+  updateThreshold();
+  $('opacity').addEventListener('input', setOpacity);
+  $('threshold').addEventListener('input', () => { $('threshold-on').checked = true; updateThreshold(); });
+  $('threshold-on').addEventListener('change', updateThreshold);
+  ['imagery', 'heat', 'selected', 'refused', 'route', 'gaps'].forEach((name) => {
+    $('show-' + name).addEventListener('change', () => {
+      const shown = $('show-' + name).checked;
+      const names = name === 'imagery' ? ['imagery', 'detail'] : [name];
+      names.filter((layer) => map && layers[layer]).forEach((layer) => { if (shown) layers[layer].addTo(map); else layers[layer].remove(); });
+    });
+  });
+}

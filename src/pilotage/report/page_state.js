@@ -1,0 +1,66 @@
+// What the page is about and what it shows now. The scripts page_*.js are joined in this order and share one scope.
+const data = JSON.parse(document.getElementById('data').textContent);
+const report = data.report;
+const display = data.display;
+const tiles = report.tiles.rows;
+const column = {};
+report.tiles.columns.forEach((name, i) => { column[name] = i; });
+const $ = (id) => document.getElementById(id);
+const valueOf = (row, name) => row[column[name]];
+
+const levels = [...new Set(tiles.map((row) => valueOf(row, 'level')))].sort((a, b) => a - b);
+const state = {
+  measure: Math.max(0, report.measures.findIndex((measure) => measure.least !== null)),
+  level: levels.length ? levels[0] : 0,
+  threshold: null,  // a value of the measure, or null
+  tile: -1,         // index into tiles
+  along: null,      // metres along the route
+  printing: false,  // the map is drawn for paper
+};
+
+const scaleNow = () => report.measures[state.measure];
+const decimalsNow = () => display.decimals[state.measure];
+const measuredValue = (i) => valueOf(tiles[i], scaleNow().name);
+function passes(i) {
+  const value = measuredValue(i);
+  return state.threshold === null || (value !== null && value >= state.threshold);
+}
+
+// ---- Words and numbers ----
+function formatted(value, decimals) {
+  return value === null || value === undefined ? '–' : value.toFixed(decimals);
+}
+function withUnit(text, unit) {
+  return unit && unit !== '1' ? text + ' ' + unit : text;
+}
+function fieldText(value, name, unit) {
+  if (value === null) return '–';
+  if (typeof value === 'boolean') return value ? 'yes' : 'no';
+  if (typeof value === 'string') return name === 'status' ? value.replaceAll('_', ' ') : value;
+  return withUnit(String(value), unit);
+}
+function lengthText(metres) {
+  return metres >= 999.5 ? (metres / 1000).toFixed(1) + ' km' : metres.toFixed(0) + ' m';
+}
+function element(tag, text, className) {
+  const node = document.createElement(tag);
+  if (text !== undefined) node.textContent = text;
+  if (className) node.className = className;
+  return node;
+}
+function svgElement(tag, attributes) {
+  const node = document.createElementNS($('chart').namespaceURI, tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, String(value));
+  return node;
+}
+
+// ---- Light and dark ----
+// The style sheet knows light (no attribute), dark and sun; "as the system" becomes one of the first two here.
+const darkSystem = window.matchMedia('(prefers-color-scheme: dark)');
+function applyTheme() {
+  const wanted = $('theme').value || (darkSystem.matches ? 'dark' : '');
+  if (wanted) document.documentElement.dataset.theme = wanted; else delete document.documentElement.dataset.theme;
+}
+$('theme').addEventListener('change', applyTheme);
+darkSystem.addEventListener('change', applyTheme);
+applyTheme();

@@ -1,0 +1,212 @@
+#include "pilotage/report/weak_places.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "pilotage/base/text.h"
+#include "pilotage/report/report.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+struct ReasonWords {
+  ReasonCode code;
+  std::string_view what;
+  std::string_view todo;
+};
+
+constexpr std::array<ReasonWords, 11> kReasonWords = {{
+    {ReasonCode::kTooLittleGround, "no imagery", "Add imagery there."},
+    {ReasonCode::kFlat, "hardly any contrast",
+     "Lead the route over ground with structure: roads, buildings, edges of fields."},
+    {ReasonCode::kFewFeatures, "too few features",
+     "Lead the route over ground with structure: roads, buildings, edges of fields."},
+    {ReasonCode::kRepeats, "ground that repeats itself",
+     "Pass beside the pattern, or fly higher so that a frame shows more than it."},
+    {ReasonCode::kVegetation, "vegetation",
+     "Lead the route along roads or buildings, or use imagery of the same season."},
+    {ReasonCode::kWater, "open water", "Lead the route over land, along the shore."},
+    {ReasonCode::kEdgeOnly, "a single straight edge", "Cross the road or shore instead of following it."},
+    {ReasonCode::kRelief, "steep ground", "Fly higher above it."},
+    {ReasonCode::kCoarse, "too few map pixels in a frame", "Use finer imagery, or fly higher."},
+    {ReasonCode::kChanged, "ground that has changed between the dates", "Use newer imagery there."},
+    {ReasonCode::kWeak, "too little of everything",
+     "Lead the route over ground with structure: roads, buildings, edges of fields."},
+}};
+
+// What follows from other reasons is told after them.
+bool is_symptom(ReasonCode code) {
+  return code == ReasonCode::kFlat || code == ReasonCode::kFewFeatures || code == ReasonCode::kWeak;
+}
+
+const ReasonWords& words_of(ReasonCode code) {
+  return *std::find_if(kReasonWords.begin(), kReasonWords.end(),
+                       [&](const ReasonWords& words) { return words.code == code; });
+}
+
+struct Explanation {
+  std::string why;
+  std::string todo;
+};
+
+// The commonest reasons of the tiles that are not selected there, at most three, causes before what follows from them.
+Explanation explain(const Report& report, double from_m, double to_m) {
+  std::map<ReasonCode, int> counts;
+  int tiles = 0;
+  int not_scored = 0;
+  for (const ReportTile& tile : report.tiles) {
+    if (tile.selected || tile.tile.route_distance_m < from_m || tile.tile.route_distance_m > to_m) continue;
+    ++tiles;
+    if (!tile.scored) ++not_scored;
+    if (tile.scored && tile.score.status == TileStatus::kTooLittleGround) {
+      ++counts[ReasonCode::kTooLittleGround];
+    } else if (tile.scored && tile.score.status == TileStatus::kFlat) {
+      ++counts[ReasonCode::kFlat];
+    } else {
+      for (const ReasonCode code : tile.score.reasons) ++counts[code];
+    }
+  }
+  if (tiles == 0) return {"No tile of the plan lies there.", "Let the plan cover it: imagery or heights are missing."};
+  if (counts.empty()) {
+    if (not_scored == tiles) return {"Its tiles were not scored.", ""};
+    return {"Its " + std::to_string(tiles) + " tiles show no single reason; click them on the map.", ""};
+  }
+  std::vector<std::pair<ReasonCode, int>> order(counts.begin(), counts.end());
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    return std::pair(is_symptom(a.first), -a.second) < std::pair(is_symptom(b.first), -b.second);
+  });
+  order.resize(std::min<std::size_t>(order.size(), 3));
+  std::vector<std::string> parts;
+  for (const auto& [code, count] : order) {
+    parts.push_back(std::string(words_of(code).what) +
+                    (parts.empty() ? " (" + std::to_string(count) + " of " + std::to_string(tiles) + " tiles)"
+                                   : " (" + std::to_string(count) + ")"));
+  }
+  std::string why = join(parts, ", ") + ".";
+  why[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(why[0])));
+  return {why, std::string(words_of(order.front().first).todo)};
+}
+
+// "Leg 5 flown 80 m to the left stays within the limit with P = 0.971 instead of 0.812." of the legs in the place.
+std::string advice_text(const Report& report, const std::vector<LegAdvice>& advice, double from_m, double to_m) {
+  std::string text;
+  for (const LegAdvice& entry : advice) {
+    const auto leg = std::find_if(report.legs.begin(), report.legs.end(),
+                                  [&](const ReportLeg& candidate) { return candidate.status.leg == entry.leg; });
+    if (leg == report.legs.end() || entry.p_after <= entry.p_before) continue;
+    if (leg->from_distance_m > to_m || leg->from_distance_m + leg->status.length_m < from_m) continue;
+    const std::string line = entry.side == AdviceSide::kNone
+                                 ? " with every tile that can be matched"
+                                 : " flown " + format_fixed(entry.offset_m, 0) + " m to the " +
+                                       (entry.side == AdviceSide::kLeft ? "left" : "right");
+    text += (text.empty() ? "" : " ") + std::string("Leg ") + std::to_string(entry.leg + 1) + line +
+            " stays within the limit with P = " + probability_text(entry.p_after) + " instead of " +
+            probability_text(entry.p_before) + ".";
+  }
+  return text;
+}
+
+// "1.5 km – 2.2 km, legs 5 to 6"; `leg` is where it starts.
+std::string where_text(const Report& report, double from_m, double to_m, int leg) {
+  int last = leg;
+  for (const ReportLeg& entry : report.legs) {
+    if (entry.from_distance_m < to_m - 1) last = std::max(last, entry.status.leg);
+  }
+  const std::string legs = last == leg ? "leg " + std::to_string(leg + 1)
+                                       : "legs " + std::to_string(leg + 1) + " to " + std::to_string(last + 1);
+  return length_text(from_m) + " – " + length_text(to_m) + ", " + legs;
+}
+
+// A place and what it is ranked by.
+struct Ranked {
+  WeakPlace place;
+  double p_lost = 0;
+  double error_m = 0;
+};
+
+Ranked gap_place(const Report& report, const ReportGap& entry) {
+  const RouteGap& gap = entry.gap;
+  Ranked ranked;
+  ranked.place.from_distance_m = gap.from_distance_m;
+  ranked.place.to_distance_m = gap.to_distance_m;
+  ranked.place.status = gap.within_limit ? judge_error(gap.error_m, report.max_error_m) : QualityStatus::kBad;
+  ranked.place.where = where_text(report, gap.from_distance_m, gap.to_distance_m, gap.leg);
+  ranked.place.what = length_text(entry.length_m) + " = " + duration_text(gap.duration_s) +
+                      " without a fix; error at its end " + comparison_text(gap.error_m, report.max_error_m) + ".";
+  ranked.p_lost = std::isnan(gap.p_first_excess) ? 0 : gap.p_first_excess;
+  ranked.error_m = gap.error_m;
+  return ranked;
+}
+
+// What no gap shows: a stretch with tiles, but tiles that are too often not found.
+void add_worst_stretch(const Report& report, std::vector<Ranked>& places) {
+  if (!report.probability || !report.probability->worst) return;
+  if (report.probability->p_within_limit >= report.probability->min_p_within_limit) return;
+  const WorstStretch& worst = *report.probability->worst;
+  Ranked ranked;
+  ranked.place.from_distance_m = worst.from_distance_m;
+  ranked.place.to_distance_m = worst.to_distance_m;
+  ranked.place.status = QualityStatus::kBad;
+  ranked.place.where = where_text(report, worst.from_distance_m, worst.to_distance_m, worst.leg);
+  ranked.place.what = "Most flights are lost here: with P = " + probability_text(worst.p_first_excess) +
+                      " the error first exceeds its limit on this stretch.";
+  ranked.p_lost = worst.p_first_excess;
+  ranked.error_m = report.max_error_m;
+  places.push_back(ranked);
+}
+
+void add_legs(const Report& report, std::vector<Ranked>& places) {
+  const std::size_t gaps = places.size();
+  for (const ReportLeg& leg : report.legs) {
+    if (leg.quality == QualityStatus::kGood || !std::isfinite(leg.from_distance_m)) continue;
+    const double to_m = leg.from_distance_m + leg.status.length_m;
+    const bool explained =
+        std::any_of(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(gaps), [&](const Ranked& gap) {
+          return gap.place.status != QualityStatus::kGood && gap.place.from_distance_m <= to_m &&
+                 gap.place.to_distance_m >= leg.from_distance_m;
+        });
+    if (explained) continue;
+    Ranked ranked;
+    ranked.place.from_distance_m = leg.from_distance_m;
+    ranked.place.to_distance_m = to_m;
+    ranked.place.status = leg.quality;
+    ranked.place.where = where_text(report, leg.from_distance_m, to_m, leg.status.leg);
+    ranked.place.what = "Largest error " + comparison_text(leg.status.max_error_m, report.max_error_m) + ".";
+    ranked.error_m = leg.status.max_error_m;
+    places.push_back(ranked);
+  }
+}
+
+}  // namespace
+
+std::vector<WeakPlace> weak_places(const Report& report, const std::vector<LegAdvice>& advice, std::size_t most) {
+  std::vector<Ranked> ranked;
+  for (const ReportGap& gap : report.gaps) ranked.push_back(gap_place(report, gap));
+  add_legs(report, ranked);
+  add_worst_stretch(report, ranked);
+  const auto key = [](const Ranked& entry) {
+    return std::tuple(static_cast<int>(entry.place.status), entry.p_lost,
+                      std::isnan(entry.error_m) ? std::numeric_limits<double>::infinity() : entry.error_m);
+  };
+  std::stable_sort(ranked.begin(), ranked.end(), [&](const Ranked& a, const Ranked& b) { return key(a) > key(b); });
+  ranked.resize(std::min(ranked.size(), most));
+  std::vector<WeakPlace> places;
+  for (Ranked& entry : ranked) {
+    WeakPlace& place = entry.place;
+    const Explanation explanation = explain(report, place.from_distance_m, place.to_distance_m);
+    place.why = explanation.why;
+    place.todo = advice_text(report, advice, place.from_distance_m, place.to_distance_m);
+    if (place.todo.empty()) place.todo = explanation.todo;
+    places.push_back(place);
+  }
+  return places;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,77 @@
+"""report.html under axe-core, which looks for contrast too low to read and controls without a name.
+
+report_contrast.py PILOTAGE SOURCE_FOLDER WRITE_REPORT_SCENE FOLDER
+
+axe-core comes from the npm registry into FOLDER, by tests/accept/axe/package-lock.json; without it the test is skipped."""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+
+from acceptance import SKIP, check, main, run
+from browser import Browser, missing_programs
+
+
+def axe_source(source, folder):
+    """The text of axe-core; leaves with "skipped" when it cannot be got."""
+    wanted = (source / "tests/accept/axe/package-lock.json").read_text(encoding="utf-8")
+    folder.mkdir(parents=True, exist_ok=True)
+    script, lock = folder / "node_modules/axe-core/axe.min.js", folder / "package-lock.json"
+    if not (script.exists() and lock.exists() and lock.read_text(encoding="utf-8") == wanted):
+        if shutil.which("npm") is None:
+            print("skipped: npm must be installed to get axe-core")
+            sys.exit(SKIP)
+        for name in ("package.json", "package-lock.json"):
+            shutil.copy(source / "tests/accept/axe" / name, folder / name)
+        try:
+            done = subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], cwd=folder, text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=240)
+        except subprocess.TimeoutExpired:
+            print("skipped: the npm registry does not answer")
+            sys.exit(SKIP)
+        if done.returncode != 0:
+            print(f"skipped: axe-core could not be got: {done.stdout[-1000:]}")
+            sys.exit(SKIP)
+    return script.read_text(encoding="utf-8")
+
+
+AXE = """return axe.run(document, {resultTypes: ['violations'], rules: {'color-contrast-enhanced': {enabled: arguments[0]}}})
+  .then((result) => ({checked: result.passes.length, violations: result.violations.map((violation) => violation.id + ': ' + violation.help + ': ' +
+    violation.nodes.map((node) => node.target.join(' ') + ' ' + (node.any[0] ? node.any[0].message : '')).slice(0, 4).join('; '))}))"""
+
+
+def choose(page, theme):
+    page.run("const t = document.getElementById('theme'); t.value = arguments[0]; t.dispatchEvent(new Event('change'))", theme)
+
+
+def judge(page, what, enhanced=False):
+    result = page.run(AXE, enhanced)
+    check(result["checked"] >= 10, f"{what}: axe-core checked {result['checked']} rules only")
+    check(not result["violations"], f"{what}:\n" + "\n".join(result["violations"]))
+
+
+def test(_, source, work, rest):
+    if missing_programs():
+        print(f"skipped: {missing_programs()} must be installed")
+        sys.exit(SKIP)
+    axe = axe_source(source, pathlib.Path(rest[1]))
+    run(rest[0], work, "no-go")
+    with Browser() as page:
+        page.open(work / "report.html")
+        page.run(axe + "\nwindow.axe = axe;")
+        page.run("document.querySelector('details').open = true; document.getElementById('tile-next').click()")
+        for theme in ("light", "dark"):
+            choose(page, theme)
+            judge(page, theme)
+        choose(page, "sun")
+        judge(page, "sunlight", enhanced=True)  # 7 : 1
+        page.resize(820, 1180)
+        choose(page, "light")
+        judge(page, "tablet")
+        # What axe-core finds must be found: a gray that cannot be read.
+        page.run("document.querySelector('.answer').style.color = '#e0d0d8'")
+        check(any("color-contrast" in text for text in page.run(AXE, False)["violations"]), "axe-core sees nothing")
+
+
+main(test)

@@ -1,0 +1,52 @@
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "commands.h"
+#include "score_outputs.h"
+#include "version.h"
+
+#include "pilotage/base/error.h"
+#include "pilotage/score/merge_shards.h"
+
+namespace pilotage {
+namespace {
+
+CommandResult tell_missing(const MergedShards& merged) {
+  const std::string list = number_list(merged.missing);
+  CommandResult result;
+  result.exit_code = kExitTryAgain;
+  result.text = "missing: " + std::to_string(merged.missing.size()) + " of " + std::to_string(merged.count) +
+                " shards: " + list + "\n";
+  result.json = {{"shards", merged.count}, {"missing", merged.missing}, {"missing_list", list}};
+  result.warnings = {"nothing was merged: shards " + list + " of " + std::to_string(merged.count) +
+                     " are missing; score them and try again"};
+  return result;
+}
+
+}  // namespace
+
+Command make_merge_command() {
+  Command command;
+  command.word = "merge";
+  command.group = CommandGroup::kStages;
+  command.summary = "Put the shards of a score run together";
+  command.examples = {{"What `pilotage score … -o scores.tif --table tiles.csv` writes, from shards.",
+                       "pilotage merge parts -o scores.tif --table tiles.csv"}};
+  command.inputs = {.name = "SHARDS",
+                    .help = "The folder of `score --shards`, or the shards' files.",
+                    .min = 1,
+                    .max = InputSpec::kMany};
+  command.output = {.kind = OutputKind::kFile, .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure."};
+  bind_options<ScoreOutputOptions>(command, [](const ScoreOutputOptions& options, const Invocation& invocation) {
+    MergedShards merged = read_shards(shard_files(invocation.inputs), version_line(), invocation.progress);
+    if (!merged.missing.empty()) return tell_missing(merged);
+    ScoreOutputs outputs(options, invocation, merged.run);
+    PartScores all{std::move(merged.scores),
+                   register_second_epoch(merged.run, invocation.threads, invocation.progress)};
+    return outputs.write(finish_run(merged.run, std::move(all), invocation.threads));
+  });
+  return command;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,204 @@
+#include "score_outputs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "version.h"
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/text.h"
+#include "pilotage/evaluate/registered_place.h"
+#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/mission/score_raster.h"
+#include "pilotage/raster/gdal_io.h"
+#include "pilotage/registration/disagreement_raster.h"
+
+namespace pilotage {
+namespace {
+
+std::filesystem::path folder_of_outputs(const ScoreOutputOptions& options, const Invocation& invocation) {
+  const std::filesystem::path beside = options.table.empty() ? invocation.output : options.table;
+  return beside.has_parent_path() ? beside.parent_path() : ".";
+}
+
+FrameTable read_frame_table(const EvaluateOptions& options) {
+  if (options.frames.empty()) return {};
+  return frame_table_from_csv(options.frames, read_file(options.frames), {options.frames_truth, FrameColumns::kAll});
+}
+
+FlightFrames complete(const FrameTable& table, const ScoreOutputOptions& options,
+                      const std::optional<Camera>& of_plan) {
+  FrameSources sources;
+  sources.of_map = of_plan;
+  if (names_camera(options.camera) || !of_plan) sources.given = make_camera(options.camera);
+  return complete_frames(options.evaluate.frames, table, sources);
+}
+
+// Entropies differ in the sixth digit.
+std::string for_people(double number) {
+  return std::abs(number) < 1e-3 ? format_number(number) : format_fixed(number, 6);
+}
+
+// One line per measure: how far it ranges.
+void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
+  const std::vector<ScoreColumn>& columns = score_columns();
+  std::vector<std::vector<double>> numbers(columns.size());
+  for (const TileRow& row : rows) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (const double value = columns[i].get(row.score); !std::isnan(value)) numbers[i].push_back(value);
+    }
+  }
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    std::vector<double>& values = numbers[i];
+    if (values.empty()) continue;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    const double median = *middle;
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    result.text += columns[i].name + ": " + for_people(*low) + " … " + for_people(median) + " … " + for_people(*high) +
+                   (columns[i].unit.empty() ? "" : " " + columns[i].unit) + "\n";
+    result.json["measures"][columns[i].name] = {
+        {"minimum", *low}, {"median", median}, {"maximum", *high}, {"tiles", values.size()}};
+  }
+}
+
+std::string metres(const Spread& spread) {
+  if (std::isnan(spread.median)) return "not known";
+  return format_fixed(spread.median, 2) + " m median, " + format_fixed(spread.quantile_95, 2) + " m 95 %, " +
+         format_fixed(spread.largest, 2) + " m largest";
+}
+
+nlohmann::ordered_json json_of(const Spread& spread) {
+  return {{"median", json_number(spread.median)},
+          {"quantile_95", json_number(spread.quantile_95)},
+          {"largest", json_number(spread.largest)}};
+}
+
+void summarise(const SecondEpoch& epoch, CommandResult& result) {
+  const Registration& registration = epoch.registration;
+  const WarpFit& fit = registration.fit;
+  const auto unknown = std::count_if(epoch.scores.begin(), epoch.scores.end(),
+                                     [](const EpochScores& score) { return std::isnan(score.disagreement_m); });
+  result.text += "second epoch: " + std::to_string(registration.finest_ties) + " ties at " +
+                 std::to_string(registration.places) + " places and " +
+                 std::to_string(static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties) +
+                 " coarser ones, " + std::to_string(fit.outliers) + " outliers\n";
+  result.text += "  disagreement: " + metres(fit.disagreement_m) + "\n  residual: " + metres(fit.residual_m) +
+                 "\n  residual of ties left out: " + metres(fit.left_out_m) + "\n";
+  result.json["second_epoch"] = {
+      {"gsd_m", registration.gsd_m},
+      {"places", registration.places},
+      {"ties", registration.finest_ties},
+      {"coarser_ties", static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties},
+      {"outliers", fit.outliers},
+      {"disagreement_m", json_of(fit.disagreement_m)},
+      {"residual_m", json_of(fit.residual_m)},
+      {"left_out_m", json_of(fit.left_out_m)},
+      {"tiles_unknown", unknown}};
+  if (unknown == 0) return;
+  result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
+                            " of " + std::to_string(epoch.scores.size()) + " tiles");
+}
+
+CommandResult tell(const ScoredRun& scored, const Invocation& invocation) {
+  const auto of_status = [&](TileStatus status) {
+    return std::count_if(scored.rows.begin(), scored.rows.end(),
+                         [&](const TileRow& row) { return row.score.status == status; });
+  };
+  CommandResult result;
+  result.text = std::to_string(scored.rows.size()) + " tiles, " + std::to_string(of_status(TileStatus::kScored)) +
+                " scored, " + std::to_string(of_status(TileStatus::kFlat)) + " flat, " +
+                std::to_string(of_status(TileStatus::kTooLittleGround)) + " with too little ground\n";
+  result.json = {{"output", invocation.output},
+                 {"tiles", scored.rows.size()},
+                 {"scored", of_status(TileStatus::kScored)},
+                 {"flat", of_status(TileStatus::kFlat)},
+                 {"too_little_ground", of_status(TileStatus::kTooLittleGround)}};
+  summarise(scored.rows, result);
+  result.warnings = scored.warnings;
+  if (scored.second_epoch) summarise(*scored.second_epoch, result);
+  return result;
+}
+
+TileMatrix shown_matrix(const ScoreRun& run, int level) {
+  if (!run.plan) return run.imagery->matrix;
+  const std::size_t levels = run.plan->levels.size();
+  if (level >= static_cast<int>(levels)) {
+    throw UsageError("level = " + std::to_string(level) + ": the plan has " + std::to_string(levels) + " level(s)");
+  }
+  return run.plan->levels[static_cast<std::size_t>(level)].matrix;
+}
+
+// What an evaluation is about: the tiles of the level that the raster shows.
+ScoredGround judged_ground(const ScoreRun& run, const ScoredRun& scored, const TileMatrix& matrix, int level) {
+  ScoredGround ground{scored.crs, matrix, run.options.grid.search_radius_px, {}, run.inputs, run.options.imagery, ""};
+  if (run.plan) {
+    ground.search_radius_px = run.plan->levels[static_cast<std::size_t>(level)].search_radius_px;
+    ground.datasets = dataset_names(*run.plan);
+    ground.imagery = run.plan->imagery_options;
+    ground.elevation = run.plan->elevation;
+  }
+  std::copy_if(scored.rows.begin(), scored.rows.end(), std::back_inserter(ground.rows),
+               [&](const TileRow& row) { return row.tile.level == matrix.level; });
+  return ground;
+}
+
+}  // namespace
+
+ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& invocation, const ScoreRun& run)
+    : options_(options), invocation_(invocation), run_(run), matrix_(shown_matrix(run, options.level)) {
+  if (!options.table.empty()) table_.emplace(options.table, invocation.overwrite);
+  if (options.evaluate.wanted()) {
+    check_evaluation(options.evaluate);
+    evaluation_.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
+  }
+  frames_ = read_frame_table(options.evaluate);
+  for (const std::string& dataset : run.options.score.second_epoch) inspect_imagery(dataset);
+  if (options.second_epoch_output.empty()) return;
+  if (run.options.score.second_epoch.empty()) throw UsageError("--second-epoch-output needs --second-epoch");
+  const OutputFile refused(options.second_epoch_output, invocation.overwrite);
+}
+
+CommandResult ScoreOutputs::write(const ScoredRun& scored) {
+  CommandResult result = tell(scored, invocation_);
+  if (evaluation_) add_evaluation(scored, result);
+  report_progress(invocation_.progress, "writing scores", 0, 0);
+  const ScoreRaster raster = score_raster(matrix_, scored.rows);
+  if (table_) table_->write(tile_table_to_csv(scored.rows));
+  write_score_raster(invocation_.output, raster.bands, scored.crs, raster.map_from_pixel, invocation_.overwrite);
+  if (!options_.second_epoch_output.empty()) {
+    const SecondEpoch& epoch = *scored.second_epoch;
+    const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
+    write_score_raster(options_.second_epoch_output, layer.bands, scored.crs, layer.map_from_pixel,
+                       invocation_.overwrite);
+  }
+  if (table_) table_->commit();  // all appear, or none
+  if (evaluation_) evaluation_->commit();
+  return result;
+}
+
+// Shows how well each predictor does, and writes the evaluation's files without letting them appear.
+void ScoreOutputs::add_evaluation(const ScoredRun& scored, CommandResult& result) {
+  FlightFrames frames;
+  if (!frames_.frames.empty()) {
+    frames = complete(frames_, options_, run_.plan ? std::optional<Camera>(run_.plan->camera) : std::nullopt);
+  }
+  const std::filesystem::path scratch = folder_of_outputs(options_, invocation_) / "evaluation_map.gpkg";
+  // The date that is judged by may be the second one as well: its registration then corrects the truth.
+  const std::vector<std::string>& second_epoch = run_.options.score.second_epoch;
+  const bool registered = second_epoch.size() == 1 && second_epoch.front() == options_.evaluate.file;
+  const ScoredGround ground = judged_ground(run_, scored, matrix_, options_.level);
+  const Evaluation evaluation = evaluate(
+      ground, frames.frames, options_.evaluate, scratch, run_.seed, invocation_.threads, invocation_.progress,
+      registered ? registered_place(scored.second_epoch->registration.fit.field) : PlaceOnReference(same_place));
+  const EvaluationSource source{run_.inputs, version_line(), options_.evaluate, run_.seed};
+  evaluation_->write(ground, evaluation, source);
+  result.json["evaluation"] = evaluation_json(evaluation, source);
+  result.text += evaluation_text(evaluation);
+  result.warnings.insert(result.warnings.end(), frames.warnings.begin(), frames.warnings.end());
+  result.warnings.insert(result.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
+}
+
+}  // namespace pilotage
