@@ -40,14 +40,14 @@ void center_band(const cv::Mat& pixels, const cv::Mat& valid, double center, cv:
 }
 
 /// Rows [first, last) of window_sum and inverse_norm.
-void norm_rows(int tile_size_px, int first, int last, MapStrip& strip) {
+void norm_rows(const StripIntegrals& integrals, int tile_size_px, int first, int last, MapStrip& strip) {
   const double count = static_cast<double>(tile_size_px) * tile_size_px;
   const int width = strip.window_sum.cols;
   for (int row = first; row < last; ++row) {
-    const double* sum_top = strip.sums.ptr<double>(row);
-    const double* sum_bottom = strip.sums.ptr<double>(row + tile_size_px);
-    const double* square_top = strip.squares.ptr<double>(row);
-    const double* square_bottom = strip.squares.ptr<double>(row + tile_size_px);
+    const double* sum_top = integrals.sums.ptr<double>(row);
+    const double* sum_bottom = integrals.sums.ptr<double>(row + tile_size_px);
+    const double* square_top = integrals.squares.ptr<double>(row);
+    const double* square_bottom = integrals.squares.ptr<double>(row + tile_size_px);
     float* sum_out = strip.window_sum.ptr<float>(row);
     float* norm_out = strip.inverse_norm.ptr<float>(row);
     for (int col = 0; col < width; ++col) {
@@ -159,7 +159,7 @@ MapSample sample_map(const GraySource& source) {
 }
 
 void load_strip(const GraySource& source, const PixelWindow& window, double center, int tile_size_px, int lag_step,
-                const MapStrip* previous, int threads, MapStrip& strip) {
+                const MapStrip* previous, int threads, StripIntegrals& integrals, MapStrip& strip) {
   strip.window = window;
   strip.pixels.create(window.height, window.width, source.depth);
   strip.valid.create(window.height, window.width, CV_8U);
@@ -194,14 +194,14 @@ void load_strip(const GraySource& source, const PixelWindow& window, double cent
   if (lag_step == 0) return;
   strip.lag_step = lag_step;
   if (lag_step > 1) take_apart(strip.centred, lag_step, strip.components);
-  cv::integral(strip.centred, strip.sums, strip.squares, CV_64F, CV_64F);
+  cv::integral(strip.centred, integrals.sums, integrals.squares, CV_64F, CV_64F);
   const cv::Size positions(window.width - tile_size_px + 1, window.height - tile_size_px + 1);
   strip.window_sum.create(positions, CV_32F);
   strip.inverse_norm.create(positions, CV_32F);
   const int norm_bands = (positions.height + kBandRows - 1) / kBandRows;
   parallel_for(static_cast<std::size_t>(norm_bands), threads, [&](std::size_t band, int) {
     const int first = static_cast<int>(band) * kBandRows;
-    norm_rows(tile_size_px, first, std::min(positions.height, first + kBandRows), strip);
+    norm_rows(integrals, tile_size_px, first, std::min(positions.height, first + kBandRows), strip);
   });
 }
 

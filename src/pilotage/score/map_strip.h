@@ -24,9 +24,6 @@ struct MapStrip {
   /// `centred` taken apart for a BlockCorrelator of this lag_step (take_apart). Empty when that is 1.
   int lag_step = 1;
   std::vector<cv::Mat> components;
-  /// CV_64F integral images of `centred` and its squares, from which window_sum and inverse_norm are made.
-  cv::Mat sums;
-  cv::Mat squares;
 
   /// The part of an image of this strip that belongs to a window of the grid inside it.
   cv::Mat view(const cv::Mat& image, const PixelWindow& part) const;
@@ -48,11 +45,17 @@ struct MapSample {
 };
 MapSample sample_map(const GraySource& source);
 
+/// CV_64F integral images of `centred` and of its squares.
+struct StripIntegrals {
+  cv::Mat sums;
+  cv::Mat squares;
+};
+
 /// Reads a window of the source, in parallel. `previous`, if not null, is another strip of the same columns whose rows
 /// are not read again. With a lag_step, window_sum and inverse_norm of windows of `tile_size_px` and the components are
-/// computed; 0 when no surfaces are asked for. `strip` gets the result; its images are written over where their size
-/// fits: fresh memory costs as much time as what is put into it.
+/// computed; 0 when no surfaces are asked for. `strip` gets the result, `integrals` serve on the way; its images are
+/// written over where their size fits: fresh memory costs as much time as what is put into it.
 void load_strip(const GraySource& source, const PixelWindow& window, double center, int tile_size_px, int lag_step,
-                const MapStrip* previous, int threads, MapStrip& strip);
+                const MapStrip* previous, int threads, StripIntegrals& integrals, MapStrip& strip);
 
 }  // namespace pilotage

@@ -113,7 +113,9 @@ void score_surfaces(const Job& job, const Group& group, std::vector<EpochScores>
     const PixelWindow window = window_of(matrix, group, row, row, job.radius_px());
     const auto move_on = [&](const GraySource& source, double center, std::optional<MapStrip>& strip) {
       MapStrip next;
-      load_strip(source, window, center, matrix.tile_size_px, 0, strip ? &*strip : nullptr, job.threads, next);
+      StripIntegrals integrals;
+      load_strip(source, window, center, matrix.tile_size_px, 0, strip ? &*strip : nullptr, job.threads, integrals,
+                 next);
       strip = std::move(next);
     };
     move_on(job.reference, job.reference_center, reference);

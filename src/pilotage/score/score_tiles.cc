@@ -94,7 +94,7 @@ void check_request(const GraySource& source, const TileMatrix& matrix, int searc
 std::int64_t columns_per_piece(const Job& job) {
   std::size_t bytes = 1;
   if (job.clean()) bytes += CleanSurfaces::bytes_per_column(job.matrix, job.radius_px, job.lag_step);
-  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px, job.lag_step);
+  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px);
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(kColumnMemory / bytes), 1, kMostColumns);
 }
 
@@ -237,7 +237,7 @@ std::vector<std::unique_ptr<ColumnGroup>> make_groups(const Job& job, std::span<
       group->clean.emplace(job.matrix, job.radius_px, job.lag_step, group->first_column, group->columns);
     }
     if (job.degraded()) {
-      group->degraded.emplace(job.matrix, job.radius_px, job.lag_step, group->first_column, group->columns, job.copies,
+      group->degraded.emplace(job.matrix, job.radius_px, group->first_column, group->columns, job.copies,
                               job.margin_px);
     }
     groups.push_back(std::move(group));
@@ -302,8 +302,9 @@ void score_surfaces(const Job& job, const Piece& piece, const MapStrip& strip,
   });
 }
 
-void load(const Job& job, const Piece& piece, const MapStrip* previous, MapStrip& strip) {
-  load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.lag_step, previous, job.threads, strip);
+void load(const Job& job, const Piece& piece, const MapStrip* previous, StripIntegrals& integrals, MapStrip& strip) {
+  load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.lag_step, previous, job.threads,
+             integrals, strip);
 }
 
 }  // namespace
@@ -351,7 +352,7 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
   if (job.surfaces()) {
     const MapSample sample = sample_map(source);
     job.center = sample.center;
-    job.lag_step = options.every_lag ? 1 : choose_lag_step(sample, matrix.tile_size_px, job.radius_px);
+    job.lag_step = options.every_lag || !job.clean() ? 1 : choose_lag_step(sample, matrix.tile_size_px, job.radius_px);
   }
   std::vector<TileScore> scores(indices.size());
   for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -387,12 +388,13 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
   if (!advance(0)) throw Interrupted{};
   MapStrip strip;
   MapStrip next_strip;
-  load(job, pieces.front(), nullptr, strip);
+  StripIntegrals integrals;
+  load(job, pieces.front(), nullptr, integrals, strip);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
     std::future<void> next;  // read while this piece is worked on
     if (i + 1 < pieces.size()) {
-      next = std::async(std::launch::async, [&, i] { load(job, pieces[i + 1], &strip, next_strip); });
+      next = std::async(std::launch::async, [&, i] { load(job, pieces[i + 1], &strip, integrals, next_strip); });
     }
     if (i == 0 || pieces[i - 1].first_column != piece.first_column) {
       groups = make_groups(job, std::span(pieces).subspan(i));

@@ -75,9 +75,9 @@ struct ScoreOptions {
     fields.path("model", self.model, "Parameters of P(correct fix), as `pilotage calibrate` writes them.");
     fields.field("degraded_copies", self.degraded_copies, "Degraded copies per tile; scores are their mean.",
                  Range{1, 64});
-    fields.field(
-        "every_lag", self.every_lag,
-        "Correlation at every lag, not at every second one with the rivals refined: about three times slower.");
+    fields.field("every_lag", self.every_lag,
+                 "Clean surfaces at every lag, not at a lattice of them with the rivals looked at more closely: about "
+                 "half as fast.");
     fields.group("degradation", self.degradation, "How the degraded copies differ from the reference.");
     fields.path(
         "second_epoch", self.second_epoch,

@@ -43,15 +43,18 @@ void normalise_row(const MapStrip& strip, const SearchArea& area, const cv::Poin
             static_cast<std::size_t>(lag_step), mean, scale, values.size(), values.data());
 }
 
-/// Correlations of a tile at a lag and its neighbours by plain sums. (tile − mean)·scale has mean 0 and norm 1 when
-/// `tile` is made of pixels of the map.
-std::vector<SurfaceValue> values_around(const MapStrip& strip, const SearchArea& area, const cv::Mat& tile, float mean,
-                                        float scale, cv::Point lag) {
+/// Correlations of a tile of the map at a lag and its neighbours by plain sums.
+std::vector<SurfaceValue> values_around(const MapStrip& strip, const SearchArea& area, const cv::Mat& tile,
+                                        cv::Point lag) {
   if (area.positions.width < 3 || area.positions.height < 3) return {};
   lag.x = std::clamp(lag.x, 1 - area.truth.x, area.positions.width - 2 - area.truth.x);
   lag.y = std::clamp(lag.y, 1 - area.truth.y, area.positions.height - 2 - area.truth.y);
   const cv::Point corner(static_cast<int>(area.tile.col - strip.window.col) + lag.x - 1,
                          static_cast<int>(area.tile.row - strip.window.row) + lag.y - 1);
+  const cv::Point place(static_cast<int>(area.tile.col - strip.window.col),
+                        static_cast<int>(area.tile.row - strip.window.row));
+  const float mean = strip.window_sum.at<float>(place) / static_cast<float>(tile.total());
+  const float scale = strip.inverse_norm.at<float>(place);
   std::array<double, 9> sums{};
   for (int row = 0; row < tile.rows; ++row) {
     std::array<const float*, 3> map{};
@@ -71,17 +74,6 @@ std::vector<SurfaceValue> values_around(const MapStrip& strip, const SearchArea&
     }
   }
   return result;
-}
-
-/// Peaks of a surface, of every lag or every second one; the tile is correlated again where that is not enough.
-CorrelationPeaks peaks_of(const MapStrip& strip, const SearchArea& area, const cv::Mat& tile, float mean, float scale,
-                          const SparseSurface& surface) {
-  if (surface.near.empty()) return correlation_peaks(surface.lattice, surface.lattice_truth, area.tile.width);
-  const auto around = [&](const cv::Point& lag) { return values_around(strip, area, tile, mean, scale, lag); };
-  const std::optional<CorrelationPeaks> peaks = sparse_correlation_peaks(surface, area.tile.width, around);
-  if (peaks) return *peaks;
-  return correlation_peaks(correlation_surface(tile, strip.view(strip.centred, area.window)), area.truth,
-                           area.tile.width);
 }
 
 }  // namespace
@@ -143,99 +135,64 @@ CorrelationPeaks CleanSurfaces::peaks(const MapStrip& strip, const SearchArea& a
   SparseSurface surface;
   surface.step = sums_.lag_step();
   surface.lattice = normalised(sums_, strip, area, tile_column, tile_row, scratch.surface);
-  surface.lattice_truth = positions(area, sums_.radius(), sums_.lag_step()).truth;
-  if (near_) {
-    surface.near = normalised(*near_, strip, area, tile_column, tile_row, scratch.near);
-    surface.near_truth = positions(area, near_->radius(), 1).truth;
-  }
-  const cv::Point tile(static_cast<int>(area.tile.col - strip.window.col),
-                       static_cast<int>(area.tile.row - strip.window.row));
-  const float mean = strip.window_sum.at<float>(tile) / static_cast<float>(area.tile.width * area.tile.height);
-  return peaks_of(strip, area, strip.view(strip.centred, area.tile), mean, strip.inverse_norm.at<float>(tile), surface);
+  surface.lattice_truth = positions(area, sums_.radius(), surface.step).truth;
+  if (!near_) return correlation_peaks(surface.lattice, surface.lattice_truth, area.tile.width);
+  surface.near = normalised(*near_, strip, area, tile_column, tile_row, scratch.near);
+  surface.near_truth = positions(area, near_->radius(), 1).truth;
+  const cv::Mat tile = strip.view(strip.centred, area.tile);
+  const auto around = [&](const cv::Point& lag) { return values_around(strip, area, tile, lag); };
+  if (const auto peaks = sparse_correlation_peaks(surface, area.tile.width, around)) return *peaks;
+  const cv::Mat every_lag = correlation_surface(tile, strip.view(strip.centred, area.window));
+  return correlation_peaks(every_lag, area.truth, area.tile.width);
 }
 
-DegradedSurfaces::Correlation::Correlation(const TileMatrix& matrix, int radius_px, int lag_step,
-                                           std::int64_t first_column, std::int64_t columns, std::size_t copies)
-    : correlator(matrix.tile_size_px, radius_px, matrix.stride_px, lag_step),
-      windows(correlator, matrix.stride_px, first_column, columns) {
-  const int side = 2 * correlator.radius() + 1;
-  for (std::size_t copy = 0; copy < copies; ++copy) {
-    workspaces.push_back(correlator.make_workspace());
-    spectra.emplace_back(correlator.spectrum_size());
-    surfaces.emplace_back(side, side, CV_32F);
-  }
-}
-
-std::vector<cv::Mat> DegradedSurfaces::Correlation::normalised(const MapStrip& strip, const SearchArea& area,
-                                                               std::int64_t tile_column, std::int64_t tile_row,
-                                                               std::span<const cv::Mat> tiles,
-                                                               std::span<const double> norms) {
-  const int step = correlator.lag_step();
-  const int radius = correlator.radius();
-  std::vector<const float*> blocks;
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    std::vector<cv::Mat> components;
-    take_apart(tiles[i], step, components);
-    correlator.forward(components, workspaces[i], spectra[i].data());
-    blocks.push_back(spectra[i].data());
-  }
-  const auto [truth, size] = positions(area, radius, step);
-  const cv::Rect lags(radius - truth.x, radius - truth.y, size.width, size.height);
-  correlator.correlate(blocks, windows.of_block(strip, tile_column, tile_row), {lags.y, lags.y + lags.height},
-                       workspaces, surfaces);
-  std::vector<cv::Mat> result;
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    result.push_back(surfaces[i](lags));
-    const auto scale = static_cast<float>(1 / (norms[i] * correlator.scale()));
-    for (int row = 0; row < size.height; ++row) {
-      normalise_row(strip, area, step * cv::Point(-truth.x, row - truth.y), step, 0, scale,
-                    {result.back().ptr<float>(row), static_cast<std::size_t>(size.width)});
-    }
-  }
-  return result;
-}
-
-DegradedSurfaces::DegradedSurfaces(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column,
+DegradedSurfaces::DegradedSurfaces(const TileMatrix& matrix, int radius_px, std::int64_t first_column,
                                    std::int64_t columns, std::span<const Degrader> copies, int margin_px)
-    : copies_(copies), margin_px_(margin_px), all_(matrix, radius_px, lag_step, first_column, columns, copies.size()) {
-  if (lag_step > 1) {
-    near_.emplace(matrix, near_radius_px(matrix.tile_size_px), 1, first_column, columns, copies.size());
+    : copies_(copies),
+      margin_px_(margin_px),
+      correlator_(matrix.tile_size_px, radius_px, matrix.stride_px),
+      windows_(correlator_, matrix.stride_px, first_column, columns) {
+  const int side = 2 * radius_px + 1;
+  for (std::size_t copy = 0; copy < copies.size(); ++copy) {
+    workspaces_.push_back(correlator_.make_workspace());
+    spectra_.emplace_back(correlator_.spectrum_size());
+    surfaces_.emplace_back(side, side, CV_32F);
   }
 }
 
-std::size_t DegradedSurfaces::bytes_per_column(const TileMatrix& matrix, int radius_px, int lag_step) {
-  const auto bytes = [&](int radius, int step) {
-    return WindowSpectra::bytes_per_column({matrix.tile_size_px, radius, matrix.stride_px, step}, matrix.stride_px);
-  };
-  return bytes(radius_px, lag_step) + (lag_step > 1 ? bytes(near_radius_px(matrix.tile_size_px), 1) : 0);
+std::size_t DegradedSurfaces::bytes_per_column(const TileMatrix& matrix, int radius_px) {
+  return WindowSpectra::bytes_per_column({matrix.tile_size_px, radius_px, matrix.stride_px}, matrix.stride_px);
 }
 
 std::vector<std::optional<CorrelationPeaks>> DegradedSurfaces::peaks(const MapStrip& strip, const SearchArea& area,
                                                                      std::int64_t tile_column, std::int64_t tile_row) {
-  std::vector<std::optional<CorrelationPeaks>> result(copies_.size());
   std::vector<std::size_t> copies;  // that are not flat
-  std::vector<cv::Mat> tiles;
   std::vector<double> norms;
+  std::vector<const float*> blocks;
   for (std::size_t copy = 0; copy < copies_.size(); ++copy) {
     cv::Mat tile = degraded_tile(strip, area.tile, copies_[copy], margin_px_);
     tile -= cv::mean(tile)[0];
     const double norm = cv::norm(tile, cv::NORM_L2);
     if (!(norm > 0)) continue;
+    const std::size_t slot = copies.size();
+    correlator_.forward({&tile, 1}, workspaces_[slot], spectra_[slot].data());
+    blocks.push_back(spectra_[slot].data());
     copies.push_back(copy);
-    tiles.push_back(tile);
     norms.push_back(norm);
   }
-  const std::vector<cv::Mat> all = all_.normalised(strip, area, tile_column, tile_row, tiles, norms);
-  std::vector<cv::Mat> near(tiles.size());
-  if (near_) near = near_->normalised(strip, area, tile_column, tile_row, tiles, norms);
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    SparseSurface surface;
-    surface.step = all_.correlator.lag_step();
-    surface.lattice = all[i];
-    surface.lattice_truth = positions(area, all_.correlator.radius(), surface.step).truth;
-    surface.near = near[i];
-    if (near_) surface.near_truth = positions(area, near_->correlator.radius(), 1).truth;
-    result[copies[i]] = peaks_of(strip, area, tiles[i], 0, static_cast<float>(1 / norms[i]), surface);
+  const int radius = correlator_.radius_px();
+  const cv::Rect lags(cv::Point(radius, radius) - area.truth, area.positions);
+  correlator_.correlate(blocks, windows_.of_block(strip, tile_column, tile_row), {lags.y, lags.y + lags.height},
+                        workspaces_, surfaces_);
+  std::vector<std::optional<CorrelationPeaks>> result(copies_.size());
+  for (std::size_t slot = 0; slot < copies.size(); ++slot) {
+    cv::Mat surface = surfaces_[slot](lags);
+    const auto scale = static_cast<float>(1 / (norms[slot] * correlator_.scale()));
+    for (int row = 0; row < surface.rows; ++row) {
+      normalise_row(strip, area, cv::Point(-area.truth.x, row - area.truth.y), 1, 0, scale,
+                    {surface.ptr<float>(row), static_cast<std::size_t>(surface.cols)});
+    }
+    result[copies[slot]] = correlation_peaks(surface, area.truth, area.tile.width);
   }
   return result;
 }

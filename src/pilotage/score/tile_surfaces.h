@@ -60,41 +60,29 @@ class CleanSurfaces {
   std::optional<BlockSums> near_;  // every lag, when sums_ has not
 };
 
-/// Peaks of the surfaces of degraded copies of tiles, row by row. For one thread.
+/// Peaks of the surfaces of degraded copies of tiles, row by row, at every lag: the copies of a tile share the map's
+/// windows, but not their blocks, so that a lattice of lags would save little. For one thread.
 class DegradedSurfaces {
  public:
-  DegradedSurfaces(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column,
-                   std::int64_t columns, std::span<const Degrader> copies, int margin_px);
-  DegradedSurfaces(const DegradedSurfaces&) = delete;  // the windows refer to the correlators
+  DegradedSurfaces(const TileMatrix& matrix, int radius_px, std::int64_t first_column, std::int64_t columns,
+                   std::span<const Degrader> copies, int margin_px);
+  DegradedSurfaces(const DegradedSurfaces&) = delete;  // windows_ refers to correlator_
   DegradedSurfaces& operator=(const DegradedSurfaces&) = delete;
 
   /// Peaks of each copy of a tile whose search area is all valid; nothing for a copy that is flat.
   std::vector<std::optional<CorrelationPeaks>> peaks(const MapStrip& strip, const SearchArea& area,
                                                      std::int64_t tile_column, std::int64_t tile_row);
 
-  static std::size_t bytes_per_column(const TileMatrix& matrix, int radius_px, int lag_step);
+  static std::size_t bytes_per_column(const TileMatrix& matrix, int radius_px);
 
  private:
-  /// Surfaces of the copies at every lag, or every lag_step-th.
-  struct Correlation {
-    BlockCorrelator correlator;
-    WindowSpectra windows;
-    std::vector<RealFft2d::Workspace> workspaces;  // of each copy, as what follows
-    std::vector<AlignedFloats> spectra;
-    std::vector<cv::Mat> surfaces;
-
-    Correlation(const TileMatrix& matrix, int radius_px, int lag_step, std::int64_t first_column, std::int64_t columns,
-                std::size_t copies);
-    /// Normalised surfaces of `tiles`, which have mean 0 and these norms.
-    std::vector<cv::Mat> normalised(const MapStrip& strip, const SearchArea& area, std::int64_t tile_column,
-                                    std::int64_t tile_row, std::span<const cv::Mat> tiles,
-                                    std::span<const double> norms);
-  };
-
   std::span<const Degrader> copies_;
   int margin_px_;
-  Correlation all_;
-  std::optional<Correlation> near_;  // every lag, when all_ has not
+  BlockCorrelator correlator_;
+  WindowSpectra windows_;
+  std::vector<RealFft2d::Workspace> workspaces_;  // of each copy, as what follows
+  std::vector<AlignedFloats> spectra_;
+  std::vector<cv::Mat> surfaces_;
 };
 
 /// A degraded copy of a tile, from its surroundings in the strip.

@@ -22,19 +22,20 @@ WindowSpectra::WindowSpectra(const BlockCorrelator& correlator, int stride_px, s
       depth_(depth(correlator, stride_px)),
       first_column_(first_column),
       columns_(columns + (correlator.windows_per_side() - 1) * step_),
-      slots_(static_cast<std::size_t>(columns_ * depth_)),
+      rows_(static_cast<std::size_t>(columns_ * depth_), -1),
+      spectra_(rows_.size() * correlator.spectrum_size()),
       workspace_(correlator.make_workspace()) {}
 
 const float* WindowSpectra::window(const MapStrip& strip, std::int64_t column, std::int64_t row) {
-  Slot& slot = slots_[static_cast<std::size_t>(row % depth_ * columns_ + column - first_column_)];
-  if (slot.row == row) return slot.spectrum.data();
-  slot.row = row;
-  if (slot.spectrum.size() == 0) slot.spectrum = AlignedFloats(correlator_.spectrum_size());
+  const auto slot = static_cast<std::size_t>(row % depth_ * columns_ + column - first_column_);
+  float* spectrum = spectra_.data() + slot * correlator_.spectrum_size();
+  if (rows_[slot] == row) return spectrum;
+  rows_[slot] = row;
   const int side = correlator_.window_px();
   const PixelWindow place{column * stride_px_ - correlator_.radius_px(), row * stride_px_ - correlator_.radius_px(),
                           side, side};
-  correlator_.forward(strip.components_of(place, correlator_.lag_step()), workspace_, slot.spectrum.data());
-  return slot.spectrum.data();
+  correlator_.forward(strip.components_of(place, correlator_.lag_step()), workspace_, spectrum);
+  return spectrum;
 }
 
 std::span<const float* const> WindowSpectra::of_block(const MapStrip& strip, std::int64_t column, std::int64_t row) {

@@ -28,10 +28,6 @@ class WindowSpectra {
   static std::size_t bytes_per_column(const BlockCorrelator& correlator, int stride_px);
 
  private:
-  struct Slot {
-    std::int64_t row = -1;
-    AlignedFloats spectrum;
-  };
   static int step(const BlockCorrelator& correlator, int stride_px);
   static int depth(const BlockCorrelator& correlator, int stride_px);
   const float* window(const MapStrip& strip, std::int64_t column, std::int64_t row);
@@ -41,8 +37,9 @@ class WindowSpectra {
   int step_;   // windows from one part to the next
   int depth_;  // rows kept
   std::int64_t first_column_;
-  std::int64_t columns_;  // of windows
-  std::vector<Slot> slots_;
+  std::int64_t columns_;            // of windows
+  std::vector<std::int64_t> rows_;  // of the window in each slot, -1 = none
+  AlignedFloats spectra_;           // of the slots, one after the other
   RealFft2d::Workspace workspace_;
   std::vector<const float*> of_block_;
 };

@@ -20,6 +20,7 @@ namespace pilotage {
 namespace {
 
 constexpr int kStrip = 8;  // columns transformed together: 64 bytes
+constexpr std::size_t kAlignment = 64;
 
 /// FFTW's planner, unlike its execution, must not run in two threads at a time.
 std::mutex& planner_mutex() {
@@ -104,14 +105,15 @@ int fast_fft_size(int size) {
   }
 }
 
-AlignedFloats::AlignedFloats(std::size_t size) : size_(size) {
-  const std::size_t bytes = (size * sizeof(float) + 63) / 64 * 64;
-  data_.reset(static_cast<float*>(std::aligned_alloc(64, std::max<std::size_t>(bytes, 64))));
-  if (data_ == nullptr) throw std::bad_alloc();
-  std::memset(data_.get(), 0, bytes);
+AlignedFloats::AlignedFloats(std::size_t size)
+    : memory_(std::calloc(size * sizeof(float) + kAlignment, 1)), size_(size) {
+  if (memory_ == nullptr) throw std::bad_alloc();
+  void* aligned = memory_.get();
+  std::size_t space = size * sizeof(float) + kAlignment;
+  data_ = static_cast<float*>(std::align(kAlignment, size * sizeof(float), aligned, space));
 }
 
-void AlignedFloats::Free::operator()(float* pointer) const {
+void AlignedFloats::Free::operator()(void* pointer) const {
   std::free(pointer);
 }
 

@@ -13,20 +13,22 @@ namespace pilotage {
 /// The smallest product of powers of 2, 3 and 5 that is at least `size`: lengths FFTW is fast at.
 int fast_fft_size(int size);
 
-/// Floats on a 64-byte boundary, as vector code likes them; all zero at first.
+/// Floats on a 64-byte boundary, as vector code likes them; all zero at first. Large arrays take memory only where
+/// something was written, and give it back to the system.
 class AlignedFloats {
  public:
   AlignedFloats() = default;
   explicit AlignedFloats(std::size_t size);
-  float* data() { return data_.get(); }
-  const float* data() const { return data_.get(); }
+  float* data() { return data_; }
+  const float* data() const { return data_; }
   std::size_t size() const { return size_; }
 
  private:
   struct Free {
-    void operator()(float* pointer) const;
+    void operator()(void* pointer) const;
   };
-  std::unique_ptr<float[], Free> data_;
+  std::unique_ptr<void, Free> memory_;
+  float* data_ = nullptr;
   std::size_t size_ = 0;
 };
 
