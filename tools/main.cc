@@ -2,10 +2,9 @@
 #include <string>
 #include <vector>
 
-#include <malloc.h>
-
 #include "commands.h"
 #include "run_program.h"
+#include <malloc.h>
 
 namespace {
 
