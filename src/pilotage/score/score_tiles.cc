@@ -307,6 +307,39 @@ void load(const Job& job, const Piece& piece, const MapStrip* previous, StripInt
              integrals, strip);
 }
 
+/// Statistics and surfaces of all tiles, piece by piece; the next piece is read while one is worked on.
+void score_pieces(const Job& job, const Progress& progress, std::vector<TileScore>& scores) {
+  const std::vector<Piece> pieces = make_pieces(job);
+  std::vector<std::unique_ptr<ColumnGroup>> groups;
+  std::mutex progress_mutex;
+  std::int64_t done = 0;
+  const auto advance = [&](std::int64_t tiles) {
+    const std::lock_guard lock(progress_mutex);
+    done += tiles;
+    return !progress || progress("score", done, static_cast<std::int64_t>(scores.size()));
+  };
+  if (!advance(0)) throw Interrupted{};
+  MapStrip strip;
+  MapStrip next_strip;
+  StripIntegrals integrals;
+  load(job, pieces.front(), nullptr, integrals, strip);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const Piece& piece = pieces[i];
+    std::future<void> next;  // read while this piece is worked on
+    if (i + 1 < pieces.size()) {
+      next = std::async(std::launch::async, [&, i] { load(job, pieces[i + 1], &strip, integrals, next_strip); });
+    }
+    if (i == 0 || pieces[i - 1].first_column != piece.first_column) {
+      groups = make_groups(job, std::span(pieces).subspan(i));
+    }
+    score_piece_statistics(job, piece, strip, scores);
+    score_surfaces(job, piece, strip, groups, advance, scores);
+    if (!next.valid()) continue;
+    next.get();
+    std::swap(strip, next_strip);
+  }
+}
+
 }  // namespace
 
 bool ScoreOptions::measure(ScoreMeasure which) const {
@@ -369,41 +402,12 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
                                         [](const auto& a, const auto& b) { return a.first == b.first; });
   if (twice != job.order.end()) throw UsageError("tile index " + std::to_string(twice->first) + " stands twice");
 
-  if (!job.surfaces()) {
+  if (job.surfaces()) {
+    score_pieces(job, progress, scores);
+  } else {
     std::vector<TileScore*> tiles;
     for (const auto& [index, place] : job.order) tiles.push_back(&scores[place]);
     stream_statistics(source, matrix, options, tiles, job.threads, progress);
-    if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
-    return scores;
-  }
-  const std::vector<Piece> pieces = make_pieces(job);
-  std::vector<std::unique_ptr<ColumnGroup>> groups;
-  std::mutex progress_mutex;
-  std::int64_t done = 0;
-  const auto advance = [&](std::int64_t tiles) {
-    const std::lock_guard lock(progress_mutex);
-    done += tiles;
-    return !progress || progress("score", done, static_cast<std::int64_t>(indices.size()));
-  };
-  if (!advance(0)) throw Interrupted{};
-  MapStrip strip;
-  MapStrip next_strip;
-  StripIntegrals integrals;
-  load(job, pieces.front(), nullptr, integrals, strip);
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const Piece& piece = pieces[i];
-    std::future<void> next;  // read while this piece is worked on
-    if (i + 1 < pieces.size()) {
-      next = std::async(std::launch::async, [&, i] { load(job, pieces[i + 1], &strip, integrals, next_strip); });
-    }
-    if (i == 0 || pieces[i - 1].first_column != piece.first_column) {
-      groups = make_groups(job, std::span(pieces).subspan(i));
-    }
-    score_piece_statistics(job, piece, strip, scores);
-    score_surfaces(job, piece, strip, groups, advance, scores);
-    if (!next.valid()) continue;
-    next.get();
-    std::swap(strip, next_strip);
   }
   if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
   return scores;
