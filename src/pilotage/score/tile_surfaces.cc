@@ -34,12 +34,16 @@ Positions positions(const SearchArea& area, int radius, int lag_step) {
   return {before, cv::Size(before.x + after.x + 1, before.y + after.y + 1)};
 }
 
+/// First pixel of the tile in the strip's images.
+cv::Point place_in(const MapStrip& strip, const SearchArea& area) {
+  return {static_cast<int>(area.tile.col - strip.window.col), static_cast<int>(area.tile.row - strip.window.row)};
+}
+
 /// Turns a row of sums of products into correlations; `lag` is that of its first element.
 void normalise_row(const MapStrip& strip, const SearchArea& area, const cv::Point& lag, int lag_step, float mean,
                    float scale, std::span<float> values) {
-  const int row = static_cast<int>(area.tile.row - strip.window.row) + lag.y;
-  const int col = static_cast<int>(area.tile.col - strip.window.col) + lag.x;
-  normalise(strip.window_sum.ptr<float>(row) + col, strip.inverse_norm.ptr<float>(row) + col,
+  const cv::Point at = place_in(strip, area) + lag;
+  normalise(strip.window_sum.ptr<float>(at.y) + at.x, strip.inverse_norm.ptr<float>(at.y) + at.x,
             static_cast<std::size_t>(lag_step), mean, scale, values.size(), values.data());
 }
 
@@ -49,10 +53,8 @@ std::vector<SurfaceValue> values_around(const MapStrip& strip, const SearchArea&
   if (area.positions.width < 3 || area.positions.height < 3) return {};
   lag.x = std::clamp(lag.x, 1 - area.truth.x, area.positions.width - 2 - area.truth.x);
   lag.y = std::clamp(lag.y, 1 - area.truth.y, area.positions.height - 2 - area.truth.y);
-  const cv::Point corner(static_cast<int>(area.tile.col - strip.window.col) + lag.x - 1,
-                         static_cast<int>(area.tile.row - strip.window.row) + lag.y - 1);
-  const cv::Point place(static_cast<int>(area.tile.col - strip.window.col),
-                        static_cast<int>(area.tile.row - strip.window.row));
+  const cv::Point place = place_in(strip, area);
+  const cv::Point corner = place + lag - cv::Point(1, 1);
   const float mean = strip.window_sum.at<float>(place) / static_cast<float>(tile.total());
   const float scale = strip.inverse_norm.at<float>(place);
   std::array<double, 9> sums{};
@@ -116,8 +118,7 @@ cv::Mat CleanSurfaces::normalised(const BlockSums& sums, const MapStrip& strip, 
   const int step = sums.lag_step();
   const auto [truth, size] = positions(area, sums.radius(), step);
   scratch.create(size, CV_32F);
-  const cv::Point tile(static_cast<int>(area.tile.col - strip.window.col),
-                       static_cast<int>(area.tile.row - strip.window.row));
+  const cv::Point tile = place_in(strip, area);
   // The sums of products come multiplied by the correlator's scale, and so must what is taken from them.
   const auto times = static_cast<float>(sums.scale());
   const float mean = times * strip.window_sum.at<float>(tile) / static_cast<float>(area.tile.width * area.tile.height);

@@ -27,8 +27,8 @@ struct SearchArea {
   SearchArea(const TileMatrix& matrix, std::int64_t column, std::int64_t row, int radius_px);
 };
 
-/// Which lags of the surfaces are computed: all (1), or every second or fourth and what sparse_correlation_peaks() asks
-/// for.
+/// Which lags of clean surfaces are computed: all (1), or every second or fourth and what sparse_correlation_peaks()
+/// asks for.
 int choose_lag_step(const MapSample& sample, int tile_size_px, int radius_px);
 
 /// Memory for the surfaces of one tile.
