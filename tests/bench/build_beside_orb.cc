@@ -14,7 +14,7 @@
 #include <opencv2/features2d.hpp>
 
 #include "pilotage/base/output_file.h"
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/selection_file.h"

@@ -1,4 +1,4 @@
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/text.h"
-#include "pilotage/build/tile_owner.h"
+#include "pilotage/build_map/tile_owner.h"
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/enu_from_grid.h"

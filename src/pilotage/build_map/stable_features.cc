@@ -1,4 +1,4 @@
-#include "pilotage/build/stable_features.h"
+#include "pilotage/build_map/stable_features.h"
 
 #include <algorithm>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "pilotage/build/build_chips.h"
+#include "pilotage/build_map/build_chips.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "pilotage/build/tile_owner.h"
+#include "pilotage/build_map/tile_owner.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,8 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
-#include "pilotage/build/build_chips.h"
-#include "pilotage/build/stable_features.h"
+#include "pilotage/build_map/build_chips.h"
+#include "pilotage/build_map/stable_features.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/stored_size.h"

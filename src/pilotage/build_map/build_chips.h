@@ -5,7 +5,7 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
-#include "pilotage/build/tile_owner.h"
+#include "pilotage/build_map/tile_owner.h"
 #include "pilotage/mapdb/map_writer.h"
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/raster/gray_source.h"

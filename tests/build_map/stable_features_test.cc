@@ -1,4 +1,4 @@
-#include "pilotage/build/stable_features.h"
+#include "pilotage/build_map/stable_features.h"
 
 #include <algorithm>
 #include <map>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/tile/plan_tiles.h"

@@ -1,4 +1,4 @@
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 
 #include <cmath>
 #include <set>
