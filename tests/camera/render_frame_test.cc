@@ -1,4 +1,4 @@
-#include "pilotage/scene/render_frame.h"
+#include "pilotage/camera/render_frame.h"
 
 #include <cmath>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "pilotage/scene/render_frame.h"
+#include "pilotage/camera/render_frame.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/geo/bounds.h"
-#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/geo/enu_from_grid.h"
 
 namespace pilotage {
 namespace {

@@ -25,7 +25,7 @@ struct GroundPlace {
 };
 
 /// The place of `nadir_px` on a grid of any CRS (metres, feet, degrees, EPSG:3857), rotated or not. The Jacobian is
-/// taken by differences on the ellipsoid (mapdb/enu_from_grid.h); what it leaves out is the change of scale and
+/// taken by differences on the ellipsoid (geo/enu_from_grid.h); what it leaves out is the change of scale and
 /// convergence within a frame: below 1 cm over a footprint of 150 m in any of the usual projections up to 60° latitude.
 /// Throws DataError where the grid has no longitude and latitude.
 GroundPlace ground_place(const Crs& crs, const GeoTransform& map_from_pixel, const Eigen::Vector2d& nadir_px);

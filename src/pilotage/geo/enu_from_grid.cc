@@ -1,4 +1,4 @@
-#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/geo/enu_from_grid.h"
 
 #include <Eigen/LU>
 
