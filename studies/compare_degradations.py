@@ -15,9 +15,11 @@ import sys
 import tempfile
 
 import numpy as np
-from acceptance import need_gdal, run
-from estimate_degradation import MIN_VALID, averaged, read_gray, shifts_of_port
-from registered_truth import NEIGHBOURS, find
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"))  # helpers shared with the tests
+from acceptance import need_gdal, run  # noqa: E402
+from estimate_degradation import MIN_VALID, averaged, read_gray, shifts_of_port  # noqa: E402
+from registered_truth import NEIGHBOURS, find  # noqa: E402
 
 gdal = need_gdal()
 

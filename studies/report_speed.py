@@ -8,8 +8,9 @@ import pathlib
 import sys
 import tempfile
 
-from acceptance import run
-from browser import Browser
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"))  # helpers shared with the tests
+from acceptance import run  # noqa: E402
+from browser import Browser  # noqa: E402
 
 OPENED = """return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(performance.now()))))"""
 RECORD = """window.frameTimes = []; const step = (now) => { window.frameTimes.push(now); if (!window.stopped) requestAnimationFrame(step); };
@@ -63,4 +64,5 @@ def main(write_report_scene, slower):
         print(f"threshold moved: {middle(threshold):.1f} ms")
 
 
-main(sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 1)
+if __name__ == "__main__":
+    main(sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 1)

@@ -11,9 +11,11 @@ import pathlib
 import sys
 
 import numpy as np
-from acceptance import need_gdal
-from registered_truth import HALF_PX, MIN_NCC, NEIGHBOURS, find, gray_of
-from registered_truth import REACH_PX as SHIFT_PX
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"))  # helpers shared with the tests
+from acceptance import need_gdal  # noqa: E402
+from registered_truth import HALF_PX, MIN_NCC, NEIGHBOURS, find, gray_of  # noqa: E402
+from registered_truth import REACH_PX as SHIFT_PX  # noqa: E402
 
 gdal = need_gdal()
 

@@ -11,10 +11,11 @@ import pathlib
 import re
 import sys
 
-from acceptance import need_gdal
-from match_flights import CAMERA, cut, fly, tell
-from registered_truth import correct_truth
-from whole_map import make_whole_map
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"))  # helpers shared with the tests
+from acceptance import need_gdal  # noqa: E402
+from match_flights import CAMERA, cut, fly, tell  # noqa: E402
+from registered_truth import correct_truth  # noqa: E402
+from whole_map import make_whole_map  # noqa: E402
 
 need_gdal()
 

@@ -1,6 +1,6 @@
 """Fits the default model of P(correct fix) to pairs of dates, and holds it against the port.
 
-fit_matchability.py PILOTAGE [--work DIR] [--date 2026-11-21] [-o default_model.json]
+fit_matchability.py PILOTAGE --work DIR [--date 2026-11-21] [-o default_model.json]
 
 For each place and size of tile: `pilotage score REFERENCE --evaluate OTHER`, with chips and without; then `pilotage
 calibrate`. Everything is kept in DIR, and what is there is not done again. PILOTAGE_DATA names the folder of the
@@ -14,7 +14,8 @@ import os
 import pathlib
 import sys
 
-from acceptance import need_gdal, run
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"))  # helpers shared with the tests
+from acceptance import need_gdal, run  # noqa: E402
 
 gdal = need_gdal()
 import numpy as np  # noqa: E402

@@ -8,10 +8,12 @@ of the imagery."""
 import argparse
 import os
 import pathlib
+import sys
 import tempfile
 
-from match_flights import cut, fly, whole_map
-from registered_truth import correct_truth
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"))  # helpers shared with the tests
+from match_flights import cut, fly, whole_map  # noqa: E402
+from registered_truth import correct_truth  # noqa: E402
 
 FOOTPRINTS_M = (154, 115, 80, 60)
 GSDS_M = (0.3, 0.45, 0.6, 0.9, 1.2)

@@ -3,7 +3,7 @@
 Each patch is cut out of real imagery (PILOTAGE_DATA) at some 0.6 m/px (Sentinel-2: 10 m/px) and measured by `pilotage score
 --measures ground_cover` as one tile. Prints a Markdown table; docs/methods/reasons.md has it.
 
-    PILOTAGE_DATA=FOLDER /usr/bin/python3 tests/accept/ground_cover_patches.py build/dev/bin/pilotage
+    PILOTAGE_DATA=FOLDER /usr/bin/python3 studies/ground_cover_patches.py build/dev/bin/pilotage
 """
 
 import csv

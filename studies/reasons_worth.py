@@ -3,7 +3,7 @@
 For every pair of rasters `pilotage score FIRST --evaluate SECOND` scores the first date and asks the matcher that flies about the
 second. Prints a Markdown table; docs/methods/reasons.md has it.
 
-    PILOTAGE_DATA=FOLDER /usr/bin/python3 tests/accept/reasons_worth.py build/release/bin/pilotage port|sentinel2
+    PILOTAGE_DATA=FOLDER /usr/bin/python3 studies/reasons_worth.py build/release/bin/pilotage port|sentinel2
 """
 
 import csv

@@ -24,10 +24,13 @@ import json
 import math
 import os
 import pathlib
+import sys
 
 import numpy as np
-from acceptance import SKIP, Failed, check, need_gdal, run
-from match_flights import cut, whole_map
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"))  # helpers shared with the tests
+from acceptance import SKIP, Failed, check, need_gdal, run  # noqa: E402
+from match_flights import cut, whole_map  # noqa: E402
 
 TWO_DATES = ("abudhabi", "beihai", "cupertino", "chongqing", "hongkong", "mumbai", "pisa", "saclay_e")
 PLACES = TWO_DATES + ("autzen", "zanzibar")
