@@ -64,7 +64,7 @@ std::map<FlyingMatcher, std::vector<FitSet>> read_sets(const std::vector<NamedFo
   return sets;
 }
 
-void tell(const MatcherModel& model, const std::vector<FitSet>& sets, CommandResult& result) {
+void add_fit_text(const MatcherModel& model, const std::vector<FitSet>& sets, CommandResult& result) {
   std::size_t samples = 0;
   std::int64_t correct = 0;
   for (const FitSet& set : sets) {
@@ -113,7 +113,7 @@ Command make_calibrate_command() {
       model.matchers.push_back(options.adapt.empty()
                                    ? fit_matcher_model(matcher, sets)
                                    : adapt_level(model_of(model_to_adapt(options.adapt), matcher), sets));
-      tell(model.matchers.back(), sets, result);
+      add_fit_text(model.matchers.back(), sets, result);
     }
     output.write(matchability_model_to_json(model).dump(1) + "\n");
     output.commit();

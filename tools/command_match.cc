@@ -158,7 +158,7 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& 
   return complete_frames(options.frames, table, sources_of(options, invocation.inputs.front()));
 }
 
-CommandResult tell_frame(const MatchCommandOptions& options, const FrameMatch& match, const FlightFrames& frames) {
+CommandResult frame_result(const MatchCommandOptions& options, const FrameMatch& match, const FlightFrames& frames) {
   CommandResult result;
   result.text = frame_match_text(match, options.timings) + taken_text(frames.taken);
   result.json = to_json(match, frames.taken, options.timings);
@@ -166,8 +166,8 @@ CommandResult tell_frame(const MatchCommandOptions& options, const FrameMatch& m
   return result;
 }
 
-CommandResult tell_flight(const MatchCommandOptions& options, const std::vector<FrameMatch>& matches,
-                          const FlightFrames& frames, const std::string& output) {
+CommandResult flight_result(const MatchCommandOptions& options, const std::vector<FrameMatch>& matches,
+                            const FlightFrames& frames, const std::string& output) {
   const MatchEvaluation evaluation = evaluate_matches(matches, options.correct_within_m);
   CommandResult result;
   result.text = evaluation_text(evaluation, options.timings) + taken_text(frames.taken);
@@ -211,8 +211,8 @@ Command make_match_command() {
     if (!invocation.output.empty()) {
       write_file(invocation.output, fix_table_to_csv(matches, options.timings), invocation.overwrite);
     }
-    return single ? tell_frame(options, matches.front(), frames)
-                  : tell_flight(options, matches, frames, invocation.output);
+    return single ? frame_result(options, matches.front(), frames)
+                  : flight_result(options, matches, frames, invocation.output);
   });
   return command;
 }

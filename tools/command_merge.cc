@@ -12,7 +12,7 @@
 namespace pilotage {
 namespace {
 
-CommandResult tell_missing(const MergedShards& merged) {
+CommandResult missing_result(const MergedShards& merged) {
   const std::string list = number_list(merged.missing);
   CommandResult result;
   result.exit_code = kExitTryAgain;
@@ -40,7 +40,7 @@ Command make_merge_command() {
   command.output = {.kind = OutputKind::kFile, .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure."};
   bind_options<ScoreOutputOptions>(command, [](const ScoreOutputOptions& options, const Invocation& invocation) {
     MergedShards merged = read_shards(shard_files(invocation.inputs), version_line(), invocation.progress);
-    if (!merged.missing.empty()) return tell_missing(merged);
+    if (!merged.missing.empty()) return missing_result(merged);
     ScoreOutputs outputs(options, invocation, merged.run);
     PartScores all{std::move(merged.scores),
                    register_second_epoch(merged.run, invocation.threads, invocation.progress)};

@@ -243,8 +243,8 @@ bool wants_json(const std::vector<std::string>& arguments) {
   return false;
 }
 
-void tell_failure(const Failure& failure, const std::vector<std::string>& arguments, std::ostream& out,
-                  std::ostream& err) {
+void print_failure(const Failure& failure, const std::vector<std::string>& arguments, std::ostream& out,
+                   std::ostream& err) {
   const bool has_word = !arguments.empty() && !arguments.front().starts_with("-");
   const std::string who =
       "pilotage" + (has_word && failure.message.find("unknown command") != 0 ? " " + arguments.front() : std::string());
@@ -264,7 +264,7 @@ int run_program(std::vector<Command> commands, const std::vector<std::string>& a
     return exit_code;
   } catch (...) {
     const Failure failure = describe_current_exception();
-    tell_failure(failure, arguments, out, err);
+    print_failure(failure, arguments, out, err);
     return failure.exit_code;
   }
 }

@@ -64,8 +64,8 @@ TEST(CsvReader, LinesAreCountedThroughQuotesAndEmptyLines) {
 
 TEST(CsvReader, BadQuotesAreNamedWithTheirLine) {
   EXPECT_EQ(error_of("a\n\"b"), "t.csv: line 2: a quote is not closed");
-  EXPECT_EQ(error_of("a\n\"b\"c,d"), "t.csv: line 2: text stands behind the closing quote of \"b\"");
-  EXPECT_EQ(error_of("ab\"c\",d"), "t.csv: line 1: a quote stands inside the cell \"ab…\"");
+  EXPECT_EQ(error_of("a\n\"b\"c,d"), "t.csv: line 2: text after the closing quote of \"b\"");
+  EXPECT_EQ(error_of("ab\"c\",d"), "t.csv: line 1: a quote inside the unquoted cell \"ab…\"");
 }
 
 TEST(CsvCell, QuotesOnlyWhatNeedsThem) {

@@ -44,7 +44,7 @@ TEST(CameraText, RefusesEveryDamagedPair) {
     EXPECT_EQ(error_of([&] { camera_from_text("map", changed); }), "map: \"" + text[i].first + "\" is missing");
     changed = text;
     changed.push_back(text[i]);
-    EXPECT_EQ(error_of([&] { camera_from_text("map", changed); }), "map: \"" + text[i].first + "\" stands twice");
+    EXPECT_EQ(error_of([&] { camera_from_text("map", changed); }), "map: duplicate key \"" + text[i].first + "\"");
     for (const char* bad : {"", "x", "1 ", " 1", "nan", "1e400", "0x10"}) {
       changed = text;
       changed[i].second = bad;

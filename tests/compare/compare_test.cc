@@ -40,14 +40,14 @@ Raster gray_raster(std::uint64_t seed) {
 }
 
 /// A reference on disk and one frame of it, with the truth.
-struct Flight {
+struct OneFrame {
   testing::TemporaryFolder folder;
   std::string reference = folder / "reference.tif";
   FrameRecord record;
   cv::Mat frame;
   Camera lens = camera();
 
-  explicit Flight(const Attitude& attitude, FrameTruth truth = FrameTruth::kCenter) {
+  explicit OneFrame(const Attitude& attitude, FrameTruth truth = FrameTruth::kCenter) {
     const Raster ground = gray_raster(11);
     Raster rgb = ground;
     cv::cvtColor(ground.pixels, rgb.pixels, cv::COLOR_GRAY2RGB);
@@ -81,7 +81,7 @@ CompareOptions few_features() {
 }
 
 TEST(Compare, EveryMethodFindsTheFrame) {
-  const Flight flight({35, 2, -3});
+  const OneFrame flight({35, 2, -3});
   const Comparison comparison = flight.run(few_features());
   ASSERT_EQ(comparison.frames.size(), 1U);
   const FrameComparison& frame = comparison.frames.front();
@@ -105,7 +105,7 @@ TEST(Compare, EveryMethodFindsTheFrame) {
 }
 
 TEST(Compare, TheNadirMayBeTheTruth) {
-  const Flight flight({200, 4, 1}, FrameTruth::kNadir);
+  const OneFrame flight({200, 4, 1}, FrameTruth::kNadir);
   CompareOptions options = few_features();
   options.methods = {DescriptorMethod::kBrief256};
   options.truth = FrameTruth::kNadir;
@@ -117,7 +117,7 @@ TEST(Compare, TheNadirMayBeTheTruth) {
 }
 
 TEST(Compare, RawFramesNeedDescriptorsThatTurn) {
-  const Flight flight({70, 0, 0});
+  const OneFrame flight({70, 0, 0});
   CompareOptions options = few_features();
   options.raw = true;
   const Comparison comparison = flight.run(options);
@@ -138,7 +138,7 @@ TEST(Compare, RawFramesNeedDescriptorsThatTurn) {
 }
 
 TEST(Compare, NothingIsAcceptedOnOtherGround) {
-  Flight flight({35, 2, -3});
+  OneFrame flight({35, 2, -3});
   cv::resize(testing::texture(300, 250, 99), flight.frame, flight.frame.size());
   CompareOptions options = few_features();
   for (const bool raw : {false, true}) {
@@ -152,7 +152,7 @@ TEST(Compare, NothingIsAcceptedOnOtherGround) {
 }
 
 TEST(Compare, ATruthOutsideTheWindowIsNoCorrectFix) {
-  Flight flight({0, 0, 0});
+  OneFrame flight({0, 0, 0});
   flight.record.truth = GeodeticPoint{flight.record.truth->lon_deg + 0.01, flight.record.truth->lat_deg};
   CompareOptions options = few_features();
   options.methods = {DescriptorMethod::kBrief256};
@@ -164,7 +164,7 @@ TEST(Compare, ATruthOutsideTheWindowIsNoCorrectFix) {
 }
 
 TEST(Compare, APriorWithoutImageryFindsNothing) {
-  Flight flight({0, 0, 0});
+  OneFrame flight({0, 0, 0});
   flight.record.prior.lat_deg += 0.05;
   const FrameComparison frame = flight.run(few_features()).frames.front();
   EXPECT_FALSE(frame.shows_reference);
@@ -172,7 +172,7 @@ TEST(Compare, APriorWithoutImageryFindsNothing) {
 }
 
 TEST(Compare, AFrameOfTheSkyIsAProblemInWords) {
-  Flight flight({0, 0, 0});
+  OneFrame flight({0, 0, 0});
   flight.record.attitude.pitch_deg = 170;
   const FrameComparison frame = flight.run(few_features()).frames.front();
   EXPECT_NE(frame.problem, "");
@@ -181,7 +181,7 @@ TEST(Compare, AFrameOfTheSkyIsAProblemInWords) {
 }
 
 TEST(Compare, TheSameAgainButForTimes) {
-  const Flight flight({35, 2, -3});
+  const OneFrame flight({35, 2, -3});
   cv::setNumThreads(2);
   const Comparison one = flight.run(few_features());
   EXPECT_EQ(cv::getNumThreads(), 2);
@@ -196,7 +196,7 @@ TEST(Compare, TheSameAgainButForTimes) {
 }
 
 template <class Error>
-void expect_refused(const Flight& flight, const CompareOptions& options, const std::string& what) {
+void expect_refused(const OneFrame& flight, const CompareOptions& options, const std::string& what) {
   try {
     flight.run(options);
     FAIL() << "not refused: " << what;
@@ -206,12 +206,12 @@ void expect_refused(const Flight& flight, const CompareOptions& options, const s
 }
 
 TEST(Compare, RefusesWhatCannotBeCompared) {
-  const Flight flight({0, 0, 0});
+  const OneFrame flight({0, 0, 0});
   CompareOptions options;
   options.methods = {};
   expect_refused<UsageError>(flight, options, "methods");
   options.methods = {DescriptorMethod::kOrb, DescriptorMethod::kOrb};
-  expect_refused<UsageError>(flight, options, "ORB is named twice");
+  expect_refused<UsageError>(flight, options, "duplicate ORB");
   options = {};
   options.picture_frame = 2;
   expect_refused<UsageError>(flight, options, "picture_frame = 2");
@@ -219,10 +219,10 @@ TEST(Compare, RefusesWhatCannotBeCompared) {
   options.gsd_m = 0.002;
   expect_refused<DataError>(flight, options, "frame.png");
 
-  Flight other({0, 0, 0});
+  OneFrame other({0, 0, 0});
   other.record.truth.reset();
   expect_refused<DataError>(other, {}, "true_lon_deg");
-  Flight cut({0, 0, 0});
+  OneFrame cut({0, 0, 0});
   cut.frame = cut.frame.colRange(0, 100).clone();
   expect_refused<DataError>(cut, {}, "100 x 400 px");
 }

@@ -214,11 +214,11 @@ TEST(InsState, ArgumentsAreChecked) {
 }
 
 /// One flight with true random errors, integrated in small steps and written without the matrices of the library.
-struct Flight {
+struct PositionError {
   double east_m, north_m;
 };
 
-Flight simulate(const InsErrorModel& model, Random& random) {
+PositionError simulate(const InsErrorModel& model, Random& random) {
   constexpr double kDt = 0.02;
   const double decay = std::exp(-kDt / model.bias_correlation_s);
   const double kick = std::sqrt(1 - decay * decay);
@@ -272,10 +272,10 @@ TEST(InsState, AgreesWithSimulatedFlights) {
   double north = 0;
   double product = 0;
   for (int i = 0; i < kFlights; ++i) {
-    const Flight flight = simulate(model, random);
-    east += flight.east_m * flight.east_m / kFlights;
-    north += flight.north_m * flight.north_m / kFlights;
-    product += flight.east_m * flight.north_m / kFlights;
+    const PositionError error = simulate(model, random);
+    east += error.east_m * error.east_m / kFlights;
+    north += error.north_m * error.north_m / kFlights;
+    product += error.east_m * error.north_m / kFlights;
   }
   const double tolerance = 4 * std::sqrt(2.0 / kFlights);
   EXPECT_NEAR(east / state.covariance(0, 0), 1, tolerance);

@@ -38,7 +38,7 @@ bool CsvReader::next(std::vector<std::string>& cells) {
     cells.push_back(rest_.starts_with('"') ? take_quoted() : take_bare());
     if (at_line_end(rest_)) break;
     if (rest_.front() != ',') {
-      throw DataError(where() + "text stands behind the closing quote of \"" + cells.back().substr(0, 40) + "\"");
+      throw DataError(where() + "text after the closing quote of \"" + cells.back().substr(0, 40) + "\"");
     }
     rest_.remove_prefix(1);
   }
@@ -66,7 +66,7 @@ std::string CsvReader::take_bare() {
   std::size_t end = 0;
   while (end < rest_.size() && rest_[end] != ',' && !at_line_end(rest_.substr(end))) {
     if (rest_[end] == '"') {
-      throw DataError(where() + "a quote stands inside the cell \"" + std::string(rest_.substr(0, end)) + "…\"");
+      throw DataError(where() + "a quote inside the unquoted cell \"" + std::string(rest_.substr(0, end)) + "…\"");
     }
     ++end;
   }

@@ -196,7 +196,7 @@ Json parse_json(const std::string& name, std::string_view text) {
   } catch (const Json::exception& error) {
     throw DataError(name + ": not valid JSON: " + without_code(error.what()));
   }
-  if (!repeated.empty()) throw DataError(name + ": the key \"" + repeated + "\" stands twice in one object");
+  if (!repeated.empty()) throw DataError(name + ": duplicate key \"" + repeated + "\" in one object");
   return json;
 }
 

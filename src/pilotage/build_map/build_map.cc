@@ -116,14 +116,14 @@ class LevelBuilder {
     const double rows_px = static_cast<double>(end_px - begin_px);
     const std::int64_t first_px = begin_px;
     // Counted in tiles, by the rows of pixels that are done: a strip is seconds of work.
-    const auto tell = [&](double row_px) {
+    const auto report = [&](double row_px) {
       const double share = std::min(1.0, (row_px - static_cast<double>(first_px)) / rows_px);
       report_progress(progress, what, std::llround(share * static_cast<double>(tiles_.size())), std::ssize(tiles_));
     };
-    tell(static_cast<double>(begin_px));
+    report(static_cast<double>(begin_px));
     for (; begin_px < end_px; begin_px += kStrip_px) {
       add_strip(begin_px, begin_px + kStrip_px, threads, [&](std::string_view, std::int64_t done, std::int64_t total) {
-        tell(static_cast<double>(begin_px) + kStrip_px * static_cast<double>(done) / static_cast<double>(total));
+        report(static_cast<double>(begin_px) + kStrip_px * static_cast<double>(done) / static_cast<double>(total));
         return true;
       });
       write_tiles_above(begin_px + kStrip_px, stats);
@@ -170,7 +170,7 @@ class LevelBuilder {
       const auto cell = owner_.owner_of(feature.x_px, feature.y_px);
       if (!cell) continue;
       const auto key = std::pair(cell->row, cell->column);
-      Pending& pending = pending_[key];
+      PendingTile& pending = pending_[key];
       TileDescriptors& stored = pending.stored;
       if (second_) {
         pending.fates.push_back(fates[i]);
@@ -214,7 +214,7 @@ class LevelBuilder {
     }
   }
 
-  struct Pending {
+  struct PendingTile {
     TileDescriptors stored;
     std::vector<FeatureFate> fates;  // with a second date
   };
@@ -228,8 +228,8 @@ class LevelBuilder {
   CrsTransform transform_;
   std::optional<Elevation> elevation_;
   GraySource source_;
-  std::optional<GraySource> second_;                                  // with keep_features = stable
-  std::map<std::pair<std::int64_t, std::int64_t>, Pending> pending_;  // by (row, column)
+  std::optional<GraySource> second_;                                      // with keep_features = stable
+  std::map<std::pair<std::int64_t, std::int64_t>, PendingTile> pending_;  // by (row, column)
   std::size_t written_ = 0;
   std::int64_t descriptors_ = 0;
 };

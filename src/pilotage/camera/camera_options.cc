@@ -15,26 +15,26 @@ namespace {
 constexpr double kMaxPixelAspectError = 0.05;
 
 /// A set of options that belong together: which of them are given, which are not.
-struct Way {
+struct OptionSet {
   std::vector<std::string> given;
   std::vector<std::string> missing;
 
   void add(bool is_given, const char* flag) { (is_given ? given : missing).emplace_back(flag); }
 };
 
-Way sensor_way(const CameraOptions& options) {
-  Way way;
-  way.add(options.sensor_width_mm.has_value(), "--camera-sensor-width-mm");
-  way.add(options.sensor_height_mm.has_value(), "--camera-sensor-height-mm");
-  way.add(options.focal_length_mm.has_value(), "--camera-focal-length-mm");
-  return way;
+OptionSet sensor_options(const CameraOptions& options) {
+  OptionSet set;
+  set.add(options.sensor_width_mm.has_value(), "--camera-sensor-width-mm");
+  set.add(options.sensor_height_mm.has_value(), "--camera-sensor-height-mm");
+  set.add(options.focal_length_mm.has_value(), "--camera-focal-length-mm");
+  return set;
 }
 
-Way size_way(const CameraOptions& options) {
-  Way way;
-  way.add(options.width_px.has_value(), "--camera-width-px");
-  way.add(options.height_px.has_value(), "--camera-height-px");
-  return way;
+OptionSet size_options(const CameraOptions& options) {
+  OptionSet set;
+  set.add(options.width_px.has_value(), "--camera-width-px");
+  set.add(options.height_px.has_value(), "--camera-height-px");
+  return set;
 }
 
 void refuse_together(const std::vector<std::string>& one, const std::vector<std::string>& other) {
@@ -42,7 +42,7 @@ void refuse_together(const std::vector<std::string>& one, const std::vector<std:
   throw UsageError(join(one, ", ") + " and " + join(other, ", ") + " exclude each other: give the camera in one way");
 }
 
-void require_all(const std::string& because_of, std::vector<std::string> missing, const Way& more) {
+void require_all(const std::string& because_of, std::vector<std::string> missing, const OptionSet& more) {
   missing.insert(missing.end(), more.missing.begin(), more.missing.end());
   if (!missing.empty()) throw UsageError(because_of + " needs " + join(missing, ", ") + " too");
 }
@@ -96,8 +96,8 @@ Camera camera_of_route(const RouteCamera& route) {
 }
 
 Camera camera_of_options(const CameraOptions& options, const std::optional<RouteCamera>& route_camera) {
-  const Way sensor = sensor_way(options);
-  const Way size = size_way(options);
+  const OptionSet sensor = sensor_options(options);
+  const OptionSet size = size_options(options);
   std::vector<std::string> file;
   if (!options.file.empty()) file.emplace_back("--camera");
   std::vector<std::string> field_of_view;

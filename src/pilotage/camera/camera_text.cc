@@ -22,7 +22,7 @@ class TextFields {
  public:
   TextFields(std::string name, const CameraText& text) : name_(std::move(name)) {
     for (const auto& [key, value] : text) {
-      if (!values_.emplace(key, value).second) throw DataError(name_ + ": \"" + key + "\" stands twice");
+      if (!values_.emplace(key, value).second) throw DataError(name_ + ": duplicate key \"" + key + "\"");
     }
   }
 

@@ -39,7 +39,7 @@ void check(const CompareOptions& options, std::size_t frames) {
   for (std::size_t i = 0; i < options.methods.size(); ++i) {
     const auto later = options.methods.begin() + static_cast<std::ptrdiff_t>(i) + 1;
     if (std::find(later, options.methods.end(), options.methods[i]) != options.methods.end()) {
-      throw UsageError("methods: " + std::string(descriptor_method_title(options.methods[i])) + " is named twice");
+      throw UsageError("methods: duplicate " + std::string(descriptor_method_title(options.methods[i])));
     }
   }
   if (static_cast<std::size_t>(options.picture_frame) > frames) {

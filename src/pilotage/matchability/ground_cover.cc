@@ -207,30 +207,30 @@ class CoverSums {
   RectangleSums ground_, neutral_, green_, water_, gray_water_, xx_, xy_, yy_;
 };
 
-/// Tiles, by their places in the result, that are measured on one window.
-struct Group {
+/// Tiles, by their indices in the result, that are measured on one window.
+struct TileGroup {
   PixelWindow window;
-  std::vector<std::size_t> places;
+  std::vector<std::size_t> result_indices;
 };
 
-std::vector<Group> make_groups(const TileMatrix& matrix, std::span<const std::int64_t> indices) {
+std::vector<TileGroup> make_groups(const TileMatrix& matrix, std::span<const std::int64_t> indices) {
   const std::int64_t across = std::max(1, (kGroupSide_px - matrix.tile_size_px) / matrix.stride_px + 1);
-  std::map<std::pair<std::int64_t, std::int64_t>, Group> groups;
-  for (std::size_t place = 0; place < indices.size(); ++place) {
-    const std::int64_t column = indices[place] % matrix.matrix_width();
-    const std::int64_t row = indices[place] / matrix.matrix_width();
+  std::map<std::pair<std::int64_t, std::int64_t>, TileGroup> groups;
+  for (std::size_t result_index = 0; result_index < indices.size(); ++result_index) {
+    const std::int64_t column = indices[result_index] % matrix.matrix_width();
+    const std::int64_t row = indices[result_index] / matrix.matrix_width();
     const PixelWindow reach = matrix.search_window(column, row, kHalo_px);
-    Group& group = groups[{row / across, column / across}];
-    if (group.places.empty()) group.window = reach;
+    TileGroup& group = groups[{row / across, column / across}];
+    if (group.result_indices.empty()) group.window = reach;
     const std::int64_t end_col = std::max(group.window.col + group.window.width, reach.col + reach.width);
     const std::int64_t end_row = std::max(group.window.row + group.window.height, reach.row + reach.height);
     group.window.col = std::min(group.window.col, reach.col);
     group.window.row = std::min(group.window.row, reach.row);
     group.window.width = static_cast<int>(end_col - group.window.col);
     group.window.height = static_cast<int>(end_row - group.window.row);
-    group.places.push_back(place);
+    group.result_indices.push_back(result_index);
   }
-  std::vector<Group> list;
+  std::vector<TileGroup> list;
   for (auto& [key, group] : groups) list.push_back(std::move(group));
   return list;
 }
@@ -260,7 +260,7 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
     std::iota(indices.begin(), indices.end(), 0);
   }
   const double white = colors.depth == CV_8U ? 255 : std::max(find_stretch(gray_source_of(colors)).high, 1e-300);
-  const std::vector<Group> groups = make_groups(matrix, indices);
+  const std::vector<TileGroup> groups = make_groups(matrix, indices);
   std::vector<GroundCover> covers(indices.size());
   std::mutex progress_mutex;
   std::size_t done = 0;
@@ -270,15 +270,15 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
   };
   report();
   parallel_for(groups.size(), threads, [&](std::size_t index, int) {
-    const Group& group = groups[index];
+    const TileGroup& group = groups[index];
     const Raster raster = colors.read(group.window);
     const cv::Mat pixels = to_8bit(raster, white);
     const CoverSums sums(pixels, gray_from_colors(pixels), cv::Mat(raster.valid != 0) / 255);
-    for (const std::size_t place : group.places) {
-      const PixelWindow tile =
-          matrix.tile_window(indices[place] % matrix.matrix_width(), indices[place] / matrix.matrix_width());
-      covers[place] = sums.of({static_cast<int>(tile.col - group.window.col),
-                               static_cast<int>(tile.row - group.window.row), tile.width, tile.height});
+    for (const std::size_t result_index : group.result_indices) {
+      const PixelWindow tile = matrix.tile_window(indices[result_index] % matrix.matrix_width(),
+                                                  indices[result_index] / matrix.matrix_width());
+      covers[result_index] = sums.of({static_cast<int>(tile.col - group.window.col),
+                                      static_cast<int>(tile.row - group.window.row), tile.width, tile.height});
     }
     const std::lock_guard lock(progress_mutex);
     ++done;

@@ -81,17 +81,17 @@ FeatureSet some_features(const FeatureSet& all, std::size_t begin, std::size_t e
 }
 
 /// Features of one band of rows, in the order of their rows, and the displacements that each votes for.
-struct Band {
+struct FeatureBand {
   FeatureSet features;
   std::vector<std::uint32_t> by_x;               ///< Their indices, from left to right.
   std::vector<std::vector<Displacement>> votes;  ///< Empty until they are asked for.
 };
 
 /// The features of the map band by band, each read once and kept while it is needed.
-class Bands {
+class FeatureBands {
  public:
-  Bands(const GraySource& source, const TileMatrix& matrix, std::span<const std::int64_t> indices,
-        const FeatureOptions& options, int threads)
+  FeatureBands(const GraySource& source, const TileMatrix& matrix, std::span<const std::int64_t> indices,
+               const FeatureOptions& options, int threads)
       : source_(source), options_(options), threads_(threads) {
     for (const std::int64_t index : indices) {
       const PixelWindow window =
@@ -108,13 +108,13 @@ class Bands {
   void forget_before(std::int64_t band) { bands_.erase(bands_.begin(), bands_.lower_bound(band)); }
 
   /// A band with its votes; nullptr where there is nothing.
-  const Band* with_votes(std::int64_t band) {
-    Band* found = load(band);
+  const FeatureBand* with_votes(std::int64_t band) {
+    FeatureBand* found = load(band);
     if (found == nullptr || found->votes.size() == found->features.size()) return found;
     FeatureSet around;
     around.descriptor_bytes = found->features.descriptor_bytes;
     for (const std::int64_t near : {band - 1, band, band + 1}) {
-      const Band* part = load(near);
+      const FeatureBand* part = load(near);
       if (part == nullptr) continue;
       const FeatureSet& more = part->features;
       around.features.insert(around.features.end(), more.features.begin(), more.features.end());
@@ -132,11 +132,11 @@ class Bands {
   }
 
  private:
-  Band* load(std::int64_t band) {
+  FeatureBand* load(std::int64_t band) {
     const auto wanted = windows_.find(band);
     if (wanted == windows_.end()) return nullptr;
     const auto [entry, is_new] = bands_.try_emplace(band);
-    Band& loaded = entry->second;
+    FeatureBand& loaded = entry->second;
     if (is_new) {
       loaded.features = extract_features_of_map(source_, wanted->second, options_, threads_);
       const std::vector<Feature>& features = loaded.features.features;
@@ -171,12 +171,12 @@ class Bands {
   const FeatureOptions& options_;
   int threads_;
   std::map<std::int64_t, std::vector<PixelWindow>> windows_;  // what each band must hold
-  std::map<std::int64_t, Band> bands_;
+  std::map<std::int64_t, FeatureBand> bands_;
 };
 
-SelfVotes votes_of_tile(const PixelWindow& tile, std::span<const Band* const> bands, VoteSurface& surface) {
+SelfVotes votes_of_tile(const PixelWindow& tile, std::span<const FeatureBand* const> bands, VoteSurface& surface) {
   SelfVotes result;
-  for (const Band* band : bands) {
+  for (const FeatureBand* band : bands) {
     const std::vector<Feature>& features = band->features.features;
     const auto first = std::lower_bound(band->by_x.begin(), band->by_x.end(), static_cast<float>(tile.col),
                                         [&](std::uint32_t index, float x_px) { return features[index].x_px < x_px; });
@@ -197,7 +197,7 @@ SelfVotes votes_of_tile(const PixelWindow& tile, std::span<const Band* const> ba
 std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatrix& matrix,
                                         std::span<const std::int64_t> tile_indices, const FeatureOptions& options,
                                         int threads, const Progress& progress) {
-  std::map<std::int64_t, std::vector<std::size_t>> rows;  // of tiles: places in the result
+  std::map<std::int64_t, std::vector<std::size_t>> rows;  // of tiles: indices in the result
   for (std::size_t i = 0; i < tile_indices.size(); ++i) {
     const std::int64_t index = tile_indices[i];
     if (index < 0 || index >= matrix.tile_count()) {
@@ -206,24 +206,24 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
     }
     rows[index / matrix.matrix_width()].push_back(i);
   }
-  Bands bands(source, matrix, tile_indices, options, threads);
+  FeatureBands bands(source, matrix, tile_indices, options, threads);
   std::vector<SelfVotes> result(tile_indices.size());
   std::vector<VoteSurface> surfaces(static_cast<std::size_t>(thread_count(threads)));
   std::int64_t done = 0;
   for (const auto& entry : rows) {
     const std::int64_t row = entry.first;
-    const std::vector<std::size_t>& places = entry.second;
+    const std::vector<std::size_t>& result_indices = entry.second;
     report_progress(progress, "counting votes", done++, static_cast<std::int64_t>(rows.size()));
     const std::int64_t first_band = row * matrix.stride_px / kFeatureBlockPx;
     const std::int64_t last_band = (row * matrix.stride_px + matrix.tile_size_px - 1) / kFeatureBlockPx;
     bands.forget_before(first_band - 1);
-    std::vector<const Band*> touched;
+    std::vector<const FeatureBand*> touched;
     for (std::int64_t band = first_band; band <= last_band; ++band) {
-      if (const Band* found = bands.with_votes(band)) touched.push_back(found);
+      if (const FeatureBand* found = bands.with_votes(band)) touched.push_back(found);
     }
-    parallel_for(places.size(), threads, [&](std::size_t i, int worker) {
-      const std::int64_t column = tile_indices[places[i]] % matrix.matrix_width();
-      result[places[i]] =
+    parallel_for(result_indices.size(), threads, [&](std::size_t i, int worker) {
+      const std::int64_t column = tile_indices[result_indices[i]] % matrix.matrix_width();
+      result[result_indices[i]] =
           votes_of_tile(matrix.tile_window(column, row), touched, surfaces[static_cast<std::size_t>(worker)]);
     });
   }

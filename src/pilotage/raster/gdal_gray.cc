@@ -99,7 +99,7 @@ void check_grid(const TargetGrid& grid) {
 }
 
 /// One raster of a mosaic.
-struct Part {
+struct MosaicPart {
   ImageryInfo info;
   std::shared_ptr<ViewPool> pool;
   PixelWindow extent;  // of the grid that it can cover
@@ -129,7 +129,7 @@ bool overlap(const PixelWindow& a, const PixelWindow& b) {
 }
 
 struct Mosaic {
-  std::vector<Part> parts;  // the last one lies on top
+  std::vector<MosaicPart> parts;  // the last one lies on top
   TargetGrid grid;
   int depth = CV_8U;
 };
@@ -141,7 +141,7 @@ Mosaic open_mosaic(const std::vector<std::string>& datasets, const TargetGrid& g
   mosaic.grid = grid;
   const double grid_gsd_m = ground_gsd_m(grid);
   for (const std::string& dataset : datasets) {
-    Part part;
+    MosaicPart part;
     part.info = inspect_imagery(dataset, options);
     part.extent = extent_on_grid(part.info, grid);
     Resampling resampling = options.resampling;
@@ -273,7 +273,7 @@ ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const 
   auto mosaic =
       std::make_shared<const Mosaic>(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options));
   const bool colored = std::any_of(mosaic->parts.begin(), mosaic->parts.end(),
-                                   [](const Part& part) { return channels_of(part.info) == 3; });
+                                   [](const MosaicPart& part) { return channels_of(part.info) == 3; });
   const int channels = colored ? 3 : 1;
   return {width_px, height_px, map_from_pixel, channels, mosaic->depth, [mosaic, channels](const PixelWindow& window) {
             check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);

@@ -62,15 +62,15 @@ class Blocks {
   }
 
  private:
-  using Place = std::pair<std::int64_t, std::int64_t>;  // row and column among the blocks
+  using BlockIndex = std::pair<std::int64_t, std::int64_t>;  // row and column among the blocks
   struct Hash {
-    std::size_t operator()(const Place& place) const {
-      return std::hash<std::int64_t>{}(place.first * 0x9E3779B97F4A7C15 + place.second);
+    std::size_t operator()(const BlockIndex& index) const {
+      return std::hash<std::int64_t>{}(index.first * 0x9E3779B97F4A7C15 + index.second);
     }
   };
-  struct Kept {
+  struct CachedBlock {
     std::shared_future<Raster> raster;
-    std::list<Place>::iterator age;
+    std::list<BlockIndex>::iterator age;
   };
 
   /// Begins and ends at the borders of blocks.
@@ -79,26 +79,26 @@ class Blocks {
   }
 
   /// Of a block that another thread is making, waits until it is there.
-  Raster get(const Place& place) {
+  Raster get(const BlockIndex& index) {
     std::promise<Raster> promise;
     {
       std::unique_lock lock(mutex_);
-      if (const auto found = kept_.find(place); found != kept_.end()) {
+      if (const auto found = kept_.find(index); found != kept_.end()) {
         used_.splice(used_.begin(), used_, found->second.age);
         const std::shared_future<Raster> raster = found->second.raster;
         lock.unlock();
         return raster.get();
       }
-      used_.push_front(place);
-      kept_[place] = {promise.get_future().share(), used_.begin()};
+      used_.push_front(index);
+      kept_[index] = {promise.get_future().share(), used_.begin()};
       if (kept_.size() > most_) {
         kept_.erase(used_.back());
         used_.pop_back();
       }
     }
     try {
-      const std::int64_t col = place.second * width_px_;
-      const std::int64_t row = place.first * height_px_;
+      const std::int64_t col = index.second * width_px_;
+      const std::int64_t row = index.first * height_px_;
       Raster raster = source_.read({col, row, static_cast<int>(std::min(width_px_, source_.width_px - col)),
                                     static_cast<int>(std::min(height_px_, source_.height_px - row))});
       promise.set_value(raster);
@@ -106,7 +106,7 @@ class Blocks {
     } catch (...) {
       promise.set_exception(std::current_exception());
       const std::lock_guard lock(mutex_);
-      if (const auto found = kept_.find(place); found != kept_.end()) {  // who asks again tries again
+      if (const auto found = kept_.find(index); found != kept_.end()) {  // who asks again tries again
         used_.erase(found->second.age);
         kept_.erase(found);
       }
@@ -119,8 +119,8 @@ class Blocks {
   std::int64_t height_px_;
   std::size_t most_ = 0;
   std::mutex mutex_;
-  std::unordered_map<Place, Kept, Hash> kept_;
-  std::list<Place> used_;  // the last one used first
+  std::unordered_map<BlockIndex, CachedBlock, Hash> kept_;
+  std::list<BlockIndex> used_;  // the last one used first
 };
 
 }  // namespace

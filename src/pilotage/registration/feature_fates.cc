@@ -16,7 +16,7 @@ namespace pilotage {
 namespace {
 
 /// A stretch of the features that lies in one block of extract_features_of_map.
-struct Run {
+struct FeatureRange {
   std::size_t begin = 0;
   std::size_t end = 0;
 };
@@ -25,15 +25,15 @@ std::int64_t block_of(float position_px) {
   return static_cast<std::int64_t>(position_px) / kFeatureBlockPx;
 }
 
-std::vector<Run> runs_of(const std::vector<Feature>& features) {
-  std::vector<Run> runs;
+std::vector<FeatureRange> ranges_by_block(const std::vector<Feature>& features) {
+  std::vector<FeatureRange> ranges;
   for (std::size_t i = 0; i < features.size(); ++i) {
     const bool same = i > 0 && block_of(features[i].x_px) == block_of(features[i - 1].x_px) &&
                       block_of(features[i].y_px) == block_of(features[i - 1].y_px);
-    if (!same) runs.push_back({i, i});
-    runs.back().end = i + 1;
+    if (!same) ranges.push_back({i, i});
+    ranges.back().end = i + 1;
   }
-  return runs;
+  return ranges;
 }
 
 PixelWindow grown(const PixelWindow& window, std::int64_t margin_px, const GraySource& source) {
@@ -103,12 +103,12 @@ std::vector<Corner> places_around(const Feature& feature, const Ground& ground, 
   return places;
 }
 
-/// Judges the features of a run that lie in one octave.
-void judge_octave(const FeatureSet& reference, const Run& run, int octave, const Ground& ground, const Search& search,
-                  std::vector<FeatureFate>& fates) {
+/// Judges the features of a range that lie in one octave.
+void judge_octave(const FeatureSet& reference, const FeatureRange& range, int octave, const Ground& ground,
+                  const Search& search, std::vector<FeatureFate>& fates) {
   std::vector<std::size_t> judged;
   std::vector<Corner> places;  // of the judged features, one after the other
-  for (std::size_t i = run.begin; i < run.end; ++i) {
+  for (std::size_t i = range.begin; i < range.end; ++i) {
     if (reference.features[i].octave != octave) continue;
     const std::vector<Corner> around = places_around(reference.features[i], ground, search);
     if (around.empty()) continue;
@@ -133,10 +133,10 @@ void judge_octave(const FeatureSet& reference, const Run& run, int octave, const
   }
 }
 
-void judge_run(const FeatureSet& reference, const Run& run, const GraySource& second, const Search& search,
-               std::vector<FeatureFate>& fates) {
+void judge_range(const FeatureSet& reference, const FeatureRange& range, const GraySource& second, const Search& search,
+                 std::vector<FeatureFate>& fates) {
   const FeatureOptions& options = search.features;
-  const Feature& any = reference.features[run.begin];
+  const Feature& any = reference.features[range.begin];
   const PixelWindow block{block_of(any.x_px) * kFeatureBlockPx, block_of(any.y_px) * kFeatureBlockPx, kFeatureBlockPx,
                           kFeatureBlockPx};
   const int reach_px = search.patch_px + 2 - search.steps.front().y;  // the first step is the farthest up
@@ -145,7 +145,7 @@ void judge_run(const FeatureSet& reference, const Run& run, const GraySource& se
   const Raster raster = second.read(window);
   if (raster.pixels.type() != CV_8UC1) throw UsageError("features need a gray source of 8 bits");
   for (int octave = 0; octave < options.octaves; ++octave) {
-    judge_octave(reference, run, octave, ground_around(raster, window, search.scale_of(octave)), search, fates);
+    judge_octave(reference, range, octave, ground_around(raster, window, search.scale_of(octave)), search, fates);
   }
 }
 
@@ -158,9 +158,9 @@ std::vector<FeatureFate> feature_fates(const FeatureSet& reference, const GraySo
       options, steps_within(survival.radius_px), patch_radius_px(options),
       static_cast<std::uint32_t>(std::floor(survival.max_share_of_bits * 8 * reference.descriptor_bytes))};
   std::vector<FeatureFate> fates(reference.size(), FeatureFate::kNotKnown);
-  const std::vector<Run> runs = runs_of(reference.features);
-  parallel_for(runs.size(), threads,
-               [&](std::size_t i, int) { judge_run(reference, runs[i], registered_second, search, fates); });
+  const std::vector<FeatureRange> ranges = ranges_by_block(reference.features);
+  parallel_for(ranges.size(), threads,
+               [&](std::size_t i, int) { judge_range(reference, ranges[i], registered_second, search, fates); });
   return fates;
 }
 

@@ -19,14 +19,14 @@ constexpr int kLastRadius_px = 4;
 /// Other ground gives ties at 0.3 % (real) to 1.7 % (random texture) of the places, by chance (docs/methods).
 constexpr double kLeastShare = 0.04;
 
-struct Pass {
+struct PyramidPass {
   double gsd_m;
   int radius_px;  // when a field is known from the pass before
 };
 
 /// Halving the pixel from where the search is short; the finest level twice.
-std::vector<Pass> make_passes(double gsd_m, double search_radius_m) {
-  std::vector<Pass> passes;
+std::vector<PyramidPass> make_passes(double gsd_m, double search_radius_m) {
+  std::vector<PyramidPass> passes;
   double coarse_m = gsd_m;
   while (search_radius_m / coarse_m > kCoarseRadius_px) coarse_m *= 2;
   for (; coarse_m > 1.5 * gsd_m; coarse_m /= 2) passes.push_back({coarse_m, kRefineRadius_px});
@@ -64,7 +64,7 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
   Registration result;
   result.gsd_m = gsd_m;
   result.fit = fit_warp({}, gsd_m, options.warp);
-  for (const Pass& pass : make_passes(gsd_m, options.search_radius_m)) {
+  for (const PyramidPass& pass : make_passes(gsd_m, options.search_radius_m)) {
     // A square may lie half outside the area, so that its edge gets ties too.
     const double margin_m = (options.ties.template_px / 2.0 + kCoarseRadius_px) * pass.gsd_m;
     const DatePair dates = open_level(open, area_m.grown(margin_m), pass.gsd_m);

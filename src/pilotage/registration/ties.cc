@@ -89,7 +89,7 @@ std::optional<Peak> find_peak(const Patchwork& from, const cv::Rect& square, con
   return Peak{Eigen::Vector2d(at.x, at.y) + *vertex - middle, highest, margin};
 }
 
-struct Job {
+struct TieRequest {
   const GraySource& reference;
   const GraySource& second;
   int radius_px;
@@ -110,28 +110,28 @@ struct Job {
 };
 
 /// One place of a row, or nothing.
-std::optional<Tie> find_tie(const Job& job, const Patchwork& reference, const Patchwork& second, int col,
+std::optional<Tie> find_tie(const TieRequest& request, const Patchwork& reference, const Patchwork& second, int col,
                             std::int64_t row) {
-  const int side = job.options.template_px;
-  const int search = side + 2 * job.radius_px;
+  const int side = request.options.template_px;
+  const int search = side + 2 * request.radius_px;
   const auto inside = [&](const cv::Rect& rect) {
     return (rect & cv::Rect(0, 0, reference.pixels.cols, reference.pixels.rows)) == rect;
   };
   const cv::Rect square = reference.rect(col, row, side, side);
-  const cv::Rect around(square.x - job.radius_px, square.y - job.radius_px, search, search);
+  const cv::Rect around(square.x - request.radius_px, square.y - request.radius_px, search, search);
   if (!inside(around)) return std::nullopt;
-  const auto peak = find_peak(reference, square, second, around, job.options);
+  const auto peak = find_peak(reference, square, second, around, request.options);
   if (!peak) return std::nullopt;
   const cv::Point step(static_cast<int>(std::lround(peak->offset_px.x())),
                        static_cast<int>(std::lround(peak->offset_px.y())));
   const cv::Rect found = square + step;
   const cv::Rect back = around + step;
   if (!inside(back)) return std::nullopt;
-  const auto backwards = find_peak(second, found, reference, back, job.options);
+  const auto backwards = find_peak(second, found, reference, back, request.options);
   if (!backwards) return std::nullopt;
   const Eigen::Vector2d miss = backwards->offset_px + Eigen::Vector2d(step.x, step.y);
-  if (miss.norm() > job.options.max_backward_px) return std::nullopt;
-  const GeoTransform& place = job.reference.map_from_pixel;
+  if (miss.norm() > request.options.max_backward_px) return std::nullopt;
+  const GeoTransform& place = request.reference.map_from_pixel;
   Tie tie;
   tie.point_m = place.map_from_pixel({col + side / 2.0, static_cast<double>(row) + side / 2.0});
   tie.displacement_m = {peak->offset_px.x() * place.x_per_col, peak->offset_px.y() * place.y_per_row};
@@ -142,10 +142,10 @@ std::optional<Tie> find_tie(const Job& job, const Patchwork& reference, const Pa
 }
 
 /// Places of one row whose square is wanted and has ground in both dates.
-std::vector<int> places_of(const Job& job, const Patchwork& reference, const Patchwork& second,
+std::vector<int> places_of(const TieRequest& request, const Patchwork& reference, const Patchwork& second,
                            const std::vector<int>& columns, std::int64_t row) {
-  const int side = job.options.template_px;
-  const double least = job.options.min_valid_fraction * side * side;
+  const int side = request.options.template_px;
+  const double least = request.options.min_valid_fraction * side * side;
   std::vector<int> places;
   for (const int col : columns) {
     const cv::Rect square = reference.rect(col, row, side, side);
@@ -172,23 +172,23 @@ void check(const GraySource& reference, const GraySource& second, int radius_px,
   }
 }
 
-std::vector<int> wanted_columns(const Job& job, std::int64_t row) {
+std::vector<int> wanted_columns(const TieRequest& request, std::int64_t row) {
   std::vector<int> columns;
-  for (int col = job.radius_px; col + job.options.template_px + job.radius_px <= job.reference.width_px;
-       col += job.options.spacing_px) {
-    if (!job.wanted || job.wanted(job.bounds(col, row))) columns.push_back(col);
+  for (int col = request.radius_px; col + request.options.template_px + request.radius_px <= request.reference.width_px;
+       col += request.options.spacing_px) {
+    if (!request.wanted || request.wanted(request.bounds(col, row))) columns.push_back(col);
   }
   return columns;
 }
 
 /// The strip of both dates that the places of a row need.
-PixelWindow strip_window(const Job& job, const std::vector<int>& columns, std::int64_t row) {
-  const int halo = job.halo_px();
-  const int side = job.options.template_px;
+PixelWindow strip_window(const TieRequest& request, const std::vector<int>& columns, std::int64_t row) {
+  const int halo = request.halo_px();
+  const int side = request.options.template_px;
   const std::int64_t left = std::max(0, columns.front() - halo);
   const std::int64_t top = std::max<std::int64_t>(0, row - halo);
-  const std::int64_t right = std::min<std::int64_t>(job.reference.width_px, columns.back() + side + halo);
-  const std::int64_t bottom = std::min<std::int64_t>(job.reference.height_px, row + side + halo);
+  const std::int64_t right = std::min<std::int64_t>(request.reference.width_px, columns.back() + side + halo);
+  const std::int64_t bottom = std::min<std::int64_t>(request.reference.height_px, row + side + halo);
   return {left, top, static_cast<int>(right - left), static_cast<int>(bottom - top)};
 }
 
@@ -197,20 +197,20 @@ PixelWindow strip_window(const Job& job, const std::vector<int>& columns, std::i
 TieSearch find_ties(const GraySource& reference, const GraySource& second, int radius_px, const TieOptions& options,
                     const Wanted& wanted, int threads, const Progress& progress) {
   check(reference, second, radius_px, options);
-  const Job job{reference, second, radius_px, options, wanted, threads};
+  const TieRequest request{reference, second, radius_px, options, wanted, threads};
   TieSearch search;
   for (std::int64_t row = radius_px; row + options.template_px + radius_px <= reference.height_px;
        row += options.spacing_px) {
     report_progress(progress, "register", row, reference.height_px);
-    const std::vector<int> columns = wanted_columns(job, row);
+    const std::vector<int> columns = wanted_columns(request, row);
     if (columns.empty()) continue;
-    const PixelWindow window = strip_window(job, columns, row);
+    const PixelWindow window = strip_window(request, columns, row);
     std::vector<Patchwork> dates(2);
     parallel_for(2, threads, [&](std::size_t i, int) { dates[i] = load(i == 0 ? reference : second, window); });
-    const std::vector<int> places = places_of(job, dates[0], dates[1], columns, row);
+    const std::vector<int> places = places_of(request, dates[0], dates[1], columns, row);
     std::vector<std::optional<Tie>> found(places.size());
     parallel_for(places.size(), threads,
-                 [&](std::size_t i, int) { found[i] = find_tie(job, dates[0], dates[1], places[i], row); });
+                 [&](std::size_t i, int) { found[i] = find_tie(request, dates[0], dates[1], places[i], row); });
     search.places += static_cast<std::int64_t>(places.size());
     for (const auto& tie : found) {
       if (tie) search.ties.push_back(*tie);

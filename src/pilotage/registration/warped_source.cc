@@ -17,7 +17,7 @@ constexpr int kStep_px = 16;   // from one evaluation of the field to the next; 
 constexpr int kMargin_px = 3;  // what cubic interpolation and the eroded mask need
 
 /// A block of the grid, its corner at multiples of kBlock_px, or what of it is asked for.
-struct Maps {
+struct RemapTables {
   cv::Mat x;  // CV_32F, position in the source's pixels, OpenCV's convention, less the first pixel of `needed`
   cv::Mat y;
   PixelWindow needed;
@@ -44,7 +44,7 @@ double in_steps_of_remap(double position_px) {
   return std::round(position_px * 32) / 32;
 }
 
-Maps make_maps(const GraySource& source, const WarpField& field, const PixelWindow& window) {
+RemapTables make_remap_tables(const GraySource& source, const WarpField& field, const PixelWindow& window) {
   const std::int64_t first_col = window.col / kStep_px;
   const std::int64_t first_row = window.row / kStep_px;
   const int columns = static_cast<int>((window.col + window.width) / kStep_px - first_col) + 2;
@@ -79,13 +79,13 @@ Maps make_maps(const GraySource& source, const WarpField& field, const PixelWind
   const std::int64_t top = cut(low_y - kMargin_px, source.height_px);
   const std::int64_t right = cut(high_x + kMargin_px + 2, source.width_px);
   const std::int64_t bottom = cut(high_y + kMargin_px + 2, source.height_px);
-  Maps maps;
-  maps.needed = {left, top, static_cast<int>(right - left), static_cast<int>(bottom - top)};
+  RemapTables tables;
+  tables.needed = {left, top, static_cast<int>(right - left), static_cast<int>(bottom - top)};
   x -= static_cast<double>(left);
   y -= static_cast<double>(top);
-  x.convertTo(maps.x, CV_32F);
-  y.convertTo(maps.y, CV_32F);
-  return maps;
+  x.convertTo(tables.x, CV_32F);
+  y.convertTo(tables.y, CV_32F);
+  return tables;
 }
 
 void hide_unknown(const GraySource& source, const WarpField& field, const PixelWindow& window, cv::Mat& valid) {
@@ -102,9 +102,9 @@ void hide_unknown(const GraySource& source, const WarpField& field, const PixelW
 
 void draw_block(const GraySource& source, const WarpField& field, bool everywhere, const PixelWindow& window,
                 cv::Mat pixels, cv::Mat valid) {
-  const Maps maps = make_maps(source, field, window);
-  if (maps.needed.width < 1 || maps.needed.height < 1) return;
-  const Raster read = source.read(maps.needed);
+  const RemapTables tables = make_remap_tables(source, field, window);
+  if (tables.needed.width < 1 || tables.needed.height < 1) return;
+  const Raster read = source.read(tables.needed);
   cv::Mat known;
   // A pixel counts when all that cubic interpolation may take into it do.
   cv::erode(read.valid, known, cv::Mat::ones(5, 5, CV_8U), {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
@@ -113,8 +113,8 @@ void draw_block(const GraySource& source, const WarpField& field, bool everywher
     clean = clean.clone();
     clean.setTo(0, read.valid == 0);
   }
-  cv::remap(clean, pixels, maps.x, maps.y, cv::INTER_CUBIC, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::remap(known, valid, maps.x, maps.y, cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::remap(clean, pixels, tables.x, tables.y, cv::INTER_CUBIC, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::remap(known, valid, tables.x, tables.y, cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(0));
   if (!everywhere) hide_unknown(source, field, window, valid);
 }
 

@@ -11,12 +11,12 @@ namespace pilotage {
 namespace {
 
 // An aircraft at one sample of the plan, and what is known of its error there. A value: copies fly on their own.
-struct Flight {
+struct InsAtSample {
   std::size_t sample = 0;
   InsState state;
 };
 
-Flight start_flight(const TilePlan& plan, const InsErrorModel& model) {
+InsAtSample ins_at_start(const TilePlan& plan, const InsErrorModel& model) {
   const PlanSample& first = plan.route_samples.front();
   return {0, initial_ins_state(model, first.azimuth_deg, first.speed_mps)};
 }
@@ -26,10 +26,10 @@ double step_s(const TilePlan& plan, std::size_t from) {
   return (plan.route_samples[from + 1].distance_m - a.distance_m) / a.speed_mps;
 }
 
-Flight fly_one_sample(const Flight& flight, const TilePlan& plan, const InsErrorModel& model) {
-  const PlanSample& from = plan.route_samples[flight.sample];
-  return {flight.sample + 1,
-          propagate(flight.state, step_s(plan, flight.sample), from.azimuth_deg, from.speed_mps, model)};
+InsAtSample fly_one_sample(const InsAtSample& aircraft, const TilePlan& plan, const InsErrorModel& model) {
+  const PlanSample& from = plan.route_samples[aircraft.sample];
+  return {aircraft.sample + 1,
+          propagate(aircraft.state, step_s(plan, aircraft.sample), from.azimuth_deg, from.speed_mps, model)};
 }
 
 // The stretches without matchable ground, as gaps between fixes.
@@ -87,19 +87,19 @@ RouteError predict_route_error(const TilePlan& plan, const std::vector<bool>& ma
                                double fix_interval_s) {
   const InsErrorModel model = make_ins_error_model(plan.ins);
   RouteError result;
-  Flight flight = start_flight(plan, model);
+  InsAtSample aircraft = ins_at_start(plan, model);
   double last_fix_s = -std::numeric_limits<double>::infinity();
   while (true) {
-    const std::size_t i = flight.sample;
-    const double error_m = position_error_m(flight.state, model.sigma_multiple);
+    const std::size_t i = aircraft.sample;
+    const double error_m = position_error_m(aircraft.state, model.sigma_multiple);
     result.profile.push_back({plan.route_samples[i].distance_m, error_m, matchable[i]});
     result.within_limit = result.within_limit && error_m <= max_error_m;
-    if (matchable[i] && flight.state.time_s - last_fix_s >= fix_interval_s) {
-      flight.state = update_with_fix(flight.state, model.fix_sigma_m);
-      last_fix_s = flight.state.time_s;
+    if (matchable[i] && aircraft.state.time_s - last_fix_s >= fix_interval_s) {
+      aircraft.state = update_with_fix(aircraft.state, model.fix_sigma_m);
+      last_fix_s = aircraft.state.time_s;
     }
     if (i + 1 == plan.route_samples.size()) break;
-    flight = fly_one_sample(flight, plan, model);
+    aircraft = fly_one_sample(aircraft, plan, model);
   }
   result.gaps = find_gaps(plan, matchable, result.profile, max_error_m);
   result.legs = leg_statuses(plan, result.profile, max_error_m);
@@ -118,19 +118,19 @@ std::vector<std::size_t> fewest_fix_samples(const TilePlan& plan, const std::vec
   const InsErrorModel model = make_ins_error_model(plan.ins);
   const std::size_t count = plan.route_samples.size();
   std::vector<std::size_t> fixes;
-  Flight flight = start_flight(plan, model);
-  std::optional<Flight> last_chance;  // at the last matchable sample flown over since the last fix
-  while (flight.sample + 1 < count) {
-    flight = fly_one_sample(flight, plan, model);
-    const bool over_limit = position_error_m(flight.state, model.sigma_multiple) > max_error_m;
-    const bool can_fix = matchable[flight.sample];
+  InsAtSample aircraft = ins_at_start(plan, model);
+  std::optional<InsAtSample> last_chance;  // at the last matchable sample flown over since the last fix
+  while (aircraft.sample + 1 < count) {
+    aircraft = fly_one_sample(aircraft, plan, model);
+    const bool over_limit = position_error_m(aircraft.state, model.sigma_multiple) > max_error_m;
+    const bool can_fix = matchable[aircraft.sample];
     if (over_limit && (last_chance || can_fix)) {
-      flight = last_chance.value_or(flight);
-      flight.state = update_with_fix(flight.state, model.fix_sigma_m);
-      fixes.push_back(flight.sample);
+      aircraft = last_chance.value_or(aircraft);
+      aircraft.state = update_with_fix(aircraft.state, model.fix_sigma_m);
+      fixes.push_back(aircraft.sample);
       last_chance.reset();
     } else if (can_fix) {
-      last_chance = flight;
+      last_chance = aircraft;
     }
   }
   return fixes;

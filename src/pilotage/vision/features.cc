@@ -33,9 +33,9 @@ double corners_per_octave_px(const FeatureOptions& options) {
   return options.features_per_mpx / 1e6 / pixels;
 }
 
-/// A piece of the whole image, and the part of it whose features are wanted: those centred in
+/// A block of the whole image, and the part of it whose features are wanted: those centred in
 /// [col_begin, col_end) × [row_begin, row_end) of the whole image.
-struct Piece {
+struct ImageBlock {
   cv::Mat gray;
   cv::Mat valid;  ///< May be empty: all valid.
   std::int64_t first_col = 0;
@@ -52,13 +52,13 @@ int first_centered_from(double position, double scale, std::int64_t octave_first
 }
 
 /// The octave's pixels where a feature may lie: centred in the wanted part, patch inside the octave.
-cv::Rect feature_area(const Octave& octave, const Piece& piece, int patch_radius) {
-  const int left = std::max(first_centered_from(piece.col_begin, octave.scale, octave.first_col), patch_radius);
-  const int top = std::max(first_centered_from(piece.row_begin, octave.scale, octave.first_row), patch_radius);
+cv::Rect feature_area(const Octave& octave, const ImageBlock& block, int patch_radius) {
+  const int left = std::max(first_centered_from(block.col_begin, octave.scale, octave.first_col), patch_radius);
+  const int top = std::max(first_centered_from(block.row_begin, octave.scale, octave.first_row), patch_radius);
   const int right =
-      std::min(first_centered_from(piece.col_end, octave.scale, octave.first_col), octave.gray.cols - patch_radius);
+      std::min(first_centered_from(block.col_end, octave.scale, octave.first_col), octave.gray.cols - patch_radius);
   const int bottom =
-      std::min(first_centered_from(piece.row_end, octave.scale, octave.first_row), octave.gray.rows - patch_radius);
+      std::min(first_centered_from(block.row_end, octave.scale, octave.first_row), octave.gray.rows - patch_radius);
   if (right <= left || bottom <= top) return {};
   return {left, top, right - left, bottom - top};
 }
@@ -72,10 +72,10 @@ cv::Mat allowed_pixels(const cv::Mat& valid, int patch_radius) {
   return allowed;
 }
 
-void append_octave_features(const Octave& octave, int index, const Piece& piece, const FeatureOptions& options,
+void append_octave_features(const Octave& octave, int index, const ImageBlock& block, const FeatureOptions& options,
                             FeatureSet& set) {
   const int patch_radius = patch_radius_px(options);
-  const cv::Rect area = feature_area(octave, piece, patch_radius);
+  const cv::Rect area = feature_area(octave, block, patch_radius);
   if (area.empty()) return;
   const auto corners =
       find_corners(octave.gray, allowed_pixels(octave.valid, patch_radius), area,
@@ -92,13 +92,13 @@ void append_octave_features(const Octave& octave, int index, const Piece& piece,
   set.descriptors.insert(set.descriptors.end(), descriptors.begin(), descriptors.end());
 }
 
-FeatureSet extract_from_piece(const Piece& piece, const FeatureOptions& options) {
+FeatureSet extract_from_block(const ImageBlock& block, const FeatureOptions& options) {
   FeatureSet set;
   set.descriptor_bytes = options.descriptor_bits / 8;
   for (int index = 0; index < options.octaves; ++index) {
     const Octave octave =
-        make_octave(piece.gray, piece.valid, piece.first_col, piece.first_row, octave_scale(options, index));
-    append_octave_features(octave, index, piece, options, set);
+        make_octave(block.gray, block.valid, block.first_col, block.first_row, octave_scale(options, index));
+    append_octave_features(octave, index, block, options, set);
   }
   return set;
 }
@@ -157,7 +157,7 @@ std::vector<MapBlock> touched_blocks(const std::vector<PixelWindow>& windows) {
 }
 
 /// Reads a block with the margin that its features' patches need at the coarsest octave.
-Piece read_block(const GraySource& source, const MapBlock& block, const FeatureOptions& options) {
+ImageBlock read_block(const GraySource& source, const MapBlock& block, const FeatureOptions& options) {
   const double coarsest = octave_scale(options, options.octaves - 1);
   const auto margin = static_cast<std::int64_t>(std::ceil((patch_radius_px(options) + 2) * coarsest));
   const std::int64_t col = block.col * kFeatureBlockPx;
@@ -239,7 +239,7 @@ FeatureSet extract_features(const cv::Mat& gray, const cv::Mat& valid, const Fea
   if (!valid.empty() && (valid.type() != CV_8UC1 || valid.size() != gray.size())) {
     throw UsageError("the mask of valid pixels has another size or type than the image");
   }
-  return extract_from_piece({gray, valid, 0, 0, 0, static_cast<double>(gray.cols), 0, static_cast<double>(gray.rows)},
+  return extract_from_block({gray, valid, 0, 0, 0, static_cast<double>(gray.cols), 0, static_cast<double>(gray.rows)},
                             options);
 }
 
@@ -253,7 +253,7 @@ FeatureSet extract_features_of_map(const GraySource& source, const std::vector<P
   std::mutex mutex;
   std::int64_t done = 0;
   parallel_for(blocks.size(), threads, [&](std::size_t index, int) {
-    const FeatureSet set = extract_from_piece(read_block(source, blocks[index], options), options);
+    const FeatureSet set = extract_from_block(read_block(source, blocks[index], options), options);
     sets[index] = inside_windows(set, blocks[index], wanted);
     const std::lock_guard lock(mutex);
     report_progress(progress, "features", ++done, static_cast<std::int64_t>(blocks.size()));
