@@ -1,6 +1,7 @@
 #include "pilotage/tile/plan_tiles.h"
 
 #include <cmath>
+#include <string>
 
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
@@ -89,6 +90,48 @@ TEST(PlanTiles, PartsBelowTheLowestHeightHaveNoLevel) {
   EXPECT_EQ(plan.route_samples.front().level, PlanSample::kNoLevel);
   EXPECT_EQ(plan.route_samples.back().level, 0);
   EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("are flown lower than 30 m above the ground")));
+}
+
+/// Heights of route.geojson become heights above home.
+TileOptions over_home(const TemporaryFolder& folder, double home_amsl_m) {
+  TileOptions options = make_small_mission(folder.path(), two_legs());
+  options.elevation = testing::make_flat_elevation(folder.path(), 50);
+  options.route_options.height_reference = HeightReference::kAuto;
+  options.route = (folder.path() / "route.plan").string();
+  const CrsTransform transform(Crs::from_user_input("EPSG:32633"));
+  std::string items;
+  for (const MissionPoint& point : two_legs()) {
+    const GeodeticPoint at = transform.geodetic_from_map({500'000 + point.east_m, 5'000'000 - point.south_m}).value();
+    items += std::string(items.empty() ? "" : ",") +
+             R"({"type":"SimpleItem","command":16,"frame":3,"autoContinue":true,"params":[0,0,0,null,)" +
+             format_number(at.lat_deg) + "," + format_number(at.lon_deg) + "," + format_number(point.agl_m) + "]}";
+  }
+  write_file(options.route,
+             R"({"fileType":"Plan","version":1,"groundStation":"QGroundControl","mission":{"version":2,)"
+             R"("plannedHomePosition":[45.153,15.001,)" +
+                 format_number(home_amsl_m) + R"(],"items":[)" + items + "]}}",
+             true);
+  options.tile_size_px = 90;
+  options.gsd_m = 1;
+  return options;
+}
+
+TEST(PlanTiles, WarnsOfAHomeThatIsNotOnItsGround) {  // 2026-11: home 400 m off its ground passed in silence
+  const TemporaryFolder folder;
+  const auto of_home = ::testing::Contains(HasSubstr("Home is said"));
+  EXPECT_THAT(plan_tiles(over_home(folder, 50.8)).warnings, ::testing::Not(of_home));
+  const TilePlan plan = plan_tiles(over_home(folder, 450.8));
+  EXPECT_NEAR(plan.route_samples.front().agl_m, 480.8, 0.1);
+  EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("Home is said to lie at 450.8 m above sea level, but the "
+                                                           "elevation model has 50.0 m there")));
+}
+
+TEST(PlanTiles, WarnsOfLowLegsUnlessToldToFlyThere) {
+  const TemporaryFolder folder;
+  TileOptions options = make_small_mission(folder.path(), {MissionPoint{100, 150, 60}, {300, 150, 60}, {500, 150, 15}});
+  EXPECT_THAT(plan_tiles(options).warnings, ::testing::Contains(HasSubstr("Only 15.0 m above the ground at lat 45.")));
+  options.min_agl_m = 10;
+  EXPECT_THAT(plan_tiles(options).warnings, ::testing::Not(::testing::Contains(HasSubstr("above the ground"))));
 }
 
 TEST(PlanTiles, CrsIsObeyedOrRefused) {

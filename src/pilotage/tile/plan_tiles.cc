@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -48,22 +48,28 @@ double coarsest_gsd_m(const std::vector<ImageryInfo>& infos) {
   return gsd_m;
 }
 
-std::vector<PlanSample> sample_plan_route(const TileOptions& options, const Route& route) {
-  std::optional<Elevation> elevation;
-  TerrainHeight terrain;
-  if (!options.elevation.empty()) {
-    elevation.emplace(options.elevation);
-    terrain = [&elevation](GeodeticPoint point) { return elevation->amsl_m(point); };
-  }
-  std::vector<PlanSample> samples;
-  for (const RouteSample& sample : sample_route(route, kSampleStep_m, terrain)) {
-    samples.push_back(PlanSample{sample});
+TerrainHeight open_terrain(const std::string& elevation) {
+  if (elevation.empty()) return {};
+  const auto model = std::make_shared<const Elevation>(elevation);
+  return [model](GeodeticPoint point) { return model->amsl_m(point); };
+}
+
+// The samples of the plan's route, and what a planner should look at again in its heights.
+void sample_plan_route(TilePlan& plan) {
+  const TerrainHeight terrain = open_terrain(plan.elevation);
+  const std::vector<RouteSample> samples = sample_route(plan.route, kSampleStep_m, terrain);
+  for (const RouteSample& sample : samples) {
+    plan.route_samples.push_back(PlanSample{sample});
     if (!std::isfinite(sample.speed_mps)) {
-      throw UsageError(route.name + ": leg " + std::to_string(sample.leg + 1) +
+      throw UsageError(plan.route.name + ": leg " + std::to_string(sample.leg + 1) +
                        " has no speed; give --speed-mps (metres per second over ground)");
     }
   }
-  return samples;
+  // Who plans to match from lower than this means to fly there.
+  const double low_agl_m = std::min(kLowAgl_m, plan.min_agl_m);
+  for (std::string& warning : route_height_warnings(plan.route, samples, terrain, low_agl_m)) {
+    plan.warnings.push_back(std::move(warning));
+  }
 }
 
 MissionCrs mission_crs(const TileOptions& options, const Route& route, double half_width_m) {
@@ -326,7 +332,7 @@ TilePlan plan_tiles(const TileOptions& options, const Progress& progress) {
   plan.max_error_m = options.max_error_m;
   plan.min_agl_m = options.min_agl_m;
   plan.corridor_half_width_m = options.corridor_half_width_m.value_or(options.max_error_m);
-  plan.route_samples = sample_plan_route(options, plan.route);
+  sample_plan_route(plan);
 
   const MissionCrs grid = mission_crs(options, plan.route, plan.corridor_half_width_m);
   plan.crs_wkt = grid.crs.wkt();
