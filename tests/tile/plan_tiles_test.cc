@@ -1,7 +1,9 @@
 #include "pilotage/tile/plan_tiles.h"
 
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
@@ -9,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/tile_lookup.h"
+#include "pilotage/raster/gray_stretch.h"
 
 namespace pilotage {
 namespace {
@@ -158,6 +162,30 @@ TEST(PlanTiles, NamesThePartOutsideTheImagery) {
   bool none = false;
   for (const PlanTile& tile : plan.tiles) none = none || tile.valid_fraction == 0;
   EXPECT_TRUE(none);
+}
+
+TEST(PlanTiles, CoverageCountsThePixelsThatScoreReads) {  // 2026-11: 30 % of random holes passed for a coverage of 1
+  const TemporaryFolder folder;
+  const TileOptions options = make_small_mission(folder.path(), two_legs());
+  testing::change_raster(options.imagery[0], [](GDALDataset& dataset) {
+    Random random(seed_from_name("holes"));
+    GDALRasterBand& band = *dataset.GetRasterBand(1);
+    ASSERT_EQ(band.SetNoDataValue(0), CE_None);
+    std::vector<std::uint8_t> grays(600 * 400);
+    ASSERT_EQ(band.RasterIO(GF_Read, 0, 0, 600, 400, grays.data(), 600, 400, GDT_Byte, 0, 0, nullptr), CE_None);
+    for (std::uint8_t& gray : grays) gray = random.uniform() < 0.3 ? 0 : gray;
+    ASSERT_EQ(band.RasterIO(GF_Write, 0, 0, 600, 400, grays.data(), 600, 400, GDT_Byte, 0, 0, nullptr), CE_None);
+    const int half = 2;  // averages over what is valid: no hole is left
+    ASSERT_EQ(dataset.BuildOverviews("AVERAGE", 1, &half, 0, nullptr, nullptr, nullptr), CE_None);
+  });
+  const TilePlan plan = plan_tiles(options);
+  for (const PlanTile& tile : plan.tiles) {
+    const PlanLevel& level = plan.levels.at(static_cast<std::size_t>(tile.level));
+    const double scored =
+        valid_fraction(open_plan_imagery(plan, level), level.matrix.tile_window(tile.column, tile.row));
+    EXPECT_EQ(tile.valid_fraction, scored) << tile.tile_id;
+    EXPECT_NEAR(tile.valid_fraction, 0.7, 0.03) << tile.tile_id;
+  }
 }
 
 TEST(PlanTiles, RefusesTilesLargerThanTheImagery) {

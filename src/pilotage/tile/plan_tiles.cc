@@ -29,8 +29,6 @@ namespace pilotage {
 namespace {
 
 constexpr double kSampleStep_m = 10;
-// The corridor's coverage is measured on a grid this much coarser than the working one.
-constexpr int kCoverageReduction = 4;
 
 void require(bool given, const char* what) {
   if (!given) throw UsageError(std::string(what) + " is missing; give it as --" + what + ", or in a mission file");
@@ -212,20 +210,13 @@ Bounds tile_bounds(const TileMatrix& matrix, std::int64_t column, std::int64_t r
   return bounds;
 }
 
-// Coverage of each tile, from a coarser copy of the mosaic.
+// Coverage of each tile: the share of its pixels that `score` will find valid.
 void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatrix& matrix, std::span<PlanTile> tiles,
                       const Progress& progress) {
-  const double coarse_m = matrix.map_from_pixel.x_per_col * kCoverageReduction;
-  const GraySource source = open_gray_on_grid(
-      options.imagery, crs,
-      GeoTransform::north_up(matrix.map_from_pixel.origin_x, matrix.map_from_pixel.origin_y, coarse_m),
-      (matrix.grid_width_px + kCoverageReduction - 1) / kCoverageReduction,
-      (matrix.grid_height_px + kCoverageReduction - 1) / kCoverageReduction, options.imagery_options);
-  const int size_px = std::max(1, matrix.tile_size_px / kCoverageReduction);
+  const GraySource source = open_valid_on_grid(options.imagery, crs, matrix.map_from_pixel, matrix.grid_width_px,
+                                               matrix.grid_height_px, options.imagery_options);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const PixelWindow window = matrix.tile_window(tiles[i].column, tiles[i].row);
-    tiles[i].valid_fraction =
-        valid_fraction(source, {window.col / kCoverageReduction, window.row / kCoverageReduction, size_px, size_px});
+    tiles[i].valid_fraction = valid_fraction(source, matrix.tile_window(tiles[i].column, tiles[i].row));
     report_progress(progress, "coverage", static_cast<std::int64_t>(i + 1), static_cast<std::int64_t>(tiles.size()));
   }
 }
