@@ -32,21 +32,8 @@ SETS = {
     "texture 0.95, 6 px": {"texture-redrawn": 0.95, "texture-scale-px": 6},
     "texture 0.95, 12 px": {"texture-redrawn": 0.95, "texture-scale-px": 12},
     "texture 0.75, 8 px": {"texture-redrawn": 0.75, "texture-scale-px": 8},
-    "texture 0.65, slope 1": {"texture-slope": 1},
-    "texture 0.75, 3 px, slope 1.5": {"texture-redrawn": 0.75, "texture-slope": 1.5},
-    "texture 0.95, 4.5 px, slope 1.5": {"texture-redrawn": 0.95, "texture-scale-px": 4.5, "texture-slope": 1.5},
     "gamma 0.5": {"gamma": 0.5},
     "illumination 0.4": {"illumination": 0.4},
-    "objects": {"objects-per-mpx": 800, "object-size-px": 12},
-    "shadow": {"shadow": 0.5, "shadow-share": 0.1},
-    "haze": {"haze": 0.2},
-    "water": {"water": 1},
-    "parallax": {"parallax-px": 2},
-    "all new": {"objects-per-mpx": 800, "object-size-px": 12, "shadow": 0.5, "shadow-share": 0.1, "haze": 0.2,
-                "water": 1, "parallax-px": 2},
-    "all new, texture 0.95, 6 px": {"objects-per-mpx": 800, "object-size-px": 12, "shadow": 0.5, "shadow-share": 0.1,
-                                    "haze": 0.2, "water": 1, "parallax-px": 2, "texture-redrawn": 0.95,
-                                    "texture-scale-px": 6},
 }
 
 

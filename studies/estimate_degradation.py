@@ -166,7 +166,7 @@ def tiles_of_port(folder, factor):
             yield a, aligned(a, b)
 
 
-def copies(pairs, share, sigma_px, slope=0, illumination=0.15, gamma=0.2):
+def copies(pairs, share, sigma_px, illumination=0.15, gamma=0.2):
     """Each first tile and a copy of it as vision/degradation.h makes them (texture, illumination, tone curve): what is
     measured of these is what the measures make of known changes."""
     random = np.random.default_rng(1)
@@ -175,10 +175,6 @@ def copies(pairs, share, sigma_px, slope=0, illumination=0.15, gamma=0.2):
         coarse = blur(a, sigma_px)
         strength = np.sqrt(np.maximum(blur((a - coarse)**2, 2 * sigma_px), 0))
         field = random.normal(size=a.shape)
-        if slope > 0:
-            frequency = np.hypot(np.fft.fftfreq(TILE_PX)[:, None], np.fft.rfftfreq(TILE_PX)[None])
-            frequency[0, 0] = np.inf
-            field = np.fft.irfft2(np.fft.rfft2(field) / frequency**slope, field.shape)
         field -= blur(field, sigma_px)
         copy = coarse + np.sqrt(1 - share**2) * (a - coarse) + share * strength * field / field.std()
         copy = (copy - copy.min()) / max(np.ptp(copy), 1e-9)
@@ -234,8 +230,7 @@ def residuals_in_order(residual, columns, weight):
 
 
 def light(a, b):
-    """Gain that varies across the tile (illumination), offset that varies (haze), the tone curve's exponent and the
-    ratio of contrasts, from b = gain·(1 + p·x + q·y)·a + offset + r·x + s·y over means of blocks, 0 … 1 grays."""
+    """Gain that varies across the tile (illumination), the tone curve's exponent and the ratio of contrasts, from b = gain·(1 + p·x + q·y)·a + offset + r·x + s·y over means of blocks, 0 … 1 grays."""
     u, v = scaled(a), scaled(b)
     if u is None or v is None:
         return {}
@@ -248,95 +243,15 @@ def light(a, b):
         fit = np.linalg.lstsq(columns * weight[:, None], means[1] * weight, rcond=None)[0]
         residual = np.abs(means[1] - columns @ fit)
         weight = 1 / np.sqrt(1 + (residual / max(1.5 * np.median(residual), 1e-9))**2)
-    result = {"gamma": np.nan, "illumination": np.nan, "haze_offset": np.nan, "contrast": b.std() / a.std()}
+    result = {"gamma": np.nan, "illumination": np.nan, "contrast": b.std() / a.std()}
     if ncc(means[0], means[1]) > 0.5 and fit[3] > 0.2:
         # What changed ground alone gives: the same residuals in another order.
         noise = residuals_in_order(means[1] - columns @ fit, columns * weight[:, None], weight)
-        for name, one, other, unit in (("illumination", 4, 5, fit[3]), ("haze_offset", 1, 2, 1)):
-            power = fit[one]**2 + fit[other]**2 - noise[one] - noise[other]
-            result[name] = np.sqrt(max(power, 0)) / unit
+        power = fit[4]**2 + fit[5]**2 - noise[4] - noise[5]
+        result["illumination"] = np.sqrt(max(power, 0)) / fit[3]
     quantiles = np.arange(0.1, 0.91, 0.1)
     p, q = np.log(np.clip([np.quantile(u, quantiles), np.quantile(v, quantiles)], 0.01, 0.99))
     result["gamma"] = np.exp(abs(np.log((p * q).sum() / (p * p).sum()))) - 1
-    return result
-
-
-def components(mask):
-    """Sizes (pixels of the mask) of its 4-connected parts."""
-    label = np.where(mask, np.arange(1, mask.size + 1).reshape(mask.shape), 0)
-    while True:
-        padded = np.pad(label, 1)
-        grown = np.max([padded[1:-1, 1:-1], padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]],
-                       0) * mask
-        if (grown == label).all():
-            return np.unique(label[mask], return_counts=True)[1]
-        label = grown
-
-
-def replaced(a, b):
-    """Share of blocks of 8 px with something to see in either date that do not look alike while the tile does, and
-    the sides of squares as large as their connected groups."""
-    side = BLOCK_PX // 2
-    a, b = blur(a, 0.7), blur(b, 0.7)
-    if ncc(blur(a, 2), blur(b, 2)) < 0.5:
-        return np.nan, []
-    count = TILE_PX // side
-    strong = np.zeros((count, count), bool)
-    other = np.zeros((count, count), bool)
-    floors = [0.5 * image.std() for image in (a, b)]
-    for row in range(count):
-        for col in range(count):
-            at = np.s_[row * side:(row + 1) * side, col * side:(col + 1) * side]
-            strong[row, col] = a[at].std() > floors[0] or b[at].std() > floors[1]
-            other[row, col] = strong[row, col] and ncc(a[at], b[at]) < 0.2
-    return other.sum() / max(strong.sum(), 1), list(side * np.sqrt(components(other))) if other.any() else []
-
-
-def shadows(a, b):
-    """Share of the tile that got darker than 0.6 times what the tone curve between the dates says, and lighter than
-    1/0.6, over 2 px; and the median factor in the darker part."""
-    u, v = scaled(blur(a, 2)), scaled(blur(b, 2))
-    if u is None or v is None or ncc(u, v) < 0.3:
-        return {}
-    quantiles = np.linspace(0, 1, 65)
-    told = np.interp(u, np.quantile(u, quantiles), np.quantile(v, quantiles))
-    ratio = (v + 0.1) / (told + 0.1)
-    lit = told > 0.3  # what was dark cannot get much darker
-    dark, light_up = (ratio < 0.6) & lit, ratio > 1 / 0.6
-    return {"darker_share": dark.mean(), "lighter_share": light_up.mean(),
-            "darker_factor": np.median(ratio[dark]) if dark.sum() > 20 else np.nan}
-
-
-def residual_shifts(a, b):
-    """Shifts (pixels) of blocks of 32 px against the tile's median, where they look alike: parallax, and what
-    registration left."""
-    a, b = blur(a, 0.7), blur(b, 0.7)
-    found = []
-    for row in range(0, TILE_PX, 32):
-        for col in range(0, TILE_PX, 32):
-            at = np.s_[max(0, row - 4):row + 36, max(0, col - 4):col + 36]
-            rows, cols, value = own_shift(a[at], b[at], 4)
-            if value > 0.6 and max(abs(rows), abs(cols)) < 4:
-                found.append((rows, cols))
-    if len(found) < 6:
-        return []
-    return list(np.hypot(*(np.array(found) - np.median(found, 0)).T))
-
-
-def water(a, b):
-    """NCC of date 1 and 2 within blocks of 32 px that vision/degradation_effects.cc takes for water, and in others."""
-    deviation = a.std()
-    level = blur(a, 4)
-    rough = np.sqrt(np.maximum(blur((a - level)**2, 4), 0)) / max(deviation, 1e-9)
-    mask = np.clip(((a.mean() - level) / max(deviation, 1e-9) - 0.25) / 0.5, 0, 1)
-    mask = mask * (1 - np.clip((rough - 0.2) / 0.2, 0, 1)) > 0.5
-    result = {"water": [], "land": []}
-    for row in range(0, TILE_PX, 32):
-        for col in range(0, TILE_PX, 32):
-            at = np.s_[row:row + 32, col:col + 32]
-            share = mask[at].mean()
-            if share > 0.9 or share < 0.1:
-                result["water" if share > 0.9 else "land"].append(ncc(a[at], b[at]))
     return result
 
 
@@ -379,14 +294,6 @@ def measure(pairs):
         add("blur_px", np.sqrt(abs(slope)))
         for name, value in light(a, b).items():
             add(name, value)
-        share, sides = replaced(a, b)
-        add("replaced_share", share)
-        add("object_side_px", *sides)
-        for name, value in shadows(a, b).items():
-            add(name, value)
-        add("residual_shift_px", *residual_shifts(a, b))
-        for name, value in water(a, b).items():
-            add(name + "_ncc", *value)
     gammas, alike = np.array(gammas), np.array(alike)
     result = {"tiles": count, "texture": fit_texture(np.nanmedian(gammas, 0)), "blocks_alike": len(alike)}
     if len(alike) >= 20:
@@ -414,7 +321,6 @@ def sets_of(data):
         "copies by the defaults": lambda used: copies(tiles_of_port(data / "port", 2), DEFAULTS["share"],
                                                       DEFAULTS["sigma_px"]),
         "copies 0.95, 4.5 px": lambda used: copies(tiles_of_port(data / "port", 2), 0.95, 4.5),
-        "copies 0.95, 4.5 px, slope 1.5": lambda used: copies(tiles_of_port(data / "port", 2), 0.95, 4.5, 1.5),
         "levir 0.5 m": lambda used: tiles_of_pairs(pairs / "highres", "levir_*_1.png", used),
         "dsifn 2 m": lambda used: tiles_of_pairs(pairs / "highres", "dsifn_*_1.png", used),
         "sentinel2 10 m": lambda used: tiles_of_pairs(pairs / "sentinel2", "*_1.png", used),

@@ -19,13 +19,6 @@ struct VerifyOptions {
   }
 };
 
-bool any_wrong_digest(const VerifyReport& report) {
-  for (const MapProblem& problem : report.problems) {
-    if (problem.kind == MapProblem::Kind::kDigest) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 Command make_verify_command() {
@@ -57,7 +50,7 @@ Command make_verify_command() {
       if (problem.tile_id) result.json["problems"].back()["tile_id"] = *problem.tile_id;
     }
     if (!report.ok()) {
-      result.exit_code = any_wrong_digest(report) ? kExitIntegrity : kExitFailed;
+      result.exit_code = report.any_wrong_digest() ? kExitIntegrity : kExitFailed;
       return result;
     }
     result.text = path + ": intact; " + std::to_string(report.tiles) + " tiles, " + std::to_string(report.descriptors) +

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "testing/grid_convergence.h"
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -235,7 +236,7 @@ TEST(GroundPlace, KnowsUnitScaleAndConvergence) {
     const GeodeticPoint nadir = geodetic_from_pixel(CrsTransform(crs), c.grid, nadir_px);
     if (crs.is_projected()) {
       const double convergence_deg = std::atan2(up.x(), up.y()) * 180 / std::numbers::pi;
-      EXPECT_NEAR(convergence_deg, grid_convergence_deg(crs, nadir), 2e-4);
+      EXPECT_NEAR(convergence_deg, testing::grid_convergence_deg(crs, nadir), 2e-4);
     }
     // 100 m by geodesic are 100 m by the Jacobian.
     const CrsTransform transform(crs);

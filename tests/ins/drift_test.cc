@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "testing/drift_after.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
@@ -20,7 +21,7 @@ TEST(Drift, BetterGradesDriftLess) {
   for (const double time_s : {10.0, 60.0, 300.0}) {
     double last = INFINITY;
     for (const InsGrade grade : grades) {
-      const double error = position_error_m(drift_after(model_of(grade), time_s, 20, 2), 1);
+      const double error = position_error_m(testing::drift_after(model_of(grade), time_s, 20, 2), 1);
       EXPECT_LT(error, last) << time_s;
       EXPECT_GE(error, 2);
       last = error;
@@ -34,8 +35,8 @@ TEST(Drift, GapIsWhereTheErrorReachesTheLimit) {
     for (const double limit_m : {8.0, 50.0, 200.0}) {
       const double gap_s = longest_bridgeable_gap_s(model, 20, limit_m, 3, 2);
       ASSERT_GT(gap_s, 0);
-      EXPECT_LE(position_error_m(drift_after(model, gap_s, 20, 2), 3), limit_m);
-      EXPECT_GT(position_error_m(drift_after(model, gap_s + 0.002, 20, 2), 3), limit_m);
+      EXPECT_LE(position_error_m(testing::drift_after(model, gap_s, 20, 2), 3), limit_m);
+      EXPECT_GT(position_error_m(testing::drift_after(model, gap_s + 0.002, 20, 2), 3), limit_m);
     }
   }
 }

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "testing/drift_after.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/output_file.h"
@@ -40,7 +41,8 @@ TEST(GradeTable, OfTheDocsIsUpToDate) {
     const InsErrorModel model = make_ins_error_model(options);
     const double times_s[] = {10, 30, 60, 120, 300};
     for (std::size_t i = 0; i < 5; ++i) {
-      EXPECT_EQ(cells[1 + i], format_fixed(position_error_m(drift_after(model, times_s[i], 20, 2), 1), 1)) << line;
+      EXPECT_EQ(cells[1 + i], format_fixed(position_error_m(testing::drift_after(model, times_s[i], 20, 2), 1), 1))
+          << line;
     }
     const double limits_m[] = {25, 50, 100};
     for (std::size_t i = 0; i < 3; ++i) {

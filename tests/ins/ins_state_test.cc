@@ -28,6 +28,11 @@ double sigma_after(const InsErrorModel& model, double time_s, double heading_deg
 }
 
 // Each single error grows by its own law (for times well below the 84-minute Schuler period).
+/// √(σ_east² + σ_north²).
+double position_drms_m(const InsState& state) {
+  return std::sqrt(state.covariance(0, 0) + state.covariance(1, 1));
+}
+
 TEST(InsState, VelocityErrorGrowsWithTime) {
   InsErrorModel model = nothing();
   model.start_velocity_sigma_mps = 0.1;

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "testing/key_pair.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,13 +19,13 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 // Seconds and a gigabyte are minisign's choice; the tests use less.
-constexpr ScryptCost kCheap{524288, 16777216};
+constexpr testing::ScryptCost kCheap{524288, 16777216};
 
 class MapSignature : public ::testing::Test {
  protected:
   MapSignature() : file_(folder_ / "map.gpkg"), secret_(folder_ / "a.key"), public_(folder_ / "a.pub") {
     write_file(file_, "the bytes of a map", false);
-    key_ = generate_key_pair(secret_, public_);
+    key_ = testing::generate_key_pair(secret_, public_);
   }
 
   bool minisign(const std::string& arguments) const {
@@ -55,12 +56,6 @@ TEST_F(MapSignature, SignsAndVerifies) {
   EXPECT_EQ(verify_signature(file_, key_).trusted_comment, "mission 7");
 }
 
-TEST_F(MapSignature, SecretKeyIsPrivate) {
-  const auto permissions = std::filesystem::status(secret_).permissions();
-  EXPECT_EQ(permissions, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  EXPECT_THROW(generate_key_pair(secret_, public_), DataError);
-}
-
 TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
   sign_file(file_, secret_);
   const std::string content = read_file(file_);
@@ -89,7 +84,7 @@ TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
 
 TEST_F(MapSignature, RefusesAnotherKey) {
   sign_file(file_, secret_);
-  const std::string other = generate_key_pair(folder_ / "b.key", folder_ / "b.pub");
+  const std::string other = testing::generate_key_pair(folder_ / "b.key", folder_ / "b.pub");
   EXPECT_THAT([&] { verify_signature(file_, other); }, ThrowsMessage<IntegrityError>(HasSubstr("was made with key")));
 }
 
@@ -113,7 +108,7 @@ TEST_F(MapSignature, AcceptsTheLegacyForm) {
 TEST_F(MapSignature, EncryptedKeysNeedTheirPassphrase) {
   const MinisignSecretKey secret = parse_secret_key(read_file(secret_), {}, "key");
   const auto locked = folder_ / "locked.key";
-  write_file(locked, format_secret_key_file(secret, "open sesame", kCheap), false);
+  write_file(locked, testing::encrypted_secret_key_file(secret, "open sesame", kCheap), false);
   EXPECT_THAT([&] { sign_file(file_, locked); }, ThrowsMessage<UsageError>(HasSubstr("is encrypted")));
   SignOptions options;
   options.passphrase = "open barley";

@@ -1,4 +1,4 @@
-#include "pilotage/match/masked_correlation.h"
+#include "pilotage/vision/masked_correlation.h"
 
 #include <cmath>
 
@@ -59,11 +59,15 @@ Pictures make_pictures(const std::string& name, double holes) {
   return p;
 }
 
+MaskedCorrelation correlation_of(const Pictures& p, double min_overlap) {
+  return {p.mask, p.region, p.valid, min_overlap, 1e-3, opencv_sums_of_products(p.mask.size(), p.region.size())};
+}
+
 TEST(MaskedCorrelation, IsTheSumOverCommonPixels) {
   for (const double holes : {0.0, 0.15}) {
     const Pictures p = make_pictures("IsTheSumOverCommonPixels", holes);
     const double needed = 0.5 * cv::countNonZero(p.mask);
-    const MaskedCorrelation correlation(p.mask, p.region, p.valid, 0.5);
+    const MaskedCorrelation correlation = correlation_of(p, 0.5);
     const cv::Mat surface = correlation.surface(p.pixels);
     ASSERT_EQ(surface.size(), cv::Size(47 - p.mask.cols + 1, 39 - p.mask.rows + 1));
     int compared = 0;
@@ -82,20 +86,20 @@ TEST(MaskedCorrelation, IsTheSumOverCommonPixels) {
 
 TEST(MaskedCorrelation, DoesNotLookOutsideTheMasks) {
   Pictures p = make_pictures("DoesNotLookOutsideTheMasks", 0.1);
-  const cv::Mat before = MaskedCorrelation(p.mask, p.region, p.valid, 0.3).surface(p.pixels);
+  const cv::Mat before = correlation_of(p, 0.3).surface(p.pixels);
   p.pixels.setTo(1e4, p.mask == 0);
   p.region.setTo(255, p.valid == 0);
-  const cv::Mat after = MaskedCorrelation(p.mask, p.region, p.valid, 0.3).surface(p.pixels);
+  const cv::Mat after = correlation_of(p, 0.3).surface(p.pixels);
   EXPECT_LT(cv::norm(before, after, cv::NORM_INF), 1e-4);
 }
 
 TEST(MaskedCorrelation, FlatGroundCorrelatesWithNothing) {
   Pictures p = make_pictures("FlatGroundCorrelatesWithNothing", 0);
   const cv::Mat flat(p.pixels.size(), CV_32F, cv::Scalar(77));
-  const cv::Mat of_flat_template = MaskedCorrelation(p.mask, p.region, p.valid, 0.5).surface(flat);
+  const cv::Mat of_flat_template = correlation_of(p, 0.5).surface(flat);
   EXPECT_EQ(cv::norm(of_flat_template, cv::NORM_INF), 0);
   p.region.setTo(13);
-  const cv::Mat of_flat_region = MaskedCorrelation(p.mask, p.region, p.valid, 0.5).surface(p.pixels);
+  const cv::Mat of_flat_region = correlation_of(p, 0.5).surface(p.pixels);
   EXPECT_EQ(cv::norm(of_flat_region, cv::NORM_INF), 0);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "testing/color_source_from.h"
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -41,7 +42,7 @@ TileMatrix matrix_of(const cv::Mat& pixels, int size_px = 128, int stride_px = 6
 GroundCover middle(const Raster& raster) {
   const TileMatrix matrix = matrix_of(raster.pixels);
   const std::int64_t index = matrix.matrix_height() / 2 * matrix.matrix_width() + matrix.matrix_width() / 2;
-  return measure_ground_cover(color_source_from(raster), matrix, std::vector<std::int64_t>{index}).front();
+  return measure_ground_cover(testing::color_source_from(raster), matrix, std::vector<std::int64_t>{index}).front();
 }
 
 cv::Mat stripes(double period_px, double angle_deg) {
@@ -140,7 +141,7 @@ TEST(GroundCover, DependsNeitherOnThreadsNorOnNeighbours) {
   const cv::Mat tile = ground({70, 84, 76}, 5, 11);
   cv::repeat(tile, 4, 4, pixels);  // several groups
   for (int row = 0; row < pixels.rows; row += 2) pixels.row(row) += cv::Scalar(0, row % 40, 0);
-  const ColorSource source = color_source_from(whole(pixels));
+  const ColorSource source = testing::color_source_from(whole(pixels));
   const TileMatrix matrix = matrix_of(pixels, 200, 130);
   const std::vector<GroundCover> all = measure_ground_cover(source, matrix, {}, 1);
   ASSERT_EQ(all.size(), static_cast<std::size_t>(matrix.tile_count()));
@@ -157,7 +158,7 @@ TEST(GroundCover, DependsNeitherOnThreadsNorOnNeighbours) {
 }
 
 TEST(GroundCover, RefusesWhatDoesNotFit) {
-  const ColorSource source = color_source_from(whole(ground({1, 2, 3}, 0, 12)));
+  const ColorSource source = testing::color_source_from(whole(ground({1, 2, 3}, 0, 12)));
   TileMatrix matrix = matrix_of(cv::Mat(kSide, kSide, CV_8U));
   EXPECT_THROW(measure_ground_cover(source, matrix, std::vector<std::int64_t>{-1}), UsageError);
   EXPECT_THROW(measure_ground_cover(source, matrix, std::vector<std::int64_t>{matrix.tile_count()}), UsageError);

@@ -24,6 +24,43 @@ std::vector<JudgedPrediction> honest_predictions(std::string_view name, int coun
   return predictions;
 }
 
+PredictionQuality quality_of(const std::vector<JudgedPrediction>& predictions, bool probability = true, int bins = 10,
+                             double stated_rate = kNaN) {
+  QualityOptions options;
+  options.bins = bins;
+  options.stated_rate = stated_rate;
+  options.resamples = 0;
+  return judge_predictions(predictions, probability, options);
+}
+
+double area_under_roc(const std::vector<JudgedPrediction>& predictions) {
+  return quality_of(predictions, false).auc.value;
+}
+
+double brier_score(const std::vector<JudgedPrediction>& predictions) {
+  return quality_of(predictions).brier.value;
+}
+
+double brier_skill(const std::vector<JudgedPrediction>& predictions, double reference_rate) {
+  return quality_of(predictions, true, 10, reference_rate).brier_skill_stated.value;
+}
+
+double log_score(const std::vector<JudgedPrediction>& predictions) {
+  return quality_of(predictions).log_score.value;
+}
+
+std::vector<ReliabilityBin> reliability_bins(const std::vector<JudgedPrediction>& predictions, int bins) {
+  return quality_of(predictions, true, bins).bins;
+}
+
+double expected_calibration_error(const std::vector<JudgedPrediction>& predictions, int bins) {
+  return quality_of(predictions, true, bins).calibration_error.value;
+}
+
+double chance_calibration_error(const std::vector<JudgedPrediction>& predictions, int bins) {
+  return quality_of(predictions, true, bins).chance_calibration_error;
+}
+
 double auc_over_pairs(const std::vector<JudgedPrediction>& predictions) {
   double won = 0;
   double pairs = 0;

@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "testing/color_source_from.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -225,7 +226,7 @@ TEST(Reasons, ALatticeRepeats) {
   TileScore score = good();
   score.map_features = static_cast<double>(votes.features);
   score.vote_noise = votes.noise;
-  score.aperture = measure_ground_cover(color_source_from(raster), context.matrix, tile).front().aperture;
+  score.aperture = measure_ground_cover(testing::color_source_from(raster), context.matrix, tile).front().aperture;
   EXPECT_EQ(tile_reasons(score, context).front().code, ReasonCode::kRepeats) << votes.noise << " of " << votes.features;
   EXPECT_GT(score.aperture, 0.3);
 }

@@ -1,4 +1,5 @@
 #include "raster/raster_maker.h"
+#include "testing/color_source_from.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -91,7 +92,7 @@ TEST(Colors, NotFiniteIsNoGroundAndWindowsStayInside) {
 
 TEST(Colors, InMemory) {
   const cv::Mat pixels(8, 9, CV_16UC3, cv::Scalar(1, 2, 3));
-  const ColorSource source = color_source_from({pixels, cv::Mat(8, 9, CV_8U, cv::Scalar(255)), {}});
+  const ColorSource source = testing::color_source_from({pixels, cv::Mat(8, 9, CV_8U, cv::Scalar(255)), {}});
   EXPECT_EQ(source.width_px, 9);
   EXPECT_EQ(source.height_px, 8);
   EXPECT_EQ(source.channels, 3);

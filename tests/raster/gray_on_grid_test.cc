@@ -1,4 +1,7 @@
+#include <array>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "raster/raster_maker.h"
 #include "testing/temporary_folder.h"
@@ -290,16 +293,56 @@ TEST(GrayOnGrid, ReadsColoursForPeople) {
   }
 }
 
-TEST(GrayOnGrid, ReadsTheMaskCheaply) {
+TEST(GrayOnGrid, ReadsTheMaskAlone) {
   const TemporaryFolder folder;
   RasterSpec spec;
   spec.width = spec.height = 200;
   spec.value = [](int, int col, int) { return col < 50 ? 0 : 9; };
   spec.finish = [](GDALDataset& dataset) { dataset.GetRasterBand(1)->SetNoDataValue(0); };
   const std::string path = make_raster(folder / "a.tif", spec);
-  const cv::Mat valid = read_valid_on_grid({path}, kUtm, GeoTransform::north_up(500000, 5'000'000, 5), 20, 20);
-  EXPECT_EQ(valid.type(), CV_8U);
-  EXPECT_NEAR(valid_fraction(valid), 0.75, 0.051);
+  const Raster raster =
+      read_all(open_valid_on_grid({path}, kUtm, GeoTransform::north_up(500000, 5'000'000, 5), 20, 20));
+  EXPECT_EQ(raster.valid.type(), CV_8U);
+  EXPECT_EQ(cv::norm(raster.pixels, raster.valid, cv::NORM_INF), 0);
+  EXPECT_NEAR(valid_fraction(raster.valid), 0.75, 0.051);
+}
+
+/// The mask of the grays, pixel for pixel, whatever kernel, grid and depth: 30 % of the pixels, drawn at random, are
+/// no data, and overviews have closed those holes.
+TEST(GrayOnGrid, TheMaskAloneIsThatOfTheGrays) {
+  const TemporaryFolder folder;
+  for (const GDALDataType type : {GDT_Byte, GDT_UInt16, GDT_Float32}) {
+    RasterSpec spec;
+    spec.width = spec.height = 256;
+    spec.type = type;
+    Random random(seed_from_name("holes"));
+    std::vector<double> values(256 * 256);
+    for (double& value : values) value = random.uniform() < 0.3 ? 0 : 1.0 + static_cast<double>(random.below(200));
+    if (type == GDT_Float32) values[256 * 128 + 128] = std::numeric_limits<double>::infinity();
+    spec.value = [&](int, int col, int row) { return values[static_cast<std::size_t>(row * 256 + col)]; };
+    spec.finish = [](GDALDataset& dataset) {
+      dataset.GetRasterBand(1)->SetNoDataValue(0);
+      const std::array<int, 2> factors{2, 4};
+      ASSERT_EQ(dataset.BuildOverviews("AVERAGE", 2, factors.data(), 0, nullptr, nullptr, nullptr), CE_None);
+    };
+    const std::string path = make_raster(folder / "holes.tif", spec);
+    for (const Resampling kernel :
+         {Resampling::kAuto, Resampling::kNearest, Resampling::kBilinear, Resampling::kCubic, Resampling::kAverage}) {
+      ImageryOptions options;
+      options.resampling = kernel;
+      for (const double gsd_m : {0.5, 0.73, 1.0, 1.7}) {
+        const GeoTransform place = GeoTransform::north_up(500'003.1, 5'000'000 - 2.3, gsd_m);
+        const int size = static_cast<int>(110 / gsd_m);
+        const cv::Mat expected = read_all(open_gray_on_grid({path}, kUtm, place, size, size, options)).valid;
+        const cv::Mat mask = read_all(open_valid_on_grid({path}, kUtm, place, size, size, options)).valid;
+        EXPECT_EQ(cv::norm(expected, mask, cv::NORM_INF), 0)
+            << GDALGetDataTypeName(type) << ", kernel " << static_cast<int>(kernel) << ", " << gsd_m << " m";
+        if (kernel == Resampling::kAuto && gsd_m < 0.75 && type != GDT_Float32) {
+          EXPECT_NEAR(valid_fraction(mask), 0.7, 0.01) << gsd_m;
+        }
+      }
+    }
+  }
 }
 
 TEST(GrayOnGrid, OutsideTheImageryIsNoGround) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "testing/grid_convergence.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -185,15 +186,15 @@ TEST(ScaleDistortion, KnowsTheScaleOfUtm) {
 
 TEST(GridConvergence, IsTheTextbooksNearTheMeridian) {
   const Crs utm = Crs::from_user_input("EPSG:32633");
-  EXPECT_NEAR(grid_convergence_deg(utm, {15, 50}), 0, 1e-6);
+  EXPECT_NEAR(testing::grid_convergence_deg(utm, {15, 50}), 0, 1e-6);
   // tan γ = tan Δλ sin φ on the sphere; the ellipsoid adds about 1 % of γ's cubic term (Snyder 1987, p. 50).
   const double expected_deg = std::atan(std::tan(2 * M_PI / 180) * std::sin(50 * M_PI / 180)) * 180 / M_PI;
-  EXPECT_NEAR(grid_convergence_deg(utm, {17, 50}), expected_deg, 1e-3);
-  EXPECT_NEAR(grid_convergence_deg(utm, {13, 50}), -expected_deg, 1e-3);
+  EXPECT_NEAR(testing::grid_convergence_deg(utm, {17, 50}), expected_deg, 1e-3);
+  EXPECT_NEAR(testing::grid_convergence_deg(utm, {13, 50}), -expected_deg, 1e-3);
   // Due north of the pole's stereographic grid, along 90° E, is the grid's west.
-  EXPECT_NEAR(grid_convergence_deg(Crs::from_user_input("EPSG:5041"), {90, 85}), 90, 1e-4);
+  EXPECT_NEAR(testing::grid_convergence_deg(Crs::from_user_input("EPSG:5041"), {90, 85}), 90, 1e-4);
   const Crs gnomonic = Crs::from_user_input("+proj=gnom +lat_0=0 +lon_0=0 +datum=WGS84");
-  EXPECT_TRUE(std::isnan(grid_convergence_deg(gnomonic, {180, 0})));
+  EXPECT_TRUE(std::isnan(testing::grid_convergence_deg(gnomonic, {180, 0})));
 }
 
 TEST(GridConvergence, AnObliqueGridIsNorthUpInItsMiddle) {
@@ -201,7 +202,7 @@ TEST(GridConvergence, AnObliqueGridIsNorthUpInItsMiddle) {
   const Points route{start, geodesic_direct(start, 45, 1'000'000)};
   const MissionCrs chosen = choose_mission_crs(route, 1000);
   ASSERT_THAT(chosen.reason, HasSubstr("oblique Mercator"));
-  EXPECT_NEAR(grid_convergence_deg(chosen.crs, geodesic_direct(start, 45, 500'000)), 0, 0.05);
+  EXPECT_NEAR(testing::grid_convergence_deg(chosen.crs, geodesic_direct(start, 45, 500'000)), 0, 0.05);
 }
 
 }  // namespace

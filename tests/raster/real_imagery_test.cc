@@ -93,8 +93,10 @@ TEST_P(RealImagery, GoesOntoAMissionGrid) {
   // A coarse grid keeps the mean gray and the area (the JPEG overviews of some keep them to a few per cent only).
   const double own_mean = cv::mean(own.pixels, own.valid)[0];
   EXPECT_NEAR(cv::mean(raster.pixels, raster.valid)[0], own_mean, 0.05 * own_mean);
-  const cv::Mat valid = read_valid_on_grid({path_}, mission.crs, place, 100, 100);
-  const double area_m2 = cv::countNonZero(valid) * gsd_m * gsd_m;
+  ImageryOptions centres;  // one sample per pixel: the area has no bias
+  centres.resampling = Resampling::kNearest;
+  const Raster mask = open_valid_on_grid({path_}, mission.crs, place, 100, 100, centres).read({0, 0, 100, 100});
+  const double area_m2 = cv::countNonZero(mask.valid) * gsd_m * gsd_m;
   EXPECT_NEAR(area_m2 / (cv::countNonZero(own.valid) * info.gsd_x_m * info.gsd_y_m), 1, 0.02);
   const Raster picture = read_rgb8_on_grid({path_}, mission.crs, place, 100, 100);
   EXPECT_EQ(picture.pixels.type(), CV_8UC3);

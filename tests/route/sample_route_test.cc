@@ -156,6 +156,8 @@ TEST(SampleRoute, WarningsNameLowStretchesAndHome) {
   EXPECT_THAT(route_height_warnings(route, samples, flat, 10), IsEmpty());
   route.home = RouteHome{{8, 47}, 0};
   EXPECT_THAT(route_height_warnings(route, samples, flat, 10)[0], HasSubstr("Home is said to lie at 0.0 m"));
+  for (RouteVertex& vertex : route.vertices) vertex.agl_m = 80;  // --agl-m: nothing hangs on home's height
+  EXPECT_THAT(route_height_warnings(route, sample_route(route, 100, flat), flat, 10), IsEmpty());
 }
 
 }  // namespace

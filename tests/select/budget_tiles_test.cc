@@ -5,6 +5,7 @@
 #include <string>
 
 #include "select/straight_plan.h"
+#include "testing/drift_after.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/random.h"
@@ -22,7 +23,7 @@ constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fi
 
 double error_after_s(const TilePlan& plan, double time_s) {
   const InsErrorModel model = make_ins_error_model(plan.ins);
-  return position_error_m(drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
+  return position_error_m(testing::drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
 }
 
 // The stretch [from_m, to_m) is flown higher: tiles of 400 m every 200 m, in pixels of the same size, so that a tile

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "select/straight_plan.h"
+#include "testing/drift_after.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +28,7 @@ struct Scene {
 
   Scene(double p_left, double p_right) {
     const InsErrorModel model = make_ins_error_model(plan.ins);
-    plan.max_error_m = position_error_m(drift_after(model, 40, 20, model.start_sigma_m), model.sigma_multiple);
+    plan.max_error_m = position_error_m(testing::drift_after(model, 40, 20, model.start_sigma_m), model.sigma_multiple);
     for (std::size_t i = 0; i < scores.size(); ++i) {
       const Eigen::Vector2d center = plan.tiles[i].bounds.center_m();
       scores[i].p_correct_fix = 0.95;

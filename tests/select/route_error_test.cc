@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "select/straight_plan.h"
+#include "testing/drift_after.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/ins/drift.h"
@@ -33,7 +34,7 @@ TEST(RouteError, WithoutFixesIsTheDriftOfTheGrade) {
       predict_route_error(plan, std::vector<bool>(plan.route_samples.size(), false), plan.max_error_m, 2);
   const InsErrorModel model = make_ins_error_model(plan.ins);
   const double expected_m =
-      position_error_m(drift_after(model, 4000.0 / 20.0, 20, model.start_sigma_m), model.sigma_multiple);
+      position_error_m(testing::drift_after(model, 4000.0 / 20.0, 20, model.start_sigma_m), model.sigma_multiple);
   EXPECT_NEAR(error.profile.back().error_m, expected_m, 1e-6 * expected_m);
   ASSERT_EQ(error.gaps.size(), 1U);
   EXPECT_EQ(error.gaps[0].from_distance_m, 0);
@@ -98,7 +99,8 @@ TEST(FewestFixSamples, IsAsFewAsAnySubset) {
   const std::vector<bool> matchable(coarse.size(), true);
   const InsErrorModel model = make_ins_error_model(plan.ins);
   for (const double gap_s : {150.0, 250.0, 420.0}) {
-    const double limit_m = position_error_m(drift_after(model, gap_s, 20, model.start_sigma_m), model.sigma_multiple);
+    const double limit_m =
+        position_error_m(testing::drift_after(model, gap_s, 20, model.start_sigma_m), model.sigma_multiple);
     const auto fixes = fewest_fix_samples(plan, matchable, limit_m);
     std::vector<bool> taken(coarse.size(), false);
     for (const std::size_t i : fixes) taken[i] = true;

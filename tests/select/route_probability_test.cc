@@ -7,6 +7,7 @@
 #include <string>
 
 #include "select/straight_plan.h"
+#include "testing/drift_after.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/random.h"
@@ -46,7 +47,7 @@ OneFlight fly_once(const FlightPath& path, const std::vector<double>& p_fix,
 
 double error_after_s(const TilePlan& plan, double time_s) {
   const InsErrorModel model = make_ins_error_model(plan.ins);
-  return position_error_m(drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
+  return position_error_m(testing::drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
 }
 
 // Each try decided on its own.

@@ -1,6 +1,9 @@
 #include "pilotage/tile/plan_tiles.h"
 
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
@@ -8,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/tile_lookup.h"
+#include "pilotage/raster/gray_stretch.h"
 
 namespace pilotage {
 namespace {
@@ -91,6 +96,48 @@ TEST(PlanTiles, PartsBelowTheLowestHeightHaveNoLevel) {
   EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("are flown lower than 30 m above the ground")));
 }
 
+/// Heights of route.geojson become heights above home.
+TileOptions over_home(const TemporaryFolder& folder, double home_amsl_m) {
+  TileOptions options = make_small_mission(folder.path(), two_legs());
+  options.elevation = testing::make_flat_elevation(folder.path(), 50);
+  options.route_options.height_reference = HeightReference::kAuto;
+  options.route = (folder.path() / "route.plan").string();
+  const CrsTransform transform(Crs::from_user_input("EPSG:32633"));
+  std::string items;
+  for (const MissionPoint& point : two_legs()) {
+    const GeodeticPoint at = transform.geodetic_from_map({500'000 + point.east_m, 5'000'000 - point.south_m}).value();
+    items += std::string(items.empty() ? "" : ",") +
+             R"({"type":"SimpleItem","command":16,"frame":3,"autoContinue":true,"params":[0,0,0,null,)" +
+             format_number(at.lat_deg) + "," + format_number(at.lon_deg) + "," + format_number(point.agl_m) + "]}";
+  }
+  write_file(options.route,
+             R"({"fileType":"Plan","version":1,"groundStation":"QGroundControl","mission":{"version":2,)"
+             R"("plannedHomePosition":[45.153,15.001,)" +
+                 format_number(home_amsl_m) + R"(],"items":[)" + items + "]}}",
+             true);
+  options.tile_size_px = 90;
+  options.gsd_m = 1;
+  return options;
+}
+
+TEST(PlanTiles, WarnsOfAHomeThatIsNotOnItsGround) {  // 2026-11: home 400 m off its ground passed in silence
+  const TemporaryFolder folder;
+  const auto of_home = ::testing::Contains(HasSubstr("Home is said"));
+  EXPECT_THAT(plan_tiles(over_home(folder, 50.8)).warnings, ::testing::Not(of_home));
+  const TilePlan plan = plan_tiles(over_home(folder, 450.8));
+  EXPECT_NEAR(plan.route_samples.front().agl_m, 480.8, 0.1);
+  EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("Home is said to lie at 450.8 m above sea level, but the "
+                                                           "elevation model has 50.0 m there")));
+}
+
+TEST(PlanTiles, WarnsOfLowLegsUnlessToldToFlyThere) {
+  const TemporaryFolder folder;
+  TileOptions options = make_small_mission(folder.path(), {MissionPoint{100, 150, 60}, {300, 150, 60}, {500, 150, 15}});
+  EXPECT_THAT(plan_tiles(options).warnings, ::testing::Contains(HasSubstr("Only 15.0 m above the ground at lat 45.")));
+  options.min_agl_m = 10;
+  EXPECT_THAT(plan_tiles(options).warnings, ::testing::Not(::testing::Contains(HasSubstr("above the ground"))));
+}
+
 TEST(PlanTiles, CrsIsObeyedOrRefused) {
   const TemporaryFolder folder;
   TileOptions options = make_small_mission(folder.path(), two_legs());
@@ -115,6 +162,30 @@ TEST(PlanTiles, NamesThePartOutsideTheImagery) {
   bool none = false;
   for (const PlanTile& tile : plan.tiles) none = none || tile.valid_fraction == 0;
   EXPECT_TRUE(none);
+}
+
+TEST(PlanTiles, CoverageCountsThePixelsThatScoreReads) {  // 2026-11: 30 % of random holes passed for a coverage of 1
+  const TemporaryFolder folder;
+  const TileOptions options = make_small_mission(folder.path(), two_legs());
+  testing::change_raster(options.imagery[0], [](GDALDataset& dataset) {
+    Random random(seed_from_name("holes"));
+    GDALRasterBand& band = *dataset.GetRasterBand(1);
+    ASSERT_EQ(band.SetNoDataValue(0), CE_None);
+    std::vector<std::uint8_t> grays(600 * 400);
+    ASSERT_EQ(band.RasterIO(GF_Read, 0, 0, 600, 400, grays.data(), 600, 400, GDT_Byte, 0, 0, nullptr), CE_None);
+    for (std::uint8_t& gray : grays) gray = random.uniform() < 0.3 ? 0 : gray;
+    ASSERT_EQ(band.RasterIO(GF_Write, 0, 0, 600, 400, grays.data(), 600, 400, GDT_Byte, 0, 0, nullptr), CE_None);
+    const int half = 2;  // averages over what is valid: no hole is left
+    ASSERT_EQ(dataset.BuildOverviews("AVERAGE", 1, &half, 0, nullptr, nullptr, nullptr), CE_None);
+  });
+  const TilePlan plan = plan_tiles(options);
+  for (const PlanTile& tile : plan.tiles) {
+    const PlanLevel& level = plan.levels.at(static_cast<std::size_t>(tile.level));
+    const double scored =
+        valid_fraction(open_plan_imagery(plan, level), level.matrix.tile_window(tile.column, tile.row));
+    EXPECT_EQ(tile.valid_fraction, scored) << tile.tile_id;
+    EXPECT_NEAR(tile.valid_fraction, 0.7, 0.03) << tile.tile_id;
+  }
 }
 
 TEST(PlanTiles, RefusesTilesLargerThanTheImagery) {

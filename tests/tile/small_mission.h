@@ -69,6 +69,17 @@ inline TileOptions make_small_mission(const std::filesystem::path& folder, const
   return options;
 }
 
+/// Flat ground of `amsl_m` under and around a small mission; returns the file's name.
+inline std::string make_flat_elevation(const std::filesystem::path& folder, double amsl_m) {
+  RasterSpec spec;
+  spec.width = 100;
+  spec.height = 80;
+  spec.type = GDT_Float32;
+  spec.place = GeoTransform::north_up(499'800, 5'000'200, 10);
+  spec.value = [amsl_m](int, int, int) { return amsl_m; };
+  return make_raster(folder / "elevation.tif", spec);
+}
+
 /// Two legs, 400 m and 100 m, at one height.
 inline std::vector<MissionPoint> two_legs(double agl_m = 80) {
   return {{100, 150, agl_m}, {500, 150, agl_m}, {500, 250, agl_m}};

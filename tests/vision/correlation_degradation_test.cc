@@ -1,11 +1,15 @@
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
 #include "pilotage/vision/degradation.h"
+#include "pilotage/vision/degradation_fields.h"
 
 namespace pilotage {
 namespace {
@@ -44,6 +48,57 @@ TEST(Degradation, SameSeedSameCopyOtherSeedAnother) {
   EXPECT_EQ(cv::norm(first, Degrader(64, 8, options, 7, 0).apply(tile), cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(first, Degrader(64, 8, options, 8, 0).apply(tile), cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(first, Degrader(64, 8, options, 7, 1).apply(tile), cv::NORM_INF), 0);
+}
+
+TEST(Degradation, SameBytesFromSeveralThreads) {
+  const cv::Mat tile = ground(96, 5);
+  const Degrader degrader(64, 16, DegradationOptions{}, 3, 0);
+  const cv::Mat alone = degrader.apply(tile);
+  std::vector<cv::Mat> copies(24);
+  parallel_for(copies.size(), 4, [&](std::size_t i, int) { copies[i] = degrader.apply(tile); });
+  for (const cv::Mat& copy : copies) EXPECT_EQ(cv::norm(copy, alone, cv::NORM_INF), 0);
+}
+
+double deviation(const cv::Mat& values) {
+  cv::Scalar mean;
+  cv::Scalar sigma;
+  cv::meanStdDev(values, mean, sigma);
+  return sigma[0];
+}
+
+/// Each effect draws from its own stream: the noise is the same with new texture and without.
+TEST(Degradation, DrawsDoNotDependOnOtherEffects) {
+  const cv::Mat tile = ground(64, 5);
+  DegradationOptions options = kNothing;
+  options.noise = 0.5;
+  const cv::Mat noise = (Degrader(64, 0, options, 9, 0).apply(tile) - tile) / deviation(tile);
+  EXPECT_NEAR(deviation(noise), 0.5, 0.02);
+  options.texture_redrawn = 0.65;
+  const cv::Mat both = Degrader(64, 0, options, 9, 0).apply(tile);
+  options.noise = 0;
+  const cv::Mat texture = Degrader(64, 0, options, 9, 0).apply(tile);
+  EXPECT_LT(cv::norm((both - texture) / deviation(texture), noise, cv::NORM_INF), 1e-5);
+}
+
+/// New texture is white: every octave of frequency has a quarter of the power of the next finer one.
+TEST(Degradation, TextureIsWhite) {
+  const cv::Mat field = texture_field(256, 64, Random(seed_from_name("slope")));
+  EXPECT_NEAR(deviation(field), 1, 1e-3);
+  cv::Mat spectrum;
+  cv::dft(field, spectrum, cv::DFT_COMPLEX_OUTPUT);
+  const auto power = [&](double low, double high) {  // of frequencies in cycles per picture
+    double sum = 0;
+    for (int row = 0; row < 256; ++row) {
+      for (int col = 0; col < 256; ++col) {
+        const double frequency = std::hypot(std::min(row, 256 - row), std::min(col, 256 - col));
+        const cv::Vec2f value = spectrum.at<cv::Vec2f>(row, col);
+        if (frequency >= low && frequency < high) sum += static_cast<double>(value.dot(value));
+      }
+    }
+    return sum;
+  };
+  EXPECT_NEAR(std::log2(power(64, 128) / power(32, 64)), 2, 0.15);
+  EXPECT_NEAR(std::log2(power(32, 64) / power(16, 32)), 2, 0.2);
 }
 
 TEST(Degradation, RotationTurnsAboutTheCentre) {

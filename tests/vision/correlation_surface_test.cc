@@ -9,6 +9,7 @@
 #include "pilotage/base/random.h"
 #include "pilotage/vision/correlation_kernels.h"
 #include "pilotage/vision/fft_correlation.h"
+#include "pilotage/vision/masked_correlation.h"
 
 namespace pilotage {
 namespace {
@@ -104,6 +105,30 @@ TEST(MaskedCorrelation, AgreesWithDirectSums) {
   }
   EXPECT_GT(excluded, 10);
   EXPECT_NEAR(surface.at<float>(where.tl()), 1, 1e-3);
+}
+
+/// One formula, two libraries' transforms: both agree with the direct sums, and with each other to the last digits.
+TEST(MaskedCorrelation, IsTheSameByFftwAndByOpenCv) {
+  const cv::Mat region = ground(120, 140, "BothTransforms");
+  cv::Mat region_valid(region.size(), CV_8U, cv::Scalar(255));
+  region_valid(cv::Rect(0, 60, 70, 60)).setTo(0);
+  for (int i = 0; i < 300; ++i) region_valid.at<std::uint8_t>((i * 53) % 120, (i * 97) % 140) = 0;
+  const cv::Rect where(40, 30, 48, 40);
+  const cv::Mat tile_valid = region_valid(where).clone();
+  const cv::Mat by_fftw = masked_surfaces(tile_valid, region, region_valid, 0.4)(region(where));
+  const MaskedCorrelation by_opencv(tile_valid, region, region_valid, 0.4, 0,
+                                    opencv_sums_of_products(tile_valid.size(), region.size()));
+  const cv::Mat other = by_opencv.surface(region(where));
+  for (int row = 0; row < other.rows; ++row) {
+    for (int col = 0; col < other.cols; ++col) {
+      const float expected = masked_oracle(region(where), tile_valid, region, region_valid, col, row, 0.4);
+      ASSERT_EQ(other.at<float>(row, col) == MaskedCorrelation::kNotCompared, std::isnan(expected));
+      ASSERT_EQ(std::isnan(by_fftw.at<float>(row, col)), std::isnan(expected));
+      if (std::isnan(expected)) continue;
+      ASSERT_NEAR(by_fftw.at<float>(row, col), expected, 1e-6) << col << ", " << row;
+      ASSERT_NEAR(other.at<float>(row, col), expected, 1e-6) << col << ", " << row;
+    }
+  }
 }
 
 TEST(MaskedCorrelation, WithoutHolesIsTheOrdinaryOne) {

@@ -26,10 +26,6 @@ InsState state_after_position(const InsErrorModel& model, double speed_mps, doub
 
 }  // namespace
 
-InsState drift_after(const InsErrorModel& model, double time_s, double speed_mps, double position_sigma_m) {
-  return propagate(state_after_position(model, speed_mps, position_sigma_m), time_s, 0, speed_mps, model);
-}
-
 double longest_bridgeable_gap_s(const InsErrorModel& model, double speed_mps, double max_error_m, double sigma_multiple,
                                 double fix_sigma_m) {
   require_positive("speed_mps", speed_mps);

@@ -5,11 +5,6 @@
 
 namespace pilotage {
 
-/// The error state `time_s` seconds of straight flight at `speed_mps` after a position of error `position_sigma_m`,
-/// with all else as at the loss of GNSS: what earlier fixes taught the filter about velocity and tilt is not counted
-/// upon.
-InsState drift_after(const InsErrorModel& model, double time_s, double speed_mps, double position_sigma_m);
-
 /// The longest time of straight flight after a fix of error `fix_sigma_m` during which k·σ of position stays within
 /// `max_error_m`: the first crossing to 1 ms. 0 when the fix itself is worse than that; kLongestGap_s when it is never
 /// reached. Throws UsageError unless all arguments are positive and finite.

@@ -85,30 +85,4 @@ InsErrorModel make_ins_error_model(const InsOptions& options) {
   return model;
 }
 
-std::string ins_grade_source(InsGrade grade) {
-  switch (grade) {
-    case InsGrade::kConsumer:
-      return "TDK InvenSense ICM-20948 (DS-000189): noise densities as published; biases after calibration and "
-             "alignment "
-             "representative";
-    case InsGrade::kIndustrial:
-      return "Analog Devices ADIS16470: random walks as published (typical); biases representative, above the "
-             "published "
-             "in-run stability";
-    case InsGrade::kTactical:
-      return "Sensonor STIM300 (10 g): random walks, scale errors and accelerometer bias repeatability as published; "
-             "gyro bias "
-             "over temperature as published; alignment representative";
-    case InsGrade::kNavigation:
-      return "Honeywell HG9900: biases, angle random walk and scale errors as published; velocity random walk and "
-             "alignment "
-             "representative";
-    case InsGrade::kVisualOdometry:
-      return "Visual odometry of 1 % of the distance, representative; heading of an industrial gyro (ADIS16470)";
-    case InsGrade::kCustom:
-      return "figures given by the user";
-  }
-  return "";
-}
-
 }  // namespace pilotage

@@ -32,7 +32,4 @@ struct InsErrorModel {
 /// comes with no figure that makes an error grow.
 InsErrorModel make_ins_error_model(const InsOptions& options);
 
-/// Where the figures of a grade come from, for reports: product, datasheet, and what of it is representative only.
-std::string ins_grade_source(InsGrade grade);
-
 }  // namespace pilotage

@@ -251,10 +251,6 @@ double position_error_m(const InsState& state, double sigma_multiple) {
   return sigma_multiple * std::sqrt(largest_variance(state.covariance.block<2, 2>(kPosition, kPosition)));
 }
 
-double position_drms_m(const InsState& state) {
-  return std::sqrt(state.covariance(0, 0) + state.covariance(1, 1));
-}
-
 AttitudeError attitude_error(const InsState& state, double sigma_multiple) {
   return {sigma_multiple * std::sqrt(largest_variance(state.covariance.block<2, 2>(kTilt, kTilt))),
           sigma_multiple * std::sqrt(state.covariance(kHeading, kHeading))};

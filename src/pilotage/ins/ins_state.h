@@ -68,9 +68,6 @@ InsState update_with_fix(const InsState& state, double fix_sigma_m);
 /// of this radius holds the error with 98.9 % (round ellipse) to 99.7 % (thin one) for k = 3.
 double position_error_m(const InsState& state, double sigma_multiple);
 
-/// √(σ_east² + σ_north²), for comparison with data that state radial errors.
-double position_drms_m(const InsState& state);
-
 /// k times the standard deviations of attitude.
 struct AttitudeError {
   double tilt_rad = 0;  ///< Of the vertical, along the worst direction.

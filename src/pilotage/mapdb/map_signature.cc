@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <string_view>
 #include <vector>
 
-#include <fcntl.h>
 #include <sodium.h>
-#include <unistd.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
@@ -87,18 +83,6 @@ void check_comment(const std::string& comment) {
   }
 }
 
-/// Readable by the owner alone from the first byte on.
-void write_private(const fs::path& path, const std::string& text) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) throw DataError(path.string() + ": cannot be written: " + std::strerror(errno));
-  const ssize_t written = ::write(descriptor, text.data(), text.size());
-  const int error = errno;
-  ::close(descriptor);
-  if (written != static_cast<ssize_t>(text.size())) {
-    throw DataError(path.string() + ": cannot be written: " + std::strerror(error));
-  }
-}
-
 }  // namespace
 
 fs::path sign_file(const fs::path& path, const fs::path& secret_key_path, const SignOptions& options) {
@@ -136,25 +120,6 @@ SignatureInfo verify_signature(const fs::path& path, const std::string& public_k
     throw IntegrityError(signature_file.string() + ": the trusted comment was changed");
   }
   return {signature.trusted_comment, format_key_id(signature.key_id), signature.prehashed};
-}
-
-std::string generate_key_pair(const fs::path& secret_key_path, const fs::path& public_key_path,
-                              const KeyPairOptions& options) {
-  start_sodium();
-  OutputFile secret_file(secret_key_path, options.overwrite);
-  OutputFile public_file(public_key_path, options.overwrite);
-  MinisignSecretKey secret_key;
-  MinisignPublicKey public_key;
-  randombytes_buf(secret_key.key_id.data(), secret_key.key_id.size());
-  public_key.key_id = secret_key.key_id;
-  crypto_sign_keypair(public_key.key.data(), secret_key.key.data());
-  std::string secret_text = format_secret_key_file(secret_key, options.passphrase);
-  write_private(secret_file.temporary_path(), secret_text);
-  sodium_memzero(secret_text.data(), secret_text.size());
-  write_file(public_file.temporary_path(), format_public_key_file(public_key), true);
-  secret_file.commit();
-  public_file.commit();
-  return format_public_key(public_key);
 }
 
 }  // namespace pilotage

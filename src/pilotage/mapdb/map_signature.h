@@ -38,14 +38,4 @@ struct SignatureInfo {
 SignatureInfo verify_signature(const std::filesystem::path& path, const std::string& public_key,
                                const std::optional<std::filesystem::path>& signature_path = {});
 
-struct KeyPairOptions {
-  std::optional<std::string> passphrase;  ///< Encrypts the secret key (scrypt); without it the key is stored in clear.
-  bool overwrite = false;
-};
-
-/// Makes a key pair that minisign reads too; the secret key file is readable by its owner alone. Returns the public key
-/// (56 base64 characters). Throws DataError.
-std::string generate_key_pair(const std::filesystem::path& secret_key_path,
-                              const std::filesystem::path& public_key_path, const KeyPairOptions& options = {});
-
 }  // namespace pilotage

@@ -248,11 +248,16 @@ VerifyReport verify_map(const std::filesystem::path& path, const Progress& progr
   return report;
 }
 
+bool VerifyReport::any_wrong_digest() const {
+  return std::any_of(problems.begin(), problems.end(),
+                     [](const MapProblem& problem) { return problem.kind == MapProblem::Kind::kDigest; });
+}
+
 void require_intact(const VerifyReport& report) {
   for (const MapProblem& problem : report.problems) {
     if (problem.kind == MapProblem::Kind::kDigest) throw IntegrityError(problem.message);
   }
-  if (!report.problems.empty()) throw DataError(report.problems.front().message);
+  if (!report.ok()) throw DataError(report.problems.front().message);
 }
 
 }  // namespace pilotage

@@ -32,6 +32,8 @@ struct VerifyReport {
   std::string content_digest;  ///< Computed, 64 hex digits; "" when the file cannot be read through.
 
   bool ok() const { return problems.empty(); }
+  /// Whether a problem is a digest that does not match, not only damage.
+  bool any_wrong_digest() const;
 };
 
 /// Checks everything that can be checked without a key: file size and header, version, SQLite's integrity_check, both
@@ -40,7 +42,8 @@ struct VerifyReport {
 /// throws DataError only when there is no file to read.
 VerifyReport verify_map(const std::filesystem::path& path, const Progress& progress = {});
 
-/// Throws IntegrityError with the first wrong digest, else DataError with the first damage, else nothing.
+/// What a ground program calls before a map flies: throws IntegrityError with the first wrong digest, else DataError
+/// with the first damage, else nothing.
 void require_intact(const VerifyReport& report);
 
 }  // namespace pilotage

@@ -31,8 +31,14 @@ constexpr std::size_t kKeyIdAt = 54;
 constexpr std::size_t kKeyAt = 62;
 constexpr std::size_t kChecksumAt = 126;
 constexpr std::size_t kEncryptedBytes = kSecretKeyBytes - kKeyIdAt;
-// A key file is not trusted: no more than minisign's own cost.
-constexpr ScryptCost kMaxCost;
+
+/// How much work and memory scrypt takes to turn a passphrase into a key.
+struct ScryptCost {
+  std::uint64_t operations = 0;
+  std::uint64_t memory_bytes = 0;
+};
+// A key file is not trusted: no more than minisign's own cost (1 GiB, seconds).
+constexpr ScryptCost kMaxCost{33554432, 1073741824};
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -144,18 +150,6 @@ MinisignPublicKey parse_public_key(const std::string& text, const std::string& n
   return key;
 }
 
-std::string format_public_key(const MinisignPublicKey& key) {
-  Bytes bytes = {'E', 'd'};
-  bytes.insert(bytes.end(), key.key_id.begin(), key.key_id.end());
-  bytes.insert(bytes.end(), key.key.begin(), key.key.end());
-  return to_base64(bytes);
-}
-
-std::string format_public_key_file(const MinisignPublicKey& key) {
-  return std::string(kUntrusted) + "minisign public key " + format_key_id(key.key_id) + "\n" + format_public_key(key) +
-         "\n";
-}
-
 MinisignSecretKey parse_secret_key(const std::string& text, const std::optional<std::string>& passphrase,
                                    const std::string& name) {
   const std::vector<std::string> lines = lines_of(text);
@@ -173,32 +167,6 @@ MinisignSecretKey parse_secret_key(const std::string& text, const std::optional<
   sodium_memzero(bytes.data(), bytes.size());
   if (!halves_match(key.key)) throw DataError(name + ": the secret key is damaged");
   return key;
-}
-
-std::string format_secret_key_file(const MinisignSecretKey& key, const std::optional<std::string>& passphrase,
-                                   const ScryptCost& cost) {
-  Bytes bytes(kSecretKeyBytes, 0);
-  bytes[0] = 'E';
-  bytes[1] = 'd';
-  bytes[kChecksumKindAt] = 'B';
-  bytes[kChecksumKindAt + 1] = '2';
-  std::copy(key.key_id.begin(), key.key_id.end(), bytes.begin() + kKeyIdAt);
-  std::copy(key.key.begin(), key.key.end(), bytes.begin() + kKeyAt);
-  if (passphrase) {
-    const auto checksum = checksum_of(bytes);
-    std::copy(checksum.begin(), checksum.end(), bytes.begin() + kChecksumAt);
-    bytes[kKdfAt] = 'S';
-    bytes[kKdfAt + 1] = 'c';
-    randombytes_buf(bytes.data() + kSaltAt, kOperationsAt - kSaltAt);
-    Bytes limits;
-    append_le(limits, cost.operations);
-    append_le(limits, cost.memory_bytes);
-    std::copy(limits.begin(), limits.end(), bytes.begin() + kOperationsAt);
-    xor_with_scrypt(std::span(bytes).subspan(kKeyIdAt, kEncryptedBytes), *passphrase, bytes.data() + kSaltAt, cost);
-  }
-  std::string text = std::string(kUntrusted) + "minisign encrypted secret key\n" + to_base64(bytes) + "\n";
-  sodium_memzero(bytes.data(), bytes.size());
-  return text;
 }
 
 MinisignSignature parse_signature(const std::string& text, const std::string& name) {

@@ -38,22 +38,10 @@ struct MinisignSignature {
 
 /// The key alone (56 base64 characters) or the text of a public key file.
 MinisignPublicKey parse_public_key(const std::string& text, const std::string& name);
-std::string format_public_key(const MinisignPublicKey& key);       ///< 56 base64 characters.
-std::string format_public_key_file(const MinisignPublicKey& key);  ///< With its comment.
 
 /// Throws UsageError when the key is encrypted and `passphrase` is missing or wrong.
 MinisignSecretKey parse_secret_key(const std::string& text, const std::optional<std::string>& passphrase,
                                    const std::string& name);
-
-/// How much work and memory scrypt takes to turn a passphrase into a key; the default is minisign's (1 GiB, seconds).
-struct ScryptCost {
-  std::uint64_t operations = 33554432;
-  std::uint64_t memory_bytes = 1073741824;
-};
-
-/// Encrypted when there is a passphrase.
-std::string format_secret_key_file(const MinisignSecretKey& key, const std::optional<std::string>& passphrase,
-                                   const ScryptCost& cost = {});
 
 MinisignSignature parse_signature(const std::string& text, const std::string& name);
 std::string format_signature_file(const MinisignSignature& signature);

@@ -10,11 +10,12 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/match/local_contrast.h"
-#include "pilotage/match/masked_correlation.h"
+#include "pilotage/vision/masked_correlation.h"
 
 namespace pilotage {
 namespace {
 
+constexpr double kFlatVariance = 1e-3;  // of gray values or of local contrast: what is even after rounding
 constexpr double kMaxPositionPx = 1e9;  // of mosaic pixels: int holds it
 
 /// The frame's nadir point in its own pixels.
@@ -251,7 +252,8 @@ ChipMatch compare(const Templates& templates, const ChipMosaic& mosaic, const cv
                                    {cols.start + canvas.left, rows.start + canvas.top, cols.size() - 1 + canvas.width,
                                     rows.size() - 1 + canvas.height},
                                    options.contrast_sigma_px);
-  const MaskedCorrelation correlation(templates.mask, region.pixels, region.valid, options.min_overlap);
+  const MaskedCorrelation correlation(templates.mask, region.pixels, region.valid, options.min_overlap, kFlatVariance,
+                                      opencv_sums_of_products(templates.mask.size(), region.pixels.size()));
   const Best best = best_of(correlation, templates.pixels);
   if (best.ncc <= 0) return match;
   const Eigen::Vector2d at(cols.start + best.at.x, rows.start + best.at.y);

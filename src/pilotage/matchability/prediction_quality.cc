@@ -208,28 +208,9 @@ void check(const QualityOptions& options) {
           options.stated_rate, "[0, 1]");
 }
 
-}  // namespace
-
-double area_under_roc(std::span<const JudgedPrediction> predictions) {
-  return auc(sorted(predictions));
-}
-
-double brier_score(std::span<const JudgedPrediction> predictions) {
-  return mean_loss(sorted(predictions), squared_error);
-}
-
-double brier_skill(std::span<const JudgedPrediction> predictions, double reference_rate) {
-  return skill(sorted(predictions), reference_rate);
-}
-
-double log_score(std::span<const JudgedPrediction> predictions) {
-  return mean_loss(sorted(predictions), surprise);
-}
-
-std::vector<ReliabilityBin> reliability_bins(std::span<const JudgedPrediction> predictions, int bins) {
-  require(bins >= 1, "bins", bins, "[1, 1000]");
+std::vector<ReliabilityBin> reliability_bins(std::span<const Weighted> list, int bins) {
   std::vector<ReliabilityBin> result;
-  for (const Bin& bin : equal_count_bins(sorted(predictions), bins)) {
+  for (const Bin& bin : equal_count_bins(list, bins)) {
     const auto count = static_cast<double>(bin.weight);
     result.push_back({bin.low, bin.high, bin.value_sum / count, bin.weight, bin.correct,
                       static_cast<double>(bin.correct) / count, binomial_interval(bin.correct, bin.weight)});
@@ -237,20 +218,16 @@ std::vector<ReliabilityBin> reliability_bins(std::span<const JudgedPrediction> p
   return result;
 }
 
-double expected_calibration_error(std::span<const JudgedPrediction> predictions, int bins) {
-  require(bins >= 1, "bins", bins, "[1, 1000]");
-  return calibration_error(sorted(predictions), bins);
-}
-
-double chance_calibration_error(std::span<const JudgedPrediction> predictions, int bins) {
-  require(bins >= 1, "bins", bins, "[1, 1000]");
-  if (predictions.empty()) return kNaN;
+double chance_calibration_error(std::span<const Weighted> list, int bins) {
+  if (list.empty()) return kNaN;
   double sum = 0;
-  for (const Bin& bin : equal_count_bins(sorted(predictions), bins)) {
+  for (const Bin& bin : equal_count_bins(list, bins)) {
     sum += std::sqrt(2 / std::numbers::pi * std::max(0.0, bin.variance_sum));
   }
-  return sum / static_cast<double>(predictions.size());
+  return sum / static_cast<double>(total_weight(list));
 }
+
+}  // namespace
 
 PredictionQuality judge_predictions(std::span<const JudgedPrediction> predictions, bool probability,
                                     const QualityOptions& options) {
@@ -273,8 +250,8 @@ PredictionQuality judge_predictions(std::span<const JudgedPrediction> prediction
   quality.probability = probability;
   quality.correct = std::count_if(defined.begin(), defined.end(), [](const auto& each) { return each.correct; });
   quality.base_rate = base_rate(list);
-  quality.bins = reliability_bins(defined, options.bins);
-  if (probability) quality.chance_calibration_error = chance_calibration_error(defined, options.bins);
+  quality.bins = reliability_bins(list, options.bins);
+  if (probability) quality.chance_calibration_error = chance_calibration_error(list, options.bins);
 
   const Numbers numbers = numbers_of(list, probability, options);
   const std::vector<Numbers> resamples =

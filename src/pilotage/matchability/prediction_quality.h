@@ -50,14 +50,32 @@ struct PredictionQuality {
   std::int64_t blocks = 0;     ///< Blocks that the judged ones lie in.
   bool probability = false;    ///< The five from brier to log_score are defined for probabilities only.
   double base_rate = std::numeric_limits<double>::quiet_NaN();  ///< correct / count.
+
+  /// The probability that a prediction that came true has a higher value than one that did not, ties counted half: the
+  /// area under the ROC curve (J. A. Hanley, B. J. McNeil, Radiology 143, 1982), Mann and Whitney's U / (n₁ n₀). 0.5 is
+  /// worthless; below 0.5 the value points the wrong way, and it is not turned round. NaN unless both outcomes occur.
   Estimate auc;
+  /// Mean of (p − outcome)² (G. W. Brier, Mon. Weather Rev. 78, 1950): 0 is perfect, r (1 − r) what always saying the
+  /// base rate r earns.
   Estimate brier;
-  Estimate brier_skill;         ///< Against always saying base_rate.
+  /// 1 − brier / (that of always saying base_rate): 1 is perfect, 0 no better than that, below 0 worse. NaN when the
+  /// base rate is never wrong.
+  Estimate brier_skill;
   Estimate brier_skill_stated;  ///< Against always saying QualityOptions::stated_rate.
+  /// Expected calibration error: mean of |mean value − rate| of the bins, weighted by their count (M. P. Naeini, G. F.
+  /// Cooper, M. Hauskrecht, AAAI 2015; equal-count bins as V. Nguyen, B. O'Connor, EMNLP 2015). Never 0 for few
+  /// predictions, however good these are.
   Estimate calibration_error;
-  double chance_calibration_error = std::numeric_limits<double>::quiet_NaN();  ///< chance_calibration_error().
+  /// What calibration_error is on average when every probability is true and outcomes are independent: in a bin of n,
+  /// |mean value − rate| is nearly half-normal with variance Σ p (1 − p) / n², its mean √(2/π) of the standard
+  /// deviation. Outcomes of neighbouring tiles depend on each other, so that chance gives rather more.
+  double chance_calibration_error = std::numeric_limits<double>::quiet_NaN();
+  /// Mean of −ln(probability given to what happened), in nats; probabilities are taken as within [1e-6, 1 − 1e-6], so
+  /// that one certain mistake costs 13.8 and not infinity.
   Estimate log_score;
-  std::vector<ReliabilityBin> bins;  ///< Ascending.
+  /// At most QualityOptions::bins bins of as equal a count as equal values allow: these are never parted, so that the
+  /// order of the predictions does not matter. Ascending, none empty.
+  std::vector<ReliabilityBin> bins;
 };
 
 /// Judges predictions: all of PredictionQuality. Intervals are percentiles over resamples in which whole blocks are
@@ -70,38 +88,5 @@ struct PredictionQuality {
 /// Throws UsageError when a probability lies outside [0, 1], a value is infinite, or an option is out of its range.
 PredictionQuality judge_predictions(std::span<const JudgedPrediction> predictions, bool probability,
                                     const QualityOptions& options = {});
-
-// The numbers alone. Each is NaN without predictions; none takes NaN values.
-
-/// The probability that a prediction that came true has a higher value than one that did not, ties counted half: the
-/// area under the ROC curve (J. A. Hanley, B. J. McNeil, Radiology 143, 1982), Mann and Whitney's U / (n₁ n₀). 0.5 is
-/// worthless; below 0.5 the value points the wrong way, and it is not turned round. NaN unless both outcomes occur.
-double area_under_roc(std::span<const JudgedPrediction> predictions);
-
-/// Mean of (p − outcome)² (G. W. Brier, Mon. Weather Rev. 78, 1950): 0 is perfect, r (1 − r) what always saying the
-/// base rate r earns.
-double brier_score(std::span<const JudgedPrediction> predictions);
-
-/// 1 − brier_score / (that of always saying `reference_rate`): 1 is perfect, 0 no better than that, below 0 worse. NaN
-/// when the reference is never wrong.
-double brier_skill(std::span<const JudgedPrediction> predictions, double reference_rate);
-
-/// Mean of −ln(probability given to what happened), in nats; probabilities are taken as within [1e-6, 1 − 1e-6], so
-/// that one certain mistake costs 13.8 and not infinity.
-double log_score(std::span<const JudgedPrediction> predictions);
-
-/// At most `bins` bins of as equal a count as equal values allow: these are never parted, so that the order of the
-/// predictions does not matter. Ascending, none empty. Throws UsageError unless bins ≥ 1.
-std::vector<ReliabilityBin> reliability_bins(std::span<const JudgedPrediction> predictions, int bins);
-
-/// Expected calibration error: mean of |mean value − rate| of the bins of reliability_bins, weighted by their count (M.
-/// P. Naeini, G. F. Cooper, M. Hauskrecht, AAAI 2015; equal-count bins as V. Nguyen, B. O'Connor, EMNLP 2015). Never 0
-/// for few predictions, however good these are: chance_calibration_error() says how much of it chance gives.
-double expected_calibration_error(std::span<const JudgedPrediction> predictions, int bins);
-
-/// What expected_calibration_error is on average when every probability is true and outcomes are independent: in a bin
-/// of n, |mean value − rate| is nearly half-normal with variance Σ p (1 − p) / n², its mean √(2/π) of the standard
-/// deviation. Outcomes of neighbouring tiles depend on each other, so that chance gives rather more.
-double chance_calibration_error(std::span<const JudgedPrediction> predictions, int bins);
 
 }  // namespace pilotage

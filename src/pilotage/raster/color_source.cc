@@ -4,12 +4,6 @@
 
 namespace pilotage {
 
-ColorSource color_source_from(const Raster& raster) {
-  const GraySource windows = gray_source_from(raster);  // windows of pixels in memory, whatever their channels
-  return {windows.width_px,         windows.height_px,     windows.map_from_pixel,
-          raster.pixels.channels(), raster.pixels.depth(), windows.read};
-}
-
 cv::Mat gray_from_colors(const cv::Mat& pixels) {
   if (pixels.channels() == 1) return pixels;
   cv::Mat gray;

@@ -22,9 +22,6 @@ struct ColorSource {
   std::function<Raster(const PixelWindow& window)> read;
 };
 
-/// A source over pixels already in memory, one or three channels (shared, not copied).
-ColorSource color_source_from(const Raster& raster);
-
 /// BT.601 luma of one or three channels (red, green, blue); one channel is gray already. 8 and 16 bits as cv::cvtColor
 /// rounds it, all others 0.299 R + 0.587 G + 0.114 B in double precision.
 cv::Mat gray_from_colors(const cv::Mat& pixels);

@@ -134,7 +134,22 @@ struct Mosaic {
   int depth = CV_8U;
 };
 
-Mosaic open_mosaic(const std::vector<std::string>& datasets, const TargetGrid& grid, const ImageryOptions& options) {
+Resampling kernel_of(const ImageryInfo& info, double grid_gsd_m, const ImageryOptions& options) {
+  if (options.resampling != Resampling::kAuto) return options.resampling;
+  const double ratio = grid_gsd_m / std::sqrt(info.gsd_x_m * info.gsd_y_m);
+  return ratio > kAverageAbove ? Resampling::kAverage : Resampling::kCubic;
+}
+
+/// The cheapest kernel that finds the same pixels valid: every one but averaging asks the imagery's pixel under the
+/// centre. Doubles keep theirs, because a value that is not finite reaches as far as the kernel.
+Resampling mask_kernel_of(const ImageryInfo& info, double grid_gsd_m, const ImageryOptions& options) {
+  const Resampling kernel = kernel_of(info, grid_gsd_m, options);
+  return kernel == Resampling::kAverage || info.depth == CV_64F ? kernel : Resampling::kNearest;
+}
+
+/// `choose` is one of the two functions above.
+Mosaic open_mosaic(const std::vector<std::string>& datasets, const TargetGrid& grid, const ImageryOptions& options,
+                   decltype(kernel_of)* choose = kernel_of) {
   if (datasets.empty()) throw UsageError("no imagery is given");
   check_grid(grid);
   Mosaic mosaic;
@@ -144,11 +159,7 @@ Mosaic open_mosaic(const std::vector<std::string>& datasets, const TargetGrid& g
     MosaicPart part;
     part.info = inspect_imagery(dataset, options);
     part.extent = extent_on_grid(part.info, grid);
-    Resampling resampling = options.resampling;
-    if (resampling == Resampling::kAuto) {
-      const double ratio = grid_gsd_m / std::sqrt(part.info.gsd_x_m * part.info.gsd_y_m);
-      resampling = ratio > kAverageAbove ? Resampling::kAverage : Resampling::kCubic;
-    }
+    const Resampling resampling = choose(part.info, grid_gsd_m, options);
     part.pool = std::make_shared<ViewPool>([info = part.info, options, grid, resampling] {
       return std::make_unique<RasterView>(info, options, grid, resampling);
     });
@@ -216,6 +227,23 @@ GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& o
           info.block_height_px};
 }
 
+GraySource source_on_grid(Mosaic opened) {
+  auto mosaic = std::make_shared<const Mosaic>(std::move(opened));
+  GraySource source;
+  source.width_px = mosaic->grid.width_px;
+  source.height_px = mosaic->grid.height_px;
+  source.map_from_pixel = mosaic->grid.map_from_pixel;
+  source.depth = mosaic->depth;
+  source.block_width_px = RasterView::kWarpedBlockWidth_px;
+  source.block_height_px = RasterView::kWarpedBlockHeight_px;
+  source.read = [mosaic](const PixelWindow& window) {
+    check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
+    return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, 1),
+                   [&](const RasterView& view) { return read_gray(view, window); });
+  };
+  return source;
+}
+
 }  // namespace
 
 GraySource open_gray(const std::string& dataset, const ImageryOptions& options) {
@@ -237,19 +265,19 @@ cv::Mat read_gray8_picture(const std::string& dataset) {
 GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
                              const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
                              const ImageryOptions& options) {
-  auto mosaic =
-      std::make_shared<const Mosaic>(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options));
-  GraySource source;
-  source.width_px = width_px;
-  source.height_px = height_px;
-  source.map_from_pixel = map_from_pixel;
-  source.depth = mosaic->depth;
-  source.block_width_px = RasterView::kWarpedBlockWidth_px;
-  source.block_height_px = RasterView::kWarpedBlockHeight_px;
-  source.read = [mosaic](const PixelWindow& window) {
-    check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
-    return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, 1),
-                   [&](const RasterView& view) { return read_gray(view, window); });
+  return share_blocks(source_on_grid(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options)));
+}
+
+GraySource open_valid_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
+                              const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
+                              const ImageryOptions& options) {
+  GraySource source =
+      source_on_grid(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options, mask_kernel_of));
+  source.depth = CV_8U;
+  source.read = [read = source.read](const PixelWindow& window) {
+    Raster raster = read(window);
+    raster.pixels = raster.valid;
+    return raster;
   };
   return share_blocks(source);
 }
@@ -290,17 +318,6 @@ Raster read_rgb8_on_grid(const std::vector<std::string>& datasets, const Crs& cr
                           [&](const RasterView& view) { return read_colors(view, window, 3); });
   raster.pixels = to_8bit(raster);
   return raster;
-}
-
-cv::Mat read_valid_on_grid(const std::vector<std::string>& datasets, const Crs& crs, const GeoTransform& map_from_pixel,
-                           int width_px, int height_px, const ImageryOptions& options) {
-  ImageryOptions nearest = options;
-  nearest.resampling = Resampling::kNearest;  // one sample per pixel of the grid: the share of ground has no bias
-  const Mosaic mosaic = open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, nearest);
-  const PixelWindow window{0, 0, width_px, height_px};
-  return compose(mosaic, window, CV_MAKETYPE(mosaic.depth, 1),
-                 [&](const RasterView& view) { return read_gray(view, window); })
-      .valid;
 }
 
 }  // namespace pilotage

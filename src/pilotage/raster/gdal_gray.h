@@ -56,15 +56,16 @@ ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const 
                                 const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
                                 const ImageryOptions& options = {});
 
+/// Where open_gray_on_grid has ground, pixel for pixel: `pixels` and `valid` are both the mask, 255 or 0. Cheaper than
+/// the grays, because a mask needs no interpolation. Throws as open_gray_on_grid.
+GraySource open_valid_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
+                              const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
+                              const ImageryOptions& options = {});
+
 /// A colour picture of the same mosaic for people to look at: three channels (red, green, blue), CV_8U; one band gives
 /// three equal channels. What is not 8 bits deep is stretched linearly between the 2nd and 98th percentile of each
 /// channel over the valid pixels of this very picture.
 Raster read_rgb8_on_grid(const std::vector<std::string>& datasets, const Crs& crs, const GeoTransform& map_from_pixel,
                          int width_px, int height_px, const ImageryOptions& options = {});
-
-/// Where the same mosaic has ground, CV_8U 255 or 0: cheap for a coarse grid, because overviews of mask and image are
-/// used.
-cv::Mat read_valid_on_grid(const std::vector<std::string>& datasets, const Crs& crs, const GeoTransform& map_from_pixel,
-                           int width_px, int height_px, const ImageryOptions& options = {});
 
 }  // namespace pilotage

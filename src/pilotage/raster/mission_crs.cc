@@ -281,15 +281,6 @@ double scale_distortion(const Crs& crs, const std::vector<GeodeticPoint>& points
   return points.empty() ? 0 : distortion_of(scale_range(crs, points));
 }
 
-double grid_convergence_deg(const Crs& crs, GeodeticPoint point) {
-  const CrsTransform transform(crs);
-  const auto ahead = transform.map_from_geodetic(geodesic_direct(point, 0, kStep_m / 2));
-  const auto behind = transform.map_from_geodetic(geodesic_direct(point, 180, kStep_m / 2));
-  if (!ahead || !behind) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Vector2d north = *ahead - *behind;  // true north, as the grid sees it
-  return -std::atan2(north.x(), north.y()) / kRadPerDeg;
-}
-
 MissionCrs choose_mission_crs(const std::vector<GeodeticPoint>& route, double half_width_m) {
   const std::vector<GeodeticPoint> points = corridor_points(route, half_width_m);
   const GeodeticPoint middle = middle_of(points);

@@ -28,12 +28,6 @@ std::vector<GeodeticPoint> corridor_points(const std::vector<GeodeticPoint>& rou
 /// image.
 double scale_distortion(const Crs& crs, const std::vector<GeodeticPoint>& points);
 
-/// Grid convergence: the direction of grid north, degrees clockwise from true north, in (-180, 180]. What flies at an
-/// azimuth has the grid bearing azimuth − convergence; a frame turned up to grid north must be turned by it, or upright
-/// features will not match far from the grid's central meridian. From 100 m of geodesic, error below 1e-5 degrees away
-/// from the poles. NaN where the point has no image.
-double grid_convergence_deg(const Crs& crs, GeodeticPoint point);
-
 /// The CRS of the mission grid for a corridor: the UTM zone (UPS beyond 84° N and 80° S) of its middle while its
 /// distortion is at most kStandardZoneDistortion, else the least distorted of: that zone, a transverse Mercator on
 /// the mean meridian, an oblique Mercator along the best great circle, a Lambert conformal conic (Mercator at the

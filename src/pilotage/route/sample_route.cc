@@ -138,7 +138,9 @@ std::vector<std::string> route_height_warnings(const Route& route, const std::ve
                                                const TerrainHeight& terrain, double low_agl_m) {
   std::vector<std::string> warnings;
   constexpr double kHomeTolerance_m = 30;
-  if (route.home && std::isfinite(route.home->amsl_m)) {
+  const bool above_sea = std::any_of(route.vertices.begin(), route.vertices.end(),
+                                     [](const RouteVertex& vertex) { return !std::isfinite(vertex.agl_m); });
+  if (above_sea && route.home && std::isfinite(route.home->amsl_m)) {
     const double ground = ground_m(terrain, route.home->point);
     if (std::abs(route.home->amsl_m - ground) > kHomeTolerance_m) {
       warnings.push_back("Home is said to lie at " + format_fixed(route.home->amsl_m, 1) +

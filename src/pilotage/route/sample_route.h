@@ -30,10 +30,14 @@ using TerrainHeight = std::function<double(GeodeticPoint)>;
 /// the route runs below the ground (naming leg, place and depth).
 std::vector<RouteSample> sample_route(const Route& route, double step_m, const TerrainHeight& terrain = {});
 
-/// What a planner should look at again: home's height against the ground (more than 30 m apart), stretches flown
-/// lower than `low_agl_m` above the ground on legs that do not land. Sentences; empty when all is well.
+/// Lower flight is warned of unless a caller says otherwise.
+inline constexpr double kLowAgl_m = 20;
+
+/// What a planner should look at again: home's height against the ground (more than 30 m apart; not looked at where
+/// every height of the route is above ground), stretches flown lower than `low_agl_m` above the ground on legs that do
+/// not land. Sentences; empty when all is well.
 std::vector<std::string> route_height_warnings(const Route& route, const std::vector<RouteSample>& samples,
-                                               const TerrainHeight& terrain = {}, double low_agl_m = 20);
+                                               const TerrainHeight& terrain = {}, double low_agl_m = kLowAgl_m);
 
 inline constexpr double kLandingTolerance_m = 50;
 

@@ -177,12 +177,13 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
   const cv::Mat tile_valid = strip.view(strip.valid, area.tile);
   const cv::Mat region = strip.view(strip.centred, area.window);
   const cv::Mat region_valid = strip.view(strip.valid, area.window);
-  const auto masked_scores = [&](const cv::Mat& pixels, const cv::Mat& valid) {
-    const double overlap = job.options.min_valid_fraction;
-    const cv::Mat surface = masked_correlation_surface(pixels, valid, region, region_valid, overlap);
+  const auto surfaces_of = [&](const cv::Mat& valid) {
+    return masked_surfaces(valid, region, region_valid, job.options.min_valid_fraction);
+  };
+  const auto scores_of = [&](const cv::Mat& surface) {
     return surface_scores(correlation_peaks(surface, area.truth, area.tile.width));
   };
-  if (job.clean()) score.clean = masked_scores(tile, tile_valid);
+  if (job.clean()) score.clean = scores_of(surfaces_of(tile_valid)(tile));
   if (!job.degraded()) return;
   cv::Mat kept = tile_valid.clone();
   if (cv::countNonZero(tile_valid) < tile_valid.rows * tile_valid.cols) {
@@ -190,10 +191,10 @@ void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area,
     cv::erode(tile_valid, kept, cv::Mat::ones(side, side, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
   }
   if (cv::countNonZero(kept) < 2) return;
+  const auto surface_of = surfaces_of(kept);
   std::vector<SurfaceScores> copies;
   for (const Degrader& degrader : job.copies) {
-    const cv::Mat copy = degraded_tile(strip, area.tile, degrader, job.margin_px);
-    copies.push_back(masked_scores(copy, kept));
+    copies.push_back(scores_of(surface_of(degraded_tile(strip, area.tile, degrader, job.margin_px))));
   }
   score.degraded = mean_scores(copies);
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,8 +29,6 @@ namespace pilotage {
 namespace {
 
 constexpr double kSampleStep_m = 10;
-// The corridor's coverage is measured on a grid this much coarser than the working one.
-constexpr int kCoverageReduction = 4;
 
 void require(bool given, const char* what) {
   if (!given) throw UsageError(std::string(what) + " is missing; give it as --" + what + ", or in a mission file");
@@ -48,22 +46,28 @@ double coarsest_gsd_m(const std::vector<ImageryInfo>& infos) {
   return gsd_m;
 }
 
-std::vector<PlanSample> sample_plan_route(const TileOptions& options, const Route& route) {
-  std::optional<Elevation> elevation;
-  TerrainHeight terrain;
-  if (!options.elevation.empty()) {
-    elevation.emplace(options.elevation);
-    terrain = [&elevation](GeodeticPoint point) { return elevation->amsl_m(point); };
-  }
-  std::vector<PlanSample> samples;
-  for (const RouteSample& sample : sample_route(route, kSampleStep_m, terrain)) {
-    samples.push_back(PlanSample{sample});
+TerrainHeight open_terrain(const std::string& elevation) {
+  if (elevation.empty()) return {};
+  const auto model = std::make_shared<const Elevation>(elevation);
+  return [model](GeodeticPoint point) { return model->amsl_m(point); };
+}
+
+// The samples of the plan's route, and what a planner should look at again in its heights.
+void sample_plan_route(TilePlan& plan) {
+  const TerrainHeight terrain = open_terrain(plan.elevation);
+  const std::vector<RouteSample> samples = sample_route(plan.route, kSampleStep_m, terrain);
+  for (const RouteSample& sample : samples) {
+    plan.route_samples.push_back(PlanSample{sample});
     if (!std::isfinite(sample.speed_mps)) {
-      throw UsageError(route.name + ": leg " + std::to_string(sample.leg + 1) +
+      throw UsageError(plan.route.name + ": leg " + std::to_string(sample.leg + 1) +
                        " has no speed; give --speed-mps (metres per second over ground)");
     }
   }
-  return samples;
+  // Who plans to match from lower than this means to fly there.
+  const double low_agl_m = std::min(kLowAgl_m, plan.min_agl_m);
+  for (std::string& warning : route_height_warnings(plan.route, samples, terrain, low_agl_m)) {
+    plan.warnings.push_back(std::move(warning));
+  }
 }
 
 MissionCrs mission_crs(const TileOptions& options, const Route& route, double half_width_m) {
@@ -206,20 +210,13 @@ Bounds tile_bounds(const TileMatrix& matrix, std::int64_t column, std::int64_t r
   return bounds;
 }
 
-// Coverage of each tile, from a coarser copy of the mosaic.
+// Coverage of each tile: the share of its pixels that `score` will find valid.
 void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatrix& matrix, std::span<PlanTile> tiles,
                       const Progress& progress) {
-  const double coarse_m = matrix.map_from_pixel.x_per_col * kCoverageReduction;
-  const GraySource source = open_gray_on_grid(
-      options.imagery, crs,
-      GeoTransform::north_up(matrix.map_from_pixel.origin_x, matrix.map_from_pixel.origin_y, coarse_m),
-      (matrix.grid_width_px + kCoverageReduction - 1) / kCoverageReduction,
-      (matrix.grid_height_px + kCoverageReduction - 1) / kCoverageReduction, options.imagery_options);
-  const int size_px = std::max(1, matrix.tile_size_px / kCoverageReduction);
+  const GraySource source = open_valid_on_grid(options.imagery, crs, matrix.map_from_pixel, matrix.grid_width_px,
+                                               matrix.grid_height_px, options.imagery_options);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const PixelWindow window = matrix.tile_window(tiles[i].column, tiles[i].row);
-    tiles[i].valid_fraction =
-        valid_fraction(source, {window.col / kCoverageReduction, window.row / kCoverageReduction, size_px, size_px});
+    tiles[i].valid_fraction = valid_fraction(source, matrix.tile_window(tiles[i].column, tiles[i].row));
     report_progress(progress, "coverage", static_cast<std::int64_t>(i + 1), static_cast<std::int64_t>(tiles.size()));
   }
 }
@@ -326,7 +323,7 @@ TilePlan plan_tiles(const TileOptions& options, const Progress& progress) {
   plan.max_error_m = options.max_error_m;
   plan.min_agl_m = options.min_agl_m;
   plan.corridor_half_width_m = options.corridor_half_width_m.value_or(options.max_error_m);
-  plan.route_samples = sample_plan_route(options, plan.route);
+  sample_plan_route(plan);
 
   const MissionCrs grid = mission_crs(options, plan.route, plan.corridor_half_width_m);
   plan.crs_wkt = grid.crs.wkt();

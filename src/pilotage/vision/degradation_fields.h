@@ -18,20 +18,10 @@ void blur(const cv::Mat& from, cv::Mat& to, double sigma_px);
 /// on a grid four times coarser.
 cv::Mat local_strength(const cv::Mat& fine, double sigma_px);
 
-/// Mean 0 and variance 1 (a flat field stays as it is).
-cv::Mat normalised(const cv::Mat& field);
+/// What is finer than `sigma_px` in white noise, mean 0 and unit variance.
+cv::Mat texture_field(int size_px, double sigma_px, const Random& random);
 
-/// What is finer than `sigma_px` in noise whose amplitude falls with frequency to the power `slope` (0: white noise, no
-/// transform is made), unit variance.
-cv::Mat texture_field(int size_px, double sigma_px, double slope, const Random& random);
-
-/// level · (1 + amplitude · one slow wave of random direction and phase), half to one and a half periods across.
-cv::Mat wave_field(int size_px, double level, double amplitude, Random random);
-
-/// Factor 1 − contrast in shadow, 1 in the light: the edge of one large shadow (a half plane, half of `share` of the
-/// picture) and quadrilaterals with sides of a sixteenth to a quarter of the picture, all cast in one direction, until
-/// `share` is covered. The last one may cover more: at most a sixteenth of the picture too much. Edges are Gaussian
-/// with sigma `edge_px`.
-cv::Mat shadow_field(int size_px, double contrast, double share, double edge_px, Random random);
+/// 1 + amplitude · one slow wave of random direction and phase, half to one and a half periods across.
+cv::Mat wave_field(int size_px, double amplitude, Random random);
 
 }  // namespace pilotage

@@ -15,6 +15,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/vision/correlation_kernels.h"
+#include "pilotage/vision/masked_correlation.h"
 
 namespace pilotage {
 namespace {
@@ -64,33 +65,44 @@ void take_every(const float* values, int count, float* out) {
   for (int i = 0; i < count; ++i) out[i] = values[step * i];
 }
 
-cv::Mat region_correlation(const RealFft2d& fft, const AlignedFloats& a, const AlignedFloats& b, const cv::Size& size,
-                           RealFft2d::Workspace& workspace) {
-  cv::Mat result(size, CV_32F);
-  const auto scale = static_cast<float>(1.0 / (static_cast<double>(fft.height()) * fft.width()));
-  const std::array<const float*, 1> spectrum_a{a.data()};
-  fft.correlate(spectrum_a, b.data(), {0, size.height}, {&workspace, 1},
-                [&](std::size_t, int row, const float* values) {
-                  float* line = result.ptr<float>(row);
-                  for (int col = 0; col < size.width; ++col) line[col] = values[col] * scale;
-                });
-  return result;
-}
-
-AlignedFloats spectrum_of(const RealFft2d& fft, const cv::Mat& pixels, RealFft2d::Workspace& workspace) {
-  AlignedFloats spectrum(fft.spectrum_size());
-  fft.forward(pixels, workspace, spectrum.data());
-  return spectrum;
-}
-
-cv::Size positions_of(const cv::Mat& tile, const cv::Mat& region) {
-  if (tile.type() != CV_32FC1 || region.type() != CV_32FC1) throw UsageError("correlation needs CV_32F images");
-  if (tile.empty() || tile.cols > region.cols || tile.rows > region.rows) {
-    throw UsageError("correlation: a tile of " + std::to_string(tile.cols) + " x " + std::to_string(tile.rows) +
+/// Checks both; the size of the surface.
+cv::Size positions_of(const cv::Size& tile, const cv::Mat& region) {
+  if (region.type() != CV_32FC1) throw UsageError("correlation needs CV_32F images");
+  if (tile.empty() || tile.width > region.cols || tile.height > region.rows) {
+    throw UsageError("correlation: a tile of " + std::to_string(tile.width) + " x " + std::to_string(tile.height) +
                      " px does not fit into a region of " + std::to_string(region.cols) + " x " +
                      std::to_string(region.rows) + " px");
   }
-  return {region.cols - tile.cols + 1, region.rows - tile.rows + 1};
+  return {region.cols - tile.width + 1, region.rows - tile.height + 1};
+}
+
+/// By FFTW, of templates of a size and a region.
+SumsOfProducts fftw_sums_of_products(const cv::Size& tile, const cv::Mat& region) {
+  struct Engine {
+    RealFft2d fft;
+    RealFft2d::Workspace workspace;
+  };
+  const cv::Size size = positions_of(tile, region);
+  const RealFft2d fft(fast_fft_size(region.rows), fast_fft_size(region.cols));
+  const auto engine = std::make_shared<Engine>(Engine{fft, fft.make_workspace()});
+  const auto spectrum = [engine](const cv::Mat& pixels) {
+    cv::Mat result(1, static_cast<int>(engine->fft.spectrum_size()), CV_32F);
+    engine->fft.forward(pixels, engine->workspace, result.ptr<float>());
+    return result;
+  };
+  const auto correlate = [engine, size](const cv::Mat& template_spectrum, const cv::Mat& region_spectrum) {
+    cv::Mat result(size, CV_32F);
+    const RealFft2d& transform = engine->fft;
+    const auto scale = static_cast<float>(1.0 / (static_cast<double>(transform.height()) * transform.width()));
+    const std::array<const float*, 1> spectra{template_spectrum.ptr<float>()};
+    transform.correlate(spectra, region_spectrum.ptr<float>(), {0, size.height}, {&engine->workspace, 1},
+                        [&](std::size_t, int row, const float* values) {
+                          float* line = result.ptr<float>(row);
+                          for (int col = 0; col < size.width; ++col) line[col] = values[col] * scale;
+                        });
+    return result;
+  };
+  return {spectrum, correlate};
 }
 
 }  // namespace
@@ -264,15 +276,14 @@ void BlockCorrelator::correlate(std::span<const float* const> blocks, std::span<
 }
 
 cv::Mat correlation_surface(const cv::Mat& tile, const cv::Mat& region) {
-  const cv::Size size = positions_of(tile, region);
+  if (tile.type() != CV_32FC1) throw UsageError("correlation needs CV_32F images");
+  const cv::Size size = positions_of(tile.size(), region);
   // Both lose the tile's mean, which changes no result and keeps the sums small.
   const double mean = cv::mean(tile)[0];
   const cv::Mat zero_mean_tile = tile - mean;
   const cv::Mat centred = region - mean;
-  const RealFft2d fft(fast_fft_size(region.rows), fast_fft_size(region.cols));
-  RealFft2d::Workspace workspace = fft.make_workspace();
-  cv::Mat surface = region_correlation(fft, spectrum_of(fft, zero_mean_tile, workspace),
-                                       spectrum_of(fft, centred, workspace), size, workspace);
+  const SumsOfProducts products = fftw_sums_of_products(tile.size(), region);
+  cv::Mat surface = products.correlate(products.spectrum(zero_mean_tile), products.spectrum(centred));
   cv::Mat sums;
   cv::Mat squares;
   cv::integral(centred, sums, squares, CV_64F, CV_64F);
@@ -297,86 +308,30 @@ cv::Mat correlation_surface(const cv::Mat& tile, const cv::Mat& region) {
   return surface;
 }
 
+std::function<cv::Mat(const cv::Mat& tile)> masked_surfaces(const cv::Mat& tile_valid, const cv::Mat& region,
+                                                            const cv::Mat& region_valid, double min_overlap) {
+  if (tile_valid.type() != CV_8UC1 || region_valid.type() != CV_8UC1 || region_valid.size() != region.size()) {
+    throw UsageError("masked correlation: masks must be CV_8U and as large as their images");
+  }
+  const auto correlation = std::make_shared<const MaskedCorrelation>(tile_valid, region, region_valid, min_overlap, 0,
+                                                                     fftw_sums_of_products(tile_valid.size(), region));
+  return [correlation](const cv::Mat& tile) {
+    cv::Mat surface = correlation->surface(tile);
+    surface.setTo(std::numeric_limits<float>::quiet_NaN(), surface == MaskedCorrelation::kNotCompared);
+    return surface;
+  };
+}
+
 cv::Mat masked_correlation_surface(const cv::Mat& tile, const cv::Mat& tile_valid, const cv::Mat& region,
                                    const cv::Mat& region_valid, double min_overlap) {
-  const cv::Size size = positions_of(tile, region);
-  if (tile_valid.type() != CV_8UC1 || region_valid.type() != CV_8UC1 || tile_valid.size() != tile.size() ||
-      region_valid.size() != region.size()) {
+  positions_of(tile.size(), region);
+  if (tile.type() != CV_32FC1) throw UsageError("correlation needs CV_32F images");
+  if (tile_valid.size() != tile.size()) {
     throw UsageError("masked correlation: masks must be CV_8U and as large as their images");
   }
   const auto all_valid = [](const cv::Mat& valid) { return cv::countNonZero(valid) == valid.rows * valid.cols; };
   if (all_valid(tile_valid) && all_valid(region_valid)) return correlation_surface(tile, region);
-  const double needed = std::max(2.0, min_overlap * cv::countNonZero(tile_valid));
-  const double mean = cv::mean(tile, tile_valid)[0];
-  const auto masked = [mean](const cv::Mat& pixels, const cv::Mat& valid) {
-    cv::Mat result = cv::Mat::zeros(pixels.size(), CV_32F);
-    cv::Mat(pixels - mean).copyTo(result, valid);
-    return result;
-  };
-  const auto as_float = [](const cv::Mat& valid) {
-    cv::Mat result;
-    cv::Mat(valid != 0).convertTo(result, CV_32F, 1.0 / 255);
-    return result;
-  };
-  const RealFft2d fft(fast_fft_size(region.rows), fast_fft_size(region.cols));
-  RealFft2d::Workspace workspace = fft.make_workspace();
-  const auto transform = [&](const cv::Mat& pixels) { return spectrum_of(fft, pixels, workspace); };
-  const auto correlate = [&](const AlignedFloats& a, const AlignedFloats& b) {
-    return region_correlation(fft, a, b, size, workspace);
-  };
-  const cv::Mat t = masked(tile, tile_valid);
-  const cv::Mat g = masked(region, region_valid);
-  const AlignedFloats t_mask = transform(as_float(tile_valid));
-  const AlignedFloats t_one = transform(t);
-  const AlignedFloats t_two = transform(t.mul(t));
-  const AlignedFloats g_mask = transform(as_float(region_valid));
-  const AlignedFloats g_one = transform(g);
-  const AlignedFloats g_two = transform(g.mul(g));
-  const cv::Mat count = correlate(t_mask, g_mask);
-  const cv::Mat t_sum = correlate(t_one, g_mask);
-  const cv::Mat t_squares = correlate(t_two, g_mask);
-  const cv::Mat g_sum = correlate(t_mask, g_one);
-  const cv::Mat g_squares = correlate(t_mask, g_two);
-  cv::Mat surface = correlate(t_one, g_one);
-
-  // Padfield's eq. 9 from the six correlations; variances first, to know which of them are noise.
-  cv::Mat t_scatter(size, CV_64F, cv::Scalar(0));
-  cv::Mat g_scatter(size, CV_64F, cv::Scalar(0));
-  for (int row = 0; row < size.height; ++row) {
-    for (int col = 0; col < size.width; ++col) {
-      const double n = std::round(static_cast<double>(count.at<float>(row, col)));
-      if (n < needed) continue;
-      const auto scatter = [&](const cv::Mat& sum, const cv::Mat& squares) {
-        const auto s = static_cast<double>(sum.at<float>(row, col));
-        return static_cast<double>(squares.at<float>(row, col)) - s * s / n;
-      };
-      t_scatter.at<double>(row, col) = scatter(t_sum, t_squares);
-      g_scatter.at<double>(row, col) = scatter(g_sum, g_squares);
-    }
-  }
-  double t_largest = 0;
-  double g_largest = 0;
-  cv::minMaxLoc(t_scatter, nullptr, &t_largest);
-  cv::minMaxLoc(g_scatter, nullptr, &g_largest);
-  for (int row = 0; row < size.height; ++row) {
-    for (int col = 0; col < size.width; ++col) {
-      float& value = surface.at<float>(row, col);
-      const double n = std::round(static_cast<double>(count.at<float>(row, col)));
-      const double tt = t_scatter.at<double>(row, col);
-      const double gg = g_scatter.at<double>(row, col);
-      if (n < needed) {
-        value = std::numeric_limits<float>::quiet_NaN();
-      } else if (tt <= 1e-5 * t_largest || gg <= 1e-5 * g_largest) {
-        value = 0;
-      } else {
-        const double product =
-            static_cast<double>(t_sum.at<float>(row, col)) * static_cast<double>(g_sum.at<float>(row, col));
-        value =
-            static_cast<float>(std::clamp((static_cast<double>(value) - product / n) / std::sqrt(tt * gg), -1.0, 1.0));
-      }
-    }
-  }
-  return surface;
+  return masked_surfaces(tile_valid, region, region_valid, min_overlap)(tile);
 }
 
 }  // namespace pilotage

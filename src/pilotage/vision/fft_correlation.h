@@ -136,11 +136,13 @@ class BlockCorrelator {
 /// UsageError when the tile is larger than the region.
 cv::Mat correlation_surface(const cv::Mat& tile, const cv::Mat& region);
 
-/// The same over the pixels that are valid in both (masks CV_8U, 0 = no ground): masked normalised cross-correlation,
-/// D. Padfield, "Masked object registration in the Fourier domain", IEEE Trans. Image Processing 21(5), 2012, eq. 9.
-/// Positions that overlap less than `min_overlap` of the tile's valid pixels are NaN. Windows whose variance over the
-/// overlap is below 1e-5 of the largest one count as flat and get 0. Error below 1e-3 where the variance is at least
-/// 1/100 of the largest. Where everything is valid it is correlation_surface().
+/// Surfaces of tiles that share the mask `tile_valid`, over the pixels valid in both: MaskedCorrelation by FFTW's
+/// transforms, NaN where it compares nothing. What it returns takes a tile (CV_32F) and serves one thread at a time.
+/// Throws UsageError when the tile is larger than the region, or a mask is not CV_8U and as large as its image.
+std::function<cv::Mat(const cv::Mat& tile)> masked_surfaces(const cv::Mat& tile_valid, const cv::Mat& region,
+                                                            const cv::Mat& region_valid, double min_overlap);
+
+/// The surface of one tile. Where everything is valid it is correlation_surface().
 cv::Mat masked_correlation_surface(const cv::Mat& tile, const cv::Mat& tile_valid, const cv::Mat& region,
                                    const cv::Mat& region_valid, double min_overlap);
 

@@ -1,4 +1,4 @@
-#include "pilotage/match/masked_correlation.h"
+#include "pilotage/vision/masked_correlation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 namespace pilotage {
 namespace {
 
-constexpr float kFlatVariance = 1e-3F;
 constexpr double kFlatShare = 1e-5;
 
 cv::Mat zero_or_one(const cv::Mat& valid) {
@@ -27,39 +26,44 @@ cv::Mat centred(const cv::Mat& pixels, const cv::Mat& valid) {
 
 }  // namespace
 
+SumsOfProducts opencv_sums_of_products(const cv::Size& template_size, const cv::Size& region_size) {
+  const cv::Size fft_size(cv::getOptimalDFTSize(region_size.width), cv::getOptimalDFTSize(region_size.height));
+  const cv::Size size(region_size.width - template_size.width + 1, region_size.height - template_size.height + 1);
+  const auto spectrum = [fft_size](const cv::Mat& pixels) {
+    cv::Mat padded = cv::Mat::zeros(fft_size, CV_32F);
+    pixels.copyTo(padded(cv::Rect({0, 0}, pixels.size())));
+    cv::dft(padded, padded, 0, pixels.rows);
+    return padded;
+  };
+  const auto correlate = [size](const cv::Mat& template_spectrum, const cv::Mat& region_spectrum) {
+    cv::Mat product;
+    cv::mulSpectrums(region_spectrum, template_spectrum, product, 0, true);
+    cv::dft(product, product, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT, size.height);
+    return product(cv::Rect({0, 0}, size));
+  };
+  return {spectrum, correlate};
+}
+
 MaskedCorrelation::MaskedCorrelation(const cv::Mat& mask, const cv::Mat& region, const cv::Mat& region_valid,
-                                     double min_overlap)
-    : fft_size_(cv::getOptimalDFTSize(region.cols), cv::getOptimalDFTSize(region.rows)),
+                                     double min_overlap, double flat_variance, const SumsOfProducts& sums)
+    : sums_(sums),
       size_(region.cols - mask.cols + 1, region.rows - mask.rows + 1),
       mask_(zero_or_one(mask)),
       needed_(std::max(2.0, min_overlap * cv::countNonZero(mask))),
+      flat_variance_(flat_variance),
       whole_(cv::countNonZero(region_valid) == static_cast<int>(region_valid.total())) {
-  const cv::Mat mask_spectrum = spectrum(mask_);
+  const cv::Mat mask_spectrum = sums_.spectrum(mask_);
   const cv::Mat pixels = centred(region, region_valid);
-  region_spectrum_ = spectrum(pixels);
+  region_spectrum_ = sums_.spectrum(pixels);
   if (whole_) {
     counts_ = cv::Mat(size_, CV_32F, cv::Scalar(cv::countNonZero(mask)));
   } else {
-    region_mask_spectrum_ = spectrum(zero_or_one(region_valid));
-    counts_ = correlate(mask_spectrum, region_mask_spectrum_);
+    region_mask_spectrum_ = sums_.spectrum(zero_or_one(region_valid));
+    counts_ = sums_.correlate(mask_spectrum, region_mask_spectrum_);
     for (auto it = counts_.begin<float>(); it != counts_.end<float>(); ++it) *it = std::round(*it);
   }
-  region_sums_ = correlate(mask_spectrum, region_spectrum_);
-  region_scatter_ = scatter(region_sums_, correlate(mask_spectrum, spectrum(pixels.mul(pixels))));
-}
-
-cv::Mat MaskedCorrelation::spectrum(const cv::Mat& pixels) const {
-  cv::Mat padded = cv::Mat::zeros(fft_size_, CV_32F);
-  pixels.copyTo(padded(cv::Rect({0, 0}, pixels.size())));
-  cv::dft(padded, padded, 0, pixels.rows);
-  return padded;
-}
-
-cv::Mat MaskedCorrelation::correlate(const cv::Mat& template_spectrum, const cv::Mat& region_spectrum) const {
-  cv::Mat product;
-  cv::mulSpectrums(region_spectrum, template_spectrum, product, 0, true);
-  cv::dft(product, product, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT, size_.height);
-  return product(cv::Rect({0, 0}, size_));
+  region_sums_ = sums_.correlate(mask_spectrum, region_spectrum_);
+  region_scatter_ = scatter(region_sums_, sums_.correlate(mask_spectrum, sums_.spectrum(pixels.mul(pixels))));
 }
 
 /// Sum of squared differences from the mean, 0 where it is too small to tell from nothing.
@@ -78,11 +82,12 @@ cv::Mat MaskedCorrelation::scatter(const cv::Mat& sums, const cv::Mat& squares) 
   }
   cv::minMaxLoc(result, nullptr, &largest);
   const auto least = static_cast<float>(kFlatShare * largest);
+  const auto flat_variance = static_cast<float>(flat_variance_);
   for (int row = 0; row < size_.height; ++row) {
     const auto* n = counts_.ptr<float>(row);
     auto* out = result.ptr<float>(row);
     for (int col = 0; col < size_.width; ++col) {
-      if (out[col] <= least || out[col] <= kFlatVariance * n[col]) out[col] = 0;
+      if (out[col] <= least || out[col] <= flat_variance * n[col]) out[col] = 0;
     }
   }
   return result;
@@ -90,7 +95,7 @@ cv::Mat MaskedCorrelation::scatter(const cv::Mat& sums, const cv::Mat& squares) 
 
 cv::Mat MaskedCorrelation::surface(const cv::Mat& pixels) const {
   const cv::Mat t = centred(pixels, mask_ != 0);
-  const cv::Mat t_spectrum = spectrum(t);
+  const cv::Mat t_spectrum = sums_.spectrum(t);
   cv::Mat t_sums;
   cv::Mat t_scatter;
   if (whole_) {  // its sum is 0 and its squares are the same everywhere
@@ -98,10 +103,10 @@ cv::Mat MaskedCorrelation::surface(const cv::Mat& pixels) const {
     t_sums = cv::Mat::zeros(size_, CV_32F);
     t_scatter = scatter(t_sums, squares);
   } else {
-    t_sums = correlate(t_spectrum, region_mask_spectrum_);
-    t_scatter = scatter(t_sums, correlate(spectrum(t.mul(t)), region_mask_spectrum_));
+    t_sums = sums_.correlate(t_spectrum, region_mask_spectrum_);
+    t_scatter = scatter(t_sums, sums_.correlate(sums_.spectrum(t.mul(t)), region_mask_spectrum_));
   }
-  cv::Mat result = correlate(t_spectrum, region_spectrum_);
+  cv::Mat result = sums_.correlate(t_spectrum, region_spectrum_);
   for (int row = 0; row < size_.height; ++row) {
     const auto* n = counts_.ptr<float>(row);
     const auto* t_sum = t_sums.ptr<float>(row);
