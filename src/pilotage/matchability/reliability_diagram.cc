@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/matchability/quality_report.h"
 

@@ -19,7 +19,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/base/text.h"
 
 extern char** environ;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/report/wording.h"
 
