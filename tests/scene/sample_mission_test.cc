@@ -7,6 +7,7 @@
 
 #include <GeographicLib/UTMUPS.hpp>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/options_json.h"
