@@ -6,8 +6,8 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/base/utf8.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/matchability/quality_report.h"
 
 namespace pilotage {
