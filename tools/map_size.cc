@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
 

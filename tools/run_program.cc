@@ -13,6 +13,7 @@
 #include "option_text.h"
 #include "terminal.h"
 #include "version.h"
+#include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "pilotage/base/config_file.h"

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "version.h"
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
@@ -37,6 +38,10 @@ TEST(JsonObject, ReadsWhatIsThere) {
   EXPECT_EQ(object.objects("os").at(1).integer("k"), 3);
   EXPECT_TRUE(std::isnan(object.number_or_nan("gap")));
   EXPECT_TRUE(std::isnan(object.number_or_nan("absent")));
+  EXPECT_FALSE(object.has_value("gap"));
+  EXPECT_FALSE(object.has_value("absent"));
+  EXPECT_TRUE(object.has_value("n"));
+  EXPECT_EQ(object.list("os").size(), 2U);
   EXPECT_NO_THROW(object.finish());
 }
 
@@ -62,7 +67,45 @@ TEST(JsonObject, SaysWhereAndWhatIsWrong) {
                        o.finish();
                      }),
             "plan.json.unknown is not known");
+  EXPECT_EQ(error_of(R"({"gap_m": null})", [](JsonObject& o) { o.number("gap_m"); }),
+            "plan.json.gap_m is null, expected a number");
+  EXPECT_EQ(error_of(R"({"gsd_m": -0.5})", [](JsonObject& o) { o.positive_number("gsd_m"); }),
+            "plan.json.gsd_m is -0.5, expected a number above 0");
+  EXPECT_EQ(error_of(R"({"ns": [1, null, "x"]})", [](JsonObject& o) { o.numbers_or_nan("ns"); }),
+            "plan.json.ns[2] is \"x\", expected a number");
+  EXPECT_EQ(error_of(R"({"ts": ["a", 1]})", [](JsonObject& o) { o.texts("ts"); }),
+            "plan.json.ts[1] is 1, expected a string");
+  EXPECT_EQ(error_of(R"({"list": {}})", [](JsonObject& o) { o.list("list"); }),
+            "plan.json.list is {}, expected a list");
+  EXPECT_EQ(error_of(R"({"asked": null, "unknown": 2})",
+                     [](JsonObject& o) {
+                       o.has_value("asked");
+                       o.finish();
+                     }),
+            "plan.json.unknown is not known");
   EXPECT_EQ(error_of("[]", [](JsonObject&) {}), "plan.json is [], expected an object");
+}
+
+TEST(JsonObject, IntegersAreNeverRoundedNorWrapped) {
+  const auto integer = [](const std::string& text) {
+    return error_of(("{\"n\": " + text + "}").c_str(), [](JsonObject& o) { o.small_integer("n", 0, 100); });
+  };
+  EXPECT_EQ(integer("3"), "");
+  EXPECT_EQ(integer("3.0"), "") << "the same number in JSON";
+  EXPECT_EQ(integer("3.7"), "plan.json.n is 3.7, expected an integer");
+  EXPECT_EQ(integer("-1"), "plan.json.n = -1 is outside [0, 100]");
+  EXPECT_EQ(integer("4294967299"), "plan.json.n = 4294967299 is outside [0, 100]") << "3 in 32 bits";
+  EXPECT_EQ(integer("1e300"), "plan.json.n is 1e+300, expected an integer");
+  EXPECT_EQ(integer("true"), "plan.json.n is true, expected an integer");
+}
+
+TEST(JsonObject, NullInAListOfNumbersIsNaN) {
+  const auto json = parse_json("f", R"({"ns": [1, null]})");
+  JsonObject object(json, "f");
+  const std::vector<double> numbers = object.numbers_or_nan("ns");
+  ASSERT_EQ(numbers.size(), 2U);
+  EXPECT_EQ(numbers[0], 1);
+  EXPECT_TRUE(std::isnan(numbers[1]));
 }
 
 TEST(JsonNumber, WhatIsNotFiniteIsNull) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
@@ -80,19 +81,21 @@ TEST(CameraJson, IsStrict) {
     json[key] = value;
     return error_of([&] { camera_from_json("plan", json); });
   };
-  EXPECT_EQ(with("width_px", "4000"), "plan: width_px is not a number");
-  EXPECT_EQ(with("width_px", 3.5), "plan: width_px = 3.5 is not a whole number in [1, 100000]");
-  EXPECT_EQ(with("width_px", -1), "plan: width_px = -1 is not a whole number in [1, 100000]");
-  EXPECT_EQ(with("colour", 1), "plan: unknown key \"colour\"");
-  EXPECT_EQ(with("mount_yaw_deg", 1), "plan: unknown key \"mount_yaw_deg\"");
-  EXPECT_EQ(with("mount", 1), "plan: mount: expected an object, found number");
-  EXPECT_EQ(with("mount", {{"yaw_deg", 1}}), "plan: \"mount_pitch_deg\" is missing");
-  EXPECT_EQ(with("distortion_model", 1), "plan: distortion_model is not a string");
-  EXPECT_THAT(with("distortion_model", "tilted"), HasSubstr("is not one of: none, brown_conrady, fisheye"));
-  EXPECT_EQ(with("distortion", {1, 2, "x", 4, 5}), "plan: distortion holds what is not a number");
-  EXPECT_THAT(with("distortion", {1, 2}), HasSubstr("is not five numbers"));
+  EXPECT_EQ(with("width_px", "4000"), "plan.width_px is \"4000\", expected an integer");
+  EXPECT_EQ(with("width_px", 3.5), "plan.width_px is 3.5, expected an integer");
+  EXPECT_EQ(with("width_px", -1), "plan.width_px = -1 is outside [1, 100000]");
+  EXPECT_EQ(with("fx_px", nullptr), "plan.fx_px is null, expected a number");
+  EXPECT_EQ(with("colour", 1), "plan.colour is not known");
+  EXPECT_EQ(with("mount_yaw_deg", 1), "plan.mount_yaw_deg is not known");
+  EXPECT_EQ(with("mount", 1), "plan.mount is 1, expected an object");
+  EXPECT_EQ(with("mount", {{"yaw_deg", 1}}), "plan.mount.pitch_deg is missing");
+  EXPECT_EQ(with("distortion_model", 1), "plan.distortion_model is 1, expected a string");
+  EXPECT_EQ(with("distortion_model", "tilted"),
+            "plan.distortion_model is \"tilted\", expected one of: none, brown_conrady, fisheye");
+  EXPECT_EQ(with("distortion", {1, 2, "x", 4, 5}), "plan.distortion[2] is \"x\", expected a number");
+  EXPECT_EQ(with("distortion", {1, 2}), "plan.distortion is [1,2], expected a list of 5 numbers");
   EXPECT_EQ(error_of([] { camera_from_json("plan", nlohmann::ordered_json::array()); }),
-            "plan: expected an object, found array");
+            "plan is [], expected an object");
 }
 
 }  // namespace

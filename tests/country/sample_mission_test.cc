@@ -7,6 +7,7 @@
 
 #include <GeographicLib/UTMUPS.hpp>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "country/synthetic_scene.h"

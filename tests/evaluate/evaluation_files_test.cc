@@ -4,6 +4,7 @@
 #include "testing/json_schema.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 

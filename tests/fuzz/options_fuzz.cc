@@ -10,6 +10,7 @@
 
 #include "cli/toy_command.h"
 #include "cli_options.h"
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/options_json.h"
 

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 #include "pilotage/route/describe_route.h"
 #include "pilotage/route/read_route.h"

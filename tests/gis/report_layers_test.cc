@@ -5,6 +5,7 @@
 #include "gis/gis_scene.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/gis/kml_files.h"

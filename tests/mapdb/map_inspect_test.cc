@@ -3,6 +3,7 @@
 #include "mapdb/small_map.h"
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 

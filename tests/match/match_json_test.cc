@@ -8,6 +8,7 @@
 #include "testing/json_schema.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/match/fix_table.h"
 #include "pilotage/match/match_evaluation.h"

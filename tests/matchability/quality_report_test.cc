@@ -1,6 +1,7 @@
 #include "pilotage/matchability/quality_report.h"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 namespace pilotage {
 namespace {

@@ -4,6 +4,7 @@
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/tile/plan_tiles.h"

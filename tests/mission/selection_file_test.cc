@@ -4,6 +4,7 @@
 
 #include "mission/json_damage.h"
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 

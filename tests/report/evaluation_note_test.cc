@@ -7,7 +7,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/base/safe_text.h"
+#include "pilotage/report/page_text.h"
 #include "pilotage/report/report.h"
 
 namespace pilotage {

@@ -4,6 +4,7 @@
 #include "report/report_scene.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "pilotage/base/error.h"

@@ -4,6 +4,7 @@
 #include "testing/json_schema.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/report/report.h"
 

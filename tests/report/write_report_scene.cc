@@ -4,6 +4,7 @@
 #include <string>
 
 #include "report/report_scene.h"
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/output_file.h"
 

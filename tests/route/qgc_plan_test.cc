@@ -113,14 +113,17 @@ TEST(QgcPlan, ErrorsNameTheItem) {
 
   const std::string text = read_file(route_file("survey.plan"));
   EXPECT_THAT(route_error(replaced(text, "\"Plan\"", "\"Params\"")), HasSubstr("fileType = \"Params\""));
-  EXPECT_THAT(route_error(replaced(text, "\"fileType\": \"Plan\",", "")), HasSubstr("\"fileType\" is missing"));
+  EXPECT_THAT(route_error(replaced(text, "\"fileType\": \"Plan\",", "")), HasSubstr("fileType is missing"));
   EXPECT_THAT(route_error(replaced(text, "\"survey\"", "\"spiral\"")), HasSubstr("\"spiral\" is not supported"));
   EXPECT_THAT(route_error(replaced(text, "\"version\": 5", "\"version\": 9")),
               HasSubstr("version = 9 is not supported"));
   EXPECT_THAT(route_error(replaced(text, "\"command\": 22", "\"command\": 22.5")), HasSubstr("expected an integer"));
-  EXPECT_THAT(route_error(replaced(text, "\"command\": 22", "\"command\": \"22\"")), HasSubstr("expected a number"));
+  EXPECT_THAT(route_error(replaced(text, "\"command\": 22", "\"command\": \"22\"")), HasSubstr("expected an integer"));
+  EXPECT_EQ(route_error(replaced(text, "\"command\": 22", "\"command\": 22.0")), "") << "a whole number";
+  EXPECT_EQ(route_error(replaced(text, "\"command\": 22", "\"note\": \"x\", \"command\": 22")), "")
+      << "QGroundControl's own keys are not all known";
   EXPECT_THAT(route_error(replaced(text, "47.01,", "97.01,")), HasSubstr("latitude 97.01 is outside [-90, 90]"));
-  EXPECT_THAT(route_error(replaced(text, "\"Items\"", "\"Atoms\"")), HasSubstr("\"Items\" is missing"));
+  EXPECT_THAT(route_error(replaced(text, "\"Items\"", "\"Atoms\"")), HasSubstr(".Items is missing"));
   EXPECT_THAT(route_error(replaced(text, "47.0,", "1e999,")), HasSubstr("not valid JSON"));
 }
 

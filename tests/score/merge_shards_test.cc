@@ -8,6 +8,7 @@
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <system_error>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 
 namespace pilotage {
@@ -10,15 +12,39 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-[[noreturn]] void throw_expected(const std::string& path, const char* expected, const Json& found) {
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMaxExactInteger = 9007199254740992;  // 2^53: above it a double no longer tells integers apart
+
+[[noreturn]] void throw_expected(const std::string& path, const std::string& expected, const Json& found) {
   std::string shown = found.dump(-1, ' ', false, Json::error_handler_t::replace);
   if (shown.size() > 60) shown = shown.substr(0, 60) + "…";
   throw DataError(path + " is " + shown + ", expected " + expected);
 }
 
-double finite_number(const Json& json, const std::string& path) {
+std::string element_path(const std::string& path, std::size_t index) {
+  return path + "[" + std::to_string(index) + "]";
+}
+
+double number_of(const Json& json, const std::string& path) {
   if (!json.is_number()) throw_expected(path, "a number", json);
-  return json.get<double>();
+  const auto number = json.get<double>();
+  if (!std::isfinite(number)) throw_expected(path, "a finite number", json);
+  return number;
+}
+
+std::int64_t integer_of(const Json& json, const std::string& path) {
+  if (json.is_number_unsigned()) {
+    const auto number = json.get<std::uint64_t>();
+    if (number <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+      return static_cast<std::int64_t>(number);
+    }
+  } else if (json.is_number_integer()) {
+    return json.get<std::int64_t>();
+  } else if (json.is_number_float()) {
+    const auto number = json.get<double>();
+    if (number == std::floor(number) && std::abs(number) <= kMaxExactInteger) return static_cast<std::int64_t>(number);
+  }
+  throw_expected(path, "an integer", json);
 }
 
 std::string text_of(const Json& json, const std::string& path) {
@@ -32,6 +58,20 @@ JsonObject::JsonObject(const Json& json, std::string where) : json_(json), where
   if (!json.is_object()) throw_expected(where_, "an object", json);
 }
 
+void JsonObject::fail(const std::string& key, const std::string& expected) const {
+  throw_expected(path(key), expected, json_.at(key));
+}
+
+bool JsonObject::has(const std::string& key) const {
+  return json_.contains(key);
+}
+
+bool JsonObject::has_value(const std::string& key) {
+  asked_.insert(key);
+  const auto found = json_.find(key);
+  return found != json_.end() && !found->is_null();
+}
+
 const Json& JsonObject::value(const std::string& key) {
   asked_.insert(key);
   const auto found = json_.find(key);
@@ -40,22 +80,21 @@ const Json& JsonObject::value(const std::string& key) {
 }
 
 double JsonObject::number(const std::string& key) {
-  return finite_number(value(key), path(key));
+  return number_of(value(key), path(key));
+}
+
+double JsonObject::positive_number(const std::string& key) {
+  const double positive = number(key);
+  if (!(positive > 0)) fail(key, "a number above 0");
+  return positive;
 }
 
 double JsonObject::number_or_nan(const std::string& key) {
-  asked_.insert(key);
-  if (!json_.contains(key) || json_.at(key).is_null()) return std::numeric_limits<double>::quiet_NaN();
-  return number(key);
+  return has_value(key) ? number(key) : kNaN;
 }
 
 std::int64_t JsonObject::integer(const std::string& key, std::int64_t min, std::int64_t max) {
-  const Json& json = value(key);
-  const bool too_large =
-      json.is_number_unsigned() &&
-      json.get<std::uint64_t>() > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  if (!json.is_number_integer() || too_large) throw_expected(path(key), "an integer", json);
-  const auto integer = json.get<std::int64_t>();
+  const std::int64_t integer = integer_of(value(key), path(key));
   if (integer < min || integer > max) {
     throw DataError(path(key) + " = " + std::to_string(integer) + " is outside [" + std::to_string(min) + ", " +
                     std::to_string(max) + "]");
@@ -73,35 +112,40 @@ std::string JsonObject::text(const std::string& key) {
   return text_of(value(key), path(key));
 }
 
-std::vector<std::string> JsonObject::texts(const std::string& key) {
-  const Json& json = value(key);
-  if (!json.is_array()) throw_expected(path(key), "a list of strings", json);
-  std::vector<std::string> texts;
-  for (const Json& element : json) texts.push_back(text_of(element, path(key)));
-  return texts;
-}
-
 JsonObject JsonObject::object(const std::string& key) {
   return {value(key), path(key)};
 }
 
-std::vector<JsonObject> JsonObject::objects(const std::string& key) {
+const Json& JsonObject::list(const std::string& key) {
   const Json& json = value(key);
-  if (!json.is_array()) throw_expected(path(key), "a list of objects", json);
+  if (!json.is_array()) throw_expected(path(key), "a list", json);
+  return json;
+}
+
+std::vector<JsonObject> JsonObject::objects(const std::string& key) {
   std::vector<JsonObject> objects;
-  for (const Json& element : json) {
-    objects.emplace_back(element, path(key) + "[" + std::to_string(objects.size()) + "]");
-  }
+  for (const Json& element : list(key)) objects.emplace_back(element, element_path(path(key), objects.size()));
   return objects;
 }
 
+std::vector<std::string> JsonObject::texts(const std::string& key) {
+  std::vector<std::string> texts;
+  for (const Json& element : list(key)) texts.push_back(text_of(element, element_path(path(key), texts.size())));
+  return texts;
+}
+
 std::vector<double> JsonObject::numbers(const std::string& key, std::size_t count) {
-  const Json& json = value(key);
-  if (!json.is_array() || json.size() != count) {
-    throw_expected(path(key), ("a list of " + std::to_string(count) + " numbers").c_str(), json);
-  }
+  if (list(key).size() != count) fail(key, "a list of " + std::to_string(count) + " numbers");
   std::vector<double> numbers;
-  for (const Json& element : json) numbers.push_back(finite_number(element, path(key)));
+  for (const Json& element : list(key)) numbers.push_back(number_of(element, element_path(path(key), numbers.size())));
+  return numbers;
+}
+
+std::vector<double> JsonObject::numbers_or_nan(const std::string& key) {
+  std::vector<double> numbers;
+  for (const Json& element : list(key)) {
+    numbers.push_back(element.is_null() ? kNaN : number_of(element, element_path(path(key), numbers.size())));
+  }
   return numbers;
 }
 

@@ -1,11 +1,11 @@
 #include "pilotage/camera/camera_json.h"
 
+#include <algorithm>
 #include <cmath>
-#include <string_view>
-#include <vector>
 
-#include "pilotage/base/error.h"
-#include "pilotage/base/text.h"
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/json_object.h"
 #include "pilotage/camera/camera_text.h"
 
 namespace pilotage {
@@ -13,72 +13,50 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const std::string kMountPrefix = "mount_";
+constexpr int kMaxSize_px = 100000;
 
-void expect_object(const std::string& name, const Json& json) {
-  if (!json.is_object()) throw DataError(name + ": expected an object, found " + std::string(json.type_name()));
-}
-
-/// A JSON value as the text form spells it: numbers as numbers, the model as a string, the coefficients blank
-/// separated.
-std::string text_of(const std::string& name, const std::string& key, const Json& value) {
-  if (key == "distortion_model") {
-    if (!value.is_string()) throw DataError(name + ": " + key + " is not a string");
-    return value.get<std::string>();
-  }
-  if (key == "distortion") {
-    std::vector<std::string> numbers;
-    if (!value.is_array()) throw DataError(name + ": " + key + " is not an array");
-    for (const Json& number : value) {
-      if (!number.is_number()) throw DataError(name + ": " + key + " holds what is not a number");
-      numbers.push_back(format_number(number.get<double>()));
-    }
-    return join(numbers, " ");
-  }
-  if (!value.is_number()) throw DataError(name + ": " + key + " is not a number");
-  return format_number(value.get<double>());
-}
-
-Json number_of(const std::string& text) {
-  const double number = *parse_number(text);
-  // Sizes are written without a point.
-  if (number == std::floor(number) && std::abs(number) < 1e15) return static_cast<std::int64_t>(number);
-  return number;
+/// Whole numbers are written without a point.
+Json number(double value) {
+  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<std::int64_t>(value);
+  return value;
 }
 
 }  // namespace
 
 Json camera_to_json(const Camera& camera) {
-  Json json = Json::object();
-  for (const auto& [key, value] : camera_to_text(camera)) {
-    if (key == "distortion_model") {
-      json[key] = value;
-    } else if (key == "distortion") {
-      json[key] = camera.distortion;
-    } else if (key.starts_with(kMountPrefix)) {
-      json["mount"][key.substr(kMountPrefix.size())] = number_of(value);
-    } else {
-      json[key] = number_of(value);
-    }
-  }
-  return json;
+  return {{"width_px", camera.width_px},
+          {"height_px", camera.height_px},
+          {"fx_px", number(camera.fx_px)},
+          {"fy_px", number(camera.fy_px)},
+          {"cx_px", number(camera.cx_px)},
+          {"cy_px", number(camera.cy_px)},
+          {"distortion_model", distortion_model_name(camera.distortion_model)},
+          {"distortion", camera.distortion},
+          {"mount",
+           {{"yaw_deg", number(camera.mount.yaw_deg)},
+            {"pitch_deg", number(camera.mount.pitch_deg)},
+            {"roll_deg", number(camera.mount.roll_deg)}}}};
 }
 
 Camera camera_from_json(const std::string& name, const Json& json) {
-  expect_object(name, json);
-  CameraText text;
-  for (const auto& [key, value] : json.items()) {
-    if (key.starts_with(kMountPrefix)) throw DataError(name + ": unknown key \"" + key + "\"");
-    if (key != "mount") {
-      text.emplace_back(key, text_of(name, key, value));
-      continue;
-    }
-    expect_object(name + ": mount", value);
-    for (const auto& [mount_key, angle] : value.items()) {
-      text.emplace_back(kMountPrefix + mount_key, text_of(name, kMountPrefix + mount_key, angle));
-    }
-  }
-  return camera_from_text(name, text);
+  JsonObject object(json, name);
+  Camera camera;
+  camera.width_px = object.small_integer("width_px", 1, kMaxSize_px);
+  camera.height_px = object.small_integer("height_px", 1, kMaxSize_px);
+  camera.fx_px = object.number("fx_px");
+  camera.fy_px = object.number("fy_px");
+  camera.cx_px = object.number("cx_px");
+  camera.cy_px = object.number("cy_px");
+  const auto model = distortion_model_named(object.text("distortion_model"));
+  if (!model) object.fail("distortion_model", "one of: none, brown_conrady, fisheye");
+  camera.distortion_model = *model;
+  std::ranges::copy(object.numbers("distortion", camera.distortion.size()), camera.distortion.begin());
+  JsonObject mount = object.object("mount");
+  camera.mount = {mount.number("yaw_deg"), mount.number("pitch_deg"), mount.number("roll_deg")};
+  mount.finish();
+  object.finish();
+  check_camera(name, camera);
+  return camera;
 }
 
 }  // namespace pilotage

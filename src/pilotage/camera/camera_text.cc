@@ -1,5 +1,6 @@
 #include "pilotage/camera/camera_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -12,10 +13,10 @@
 namespace pilotage {
 namespace {
 
-constexpr std::array<std::pair<DistortionModel, std::string_view>, 3> kModelNames{
-    {{DistortionModel::kNone, "none"},
-     {DistortionModel::kBrownConrady, "brown_conrady"},
-     {DistortionModel::kFisheye, "fisheye"}}};
+using ModelName = std::pair<DistortionModel, std::string_view>;
+constexpr std::array<ModelName, 3> kModelNames{{{DistortionModel::kNone, "none"},
+                                                {DistortionModel::kBrownConrady, "brown_conrady"},
+                                                {DistortionModel::kFisheye, "fisheye"}}};
 
 /// Takes values out of the pairs; whatever is left at the end is unknown.
 class TextFields {
@@ -46,9 +47,7 @@ class TextFields {
 
   DistortionModel take_model(const std::string& key) {
     const std::string text = take(key);
-    for (const auto& [model, model_name] : kModelNames) {
-      if (model_name == text) return model;
-    }
+    if (const auto model = distortion_model_named(text)) return *model;
     throw DataError(name_ + ": " + key + " = \"" + text + "\" is not one of: none, brown_conrady, fisheye");
   }
 
@@ -85,11 +84,17 @@ class TextFields {
 
 }  // namespace
 
+std::string distortion_model_name(DistortionModel model) {
+  const auto found = std::ranges::find(kModelNames, model, &ModelName::first);
+  return std::string(found->second);
+}
+
+std::optional<DistortionModel> distortion_model_named(std::string_view name) {
+  const auto found = std::ranges::find(kModelNames, name, &ModelName::second);
+  return found == kModelNames.end() ? std::nullopt : std::optional(found->first);
+}
+
 CameraText camera_to_text(const Camera& camera) {
-  std::string model;
-  for (const auto& [value, name] : kModelNames) {
-    if (value == camera.distortion_model) model = name;
-  }
   std::vector<std::string> distortion;
   for (const double coefficient : camera.distortion) distortion.push_back(format_number(coefficient));
   return {{"width_px", std::to_string(camera.width_px)},
@@ -98,7 +103,7 @@ CameraText camera_to_text(const Camera& camera) {
           {"fy_px", format_number(camera.fy_px)},
           {"cx_px", format_number(camera.cx_px)},
           {"cy_px", format_number(camera.cy_px)},
-          {"distortion_model", model},
+          {"distortion_model", distortion_model_name(camera.distortion_model)},
           {"distortion", join(distortion, " ")},
           {"mount_yaw_deg", format_number(camera.mount.yaw_deg)},
           {"mount_pitch_deg", format_number(camera.mount.pitch_deg)},

@@ -1,12 +1,18 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "pilotage/camera/camera.h"
 
 namespace pilotage {
+
+/// The models as files name them: none, brown_conrady, fisheye; nothing for a name that is none of them.
+std::string distortion_model_name(DistortionModel model);
+std::optional<DistortionModel> distortion_model_named(std::string_view name);
 
 /// Key and value, in the order in which they are stored.
 using CameraText = std::vector<std::pair<std::string, std::string>>;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/csv.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"

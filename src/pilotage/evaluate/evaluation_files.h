@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/evaluate/evaluation.h"

@@ -5,8 +5,11 @@
 #include <map>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/csv.h"
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
@@ -14,8 +17,6 @@
 
 namespace pilotage {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// One cell after the other of a table by the names of its columns.
 class NamedCells {
@@ -61,30 +62,20 @@ class NamedCells {
   std::vector<std::string> cells_;
 };
 
-template <class Value>
-Value value_at(const Json& json, const Json::json_pointer& path, const std::string& name) {
-  try {
-    return json.at(path).get<Value>();
-  } catch (const Json::exception&) {
-    throw DataError(name + ": " + path.to_string() + " is missing or of another type");
-  }
-}
-
 }  // namespace
 
 EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::string& place, bool anchor) {
   const std::string json_name = (folder / "evaluation.json").string();
-  const Json json = parse_json(json_name, read_file(json_name));
-  if (value_at<std::string>(json, Json::json_pointer("/options/matcher"), json_name) != "voting") {
+  const nlohmann::ordered_json json = parse_json(json_name, read_file(json_name));
+  JsonObject evaluation(json, json_name);
+  JsonObject options = evaluation.object("options");
+  if (options.text("matcher") != "voting") {
     throw DataError(json_name + ": the matcher was not \"voting\"; P(correct fix) is that of the matcher that flies");
   }
   EvaluatedSet result;
-  if (value_at<bool>(json, Json::json_pointer("/options/chips"), json_name)) {
-    result.matcher = FlyingMatcher::kFeaturesAndChips;
-  }
+  if (options.boolean("chips")) result.matcher = FlyingMatcher::kFeaturesAndChips;
   const auto tile_size_px =
-      static_cast<int>(std::lround(value_at<double>(json, Json::json_pointer("/footprint_m"), json_name) /
-                                   value_at<double>(json, Json::json_pointer("/gsd_m"), json_name)));
+      static_cast<int>(std::lround(evaluation.positive_number("footprint_m") / evaluation.positive_number("gsd_m")));
   result.set.place = place;
   result.set.anchor = anchor;
 

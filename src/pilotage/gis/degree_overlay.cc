@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/gis/report_layers.h"
 #include "pilotage/mission/score_raster.h"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/report/wording.h"
 

@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/text.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/gis/tile_class.h"

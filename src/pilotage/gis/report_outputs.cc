@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/output_file.h"
 #include "pilotage/gis/kml_files.h"
 #include "pilotage/gis/report_layers.h"

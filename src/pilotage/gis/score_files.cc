@@ -1,7 +1,7 @@
 #include "pilotage/gis/score_files.h"
 
+#include "pilotage/base/markup.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/base/safe_text.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/gis/tile_class.h"
 

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <system_error>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 
 namespace pilotage {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/mapdb/map_tables.h"
 
 namespace pilotage {
@@ -30,22 +31,6 @@ bool reserved_name(std::string_view name) {
     if (name == reserved) return true;
   }
   return std::find(kOwnTileColumns.begin(), kOwnTileColumns.end(), name) != kOwnTileColumns.end();
-}
-
-/// Length of the UTF-8 sequence at the start of `text` (RFC 3629), 0 when there is none.
-std::size_t utf8_sequence(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if (byte(i) < 0x80 || byte(i) > 0xBF) return 0;
-  }
-  // overlong forms, surrogates, beyond U+10FFFF
-  if ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F)) return 0;
-  if ((first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F)) return 0;
-  return length;
 }
 
 }  // namespace
@@ -245,7 +230,7 @@ void check_text(const std::string& where, const std::string& text) {
   }
   std::string_view rest = text;
   while (!rest.empty()) {
-    const std::size_t length = rest[0] == '\0' ? 0 : utf8_sequence(rest);
+    const std::size_t length = rest[0] == '\0' ? 0 : utf8_sequence_length(rest);
     if (length == 0) throw UsageError(where + ": the text is not UTF-8 without NUL");
     rest.remove_prefix(length);
   }

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
@@ -28,8 +30,7 @@ Json term_to_json(const ModelTerm& term) {
 }
 
 ModelTerm term_from_json(JsonObject json) {
-  const ModelTerm term{json.number("coefficient"), json.number("mean"), json.number("spread")};
-  if (!(term.spread > 0)) throw DataError(json.path("spread") + " = " + std::to_string(term.spread) + ": above 0");
+  const ModelTerm term{json.number("coefficient"), json.number("mean"), json.positive_number("spread")};
   json.finish();
   return term;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "pilotage/matchability/prediction_quality.h"
 

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/markup.h"
+#include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
 #include "pilotage/matchability/quality_report.h"
 
@@ -44,9 +45,7 @@ constexpr std::string_view kStyle = R"(<style>
 </style>
 )";
 
-std::string n(double value) {
-  return format_number(std::round(value * 100) / 100);
-}
+constexpr SvgWriter kSvg{.decimals = 2};
 
 double x_of(double probability) {
   return kLeft + probability * kSide;
@@ -54,16 +53,6 @@ double x_of(double probability) {
 
 double y_of(double rate) {
   return kTop + (1 - rate) * kSide;
-}
-
-std::string line(std::string_view type, double x1, double y1, double x2, double y2) {
-  return "<line class=\"" + std::string(type) + "\" x1=\"" + n(x1) + "\" y1=\"" + n(y1) + "\" x2=\"" + n(x2) +
-         "\" y2=\"" + n(y2) + "\"/>\n";
-}
-
-std::string text(std::string_view type, double x, double y, std::string_view content, std::string_view more = "") {
-  return "<text class=\"" + std::string(type) + "\" x=\"" + n(x) + "\" y=\"" + n(y) + "\"" + std::string(more) + ">" +
-         html_escape(content) + "</text>\n";
 }
 
 std::string heading(const std::string& title, const PredictionQuality& quality) {
@@ -76,40 +65,41 @@ std::string heading(const std::string& title, const PredictionQuality& quality) 
   std::string counts = std::to_string(quality.count) + " judged, " + std::to_string(quality.correct) + " correct";
   if (quality.count > 0) counts += " (" + format_fixed(100 * quality.base_rate, 1) + " %)";
   counts += ", " + std::to_string(quality.blocks) + " blocks";
-  return text("title", 16, 26, title) + text("", 16, 48, ranking) + text("", 16, 66, calibration) +
-         text("small", 16, 84, counts);
+  return kSvg.text("title", 16, 26, title) + kSvg.text("", 16, 48, ranking) + kSvg.text("", 16, 66, calibration) +
+         kSvg.text("small", 16, 84, counts);
 }
 
 std::string axes() {
   std::string svg;
   for (int step = 0; step <= 5; ++step) {
     const double share = step / 5.0;
-    svg += line("grid", x_of(share), y_of(0), x_of(share), y_of(1));
-    svg += line("grid", x_of(0), y_of(share), x_of(1), y_of(share));
-    svg += text("small end", kLeft - 8, y_of(share) + 4, format_fixed(share, 1));
-    svg += text("small middle", x_of(share), kHistogramTop + kHistogramHeight + 16, format_fixed(share, 1));
+    svg += kSvg.line("grid", x_of(share), y_of(0), x_of(share), y_of(1));
+    svg += kSvg.line("grid", x_of(0), y_of(share), x_of(1), y_of(share));
+    svg += kSvg.text("small end", kLeft - 8, y_of(share) + 4, format_fixed(share, 1));
+    svg += kSvg.text("small middle", x_of(share), kHistogramTop + kHistogramHeight + 16, format_fixed(share, 1));
   }
-  svg += text("middle", 22, y_of(0.5), "share that came true", " transform=\"rotate(-90 22 " + n(y_of(0.5)) + ")\"");
-  svg += text("middle", x_of(0.5), kHistogramTop + kHistogramHeight + 36, "probability promised");
+  svg += kSvg.text("middle", 22, y_of(0.5), "share that came true",
+                   " transform=\"rotate(-90 22 " + kSvg.number(y_of(0.5)) + ")\"");
+  svg += kSvg.text("middle", x_of(0.5), kHistogramTop + kHistogramHeight + 36, "probability promised");
   return svg;
 }
 
 std::string marks(const PredictionQuality& quality) {
-  std::string svg = line("diagonal", x_of(0), y_of(0), x_of(1), y_of(1));
-  if (quality.count > 0) svg += line("base", x_of(0), y_of(quality.base_rate), x_of(1), y_of(quality.base_rate));
+  std::string svg = kSvg.line("diagonal", x_of(0), y_of(0), x_of(1), y_of(1));
+  if (quality.count > 0) svg += kSvg.line("base", x_of(0), y_of(quality.base_rate), x_of(1), y_of(quality.base_rate));
   std::string points;
   for (const ReliabilityBin& bin : quality.bins) {
-    points += (points.empty() ? "" : " ") + n(x_of(bin.mean_value)) + "," + n(y_of(bin.rate));
+    points += (points.empty() ? "" : " ") + kSvg.number(x_of(bin.mean_value)) + "," + kSvg.number(y_of(bin.rate));
   }
   if (quality.bins.size() > 1) svg += "<polyline class=\"curve\" points=\"" + points + "\"/>\n";
   for (const ReliabilityBin& bin : quality.bins) {
     const double x = x_of(bin.mean_value);
-    svg += line("interval", x, y_of(bin.interval.low), x, y_of(bin.interval.high));
-    svg += "<circle class=\"dot\" cx=\"" + n(x) + "\" cy=\"" + n(y_of(bin.rate)) + "\" r=\"4.5\"><title>promised " +
-           format_fixed(bin.mean_value, 3) + " (" + format_fixed(bin.low, 3) + " … " + format_fixed(bin.high, 3) +
-           "), came true " + std::to_string(bin.correct) + " of " + std::to_string(bin.count) + " = " +
-           format_fixed(bin.rate, 3) + " (" + format_fixed(bin.interval.low, 3) + " … " +
-           format_fixed(bin.interval.high, 3) + ")</title></circle>\n";
+    svg += kSvg.line("interval", x, y_of(bin.interval.low), x, y_of(bin.interval.high));
+    svg += "<circle class=\"dot\" cx=\"" + kSvg.number(x) + "\" cy=\"" + kSvg.number(y_of(bin.rate)) +
+           "\" r=\"4.5\"><title>promised " + format_fixed(bin.mean_value, 3) + " (" + format_fixed(bin.low, 3) + " … " +
+           format_fixed(bin.high, 3) + "), came true " + std::to_string(bin.correct) + " of " +
+           std::to_string(bin.count) + " = " + format_fixed(bin.rate, 3) + " (" + format_fixed(bin.interval.low, 3) +
+           " … " + format_fixed(bin.interval.high, 3) + ")</title></circle>\n";
   }
   return svg;
 }
@@ -126,12 +116,12 @@ std::string histogram(std::span<const JudgedPrediction> predictions) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i] == 0) continue;
     const double height = kHistogramHeight * static_cast<double>(counts[i]) / static_cast<double>(most);
-    svg += "<rect class=\"bar\" x=\"" + n(x_of(static_cast<double>(i) / kHistogramBars) + 1) + "\" y=\"" +
-           n(kHistogramTop + kHistogramHeight - height) + "\" width=\"" + n(kSide / kHistogramBars - 2) +
-           "\" height=\"" + n(height) + "\"><title>" + std::to_string(counts[i]) + " predictions</title></rect>\n";
+    svg +=
+        kSvg.rect("bar", x_of(static_cast<double>(i) / kHistogramBars) + 1, kHistogramTop + kHistogramHeight - height,
+                  kSide / kHistogramBars - 2, height, std::to_string(counts[i]) + " predictions");
   }
-  svg += text("small end", kLeft - 8, kHistogramTop + 10, std::to_string(most));
-  return svg + line("grid", x_of(0), kHistogramTop + kHistogramHeight, x_of(1), kHistogramTop + kHistogramHeight);
+  svg += kSvg.text("small end", kLeft - 8, kHistogramTop + 10, std::to_string(most));
+  return svg + kSvg.line("grid", x_of(0), kHistogramTop + kHistogramHeight, x_of(1), kHistogramTop + kHistogramHeight);
 }
 
 }  // namespace
@@ -140,10 +130,11 @@ std::string reliability_diagram_svg(const std::string& title, const PredictionQu
                                     std::span<const JudgedPrediction> predictions) {
   if (!quality.probability) throw UsageError("a reliability diagram is for probabilities");
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"reliability\" role=\"img\" viewBox=\"0 0 " +
-                    n(kWidth) + " " + n(kHeight) + "\" width=\"" + n(kWidth) + "\" height=\"" + n(kHeight) + "\">\n";
+                    kSvg.number(kWidth) + " " + kSvg.number(kHeight) + "\" width=\"" + kSvg.number(kWidth) +
+                    "\" height=\"" + kSvg.number(kHeight) + "\">\n";
   svg += "<title>Reliability diagram: " + html_escape(title) + "</title>\n";
   svg += kStyle;
-  svg += "<rect class=\"paper\" width=\"" + n(kWidth) + "\" height=\"" + n(kHeight) + "\"/>\n";
+  svg += "<rect class=\"paper\" width=\"" + kSvg.number(kWidth) + "\" height=\"" + kSvg.number(kHeight) + "\"/>\n";
   svg += heading(title, quality) + axes() + marks(quality) + histogram(predictions);
   return svg + "</svg>\n";
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
@@ -46,8 +48,7 @@ PlanLevel level_from_json(JsonObject json, int expected_level) {
   level.max_agl_m = json.number("max_agl_m");
   level.search_radius_px = json.small_integer("search_radius_px", 1, 100000);
   const auto origin = json.numbers("point_of_origin", 2);
-  const double cell_size_m = json.number("cell_size_m");
-  if (!(cell_size_m > 0)) throw DataError(json.path("cell_size_m") + " must be above 0");
+  const double cell_size_m = json.positive_number("cell_size_m");
   matrix.map_from_pixel = GeoTransform::north_up(origin[0], origin[1], cell_size_m);
   matrix.grid_width_px = json.integer("grid_width_px", 1, kMaxGrid_px);
   matrix.grid_height_px = json.integer("grid_height_px", 1, kMaxGrid_px);
@@ -116,8 +117,7 @@ PlanSample sample_from_json(JsonObject json, const TilePlan& plan) {
   sample.azimuth_deg = json.number("azimuth_deg");
   sample.amsl_m = json.number_or_nan("amsl_m");
   sample.agl_m = json.number("agl_m");
-  sample.speed_mps = json.number("speed_mps");
-  if (!(sample.speed_mps > 0)) throw DataError(json.path("speed_mps") + " must be above 0");
+  sample.speed_mps = json.positive_number("speed_mps");
   sample.level = json.small_integer("level", PlanSample::kNoLevel, static_cast<int>(plan.levels.size()) - 1);
   json.finish();
   return sample;

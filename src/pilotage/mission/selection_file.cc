@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
@@ -157,9 +159,7 @@ Selection selection_from_json(const Json& json, const std::string& name) {
                                        sample.number_or_nan("p_within_limit")});
     sample.finish();
   }
-  const Json& ids = object.value("tile_ids");
-  if (!ids.is_array()) throw DataError(object.path("tile_ids") + " is not a list");
-  for (const Json& id : ids) {
+  for (const Json& id : object.list("tile_ids")) {
     // A number beyond int64 wraps to a negative one.
     const bool ascending = id.is_number_integer() && id.get<std::int64_t>() >= 0 &&
                            (selection.tile_ids.empty() || id.get<std::int64_t>() > selection.tile_ids.back());

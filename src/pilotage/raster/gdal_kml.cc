@@ -4,7 +4,7 @@
 #include <ogr_geometry.h>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/raster/gdal_shapes.h"
 #include "pilotage/raster/gdal_vector.h"

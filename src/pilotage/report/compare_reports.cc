@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/report/wording.h"
 

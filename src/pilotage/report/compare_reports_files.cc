@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
 #include "pilotage/report/compare_reports.h"

@@ -1,11 +1,13 @@
 #include "pilotage/report/evaluation_note.h"
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/base/safe_text.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/matchability/quality_report.h"
 
 namespace pilotage {

@@ -19,8 +19,8 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/base/safe_text.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 
 extern char** environ;
 

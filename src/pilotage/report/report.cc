@@ -7,10 +7,11 @@
 #include <set>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
+#include "pilotage/report/page_text.h"
 #include "pilotage/report/route_line.h"
 #include "pilotage/report/wording.h"
 

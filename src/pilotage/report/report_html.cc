@@ -2,9 +2,12 @@
 #include <cmath>
 #include <regex>
 
-#include "pilotage/base/safe_text.h"
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/report/page_assets.h"
+#include "pilotage/report/page_text.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/strip_chart.h"
 #include "pilotage/report/tile_fields.h"

@@ -1,5 +1,7 @@
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/text.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/stored_report.h"

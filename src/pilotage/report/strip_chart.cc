@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "pilotage/base/safe_text.h"
+#include "pilotage/base/markup.h"
+#include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
 #include "pilotage/report/wording.h"
 
@@ -30,23 +31,11 @@ struct Axes {
   }
 };
 
-std::string n(double value) {
-  return format_number(std::round(value * 10) / 10);
-}
+constexpr SvgWriter kSvg{.decimals = 1};
 
-std::string line(const std::string& type, double x1, double y1, double x2, double y2) {
-  return "<line class=\"" + type + "\" x1=\"" + n(x1) + "\" y1=\"" + n(y1) + "\" x2=\"" + n(x2) + "\" y2=\"" + n(y2) +
-         "\"/>\n";
-}
-
-std::string rect(const std::string& type, double x1, double y1, double x2, double y2, const std::string& title = "") {
-  return "<rect class=\"" + type + "\" x=\"" + n(x1) + "\" y=\"" + n(y1) + "\" width=\"" + n(std::max(x2 - x1, 1.0)) +
-         "\" height=\"" + n(y2 - y1) + "\">" + (title.empty() ? "" : "<title>" + html_escape(title) + "</title>") +
-         "</rect>\n";
-}
-
-std::string text(const std::string& type, double x, double y, const std::string& content) {
-  return "<text class=\"" + type + "\" x=\"" + n(x) + "\" y=\"" + n(y) + "\">" + html_escape(content) + "</text>\n";
+// From corner to corner, never narrower than can be seen.
+std::string band(const std::string& type, double x1, double y1, double x2, double y2, const std::string& title) {
+  return kSvg.rect(type, x1, y1, std::max(x2 - x1, 1.0), y2 - y1, title);
 }
 
 Axes make_axes(const Report& report) {
@@ -69,33 +58,35 @@ std::string grid_lines(const Axes& axes) {
   std::string svg;
   const double step_m = tick_step(axes.error_m, 5);
   for (int i = 0; i * step_m <= axes.error_m; ++i) {
-    svg += line("grid", kLeft, axes.y(i * step_m), kRight, axes.y(i * step_m));
-    svg += text("tick-y", kLeft - 8, axes.y(i * step_m) + 5, format_number(i * step_m));
+    svg += kSvg.line("grid", kLeft, axes.y(i * step_m), kRight, axes.y(i * step_m));
+    svg += kSvg.text("tick-y", kLeft - 8, axes.y(i * step_m) + 5, format_number(i * step_m));
   }
   const bool kilometres = axes.distance_m >= 2000;
   const double unit_m = kilometres ? 1000 : 1;
   const double along_step_m = tick_step(axes.distance_m / unit_m, 12) * unit_m;
   for (int i = 0; i * along_step_m <= axes.distance_m; ++i) {
     const double x = axes.x(i * along_step_m);
-    svg += line("tick", x, kBottom, x, kBottom + 6);
-    svg += text("tick-x", x, kBottom + 22, format_number(std::round(i * along_step_m / unit_m * 1e6) / 1e6));
+    svg += kSvg.line("tick", x, kBottom, x, kBottom + 6);
+    svg += kSvg.text("tick-x", x, kBottom + 22, format_number(std::round(i * along_step_m / unit_m * 1e6) / 1e6));
   }
-  svg += text("axis", (kLeft + kRight) / 2, kHeight - 6,
-              std::string("Distance along the route (") + (kilometres ? "km)" : "m)"));
-  svg += "<text class=\"axis\" transform=\"translate(16 " + n((kTop + kBottom) / 2) +
+  svg += kSvg.text("axis", (kLeft + kRight) / 2, kHeight - 6,
+                   std::string("Distance along the route (") + (kilometres ? "km)" : "m)"));
+  svg += "<text class=\"axis\" transform=\"translate(16 " + kSvg.number((kTop + kBottom) / 2) +
          ") rotate(-90)\">Predicted error (m)</text>\n";
   return svg;
 }
 
 std::string error_curve(const Report& report, const Axes& axes) {
   if (report.error_profile.empty())
-    return text("axis", (kLeft + kRight) / 2, (kTop + kBottom) / 2, "No prediction along the route");
+    return kSvg.text("axis", (kLeft + kRight) / 2, (kTop + kBottom) / 2, "No prediction along the route");
   std::string path;
   for (const ErrorSample& sample : report.error_profile) {
-    path += (path.empty() ? "M" : "L") + n(axes.x(sample.distance_m)) + " " + n(axes.y(sample.error_m));
+    path +=
+        (path.empty() ? "M" : "L") + kSvg.number(axes.x(sample.distance_m)) + " " + kSvg.number(axes.y(sample.error_m));
   }
-  const std::string area = path + "L" + n(axes.x(report.error_profile.back().distance_m)) + " " + n(kBottom) + "L" +
-                           n(axes.x(report.error_profile.front().distance_m)) + " " + n(kBottom) + "Z";
+  const std::string area = path + "L" + kSvg.number(axes.x(report.error_profile.back().distance_m)) + " " +
+                           kSvg.number(kBottom) + "L" + kSvg.number(axes.x(report.error_profile.front().distance_m)) +
+                           " " + kSvg.number(kBottom) + "Z";
   return "<path class=\"area\" d=\"" + area + "\"/>\n<path class=\"curve\" d=\"" + path + "\"/>\n";
 }
 
@@ -116,15 +107,15 @@ std::string probability_ribbon(const Report& report, const Axes& axes, double to
     const double x1 = axes.x(profile[from].distance_m);
     const double x2 = axes.x(profile[std::min(to, profile.size() - 1)].distance_m);
     if (shade >= 0) {
-      svg += "<rect x=\"" + n(x1) + "\" y=\"" + n(top) + "\" width=\"" + n(std::max(x2 - x1, 0.5)) +
-             "\" height=\"12\" fill=\"" + hex_color(colors[static_cast<std::size_t>(shade * 255 / (kShades - 1))]) +
-             "\"/>";
+      svg += "<rect x=\"" + kSvg.number(x1) + "\" y=\"" + kSvg.number(top) + "\" width=\"" +
+             kSvg.number(std::max(x2 - x1, 0.5)) + "\" height=\"12\" fill=\"" +
+             hex_color(colors[static_cast<std::size_t>(shade * 255 / (kShades - 1))]) + "\"/>";
     }
     from = to;
   }
   if (svg.empty()) return "";
   return "<g><title>P(correct fix) of the chosen tile under the route: dark 0, bright 1</title>" + svg + "</g>\n" +
-         text("ribbon", kLeft - 8, top + 11.5, "P(fix)");
+         kSvg.text("ribbon", kLeft - 8, top + 11.5, "P(fix)");
 }
 
 std::string ribbons(const Report& report, const Axes& axes) {
@@ -135,21 +126,21 @@ std::string ribbons(const Report& report, const Axes& axes) {
     const double x1 = axes.x(leg.from_distance_m);
     const double x2 = axes.x(leg.from_distance_m + leg.status.length_m);
     const std::string number = std::to_string(leg.status.leg + 1);
-    svg += rect("leg " + std::string(status_name(leg.quality)), x1, leg_top, x2, leg_top + 16,
+    svg += band("leg " + std::string(status_name(leg.quality)), x1, leg_top, x2, leg_top + 16,
                 "Leg " + number + ": largest error " + comparison_text(leg.status.max_error_m, report.max_error_m));
-    if (x2 - x1 >= 26) svg += text("leg-number", (x1 + x2) / 2, leg_top + 12.5, number);
+    if (x2 - x1 >= 26) svg += kSvg.text("leg-number", (x1 + x2) / 2, leg_top + 12.5, number);
   }
-  svg += text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
+  svg += kSvg.text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
   const double fix_top = leg_top + 25;  // far enough for the larger letters of a small screen
   std::string path;
   for (const FixStretch& fix : report.fixes) {
     const double x1 = axes.x(fix.from_distance_m);
-    path +=
-        "M" + n(x1) + " " + n(fix_top) + "h" + n(std::max(axes.x(fix.to_distance_m) - x1, 1.0)) + "v12H" + n(x1) + "Z";
+    path += "M" + kSvg.number(x1) + " " + kSvg.number(fix_top) + "h" +
+            kSvg.number(std::max(axes.x(fix.to_distance_m) - x1, 1.0)) + "v12H" + kSvg.number(x1) + "Z";
   }
   if (!path.empty())
     svg += "<path class=\"fixes\" d=\"" + path + "\"><title>Over selected tiles: fixes are expected</title></path>\n";
-  svg += text("ribbon", kLeft - 8, fix_top + 11.5, "Fixes");
+  svg += kSvg.text("ribbon", kLeft - 8, fix_top + 11.5, "Fixes");
   return svg + probability_ribbon(report, axes, fix_top + 21);
 }
 
@@ -163,8 +154,8 @@ std::string gap_bands(const Report& report, const Axes& axes) {
     const double x2 = axes.x(gap.gap.to_distance_m);
     const std::string title = "Gap of " + length_text(gap.length_m) + ", error at its end " +
                               comparison_text(gap.gap.error_m, report.max_error_m);
-    svg += rect(gap.gap.within_limit ? "gap" : "gap over", x1, kTop, x2, kBottom, title);
-    if (!gap.gap.within_limit) svg += rect("hatch", x1, kTop, x2, kBottom, title);
+    svg += band(gap.gap.within_limit ? "gap" : "gap over", x1, kTop, x2, kBottom, title);
+    if (!gap.gap.within_limit) svg += band("hatch", x1, kTop, x2, kBottom, title);
   }
   return svg;
 }
@@ -175,8 +166,8 @@ std::string gap_labels(const Report& report, const Axes& axes) {
     const double x1 = axes.x(gap.gap.from_distance_m);
     const double x2 = axes.x(gap.gap.to_distance_m);
     if (x2 - x1 < 70) continue;
-    svg +=
-        text("gap-label", (x1 + x2) / 2, kBottom - 8, (gap.gap.within_limit ? "" : "✕ ") + length_text(gap.length_m));
+    svg += kSvg.text("gap-label", (x1 + x2) / 2, kBottom - 8,
+                     (gap.gap.within_limit ? "" : "✕ ") + length_text(gap.length_m));
   }
   return svg;
 }
@@ -194,23 +185,25 @@ double tick_step(double extent, int most) {
 
 std::string strip_chart_svg(const Report& report) {
   const Axes axes = make_axes(report);
-  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + n(kWidth) + " " + n(kHeight) +
+  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + kSvg.number(kWidth) + " " + kSvg.number(kHeight) +
                     "\" role=\"img\" aria-label=\"" +
                     html_escape("Predicted position error along the route. " + report.verdict_text) +
-                    "\" data-left=\"" + n(kLeft) + "\" data-right=\"" + n(kRight) + "\" data-top=\"" + n(kTop) +
-                    "\" data-bottom=\"" + n(kBottom) + "\" data-distance-m=\"" + format_number(axes.distance_m) +
-                    "\" data-error-m=\"" + format_number(axes.error_m) + "\">\n";
+                    "\" data-left=\"" + kSvg.number(kLeft) + "\" data-right=\"" + kSvg.number(kRight) +
+                    "\" data-top=\"" + kSvg.number(kTop) + "\" data-bottom=\"" + kSvg.number(kBottom) +
+                    "\" data-distance-m=\"" + format_number(axes.distance_m) + "\" data-error-m=\"" +
+                    format_number(axes.error_m) + "\">\n";
   svg += gap_bands(report, axes);
   svg += grid_lines(axes) + error_curve(report, axes);
   if (std::isfinite(report.max_error_m)) {
     const double y = axes.y(report.max_error_m);
-    svg += line("limit", kLeft, y, kRight, y);
-    svg += text("limit-label", kLeft + 8, y < kTop + 24 ? y + 18 : y - 6, "limit " + error_text(report.max_error_m));
+    svg += kSvg.line("limit", kLeft, y, kRight, y);
+    svg +=
+        kSvg.text("limit-label", kLeft + 8, y < kTop + 24 ? y + 18 : y - 6, "limit " + error_text(report.max_error_m));
   }
   svg += gap_labels(report, axes);
-  svg += line("axis-line", kLeft, kBottom, kRight, kBottom) + ribbons(report, axes);
-  svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + n(kTop) + "\" y2=\"" +
-         n(kBottom) + "\"/><circle class=\"cursor-dot\" r=\"5\"/></g>\n</svg>";
+  svg += kSvg.line("axis-line", kLeft, kBottom, kRight, kBottom) + ribbons(report, axes);
+  svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + kSvg.number(kTop) + "\" y2=\"" +
+         kSvg.number(kBottom) + "\"/><circle class=\"cursor-dot\" r=\"5\"/></g>\n</svg>";
   return svg;
 }
 

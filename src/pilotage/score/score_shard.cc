@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include <nlohmann/json.hpp>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/json_object.h"

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <nlohmann/json.hpp>
 #include <pilotage/base/options_json.h>
 #include <pilotage/geo/geodesic.h>
 #include <pilotage/raster/gdal_config.h>

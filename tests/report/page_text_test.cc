@@ -1,8 +1,9 @@
-#include "pilotage/base/safe_text.h"
+#include "pilotage/report/page_text.h"
 
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/random.h"
 
@@ -11,20 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-TEST(SafeText, Utf8PassesAndBadBytesBecomeTheReplacement) {
-  const std::string good = "Feld \xC3\xBC \xE2\x82\xAC \xF0\x9F\x8C\x8D";
-  EXPECT_EQ(valid_utf8(good), good);
-  EXPECT_EQ(valid_utf8("a\xFF"
-                       "b"),
-            "a\xEF\xBF\xBD"
-            "b");
-  EXPECT_EQ(valid_utf8("\xC3"), "\xEF\xBF\xBD");                                  // cut off
-  EXPECT_EQ(valid_utf8("\xC0\xAF"), "\xEF\xBF\xBD\xEF\xBF\xBD");                  // overlong
-  EXPECT_EQ(valid_utf8("\xED\xA0\x80"), "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD");  // surrogate
-  EXPECT_EQ(valid_utf8("\xF4\x90\x80\x80").substr(0, 3), "\xEF\xBF\xBD");         // beyond U+10FFFF
-}
-
-TEST(SafeText, AnyBytesBecomeJsonThatCanBeWritten) {
+TEST(PageText, AnyBytesBecomeJsonThatCanBeWritten) {
   Random random(seed_from_name("AnyBytesBecomeJsonThatCanBeWritten"));
   for (int round = 0; round < 300; ++round) {
     std::string bytes;
@@ -36,15 +24,7 @@ TEST(SafeText, AnyBytesBecomeJsonThatCanBeWritten) {
   }
 }
 
-TEST(SafeText, HtmlEscapesMarkupAndControlCharacters) {
-  EXPECT_EQ(html_escape("<a href=\"x\" b='y'>&"), "&lt;a href=&quot;x&quot; b=&#39;y&#39;&gt;&amp;");
-  EXPECT_EQ(html_escape(std::string_view("a\0b\x1b", 4)),
-            "a\xEF\xBF\xBD"
-            "b\xEF\xBF\xBD");
-  EXPECT_EQ(html_escape("tab\tline\n"), "tab\tline\n");
-}
-
-TEST(SafeText, ScriptJsonCannotCloseItsElementAndParsesBack) {
+TEST(PageText, ScriptJsonCannotCloseItsElementAndParsesBack) {
   Json json;
   json["</script><!--"] = "</SCRIPT>\xE2\x80\xA8\xE2\x80\xA9]]>&";
   const std::string text = script_json(json);
@@ -53,7 +33,7 @@ TEST(SafeText, ScriptJsonCannotCloseItsElementAndParsesBack) {
   EXPECT_EQ(Json::parse(text), json);
 }
 
-TEST(SafeText, Base64OfTheTestVectorsOfRfc4648) {
+TEST(PageText, Base64OfTheTestVectorsOfRfc4648) {
   EXPECT_EQ(base64(""), "");
   EXPECT_EQ(base64("f"), "Zg==");
   EXPECT_EQ(base64("fo"), "Zm8=");
@@ -64,7 +44,7 @@ TEST(SafeText, Base64OfTheTestVectorsOfRfc4648) {
   EXPECT_EQ(base64("\xFF\xFE\xFD"), "//79");
 }
 
-TEST(SafeText, TemplateIsFilledOnceAndNamesMustExist) {
+TEST(PageText, TemplateIsFilledOnceAndNamesMustExist) {
   EXPECT_EQ(fill_template("a {{x}} b {{y}}{{x}}", {{"x", "{{y}}"}, {"y", "2"}}), "a {{y}} b 2{{y}}");
   EXPECT_EQ(fill_template("plain }} text", {}), "plain }} text");
   EXPECT_THROW(fill_template("{{z}}", {{"x", "1"}}), std::logic_error);

@@ -4,25 +4,18 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace pilotage {
 
-/// `text` with every byte that is not part of well-formed UTF-8 (RFC 3629) replaced by U+FFFD.
-std::string valid_utf8(std::string_view text);
-
-/// valid_utf8 of every string and key in `json`.
+/// valid_utf8 (base/utf8.h) of every string and key in `json`.
 nlohmann::ordered_json valid_utf8_json(const nlohmann::ordered_json& json);
-
-/// Text for HTML content and for attributes in quotes: & < > " ' become entities, control characters other than tab and
-/// line feed become U+FFFD.
-std::string html_escape(std::string_view text);
 
 /// JSON for the inside of a <script> element: no `<`, `>`, `&`, U+2028 or U+2029 stands in it unescaped, so that no
 /// string can close the element. It parses to the same value. Strings must be valid UTF-8.
 std::string script_json(const nlohmann::ordered_json& json);
 
-/// RFC 4648 with padding.
+/// RFC 4648 with padding, for data: addresses.
 std::string base64(std::string_view bytes);
 
 /// Replaces each `{{name}}` of `page` by its value, in one pass: what a value holds is never expanded again. Throws

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace pilotage {
+
+/// Length of the well-formed UTF-8 sequence (RFC 3629, section 4) at the start of `text`; 0 when there is none.
+std::size_t utf8_sequence_length(std::string_view text);
+
+/// `text` with every byte that is not part of well-formed UTF-8 replaced by U+FFFD.
+std::string valid_utf8(std::string_view text);
+
+}  // namespace pilotage
