@@ -165,7 +165,7 @@ def tiles_of_port(folder, factor):
 
 
 def copies(pairs, share, sigma_px, slope=0, illumination=0.15, gamma=0.2):
-    """Each first tile and a copy of it as vision/degradation.h makes them (texture, illumination, tone curve): what is
+    """Each first tile and a copy of it as degradation/degradation.h makes them (texture, illumination, tone curve): what is
     measured of these is what the measures make of known changes."""
     random = np.random.default_rng(1)
     rows, cols = np.mgrid[:TILE_PX, :TILE_PX] / TILE_PX
@@ -322,7 +322,7 @@ def residual_shifts(a, b):
 
 
 def water(a, b):
-    """NCC of date 1 and 2 within blocks of 32 px that vision/degradation_effects.cc takes for water, and in others."""
+    """NCC of date 1 and 2 within blocks of 32 px that degradation/degradation_effects.cc takes for water, and in others."""
     deviation = a.std()
     level = blur(a, 4)
     rough = np.sqrt(np.maximum(blur((a - level)**2, 4), 0)) / max(deviation, 1e-9)
