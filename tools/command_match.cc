@@ -122,7 +122,7 @@ FrameSources sources_of(const MatchCommandOptions& options, const std::string& m
   sources.from_exif = options.from_exif;
   sources.exif_mount = mount;
   if (names_camera(camera)) sources.given = make_camera(camera);
-  sources.of_map = camera_of_map(map_path, MapReader(map_path).info());
+  sources.of_map = MapReader(map_path).camera();
   if (sources.of_map && !(mount == CameraMount{})) sources.of_map->mount = mount;
   return sources;
 }

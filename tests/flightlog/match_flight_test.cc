@@ -11,7 +11,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/camera/camera_text.h"
 #include "pilotage/flightlog/fix_table.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
@@ -112,30 +111,6 @@ TEST(MatchFlight, ProgressCountsFramesAndMayStop) {
   EXPECT_EQ(last, 14);
   EXPECT_THROW(flight.match(3, [](std::string_view, std::int64_t done, std::int64_t) { return done < 5; }),
                Interrupted);
-}
-
-TEST(CameraForSize, TheSameShapeIsResized) {
-  const Camera camera = ideal_camera(4000, 2250);
-  EXPECT_EQ(camera_for_size("a.jpg", camera, 4000, 2250), camera);
-  const Camera half = camera_for_size("a.jpg", camera, 2000, 1125);
-  EXPECT_EQ(half.fx_px, 2000);
-  EXPECT_EQ(half.cy_px, 562.5);
-  EXPECT_EQ(camera_for_size("a.jpg", camera, 1001, 563).width_px, 1001) << "rounded by less than a pixel";
-  EXPECT_THROW(camera_for_size("a.jpg", camera, 4000, 3000), DataError);
-  EXPECT_THROW(camera_for_size("a.jpg", camera, 2250, 4000), DataError);
-  EXPECT_THROW(camera_for_size("a.jpg", camera, 2000, 1128), DataError);
-}
-
-TEST(CameraOfMap, IsWhatTheMapWasPreparedFor) {
-  Camera camera = ideal_camera(640, 480);
-  camera.mount.pitch_deg = 3;
-  MapInfo info;
-  info.entries.push_back({"schema_version", "1"});
-  EXPECT_FALSE(camera_of_map("map.gpkg", info));
-  for (const auto& [key, value] : camera_to_text(camera)) info.entries.push_back({"camera." + key, value});
-  EXPECT_EQ(camera_of_map("map.gpkg", info), camera);
-  info.entries.back().value = "x";
-  EXPECT_THROW(camera_of_map("map.gpkg", info), DataError);
 }
 
 TEST(ErrorOfFix, IsTheWayFromTheTruthInTheAnswersOwnUnits) {

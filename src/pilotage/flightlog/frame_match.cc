@@ -1,22 +1,15 @@
 #include "pilotage/flightlog/frame_match.h"
 
 #include <chrono>
-#include <cmath>
-#include <string_view>
 
 #include <Eigen/LU>
 
 #include "pilotage/base/error.h"
-#include "pilotage/camera/camera_text.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/raster/gdal_gray.h"
 
 namespace pilotage {
 namespace {
-
-std::string size_text(int width_px, int height_px) {
-  return std::to_string(width_px) + " x " + std::to_string(height_px) + " px";
-}
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -30,27 +23,6 @@ std::string frame_status_name(const FrameMatch& match) {
 
 std::string frame_status_text(const FrameMatch& match) {
   return match.readable() ? std::string(match_status_text(match.result.status)) : match.problem;
-}
-
-Camera camera_for_size(const std::string& name, const Camera& camera, int width_px, int height_px) {
-  if (camera.width_px == width_px && camera.height_px == height_px) return camera;
-  const double height_to_width = static_cast<double>(camera.height_px) / camera.width_px;
-  const bool same_shape =
-      std::abs(height_px - width_px * height_to_width) <= 1 || std::abs(width_px - height_px / height_to_width) <= 1;
-  if (same_shape) return resized_camera(camera, width_px, height_px);
-  throw DataError(name + ": has " + size_text(width_px, height_px) + ", the camera " +
-                  size_text(camera.width_px, camera.height_px) +
-                  ": another shape, so it is not this camera's frame or only a part of one");
-}
-
-std::optional<Camera> camera_of_map(const std::string& name, const MapInfo& info) {
-  constexpr std::string_view kPrefix = "camera.";
-  CameraText text;
-  for (const MapInfoEntry& entry : info.entries) {
-    if (entry.key.starts_with(kPrefix)) text.emplace_back(entry.key.substr(kPrefix.size()), entry.value);
-  }
-  if (text.empty()) return std::nullopt;
-  return camera_from_text(name + ": map_info: camera", text);
 }
 
 FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind) {

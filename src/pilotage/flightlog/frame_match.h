@@ -38,14 +38,6 @@ std::string frame_status_name(const FrameMatch& match);
 /// A sentence about it.
 std::string frame_status_text(const FrameMatch& match);
 
-/// The camera for a picture of another size: itself for its own size, resized_camera() for the same shape to within one
-/// pixel of rounding. Throws DataError, naming `name` and both sizes, for another shape.
-Camera camera_for_size(const std::string& name, const Camera& camera, int width_px, int height_px);
-
-/// The camera that the map was prepared for (its map_info, camera/camera_text.h); nothing when it says nothing of one.
-/// Throws DataError when what it says cannot be used.
-std::optional<Camera> camera_of_map(const std::string& name, const MapInfo& info);
-
 /// `fix` against a true point: its position for FrameTruth::kNadir, its centre for kCenter.
 FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind);
 
