@@ -167,7 +167,7 @@ def tiles_of_port(folder, factor):
 
 
 def copies(pairs, share, sigma_px, illumination=0.15, gamma=0.2):
-    """Each first tile and a copy of it as vision/degradation.h makes them (texture, illumination, tone curve): what is
+    """Each first tile and a copy of it as degradation/degradation.h makes them (texture, illumination, tone curve): what is
     measured of these is what the measures make of known changes."""
     random = np.random.default_rng(1)
     rows, cols = np.mgrid[:TILE_PX, :TILE_PX] / TILE_PX

@@ -10,12 +10,12 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_options.h"
-#include "pilotage/match/fix_table.h"
-#include "pilotage/match/flight_frames.h"
-#include "pilotage/match/frame_exif.h"
-#include "pilotage/match/match_evaluation.h"
-#include "pilotage/match/match_flight.h"
-#include "pilotage/match/match_json.h"
+#include "pilotage/flightlog/fix_table.h"
+#include "pilotage/flightlog/flight_frames.h"
+#include "pilotage/flightlog/frame_exif.h"
+#include "pilotage/flightlog/match_evaluation.h"
+#include "pilotage/flightlog/match_flight.h"
+#include "pilotage/flightlog/match_json.h"
 
 namespace pilotage {
 namespace {
@@ -122,7 +122,7 @@ FrameSources sources_of(const MatchCommandOptions& options, const std::string& m
   sources.from_exif = options.from_exif;
   sources.exif_mount = mount;
   if (names_camera(camera)) sources.given = make_camera(camera);
-  sources.of_map = camera_of_map(map_path, MapReader(map_path).info());
+  sources.of_map = MapReader(map_path).camera();
   if (sources.of_map && !(mount == CameraMount{})) sources.of_map->mount = mount;
   return sources;
 }

@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/random.h"
-#include "pilotage/vision/correlation_kernels.h"
-#include "pilotage/vision/correlation_peaks.h"
-#include "pilotage/vision/degradation.h"
-#include "pilotage/vision/fft_correlation.h"
+#include "pilotage/correlation/correlation_kernels.h"
+#include "pilotage/correlation/correlation_peaks.h"
+#include "pilotage/correlation/fft_correlation.h"
+#include "pilotage/degradation/degradation.h"
 
 namespace pilotage {
 namespace {

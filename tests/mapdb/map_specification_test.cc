@@ -40,7 +40,7 @@ TEST(MapSpecification, IsEnoughForAnotherReader) {
   MapReader reader(path);
   std::string ours;
   for (const MapTile& tile : reader.tiles()) {
-    const TileDescriptors d = reader.descriptors(tile.tile_id, tile.level).value();
+    const TileDescriptors d = *reader.descriptors(tile.tile_id, tile.level);
     for (std::size_t i = 0; i < d.features.size(); ++i) ours += line_of(d, i);
   }
   const std::string command = "/usr/bin/python3 " PILOTAGE_SOURCE_DIR "/tests/mapdb/check_by_specification.py ";

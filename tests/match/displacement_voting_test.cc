@@ -42,7 +42,7 @@ TEST(PlacementTest, ThereAndBackIsTheSame) {
 class VoteOracle {
  public:
   VoteOracle(const PlacedScene& scene, const Placement& turned) : scene_(scene) {
-    const double limit = kVoteDistance * 8 * scene.map.features.descriptor_bytes;
+    const double limit = descriptor_of(scene.map.features).vote_distance * 8 * scene.map.features.descriptor_bytes;
     const int bins = static_cast<int>(2 * scene.space.half_width_px / kVoteBinPx) + 3;
     histogram_ = cv::Mat::zeros(bins, bins, CV_64F);
     const double max_turn = std::max(20 * kRadPerDeg, kVoteStepPx / scene.frame.radius_px);

@@ -120,7 +120,7 @@ TEST(SupportingPairs, AreTheSupportersToAFractionOfTheGridStep) {
     const GuidedPair& pair = pairs[i];
     const Feature& feature = scene.map.features.features[pair.map_feature];
     EXPECT_EQ(pair.map_px, Eigen::Vector2d(static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)));
-    EXPECT_LT(pair.distance, kSupportDistance);
+    EXPECT_LT(pair.distance, descriptor_of(scene.map.features).support_distance);
     const double residual_px = (pair.map_px - match.placement.map_from_frame(pair.from_pivot_px)).norm();
     EXPECT_NEAR(pair.residual_px, residual_px, 1e-9);
     square_px2 += (pair.map_px - scene.truth.map_from_frame(pair.from_pivot_px)).squaredNorm();

@@ -337,6 +337,29 @@ std::vector<double> numbers_of(const MatchResult& result) {
   return all;
 }
 
+// Frames that overlap, with a reader for each frame, with readers that keep all tiles, some and none.
+TEST(Match, TheCacheOfTilesChangesNoResult) {
+  const Map& map = upright_map();
+  MapReader keeps_all(map.path);
+  MapReader keeps_some(map.path, 400'000);
+  MapReader keeps_none(map.path, 0);
+  int fixes = 0;
+  for (int i = 0; i < 8; ++i) {
+    Shot shot;
+    shot.east_m = -21 + 6 * i;
+    shot.north_m = 3 * i - 10;
+    const cv::Mat frame = testing::frame_over(map.ground, shot.east_m, shot.north_m, shot.attitude, shot.height_m).gray;
+    MapReader fresh(map.path);
+    const MatchResult result = match(frame, prior_of(map, shot), map.ground.camera, fresh);
+    const auto expected = numbers_of(result);
+    fixes += result.fix ? 1 : 0;
+    for (MapReader* const reader : {&keeps_all, &keeps_some, &keeps_none}) {
+      EXPECT_EQ(numbers_of(match(frame, prior_of(map, shot), map.ground.camera, *reader)), expected) << i;
+    }
+  }
+  EXPECT_GT(fixes, 5);
+}
+
 TEST(Match, TheSameWheneverAndFromWhicheverThread) {
   const Map& map = upright_map();
   Shot shot;

@@ -12,10 +12,10 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
+#include "pilotage/correlation/correlation_peaks.h"
+#include "pilotage/correlation/fft_correlation.h"
 #include "pilotage/mission/tile_table.h"
 #include "pilotage/score/gray_statistics.h"
-#include "pilotage/vision/correlation_peaks.h"
-#include "pilotage/vision/fft_correlation.h"
 
 namespace pilotage {
 namespace {

@@ -108,8 +108,8 @@ TEST(Features, DescriptorsDependOnThePatchAlone) {
     gray(patch).copyTo(mixed(patch));
     for (const float angle_deg : {0.0F, 45.0F, 130.0F, 359.0F}) {
       if (!options.oriented && angle_deg != 0) continue;
-      EXPECT_EQ(describe_corners(gray, corners, {angle_deg}, options.descriptor_bits),
-                describe_corners(mixed, corners, {angle_deg}, options.descriptor_bits));
+      EXPECT_EQ(describe_corners(gray, corners, {angle_deg}, descriptor_of_bits(options.descriptor_bits)),
+                describe_corners(mixed, corners, {angle_deg}, descriptor_of_bits(options.descriptor_bits)));
     }
     EXPECT_EQ(centroid_angle_deg(gray, 60, 60), centroid_angle_deg(mixed, 60, 60));
   }
@@ -221,8 +221,8 @@ TEST(Features, OrientedDescriptorsTurnWithTheImage) {
         const float turned_angle = centroid_angle_deg(turned, 160 - y, x);
         EXPECT_NEAR(std::remainder(turned_angle - angle - 90, 360), 0, 1e-3);
         const auto difference = [&](float first_deg, float second_deg) {
-          const auto a = describe_corners(gray, before, {first_deg}, bits);
-          const auto b = describe_corners(turned, after, {second_deg}, bits);
+          const auto a = describe_corners(gray, before, {first_deg}, descriptor_of_bits(bits));
+          const auto b = describe_corners(turned, after, {second_deg}, descriptor_of_bits(bits));
           int count = 0;
           for (std::size_t i = 0; i < a.size(); ++i) count += std::popcount(static_cast<unsigned>(a[i] ^ b[i]));
           return count;
@@ -379,7 +379,8 @@ TEST(MapFeatures, BlocksLeaveNoSeam) {
   EXPECT_GT(count_in(508, 516), 20);
   std::vector<Corner> corners;
   for (const Feature& f : set.features) corners.push_back({static_cast<int>(f.x_px), static_cast<int>(f.y_px), 0});
-  EXPECT_EQ(set.descriptors, describe_corners(gray, corners, std::vector<float>(corners.size(), 0.0F), 256));
+  EXPECT_EQ(set.descriptors,
+            describe_corners(gray, corners, std::vector<float>(corners.size(), 0.0F), descriptor_of_bits(256)));
 }
 
 TEST(MapFeatures, OneBlockIsTheWholeImage) {

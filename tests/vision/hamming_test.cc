@@ -63,6 +63,13 @@ HammingMatches brute_force(const FeatureSet& map, const FeatureSet& queries, con
   return result;
 }
 
+/// Of every descriptor there is, so that a new one is searched here too.
+std::vector<int> all_lengths_bytes() {
+  std::vector<int> lengths;
+  for (const BinaryDescriptor& descriptor : kBinaryDescriptors) lengths.push_back(descriptor.bytes());
+  return lengths;
+}
+
 class HammingPaths : public ::testing::TestWithParam<HammingPath> {
  protected:
   void SetUp() override {
@@ -79,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(All, HammingPaths,
 
 TEST_P(HammingPaths, EqualsBruteForce) {
   Random random(seed_from_name("EqualsBruteForce"));
-  for (const int bytes : {16, 32, 64}) {
+  for (const int bytes : all_lengths_bytes()) {
     for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 31U, 32U, 33U, 40U, 100U, 513U, 1100U}) {
       const FeatureSet map = random_features(random, count, bytes, 6);
       const FeatureSet queries = random_features(random, 9, bytes, 6);
@@ -97,7 +104,7 @@ TEST_P(HammingPaths, WindowsEqualBruteForce) {
   Random random(seed_from_name("WindowsEqualBruteForce"));
   const double inf = std::numeric_limits<double>::infinity();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const int bytes : {16, 32, 64}) {
+  for (const int bytes : all_lengths_bytes()) {
     for (const std::size_t count : {0U, 1U, 20U, 300U, 2500U}) {
       FeatureSet map = random_features(random, count, bytes, 5);
       if (count >= 300) {
@@ -133,7 +140,7 @@ TEST_P(HammingPaths, WindowsEqualBruteForce) {
 
 TEST_P(HammingPaths, FindsAllWithinADistance) {
   Random random(seed_from_name("FindsAllWithinADistance"));
-  for (const int bytes : {16, 32, 64}) {
+  for (const int bytes : all_lengths_bytes()) {
     for (const std::size_t count : {0U, 20U, 700U}) {
       const FeatureSet map = random_features(random, count, bytes, 20);
       const FeatureSet queries = random_features(random, 20, bytes, 20);
@@ -157,7 +164,7 @@ TEST_P(HammingPaths, FindsAllWithinADistance) {
 
 TEST_P(HammingPaths, NothingFartherThanTheLargestDistance) {
   Random random(seed_from_name("NothingFartherThanTheLargestDistance"));
-  for (const int bytes : {16, 32, 64}) {
+  for (const int bytes : all_lengths_bytes()) {
     const FeatureSet map = random_features(random, 700, bytes, 20);
     const FeatureSet queries = random_features(random, 20, bytes, 20);
     const double inf = std::numeric_limits<double>::infinity();
@@ -188,7 +195,7 @@ TEST_P(HammingPaths, EqualDistancesComeInTheOrderOfTheIndex) {
 }
 
 TEST_P(HammingPaths, AllBitsCount) {
-  for (const int bytes : {16, 32, 64}) {
+  for (const int bytes : all_lengths_bytes()) {
     FeatureSet map;
     map.descriptor_bytes = bytes;
     map.features.resize(1);

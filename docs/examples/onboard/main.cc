@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
-#include <pilotage/camera/camera_text.h>
+#include <pilotage/camera/camera.h>
 #include <pilotage/mapdb/map_reader.h>
 #include <pilotage/match/match.h>
 #include <pilotage/match/mavlink_position.h>
@@ -37,16 +37,6 @@ cv::Mat read_pgm(const std::string& path) {
   file.read(reinterpret_cast<char*>(frame.data), static_cast<std::streamsize>(frame.total()));
   if (!file) throw std::runtime_error(path + ": ends before its last pixel");
   return frame;
-}
-
-// The camera that the map was planned for stands in it.
-pilotage::Camera camera_of(const pilotage::MapReader& map) {
-  const std::string prefix = "camera.";
-  pilotage::CameraText text;
-  for (const auto& entry : map.info().entries) {
-    if (entry.key.starts_with(prefix)) text.emplace_back(entry.key.substr(prefix.size()), entry.value);
-  }
-  return pilotage::camera_from_text("the map's camera", text);
 }
 
 // Without exceptions for what a sensor may deliver: match() has a status for everything.
@@ -79,17 +69,14 @@ int run(const std::vector<std::string>& arguments) {
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = std::stod(arguments[i + 2]);
   const auto [lon_deg, lat_deg, sigma_m, height_agl_m, yaw_deg, pitch_deg, roll_deg, ground_ellipsoid_m] = numbers;
 
-  // Once, before the flight: the map, and the camera.
+  // Once, before the flight: the map, and the camera that it was prepared for, with as many pixels as its frames have.
   pilotage::MapReader map(arguments[0]);
-  const pilotage::Camera map_camera = camera_of(map);
+  if (!map.camera()) throw std::runtime_error(arguments[0] + ": does not say for which camera it was prepared");
+  const cv::Mat frame = read_pgm(arguments[1]);
+  const pilotage::Camera camera = pilotage::camera_for_size(arguments[1], *map.camera(), frame.cols, frame.rows);
 
   // For each frame:
   const Clock::time_point exposure = Clock::now();
-  const cv::Mat frame = read_pgm(arguments[1]);
-  // The same lens with fewer pixels; a frame of another shape is refused by match().
-  const bool same_shape = frame.cols * map_camera.height_px == frame.rows * map_camera.width_px;
-  const pilotage::Camera camera =
-      same_shape ? pilotage::resized_camera(map_camera, frame.cols, frame.rows) : map_camera;
 
   pilotage::MatchPrior prior;
   prior.position = {lon_deg, lat_deg};

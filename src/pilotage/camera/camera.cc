@@ -14,6 +14,10 @@ std::string outside(const std::string& what, double value, const std::string& al
   return what + " = " + format_number(value) + " is not " + allowed;
 }
 
+std::string size_text(int width_px, int height_px) {
+  return std::to_string(width_px) + " x " + std::to_string(height_px) + " px";
+}
+
 }  // namespace
 
 std::string camera_problem(const Camera& camera) {
@@ -54,6 +58,17 @@ Camera resized_camera(const Camera& camera, int width_px, int height_px) {
   resized.fy_px *= y_factor;
   resized.cy_px *= y_factor;
   return resized;
+}
+
+Camera camera_for_size(const std::string& name, const Camera& camera, int width_px, int height_px) {
+  if (camera.width_px == width_px && camera.height_px == height_px) return camera;
+  const double height_to_width = static_cast<double>(camera.height_px) / camera.width_px;
+  const bool same_shape =
+      std::abs(height_px - width_px * height_to_width) <= 1 || std::abs(width_px - height_px / height_to_width) <= 1;
+  if (same_shape) return resized_camera(camera, width_px, height_px);
+  throw DataError(name + ": has " + size_text(width_px, height_px) + ", the camera " +
+                  size_text(camera.width_px, camera.height_px) +
+                  ": another shape, so it is not this camera's frame or only a part of one");
 }
 
 }  // namespace pilotage

@@ -53,4 +53,8 @@ void check_camera(const std::string& name, const Camera& camera);
 /// The same camera with its image resized to `width_px` × `height_px` (no crop).
 Camera resized_camera(const Camera& camera, int width_px, int height_px);
 
+/// The camera for a picture of another size: itself for its own size, resized_camera() for the same shape to within one
+/// pixel of rounding. Throws DataError, naming `name` and both sizes, for another shape.
+Camera camera_for_size(const std::string& name, const Camera& camera, int width_px, int height_px);
+
 }  // namespace pilotage

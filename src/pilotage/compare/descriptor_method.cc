@@ -1,6 +1,7 @@
 #include "pilotage/compare/descriptor_method.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 
 #include <opencv2/features2d.hpp>
@@ -22,15 +23,20 @@ constexpr double kSiftContrastThreshold = 0.01;
 // A descriptor of 31 px and its margins need as much; the pyramids of OpenCV and dlib fail on less than a few pixels.
 constexpr int kMinSidePx = 64;
 
-int brief_bits(DescriptorMethod method) {
-  if (method == DescriptorMethod::kBrief128) return 128;
-  return method == DescriptorMethod::kBrief256 ? 256 : 512;
+/// The descriptor of maps that a method stands for: the one of its name.
+const BinaryDescriptor& descriptor_of_method(DescriptorMethod method) {
+  const std::string name = options_detail::enum_to_name(method);
+  const auto* const found = std::find_if(kBinaryDescriptors.begin(), kBinaryDescriptors.end(),
+                                         [&](const BinaryDescriptor& row) { return row.name == name; });
+  if (found == kBinaryDescriptors.end()) throw std::logic_error("no binary descriptor has the name " + name);
+  return *found;
 }
 
 // The detector and descriptor of extract_features() with one octave, one after the other.
-DescribedImage brief_features(int bits, const cv::Mat& gray, const cv::Mat& allowed, int max_features) {
+DescribedImage binary_features(const BinaryDescriptor& descriptor, const cv::Mat& gray, const cv::Mat& allowed,
+                               int max_features) {
   FeatureOptions options;
-  options.descriptor_bits = bits;
+  options.descriptor_bits = descriptor.bits;
   const int margin = patch_radius_px(options);
   const cv::Rect area(margin, margin, gray.cols - 2 * margin, gray.rows - 2 * margin);
   DescribedImage result;
@@ -44,7 +50,7 @@ DescribedImage brief_features(int bits, const cv::Mat& gray, const cv::Mat& allo
   const std::vector<Corner> corners = find_corners(gray, allowed, area, corner_options);
   result.detect_ms = watch.lap_ms();
   const std::vector<float> upright(corners.size(), 0.0F);
-  const std::vector<std::uint8_t> descriptors = describe_corners(gray, corners, upright, bits);
+  const std::vector<std::uint8_t> descriptors = describe_corners(gray, corners, upright, descriptor);
   result.describe_ms = watch.lap_ms();
 
   for (const Corner& corner : corners) result.points_px.emplace_back(corner.x + 0.5, corner.y + 0.5);
@@ -103,7 +109,7 @@ DescribedImage describe_image(DescriptorMethod method, const cv::Mat& gray, cons
     case DescriptorMethod::kSurf:
       return surf_features(gray, allowed, max_features);
     default:
-      return brief_features(brief_bits(method), gray, allowed, max_features);
+      return binary_features(descriptor_of_method(method), gray, allowed, max_features);
   }
 }
 

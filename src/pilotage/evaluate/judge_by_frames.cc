@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "pilotage/evaluate/judge_tiles.h"
-#include "pilotage/match/match_flight.h"
+#include "pilotage/flightlog/match_flight.h"
 
 namespace pilotage {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/correlation/fft_correlation.h"
 #include "pilotage/evaluate/judge_tiles.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
-#include "pilotage/vision/fft_correlation.h"
 
 namespace pilotage {
 namespace {

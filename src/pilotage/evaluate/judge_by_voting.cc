@@ -1,20 +1,18 @@
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <mutex>
 #include <numbers>
 #include <optional>
 
 #include <Eigen/LU>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/camera/render_frame.h"
 #include "pilotage/evaluate/judge_tiles.h"
+#include "pilotage/flightlog/frame_match.h"
 #include "pilotage/geo/local_frame.h"
-#include "pilotage/match/frame_match.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 
@@ -142,18 +140,8 @@ std::vector<TileOutcome> judge_by_voting(const ScoredGround& ground, std::span<c
                                          int threads, const Progress& progress) {
   const Flight flight = make_flight(ground, place, options, tolerance_m);
   std::vector<TileOutcome> outcomes(tiles.size());
-  std::vector<std::unique_ptr<MapReader>> readers(static_cast<std::size_t>(thread_count(threads)));
-  std::mutex mutex;
-  std::int64_t done = 0;
-  const auto total = static_cast<std::int64_t>(tiles.size());
-  report_progress(progress, "evaluating", done, total);
-  parallel_for(tiles.size(), threads, [&](std::size_t i, int worker) {
-    std::unique_ptr<MapReader>& reader = readers[static_cast<std::size_t>(worker)];
-    if (!reader) reader = std::make_unique<MapReader>(map);
-    outcomes[i] = judge(flight, tiles[i], seed, *reader);
-    const std::lock_guard lock(mutex);
-    report_progress(progress, "evaluating", ++done, total);
-  });
+  for_each_with_reader(map, tiles.size(), threads, "evaluating", progress,
+                       [&](std::size_t i, MapReader& reader) { outcomes[i] = judge(flight, tiles[i], seed, reader); });
   return outcomes;
 }
 

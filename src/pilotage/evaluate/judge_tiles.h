@@ -10,7 +10,7 @@
 #include "pilotage/evaluate/evaluate_options.h"
 #include "pilotage/evaluate/scored_ground.h"
 #include "pilotage/evaluate/tile_outcome.h"
-#include "pilotage/match/flight_frames.h"
+#include "pilotage/flightlog/flight_frames.h"
 
 namespace pilotage {
 

@@ -19,13 +19,14 @@ constexpr std::int16_t kNoHeight = std::numeric_limits<std::int16_t>::min();
 constexpr std::int64_t kMaxWindowStart = std::int64_t{1} << 40;
 
 bool allowed_descriptor_bytes(int bytes) {
-  return bytes == 16 || bytes == 32 || bytes == 64;
+  return find_descriptor(8 * bytes) != nullptr;
 }
 
 void check_sizes(const TileDescriptors& d, const std::string& where) {
   const FeatureSet& set = d.features;
   if (!allowed_descriptor_bytes(set.descriptor_bytes)) {
-    throw UsageError(where + ": descriptor_bytes = " + std::to_string(set.descriptor_bytes) + " is not 16, 32 or 64");
+    throw UsageError(where + ": descriptor_bytes = " + std::to_string(set.descriptor_bytes) +
+                     " is not one of: " + descriptor_lengths(8));
   }
   if (set.size() > static_cast<std::size_t>(kMaxMapDescriptors)) {
     throw UsageError(where + ": has " + std::to_string(set.size()) + " features, at most " +
@@ -161,10 +162,10 @@ DescriptorRow read_descriptor_row(const Statement& statement, const std::string&
   const std::string where = row_name(file, row.tile_id, row.level);
   row.window = read_window(statement, 2, where);
   row.count = statement.integer(6, 0, kMaxMapDescriptors);
-  row.descriptor_bytes = statement.integer(7, 1, 64);
+  row.descriptor_bytes = statement.integer(7, 1, kMostDescriptorBits / 8);
   if (!allowed_descriptor_bytes(row.descriptor_bytes)) {
     throw DataError(where + ": descriptor_bytes is " + std::to_string(row.descriptor_bytes) +
-                    ", expected 16, 32 or 64");
+                    ", expected one of: " + descriptor_lengths(8));
   }
   if (!statement.is_null(8)) {
     row.ground_base_m = statement.real(8);

@@ -96,15 +96,8 @@ MapValue read_value(const Statement& statement, int column, MapColumnType type) 
 
 }  // namespace
 
-std::optional<std::string> MapInfo::find(std::string_view key) const {
-  for (const MapInfoEntry& entry : entries) {
-    if (entry.key == key) return entry.value;
-  }
-  return std::nullopt;
-}
-
-MapReader::MapReader(const std::filesystem::path& path)
-    : database_((check_header(path), Database::open_untrusted(path, kMaxMapBlobBytes))) {
+MapReader::MapReader(const std::filesystem::path& path, std::size_t cache_bytes)
+    : database_((check_header(path), Database::open_untrusted(path, kMaxMapBlobBytes))), cache_(cache_bytes) {
   check_tables();
   read_info();
   read_levels();
@@ -178,6 +171,8 @@ void MapReader::read_info() {
     throw DataError(database_.name() + ": has schema version " + version + "; this program reads up to version " +
                     std::to_string(kMapSchemaVersion) + ". Use a newer program, or prepare the map again");
   }
+  camera_ = camera_of_info(info_, database_.name());
+  features_ = features_of_info(info_, database_.name());
   Statement statement = database_.prepare(
       "SELECT s.srs_name, s.organization, s.organization_coordsys_id, s.definition, s.srs_id FROM "
       "gpkg_geometry_columns g "
@@ -320,15 +315,17 @@ std::optional<std::vector<MapValue>> MapReader::tile_values(std::int64_t tile_id
   return values;
 }
 
-std::optional<TileDescriptors> MapReader::descriptors(std::int64_t tile_id, int level) {
-  Statement& statement =
-      prepared(descriptors_, database_,
-               join_sql({"SELECT ", kDescriptorColumns, " FROM pilotage_descriptors WHERE tile_id = ? AND level = ?"}),
-               "pilotage_descriptors");
-  const StatementScope scope(statement);
-  statement.bind(1, tile_id).bind(2, std::int64_t{level});
-  if (!statement.step()) return std::nullopt;
-  return decode_descriptors(read_descriptor_row(statement, database_.name()), database_.name());
+std::shared_ptr<const TileDescriptors> MapReader::descriptors(std::int64_t tile_id, int level) {
+  return cache_.get<TileDescriptors>(tile_id, level, [&]() -> std::optional<TileDescriptors> {
+    Statement& statement = prepared(
+        descriptors_, database_,
+        join_sql({"SELECT ", kDescriptorColumns, " FROM pilotage_descriptors WHERE tile_id = ? AND level = ?"}),
+        "pilotage_descriptors");
+    const StatementScope scope(statement);
+    statement.bind(1, tile_id).bind(2, std::int64_t{level});
+    if (!statement.step()) return std::nullopt;
+    return decode_descriptors(read_descriptor_row(statement, database_.name()), database_.name());
+  });
 }
 
 std::optional<MapChip> MapReader::chip(std::int64_t tile_id, int level) {
@@ -340,6 +337,14 @@ std::optional<MapChip> MapReader::chip(std::int64_t tile_id, int level) {
   statement.bind(1, tile_id).bind(2, std::int64_t{level});
   if (!statement.step()) return std::nullopt;
   return read_chip_row(statement, database_.name());
+}
+
+std::shared_ptr<const DecodedChip> MapReader::decoded_chip(std::int64_t tile_id, int level) {
+  return cache_.get<DecodedChip>(tile_id, level, [&]() -> std::optional<DecodedChip> {
+    const std::optional<MapChip> stored = chip(tile_id, level);
+    if (!stored) return std::nullopt;
+    return DecodedChip{stored->window, decode_chip(*stored, database_.name())};
+  });
 }
 
 }  // namespace pilotage

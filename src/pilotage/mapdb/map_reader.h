@@ -2,40 +2,42 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "pilotage/mapdb/map_info.h"
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/mapdb/sqlite.h"
+#include "pilotage/mapdb/tile_cache.h"
 
 namespace pilotage {
 
-/// What a map says about itself.
-struct MapInfo {
-  int schema_version = 0;
-  MapCrs crs;
-  std::vector<MapInfoEntry> entries;  ///< In the order they were written.
-
-  /// The value of a key, or nothing.
-  std::optional<std::string> find(std::string_view key) const;
-};
+/// Some 800 tiles of 256 × 256 px with 20,000 features a megapixel and chips: the ground of a few hundred frames.
+inline constexpr std::size_t kDefaultTileCacheBytes = std::size_t{64} << 20;
 
 /// Reads an onboard map database (schemas/map-database.md) in flight: SQLite only, read-only, no locks, no writes
 /// beside the file. Safe on any bytes: whatever the file holds, a function returns a value or throws DataError that
 /// names file, table and tile. It does not compute digests: check the file with verify_map and verify_signature before
 /// the flight.
 ///
-/// One reader serves one thread at a time; several readers may open the same file. The file must not change while it is
-/// open.
+/// A reader keeps lately used tiles as decoded, which changes no result (mapdb/tile_cache.h).
+///
+/// One reader serves one thread at a time; several readers may open the same file, each with a cache of its own. The
+/// file must not change while it is open.
 class MapReader {
  public:
-  /// Opens and checks the file: size, format, version, tables, levels. Throws DataError.
-  explicit MapReader(const std::filesystem::path& path);
+  /// Opens and checks the file: size, format, version, tables, levels, camera, features. `cache_bytes` bounds
+  /// the memory for decoded tiles; 0 decodes a tile each time. Throws DataError.
+  explicit MapReader(const std::filesystem::path& path, std::size_t cache_bytes = kDefaultTileCacheBytes);
 
   const std::string& name() const { return database_.name(); }  ///< Of the file, as messages begin.
   const MapInfo& info() const { return info_; }
+  /// The camera that the map was prepared for; nothing when the map does not say.
+  const std::optional<Camera>& camera() const { return camera_; }
+  /// How its features are described, and so how a frame must be.
+  const FeatureOptions& features() const { return features_; }
   const std::vector<MapLevel>& levels() const { return levels_; }  ///< Ascending by level.
   const MapLevel* find_level(int level) const;                     ///< Or nullptr.
 
@@ -59,12 +61,15 @@ class MapReader {
   const std::vector<MapColumn>& tile_columns() const { return tile_columns_; }
   std::optional<std::vector<MapValue>> tile_values(std::int64_t tile_id);
 
-  /// Nothing when the tile has no descriptors at that level.
-  std::optional<TileDescriptors> descriptors(std::int64_t tile_id, int level);
+  /// Shared with the reader's cache; nullptr when the tile has no descriptors at that level.
+  std::shared_ptr<const TileDescriptors> descriptors(std::int64_t tile_id, int level);
 
   /// Whether the map has a table of chips, and the chip of a tile, or nothing.
   bool has_chips() const { return has_chips_; }
   std::optional<MapChip> chip(std::int64_t tile_id, int level);
+
+  /// The chip as pixels (mapdb/chip_codec.h), shared with the reader's cache; nullptr when there is none.
+  std::shared_ptr<const DecodedChip> decoded_chip(std::int64_t tile_id, int level);
 
  private:
   static void check_header(const std::filesystem::path& path);
@@ -75,9 +80,12 @@ class MapReader {
 
   Database database_;
   MapInfo info_;
+  std::optional<Camera> camera_;
+  FeatureOptions features_;
   std::vector<MapLevel> levels_;
   std::vector<MapColumn> tile_columns_;
   bool has_chips_ = false;
+  TileCache cache_;
   // Prepared when first needed: parsing costs more than reading a tile.
   std::optional<Statement> near_geodetic_;
   std::optional<Statement> near_grid_;

@@ -105,7 +105,7 @@ struct TileDescriptors {
   std::int64_t tile_id = 0;
   int level = 0;        ///< Whose pixels `window` and the features are in.
   PixelWindow window;   ///< The cell whose descriptors these are: 0 ≤ x_px ≤ width, 0 ≤ y_px ≤ height.
-  FeatureSet features;  ///< descriptor_bytes 16, 32 or 64.
+  FeatureSet features;  ///< Described by one of kBinaryDescriptors.
   /// Height of the ground under each feature, metres above mean sea level, NaN where unknown. Empty when no height is
   /// known.
   std::vector<float> ground_height_m;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mapdb/chip_codec.h"
@@ -70,6 +72,17 @@ void paste(const ChipPicture& picture, const PixelWindow& window, ChipMosaic& mo
   valid.copyTo(mosaic.valid(to), valid);
 }
 
+/// Whether a chip of the tile may touch the square: it reaches beyond its tile by less than one of its pixels.
+bool may_touch(const MapTile& tile, const GeoTransform& transform, const Square& square) {
+  const Bounds& b = tile.bounds;
+  Eigen::AlignedBox2d tile_px;
+  for (const double x_m : {b.min_x_m, b.max_x_m}) {
+    for (const double y_m : {b.min_y_m, b.max_y_m}) tile_px.extend(transform.pixel_from_map({x_m, y_m}));
+  }
+  const Eigen::Vector2d slack_px = Eigen::Vector2d::Constant(kMaxChipFactor);
+  return tile_px.intersects(Eigen::AlignedBox2d(square.low_px - slack_px, square.high_px + slack_px));
+}
+
 bool touches(const PixelWindow& window, const Square& square) {
   const auto reaches = [](std::int64_t first, int size, double low, double high) {
     return static_cast<double>(first)<high&& static_cast<double>(first + size)> low;
@@ -93,9 +106,10 @@ ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& ce
   const Eigen::Vector2d center_m = transform.map_from_pixel(center_px);
   if (!center_m.allFinite() || !std::isfinite(radius_m)) throw UsageError("the centre of the mosaic is not a place");
   for (const NearTile& near : map.tiles_near(center_m, radius_m, level)) {
-    const auto chip = map.chip(near.tile.tile_id, level);
+    if (!may_touch(near.tile, transform, square)) continue;
+    const auto chip = map.decoded_chip(near.tile.tile_id, level);
     if (!chip || !touches(chip->window, square)) continue;
-    const ChipPicture picture = decode_chip(*chip, map.name());
+    const ChipPicture& picture = chip->picture;
     if (mosaic.gray.empty()) mosaic = empty_mosaic(square, picture.factor);
     if (picture.factor != mosaic.factor) {
       throw DataError(map.name() + ": tile " + std::to_string(near.tile.tile_id) + ", level " + std::to_string(level) +

@@ -64,7 +64,7 @@ std::vector<Pair> similar_pairs(const PivotedFrame& frame, const LocalMap& map, 
     windows.push_back({reach.center_px.x() - reach.half_width_px, reach.center_px.y() - reach.half_width_px,
                        reach.center_px.x() + reach.half_width_px, reach.center_px.y() + reach.half_width_px});
   }
-  const double limit_bits = kVoteDistance * 8 * map.features.descriptor_bytes;
+  const double limit_bits = descriptor_of(map.features).vote_distance * 8 * map.features.descriptor_bytes;
   const HammingMatches nearest = index.find_nearest(map.features, windows, kVoteNeighbours, best_hamming_path(),
                                                     static_cast<std::uint32_t>(std::ceil(limit_bits)) - 1);
   std::vector<Pair> pairs;

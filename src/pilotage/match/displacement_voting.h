@@ -77,10 +77,10 @@ struct Candidate {
 };
 
 /// Displacement voting: each feature of the map is paired with the kVoteNeighbours nearest descriptors of the frame
-/// among those that would put the frame inside the search square, nearer than kVoteDistance of the bits; each pair adds
-/// (1 − distance/limit)² to a two-dimensional histogram of centres, one for each turn and scale on a grid fine enough
-/// that no pair moves by more than kVoteStepPx between neighbours. Histograms are smoothed (Gaussian, one bin); the
-/// highest `count` peaks that are kPeakSeparationPx apart are returned, most votes first. Cf. D. H. Ballard,
+/// among those that would put the frame inside the search square, nearer than BinaryDescriptor::vote_distance; each
+/// pair adds (1 − distance/limit)² to a two-dimensional histogram of centres, one for each turn and scale on a grid
+/// fine enough that no pair moves by more than kVoteStepPx between neighbours. Histograms are smoothed (Gaussian, one
+/// bin); the highest `count` peaks that are kPeakSeparationPx apart are returned, most votes first. Cf. D. H. Ballard,
 /// "Generalizing the Hough transform", Pattern Recognition 13(2), 1981.
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                               std::size_t count);
@@ -89,7 +89,6 @@ std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const L
 double search_bins(const PivotedFrame& frame, const SearchSpace& space);
 
 inline constexpr int kVoteNeighbours = 4;
-inline constexpr double kVoteDistance = 90.0 / 256;
 inline constexpr double kVoteStepPx = 2.5;
 inline constexpr double kVoteBinPx = 2;
 inline constexpr double kPeakSeparationPx = 6;

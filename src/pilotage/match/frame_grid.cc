@@ -13,7 +13,8 @@ FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions&
   grid.columns = (frame.gray.cols + step_px - 1) / step_px;
   grid.rows = (frame.gray.rows + step_px - 1) / step_px;
   grid.index.assign(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows), -1);
-  grid.points.descriptor_bytes = options.descriptor_bits / 8;
+  const BinaryDescriptor& descriptor = descriptor_of_bits(options.descriptor_bits);
+  grid.points.descriptor_bytes = descriptor.bytes();
 
   const int radius_px = patch_radius_px(options);
   const int side_px = 2 * radius_px + 1;
@@ -33,7 +34,7 @@ FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions&
       grid.points.features.push_back({static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F, 0, angle_deg, 0});
     }
   }
-  grid.points.descriptors = describe_corners(frame.gray, places, angles_deg, options.descriptor_bits);
+  grid.points.descriptors = describe_corners(frame.gray, places, angles_deg, descriptor);
   return grid;
 }
 

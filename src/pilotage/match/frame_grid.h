@@ -6,7 +6,8 @@
 #include <Eigen/Core>
 
 #include "pilotage/camera/ortho_rectify.h"
-#include "pilotage/vision/features.h"
+#include "pilotage/vision/feature_options.h"
+#include "pilotage/vision/feature_set.h"
 
 namespace pilotage {
 

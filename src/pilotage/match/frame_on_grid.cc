@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kMaxHalfWidthPx = 4096;  // of the search square: its histogram takes 64 MiB
 
-MatchStatus status_of(RectifyStatus status) {
+std::optional<MatchStatus> refusal_of(RectifyStatus status) {
   switch (status) {
     case RectifyStatus::kOk:
-      return MatchStatus::kFix;
+      return std::nullopt;
     case RectifyStatus::kBadCamera:
       return MatchStatus::kBadCamera;
     case RectifyStatus::kBadAttitude:
@@ -46,16 +46,22 @@ FrameOnGrid lay_frame_on_grid(const cv::Mat& frame, const MatchPrior& prior, con
                               const MatchOptions& options) {
   FrameOnGrid laid;
   laid.level = level_for_height(map, prior.height_agl_m);
-  if (laid.level == nullptr) return laid;
+  if (laid.level == nullptr) {
+    laid.refusal = MatchStatus::kNoMap;
+    return laid;
+  }
   const double half_width_m = search_half_width_m(prior, options);
   const double reach_m = std::min(half_width_m * std::numbers::sqrt2 + laid.level->max_tile_radius_m, 1e5);
   const auto grid = local_grid(map, *laid.level, prior.position, reach_m);
-  if (!grid) return laid;
+  if (!grid) {
+    laid.refusal = MatchStatus::kNoMap;
+    return laid;
+  }
   laid.grid = *grid;
   laid.gsd_m = grid->gsd_m();
   laid.half_width_px = half_width_m / laid.gsd_m;
   if (laid.half_width_px > kMaxHalfWidthPx) {
-    laid.status = MatchStatus::kBadPrior;
+    laid.refusal = MatchStatus::kBadPrior;
     return laid;
   }
   laid.prior_px = grid->px_from_geodetic(prior.position);
@@ -65,8 +71,8 @@ FrameOnGrid lay_frame_on_grid(const cv::Mat& frame, const MatchPrior& prior, con
   rectify.gsd_m = laid.gsd_m;
   rectify.max_size_px = kMaxRectifiedSidePx;
   laid.frame = ortho_rectify(frame, camera, on_grid, prior.height_agl_m, rectify);
-  laid.status = status_of(laid.frame.status);
-  if (laid.status != MatchStatus::kFix) return laid;
+  laid.refusal = refusal_of(laid.frame.status);
+  if (laid.refusal) return laid;
   const auto view = make_view(camera, on_grid, prior.height_agl_m);
   const auto principal = view ? ground_from_pixel(*view, {camera.cx_px, camera.cy_px}) : std::nullopt;
   const cv::Size size = laid.frame.gray.size();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
@@ -15,7 +17,7 @@ inline constexpr int kMaxRectifiedSidePx = 768;
 
 /// A frame laid on the grid of a level of the map, and where the prior puts it.
 struct FrameOnGrid {
-  MatchStatus status = MatchStatus::kNoMap;  ///< kFix, or why the rest is not filled.
+  std::optional<MatchStatus> refusal;  ///< Why the frame cannot be matched; the rest may not be filled then.
   const MapLevel* level = nullptr;
   LocalGrid grid;
   RectifiedFrame frame;
@@ -40,8 +42,8 @@ double search_half_width_m(const MatchPrior& prior, const MatchOptions& options)
 /// The attitude against the grid's up instead of true north.
 Attitude attitude_on_grid(const Attitude& attitude, const LocalGrid& grid);
 
-/// Lays `frame` on the grid of the level that serves its height. The status says why it cannot be: the map has nothing
-/// here, the window is too large, or the frame cannot be rectified. Throws DataError when the map is damaged.
+/// Lays `frame` on the grid of the level that serves its height. The refusal says why it cannot be: the map has
+/// nothing here, the window is too large, or the frame cannot be rectified. Throws DataError when the map is damaged.
 FrameOnGrid lay_frame_on_grid(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                               const MatchOptions& options);
 

@@ -12,7 +12,6 @@
 namespace pilotage {
 namespace {
 
-constexpr double kFitDistance = 85.0 / 256;  // farther pairs have no weight
 constexpr double kFitNoisePx = 2;
 constexpr double kIndependentPairs = 50;  // what many overlapping patches are worth, against the prior
 constexpr int kMaxReach = 2;              // in grid steps
@@ -114,15 +113,16 @@ class GuidedSearch {
 /// the prior has no turn, yaw is measured from the start's: only then a is nearly the scale.
 class SimilarityFit {
  public:
-  SimilarityFit(const Placement& start, const SearchSpace& space)
+  SimilarityFit(const Placement& start, const SearchSpace& space, const BinaryDescriptor& descriptor)
       : start_(start),
         space_(space),
+        fit_distance_(descriptor.fit_distance),
         transform_(start),
         base_yaw_rad_(space.yaw_sigma_rad > kUnknownYawRad ? start.yaw_rad : 0),
         base_({{0, 0}, base_yaw_rad_, 1}) {}
 
   void add(const GuidedPair& pair) {
-    const double nearness = std::max(0.0, 1 - pair.distance / kFitDistance);
+    const double nearness = std::max(0.0, 1 - pair.distance / fit_distance_);
     if (nearness <= 0) return;
     const Eigen::Vector2d o = base_.map_from_frame(pair.from_pivot_px);
     const Eigen::Vector2d& m = pair.map_px;
@@ -172,6 +172,7 @@ class SimilarityFit {
  private:
   Placement start_;
   SearchSpace space_;
+  double fit_distance_;  // farther pairs have no weight
   PlacementTransform transform_;
   double base_yaw_rad_;
   PlacementTransform base_;
@@ -181,8 +182,8 @@ class SimilarityFit {
   int pairs_ = 0;
 };
 
-bool supports(const GuidedPair& pair) {
-  return pair.distance < kSupportDistance && pair.residual_px <= kSupportResidualPx;
+bool supports(const GuidedPair& pair, const BinaryDescriptor& descriptor) {
+  return pair.distance < descriptor.support_distance && pair.residual_px <= kSupportResidualPx;
 }
 
 }  // namespace
@@ -193,6 +194,7 @@ double GuidedMatch::evidence() const {
 
 GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                          const Candidate& candidate) {
+  const BinaryDescriptor& descriptor = descriptor_of(map.features);
   const GuidedSearch search(frame, map);
   GuidedMatch match;
   match.placement = candidate.placement;
@@ -200,14 +202,14 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
   constexpr std::array<int, 3> kReach{kMaxReach, 1, 1};
   for (std::size_t round = 0; round < kReach.size(); ++round) {
     const bool last = round + 1 == kReach.size();
-    SimilarityFit fit(match.placement, space);
+    SimilarityFit fit(match.placement, space, descriptor);
     const PlacementTransform transform(match.placement);
     for (const std::size_t feature : search.features_within(match.placement)) {
       const auto pair = search.find(feature, transform, kReach[round]);
       if (!pair) continue;
       if (last) {
         ++match.expected;
-        match.supporters += supports(*pair) ? 1 : 0;
+        match.supporters += supports(*pair, descriptor) ? 1 : 0;
       } else {
         fit.add(*pair);
       }
@@ -218,12 +220,13 @@ GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const S
 }
 
 std::vector<GuidedPair> supporting_pairs(const PivotedFrame& frame, const LocalMap& map, const Placement& placement) {
+  const BinaryDescriptor& descriptor = descriptor_of(map.features);
   const GuidedSearch search(frame, map);
   const PlacementTransform transform(placement);
   std::vector<GuidedPair> pairs;
   for (const std::size_t feature : search.features_within(placement)) {
     auto pair = search.find(feature, transform, 1);
-    if (!pair || !supports(*pair)) continue;
+    if (!pair || !supports(*pair, descriptor)) continue;
     pair->from_pivot_px = search.between_points(*pair);
     pair->residual_px = (pair->map_px - transform.map_from_frame(pair->from_pivot_px)).norm();
     pairs.push_back(*pair);

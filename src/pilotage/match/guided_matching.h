@@ -22,12 +22,11 @@ struct GuidedMatch {
   Placement placement;  ///< Refined.
   double votes = 0;     ///< Of the candidate it started from.
   int expected = 0;     ///< Features of the map that the frame should show there.
-  int supporters = 0;   ///< Of these, found within kSupportDistance and kSupportResidualPx.
+  int supporters = 0;   ///< Of these, found within BinaryDescriptor::support_distance and kSupportResidualPx.
   /// What candidates are ranked by: supporters + kVoteValue · votes.
   double evidence() const;
 };
 
-inline constexpr double kSupportDistance = 75.0 / 256;
 inline constexpr double kSupportResidualPx = 1.6;
 inline constexpr double kVoteValue = 10;
 

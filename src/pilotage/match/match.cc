@@ -1,7 +1,6 @@
 #include "pilotage/match/match.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 
 #include <opencv2/core.hpp>
@@ -41,86 +40,83 @@ bool prior_is_good(const MatchPrior& prior) {
          std::isfinite(prior.attitude.pitch_deg) && std::isfinite(prior.attitude.roll_deg);
 }
 
-std::optional<FeatureOptions> feature_options(const MapReader& map) {
-  FeatureOptions options;
-  if (const auto bits = map.info().find("features.descriptor_bits")) options.descriptor_bits = std::atoi(bits->c_str());
-  options.oriented = map.info().find("features.oriented") == "true";
-  if (options.descriptor_bits != 128 && options.descriptor_bits != 256 && options.descriptor_bits != 512) {
-    return std::nullopt;
-  }
-  return options;
+MatchResult refused(MatchStatus status, const MatchStats& stats) {
+  return {status, {}, {}, stats};
+}
+
+/// What the ranking found, in the words of the statistics.
+void describe_ranking(const RankedPlaces& places, MatchStats& stats) {
+  const RankedPlace& best = places.best;
+  stats.support = best.match.evidence();
+  stats.expected_features = best.match.expected;
+  stats.vote_peak = best.evidence;
+  stats.vote_rival = places.rival_evidence;
+  stats.ncc = best.ncc;
+  stats.ncc_rival = places.rival_ncc;
+  stats.chip_pixels = best.compared_px;
+  stats.confidence = 1 - false_fix_rate(best.evidence);
+}
+
+/// Why the best place is not accepted as a fix, or nothing.
+std::optional<MatchStatus> refusal_of_best(const MatchStats& stats, const MatchOptions& options, bool outside_gate) {
+  if (1 - stats.confidence > options.max_false_fix_rate) return MatchStatus::kInconsistent;
+  if (stats.vote_peak - stats.vote_rival < kMinLead) return MatchStatus::kAmbiguous;
+  if (outside_gate) return MatchStatus::kOutsideGate;
+  return std::nullopt;
 }
 
 MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                            const MatchOptions& options) {
-  MatchResult result;
   const FrameOnGrid laid = lay_frame_on_grid(frame, prior, camera, map, options);
-  result.status = laid.status;
-  if (laid.level != nullptr) result.stats.level = laid.level->matrix.level;
-  result.stats.gsd_m = laid.gsd_m;
-  if (result.status != MatchStatus::kFix) return result;
-  const auto features = feature_options(map);
-  if (!features) return {MatchStatus::kMapUnreadable, {}, {}, result.stats};
+  MatchStats stats;
+  if (laid.level != nullptr) stats.level = laid.level->matrix.level;
+  stats.gsd_m = laid.gsd_m;
+  if (laid.refusal) return refused(*laid.refusal, stats);
 
-  const PivotedFrame described = describe(laid, *features);
+  const FeatureOptions& features = map.features();
+  const PivotedFrame described = describe(laid, features);
   const Eigen::Vector2d center_px = laid.prior_px + laid.px_from_m(laid.pivot_m);
   const LocalMap local =
       read_local_map(map, *laid.level, laid.grid, center_px, laid.half_width_px + described.radius_px);
-  result.stats.frame_features = static_cast<int>(described.grid.points.size());
-  result.stats.map_features = static_cast<int>(local.features.size());
-  if (local.features.size() > 0 && local.features.descriptor_bytes * 8 != features->descriptor_bits) {
-    return {MatchStatus::kMapUnreadable, {}, {}, result.stats};
+  stats.frame_features = static_cast<int>(described.grid.points.size());
+  stats.map_features = static_cast<int>(local.features.size());
+  if (local.features.size() == 0) return refused(MatchStatus::kNoMap, stats);
+  if (local.features.descriptor_bytes * 8 != features.descriptor_bits) {
+    return refused(MatchStatus::kMapUnreadable, stats);
   }
-  if (local.features.size() == 0) return {MatchStatus::kNoMap, {}, {}, result.stats};
-  if (result.stats.frame_features < kMinFeatures || result.stats.map_features < kMinFeatures) {
-    return {MatchStatus::kTooFewFeatures, {}, {}, result.stats};
+  if (stats.frame_features < kMinFeatures || stats.map_features < kMinFeatures) {
+    return refused(MatchStatus::kTooFewFeatures, stats);
   }
 
-  const SearchSpace space = search_space(laid, local, options, features->oriented);
-  if (search_bins(described, space) > kMaxSearchBins) return {MatchStatus::kBadPrior, {}, {}, result.stats};
+  const SearchSpace space = search_space(laid, local, options, features.oriented);
+  if (search_bins(described, space) > kMaxSearchBins) return refused(MatchStatus::kBadPrior, stats);
   const auto chips = compare_chips(frame, prior, camera, map, options, laid, described, local);
   const auto places = rank_places(described, local, space, chips, laid.gsd_m);
-  if (!places) return {MatchStatus::kInconsistent, {}, {}, result.stats};
-  const RankedPlace& best = places->best;
-  result.stats.support = best.match.evidence();
-  result.stats.expected_features = best.match.expected;
-  result.stats.vote_peak = best.evidence;
-  result.stats.vote_rival = places->rival_evidence;
-  result.stats.ncc = best.ncc;
-  result.stats.ncc_rival = places->rival_ncc;
-  result.stats.chip_pixels = best.compared_px;
-  result.stats.confidence = 1 - false_fix_rate(best.evidence);
-  auto refined = refine_fix(laid, described, local, prior, options, best.match);
-  if (!refined) return {MatchStatus::kInconsistent, {}, {}, result.stats};
-  result.stats.inliers = refined->pose.inliers;
-  result.stats.residual_m = refined->pose.residual_m;
-  result.candidate = refined->fix;
-  if (1 - result.stats.confidence > options.max_false_fix_rate) {
-    result.status = MatchStatus::kInconsistent;
-  } else if (places->best.evidence - places->rival_evidence < kMinLead) {
-    result.status = MatchStatus::kAmbiguous;
-  } else if (is_outside_gate(laid, local, prior, options, refined->pose)) {
-    result.status = MatchStatus::kOutsideGate;
-  } else {
-    result.fix = refined->fix;
-  }
-  return result;
+  if (!places) return refused(MatchStatus::kInconsistent, stats);
+  describe_ranking(*places, stats);
+  const auto refined = refine_fix(laid, described, local, prior, options, places->best.match);
+  if (!refined) return refused(MatchStatus::kInconsistent, stats);
+  stats.inliers = refined->pose.inliers;
+  stats.residual_m = refined->pose.residual_m;
+  const bool outside_gate = is_outside_gate(laid, local, prior, options, refined->pose);
+  if (const auto refusal = refusal_of_best(stats, options, outside_gate)) return {*refusal, {}, refined->fix, stats};
+  return {MatchStatus::kFix, refined->fix, refined->fix, stats};
 }
 
 }  // namespace
 
 MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                   const MatchOptions& options) {
-  if (!options_are_good(options)) return {MatchStatus::kBadOptions, {}, {}, {}};
-  if (!prior_is_good(prior)) return {MatchStatus::kBadPrior, {}, {}, {}};
+  if (!options_are_good(options)) return refused(MatchStatus::kBadOptions, {});
+  if (!prior_is_good(prior)) return refused(MatchStatus::kBadPrior, {});
   try {
     return match_or_throw(frame, prior, camera, map, options);
   } catch (const DataError&) {
-    return {MatchStatus::kMapUnreadable, {}, {}, {}};
+    return refused(MatchStatus::kMapUnreadable, {});
   } catch (const UsageError&) {
-    return {MatchStatus::kBadPrior, {}, {}, {}};
+    return refused(MatchStatus::kBadPrior, {});
   } catch (const cv::Exception&) {  // OpenCV refuses a picture in its own way
-    return {MatchStatus::kBadFrame, {}, {}, {}};
+    return refused(MatchStatus::kBadFrame, {});
   }
 }
 

@@ -14,7 +14,6 @@
 namespace pilotage {
 namespace {
 
-constexpr int kVoteBitsOf256 = 75;
 constexpr int kTruePeak_px = 5;
 constexpr int kSide = 2 * kVoteReach_px + 1;
 constexpr std::size_t kQueriesPerTask = 1024;
@@ -61,10 +60,6 @@ class VoteSurface {
  private:
   std::array<std::uint16_t, static_cast<std::size_t>(kSide) * kSide> votes_{};
 };
-
-int vote_bits(int descriptor_bytes) {
-  return descriptor_bytes * 8 * kVoteBitsOf256 / 256;
-}
 
 std::int8_t rounded(float value_px) {
   const long whole = std::lround(value_px);
@@ -157,7 +152,7 @@ class FeatureBands {
       windows.push_back({x - kVoteReach_px, y - kVoteReach_px, x + kVoteReach_px, y + kVoteReach_px});
     }
     const auto found =
-        index.find_within(voters, windows, static_cast<std::uint32_t>(vote_bits(voters.descriptor_bytes)));
+        index.find_within(voters, windows, static_cast<std::uint32_t>(descriptor_of(voters).support_bits()));
     for (std::size_t i = 0; i < voters.size(); ++i) {
       for (const HammingMatch& match : found.of_query(i)) {
         const Feature& other = around.features[match.index];

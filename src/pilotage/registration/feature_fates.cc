@@ -120,7 +120,7 @@ void judge_octave(const FeatureSet& reference, const FeatureRange& range, int oc
     std::transform(places.begin(), places.end(), angles_deg.begin(),
                    [&](const Corner& place) { return centroid_angle_deg(ground.octave.gray, place.x, place.y); });
   }
-  const auto descriptors = describe_corners(ground.octave.gray, places, angles_deg, search.features.descriptor_bits);
+  const auto descriptors = describe_corners(ground.octave.gray, places, angles_deg, descriptor_of(reference));
   const auto bytes = static_cast<std::size_t>(reference.descriptor_bytes);
   std::vector<const std::uint8_t*> candidates(search.steps.size());
   for (std::size_t k = 0; k < judged.size(); ++k) {

@@ -11,8 +11,8 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/options.h"
 #include "pilotage/base/parallel.h"
-#include "pilotage/vision/correlation_peaks.h"
-#include "pilotage/vision/fft_correlation.h"
+#include "pilotage/correlation/correlation_peaks.h"
+#include "pilotage/correlation/fft_correlation.h"
 
 namespace pilotage {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "pilotage/vision/correlation_kernels.h"
+#include "pilotage/correlation/correlation_kernels.h"
 
 namespace pilotage {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/correlation/fft_correlation.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/window_spectra.h"
-#include "pilotage/vision/fft_correlation.h"
 
 namespace pilotage {
 

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/parallel.h"
-#include "pilotage/vision/fft_correlation.h"
+#include "pilotage/correlation/fft_correlation.h"
 
 namespace pilotage {
 namespace {

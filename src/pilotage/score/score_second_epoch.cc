@@ -10,15 +10,15 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/correlation/correlation_peaks.h"
+#include "pilotage/correlation/fft_correlation.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/registration/register_tiles.h"
 #include "pilotage/registration/surviving_features.h"
 #include "pilotage/registration/warped_source.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/tile_surfaces.h"
-#include "pilotage/vision/correlation_peaks.h"
 #include "pilotage/vision/features.h"
-#include "pilotage/vision/fft_correlation.h"
 
 namespace pilotage {
 namespace {

@@ -17,11 +17,11 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
+#include "pilotage/correlation/correlation_peaks.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/predict_correct_fixes.h"
 #include "pilotage/score/tile_statistics.h"
 #include "pilotage/score/tile_surfaces.h"
-#include "pilotage/vision/correlation_peaks.h"
 
 namespace pilotage {
 namespace {

@@ -7,12 +7,12 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
+#include "pilotage/degradation/degradation.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/registration/registration_options.h"
-#include "pilotage/vision/degradation.h"
 #include "pilotage/vision/features.h"
 
 namespace pilotage {

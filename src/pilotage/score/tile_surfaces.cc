@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "pilotage/vision/correlation_kernels.h"
+#include "pilotage/correlation/correlation_kernels.h"
 
 namespace pilotage {
 namespace {

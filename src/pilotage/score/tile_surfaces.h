@@ -7,13 +7,13 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/correlation/correlation_peaks.h"
+#include "pilotage/correlation/fft_correlation.h"
+#include "pilotage/degradation/degradation.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/score/block_sums.h"
 #include "pilotage/score/map_strip.h"
 #include "pilotage/score/window_spectra.h"
-#include "pilotage/vision/correlation_peaks.h"
-#include "pilotage/vision/degradation.h"
-#include "pilotage/vision/fft_correlation.h"
 
 namespace pilotage {
 

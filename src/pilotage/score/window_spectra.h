@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "pilotage/correlation/fft_correlation.h"
 #include "pilotage/score/map_strip.h"
-#include "pilotage/vision/fft_correlation.h"
 
 namespace pilotage {
 

@@ -113,9 +113,15 @@ float centroid_angle_deg(const cv::Mat& gray, int x, int y) {
 }
 
 std::vector<std::uint8_t> describe_corners(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                           const std::vector<float>& angles_deg, int bits) {
+                                           const std::vector<float>& angles_deg, const BinaryDescriptor& descriptor) {
   if (corners.empty()) return {};
-  return bits == 256 ? describe_by_orb(gray, corners, angles_deg) : describe_by_brief(gray, corners, angles_deg, bits);
+  switch (descriptor.pattern) {
+    case DescriptorPattern::kOrb:
+      return describe_by_orb(gray, corners, angles_deg);
+    case DescriptorPattern::kBrief:
+      return describe_by_brief(gray, corners, angles_deg, descriptor.bits);
+  }
+  throw std::logic_error("a descriptor's pattern is not known");
 }
 
 }  // namespace pilotage

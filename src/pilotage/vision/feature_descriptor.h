@@ -5,7 +5,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "pilotage/vision/feature_detector.h"
+#include "pilotage/vision/corner.h"
+#include "pilotage/vision/descriptor.h"
 
 namespace pilotage {
 
@@ -16,9 +17,9 @@ float centroid_angle_deg(const cv::Mat& gray, int x, int y);
 
 inline constexpr int kCentroidRadiusPx = 15;
 
-/// Descriptors of `corners` (angles in degrees, one each), `bits` / 8 bytes after bytes. Every corner's patch
+/// Descriptors of `corners` (angles in degrees, one each), `descriptor`.bytes() after bytes. Every corner's patch
 /// (patch_radius_px()) must lie inside `gray`.
 std::vector<std::uint8_t> describe_corners(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                           const std::vector<float>& angles_deg, int bits);
+                                           const std::vector<float>& angles_deg, const BinaryDescriptor& descriptor);
 
 }  // namespace pilotage

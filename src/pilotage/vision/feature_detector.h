@@ -6,14 +6,9 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 
-namespace pilotage {
+#include "pilotage/vision/corner.h"
 
-/// A corner: whole pixel, and its Harris response.
-struct Corner {
-  int x = 0;
-  int y = 0;
-  float response = 0;
-};
+namespace pilotage {
 
 /// What find_corners looks for.
 struct CornerOptions {

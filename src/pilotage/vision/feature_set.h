@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "pilotage/vision/descriptor.h"
+
 namespace pilotage {
 
 /// A key point: where a descriptor was taken. Pixel centres lie at +0.5.
@@ -18,7 +20,7 @@ struct Feature {
 /// Features and their descriptors, one row of `descriptor_bytes` after the other.
 struct FeatureSet {
   std::vector<Feature> features;
-  int descriptor_bytes = 32;
+  int descriptor_bytes = kDefaultDescriptorBits / 8;
   std::vector<std::uint8_t> descriptors;
 
   std::size_t size() const { return features.size(); }
@@ -26,5 +28,10 @@ struct FeatureSet {
     return descriptors.data() + index * static_cast<std::size_t>(descriptor_bytes);
   }
 };
+
+/// What the set is described with. Throws UsageError when no descriptor has its length.
+inline const BinaryDescriptor& descriptor_of(const FeatureSet& set) {
+  return descriptor_of_bits(8 * set.descriptor_bytes);
+}
 
 }  // namespace pilotage

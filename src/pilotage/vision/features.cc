@@ -16,15 +16,6 @@
 namespace pilotage {
 namespace {
 
-constexpr int kSmoothRadiusPx = 3;  // a kernel of 7 × 7
-constexpr int kOrbPatternRadiusPx = 13;
-constexpr int kBriefPatternRadiusPx = 15;
-constexpr double kMaxShrink = 64;
-
-double octave_scale(const FeatureOptions& options, int octave) {
-  return std::pow(options.scale_factor, octave);
-}
-
 /// Corners per pixel of each octave: the same on all, so that each takes a share of the whole in proportion to its
 /// pixels.
 double corners_per_octave_px(const FeatureOptions& options) {
@@ -88,7 +79,8 @@ void append_octave_features(const Octave& octave, int index, const ImageBlock& b
          static_cast<float>((static_cast<double>(octave.first_row + corners[i].y) + 0.5) * octave.scale), index,
          angles_deg[i], corners[i].response});
   }
-  const auto descriptors = describe_corners(octave.gray, corners, angles_deg, options.descriptor_bits);
+  const auto descriptors =
+      describe_corners(octave.gray, corners, angles_deg, descriptor_of_bits(options.descriptor_bits));
   set.descriptors.insert(set.descriptors.end(), descriptors.begin(), descriptors.end());
 }
 
@@ -208,28 +200,6 @@ FeatureSet inside_windows(const FeatureSet& set, const MapBlock& block, const st
 }
 
 }  // namespace
-
-void check_feature_options(const FeatureOptions& options) {
-  check_options(options);
-  if (options.descriptor_bits != 128 && options.descriptor_bits != 256 && options.descriptor_bits != 512) {
-    throw UsageError("descriptor_bits = " + std::to_string(options.descriptor_bits) + " is not one of: 128, 256, 512");
-  }
-  if (options.min_fast_threshold > options.fast_threshold) {
-    throw UsageError("min_fast_threshold = " + std::to_string(options.min_fast_threshold) +
-                     " is above fast_threshold = " + std::to_string(options.fast_threshold));
-  }
-  if (octave_scale(options, options.octaves - 1) > kMaxShrink) {
-    throw UsageError("octaves = " + std::to_string(options.octaves) +
-                     " shrink the image more than 64 times; give fewer or a smaller scale_factor");
-  }
-}
-
-int patch_radius_px(const FeatureOptions& options) {
-  const int pattern = options.descriptor_bits == 256 ? kOrbPatternRadiusPx : kBriefPatternRadiusPx;
-  if (!options.oriented) return pattern + kSmoothRadiusPx;
-  // A corner of the pattern's square may point anywhere. The centroid's disc is smaller.
-  return static_cast<int>(std::ceil(pattern * std::sqrt(2.0))) + kSmoothRadiusPx;
-}
 
 FeatureSet extract_features(const cv::Mat& gray, const cv::Mat& valid, const FeatureOptions& options) {
   check_feature_options(options);

@@ -17,6 +17,7 @@ namespace {
 using hamming_detail::kSlotsPerBlock;
 using hamming_detail::Nearest;
 using hamming_detail::Scan;
+using QueryWords = std::array<std::uint64_t, hamming_detail::kMostWords>;
 
 /// Slots that all queries look at before the next ones: 16 KiB of 256-bit descriptors stay in the first cache.
 constexpr std::size_t kSlotsPerChunk = 512;
@@ -46,9 +47,9 @@ Scan scan_of(HammingPath path) {
 
 void check_features(const FeatureSet& features, const char* what) {
   const int bytes = features.descriptor_bytes;
-  if (bytes != 16 && bytes != 32 && bytes != 64) {
+  if (find_descriptor(8 * bytes) == nullptr) {
     throw UsageError(std::string(what) + " have descriptors of " + std::to_string(bytes) +
-                     " bytes, only 16, 32 and 64 can be searched");
+                     " bytes, only these lengths can be searched: " + descriptor_lengths(8));
   }
   if (features.descriptors.size() != features.size() * static_cast<std::size_t>(bytes)) {
     throw UsageError(std::string(what) + ": " + std::to_string(features.descriptors.size()) +
@@ -81,8 +82,8 @@ std::pair<double, double> extent(const std::vector<Feature>& features, float Fea
   return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
 }
 
-std::array<std::uint64_t, 8> query_words(const FeatureSet& queries, std::size_t query) {
-  std::array<std::uint64_t, 8> words{};
+QueryWords query_words(const FeatureSet& queries, std::size_t query) {
+  QueryWords words{};
   for (int word = 0; word < queries.descriptor_bytes / 8; ++word) {
     words[static_cast<std::size_t>(word)] = word_of(queries.descriptor(query), word);
   }
@@ -194,7 +195,7 @@ HammingMatches HammingIndex::find_nearest(const FeatureSet& queries, int k, Hamm
   HammingMatches result = empty_matches(queries.size(), k);
   if (size() == 0) return result;
   std::vector<Nearest> nearest(queries.size());
-  std::vector<std::array<std::uint64_t, 8>> words(queries.size());
+  std::vector<QueryWords> words(queries.size());
   for (std::size_t query = 0; query < queries.size(); ++query) {
     nearest[query].clear();
     nearest[query].k = k;

@@ -42,7 +42,7 @@ template <int kWords>
   __m256i bound = repeated(nearest.bound());
   for (std::size_t slot = begin / kSlotsPerBlock * kSlotsPerBlock; slot < end; slot += kSlotsPerBlock) {
     const auto* const block = reinterpret_cast<const __m256i*>(blocks + slot * kWords);
-    // A byte collects at most 8 bits of each of at most 8 words: 64 < 256.
+    static_assert(8 * kWords < 256, "a byte collects at most 8 bits of each word");
     __m256i low_bytes = zero;
     __m256i high_bytes = zero;
     for (int word = 0; word < kWords; ++word) {
@@ -69,14 +69,7 @@ template <int kWords>
 
 void scan_avx2(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin, std::size_t end,
                Nearest& nearest) {
-  switch (words) {
-    case 2:
-      return scan<2>(blocks, query, begin, end, nearest);
-    case 4:
-      return scan<4>(blocks, query, begin, end, nearest);
-    default:
-      return scan<8>(blocks, query, begin, end, nearest);
-  }
+  with_words(words, [&]<int kWords>() { scan<kWords>(blocks, query, begin, end, nearest); });
 }
 #else
 void scan_avx2(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin, std::size_t end,

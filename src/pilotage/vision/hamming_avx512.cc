@@ -74,14 +74,7 @@ template <int kWords>
 
 void scan_avx512(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin, std::size_t end,
                  Nearest& nearest) {
-  switch (words) {
-    case 2:
-      return scan<2>(blocks, query, begin, end, nearest);
-    case 4:
-      return scan<4>(blocks, query, begin, end, nearest);
-    default:
-      return scan<8>(blocks, query, begin, end, nearest);
-  }
+  with_words(words, [&]<int kWords>() { scan<kWords>(blocks, query, begin, end, nearest); });
 }
 #else
 void scan_avx512(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin, std::size_t end,

@@ -17,14 +17,14 @@ constexpr std::uint64_t count_bits(std::uint64_t x) {
   return x & 0x7F;
 }
 
-template <std::size_t kWords>
+template <int kWords>
 void scan(const std::uint64_t* blocks, const std::uint64_t* query, std::size_t begin, std::size_t end,
           Nearest& nearest) {
   std::uint64_t bound = nearest.bound();
   for (std::size_t slot = begin / kSlotsPerBlock * kSlotsPerBlock; slot < end; slot += kSlotsPerBlock) {
-    const std::uint64_t* const block = blocks + slot * kWords;
+    const std::uint64_t* const block = blocks + slot * static_cast<std::size_t>(kWords);
     std::array<std::uint64_t, kSlotsPerBlock> distances{};
-    for (std::size_t word = 0; word < kWords; ++word) {
+    for (std::size_t word = 0; word < static_cast<std::size_t>(kWords); ++word) {
       for (std::size_t lane = 0; lane < kSlotsPerBlock; ++lane) {
         distances[lane] += count_bits(block[word * kSlotsPerBlock + lane] ^ query[word]);
       }
@@ -45,14 +45,7 @@ void scan(const std::uint64_t* blocks, const std::uint64_t* query, std::size_t b
 
 void scan_portable(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin,
                    std::size_t end, Nearest& nearest) {
-  switch (words) {
-    case 2:
-      return scan<2>(blocks, query, begin, end, nearest);
-    case 4:
-      return scan<4>(blocks, query, begin, end, nearest);
-    default:
-      return scan<8>(blocks, query, begin, end, nearest);
-  }
+  with_words(words, [&]<int kWords>() { scan<kWords>(blocks, query, begin, end, nearest); });
 }
 
 }  // namespace pilotage::hamming_detail

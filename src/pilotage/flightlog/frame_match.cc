@@ -1,0 +1,61 @@
+#include "pilotage/flightlog/frame_match.h"
+
+#include <chrono>
+
+#include <Eigen/LU>
+
+#include "pilotage/base/error.h"
+#include "pilotage/geo/local_frame.h"
+#include "pilotage/raster/gdal_gray.h"
+
+namespace pilotage {
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+std::string frame_status_name(const FrameMatch& match) {
+  return match.readable() ? std::string(match_status_name(match.result.status)) : "unreadable";
+}
+
+std::string frame_status_text(const FrameMatch& match) {
+  return match.readable() ? std::string(match_status_text(match.result.status)) : match.problem;
+}
+
+FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind) {
+  const bool nadir = kind == FrameTruth::kNadir;
+  const Eigen::Matrix2d& covariance = nadir ? fix.covariance_en_m2 : fix.center_covariance_en_m2;
+  const LocalFrame at_truth(truth);
+  const Eigen::Vector2d error = at_truth.enu_from_geodetic(nadir ? fix.position : fix.center).head<2>();
+  FixError result{error.x(), error.y(), error.norm(), std::numeric_limits<double>::quiet_NaN()};
+  if (covariance.determinant() > 0 && covariance(0, 0) > 0) result.nees = error.dot(covariance.inverse() * error);
+  return result;
+}
+
+FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
+                       const MatchOptions& options, FrameTruth truth) {
+  FrameMatch done;
+  done.frame = frame;
+  cv::Mat picture;
+  Camera sized;
+  try {
+    picture = read_gray8_picture(path);
+    sized = camera_for_size(path, camera, picture.cols, picture.rows);
+  } catch (const DataError& error) {
+    done.problem = error.what();
+    return done;
+  }
+  const MatchPrior prior{frame.prior, frame.prior_sigma_m, frame.height_agl_m, frame.attitude};
+  const auto start = std::chrono::steady_clock::now();
+  done.result = match(picture, prior, sized, map, options);
+  done.milliseconds = milliseconds_since(start);
+  if (!frame.truth) return done;
+  if (done.result.fix) done.error = error_of_fix(*done.result.fix, *frame.truth, truth);
+  if (done.result.candidate) done.candidate_error = error_of_fix(*done.result.candidate, *frame.truth, truth);
+  return done;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "pilotage/match/match.h"
+#include "pilotage/mission/frame_table.h"
+
+namespace pilotage {
+
+/// How far an answer lies from the truth.
+struct FixError {
+  double east_m = 0;  ///< Answer minus truth.
+  double north_m = 0;
+  double error_m = 0;
+  /// Normalised error squared eᵀ·C⁻¹·e with the covariance of the answer: χ² of 2 degrees of freedom when it is honest;
+  /// NaN when C cannot be inverted.
+  double nees = 0;
+};
+
+/// A frame from a file and what became of it.
+struct FrameMatch {
+  FrameRecord frame;
+  /// Why there is nothing to match, "" otherwise: the file cannot be read as a picture, or has not the camera's shape.
+  std::string problem;
+  MatchResult result;                                              ///< Meaningless when there is a problem.
+  double milliseconds = std::numeric_limits<double>::quiet_NaN();  ///< Of match() alone: reading the file is not in it.
+  std::optional<FixError> error;            ///< Of result.fix, when there is one and the truth is known.
+  std::optional<FixError> candidate_error;  ///< Of result.candidate, likewise.
+
+  bool readable() const { return problem.empty(); }
+  bool has_fix() const { return readable() && result.fix.has_value(); }
+};
+
+/// "fix", another match_status_name(), or "unreadable" when there is a problem.
+std::string frame_status_name(const FrameMatch& match);
+/// A sentence about it.
+std::string frame_status_text(const FrameMatch& match);
+
+/// `fix` against a true point: its position for FrameTruth::kNadir, its centre for kCenter.
+FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind);
+
+/// Reads the picture `path` (anything GDAL opens; gray as the map's imagery is made gray), and matches it. What cannot
+/// be read is a FrameMatch with a problem. Throws nothing but std::bad_alloc.
+FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
+                       const MatchOptions& options, FrameTruth truth);
+
+}  // namespace pilotage

@@ -1,0 +1,158 @@
+#include "pilotage/flightlog/match_evaluation.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/text.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kConfidence = 0.95;
+
+/// Covariances that cannot be inverted have no NEES and are left out.
+NeesSummary summarise_nees(const std::vector<double>& all) {
+  NeesSummary summary{0, kNaN, {kNaN, kNaN}};
+  double sum = 0;
+  for (const double nees : all) {
+    if (std::isnan(nees)) continue;
+    ++summary.count;
+    sum += nees;
+  }
+  if (summary.count == 0) return summary;
+  const auto count = static_cast<double>(summary.count);
+  summary.mean = sum / count;
+  summary.band = {chi_squared_quantile((1 - kConfidence) / 2, 2 * count) / count,
+                  chi_squared_quantile((1 + kConfidence) / 2, 2 * count) / count};
+  return summary;
+}
+
+Json rate_json(const MatchRate& rate) {
+  return {{"count", rate.count},
+          {"of", rate.of},
+          {"rate", json_number(rate.rate)},
+          {"low", rate.interval.low},
+          {"high", rate.interval.high}};
+}
+
+Json nees_json(const NeesSummary& nees) {
+  return {{"count", nees.count},
+          {"mean", json_number(nees.mean)},
+          {"band_low", json_number(nees.band.low)},
+          {"band_high", json_number(nees.band.high)}};
+}
+
+std::string rate_text(const MatchRate& rate, const std::string& of_what) {
+  const auto percent = [](double share) { return format_fixed(100 * share, 2); };
+  return (rate.of == 0 ? "undefined" : percent(rate.rate) + " %") + " (" + std::to_string(rate.count) + " of " +
+         std::to_string(rate.of) + " " + of_what + "; 95 % interval " + percent(rate.interval.low) + " to " +
+         percent(rate.interval.high) + " %)\n";
+}
+
+std::string nees_text(const NeesSummary& nees) {
+  if (nees.count == 0) return "undefined\n";
+  return format_fixed(nees.mean, 2) + ", " + (nees.inside() ? "inside" : "outside") + " the 95 % band " +
+         format_fixed(nees.band.low, 2) + " to " + format_fixed(nees.band.high, 2) + " of " +
+         std::to_string(nees.count) + " honest ones\n";
+}
+
+}  // namespace
+
+MatchRate match_rate(std::int64_t count, std::int64_t of) {
+  return {count, of, of > 0 ? static_cast<double>(count) / static_cast<double>(of) : kNaN,
+          binomial_interval(count, of, kConfidence)};
+}
+
+MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double correct_within_m) {
+  if (!(correct_within_m > 0)) {
+    throw UsageError("correct_within_m = " + format_number(correct_within_m) + " is not above 0");
+  }
+  MatchEvaluation evaluation;
+  evaluation.frames = static_cast<std::int64_t>(matches.size());
+  evaluation.correct_within_m = correct_within_m;
+  std::vector<double> errors_m;
+  std::vector<double> nees;
+  std::vector<double> nees_correct;
+  std::vector<double> times_ms;
+  for (const FrameMatch& match : matches) {
+    if (!match.readable()) ++evaluation.unreadable;
+    if (match.has_fix()) {
+      ++evaluation.accepted;
+    } else {
+      ++evaluation.refused[frame_status_name(match)];
+    }
+    if (match.frame.truth) ++evaluation.frames_with_truth;
+    if (!std::isnan(match.milliseconds)) times_ms.push_back(match.milliseconds);
+    if (!match.error) continue;
+    errors_m.push_back(match.error->error_m);
+    nees.push_back(match.error->nees);
+    if (match.error->error_m <= correct_within_m) nees_correct.push_back(match.error->nees);
+  }
+  const auto judged = static_cast<std::int64_t>(errors_m.size());
+  const auto correct = static_cast<std::int64_t>(nees_correct.size());
+  evaluation.correct = match_rate(correct, evaluation.frames_with_truth);
+  evaluation.false_fixes = match_rate(judged - correct, judged);
+  evaluation.median_error_m = quantile(errors_m, 0.5);
+  evaluation.p95_error_m = quantile(errors_m, 0.95);
+  evaluation.nees = summarise_nees(nees);
+  evaluation.nees_correct = summarise_nees(nees_correct);
+  evaluation.median_ms = quantile(times_ms, 0.5);
+  evaluation.p95_ms = quantile(times_ms, 0.95);
+  return evaluation;
+}
+
+Json to_json(const MatchEvaluation& evaluation, bool timings) {
+  Json json{{"frames", evaluation.frames},
+            {"unreadable", evaluation.unreadable},
+            {"accepted", evaluation.accepted},
+            {"refused", Json::object()}};
+  for (const auto& [status, count] : evaluation.refused) json["refused"][status] = count;
+  json["frames_with_truth"] = evaluation.frames_with_truth;
+  if (evaluation.frames_with_truth > 0) {
+    json["correct_within_m"] = evaluation.correct_within_m;
+    json["correct_fixes"] = rate_json(evaluation.correct);
+    json["false_fixes"] = rate_json(evaluation.false_fixes);
+    json["median_error_m"] = json_number(evaluation.median_error_m);
+    json["p95_error_m"] = json_number(evaluation.p95_error_m);
+    json["nees"] = nees_json(evaluation.nees);
+    json["nees_correct"] = nees_json(evaluation.nees_correct);
+  }
+  if (timings) {
+    json["median_ms"] = json_number(evaluation.median_ms);
+    json["p95_ms"] = json_number(evaluation.p95_ms);
+  }
+  return json;
+}
+
+std::string evaluation_text(const MatchEvaluation& evaluation, bool timings) {
+  std::string text = std::to_string(evaluation.frames) + " frames, " + std::to_string(evaluation.accepted) + " fixes\n";
+  for (const auto& [status, count] : evaluation.refused) {
+    text += "  " + std::to_string(count) + " " + status + "\n";
+  }
+  if (evaluation.frames_with_truth > 0) {
+    const std::string limit = format_number(evaluation.correct_within_m) + " m";
+    text += "correct fixes, within " + limit + ": " + rate_text(evaluation.correct, "frames");
+    text += "false fixes, beyond " + limit + ": " + rate_text(evaluation.false_fixes, "fixes");
+  }
+  if (evaluation.false_fixes.of > 0) {
+    text += "error: median " + format_fixed(evaluation.median_error_m, 2) + " m, 95 % below " +
+            format_fixed(evaluation.p95_error_m, 2) + " m\n";
+    text += "mean normalised error squared: " + nees_text(evaluation.nees);
+    text += "the same of the correct fixes: " + nees_text(evaluation.nees_correct);
+  }
+  if (timings && !std::isnan(evaluation.median_ms)) {
+    text += "time of matching: median " + format_fixed(evaluation.median_ms, 1) + " ms, 95 % below " +
+            format_fixed(evaluation.p95_ms, 1) + " ms\n";
+  }
+  return text;
+}
+
+}  // namespace pilotage

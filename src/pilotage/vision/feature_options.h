@@ -1,0 +1,45 @@
+#pragma once
+
+#include "pilotage/base/options.h"
+#include "pilotage/vision/descriptor.h"
+
+namespace pilotage {
+
+/// How features are found and described. Map and frame must agree in descriptor_bits and oriented.
+struct FeatureOptions {
+  double features_per_mpx = 20000;
+  int descriptor_bits = kDefaultDescriptorBits;
+  bool oriented = false;
+  int fast_threshold = 20;
+  int min_fast_threshold = 5;
+  int octaves = 1;
+  double scale_factor = 1.5;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("features_per_mpx", self.features_per_mpx,
+                 "Most features for each million pixels, over all octaves; spread evenly.", Range{1, 200000});
+    fields.field("descriptor_bits", self.descriptor_bits, kDescriptorBitsHelp,
+                 Range{kLeastDescriptorBits, kMostDescriptorBits});
+    fields.field("oriented", self.oriented, "Turn descriptors with the patch, for frames whose heading is not known.");
+    fields.field("fast_threshold", self.fast_threshold, "Contrast of a corner, gray levels.", Range{1, 254});
+    fields.field("min_fast_threshold", self.min_fast_threshold,
+                 "Contrast to fall back to where the ground is too faint for fast_threshold.", Range{1, 254});
+    fields.field("octaves", self.octaves, "Number of scales.", Range{1, 12});
+    fields.field("scale_factor", self.scale_factor, "Ratio of one octave's pixel size to the one before.",
+                 Range{1.05, 2});
+  }
+};
+
+/// Throws UsageError when an option is outside its range, when no descriptor has descriptor_bits, when
+/// min_fast_threshold > fast_threshold, or when the coarsest octave would shrink more than 64 times.
+void check_feature_options(const FeatureOptions& options);
+
+/// Side of an octave's pixel in pixels of the image.
+double octave_scale(const FeatureOptions& options, int octave);
+
+/// Pixels around a feature (in each direction, at its octave) on which its descriptor and orientation depend.
+/// Throws UsageError when no descriptor has descriptor_bits.
+int patch_radius_px(const FeatureOptions& options);
+
+}  // namespace pilotage

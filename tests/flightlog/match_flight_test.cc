@@ -1,0 +1,147 @@
+#include "pilotage/flightlog/match_flight.h"
+
+#include <atomic>
+#include <cmath>
+
+#include "mapdb/small_map.h"
+#include "testing/temporary_folder.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/flightlog/fix_table.h"
+#include "pilotage/geo/geodesic.h"
+#include "pilotage/geo/local_frame.h"
+
+namespace pilotage {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+Camera ideal_camera(int width_px, int height_px) {
+  Camera camera;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.fx_px = camera.fy_px = width_px;
+  camera.cx_px = width_px / 2.0;
+  camera.cy_px = height_px / 2.0;
+  return camera;
+}
+
+/// A small map and frames beside it: good ones, one that is no picture, one of another shape.
+class Flight {
+ public:
+  Flight() {
+    const testing::SmallMap map = testing::make_small_map();
+    testing::write_map(map_path(), map);
+    for (int i = 0; i < 12; ++i) {
+      cv::Mat pixels(60, 80, CV_8U);
+      cv::randu(pixels, 0, 255);
+      add(std::to_string(i) + ".png", pixels, map.tiles.front().center, i);
+    }
+    add("tall.png", cv::Mat(80, 60, CV_8U, cv::Scalar(100)), map.tiles.front().center, 12);
+    write_file(folder_ / "text.png", "no picture", false);
+    frames_.push_back(frames_.front());
+    frames_.back().path = (folder_ / "text.png").string();
+    frames_.back().frame.file = "text.png";
+  }
+
+  std::filesystem::path map_path() const { return folder_ / "map.gpkg"; }
+  const std::vector<FlightFrame>& frames() const { return frames_; }
+  std::vector<FrameMatch> match(int threads, const Progress& progress = {}) const {
+    return match_flight(map_path(), frames_, {}, FrameTruth::kCenter, threads, progress);
+  }
+
+ private:
+  void add(const std::string& name, const cv::Mat& pixels, GeodeticPoint place, int i) {
+    const std::string path = (folder_ / name).string();
+    cv::imwrite(path, pixels);
+    frames_.push_back({path, {name, 1.0 * i, place, 10, 50, {10.0 * i, 0, 0}, place}, ideal_camera(80, 60)});
+  }
+
+  TemporaryFolder folder_;
+  std::vector<FlightFrame> frames_;
+};
+
+TEST(MatchFlight, AnswersInOrderWhateverTheThreads) {
+  const Flight flight;
+  const std::vector<FrameMatch> one = flight.match(1);
+  ASSERT_EQ(one.size(), flight.frames().size());
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].frame.file, flight.frames()[i].frame.file);
+  EXPECT_EQ(fix_table_to_csv(flight.match(4), false), fix_table_to_csv(one, false));
+}
+
+TEST(MatchFlight, WhatCannotBeMatchedIsARowOfItsOwn) {
+  const Flight flight;
+  const std::vector<FrameMatch> matches = flight.match(2);
+  EXPECT_TRUE(matches[0].readable());
+  EXPECT_FALSE(std::isnan(matches[0].milliseconds));
+  const FrameMatch& tall = matches[12];
+  EXPECT_EQ(frame_status_name(tall), "unreadable");
+  EXPECT_THAT(tall.problem, HasSubstr("tall.png: has 60 x 80 px, the camera 80 x 60 px: another shape"));
+  EXPECT_THAT(matches[13].problem, HasSubstr("text.png: cannot be opened as a raster"));
+  EXPECT_TRUE(std::isnan(matches[13].milliseconds));
+}
+
+TEST(MatchFlight, NotOneReadableFrameIsAnError) {
+  const Flight flight;
+  const std::vector<FlightFrame> bad(flight.frames().end() - 2, flight.frames().end());
+  try {
+    match_flight(flight.map_path(), bad, {}, FrameTruth::kCenter, 1, {});
+    FAIL();
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("not one of 2 frames can be read; the first: "));
+    EXPECT_THAT(error.what(), HasSubstr("tall.png: has 60 x 80 px"));
+  }
+  EXPECT_THROW(match_flight(flight.map_path() / "x", flight.frames(), {}, FrameTruth::kCenter, 2, {}), DataError);
+}
+
+TEST(MatchFlight, ProgressCountsFramesAndMayStop) {
+  const Flight flight;
+  std::int64_t last = -1;
+  flight.match(3, [&](std::string_view, std::int64_t done, std::int64_t total) {
+    EXPECT_EQ(done, last + 1);
+    EXPECT_EQ(total, 14);
+    last = done;
+    return true;
+  });
+  EXPECT_EQ(last, 14);
+  EXPECT_THROW(flight.match(3, [](std::string_view, std::int64_t done, std::int64_t) { return done < 5; }),
+               Interrupted);
+}
+
+TEST(ErrorOfFix, IsTheWayFromTheTruthInTheAnswersOwnUnits) {
+  const GeodeticPoint truth{16.5, 55.5};
+  Fix fix;
+  fix.position = geodesic_direct(truth, 90, 3);  // 3 m east
+  fix.covariance_en_m2 << 9, 0, 0, 1;
+  fix.center = geodesic_direct(truth, 180, 4);  // 4 m south
+  fix.center_covariance_en_m2 << 1, 0, 0, 4;
+  const FixError nadir = error_of_fix(fix, truth, FrameTruth::kNadir);
+  EXPECT_NEAR(nadir.east_m, 3, 1e-6);
+  EXPECT_NEAR(nadir.north_m, 0, 1e-5);
+  EXPECT_NEAR(nadir.error_m, 3, 1e-6);
+  EXPECT_NEAR(nadir.nees, 1, 1e-5);
+  const FixError center = error_of_fix(fix, truth, FrameTruth::kCenter);
+  EXPECT_NEAR(center.east_m, 0, 1e-5);
+  EXPECT_NEAR(center.north_m, -4, 1e-6);
+  EXPECT_NEAR(center.nees, 4, 1e-5);
+}
+
+TEST(ErrorOfFix, NeesHeedsTheCorrelation) {
+  const GeodeticPoint truth{16.5, 55.5};
+  Fix fix;
+  fix.position = LocalFrame(truth).geodetic_from_enu({2, 2, 0});
+  fix.covariance_en_m2 << 5, 3, 3, 5;  // eigenvalues 8 along (1, 1) and 2 across: 8 / 8
+  EXPECT_NEAR(error_of_fix(fix, truth, FrameTruth::kNadir).nees, 1, 1e-6);
+  fix.position = LocalFrame(truth).geodetic_from_enu({2, -2, 0});
+  EXPECT_NEAR(error_of_fix(fix, truth, FrameTruth::kNadir).nees, 4, 1e-6);
+  fix.covariance_en_m2.setZero();
+  EXPECT_TRUE(std::isnan(error_of_fix(fix, truth, FrameTruth::kNadir).nees));
+}
+
+}  // namespace
+}  // namespace pilotage

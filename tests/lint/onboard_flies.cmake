@@ -1,0 +1,23 @@
+# Every object of the onboard library is linked into a program that flies: what only the ground needs is not in it.
+# Input: ARCHIVE (the library), MAP (the linker's map of that program), AR.
+include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
+execute_process(COMMAND ${AR} t ${ARCHIVE} OUTPUT_VARIABLE members RESULT_VARIABLE result ERROR_VARIABLE error)
+if(NOT result EQUAL 0)
+  problem("${AR} t ${ARCHIVE}: ${error}")
+endif()
+file(READ ${MAP} map)
+string(REGEX MATCHALL "[^\n]+" members "${members}")
+list(LENGTH members count)
+if(count EQUAL 0)
+  problem("${ARCHIVE}: holds no object")
+endif()
+# What a header of the map's own types declares is there for whoever flies, called by the example or not.
+set(of_public_types tile_matrix.cc.o)
+list(REMOVE_ITEM members ${of_public_types})
+foreach(member IN LISTS members)
+  string(FIND "${map}" "(${member})" at)
+  if(at EQUAL -1)
+    problem("${member}: no program that flies (docs/examples/onboard) reaches it: it belongs to pilotage_prep")
+  endif()
+endforeach()
+finish("pilotage::onboard holds what flies and nothing else")
