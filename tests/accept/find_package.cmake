@@ -1,6 +1,6 @@
-# Installs (the build tree, or with WHAT=onboard_only an onboard library built for the purpose) into a fresh folder, then
-# configures, builds and runs tests/accept/find_package against it.
-# Input: SOURCE, BUILD, WHAT, SANITIZE, GENERATOR, CXX, LAUNCHER.
+# Somebody else's project, tests/accept/find_package, built and run against an installed tree: that of accept.install, or
+# with WHAT=onboard_only an onboard library that is built here, with GDAL and all other libraries of the ground out of
+# reach. Input: SOURCE, BUILD, INSTALLED, WHAT, SANITIZE, GENERATOR, CXX, LAUNCHER.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -12,12 +12,12 @@ function(run)
 endfunction()
 
 set(work ${BUILD}/accept/find_package_${WHAT})
-set(prefix ${work}/prefix)
-file(REMOVE_RECURSE ${prefix} ${work}/consumer)
+file(REMOVE_RECURSE ${work}/prefix ${work}/consumer)
 set(common -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 
 if(WHAT STREQUAL "onboard_only")
   set(component onboard)
+  set(prefix ${work}/prefix)
   foreach(package GDAL nlohmann_json PkgConfig)
     list(APPEND common -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
@@ -26,14 +26,7 @@ if(WHAT STREQUAL "onboard_only")
   run(${CMAKE_COMMAND} --install ${work}/build --prefix ${prefix})
 else()
   set(component prep)
-  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-  run(${prefix}/bin/pilotage --version)
-  foreach(file man/man1/pilotage.1 man/man1/pilotage-score.1 bash-completion/completions/pilotage
-          zsh/site-functions/_pilotage fish/vendor_completions.d/pilotage.fish)
-    if(NOT EXISTS ${prefix}/share/${file})
-      message(FATAL_ERROR "share/${file} is not installed")
-    endif()
-  endforeach()
+  set(prefix ${INSTALLED}/everything)
 endif()
 
 if(SANITIZE)
@@ -42,4 +35,4 @@ endif()
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/accept/find_package -B ${work}/consumer ${common}
     -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=${component})
 run(${CMAKE_COMMAND} --build ${work}/consumer)
-run(${work}/consumer/use_${component})
+run(${work}/consumer/use_${component} ${SOURCE}/tests/fuzz/corpus/map/two_levels ${SOURCE}/README.md)
