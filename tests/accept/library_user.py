@@ -1,6 +1,10 @@
 """Projects of library users: the examples of docs/examples, built outside the tree against what accept.install installed."""
 
+import pathlib
+
 from acceptance import run
+
+SHARED = "-Dpilotage_SHARED_LIBS=ON"
 
 
 class Toolchain:
@@ -11,6 +15,11 @@ class Toolchain:
                         "-DCMAKE_BUILD_TYPE=Release"]
         if sanitizers:
             self.options.append(f"-DCMAKE_CXX_FLAGS=-fsanitize={sanitizers}")
+
+
+def has_shared(prefix):
+    """Whether shared libraries are installed there (PILOTAGE_SHARED_LIBS)."""
+    return any(pathlib.Path(prefix).rglob("libpilotage_onboard.so"))
 
 
 def build_example(toolchain, source, name, prefix, build, *options):

@@ -9,7 +9,7 @@ import re
 import sys
 
 from acceptance import SKIP, check, main, run
-from library_user import Toolchain, build_example
+from library_user import SHARED, Toolchain, build_example, has_shared
 from whole_map import make_whole_map
 
 CAMERA = (73.7, 800, 450)  # degrees, pixels
@@ -59,7 +59,8 @@ def test(pilotage, source, work, rest):
     if not (source / "maps/sample/ortho_second_epoch.tif").exists():
         print("skipped: the sample mission's imagery is not made (target sample_mission)")
         sys.exit(SKIP)
-    example = build_example(Toolchain(*tools), source, "onboard", f"{installed}/onboard", work / "example")
+    prefix = f"{installed}/onboard"
+    example = build_example(Toolchain(*tools), source, "onboard", prefix, work / "example")
     map_path = work / "map.gpkg"
     make_whole_map(pilotage, source / "maps/sample/ortho.tif", map_path, (FOOTPRINT_M,), CAMERA)
     rows = cut_frames(cut, source, work, 10)
@@ -70,6 +71,13 @@ def test(pilotage, source, work, rest):
         check_fix(row, words) if code == 0 else check_refusal(words)
         fixes += code == 0
     check(fixes >= 4, f"{fixes} of {len(rows)} frames of the map's ground got a fix\n{words}")
+
+    if has_shared(prefix):
+        shared = build_example(Toolchain(*tools), source, "onboard", prefix, work / "shared_example", SHARED)
+        check("libpilotage_onboard.so.0" in run("readelf", "-d", shared), "the example loads no libpilotage_onboard.so.0")
+        for row in rows:
+            place = row["prior_lon_deg"], row["prior_lat_deg"]
+            check(fly(shared, map_path, row, *place) == fly(example, map_path, row, *place), f"{row['file'].name}: not as static")
 
     code, words = fly(example, map_path, rows[0], 10.0, 50.0)
     check(code == 3 and "no_map" in words, words)

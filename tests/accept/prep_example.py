@@ -9,7 +9,7 @@ import json
 import sys
 
 from acceptance import SKIP, check, main, need_gdal, run
-from library_user import Toolchain, build_example
+from library_user import SHARED, Toolchain, build_example, has_shared
 
 CORNER_PX, SIDE_PX = (1200, 1200), 1400
 AGL_M, SPEED_MPS = 100, 18
@@ -41,6 +41,11 @@ def check_told(words, table):
         check(abs(float(p) - float(measured[tile])) <= 5e-7, f"tile {tile}: {p}, in tiles.csv {measured[tile]}")
 
 
+def check_outputs(folder, expected):
+    for name in ("map.gpkg", "tiles.csv", "scores.tif", "plan.json"):
+        check((folder / name).read_bytes() == (expected / name).read_bytes(), f"{folder / name} is not as {expected / name}")
+
+
 def test(pilotage, source, work, rest):
     installed, *tools = rest
     if not (source / "maps/sample/ortho.tif").exists():
@@ -52,12 +57,15 @@ def test(pilotage, source, work, rest):
         "--agl-m", AGL_M, "--speed-mps", SPEED_MPS, "--ins-grade", "tactical", "--max-error-m", 60, "-o", work / "cli")
     mission = (work / "ortho.tif", work / "route.geojson", camera, AGL_M, SPEED_MPS)
 
-    example = build_example(Toolchain(*tools), source, "prep", f"{installed}/everything", work / "example")
-    words = run(example, *mission, work / "out", streams="stdout")
-    check_told(words, work / "out/tiles.csv")
-    for name in ("map.gpkg", "tiles.csv", "scores.tif", "plan.json"):
-        check((work / "out" / name).read_bytes() == (work / "cli" / name).read_bytes(),
-              f"{name} is not that of the command line")
+    prefix = f"{installed}/everything"
+    example = build_example(Toolchain(*tools), source, "prep", prefix, work / "example")
+    check_told(run(example, *mission, work / "out", streams="stdout"), work / "out/tiles.csv")
+    check_outputs(work / "out", work / "cli")
+    if has_shared(prefix):
+        shared = build_example(Toolchain(*tools), source, "prep", prefix, work / "shared_example", SHARED)
+        check("libpilotage_prep.so.0" in run("readelf", "-d", shared), "the example does not load libpilotage_prep.so.0")
+        run(shared, *mission, work / "shared")
+        check_outputs(work / "shared", work / "cli")
 
     again = run(example, *mission, work / "out", expect=1)
     check("exists already" in again, again)

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 enum class DistortionModel {
@@ -54,3 +56,5 @@ void check_camera(const std::string& name, const Camera& camera);
 Camera resized_camera(const Camera& camera, int width_px, int height_px);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include "pilotage/camera/camera.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Key and value, in the order in which they are stored.
@@ -21,3 +23,5 @@ CameraText camera_to_text(const Camera& camera);
 Camera camera_from_text(const std::string& name, const CameraText& text);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

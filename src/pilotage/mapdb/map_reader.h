@@ -10,6 +10,8 @@
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/mapdb/sqlite.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What a map says about itself.
@@ -88,3 +90,5 @@ class MapReader {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

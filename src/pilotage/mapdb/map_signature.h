@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 // Detached Ed25519 signatures in the format of minisign (F. Denis, https://jedisct1.github.io/minisign), so that maps
@@ -49,3 +51,5 @@ std::string generate_key_pair(const std::filesystem::path& secret_key_path,
                               const std::filesystem::path& public_key_path, const KeyPairOptions& options = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "pilotage/base/options.h"
 #include "pilotage/vision/degradation_effects.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How much another day, another sensor and an imperfect rectification change the picture of the same ground. 0
@@ -121,3 +123,5 @@ class Degrader {
 int rotation_margin_px(int tile_size_px, const DegradationOptions& options);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include "pilotage/base/random.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What can change on the ground between map and flight besides its fine texture, on CV_32F pictures of one channel of
@@ -46,3 +48,5 @@ void redraw_water(double share, const cv::Mat& field, cv::Mat& picture);
 cv::Mat guess_heights(const cv::Mat& picture, double scale_px);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A key point: where a descriptor was taken. Pixel centres lie at +0.5.
@@ -28,3 +30,5 @@ struct FeatureSet {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -11,6 +11,8 @@
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/vision/feature_set.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How features are found and described. Map and frame must agree in descriptor_bits and oriented.
@@ -75,3 +77,5 @@ FeatureSet extract_features_of_map(const GraySource& source, const std::vector<P
 inline constexpr int kFeatureBlockPx = 512;
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop
