@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 
 #include "pilotage/raster/gdal_config.h"
+#include "pilotage/version.h"
 
 namespace pilotage {
 

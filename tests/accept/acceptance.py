@@ -30,10 +30,10 @@ def check(holds, what):
         raise Failed(what)
 
 
-def run(*command, expect=0, cwd=None):
-    """Runs a command; its exit code must be `expect`. Returns both of its streams as one text."""
+def run(*command, expect=0, cwd=None, streams="both"):
+    """Runs a command; its exit code must be `expect`. Returns both of its streams as one text, or "stdout" alone."""
     done = subprocess.run([str(part) for part in command], cwd=cwd, text=True, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, check=False)
+                          stderr=subprocess.STDOUT if streams == "both" else None, check=False)
     check(expect is None or done.returncode == expect,
           f"{' '.join(str(part) for part in command)}: exit {done.returncode}, not {expect}\n{done.stdout}")
     return done.stdout if expect is not None else (done.returncode, done.stdout)

@@ -1,7 +1,7 @@
 """The example program of docs/examples/onboard, built against an installed onboard library and run on a map: it gives a
 fix on ground of the map, and a reason elsewhere.
 
-onboard_example.py PILOTAGE SOURCE_FOLDER CUT_FLIGHT_FRAMES BUILD_FOLDER CXX SANITIZERS"""
+onboard_example.py PILOTAGE SOURCE_FOLDER CUT_FLIGHT_FRAMES INSTALLED GENERATOR CXX LAUNCHER SANITIZERS"""
 
 import csv
 import math
@@ -9,20 +9,12 @@ import re
 import sys
 
 from acceptance import SKIP, check, main, run
+from library_user import SHARED, Toolchain, build_example, has_shared
 from whole_map import make_whole_map
 
 CAMERA = (73.7, 800, 450)  # degrees, pixels
 FOOTPRINT_M = 180
 REACH_M = 8  # the two dates agree to a pixel of 0.5 m
-
-
-def build_example(source, build, cxx, sanitizers, work):
-    run("cmake", "--install", build, "--prefix", work / "prefix", "--component", "onboard")
-    flags = [f"-DCMAKE_CXX_FLAGS=-fsanitize={sanitizers}"] if sanitizers else []
-    run("cmake", "-S", source / "docs/examples/onboard", "-B", work / "example", f"-DCMAKE_PREFIX_PATH={work}/prefix",
-        f"-DCMAKE_CXX_COMPILER={cxx}", "-DCMAKE_BUILD_TYPE=Release", *flags)
-    run("cmake", "--build", work / "example")
-    return work / "example/onboard_example"
 
 
 def cut_frames(cut, source, work, count):
@@ -63,11 +55,12 @@ def check_refusal(words):
 
 
 def test(pilotage, source, work, rest):
-    cut, build, cxx, *sanitizers = rest
+    cut, installed, *tools = rest
     if not (source / "maps/sample/ortho_second_epoch.tif").exists():
         print("skipped: the sample mission's imagery is not made (target sample_mission)")
         sys.exit(SKIP)
-    example = build_example(source, build, cxx, sanitizers[0] if sanitizers else "", work)
+    prefix = f"{installed}/onboard"
+    example = build_example(Toolchain(*tools), source, "onboard", prefix, work / "example")
     map_path = work / "map.gpkg"
     make_whole_map(pilotage, source / "maps/sample/ortho.tif", map_path, (FOOTPRINT_M,), CAMERA)
     rows = cut_frames(cut, source, work, 10)
@@ -78,6 +71,13 @@ def test(pilotage, source, work, rest):
         check_fix(row, words) if code == 0 else check_refusal(words)
         fixes += code == 0
     check(fixes >= 4, f"{fixes} of {len(rows)} frames of the map's ground got a fix\n{words}")
+
+    if has_shared(prefix):
+        shared = build_example(Toolchain(*tools), source, "onboard", prefix, work / "shared_example", SHARED)
+        check("libpilotage_onboard.so.0" in run("readelf", "-d", shared), "the example loads no libpilotage_onboard.so.0")
+        for row in rows:
+            place = row["prior_lon_deg"], row["prior_lat_deg"]
+            check(fly(shared, map_path, row, *place) == fly(example, map_path, row, *place), f"{row['file'].name}: not as static")
 
     code, words = fly(example, map_path, rows[0], 10.0, 50.0)
     check(code == 3 and "no_map" in words, words)

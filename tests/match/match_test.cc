@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
 
 #include "pilotage/base/random.h"
 #include "pilotage/camera/projection.h"
@@ -382,6 +383,11 @@ TEST(Match, TheSameWheneverAndFromWhicheverThread) {
   second.join();
   EXPECT_EQ(of_thread[0], expected);
   EXPECT_EQ(of_thread[1], expected);
+  for (const int threads : {1, 2}) {
+    cv::setNumThreads(threads);
+    EXPECT_EQ(answer(), expected) << threads << " threads of OpenCV";
+  }
+  cv::setNumThreads(-1);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "tile/small_mission.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/core/utility.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
@@ -48,6 +49,21 @@ TEST(Prepare, WritesAllFilesAndNothingElse) {
   EXPECT_THAT(result.verdict, ::testing::StartsWith("GO"));
   EXPECT_EQ(result.selected_tiles, result.map.tiles);
   EXPECT_EQ(result.matchable_fraction, 1);
+}
+
+// Its own threads, and those of OpenCV, which the command line turns off and a program may not.
+TEST(Prepare, SameBytesForAnyNumberOfThreads) {
+  const testing::TemporaryFolder folder;
+  const PrepareOptions options = small_options(folder.path());
+  cv::setNumThreads(1);
+  const PrepareResult expected = prepare(options, run_into(folder / "one"));
+  cv::setNumThreads(2);
+  const PrepareResult result = prepare(options, run_into(folder / "many", false, 3));
+  cv::setNumThreads(-1);
+  ASSERT_EQ(result.files, expected.files);
+  for (const std::string& name : result.files) {
+    EXPECT_EQ(read_file(folder / ("many/" + name)), read_file(folder / ("one/" + name))) << name;
+  }
 }
 
 TEST(Prepare, RefusesExistingOutputsBeforeAnyWork) {

@@ -11,11 +11,7 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
-#include <pilotage/camera/camera.h>
-#include <pilotage/mapdb/map_reader.h>
-#include <pilotage/match/match.h>
-#include <pilotage/match/mavlink_position.h>
-#include <pilotage/match/nav_sat_fix.h>
+#include <pilotage/onboard.h>
 
 namespace {
 

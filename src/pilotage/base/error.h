@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The caller asked for something that is not allowed: an unknown option, a value outside its range, options that
@@ -25,3 +27,5 @@ class IntegrityError : public DataError {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Described options: an options struct lists its fields once, and command-line flags, strict JSON, JSON Schema, range
@@ -324,3 +326,5 @@ void set_from_text(const OptionField& field, const std::vector<std::string>& tex
 std::string option_to_text(const OptionValue& value);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string_view>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// An output that appears complete or not at all: it is written under a temporary name in the same folder and renamed
@@ -38,3 +40,5 @@ void write_file(const std::filesystem::path& destination, std::string_view conte
 std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = std::uintmax_t{1} << 30);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include <functional>
 #include <string_view>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Called by long work with what it does, how much is done and how much there is in all. Returning false asks the work
@@ -19,3 +21,5 @@ inline void report_progress(const Progress& progress, std::string_view what, std
 }
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Seeded random numbers that are the same on every machine and standard library (std:: distributions are not).
@@ -44,3 +46,5 @@ std::uint64_t derive_seed(std::uint64_t seed, std::uint64_t index);
 std::uint64_t seed_from_name(std::string_view name);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

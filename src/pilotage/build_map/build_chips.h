@@ -10,6 +10,8 @@
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/raster/gray_source.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Whether and how gray chips are stored beside the descriptors. The defaults are those that docs/decisions/chips.md
@@ -52,3 +54,5 @@ ChipStats write_chips(MapWriter& writer, const PlanLevel& level, const std::vect
                       const Progress& progress);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

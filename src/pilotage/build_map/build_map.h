@@ -17,6 +17,8 @@
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/vision/features.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What is stored for each matching area.
@@ -69,3 +71,5 @@ BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, co
                      const Progress& progress = {}, const std::optional<SecondDate>& second_date = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -15,6 +15,8 @@
 #include "pilotage/registration/warp_field.h"
 #include "pilotage/vision/feature_set.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Which features of the selected ground a map stores.
@@ -76,3 +78,5 @@ void drop_contradicted(FeatureSet& features, std::vector<float>& ground_height_m
                        std::int64_t kept_in_window, StableStats& stats);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

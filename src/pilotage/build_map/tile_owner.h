@@ -7,6 +7,8 @@
 
 #include "pilotage/geo/tile_matrix.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Which selected tile stores a piece of ground: among the selected tiles of one level that contain the point, the one
@@ -32,3 +34,5 @@ class TileOwner {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "pilotage/camera/camera.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Attitude of the aircraft's body (x nose, y right wing, z belly) against north, east, down: first yaw about down,
@@ -28,3 +30,5 @@ Eigen::Matrix3d body_from_camera(const CameraMount& mount);
 Eigen::Matrix3d enu_from_camera(const CameraMount& mount, const Attitude& attitude);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

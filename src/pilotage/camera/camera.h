@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 enum class DistortionModel {
@@ -58,3 +60,5 @@ Camera resized_camera(const Camera& camera, int width_px, int height_px);
 Camera camera_for_size(const std::string& name, const Camera& camera, int width_px, int height_px);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

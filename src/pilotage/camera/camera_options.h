@@ -7,6 +7,8 @@
 #include "pilotage/camera/camera.h"
 #include "pilotage/camera/route_camera.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How the aircraft sees the ground. One complete way to say it must be given:
@@ -57,3 +59,5 @@ bool names_camera(const CameraOptions& options);
 Camera make_camera(const CameraOptions& options, const std::optional<RouteCamera>& route_camera = std::nullopt);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The camera that a survey plan names (QGroundControl's CameraCalc). Zero where the plan does not tell.
@@ -15,3 +17,5 @@ struct RouteCamera {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include "pilotage/base/options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How much another day, another sensor and an imperfect rectification change the picture of the same ground
@@ -79,3 +81,5 @@ class Degrader {
 int rotation_margin_px(int tile_size_px, const DegradationOptions& options);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// An axis-parallel rectangle in the CRS of the mission grid, metres; empty when min > max.
@@ -38,3 +40,5 @@ struct Bounds {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The affine map from pixels to CRS coordinates, as GDAL orders it. Pixel coordinates: (0, 0) is the outer corner of
@@ -49,3 +51,5 @@ struct GeoTransform {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

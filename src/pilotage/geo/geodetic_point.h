@@ -1,5 +1,7 @@
 #pragma once
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A point on the WGS 84 ellipsoid. lat_deg in [-90, 90]; lon_deg in [-180, 180] unless a function says otherwise.
@@ -16,3 +18,5 @@ double wrap_lon_deg(double lon_deg);
 double unwrap_lon_deg(double lon_deg, double reference_deg);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "pilotage/geo/geo_transform.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A rectangle of whole pixels.
@@ -46,3 +48,5 @@ struct TileMatrix {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

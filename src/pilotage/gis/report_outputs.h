@@ -8,6 +8,8 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/report/report.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Files in which a report can be handed on (docs/commands/report.md).
@@ -42,3 +44,5 @@ std::vector<std::string> write_report_outputs(const std::filesystem::path& folde
                                               const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "pilotage/base/options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Named classes of inertial sensors; docs/methods/ins.md has the table of figures and the datasheets they stand for.
@@ -78,3 +80,5 @@ struct InsOptions {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -12,6 +12,8 @@
 #include "pilotage/mapdb/sqlite.h"
 #include "pilotage/mapdb/tile_cache.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Some 800 tiles of 256 × 256 px with 20,000 features a megapixel and chips: the ground of a few hundred frames.
@@ -96,3 +98,5 @@ class MapReader {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 // Detached Ed25519 signatures in the format of minisign (F. Denis, https://jedisct1.github.io/minisign), so that maps
@@ -39,3 +41,5 @@ SignatureInfo verify_signature(const std::filesystem::path& path, const std::str
                                const std::optional<std::filesystem::path>& signature_path = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

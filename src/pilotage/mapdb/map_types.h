@@ -13,6 +13,8 @@
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/vision/feature_set.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 // What stands in the onboard map database, as values: MapWriter takes them, MapReader gives them back. The file format
@@ -123,3 +125,5 @@ struct MapChip {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 
 #include "pilotage/base/progress.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// One thing that is wrong with a map.
@@ -47,3 +49,5 @@ VerifyReport verify_map(const std::filesystem::path& path, const Progress& progr
 void require_intact(const VerifyReport& report);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

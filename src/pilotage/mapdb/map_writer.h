@@ -12,6 +12,8 @@
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/mapdb/sqlite.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What must be known before the first row is written.
@@ -104,3 +106,5 @@ class MapWriter {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#pragma GCC visibility push(default)
+
 struct sqlite3;
 struct sqlite3_stmt;
 
@@ -100,3 +102,5 @@ class Database {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

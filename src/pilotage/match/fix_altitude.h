@@ -5,6 +5,8 @@
 
 #include "pilotage/match/match.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How high the aircraft is, for the messages that tell of a fix. A match knows the height above ground only: heights
@@ -24,3 +26,5 @@ inline FixAltitude altitude_over(const Fix& fix, double ground_ellipsoid_m, doub
 }
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

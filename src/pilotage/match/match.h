@@ -14,6 +14,8 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/mapdb/map_reader.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What the aircraft knows when the frame is taken.
@@ -130,3 +132,5 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
                   const MatchOptions& options = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "pilotage/match/fix_altitude.h"
 #include "pilotage/match/match.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 inline constexpr std::uint32_t kMavlinkGlobalPositionSensorId = 296;
@@ -68,3 +70,5 @@ MavlinkGlobalPositionSensor mavlink_global_position_sensor(const MatchResult& re
                                                            const MavlinkSending& sending);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

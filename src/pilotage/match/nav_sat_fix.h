@@ -8,6 +8,8 @@
 #include "pilotage/match/fix_altitude.h"
 #include "pilotage/match/match.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The constants of sensor_msgs/NavSatStatus and sensor_msgs/NavSatFix that are used here.
@@ -51,3 +53,5 @@ NavSatFix nav_sat_fix(const MatchResult& result, const FixAltitude& altitude, st
                       const std::string& frame_id);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

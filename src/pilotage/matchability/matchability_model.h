@@ -11,6 +11,8 @@
 #include "pilotage/base/options.h"
 #include "pilotage/mission/tile_scores.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What flies.
@@ -93,3 +95,5 @@ MatchabilityModel matchability_model_from_json(const nlohmann::ordered_json& jso
 MatchabilityModel read_matchability_model(const std::filesystem::path& path);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

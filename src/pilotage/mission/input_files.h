@@ -5,6 +5,8 @@
 
 #include "pilotage/mission/tile_plan.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A file that went into a plan, as reports and maps list it. Strings may hold any bytes; they are shown as text only.
@@ -23,3 +25,5 @@ InputFile input_file(const std::string& role, const std::string& name, const std
 std::vector<InputFile> input_files(const TilePlan& plan);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 
 #include "pilotage/mission/tile_plan.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The tile plan as a file (schemas/plan.schema.json): what `tile` writes and `score`, `select`, `build` and `report`
@@ -21,3 +23,5 @@ TilePlan plan_from_json(const nlohmann::ordered_json& json, const std::string& n
 TilePlan read_plan(const std::filesystem::path& path);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -2,6 +2,8 @@
 
 #include "pilotage/base/options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Why a tile is not, or may not be, recognised (docs/methods/reasons.md). The words stand in tiles.csv.
@@ -34,3 +36,5 @@ inline EnumNames<ReasonCode> enum_names(ReasonCode) {
 }
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A stretch of the route over which the aircraft gets no fix.
@@ -100,3 +102,5 @@ inline bool meets_gate(const Selection& selection) {
 }
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 
 #include "pilotage/mission/selection.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The selection as a file (schemas/selection.schema.json): what `select` writes and `build` and `report` read. Numbers
@@ -20,3 +22,5 @@ Selection selection_from_json(const nlohmann::ordered_json& json, const std::str
 Selection read_selection(const std::filesystem::path& path);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

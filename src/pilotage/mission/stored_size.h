@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The most bytes that stored ground can take in the map database; `select` holds the budget against these, so that a
@@ -15,3 +17,5 @@ struct StoredSize {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

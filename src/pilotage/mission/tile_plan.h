@@ -13,6 +13,8 @@
 #include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/route/route.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A tile of the plan: a square of ground of the size of the camera's footprint.
@@ -80,3 +82,5 @@ struct TilePlan {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/mission/reason_code.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The numbers of a correlation surface (docs/methods/uniqueness.md). NaN where the surface is not defined (flat tile,
@@ -70,3 +72,5 @@ struct TileScore {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

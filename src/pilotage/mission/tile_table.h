@@ -9,6 +9,8 @@
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/mission/tile_scores.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A tile with its scores: one row of tiles.csv.
@@ -55,3 +57,5 @@ std::string tile_table_to_csv(std::span<const TileRow> rows);
 std::vector<TileRow> tile_table_from_csv(const std::string& name, std::string_view text);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -15,6 +15,8 @@
 #include "pilotage/select/select_options.h"
 #include "pilotage/tile/tile_options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A mission: what tile, score, select and build need. mission.json has these keys.
@@ -64,3 +66,5 @@ struct PrepareResult {
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

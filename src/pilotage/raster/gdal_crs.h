@@ -8,6 +8,8 @@
 
 #include "pilotage/geo/geodetic_point.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A coordinate reference system; coordinates always in the order x = easting or longitude, y = northing or latitude,
@@ -78,3 +80,5 @@ class HeightTransform {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -11,6 +11,8 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gdal_crs.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How imagery is brought onto a mission grid (docs/methods/imagery.md says why these).
@@ -115,3 +117,5 @@ Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs);
 std::vector<std::string> imagery_warnings(const std::vector<ImageryInfo>& infos, double camera_gsd_m);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

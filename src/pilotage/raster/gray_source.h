@@ -5,6 +5,8 @@
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/raster/raster.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A grid of gray pixels of any size that is read window by window, so that imagery larger than memory streams.
@@ -29,3 +31,5 @@ struct GraySource {
 GraySource gray_source_from(const Raster& raster);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

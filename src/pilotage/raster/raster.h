@@ -4,6 +4,8 @@
 
 #include "pilotage/geo/geo_transform.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Pixels with a place. `pixels` and `valid` have the same size.
@@ -19,3 +21,5 @@ struct Raster {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

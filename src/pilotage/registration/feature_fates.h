@@ -7,6 +7,8 @@
 #include "pilotage/registration/surviving_features.h"
 #include "pilotage/vision/features.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What a second date says of a feature of the reference.
@@ -28,3 +30,5 @@ std::vector<FeatureFate> feature_fates(const FeatureSet& reference, const GraySo
                                        const SurvivalOptions& survival = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

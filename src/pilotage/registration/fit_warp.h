@@ -7,6 +7,8 @@
 #include "pilotage/registration/ties.h"
 #include "pilotage/registration/warp_field.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 struct Spread {
@@ -45,3 +47,5 @@ WarpFit fit_warp(std::span<const Tie> ties, double gsd_m, const WarpOptions& opt
 Spread spread_of(const std::vector<double>& values);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -11,6 +11,8 @@
 #include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/registration/fit_warp.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Two dates of the same ground as sources on one grid.
@@ -50,3 +52,5 @@ OpenPair open_rasters(const std::vector<std::string>& reference, const ImageryOp
                       const std::vector<std::string>& second, const Crs& crs);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "pilotage/base/options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How ties between two dates are looked for on one grid (ties.h).
@@ -72,3 +74,5 @@ struct RegistrationOptions {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

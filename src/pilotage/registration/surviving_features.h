@@ -5,6 +5,8 @@
 
 #include "pilotage/vision/feature_set.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// When a feature of the reference counts as found in the second date.
@@ -19,3 +21,5 @@ std::vector<std::uint8_t> surviving_features(const FeatureSet& reference, const 
                                              const SurvivalOptions& options = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

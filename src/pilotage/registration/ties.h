@@ -11,6 +11,8 @@
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/registration/registration_options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A place of the reference that was found again in the second date.
@@ -44,3 +46,5 @@ TieSearch find_ties(const GraySource& reference, const GraySource& second, int r
                     const Wanted& wanted = {}, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

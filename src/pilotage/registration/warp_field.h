@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A smooth field of displacements: the ground that the reference shows at a point p, the second date shows at p +
@@ -42,3 +44,5 @@ struct WarpField {
 Eigen::Vector4d bspline_weights(double t);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What an evaluation (`pilotage score --evaluate`) says of scores, for the page.
@@ -27,3 +29,5 @@ struct EvaluationNote {
 EvaluationNote read_evaluation_note(const std::filesystem::path& path);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

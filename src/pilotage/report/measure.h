@@ -8,6 +8,8 @@
 
 #include "pilotage/mission/tile_scores.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Perceptually uniform colour maps that colour-blind people read as others do: viridis (S. van der Walt, N. Smith,
@@ -58,3 +60,5 @@ MeasureScale measure_scale(const Measure& measure, const std::vector<TileScore>&
 int shade(const MeasureScale& scale, double value);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

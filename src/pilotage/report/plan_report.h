@@ -9,6 +9,8 @@
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/report/report_input.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Reads what a report shows beyond plan, scores, selection and `inputs` (input_files of the plan): a picture of the
@@ -19,3 +21,5 @@ ReportInput make_report_input(const TilePlan& plan, const std::vector<TileScore>
                               int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

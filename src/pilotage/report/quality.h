@@ -7,6 +7,8 @@
 
 #include "pilotage/report/report_input.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 enum class QualityStatus { kGood, kMarginal, kBad };
@@ -61,3 +63,5 @@ QualityStatus verdict_of(const std::vector<QualityRow>& rows);
 std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const ReportInput& input);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -15,6 +15,8 @@
 #include "pilotage/report/report_input.h"
 #include "pilotage/report/weak_places.h"
 
+#pragma GCC visibility push(default)
+
 // The `report` stage: what a planner decides on. make_report() computes every number and sentence once; report_json()
 // and report_html() only write them down, so that the page and the file for machines cannot disagree.
 
@@ -137,3 +139,5 @@ inline std::string report_html(const ReportInput& input) {
 }
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

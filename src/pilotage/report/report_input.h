@@ -17,6 +17,8 @@
 #include "pilotage/report/evaluation_note.h"
 #include "pilotage/report/tile_pictures.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.crs_wkt`).
@@ -46,3 +48,5 @@ struct ReportInput {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/mission/tile_plan.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Small pictures of the tiles of a plan on one sheet, CV_8UC3 (red, green, blue): that of plan.tiles[i] is the square
@@ -32,3 +34,5 @@ int tile_picture_side_px(std::size_t tiles);
 TilePictures read_tile_pictures(const TilePlan& plan, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 struct Report;
@@ -28,3 +30,5 @@ struct WeakPlace {
 std::vector<WeakPlace> weak_places(const Report& report, const std::vector<LegAdvice>& advice, std::size_t most = 3);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

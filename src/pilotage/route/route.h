@@ -9,6 +9,8 @@
 #include "pilotage/camera/route_camera.h"
 #include "pilotage/geo/geodetic_point.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A point that the aircraft flies through. Heights are NaN where the file does not tell them; a vertex has one of the
@@ -73,3 +75,5 @@ struct RouteSample {
 double route_length_m(const Route& route);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

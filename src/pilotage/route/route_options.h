@@ -5,6 +5,8 @@
 
 #include "pilotage/base/options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What the heights of a KML, GPX, GeoJSON or GeoPackage file are measured from. Mission files say it themselves.
@@ -50,3 +52,5 @@ struct RouteOptions {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -14,6 +14,8 @@
 #include "pilotage/score/score_second_epoch.h"
 #include "pilotage/score/score_tiles.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Scoring of whole rasters, without a route.
@@ -80,3 +82,5 @@ ScoredImagery score_imagery(const std::vector<std::string>& datasets, const Scor
                             std::uint64_t seed = 1, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -11,6 +11,8 @@
 #include "pilotage/score/run_shards.h"
 #include "pilotage/score/score_imagery.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A run of `score` before any tile is scored: everything that its result follows from, opened. A plan (one input whose
@@ -60,3 +62,5 @@ ScoredRun finish_run(ScoreRun& run, PartScores all, int threads = 0);
 ScoredRun score_run(ScoreRun& run, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

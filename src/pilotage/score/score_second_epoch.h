@@ -10,6 +10,8 @@
 #include "pilotage/registration/register_dates.h"
 #include "pilotage/score/score_tiles.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A second date beside the reference: where it disagrees, and what of each tile it confirms.
@@ -64,3 +66,5 @@ std::vector<EpochScores> score_epochs(const EpochGround& ground, const WarpField
                                       int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -15,6 +15,8 @@
 #include "pilotage/registration/registration_options.h"
 #include "pilotage/vision/features.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What is measured of a tile.
@@ -118,3 +120,5 @@ std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& m
                                    std::uint64_t seed = 1, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 
 #include "pilotage/base/options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Which tiles become matching areas. By default all that can be matched.
@@ -53,3 +55,5 @@ struct SelectOptions {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

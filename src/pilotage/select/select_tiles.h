@@ -8,6 +8,8 @@
 #include "pilotage/mission/tile_scores.h"
 #include "pilotage/select/select_options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// R1 − R2 by which a tile is judged: of degraded copies, else of the clean surface, else NaN.
@@ -37,3 +39,5 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
                        const SelectOptions& options);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

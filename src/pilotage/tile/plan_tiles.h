@@ -4,6 +4,8 @@
 #include "pilotage/mission/tile_plan.h"
 #include "pilotage/tile/tile_options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Cuts the corridor along the route into tiles the size of the camera's footprint.
@@ -22,3 +24,5 @@ namespace pilotage {
 TilePlan plan_tiles(const TileOptions& options, const Progress& progress = {});
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -10,6 +10,8 @@
 #include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/route/route_options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The mission as a planner states it: imagery, route, camera, inertial system.
@@ -60,3 +62,5 @@ struct TileOptions {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

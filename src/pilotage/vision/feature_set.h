@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pilotage/vision/descriptor.h"
+#pragma GCC visibility push(default)
 
 namespace pilotage {
 
@@ -35,3 +36,5 @@ inline const BinaryDescriptor& descriptor_of(const FeatureSet& set) {
 }
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -11,6 +11,8 @@
 #include "pilotage/vision/feature_options.h"
 #include "pilotage/vision/feature_set.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Features of one image.
@@ -41,3 +43,5 @@ FeatureSet extract_features_of_map(const GraySource& source, const std::vector<P
 inline constexpr int kFeatureBlockPx = 512;
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -1,14 +1,25 @@
-#include <cmath>
+#include <cstdio>
 
-#include <nlohmann/json.hpp>
-#include <pilotage/base/options_json.h>
-#include <pilotage/geo/geodesic.h>
-#include <pilotage/raster/gdal_config.h>
+#include <pilotage/prep.h>
 
-// Geodesics, JSON and GDAL of the ground library, from somebody else's project.
-int main() {
-  const auto leg =
-      pilotage::geodesic_between({.lon_deg = 7.0, .lat_deg = 45.0}, {.lon_deg = 7.0, .lat_deg = 45.0 + 1.0 / 60.0});
-  const auto json = pilotage::parse_json("text", R"({"answer": 42})");
-  return std::abs(leg.length_m - 1852.2) < 1.0 && json["answer"] == 42 && !pilotage::gdal_version().empty() ? 0 : 1;
+// use_prep MAP NOT_A_MAP: verifies a map, and is told what is wrong with a file that is none and with a mission that
+// names no imagery.
+int main(int, char** argv) {
+  const pilotage::VerifyReport report = pilotage::verify_map(argv[1]);
+  pilotage::require_intact(report);
+  std::printf("Pilotage %s: %lld tiles\n", PILOTAGE_VERSION, static_cast<long long>(report.tiles));
+  int refused = 0;
+  try {
+    pilotage::require_intact(pilotage::verify_map(argv[2]));
+  } catch (const pilotage::DataError& error) {
+    std::puts(error.what());
+    ++refused;
+  }
+  try {
+    pilotage::plan_tiles(pilotage::TileOptions());
+  } catch (const pilotage::UsageError& error) {
+    std::puts(error.what());
+    ++refused;
+  }
+  return report.tiles > 0 && refused == 2 ? 0 : 1;
 }

@@ -1,0 +1,33 @@
+# pilotage_headers_of(<variable> <entry>...): the entry headers and every pilotage/ header that they include, directly or
+# not, sorted: "pilotage/match/match.h". They are looked for in the folders of HEADER_FOLDERS. What the public headers of
+# a library are follows from what its entry includes, so no list has to be kept.
+function(pilotage_headers_of variable)
+  set(found "")
+  set(open ${ARGN})
+  while(open)
+    list(POP_BACK open header)
+    if(header IN_LIST found)
+      continue()
+    endif()
+    list(APPEND found ${header})
+    pilotage_find_header(path ${header})
+    file(STRINGS ${path} includes REGEX "^[ \t]*#[ \t]*include[ \t]+\"pilotage/")
+    foreach(include IN LISTS includes)
+      string(REGEX REPLACE ".*\"(pilotage/[^\"]+)\".*" "\\1" included "${include}")
+      list(APPEND open ${included})
+    endforeach()
+  endwhile()
+  list(SORT found)
+  set(${variable} ${found} PARENT_SCOPE)
+endfunction()
+
+# pilotage_find_header(<variable> <header>): the path of "pilotage/match/match.h" in one of HEADER_FOLDERS.
+function(pilotage_find_header variable header)
+  foreach(folder IN LISTS HEADER_FOLDERS)
+    if(EXISTS ${folder}/${header})
+      set(${variable} ${folder}/${header} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  message(FATAL_ERROR "${header} is included and stands in none of ${HEADER_FOLDERS}")
+endfunction()
