@@ -65,7 +65,7 @@ def check_refusal(words):
 def test(pilotage, source, work, rest):
     cut, build, cxx, *sanitizers = rest
     if not (source / "maps/sample/ortho_second_epoch.tif").exists():
-        print("skipped: the sample mission's imagery is not made (target sample_mission)")
+        print("skipped: the sample mission's imagery is not made: cmake --build … --target sample_mission")
         sys.exit(SKIP)
     example = build_example(source, build, cxx, sanitizers[0] if sanitizers else "", work)
     map_path = work / "map.gpkg"
