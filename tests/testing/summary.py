@@ -1,12 +1,13 @@
 """Closing lines of tools/test: what was skipped and why, what failed, and `N passed, N failed, N skipped`.
 
-summary.py JUNIT_FILE CASES_FOLDER [JUNIT_FILE CASES_FOLDER ...]
+summary.py FOLDER
 
-One pair for each run of ctest: what it wrote with --output-junit, and the folder where its GoogleTest programs left
-<name of the test>.xml. A GoogleTest program counts as its cases, any other test of ctest as one; a program that ended without
+FOLDER is Testing/ of a build tree: junit.xml there is what ctest wrote with --output-junit, cases/<name of the test>.xml what a
+GoogleTest program did, and left_out.json the tests that unchanged.py found to need no second run, with their numbers of cases. A GoogleTest program counts as its cases, any other test of ctest as one; a program that ended without
 telling its cases counts as one that failed. Exits with 1 when something failed or nothing was run."""
 
 import collections
+import json
 import pathlib
 import re
 import sys
@@ -41,22 +42,27 @@ def cases_of(name, file):
             yield Outcome(full, "passed", "")
 
 
-def outcomes_of(junit, cases):
-    for test in ElementTree.parse(junit).getroot().iter("testcase"):
-        name, state = test.get("name"), test.get("status")
-        file = cases / f"{name}.xml"
-        skipped = test.find("skipped")
-        if file.exists():
-            found = list(cases_of(name, file))
-            yield from found
-            if state != "run" and not any(outcome.state == "failed" for outcome in found):
-                yield Outcome(name, "failed", "")  # an abort behind the last case, a leak, a time limit
-        elif state == "run":
-            yield Outcome(name, "passed", "")
-        elif skipped is not None and "SKIP" in (skipped.get("message") or ""):
-            yield Outcome(name, "skipped", reason_of_skip(test))
-        else:
-            yield Outcome(name, "failed", "")
+def outcomes_of(test, cases):
+    """Of one test in ctest's JUnit file: one, or as many as its GoogleTest program has cases."""
+    name, state = test.get("name"), test.get("status")
+    file, skipped = cases / f"{name}.xml", test.find("skipped")
+    if file.exists():
+        found = list(cases_of(name, file))
+        if state != "run" and not any(outcome.state == "failed" for outcome in found):
+            found.append(Outcome(name, "failed", ""))  # an abort behind the last case, a leak, a time limit
+        return found
+    if state == "run":
+        return [Outcome(name, "passed", "")]
+    if skipped is not None and "SKIP" in (skipped.get("message") or ""):
+        return [Outcome(name, "skipped", reason_of_skip(test))]
+    return [Outcome(name, "failed", "")]
+
+
+def outcomes_by_test(junit, cases):
+    """By the name of the test; nothing when ctest ran nothing, because it refused its arguments."""
+    if not junit.exists():
+        return {}
+    return {test.get("name"): outcomes_of(test, cases) for test in ElementTree.parse(junit).getroot().iter("testcase")}
 
 
 def print_skipped(outcomes):
@@ -72,13 +78,10 @@ def print_skipped(outcomes):
             print(f"    {name}")
 
 
-def main(arguments):
-    outcomes = []
-    for junit, cases in zip(arguments[::2], arguments[1::2]):
-        if not pathlib.Path(junit).exists():  # ctest refused its arguments
-            print(f"{junit}: does not exist, so ctest ran nothing")
-            return 1
-        outcomes.extend(outcomes_of(pathlib.Path(junit), pathlib.Path(cases)))
+def main(testing):
+    testing = pathlib.Path(testing)
+    outcomes = [outcome for found in outcomes_by_test(testing / "junit.xml", testing / "cases").values() for outcome in found]
+    left_out = json.loads((testing / "left_out.json").read_text(encoding="utf-8")) if (testing / "left_out.json").exists() else {}
     print_skipped([outcome for outcome in outcomes if outcome.state == "skipped"])
     failed = sorted(outcome.name for outcome in outcomes if outcome.state == "failed")
     if failed:
@@ -86,9 +89,13 @@ def main(arguments):
         for name in failed:
             print(f"  {name}")
     count = collections.Counter(outcome.state for outcome in outcomes)
-    print(f"\n{count['passed']} passed, {count['failed']} failed, {count['skipped']} skipped")
+    earlier = sum(left_out.values())
+    if earlier:
+        print(f"\n{earlier} of the passed ones, in {len(left_out)} tests, ran before with the same program, files and packages; "
+              "tools/test --all runs them again.")
+    print(f"\n{count['passed'] + earlier} passed, {count['failed']} failed, {count['skipped']} skipped")
     return 1 if failed or not outcomes else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main(sys.argv[1]))

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import pathlib
 import tempfile
 import unittest
@@ -31,16 +32,20 @@ BAD_GEO = """<testsuites><testsuite name="Frame">
 
 
 class Summary(unittest.TestCase):
-    def tell(self, junit, **cases):
+    def tell(self, junit, left_out=None, **cases):
         """The exit code and the lines for a run of ctest and the XML of its GoogleTest programs."""
         with tempfile.TemporaryDirectory() as folder:
-            file = pathlib.Path(folder) / "junit.xml"
-            file.write_text(junit, encoding="utf-8")
+            testing = pathlib.Path(folder)
+            (testing / "cases").mkdir()
+            if junit:
+                (testing / "junit.xml").write_text(junit, encoding="utf-8")
+            if left_out:
+                (testing / "left_out.json").write_text(json.dumps(left_out), encoding="utf-8")
             for name, text in cases.items():
-                (pathlib.Path(folder) / f"{name}.unit.xml").write_text(text, encoding="utf-8")
+                (testing / f"cases/{name}.unit.xml").write_text(text, encoding="utf-8")
             said = io.StringIO()
             with contextlib.redirect_stdout(said):
-                code = summary.main([str(file), folder])
+                code = summary.main(folder)
         return code, said.getvalue().splitlines()
 
     def test_cases_and_other_tests_are_counted(self):
@@ -73,9 +78,15 @@ class Summary(unittest.TestCase):
         code, lines = self.tell(JUNIT.format(match="run", more=more), geo=GEO)
         self.assertEqual((code, lines[-1]), (1, "4 passed, 1 failed, 2 skipped"))
 
+    def test_what_ran_before_is_counted_and_told(self):
+        code, lines = self.tell(JUNIT.format(match="run", more=""), left_out={"base.unit": 70, "cli.help": 1}, geo=GEO)
+        self.assertEqual((code, lines[-1]), (0, "75 passed, 0 failed, 2 skipped"))
+        self.assertTrue(lines[-3].startswith("71 of the passed ones, in 2 tests, ran before"), lines[-3])
+
     def test_nothing_run_is_a_failure(self):
-        code, lines = self.tell("<testsuite/>")
-        self.assertEqual((code, lines[-1]), (1, "0 passed, 0 failed, 0 skipped"))
+        for junit in ("<testsuite/>", None):
+            code, lines = self.tell(junit)
+            self.assertEqual((code, lines[-1]), (1, "0 passed, 0 failed, 0 skipped"))
 
 
 if __name__ == "__main__":
