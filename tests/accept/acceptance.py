@@ -1,5 +1,6 @@
 """What the acceptance tests share: running the program, and saying what did not come out."""
 
+import os
 import pathlib
 import shutil
 import subprocess
@@ -15,10 +16,26 @@ def need_gdal():
         import numpy  # noqa: F401
         from osgeo import gdal
     except ImportError as error:
-        print(f"skipped: {error}")
+        print(f"skipped: {error}: apt-get install python3-gdal python3-numpy")
         sys.exit(SKIP)
     gdal.UseExceptions()
     return gdal
+
+
+def real_data(source):
+    """The folder of real imagery, $PILOTAGE_DATA or else ../shared/data beside the repository. Without it leaves with "skipped", and
+    with a failure when PILOTAGE_DATA names no folder or an empty one: who sets it wants these tests run."""
+    named = os.environ.get("PILOTAGE_DATA")
+    if named is not None:
+        if not os.path.isdir(named) or not os.listdir(named):
+            print(f'FAILED: PILOTAGE_DATA = "{named}" is not a folder with imagery in it')
+            sys.exit(1)
+        return pathlib.Path(named)
+    beside = source / "../shared/data"
+    if not beside.is_dir():
+        print("skipped: no real imagery: set PILOTAGE_DATA to the folder that holds it")
+        sys.exit(SKIP)
+    return beside
 
 
 class Failed(Exception):

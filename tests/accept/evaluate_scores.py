@@ -1,14 +1,12 @@
-"""score --evaluate on the sample mission's two dates, and on the real port where it is: the numbers are recomputed from
+"""score --evaluate on the sample mission's two dates, or on those of the real port: the numbers are recomputed from
 evaluation.csv by other means, and what is found is what must be.
 
-evaluate_scores.py PILOTAGE SOURCE_FOLDER"""
+evaluate_scores.py PILOTAGE SOURCE_FOLDER sample|port"""
 
 import csv
 import json
-import os
-import pathlib
 
-from acceptance import check, main, run
+from acceptance import check, main, real_data, run
 
 PAPER = ["gray_variance", "frieden_deficit", "clean_peak_margin", "degraded_peak_margin"]
 
@@ -64,10 +62,7 @@ def sample(pilotage, source, work):
 
 def port(pilotage, source, work):
     """Ten months apart, 77 m at 0.6 m/px, ± 38 m. The two lie up to 8 m apart, hence the tolerance."""
-    data = pathlib.Path(os.environ.get("PILOTAGE_DATA", source.parent / "shared/data")) / "port"
-    if not (data / "port_2019-08.tif").exists():
-        print("port: skipped, its imagery is not here (PILOTAGE_DATA)")
-        return
+    data = real_data(source) / "port"
     found, _ = evaluate(pilotage, data / "port_2019-08.tif", data / "port_2020-07_registered.tif", work / "port",
                         "--gsd-m", "0.6", "--tile-size-px", "128", "--stride-px", "38", "--search-radius-px", "64",
                         "--evaluate-tolerance-m", "12")
@@ -77,9 +72,8 @@ def port(pilotage, source, work):
         check(predictor["probability"] or 0.35 < predictor["auc"]["value"] < 0.8, predictor["name"])
 
 
-def test(pilotage, source, work, _):
-    sample(pilotage, source, work)
-    port(pilotage, source, work)
+def test(pilotage, source, work, rest):
+    {"sample": sample, "port": port}[rest[0]](pilotage, source, work)
 
 
 main(test)

@@ -8,11 +8,10 @@ PILOTAGE_MATCH_FRAMES=500 measures with more frames than the 150 of a test."""
 import csv
 import math
 import os
-import pathlib
 import shutil
 import sys
 
-from acceptance import SKIP, check, main, need_gdal, run
+from acceptance import SKIP, check, main, need_gdal, real_data, run
 from match_flights import check_none, check_rates, cut, fly, move_priors, tell, whole_map
 from registered_truth import correct_truth
 from whole_map import make_whole_map
@@ -97,9 +96,9 @@ def moscow(pilotage, data, work):
 
 
 def test(pilotage, source, work, rest):
-    data = pathlib.Path(os.environ.get("PILOTAGE_DATA") or source / "../shared/data")
-    if not data.is_dir() or not shutil.which("gdalbuildvrt"):
-        print("skipped: no real imagery (PILOTAGE_DATA)")
+    data = real_data(source)
+    if not shutil.which("gdalbuildvrt"):
+        print("skipped: gdalbuildvrt is not installed: apt-get install gdal-bin")
         sys.exit(SKIP)
     tool = rest[0]
     map_path, here = over_the_port(pilotage, data, tool, work)

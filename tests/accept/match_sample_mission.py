@@ -14,7 +14,7 @@ def test(pilotage, source, work, rest):
     tool = rest[0]
     first, second = (source / "maps/sample" / name for name in ("ortho.tif", "ortho_second_epoch.tif"))
     if not second.exists():
-        print("skipped: the sample mission's imagery is not made (target sample_mission)")
+        print("skipped: the sample mission's imagery is not made: cmake --build … --target sample_mission")
         sys.exit(SKIP)
     map_path = whole_map(pilotage, first, work / "map.gpkg", 154)
     here = cut(tool, second, work / "here", frames=FRAMES, footprint_m=154)

@@ -57,7 +57,7 @@ def check_refusal(words):
 def test(pilotage, source, work, rest):
     cut, installed, *tools = rest
     if not (source / "maps/sample/ortho_second_epoch.tif").exists():
-        print("skipped: the sample mission's imagery is not made (target sample_mission)")
+        print("skipped: the sample mission's imagery is not made: cmake --build … --target sample_mission")
         sys.exit(SKIP)
     prefix = f"{installed}/onboard"
     example = build_example(Toolchain(*tools), source, "onboard", prefix, work / "example")

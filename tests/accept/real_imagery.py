@@ -5,12 +5,10 @@ real_imagery.py PILOTAGE SOURCE_FOLDER"""
 import csv
 import json
 import math
-import os
-import pathlib
 import random
 import sys
 
-from acceptance import SKIP, check, main, need_gdal, run
+from acceptance import check, main, need_gdal, real_data, run
 
 gdal = need_gdal()
 import numpy as np  # noqa: E402
@@ -156,10 +154,7 @@ def prepare_over_port(pilotage, data, source, work):
 
 
 def test(pilotage, source, work, _):
-    data = pathlib.Path(os.environ.get("PILOTAGE_DATA") or source / "../shared/data")
-    if not data.is_dir():
-        print("skipped: no real imagery (PILOTAGE_DATA)")
-        sys.exit(SKIP)
+    data = real_data(source)
     score_all(pilotage, data, work)
     prepare_over_port(pilotage, data, source, work)
 

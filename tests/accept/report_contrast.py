@@ -20,7 +20,7 @@ def axe_source(source, folder):
     script, lock = folder / "node_modules/axe-core/axe.min.js", folder / "package-lock.json"
     if not (script.exists() and lock.exists() and lock.read_text(encoding="utf-8") == wanted):
         if shutil.which("npm") is None:
-            print("skipped: npm must be installed to get axe-core")
+            print("skipped: axe-core comes by npm, which is not installed: apt-get install npm")
             sys.exit(SKIP)
         for name in ("package.json", "package-lock.json"):
             shutil.copy(source / "tests/accept/axe" / name, folder / name)
@@ -28,10 +28,11 @@ def axe_source(source, folder):
             done = subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], cwd=folder, text=True,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=240)
         except subprocess.TimeoutExpired:
-            print("skipped: the npm registry does not answer")
+            print("skipped: axe-core comes by npm, whose registry does not answer: try again with a network")
             sys.exit(SKIP)
         if done.returncode != 0:
-            print(f"skipped: axe-core could not be got: {done.stdout[-1000:]}")
+            print(done.stdout[-1000:])
+            print("skipped: axe-core could not be got by npm; what npm says is in the test's output")
             sys.exit(SKIP)
     return script.read_text(encoding="utf-8")
 
@@ -53,7 +54,7 @@ def judge(page, what, enhanced=False):
 
 def test(_, source, work, rest):
     if missing_programs():
-        print(f"skipped: {missing_programs()} must be installed")
+        print(f"skipped: {missing_programs()} not installed: apt-get install chromium chromium-driver")
         sys.exit(SKIP)
     axe = axe_source(source, pathlib.Path(rest[1]))
     run(rest[0], work, "no-go")

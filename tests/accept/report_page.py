@@ -12,7 +12,7 @@ from acceptance import SKIP, check, main, run
 from browser import Browser, missing_programs
 
 if missing_programs():
-    print(f"skipped: {missing_programs()} must be installed")
+    print(f"skipped: {missing_programs()} not installed: apt-get install chromium chromium-driver")
     sys.exit(SKIP)
 
 FOCUSED = """const e = document.activeElement; const s = getComputedStyle(e);

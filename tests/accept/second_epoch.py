@@ -8,11 +8,7 @@ through 317 correlation ties: looked for in the delivered picture, its squares g
 leaves 5 to 10 m in the north-east (registered_truth.py), so only its middle is held against the field. (2) Squares of
 the reference, looked for in the delivered picture around the place where the field says they are, and backwards."""
 
-import os
-import pathlib
-import sys
-
-from acceptance import SKIP, check, main, need_gdal, run
+from acceptance import check, main, need_gdal, real_data, run
 from registered_truth import find, gray_of
 
 gdal = need_gdal()
@@ -106,10 +102,7 @@ def tell(name, rows):
 
 
 def test(pilotage, source, work, _rest):
-    data = pathlib.Path(os.environ.get("PILOTAGE_DATA") or source / "../shared/data")
-    if not (data / "port").is_dir():
-        print("skipped: no real imagery (PILOTAGE_DATA)")
-        sys.exit(SKIP)
+    data = real_data(source)
     paths = [data / "port" / f"port_{name}.tif"
              for name in ("2019-08", "2020-07_asdelivered", "2020-07_registered")]
     layer = work / "disagreement.tif"

@@ -71,11 +71,11 @@ def need_slurm():
     os.environ["PATH"] += ":/usr/sbin:/sbin"
     for program in ("slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "unshare"):
         if not shutil.which(program):
-            skip(f"{program} is not installed")
+            skip(f"{program} is not installed: apt-get install slurm-wlm util-linux")
     if os.geteuid() != 0:
-        skip("not root: a Slurm node that runs as somebody else cannot be started")
+        skip("a Slurm node that runs as somebody else cannot be started: run the tests as root")
     if subprocess.run([*NAMESPACE, "true"], capture_output=True, check=False).returncode != 0:
-        skip("process namespaces are not allowed here (unshare --pid)")
+        skip("process namespaces are not allowed here (unshare --pid): run the tests as root outside of a chroot or with CAP_SYS_ADMIN")
     for name in list(os.environ):  # of a cluster that this machine may belong to
         if name.startswith(("SLURM", "SBATCH", "PILOTAGE", "JOB_COMPLETION", "AWS_BATCH")):
             del os.environ[name]

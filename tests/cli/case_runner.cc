@@ -178,7 +178,8 @@ int run(const std::vector<std::string>& arguments) {
   for (const std::string& need : parsed.needs) {
     const std::string test = "test -e " + need;
     if (std::system(test.c_str()) == 0) continue;
-    std::cout << "skipped: needs " << need << "\n";
+    std::cout << "skipped: " << need
+              << " does not exist: it comes with the target sample_mission or tools/install-packages\n";
     return kSkip;
   }
   return run_case(parsed);

@@ -189,7 +189,7 @@ TEST(FrameExif, WidePicturesAreCutFromATallerFrame) {
 
 TEST(FrameExif, RealDronePictures) {
   const auto data = testing::real_data_folder();
-  if (data.empty() || !std::filesystem::exists(data / "frames")) GTEST_SKIP() << "no real imagery (PILOTAGE_DATA)";
+  if (data.empty() || !std::filesystem::exists(data / "frames")) GTEST_SKIP() << testing::kNoRealImagery;
   const FrameExif dji = frame_exif(read_image_metadata((data / "frames/brighton_DJI_0021.jpg").string()));
   EXPECT_NEAR(dji.position->value.lat_deg, 46.8428651, 1e-6);
   EXPECT_NEAR(dji.position->value.lon_deg, -91.9941766, 1e-6);

@@ -1,27 +1,16 @@
 // Any bytes as a map: MapReader reads everything it can, and nothing but DataError may come out.
 
+#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <string>
 
-#include <unistd.h>
+#include "fuzz/input_file.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_reader.h"
 
 namespace {
-
-/// One file per process, in memory where the system has /dev/shm.
-std::filesystem::path input_file() {
-  std::error_code ignored;
-  const std::filesystem::path memory = "/dev/shm";
-  const std::filesystem::path folder =
-      std::filesystem::is_directory(memory, ignored) ? memory : std::filesystem::temp_directory_path();
-  return folder / ("pilotage-map-fuzz-" + std::to_string(::getpid()) + ".gpkg");
-}
 
 void read_everything(const std::filesystem::path& path) {
   pilotage::MapReader reader(path);
@@ -44,16 +33,10 @@ void read_everything(const std::filesystem::path& path) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const std::filesystem::path path = input_file();
-  {
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
-    if (!file) std::abort();
-  }
+  const pilotage::InputFile file(data, size, ".gpkg");
   try {
-    read_everything(path);
+    read_everything(file.path());
   } catch (const pilotage::DataError&) {
   }
-  std::filesystem::remove(path);
   return 0;
 }

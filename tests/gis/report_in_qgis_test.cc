@@ -16,7 +16,7 @@ namespace {
 TEST(ReportInQgis, OpensStyled) {
   // Looked for as a file: importing QGIS loads a hundred libraries.
   if (!std::filesystem::exists("/usr/lib/python3/dist-packages/qgis/core")) {
-    GTEST_SKIP() << "python3-qgis is not installed";
+    GTEST_SKIP() << "QGIS is not installed: apt-get install python3-qgis";
   }
   const testing::TemporaryFolder folder;
   const ReportInput input = testing::gis_scene();

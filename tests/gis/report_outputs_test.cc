@@ -172,7 +172,7 @@ TEST(ReportOutputs, RastersHoldScoresAndClasses) {
 }
 
 TEST(ReportOutputs, ForeignValidatorsAcceptThem) {
-  if (!has_python_gdal()) GTEST_SKIP() << "python3-gdal is not installed";
+  if (!has_python_gdal()) GTEST_SKIP() << "GDAL's Python module is not installed: apt-get install python3-gdal";
   const TemporaryFolder folder;
   write_all(folder, testing::gis_scene());
   const std::string modules = "/usr/bin/python3 -m osgeo_utils.samples.";
@@ -189,7 +189,8 @@ TEST(ReportOutputs, ForeignValidatorsAcceptThem) {
 }
 
 TEST(ReportOutputs, OgrinfoListsLayersStylesAndNoWarning) {
-  if (run_command("ogrinfo --version").status != 0) GTEST_SKIP() << "gdal-bin is not installed";
+  if (run_command("ogrinfo --version").status != 0)
+    GTEST_SKIP() << "ogrinfo is not installed: apt-get install gdal-bin";
   const TemporaryFolder folder;
   write_all(folder, testing::gis_scene());
   const auto list = run_command("ogrinfo -ro -q " + (folder / "report.gpkg").string());

@@ -46,7 +46,7 @@ testing::SmallMap variant(int index) {
 
 TEST(MapForGdal, ValidatorAcceptsIt) {
   if (run("/usr/bin/python3 -c 'import osgeo_utils.samples.validate_gpkg'").status != 0) {
-    GTEST_SKIP() << "python3-gdal is not installed";
+    GTEST_SKIP() << "GDAL's Python module is not installed: apt-get install python3-gdal";
   }
   const testing::TemporaryFolder folder;
   for (int index = 0; index < 3; ++index) {
@@ -60,7 +60,7 @@ TEST(MapForGdal, ValidatorAcceptsIt) {
 }
 
 TEST(MapForGdal, OgrinfoListsTheLayersWithoutAWarning) {
-  if (run("ogrinfo --version").status != 0) GTEST_SKIP() << "gdal-bin is not installed";
+  if (run("ogrinfo --version").status != 0) GTEST_SKIP() << "ogrinfo is not installed: apt-get install gdal-bin";
   const testing::TemporaryFolder folder;
   for (int index = 0; index < 3; ++index) {
     const auto path = folder / ("map" + std::to_string(index) + ".gpkg");
@@ -82,7 +82,7 @@ TEST(MapForGdal, OgrinfoListsTheLayersWithoutAWarning) {
 }
 
 TEST(MapForGdal, SpatialFilterFindsTilesThroughTheIndex) {
-  if (run("ogrinfo --version").status != 0) GTEST_SKIP() << "gdal-bin is not installed";
+  if (run("ogrinfo --version").status != 0) GTEST_SKIP() << "ogrinfo is not installed: apt-get install gdal-bin";
   const testing::TemporaryFolder folder;
   testing::write_map(folder / "map.gpkg", testing::make_small_map());
   const CommandOutcome outcome =

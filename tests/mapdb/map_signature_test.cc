@@ -135,7 +135,7 @@ TEST_F(MapSignature, SaysWhatIsNotAKey) {
 }
 
 TEST_F(MapSignature, MinisignVerifiesOurSignature) {
-  if (!has_minisign()) GTEST_SKIP() << "minisign is not installed";
+  if (!has_minisign()) GTEST_SKIP() << "minisign is not installed: apt-get install minisign";
   sign_file(file_, secret_);
   EXPECT_TRUE(minisign("-V -H -p a.pub -m map.gpkg"));
   EXPECT_TRUE(minisign("-V -P " + key_ + " -m map.gpkg"));
@@ -144,7 +144,7 @@ TEST_F(MapSignature, MinisignVerifiesOurSignature) {
 }
 
 TEST_F(MapSignature, WeVerifyMinisignsSignatures) {
-  if (!has_minisign()) GTEST_SKIP() << "minisign is not installed";
+  if (!has_minisign()) GTEST_SKIP() << "minisign is not installed: apt-get install minisign";
   ASSERT_TRUE(minisign("-G -W -p m.pub -s m.key"));
   ASSERT_TRUE(minisign("-S -s m.key -m map.gpkg"));
   EXPECT_TRUE(verify_signature(file_, (folder_ / "m.pub").string()).prehashed);

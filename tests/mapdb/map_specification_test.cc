@@ -33,7 +33,8 @@ std::string line_of(const TileDescriptors& d, std::size_t i) {
 }
 
 TEST(MapSpecification, IsEnoughForAnotherReader) {
-  if (run_command("/usr/bin/python3 -c 'import sqlite3, hashlib'").status != 0) GTEST_SKIP() << "python3 is missing";
+  if (run_command("/usr/bin/python3 -c 'import sqlite3, hashlib'").status != 0)
+    GTEST_SKIP() << "Python is not installed: apt-get install python3";
   const testing::TemporaryFolder folder;
   const auto path = folder / "map.gpkg";
   testing::write_map(path, testing::make_small_map());

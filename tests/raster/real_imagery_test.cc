@@ -46,7 +46,7 @@ class RealImagery : public ::testing::TestWithParam<RealRaster> {
  protected:
   void SetUp() override {
     const auto folder = testing::real_data_folder();
-    if (folder.empty() || !std::filesystem::exists(folder / GetParam().file)) GTEST_SKIP() << "no real imagery here";
+    if (folder.empty() || !std::filesystem::exists(folder / GetParam().file)) GTEST_SKIP() << testing::kNoRealImagery;
     path_ = (folder / GetParam().file).string();
   }
   std::string path_;
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Files, RealImagery, ::testing::ValuesIn(kRasters), [](c
 
 TEST(RealImageryWithoutCrs, IsToldWhatIsMissing) {
   const auto folder = testing::real_data_folder();
-  if (!std::filesystem::exists(folder / "autzen/autzen.jpg")) GTEST_SKIP() << "no real imagery here";
+  if (!std::filesystem::exists(folder / "autzen/autzen.jpg")) GTEST_SKIP() << testing::kNoRealImagery;
   const std::string path = (folder / "autzen/autzen.jpg").string();  // has a world file and no CRS
   EXPECT_THROW(inspect_imagery(path), DataError);
   ImageryOptions options;

@@ -121,7 +121,7 @@ TEST(OgrRoute, GeoPackageInAProjectionComesToWgs84) {
   const std::string command = "ogr2ogr -q -f GPKG -nln flight -a_srs EPSG:32632 -oo GEOM_POSSIBLE_NAMES=WKT '" +
                               (folder / "line.gpkg").string() + "' '" + (folder / "line.csv").string() +
                               "' 2>/dev/null";
-  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "ogr2ogr is not installed";
+  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "ogr2ogr is not installed: apt-get install gdal-bin";
   const Route route = read_route(folder / "line.gpkg");
   EXPECT_EQ(route.format, "GeoPackage");
   ASSERT_EQ(route.vertices.size(), 2U);

@@ -75,7 +75,7 @@ class RealRoutes : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = testing::real_data_folder() / "routes";
-    if (!std::filesystem::is_directory(folder_)) GTEST_SKIP() << "no real route files here";
+    if (!std::filesystem::is_directory(folder_)) GTEST_SKIP() << testing::kNoRealImagery;
   }
   std::filesystem::path folder_;
 };

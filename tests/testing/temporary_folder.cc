@@ -1,6 +1,7 @@
 #include "testing/temporary_folder.h"
 
 #include <cstdlib>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -18,11 +19,15 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 std::filesystem::path real_data_folder() {
-  const char* variable = std::getenv("PILOTAGE_DATA");
-  const std::filesystem::path folder = variable != nullptr
-                                           ? std::filesystem::path(variable)
-                                           : std::filesystem::path(PILOTAGE_SOURCE_DIR) / "../shared/data";
-  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
+  if (const char* variable = std::getenv("PILOTAGE_DATA"); variable != nullptr) {
+    const std::filesystem::path folder(variable);
+    if (!std::filesystem::is_directory(folder) || std::filesystem::is_empty(folder)) {
+      throw std::runtime_error("PILOTAGE_DATA = \"" + folder.string() + "\" is not a folder with imagery in it");
+    }
+    return folder;
+  }
+  const std::filesystem::path beside = std::filesystem::path(PILOTAGE_SOURCE_DIR) / "../shared/data";
+  return std::filesystem::is_directory(beside) ? beside : std::filesystem::path();
 }
 
 }  // namespace pilotage::testing

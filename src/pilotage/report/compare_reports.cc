@@ -272,7 +272,8 @@ std::vector<ComparedEntry> changed_entries(const std::vector<std::pair<std::stri
   std::vector<ComparedEntry> entries;
   for (const auto& [name, value] : a) entries.push_back({name, {value, nullptr}});
   for (const auto& [name, value] : b) {
-    auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.name == name; });
+    auto found =
+        std::find_if(entries.begin(), entries.end(), [&name = name](const auto& entry) { return entry.name == name; });
     if (found == entries.end()) found = entries.insert(entries.end(), {name, {}});
     found->values[1] = value;
   }

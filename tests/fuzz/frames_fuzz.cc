@@ -1,0 +1,49 @@
+// Any bytes as frames.csv: DataError, or frames whose numbers lie in their ranges.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "pilotage/base/error.h"
+#include "pilotage/mission/frame_table.h"
+
+namespace {
+
+/// NaN where the table may say nothing.
+void require_between(double value, double low, double high, bool may_be_missing) {
+  const bool holds = std::isnan(value) ? may_be_missing : value >= low && value <= high;
+  if (!holds) std::abort();
+}
+
+void check(const pilotage::FrameTable& table, bool may_be_missing) {
+  if (table.frames.empty()) std::abort();
+  for (const pilotage::FrameRecord& frame : table.frames) {
+    if (frame.file.empty()) std::abort();
+    require_between(frame.prior.lat_deg, -90, 90, may_be_missing);
+    require_between(frame.prior.lon_deg, -180, 360, may_be_missing);
+    require_between(frame.prior_sigma_m, 0, 100000, may_be_missing);
+    require_between(frame.height_agl_m, -1000, 100000, may_be_missing);
+    for (const double angle_deg : {frame.attitude.yaw_deg, frame.attitude.pitch_deg, frame.attitude.roll_deg}) {
+      require_between(angle_deg, -360, 360, may_be_missing);
+    }
+    if (frame.truth) require_between(frame.truth->lat_deg, -90, 90, false);
+    if (frame.truth) require_between(frame.truth->lon_deg, -180, 360, false);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  for (const auto truth : {pilotage::FrameTruth::kCenter, pilotage::FrameTruth::kNadir}) {
+    for (const auto required : {pilotage::FrameColumns::kAll, pilotage::FrameColumns::kFileOnly}) {
+      try {
+        check(pilotage::frame_table_from_csv("fuzz", text, {truth, required}),
+              required == pilotage::FrameColumns::kFileOnly);
+      } catch (const pilotage::DataError&) {
+      }
+    }
+  }
+  return 0;
+}

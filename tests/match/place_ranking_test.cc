@@ -1,0 +1,105 @@
+#include "pilotage/match/place_ranking.h"
+
+#include <cmath>
+
+#include "match/flown_frame.h"
+#include "match/placed_scene.h"
+#include <gtest/gtest.h>
+
+#include "pilotage/match/match_confidence.h"
+
+namespace pilotage {
+namespace {
+
+using testing::FlownFrame;
+using testing::make_placed_scene;
+
+TEST(ChipComparisonTest, APlacementIsTheSamePlaceAsItsChipMatch) {
+  ChipComparison chips;
+  chips.pivot_from_nadir_px = {12, -7};
+  chips.reference_px = {1000, 2000};
+  const Placement placement{{40, -30}, 0.2, 1.03};
+  const ChipMatch match = chips.match_at(placement);
+  EXPECT_TRUE(match.found);
+  EXPECT_NEAR(match.yaw_deg, 0.2 / kRadPerDeg, 1e-12);
+  // The nadir lies where the placement puts the point that is the nadir of the frame.
+  EXPECT_LT((match.nadir_px - chips.reference_px - placement.map_from_frame({-12, 7})).norm(), 1e-12);
+  const Placement again = chips.placement(match);
+  EXPECT_LT((again.center_px - placement.center_px).norm(), 1e-12);
+  EXPECT_NEAR(again.yaw_rad, placement.yaw_rad, 1e-15);
+  EXPECT_EQ(again.scale, placement.scale);
+}
+
+TEST(RankPlaces, TheTruePlaceIsBest) {
+  const auto scene = make_placed_scene({{210, 190}, 0.01, 1.01});
+  const auto places = rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.5);
+  ASSERT_TRUE(places.has_value());
+  const RankedPlace& best = places->best;
+  EXPECT_LT((best.match.placement.center_px - scene.truth.center_px).norm(), 1);
+  EXPECT_LT(testing::angle_between(best.match.placement.yaw_rad, scene.truth.yaw_rad), 0.01);
+  EXPECT_EQ(best.evidence, place_evidence({best.match.evidence(), best.match.expected, 0, 0}));
+  EXPECT_GT(best.evidence, 20);
+  EXPECT_LT(places->rival_evidence, best.evidence / 2);
+  EXPECT_EQ(best.compared_px, 0) << "no chips were given";
+  EXPECT_EQ(places->rival_ncc, 0);
+}
+
+TEST(RankPlaces, NothingWithoutVotes) {
+  auto scene = make_placed_scene({{210, 190}, 0, 1});
+  scene.space.center_px = {9000, 9000};  // no feature is near
+  EXPECT_FALSE(rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.5).has_value());
+}
+
+TEST(RankPlaces, APlaceWithinTheLeastDistanceIsNoRival) {
+  const auto scene = make_placed_scene({{210, 190}, 0, 1});
+  const auto near = rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.5);
+  // At 0.01 m per pixel the 6 m are 600 pixels, more than the window: every other candidate counts as the same place.
+  const auto all_one = rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.01);
+  ASSERT_TRUE(near.has_value());
+  ASSERT_TRUE(all_one.has_value());
+  EXPECT_EQ(all_one->rival_evidence, 0);
+  EXPECT_EQ(all_one->best.evidence, near->best.evidence);
+}
+
+TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {
+  const FlownFrame flown;
+  MapReader map(flown.path);
+  const FrameOnGrid laid = flown.lay(map);
+  const PivotedFrame described = describe(laid, {});
+  const LocalMap local = flown.local_map(map, laid, described);
+  const auto chips =
+      compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, laid, described, local);
+  ASSERT_TRUE(chips.has_value());
+  ASSERT_TRUE(chips->best.found);
+  const Eigen::Vector2d truth_px = laid.grid.px_from_geodetic(flown.place(FlownFrame::kEast_m, FlownFrame::kNorth_m));
+  EXPECT_LT((chips->best.nadir_px - truth_px).norm(), 3);
+
+  const SearchSpace space = search_space(laid, local, flown.options, false);
+  const auto with = rank_places(described, local, space, chips, laid.gsd_m);
+  const auto without = rank_places(described, local, space, std::nullopt, laid.gsd_m);
+  ASSERT_TRUE(with.has_value());
+  ASSERT_TRUE(without.has_value());
+  EXPECT_GT(with->best.compared_px, 1000);
+  EXPECT_GT(with->best.ncc, 0.5);
+  EXPECT_GT(with->best.evidence, without->best.evidence);
+}
+
+TEST(CompareChips, OnlyWhereWantedAndUpright) {
+  FlownFrame flown;
+  MapReader map(flown.path);
+  const FrameOnGrid laid = flown.lay(map);
+  const PivotedFrame described = describe(laid, {});
+  const LocalMap local = flown.local_map(map, laid, described);
+  const auto compare = [&] {
+    return compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, laid, described, local);
+  };
+  ASSERT_TRUE(compare().has_value());
+  flown.options.yaw_sigma_deg = 180;
+  EXPECT_FALSE(compare().has_value());
+  flown.options.yaw_sigma_deg = 1;
+  flown.options.chips = false;
+  EXPECT_FALSE(compare().has_value());
+}
+
+}  // namespace
+}  // namespace pilotage
