@@ -1,7 +1,7 @@
 """The example program of docs/examples/onboard, built against an installed onboard library and run on a map: it gives a
 fix on ground of the map, and a reason elsewhere.
 
-onboard_example.py PILOTAGE SOURCE_FOLDER CUT_FLIGHT_FRAMES BUILD_FOLDER CXX SANITIZERS"""
+onboard_example.py PILOTAGE SOURCE_FOLDER CUT_FLIGHT_FRAMES BUILD_FOLDER GENERATOR CXX SANITIZERS"""
 
 import csv
 import math
@@ -16,10 +16,10 @@ FOOTPRINT_M = 180
 REACH_M = 8  # the two dates agree to a pixel of 0.5 m
 
 
-def build_example(source, build, cxx, sanitizers, work):
+def build_example(source, build, generator, cxx, sanitizers, work):
     run("cmake", "--install", build, "--prefix", work / "prefix", "--component", "onboard")
     flags = [f"-DCMAKE_CXX_FLAGS=-fsanitize={sanitizers}"] if sanitizers else []
-    run("cmake", "-S", source / "docs/examples/onboard", "-B", work / "example", f"-DCMAKE_PREFIX_PATH={work}/prefix",
+    run("cmake", "-G", generator, "-S", source / "docs/examples/onboard", "-B", work / "example", f"-DCMAKE_PREFIX_PATH={work}/prefix",
         f"-DCMAKE_CXX_COMPILER={cxx}", "-DCMAKE_BUILD_TYPE=Release", *flags)
     run("cmake", "--build", work / "example")
     return work / "example/onboard_example"
@@ -63,11 +63,11 @@ def check_refusal(words):
 
 
 def test(pilotage, source, work, rest):
-    cut, build, cxx, *sanitizers = rest
+    cut, build, generator, cxx, *sanitizers = rest
     if not (source / "maps/sample/ortho_second_epoch.tif").exists():
         print("skipped: the sample mission's imagery is not made (target sample_mission)")
         sys.exit(SKIP)
-    example = build_example(source, build, cxx, sanitizers[0] if sanitizers else "", work)
+    example = build_example(source, build, generator, cxx, sanitizers[0] if sanitizers else "", work)
     map_path = work / "map.gpkg"
     make_whole_map(pilotage, source / "maps/sample/ortho.tif", map_path, (FOOTPRINT_M,), CAMERA)
     rows = cut_frames(cut, source, work, 10)
