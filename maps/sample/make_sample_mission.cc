@@ -1,4 +1,5 @@
-// Makes the imagery and the elevation of the sample mission; run by the build (target sample_mission).
+// Makes the imagery, the elevation and the camera frames of the sample mission; run by the build (target
+// sample_mission).
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include "cut_flight_frames.h"
 #include <opencv2/core.hpp>
 
 #include "country/synthetic_scene.h"
@@ -25,13 +27,27 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raise when this program writes other files from the same pictures.
-constexpr int kGeneratorVersion = 1;
+constexpr int kGeneratorVersion = 2;
+
+/// The flight over the second date: as many pixels across as the matcher needs, by a navigator that is some 15 m off.
+pilotage::FlightFrameOptions frames_of_the_second_date() {
+  pilotage::FlightFrameOptions frames;
+  frames.frames = 60;
+  frames.footprint_m = 180;
+  frames.width_px = 800;
+  frames.height_px = 450;
+  frames.prior_offset_m = 30;
+  frames.prior_sigma_m = 15;
+  frames.format = pilotage::FrameFormat::kPgm;  // read by docs/examples/onboard, which decodes nothing else
+  return frames;
+}
 
 struct SampleOptions {
   pilotage::SceneOptions scene;
   double gsd_m = 0.5;
   double elevation_gsd_m = 5;
   int jpeg_quality = 88;
+  pilotage::FlightFrameOptions frames = frames_of_the_second_date();
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -39,6 +55,7 @@ struct SampleOptions {
     fields.field("gsd_m", self.gsd_m, "Pixel of the imagery.", pilotage::Range{0.1, 10});
     fields.field("elevation_gsd_m", self.elevation_gsd_m, "Pixel of the elevation.", pilotage::Range{1, 100});
     fields.field("jpeg_quality", self.jpeg_quality, "Of the imagery.", pilotage::Range{1, 100});
+    fields.group("frames", self.frames, "The camera frames of the second date.");
   }
 };
 
@@ -53,6 +70,8 @@ constexpr std::array<Picture, 2> kPictures = {{
     {"ortho_second_epoch.tif", pilotage::SceneEpoch::kSecond, "2024:09:26 14:10:00"},
 }};
 constexpr const char* kElevationFile = "elevation.tif";
+constexpr const char* kFramesFolder = "frames";
+constexpr std::uint64_t kFramesSeed = 1;
 constexpr const char* kStampFile = ".sample_mission_stamp.json";
 
 /// Hash of all files of a folder, by name.
@@ -82,8 +101,9 @@ bool is_current(const fs::path& folder, const std::string& stamp) {
   for (const Picture& picture : kPictures) {
     if (!fs::is_regular_file(folder / picture.file, ignored)) return false;
   }
-  if (!fs::is_regular_file(folder / kElevationFile, ignored) || !fs::is_regular_file(folder / kStampFile, ignored))
-    return false;
+  for (const fs::path& file : {folder / kElevationFile, folder / kFramesFolder / "frames.csv", folder / kStampFile}) {
+    if (!fs::is_regular_file(file, ignored)) return false;
+  }
   return pilotage::read_file(folder / kStampFile) == stamp;
 }
 
@@ -113,6 +133,16 @@ void write_elevation(const fs::path& folder, const pilotage::Scene& scene, const
   pilotage::write_float32_geotiff(folder / kElevationFile, raster, scene.crs(), geotiff, true);
 }
 
+/// Frames of the second date along the route, with the camera of the mission.
+void write_frames(const fs::path& folder, const SampleOptions& options) {
+  fs::remove_all(folder / kFramesFolder);
+  pilotage::FlightFrameOptions frames = options.frames;
+  frames.camera = folder / "camera.yaml";
+  frames.route = folder / "route.plan";
+  frames.also = folder / kPictures[0].file;
+  pilotage::cut_flight_frames(folder / kPictures[1].file, folder / kFramesFolder, frames, kFramesSeed, 0, false);
+}
+
 void make_sample_mission(const fs::path& folder, const fs::path& sources) {
   const SampleOptions options;
   const std::string stamp = stamp_of(options, sources);
@@ -123,6 +153,7 @@ void make_sample_mission(const fs::path& folder, const fs::path& sources) {
   fs::remove(folder / kStampFile, ignored);
   for (const Picture& picture : kPictures) write_picture(folder, scene, options, picture);
   write_elevation(folder, scene, options);
+  write_frames(folder, options);
   pilotage::write_file(folder / kStampFile, stamp, true);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   std::cerr << "sample mission written to " << folder.string() << " in " << std::llround(seconds.count()) << " s\n";
@@ -133,7 +164,7 @@ void make_sample_mission(const fs::path& folder, const fs::path& sources) {
 int main(int argc, char** argv) {
   if (argc != 3) {
     std::cerr << "usage: make_sample_mission FOLDER COUNTRY_SOURCES\n"
-                 "Writes ortho.tif, ortho_second_epoch.tif and elevation.tif there unless they are current:\n"
+                 "Writes ortho.tif, ortho_second_epoch.tif, elevation.tif and frames/ there unless they are current:\n"
                  "made with the same options by the same sources of the country.\n";
     return 2;
   }

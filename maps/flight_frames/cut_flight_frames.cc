@@ -1,18 +1,9 @@
-// Camera frames of a flight that never was, cut from georeferenced imagery, with the truth beside what the aircraft
-// believes:
-//   cut_flight_frames RASTER -o FOLDER --frames 500 --seed 1 --footprint-m 154
-// FOLDER then holds camera.yaml, frames.csv and the frames. Everything about a frame comes from the seed and the
-// frame's number. `cut_flight_frames --help` lists the options.
+#include "cut_flight_frames.h"
+
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <iostream>
 #include <numbers>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "run_program.h"
 #include <opencv2/imgcodecs.hpp>
 
 #include "pilotage/base/error.h"
@@ -23,9 +14,11 @@
 #include "pilotage/camera/camera_file.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/camera/render_frame.h"
+#include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/route/read_route.h"
 
 namespace pilotage {
 namespace {
@@ -34,74 +27,26 @@ constexpr int kTriesPerFrame = 2000;
 constexpr int kProbeScale = 16;    // the probe's pixels are so much larger,
 constexpr double kProbeSlack = 8;  // and all of one counts as bad where a part is
 
-enum class Format { kJpg, kPng, kPgm };
-EnumNames<Format> enum_names(Format) {
-  return {{Format::kJpg, "jpg"}, {Format::kPng, "png"}, {Format::kPgm, "pgm"}};
-}
-
-struct CutOptions {
-  int frames = 500;
-  double footprint_m = 154;
-  double hfov_deg = 60;
-  std::optional<int> width_px;
-  std::optional<int> height_px;
-  std::string camera;
-  double max_tilt_deg = 5;
-  double attitude_sigma_deg = 1;
-  double height_sigma = 0.03;
-  double prior_offset_m = 60;
-  double prior_shift_m = 0;
-  double prior_sigma_m = 30;
-  double min_valid = 0.999;
-  std::string also;
-  std::vector<double> region;
-  Format format = Format::kJpg;
-  ImageryOptions imagery;
-
-  template <class Self, class Fields>
-  static void describe(Self& self, Fields& fields) {
-    fields.field("frames", self.frames, "How many.", Range{1, 1e6});
-    fields.field("footprint_m", self.footprint_m, "Width on the ground of a frame taken straight down.",
-                 Range{0.1, 1e5});
-    fields.field("hfov_deg", self.hfov_deg, "Horizontal field of view of the ideal camera.", Range{1, 170});
-    fields.field("width_px", self.width_px, "Width of a frame: 640, or that of the calibration file.", Range{1, 10000});
-    fields.field("height_px", self.height_px, "Height of a frame: 480, or that of the calibration file.",
-                 Range{1, 10000});
-    fields.path("camera", self.camera, "A calibration file instead of the ideal camera.");
-    fields.field("max_tilt_deg", self.max_tilt_deg, "Largest angle of the belly from straight down.", Range{0, 45});
-    fields.field("attitude_sigma_deg", self.attitude_sigma_deg,
-                 "Standard deviation of the error of yaw, pitch and roll each.", Range{0, 180});
-    fields.field("height_sigma", self.height_sigma, "Standard deviation of the height's error, as a share of it.",
-                 Range{0, 0.3});
-    fields.field("prior_offset_m", self.prior_offset_m,
-                 "The prior is off by at most this to the east and to the north, uniformly.", Range{0, 1e5});
-    fields.field("prior_shift_m", self.prior_shift_m,
-                 "The prior is off by this besides, in any direction: beyond the window nothing may be found.",
-                 Range{0, 1e6});
-    fields.field("prior_sigma_m", self.prior_sigma_m, "What the prior says of itself.", Range{0.01, 1e5});
-    fields.field("min_valid", self.min_valid, "Least share of a frame that shows imagery.", Range{0, 1});
-    fields.path("also", self.also,
-                "A second raster, the map's: frames are only where it shows ground all over the frame too.");
-    fields.field("region", self.region,
-                 "min x, min y, max x, max y in the raster's CRS: where the aircraft is. Default: everywhere.");
-    fields.field("format", self.format, "Of the frames; jpg has quality 95.");
-    fields.group("imagery", self.imagery, "How the raster is read.", FlagPrefix::kNone);
-  }
-};
-
 /// Georeferenced imagery in 8 bits.
 struct Ground {
   GraySource gray;
   Crs crs;
 };
 
+/// A place on a route, and the direction of flight there.
+struct RoutePlace {
+  GeodeticPoint point;
+  double azimuth_deg = 0;
+};
+
 /// What frames are cut from and with.
 struct Setup {
-  CutOptions options;
+  FlightFrameOptions options;
   std::uint64_t seed = 0;
   std::filesystem::path folder;
   Ground ground;
   std::optional<Ground> also;
+  std::vector<RoutePlace> route;  ///< One for each frame, or none: frames lie anywhere.
   Camera camera;
   double agl_m = 0;
 };
@@ -114,7 +59,7 @@ struct FrameRow {
   double agl_m = 0, told_agl_m = 0;
 };
 
-Camera make_frame_camera(const CutOptions& options) {
+Camera make_frame_camera(const FlightFrameOptions& options) {
   if (!options.camera.empty()) {
     const Camera camera = read_camera_file(options.camera);
     return resized_camera(camera, options.width_px.value_or(camera.width_px),
@@ -128,12 +73,44 @@ Camera make_frame_camera(const CutOptions& options) {
   return camera;
 }
 
+double wrapped_deg(double angle_deg) {
+  return angle_deg - 360 * std::floor(angle_deg / 360);
+}
+
 /// Heading anyhow; tilted in any direction by up to the limit, uniformly over the disc.
 Attitude random_attitude(Random& random, double max_tilt_deg) {
   const double yaw_deg = random.uniform(0, 360);
   const double tilt_deg = max_tilt_deg * std::sqrt(random.uniform());
   const double direction = random.uniform(0, 2 * std::numbers::pi);
   return {yaw_deg, tilt_deg * std::cos(direction), tilt_deg * std::sin(direction)};
+}
+
+/// `count` places along the legs: the middles of as many equal parts of the length.
+std::vector<RoutePlace> places_along(const Route& route, int count) {
+  const double part_m = route_length_m(route) / count;
+  std::vector<RoutePlace> places;
+  double flown_m = 0;
+  for (const RouteLeg& leg : route.legs) {
+    const GeodeticPoint from = route.vertices[static_cast<std::size_t>(leg.from)].point;
+    const GeodeticPoint to = route.vertices[static_cast<std::size_t>(leg.to)].point;
+    const GeodesicLeg geodesic = geodesic_between(from, to);
+    for (;;) {
+      const double distance_m = (static_cast<double>(places.size()) + 0.5) * part_m - flown_m;
+      if (distance_m >= leg.length_m || places.size() == static_cast<std::size_t>(count)) break;
+      const GeodeticPoint point = geodesic_direct(from, geodesic.start_azimuth_deg, distance_m);
+      places.push_back({point, geodesic_between(point, to).start_azimuth_deg});
+    }
+    flown_m += leg.length_m;
+  }
+  if (places.size() != static_cast<std::size_t>(count)) throw DataError(route.name + ": has no length");
+  return places;
+}
+
+/// Where the place of a route lies in the imagery, in its pixels.
+Eigen::Vector2d route_nadir_px(const Setup& setup, const GeodeticPoint& point) {
+  const auto on_map = CrsTransform(setup.ground.crs).map_from_geodetic(point);
+  if (!on_map) throw DataError("the route leaves what the imagery's CRS can show");
+  return setup.ground.gray.map_from_pixel.pixel_from_map(*on_map);
 }
 
 Eigen::Vector2d random_nadir_px(Random& random, const Setup& setup) {
@@ -150,7 +127,7 @@ Eigen::Vector2d random_nadir_px(Random& random, const Setup& setup) {
 
 /// Truth and belief of a frame whose truth is `row`'s attitude and height at `place`.
 void fill_positions(Random& random, const Setup& setup, const GroundPlace& place, FrameRow& row) {
-  const CutOptions& options = setup.options;
+  const FlightFrameOptions& options = setup.options;
   const CrsTransform transform(setup.ground.crs);
   const GeoTransform& map_from_pixel = setup.ground.gray.map_from_pixel;
   row.nadir = geodetic_from_pixel(transform, map_from_pixel, place.nadir_px);
@@ -167,14 +144,14 @@ void fill_positions(Random& random, const Setup& setup, const GroundPlace& place
   for (double* angle_deg : {&row.told_attitude.yaw_deg, &row.told_attitude.pitch_deg, &row.told_attitude.roll_deg}) {
     *angle_deg += options.attitude_sigma_deg * random.normal();
   }
-  row.told_attitude.yaw_deg -= 360 * std::floor(row.told_attitude.yaw_deg / 360);
+  row.told_attitude.yaw_deg = wrapped_deg(row.told_attitude.yaw_deg);
   row.told_agl_m = row.agl_m * std::max(0.01, 1 + options.height_sigma * random.normal());
 }
 
-std::string frame_name(std::size_t index, Format format) {
+std::string frame_name(std::size_t index, FrameFormat format) {
   const std::string number = std::to_string(index);
   std::string name = "frame_" + std::string(6 - std::min<std::size_t>(6, number.size()), '0') + number + ".";
-  for (const auto& [value, text] : enum_names(Format{})) {
+  for (const auto& [value, text] : enum_names(FrameFormat{})) {
     if (value == format) name += text;
   }
   return name;
@@ -207,7 +184,9 @@ FrameRow cut_frame(const Setup& setup, std::size_t index) {
     row.file = frame_name(index, setup.options.format);
     row.attitude = random_attitude(random, setup.options.max_tilt_deg);
     row.agl_m = setup.agl_m;
-    const Eigen::Vector2d nadir_px = random_nadir_px(random, setup);
+    if (!setup.route.empty()) row.attitude.yaw_deg = wrapped_deg(setup.route[index].azimuth_deg);
+    const Eigen::Vector2d nadir_px =
+        setup.route.empty() ? random_nadir_px(random, setup) : route_nadir_px(setup, setup.route[index].point);
     const GraySource& ground = setup.ground.gray;
     const GroundPlace place = ground_place(setup.ground.crs, ground.map_from_pixel, nadir_px);
     if (!shows_ground(ground, place, setup, row.attitude)) continue;
@@ -267,14 +246,17 @@ Ground open_ground(const std::string& dataset, const ImageryOptions& options) {
   return {stretch_to_8bit(open_gray(dataset, options)), inspect_imagery(dataset, options).crs};
 }
 
-Setup prepare(const CutOptions& options, const Invocation& invocation) {
+Setup make_setup(const std::string& imagery, const std::filesystem::path& folder, const FlightFrameOptions& options,
+                 std::uint64_t seed) {
   if (!options.region.empty() && options.region.size() != 4) throw UsageError("--region needs four numbers");
+  if (!options.region.empty() && !options.route.empty()) throw UsageError("give --region or --route, not both");
   Setup setup;
   setup.options = options;
-  setup.seed = invocation.seed;
-  setup.folder = invocation.output;
-  setup.ground = open_ground(invocation.inputs.front(), options.imagery);
+  setup.seed = seed;
+  setup.folder = folder;
+  setup.ground = open_ground(imagery, options.imagery);
   if (!options.also.empty()) setup.also = open_ground(options.also, {});
+  if (!options.route.empty()) setup.route = places_along(read_route(options.route), options.frames);
   setup.camera = make_frame_camera(options);
   const Footprint at_1_m = footprint(setup.camera, {}, 1);
   if (!(at_1_m.across_m > 0)) throw UsageError("the camera sees no ground straight down");
@@ -282,38 +264,19 @@ Setup prepare(const CutOptions& options, const Invocation& invocation) {
   return setup;
 }
 
-CommandResult cut_frames(const CutOptions& options, const Invocation& invocation) {
-  const Setup setup = prepare(options, invocation);
-  std::filesystem::create_directories(setup.folder);
-  OutputFile table(setup.folder / "frames.csv", invocation.overwrite);
+}  // namespace
+
+double cut_flight_frames(const std::string& imagery, const std::filesystem::path& folder,
+                         const FlightFrameOptions& options, std::uint64_t seed, int threads, bool overwrite) {
+  const Setup setup = make_setup(imagery, folder, options, seed);
+  std::filesystem::create_directories(folder);
+  OutputFile table(folder / "frames.csv", overwrite);
   std::vector<FrameRow> rows(static_cast<std::size_t>(options.frames));
-  parallel_for(rows.size(), invocation.threads, [&](std::size_t index, int) { rows[index] = cut_frame(setup, index); });
-  write_file(setup.folder / "camera.yaml", camera_yaml(setup.camera), invocation.overwrite);
+  parallel_for(rows.size(), threads, [&](std::size_t index, int) { rows[index] = cut_frame(setup, index); });
+  write_file(folder / "camera.yaml", camera_yaml(setup.camera), overwrite);
   table.write(csv_text(rows, options.prior_sigma_m));
   table.commit();
-  CommandResult result;
-  result.text = std::to_string(rows.size()) + " frames from " + format_fixed(setup.agl_m, 1) + " m above ground\n";
-  result.json = {{"output", invocation.output}, {"frames", rows.size()}, {"agl_m", setup.agl_m}};
-  return result;
+  return setup.agl_m;
 }
 
-Command make_cut_command() {
-  Command command;
-  command.word = "cut_flight_frames";
-  command.group = CommandGroup::kStudy;
-  command.summary = "Cut camera frames with known truth from imagery";
-  command.examples = {{"Frames 154 m wide.", "cut_flight_frames ortho.tif -o frames --frames 500 --footprint-m 154"}};
-  command.inputs = {.name = "RASTER", .help = "Georeferenced imagery: a GDAL dataset.", .min = 1, .max = 1};
-  command.output = {.kind = OutputKind::kFolder, .help = "Folder for camera.yaml, frames.csv and the frames."};
-  bind_options<CutOptions>(command, cut_frames);
-  return command;
-}
-
-}  // namespace
 }  // namespace pilotage
-
-int main(int argc, char** argv) {
-  std::vector<std::string> arguments{"cut_flight_frames"};
-  arguments.insert(arguments.end(), argv + 1, argv + argc);
-  return pilotage::run_program({pilotage::make_cut_command()}, arguments, std::cout, std::cerr);
-}
