@@ -63,7 +63,7 @@ const PlanLevel& level_of(const ReportInput& input, int level) {
 }
 
 VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>& classes, const TileScore& score) {
-  const double value = scale.measure.value(score);
+  const double value = scale.measure.get(score);
   VectorStyle style{"#404040ff", 1, "#80808040"};
   for (const ScaleClass& next : classes) {  // the last that is reached; the first takes what lies below the scale
     if (!std::isnan(value) && (value >= next.low || &next == &classes.front())) {
@@ -73,14 +73,7 @@ VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>&
   return style;
 }
 
-VectorType type_of(const TileField& field) {
-  const Json value = field.value(ReportTile{});
-  if (value.is_boolean()) return VectorType::kBoolean;
-  if (value.is_string()) return VectorType::kText;
-  return value.is_number_integer() ? VectorType::kInteger : VectorType::kReal;
-}
-
-VectorLayer tile_layer(const ReportInput& input, const Report& report, const Json& numbers) {
+VectorLayer tile_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer;
   layer.name = "tiles";
   layer.title = "Tiles";
@@ -89,20 +82,16 @@ VectorLayer tile_layer(const ReportInput& input, const Report& report, const Jso
   layer.crs = Crs::from_user_input(input.plan.crs_wkt);
   layer.visible = false;
   for (const TileField& field : tile_fields()) {
-    const std::string unit = field.unit.empty() ? "" : " [" + std::string(field.unit) + "]";
-    layer.columns.push_back({std::string(field.name), type_of(field), std::string(field.label) + unit});
+    const std::string unit = field.unit.empty() ? "" : " [" + field.unit + "]";
+    layer.columns.push_back({field.name, field.type, field.label + unit});
   }
   const MeasureScale& scale = shown_scale(report);
   const std::vector<ScaleClass> classes = scale_classes(scale);
   layer.qml = qgis_tile_style(scale);
-  const Json& rows = numbers.at("tiles").at("rows");
-  for (std::size_t i = 0; i < report.tiles.size(); ++i) {
-    const ReportTile& tile = report.tiles[i];
+  for (const ReportTile& tile : report.tiles) {
     VectorFeature feature;
     feature.points = cell_of(tile.tile, level_of(input, tile.tile.level).matrix);
-    for (std::size_t c = 0; c < layer.columns.size(); ++c) {
-      feature.values.push_back(value_of(rows.at(i).at(c), layer.columns[c].type));
-    }
+    for (const TileField& field : tile_fields()) feature.values.push_back(field.value(tile));
     feature.title = "Tile " + std::to_string(tile.tile.tile_id);
     feature.style = tile_style(scale, classes, tile.score);
     layer.features.push_back(std::move(feature));
@@ -172,8 +161,7 @@ VectorLayer area_layer(const ReportInput& input, const Report& report) {
                       static_cast<std::int64_t>(group.size())};
     for (const bool largest : {false, true}) {
       if (!range) feature.values.emplace_back(std::monostate{});
-      if (range)
-        feature.values.push_back(value_of(rounded(largest ? range->second : range->first, 6), VectorType::kReal));
+      if (range) feature.values.push_back(number_value(largest ? range->second : range->first));
     }
     layer.features.push_back(std::move(feature));
   }
@@ -331,7 +319,7 @@ const MeasureScale& shown_scale(const Report& report) {
 }
 
 ReportLayers report_layers(const ReportInput& input, const Report& report, const Json& numbers) {
-  ReportLayers layers{tile_layer(input, report, numbers),  area_layer(input, report),
+  ReportLayers layers{tile_layer(input, report),           area_layer(input, report),
                       leg_layer(input, report, numbers),   gap_layer(input, report, numbers),
                       route_layer(input, report, numbers), key_value_layer(numbers)};
   for (VectorLayer* layer : {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {

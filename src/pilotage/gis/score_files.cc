@@ -21,9 +21,9 @@ std::string category_names(const std::vector<RasterClass>& classes) {
 }  // namespace
 
 std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScore>& scores) {
-  for (const Measure& measure : report_measures()) {
+  for (const Measure* measure : heat_maps()) {
     for (std::size_t i = 0; i < raster.bands.size(); ++i) {
-      if (raster.bands[i].name == measure.name) return {{measure_scale(measure, scores), static_cast<int>(i) + 1}};
+      if (raster.bands[i].name == measure->name) return {{measure_scale(*measure, scores), static_cast<int>(i) + 1}};
     }
   }
   return std::nullopt;

@@ -7,11 +7,11 @@
 
 #include "pilotage/mission/score_raster.h"
 #include "pilotage/mission/tile_plan.h"
-#include "pilotage/report/measure.h"
+#include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
 
-/// The measure that a score raster shows when it is opened: the first of report_measures() that is a band of it, with
+/// The measure that a score raster shows when it is opened: the first of heat_maps() that is a band of it, with
 /// its scale over the rows of the level. Nothing when there is none.
 struct ShownMeasure {
   MeasureScale scale;
