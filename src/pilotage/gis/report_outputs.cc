@@ -103,7 +103,7 @@ std::vector<std::string> write_report_outputs(const fs::path& folder, const std:
   const nlohmann::ordered_json numbers = report_json(report);
   const bool maps = asks_for(outputs, ReportOutput::kGpkg) || asks_for(outputs, ReportOutput::kKmz) ||
                     asks_for(outputs, ReportOutput::kKml) || asks_for(outputs, ReportOutput::kGeojson);
-  const ReportLayers layers = maps ? report_layers(input, report, numbers) : ReportLayers{};
+  const ReportLayers layers = maps ? report_layers(input, report) : ReportLayers{};
 
   if (wanted(ReportOutput::kHtml)) write_file(path_of(".html"), report_html(report), true);
   if (wanted(ReportOutput::kJson)) write_file(path_of(".json"), numbers.dump(1) + "\n", true);
