@@ -13,7 +13,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/gis/tile_class.h"
-#include "pilotage/report/route_line.h"
+#include "pilotage/report/sampled_route.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/report/wording.h"
 

@@ -11,7 +11,7 @@
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
-#include "pilotage/report/route_line.h"
+#include "pilotage/report/sampled_route.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -189,12 +189,6 @@ std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
   return order;
 }
 
-double route_length_m(const TilePlan& plan) {
-  double length_m = 0;
-  for (const RouteLeg& leg : plan.route.legs) length_m += leg.length_m;
-  return length_m;
-}
-
 }  // namespace
 
 Report make_report(const ReportInput& input) {
@@ -214,7 +208,7 @@ Report make_report(const ReportInput& input) {
   report.route_format = valid_utf8(plan.route.format);
   report.title = valid_utf8(input.title.empty() ? plan.route.name : input.title);
   report.software_version = valid_utf8(input.software_version);
-  report.route_length_m = route_length_m(plan);
+  report.route_length_m = route_length_m(plan.route);
   report.matchable_fraction = selection.matchable_fraction;
   report.largest_error_m = largest_error_m(selection);
   report.max_error_m = selection.max_error_m;
