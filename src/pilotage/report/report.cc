@@ -96,7 +96,7 @@ std::vector<ReportTile> join_tiles(const ReportInput& input) {
   std::map<std::int64_t, std::size_t> index;
   for (const PlanTile& tile : input.plan.tiles) {
     if (!index.emplace(tile.tile_id, tiles.size()).second) {
-      throw DataError("report: tile " + std::to_string(tile.tile_id) + " comes twice in the plan");
+      throw DataError("report: tile " + std::to_string(tile.tile_id) + " is a duplicate in the plan");
     }
     const bool known = std::any_of(input.plan.levels.begin(), input.plan.levels.end(),
                                    [&](const PlanLevel& level) { return level.matrix.level == tile.level; });
@@ -118,13 +118,13 @@ std::vector<ReportTile> join_tiles(const ReportInput& input) {
   };
   for (const TileScore& score : input.scores) {
     ReportTile& tile = find(score.tile_id, "the scores");
-    if (tile.scored) throw DataError("report: tile " + std::to_string(score.tile_id) + " comes twice in the scores");
+    if (tile.scored) throw DataError("report: tile " + std::to_string(score.tile_id) + " is a duplicate in the scores");
     tile.score = score;
     tile.scored = true;
   }
   for (const std::int64_t tile_id : input.selection.tile_ids) {
     ReportTile& tile = find(tile_id, "the selected tiles");
-    if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " comes twice in the selection");
+    if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " is a duplicate in the selection");
     tile.selected = true;
   }
   std::sort(tiles.begin(), tiles.end(),
