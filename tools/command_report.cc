@@ -15,6 +15,7 @@
 #include "pilotage/report/page_pdf.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
+#include "pilotage/report/report_file.h"
 
 namespace pilotage {
 namespace {
@@ -33,7 +34,7 @@ struct ReportCommandOptions {
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
     fields.field("compare", self.compare, "Say what changed between two report.json; -o takes it as JSON.");
-    fields.field("outputs", self.outputs, kOutputsHelp);
+    fields.field("outputs", self.outputs, outputs_help());
     fields.path("report_json", self.report_json, "Also write the numbers as JSON here, wherever --outputs puts them.");
     fields.field("title", self.title, "Title of the page; the route's name if not given.");
     fields.path("evaluation", self.evaluation,
@@ -118,7 +119,8 @@ CommandResult comparison_of_reports(const Invocation& invocation) {
                      " is given: pilotage report --compare a.json b.json");
   }
   const ReportComparison comparison =
-      compare_reports(read_report(invocation.inputs[0]), read_report(invocation.inputs[1]));
+      compare_reports(read_report(invocation.inputs[0]), read_report(invocation.inputs[1]),
+                      {invocation.inputs[0], invocation.inputs[1]});
   CommandResult result;
   result.text = report_comparison_text(comparison);
   result.json = report_comparison_json(comparison);

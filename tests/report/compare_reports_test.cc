@@ -9,7 +9,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/report/report.h"
+#include "pilotage/report/report_file.h"
 
 namespace pilotage {
 namespace {
@@ -30,13 +30,15 @@ ReportInput scene() {
   return input;
 }
 
-StoredReport stored(const ReportInput& input, const std::string& name) {
-  return stored_report(report_json(input), name);
+/// Both as their report.json tell them.
+ReportComparison compared(const ReportInput& a, const ReportInput& b) {
+  return compare_reports(report_from_json(report_json(a), "a.json"), report_from_json(report_json(b), "b.json"),
+                         {"a.json", "b.json"});
 }
 
 std::string refusal(const nlohmann::ordered_json& json) {
   try {
-    stored_report(json, "a.json");
+    report_from_json(json, "a.json");
   } catch (const DataError& error) {
     return error.what();
   }
@@ -44,7 +46,7 @@ std::string refusal(const nlohmann::ordered_json& json) {
 }
 
 TEST(CompareReports, AReportDiffersInNothingFromItself) {
-  const ReportComparison comparison = compare_reports(stored(scene(), "a.json"), stored(scene(), "b.json"));
+  const ReportComparison comparison = compared(scene(), scene());
   EXPECT_TRUE(comparison.same);
   EXPECT_TRUE(comparison.notes.empty());
   EXPECT_EQ(comparison.kept_areas, static_cast<std::int64_t>(scene().selection.tile_ids.size()));
@@ -76,7 +78,7 @@ TEST(CompareReports, FindsWhatChanged) {
   after.inputs[0].digest = "blake2b-256:99";
   after.inputs.push_back({"imagery", "second.tif", "", ""});
 
-  const ReportComparison c = compare_reports(stored(before, "a.json"), stored(after, "b.json"));
+  const ReportComparison c = compared(before, after);
   EXPECT_FALSE(c.same);
   ASSERT_EQ(c.removed.size(), 1u);
   EXPECT_EQ(c.removed[0].tile_ids[0], dropped);
@@ -103,7 +105,7 @@ TEST(CompareReports, FindsWhatChanged) {
   EXPECT_THAT(text, HasSubstr("P 0.75 → 0.50"));
   EXPECT_EQ(testing::schema_violation("report-comparison.schema.json", report_comparison_json(c)), "");
   // The other way round, what was added is removed.
-  const ReportComparison back = compare_reports(stored(after, "b.json"), stored(before, "a.json"));
+  const ReportComparison back = compared(after, before);
   EXPECT_EQ(back.added.size(), 1u);
   EXPECT_EQ(back.removed[0].tile_ids[0], gained);
 }
@@ -120,7 +122,7 @@ TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
   }
   for (TileScore& score : after.scores) score.tile_id += 1000;
   for (std::int64_t& id : after.selection.tile_ids) id += 1000;
-  const ReportComparison c = compare_reports(stored(before, "a.json"), stored(after, "b.json"));
+  const ReportComparison c = compared(before, after);
   EXPECT_EQ(c.kept_areas, static_cast<std::int64_t>(before.selection.tile_ids.size()));
   EXPECT_TRUE(c.added.empty());
   EXPECT_TRUE(c.removed.empty());
@@ -131,7 +133,7 @@ TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
 TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
   ReportInput after = scene();
   after.plan.route.vertices.back().point.lat_deg += 0.01;
-  const ReportComparison c = compare_reports(stored(scene(), "a.json"), stored(after, "b.json"));
+  const ReportComparison c = compared(scene(), after);
   EXPECT_EQ(c.common_legs, 3);
   EXPECT_THAT(c.legs_of_one[0], ElementsAre(3));
   EXPECT_THAT(c.legs_of_one[1], ElementsAre(3));
@@ -141,12 +143,32 @@ TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
 TEST(CompareReports, SaysWhenOnlyOneReportHoldsOptions) {
   ReportInput after = scene();
   after.parameters = nlohmann::ordered_json::object();
-  const ReportComparison c = compare_reports(stored(scene(), "a.json"), stored(after, "b.json"));
+  const ReportComparison c = compared(scene(), after);
   EXPECT_TRUE(c.parameters.empty());
   EXPECT_THAT(report_comparison_text(c), HasSubstr("note: b.json holds no options"));
 }
 
-TEST(StoredReport, SaysWhatIsNoReport) {
+TEST(ReadReport, GivesBackWhatWasWritten) {
+  ReportInput input = scene();
+  input.selection.probability = RouteProbability{0.93, 0.9, 12.5, 0.01, WorstStretch{2, 100, 900, 0.04}};
+  const nlohmann::ordered_json written = report_json(input);
+  nlohmann::ordered_json again = report_json(report_from_json(written, "a.json"));
+  for (const char* key : {"software_version", "title", "verdict", "quality", "selection", "grid", "imagery",
+                          "elevation", "inputs", "parameters", "warnings", "notes"}) {
+    EXPECT_EQ(again[key], written[key]) << key;
+  }
+  again["route"]["error_profile"] = written["route"]["error_profile"];  // is not read
+  EXPECT_EQ(again["route"].dump(), written["route"].dump());
+  const auto& columns = written["tiles"]["columns"];
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c] != "selected" && columns[c] != "p_correct_fix" && columns[c] != "center_lon_deg") continue;
+    for (std::size_t i = 0; i < written["tiles"]["rows"].size(); ++i) {
+      EXPECT_EQ(again["tiles"]["rows"][i][c], written["tiles"]["rows"][i][c]) << columns[c] << " " << i;
+    }
+  }
+}
+
+TEST(ReadReport, SaysWhatIsNoReport) {
   const testing::TemporaryFolder folder;
   write_file(folder / "page.html", "<html>", false);
   EXPECT_THROW(read_report(folder / "page.html"), DataError);
@@ -161,7 +183,7 @@ TEST(StoredReport, SaysWhatIsNoReport) {
   EXPECT_THAT(refusal(report), HasSubstr("write it again"));
 }
 
-TEST(StoredReport, NamesWhatIsMissingOrOfAnotherType) {
+TEST(ReadReport, NamesWhatIsMissingOrOfAnotherType) {
   const nlohmann::ordered_json good = report_json(scene());
   nlohmann::ordered_json bad = good;
   bad["route"].erase("legs");
@@ -169,6 +191,9 @@ TEST(StoredReport, NamesWhatIsMissingOrOfAnotherType) {
   bad = good;
   bad["route"]["worst_legs"] = {99};
   EXPECT_THAT(refusal(bad), HasSubstr("names a leg that is not there: 99"));
+  bad = good;
+  bad["route"]["legs"][1]["status"] = "fine";
+  EXPECT_EQ(refusal(bad), "a.json.route.legs[1].status is \"fine\", allowed are good, marginal and bad");
   bad = good;
   bad["tiles"]["columns"][0] = "id";
   EXPECT_THAT(refusal(bad), HasSubstr("lacks tile_id"));

@@ -134,12 +134,12 @@ TEST(Report, ContradictionsAreRefused) {
   EXPECT_THAT(refusal([](ReportInput& i) { i.scores.front().tile_id = 99999; }),
               HasSubstr("tile 99999, which the plan does not have"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.scores.push_back(i.scores.front()); }),
-              HasSubstr("comes twice in the scores"));
+              HasSubstr("is a duplicate in the scores"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.selection.tile_ids.push_back(-4); }), HasSubstr("tile -4"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.selection.tile_ids.push_back(i.selection.tile_ids[0]); }),
-              HasSubstr("twice in the selection"));
+              HasSubstr("duplicate in the selection"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.plan.tiles[1].tile_id = i.plan.tiles[0].tile_id; }),
-              HasSubstr("twice in the plan"));
+              HasSubstr("duplicate in the plan"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.plan.tiles[1].level = 7; }), HasSubstr("level 7"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.selection.legs[0].leg = 4; }),
               HasSubstr("names leg 4, the route has 4 legs"));

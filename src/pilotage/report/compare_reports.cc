@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/geo/local_frame.h"
+#include "pilotage/report/report_file.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -26,36 +27,54 @@ bool same_number(double a, double b) {
   return a == b || (std::isnan(a) && std::isnan(b));
 }
 
-std::vector<ComparedNumber> numbers_of(const StoredReport& a, const StoredReport& b) {
+/// The longest gap of the route; all 0 without gaps.
+ReportGap longest_gap(const Report& report) {
+  ReportGap longest;
+  for (const ReportGap& gap : report.gaps) {
+    if (!(gap.length_m <= longest.length_m)) longest = gap;
+  }
+  return longest;
+}
+
+/// NaN without probabilities.
+RouteProbability probability_of(const Report& report) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  return report.probability.value_or(RouteProbability{kUnknown, kUnknown, kUnknown, kUnknown, {}});
+}
+
+std::vector<ComparedNumber> numbers_of(const Report& a, const Report& b) {
+  using R = const Report&;
   const auto both = [&](auto get) { return Both<double>{static_cast<double>(get(a)), static_cast<double>(get(b))}; };
-  using Report = const StoredReport&;
+  const auto chance = [&](double RouteProbability::*member) {
+    return Both<double>{probability_of(a).*member, probability_of(b).*member};
+  };
   return {
-      {"p_within_limit", "P(within the limit all the way)", "", 3, both([](Report r) { return r.p_within_limit; })},
-      {"longest_gap_m", "Longest gap", "m", 0, both([](Report r) { return r.longest_gap_m; })},
-      {"longest_gap_s", "Longest gap", "s", 0, both([](Report r) { return r.longest_gap_s; })},
-      {"gaps", "Gaps", "", 0, both([](Report r) { return r.gaps; })},
-      {"largest_error_m", "Largest predicted error", "m", 1, both([](Report r) { return r.largest_error_m; })},
-      {"max_error_m", "Limit of the error", "m", 1, both([](Report r) { return r.max_error_m; })},
-      {"matchable_fraction", "Share of the route over areas", "", 3,
-       both([](Report r) { return r.matchable_fraction; })},
-      {"expected_fixes", "Expected correct fixes", "", 1, both([](Report r) { return r.expected_fixes; })},
-      {"expected_false_fixes", "Expected false fixes, at most", "", 4,
-       both([](Report r) { return r.expected_false_fixes; })},
-      {"route_length_m", "Length of the route", "m", 0, both([](Report r) { return r.route_length_m; })},
-      {"tiles", "Tiles", "", 0, both([](Report r) { return r.tiles.size(); })},
-      {"selected_tiles", "Matching areas", "", 0, both([](Report r) { return r.selected_tiles; })},
-      {"estimated_bytes", "Estimated size of the map", "bytes", 0, both([](Report r) { return r.estimated_bytes; })},
+      {"p_within_limit", "P(within the limit all the way)", "", 3, chance(&RouteProbability::p_within_limit)},
+      {"longest_gap_m", "Longest gap", "m", 0, both([](R r) { return longest_gap(r).length_m; })},
+      {"longest_gap_s", "Longest gap", "s", 0, both([](R r) { return longest_gap(r).gap.duration_s; })},
+      {"gaps", "Gaps", "", 0, both([](R r) { return r.gaps.size(); })},
+      {"largest_error_m", "Largest predicted error", "m", 1, both([](R r) { return r.largest_error_m; })},
+      {"max_error_m", "Limit of the error", "m", 1, both([](R r) { return r.max_error_m; })},
+      {"matchable_fraction", "Share of the route over areas", "", 3, both([](R r) { return r.matchable_fraction; })},
+      {"expected_fixes", "Expected correct fixes", "", 1, chance(&RouteProbability::expected_fixes)},
+      {"expected_false_fixes", "Expected false fixes, at most", "", 4, chance(&RouteProbability::expected_false_fixes)},
+      {"route_length_m", "Length of the route", "m", 0, both([](R r) { return r.route_length_m; })},
+      {"tiles", "Tiles", "", 0, both([](R r) { return r.tiles.size(); })},
+      {"selected_tiles", "Matching areas", "", 0, both([](R r) { return r.selected_tiles; })},
+      {"estimated_bytes", "Estimated size of the map", "bytes", 0, both([](R r) { return r.estimated_bytes; })},
   };
 }
 
-std::vector<ComparedQuality> changed_quality(const StoredReport& a, const StoredReport& b) {
+std::vector<ComparedQuality> changed_quality(const Report& a, const Report& b) {
   std::vector<ComparedQuality> rows;
-  for (const StoredQuality& row : a.quality) rows.push_back({row.name, row.label, {row.value, ""}, {row.status, ""}});
-  for (const StoredQuality& row : b.quality) {
+  for (const QualityRow& row : a.quality) {
+    rows.push_back({row.name, row.label, {row.value, ""}, {std::string(status_name(row.status)), ""}});
+  }
+  for (const QualityRow& row : b.quality) {
     auto found = std::find_if(rows.begin(), rows.end(), [&](const auto& known) { return known.name == row.name; });
     if (found == rows.end()) found = rows.insert(rows.end(), {row.name, row.label, {}, {}});
     found->values[1] = row.value;
-    found->statuses[1] = row.status;
+    found->statuses[1] = status_name(row.status);
   }
   std::erase_if(rows, [](const ComparedQuality& row) {
     return row.values[0] == row.values[1] && row.statuses[0] == row.statuses[1];
@@ -66,13 +85,13 @@ std::vector<ComparedQuality> changed_quality(const StoredReport& a, const Stored
 /// A leg by its ends and how often they have come before.
 using LegKey = std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t, int>;
 
-std::vector<LegKey> leg_keys(const StoredReport& report) {
+std::vector<LegKey> leg_keys(const Report& report) {
   const auto rounded = [](double degrees) -> std::int64_t {
     return std::isfinite(degrees) ? std::llround(degrees * 1e5) : std::numeric_limits<std::int64_t>::min();
   };
   std::set<LegKey> seen;
   std::vector<LegKey> keys;
-  for (const StoredLeg& leg : report.legs) {
+  for (const ReportLeg& leg : report.legs) {
     LegKey key{rounded(leg.from.lon_deg), rounded(leg.from.lat_deg), rounded(leg.to.lon_deg), rounded(leg.to.lat_deg),
                0};
     while (!seen.insert(key).second) ++std::get<4>(key);
@@ -81,37 +100,37 @@ std::vector<LegKey> leg_keys(const StoredReport& report) {
   return keys;
 }
 
-void compare_legs(const StoredReport& a, const StoredReport& b, ReportComparison& comparison) {
+void compare_legs(const Report& a, const Report& b, ReportComparison& comparison) {
   std::map<LegKey, std::size_t> of_a;
   const std::vector<LegKey> keys_a = leg_keys(a);
   for (std::size_t i = 0; i < keys_a.size(); ++i) of_a[keys_a[i]] = i;
-  const auto is_worst = [](const StoredReport& report, std::size_t index) {
+  const auto is_worst = [](const Report& report, std::size_t index) {
     return std::find(report.worst_legs.begin(), report.worst_legs.end(), static_cast<int>(index)) !=
            report.worst_legs.end();
   };
   const std::vector<LegKey> keys_b = leg_keys(b);
   for (std::size_t i = 0; i < keys_b.size(); ++i) {
-    const StoredLeg& after = b.legs[i];
+    const ReportLeg& after = b.legs[i];
     const auto found = of_a.extract(keys_b[i]);
     if (found.empty()) {
-      comparison.legs_of_one[1].push_back(after.leg);
+      comparison.legs_of_one[1].push_back(after.status.leg);
       continue;
     }
-    const StoredLeg& before = a.legs[found.mapped()];
+    const ReportLeg& before = a.legs[found.mapped()];
     ++comparison.common_legs;
-    if (before.status == after.status && same_number(before.max_error_m, after.max_error_m) &&
-        same_number(before.p_within_limit, after.p_within_limit)) {
+    if (before.quality == after.quality && same_number(before.status.max_error_m, after.status.max_error_m) &&
+        same_number(before.status.p_within_limit, after.status.p_within_limit)) {
       continue;
     }
-    comparison.legs.push_back({{before.leg, after.leg},
+    comparison.legs.push_back({{before.status.leg, after.status.leg},
                                after.from,
                                after.to,
-                               {before.status, after.status},
-                               {before.p_within_limit, after.p_within_limit},
-                               {before.max_error_m, after.max_error_m},
+                               {std::string(status_name(before.quality)), std::string(status_name(after.quality))},
+                               {before.status.p_within_limit, after.status.p_within_limit},
+                               {before.status.max_error_m, after.status.max_error_m},
                                {is_worst(a, found.mapped()), is_worst(b, i)}});
   }
-  for (const auto& [key, index] : of_a) comparison.legs_of_one[0].push_back(a.legs[index].leg);
+  for (const auto& [key, index] : of_a) comparison.legs_of_one[0].push_back(a.legs[index].status.leg);
   std::sort(comparison.legs_of_one[0].begin(), comparison.legs_of_one[0].end());
   const auto badness = [](const ComparedLeg& leg) {
     const double p_excess = std::isnan(leg.p_within_limit[1]) ? 1 : 1 - leg.p_within_limit[1];
@@ -125,11 +144,11 @@ void compare_legs(const StoredReport& a, const StoredReport& b, ReportComparison
 /// Finds tiles of one report by place. Cells of space of the size of the largest distance hold what is near.
 class TilePlaces {
  public:
-  TilePlaces(const std::vector<StoredTile>& tiles, GeodeticPoint origin, double reach_m)
+  TilePlaces(const std::vector<ReportTile>& tiles, GeodeticPoint origin, double reach_m)
       : frame_(origin), reach_m_(reach_m) {
     for (std::size_t i = 0; i < tiles.size(); ++i) {
-      points_.push_back(place(tiles[i].center));
-      if (points_.back().allFinite()) cells_[cell_of(tiles[i].level, points_.back())].push_back(i);
+      points_.push_back(place(tiles[i].tile.center));
+      if (points_.back().allFinite()) cells_[cell_of(tiles[i].tile.level, points_.back())].push_back(i);
     }
   }
 
@@ -171,10 +190,10 @@ class TilePlaces {
   std::map<Cell, std::vector<std::size_t>> cells_;
 };
 
-double reach_of(const StoredReport& a, const StoredReport& b) {
+double reach_of(const Report& a, const Report& b) {
   double stride_m = std::numeric_limits<double>::infinity();
-  for (const auto* strides : {&a.stride_m, &b.stride_m}) {
-    for (const double next : *strides) stride_m = std::min(stride_m, next);
+  for (const Report* report : {&a, &b}) {
+    for (const PlanLevel& level : report->levels) stride_m = std::min(stride_m, level.gsd_m * level.matrix.stride_px);
   }
   return std::isfinite(stride_m) && stride_m > 0 ? kPlaceShare * stride_m : 1;
 }
@@ -185,15 +204,16 @@ struct PairedTiles {
   double farthest_m = 0;
 };
 
-PairedTiles pair_tiles(const StoredReport& a, const StoredReport& b) {
+PairedTiles pair_tiles(const Report& a, const Report& b) {
   GeodeticPoint origin;  // any point does: distances are the same in every frame
-  for (const StoredTile& tile : b.tiles) {
-    if (std::isfinite(tile.center.lon_deg) && std::abs(tile.center.lat_deg) <= 90) origin = tile.center;
+  for (const ReportTile& tile : b.tiles) {
+    const GeodeticPoint center = tile.tile.center;
+    if (std::isfinite(center.lon_deg) && std::abs(center.lat_deg) <= 90) origin = center;
   }
   const TilePlaces places(a.tiles, origin, reach_of(a, b));
   std::vector<std::tuple<std::int64_t, std::size_t, std::size_t>> pairs;  // distance, tile of b, tile of a
   for (std::size_t i = 0; i < b.tiles.size(); ++i) {
-    for (const auto& [distance_m, index] : places.near(b.tiles[i].level, b.tiles[i].center)) {
+    for (const auto& [distance_m, index] : places.near(b.tiles[i].tile.level, b.tiles[i].tile.center)) {
       pairs.emplace_back(std::llround(distance_m * 10), i, index);  // noise of the grids decides nothing
     }
   }
@@ -210,24 +230,24 @@ PairedTiles pair_tiles(const StoredReport& a, const StoredReport& b) {
   return paired;
 }
 
-ComparedArea area_of(const StoredTile* before, const StoredTile* after) {
-  const StoredTile& shown = after != nullptr ? *after : *before;
-  ComparedArea area{shown.level, shown.center, {}, {}};
+ComparedArea area_of(const ReportTile* before, const ReportTile* after) {
+  const ReportTile& shown = after != nullptr ? *after : *before;
+  ComparedArea area{shown.tile.level, shown.tile.center, {}, {}};
   area.p_correct_fix.fill(std::numeric_limits<double>::quiet_NaN());
   for (const auto& [side, tile] : {std::pair(std::size_t{0}, before), std::pair(std::size_t{1}, after)}) {
     if (tile == nullptr) continue;
-    area.tile_ids[side] = tile->tile_id;
-    area.p_correct_fix[side] = tile->p_correct_fix;
+    area.tile_ids[side] = tile->tile.tile_id;
+    area.p_correct_fix[side] = tile->score.p_correct_fix;
   }
   return area;
 }
 
-void compare_areas(const StoredReport& a, const StoredReport& b, ReportComparison& comparison) {
+void compare_areas(const Report& a, const Report& b, ReportComparison& comparison) {
   const PairedTiles paired = pair_tiles(a, b);
-  std::vector<const StoredTile*> after_of_a(a.tiles.size(), nullptr);
+  std::vector<const ReportTile*> after_of_a(a.tiles.size(), nullptr);
   for (std::size_t i = 0; i < b.tiles.size(); ++i) {
-    const StoredTile& after = b.tiles[i];
-    const StoredTile* before = paired.of_b[i] ? &a.tiles[*paired.of_b[i]] : nullptr;
+    const ReportTile& after = b.tiles[i];
+    const ReportTile* before = paired.of_b[i] ? &a.tiles[*paired.of_b[i]] : nullptr;
     if (before != nullptr) after_of_a[*paired.of_b[i]] = &after;
     if (!after.selected) continue;
     if (before == nullptr || !before->selected) {
@@ -235,14 +255,14 @@ void compare_areas(const StoredReport& a, const StoredReport& b, ReportCompariso
       continue;
     }
     ++comparison.kept_areas;
-    const double p_before = before->p_correct_fix;
-    const double p_after = after.p_correct_fix;
+    const double p_before = before->score.p_correct_fix;
+    const double p_after = after.score.p_correct_fix;
     const bool changed =
         std::isnan(p_before) != std::isnan(p_after) || std::abs(p_after - p_before) >= kChangedP;  // NaN compares false
     if (changed) comparison.changed.push_back(area_of(before, &after));
   }
   for (std::size_t i = 0; i < a.tiles.size(); ++i) {
-    const StoredTile* after = after_of_a[i];
+    const ReportTile* after = after_of_a[i];
     if (!a.tiles[i].selected || (after != nullptr && after->selected)) continue;
     comparison.removed.push_back(area_of(&a.tiles[i], after));
   }
@@ -271,11 +291,11 @@ std::vector<ComparedEntry> changed_entries(const std::vector<std::pair<std::stri
                                            const std::vector<std::pair<std::string, Json>>& b) {
   std::vector<ComparedEntry> entries;
   for (const auto& [name, value] : a) entries.push_back({name, {value, nullptr}});
-  for (const auto& [name, value] : b) {
-    auto found =
-        std::find_if(entries.begin(), entries.end(), [&name = name](const auto& entry) { return entry.name == name; });
-    if (found == entries.end()) found = entries.insert(entries.end(), {name, {}});
-    found->values[1] = value;
+  for (const std::pair<std::string, Json>& next : b) {
+    auto found = std::find_if(entries.begin(), entries.end(),
+                              [&](const ComparedEntry& entry) { return entry.name == next.first; });
+    if (found == entries.end()) found = entries.insert(entries.end(), {next.first, {}});
+    found->values[1] = next.second;
   }
   std::erase_if(entries, [](const ComparedEntry& entry) { return entry.values[0] == entry.values[1]; });
   return entries;
@@ -288,7 +308,7 @@ std::vector<std::pair<std::string, Json>> flattened(const Json& json) {
 }
 
 /// Inputs by role; of several with one role the first goes with the first.
-std::vector<std::pair<std::string, Json>> named_inputs(const StoredReport& report) {
+std::vector<std::pair<std::string, Json>> named_inputs(const Report& report) {
   std::map<std::string, int> counts;
   std::vector<std::pair<std::string, Json>> list;
   for (const InputFile& input : report.inputs) {
@@ -311,23 +331,23 @@ bool nothing_differs(const ReportComparison& c) {
 
 }  // namespace
 
-ReportComparison compare_reports(const StoredReport& a, const StoredReport& b) {
+ReportComparison compare_reports(const Report& a, const Report& b, const Both<std::string>& files) {
   ReportComparison comparison;
-  comparison.files = {a.file, b.file};
+  comparison.files = files;
   comparison.titles = {a.title, b.title};
   comparison.software_versions = {a.software_version, b.software_version};
-  comparison.verdict_statuses = {a.verdict_status, b.verdict_status};
+  comparison.verdict_statuses = {std::string(verdict_name(a.verdict)), std::string(verdict_name(b.verdict))};
   comparison.verdict_texts = {a.verdict_text, b.verdict_text};
   comparison.numbers = numbers_of(a, b);
   comparison.quality = changed_quality(a, b);
   compare_legs(a, b, comparison);
   compare_areas(a, b, comparison);
   comparison.inputs = changed_entries(named_inputs(a), named_inputs(b));
-  comparison.grid = changed_entries(flattened(a.grid), flattened(b.grid));
+  comparison.grid = changed_entries(flattened(grid_json(a)), flattened(grid_json(b)));
   if (a.parameters.empty() == b.parameters.empty()) {
     comparison.parameters = changed_entries(flattened(a.parameters), flattened(b.parameters));
   } else {
-    comparison.notes.push_back((a.parameters.empty() ? a.file : b.file) +
+    comparison.notes.push_back(files[a.parameters.empty() ? 0 : 1] +
                                " holds no options (`pilotage prepare` stores them), so they are not compared.");
   }
   if (a.software_version != b.software_version) {

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pilotage/report/stored_report.h"
+#include "pilotage/report/report.h"
 
 // What changed between two plans, from their report.json: `pilotage report --compare a.json b.json`.
 
@@ -82,8 +82,9 @@ struct ReportComparison {
 };
 
 /// Tiles are paired by place, one to one and nearest first, up to 0.71 strides apart (half the diagonal of a cell), so
-/// that plans on different grids can be compared; a note tells when they are. P counts as changed from 0.01 on.
-ReportComparison compare_reports(const StoredReport& a, const StoredReport& b);
+/// that plans on different grids can be compared; a note tells when they are. P counts as changed from 0.01 on. `files`
+/// are what messages call the reports. Reads what read_report() gives.
+ReportComparison compare_reports(const Report& a, const Report& b, const Both<std::string>& files);
 
 /// schemas/report-comparison.schema.json
 nlohmann::ordered_json report_comparison_json(const ReportComparison& comparison);

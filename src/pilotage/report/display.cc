@@ -6,7 +6,7 @@
 
 #include "pilotage/base/text.h"
 #include "pilotage/report/display_plane.h"
-#include "pilotage/report/route_line.h"
+#include "pilotage/report/sampled_route.h"
 
 namespace pilotage {
 namespace {

@@ -12,7 +12,7 @@
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
 #include "pilotage/report/page_text.h"
-#include "pilotage/report/route_line.h"
+#include "pilotage/report/sampled_route.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -97,7 +97,7 @@ std::vector<ReportTile> join_tiles(const ReportInput& input) {
   std::map<std::int64_t, std::size_t> index;
   for (const PlanTile& tile : input.plan.tiles) {
     if (!index.emplace(tile.tile_id, tiles.size()).second) {
-      throw DataError("report: tile " + std::to_string(tile.tile_id) + " comes twice in the plan");
+      throw DataError("report: tile " + std::to_string(tile.tile_id) + " is a duplicate in the plan");
     }
     const bool known = std::any_of(input.plan.levels.begin(), input.plan.levels.end(),
                                    [&](const PlanLevel& level) { return level.matrix.level == tile.level; });
@@ -119,13 +119,13 @@ std::vector<ReportTile> join_tiles(const ReportInput& input) {
   };
   for (const TileScore& score : input.scores) {
     ReportTile& tile = find(score.tile_id, "the scores");
-    if (tile.scored) throw DataError("report: tile " + std::to_string(score.tile_id) + " comes twice in the scores");
+    if (tile.scored) throw DataError("report: tile " + std::to_string(score.tile_id) + " is a duplicate in the scores");
     tile.score = score;
     tile.scored = true;
   }
   for (const std::int64_t tile_id : input.selection.tile_ids) {
     ReportTile& tile = find(tile_id, "the selected tiles");
-    if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " comes twice in the selection");
+    if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " is a duplicate in the selection");
     tile.selected = true;
   }
   std::sort(tiles.begin(), tiles.end(),
@@ -190,12 +190,6 @@ std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
   return order;
 }
 
-double route_length_m(const TilePlan& plan) {
-  double length_m = 0;
-  for (const RouteLeg& leg : plan.route.legs) length_m += leg.length_m;
-  return length_m;
-}
-
 }  // namespace
 
 Report make_report(const ReportInput& input) {
@@ -215,7 +209,7 @@ Report make_report(const ReportInput& input) {
   report.route_format = valid_utf8(plan.route.format);
   report.title = valid_utf8(input.title.empty() ? plan.route.name : input.title);
   report.software_version = valid_utf8(input.software_version);
-  report.route_length_m = route_length_m(plan);
+  report.route_length_m = route_length_m(plan.route);
   report.matchable_fraction = selection.matchable_fraction;
   report.largest_error_m = largest_error_m(selection);
   report.max_error_m = selection.max_error_m;
@@ -227,7 +221,7 @@ Report make_report(const ReportInput& input) {
   report.fixes = fix_stretches(selection.error_profile);
   report.error_profile = thin_profile(selection.error_profile, 2000);
 
-  for (const Measure& measure : report_measures()) report.measures.push_back(measure_scale(measure, input.scores));
+  for (const Measure* measure : heat_maps()) report.measures.push_back(measure_scale(*measure, input.scores));
   report.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   report.estimated_bytes = selection.estimated_bytes;
 

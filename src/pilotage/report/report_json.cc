@@ -1,146 +1,294 @@
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/text.h"
+#include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
 #include "pilotage/report/report.h"
-#include "pilotage/report/stored_report.h"
+#include "pilotage/report/report_file.h"
 #include "pilotage/report/tile_fields.h"
+
+// report.json is described once: each describe() names the keys of a record, and writing and reading follow from it.
 
 namespace pilotage {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using StatusName = std::string_view (*)(QualityStatus);
 
-// Shorthand for the numbers that need no more than six digits.
-Json number(double value) {
-  return rounded(value, 6);
+Json json_of(const VectorValue& value) {
+  return std::visit(
+      [](const auto& held) -> Json {
+        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, std::monostate>) {
+          return nullptr;
+        } else {
+          return held;
+        }
+      },
+      value);
 }
 
-Json coordinates(GeodeticPoint point) {
+class Writer {
+ public:
+  template <class T>
+  using Ref = const T&;
+
+  explicit Writer(Json& json) : json_(json) {}
+
+  void number(const char* key, double value) { json_[key] = json_of(number_value(value)); }
+  void degrees(const char* key, double value) { json_[key] = json_of(degrees_value(value)); }
+  void status(const char* key, QualityStatus value, StatusName name) { json_[key] = name(value); }
+  /// An integer, a text, a list of texts, true or false, or JSON.
+  template <class T>
+  void value(const char* key, const T& value) {
+    json_[key] = value;
+  }
+  template <class Describe>
+  void object(const char* key, Describe describe_members) {
+    json_[key] = Json::object();
+    Writer members(json_[key]);
+    describe_members(members);
+  }
+  template <class T>
+  void record(const char* key, const T& value) {
+    object(key, [&](Writer& members) { describe(members, value); });
+  }
+  template <class T>
+  void record(const char* key, const std::optional<T>& value) {
+    json_[key] = nullptr;
+    if (value) record(key, *value);
+  }
+  template <class T>
+  void records(const char* key, const std::vector<T>& values) {
+    json_[key] = Json::array();
+    for (const T& value : values) {
+      Json& next = json_[key].emplace_back(Json::object());
+      Writer members(next);
+      describe(members, value);
+    }
+  }
+  /// What a reader does not need.
+  template <class Make>
+  void only_written(const char* key, Make make) {
+    json_[key] = make();
+  }
+
+ private:
+  Json& json_;
+};
+
+class Reader {
+ public:
+  template <class T>
+  using Ref = T&;
+
+  explicit Reader(JsonObject object) : object_(std::move(object)) {}
+
+  void number(const char* key, double& value) { value = object_.number_or_nan(key); }
+  void degrees(const char* key, double& value) { value = object_.number_or_nan(key); }
+  void status(const char* key, QualityStatus& value, StatusName name) {
+    const std::string text = object_.text(key);
+    for (const QualityStatus known : {QualityStatus::kGood, QualityStatus::kMarginal, QualityStatus::kBad}) {
+      if (name(known) != text) continue;
+      value = known;
+      return;
+    }
+    throw DataError(object_.path(key) + " is \"" + text.substr(0, 40) + "\", allowed are " +
+                    std::string(name(QualityStatus::kGood)) + ", " + std::string(name(QualityStatus::kMarginal)) +
+                    " and " + std::string(name(QualityStatus::kBad)));
+  }
+  template <std::integral Int>
+  void value(const char* key, Int& value) {
+    value = static_cast<Int>(object_.integer(key, 0, std::numeric_limits<Int>::max()));
+  }
+  void value(const char* key, bool& value) { value = object_.boolean(key); }
+  void value(const char* key, std::string& value) { value = object_.text(key); }
+  void value(const char* key, std::vector<std::string>& value) { value = object_.texts(key); }
+  void value(const char* key, Json& value) { value = object_.value(key); }
+  template <class Describe>
+  void object(const char* key, Describe describe_members) {
+    Reader members(object_.object(key));
+    describe_members(members);
+  }
+  template <class T>
+  void record(const char* key, T& value) {
+    object(key, [&](Reader& members) { describe(members, value); });
+  }
+  template <class T>
+  void record(const char* key, std::optional<T>& value) {
+    if (!object_.value(key).is_null()) record(key, value.emplace());
+  }
+  template <class T>
+  void records(const char* key, std::vector<T>& values) {
+    for (JsonObject& object : object_.objects(key)) {
+      Reader members(std::move(object));
+      describe(members, values.emplace_back());
+    }
+  }
+  template <class Make>
+  void only_written(const char*, Make) {}
+
+ private:
+  JsonObject object_;
+};
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<GeodeticPoint> point) {
+  io.degrees("lon_deg", point.lon_deg);
+  io.degrees("lat_deg", point.lat_deg);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<QualityRow> row) {
+  io.value("name", row.name);
+  io.value("label", row.label);
+  io.number("number", row.number);
+  io.value("unit", row.unit);
+  io.value("value", row.value);
+  io.value("threshold", row.threshold);
+  io.status("status", row.status, status_name);
+  io.value("decides", row.decides);
+  io.value("advice", row.advice);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<ReportLeg> leg) {
+  io.value("leg", leg.status.leg);
+  io.record("from", leg.from);
+  io.record("to", leg.to);
+  io.number("from_distance_m", leg.from_distance_m);
+  io.number("length_m", leg.status.length_m);
+  io.number("matchable_fraction", leg.status.matchable_fraction);
+  io.number("max_error_m", leg.status.max_error_m);
+  io.value("within_limit", leg.status.within_limit);
+  io.number("p_within_limit", leg.status.p_within_limit);
+  io.number("p_fix", leg.status.p_fix);
+  io.status("status", leg.quality, status_name);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<ReportGap> gap) {
+  io.value("leg", gap.gap.leg);
+  io.record("from", gap.from);
+  io.record("to", gap.to);
+  io.number("from_distance_m", gap.gap.from_distance_m);
+  io.number("to_distance_m", gap.gap.to_distance_m);
+  io.number("length_m", gap.length_m);
+  io.number("duration_s", gap.gap.duration_s);
+  io.number("speed_mps", gap.speed_mps);
+  io.number("error_m", gap.gap.error_m);
+  io.value("within_limit", gap.gap.within_limit);
+  io.number("p_first_excess", gap.gap.p_first_excess);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<WorstStretch> worst) {
+  io.value("leg", worst.leg);
+  io.number("from_distance_m", worst.from_distance_m);
+  io.number("to_distance_m", worst.to_distance_m);
+  io.number("p_first_excess", worst.p_first_excess);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<RouteProbability> probability) {
+  io.number("p_within_limit", probability.p_within_limit);
+  io.number("min_p_within_limit", probability.min_p_within_limit);
+  io.number("expected_fixes", probability.expected_fixes);
+  io.number("expected_false_fixes", probability.expected_false_fixes);
+  io.record("worst", probability.worst);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<FixStretch> fix) {
+  io.number("from_distance_m", fix.from_distance_m);
+  io.number("to_distance_m", fix.to_distance_m);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<PlanLevel> level) {
+  io.value("level", level.matrix.level);
+  io.number("gsd_m", level.gsd_m);
+  io.number("min_agl_m", level.min_agl_m);
+  io.number("max_agl_m", level.max_agl_m);
+  io.value("tile_size_px", level.matrix.tile_size_px);
+  io.value("stride_px", level.matrix.stride_px);
+  io.value("search_radius_px", level.search_radius_px);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<PlanImagery> imagery) {
+  io.value("dataset", imagery.dataset);
+  io.value("acquired", imagery.acquired);
+  io.number("gsd_m", imagery.gsd_m);
+  io.value("crs", imagery.crs);
+  io.value("width_px", imagery.width_px);
+  io.value("height_px", imagery.height_px);
+}
+
+template <class Io>
+void describe(Io& io, typename Io::template Ref<InputFile> file) {
+  io.value("role", file.role);
+  io.value("name", file.name);
+  io.value("date", file.date);
+  io.value("digest", file.digest);
+}
+
+Json profile_json(const Report& report) {
   Json json;
-  json["lon_deg"] = coordinate(point.lon_deg);
-  json["lat_deg"] = coordinate(point.lat_deg);
-  return json;
-}
-
-Json quality_json(const Report& report) {
-  Json rows = Json::array();
-  for (const QualityRow& row : report.quality) {
-    Json json;
-    json["name"] = row.name;
-    json["label"] = row.label;
-    json["number"] = number(row.number);
-    json["unit"] = row.unit;
-    json["value"] = row.value;
-    json["threshold"] = row.threshold;
-    json["status"] = status_name(row.status);
-    json["decides"] = row.decides;
-    json["advice"] = row.advice;
-    rows.push_back(json);
-  }
-  return rows;
-}
-
-Json legs_json(const Report& report) {
-  Json legs = Json::array();
-  for (const ReportLeg& leg : report.legs) {
-    Json json;
-    json["leg"] = leg.status.leg;
-    json["from"] = coordinates(leg.from);
-    json["to"] = coordinates(leg.to);
-    json["from_distance_m"] = number(leg.from_distance_m);
-    json["length_m"] = number(leg.status.length_m);
-    json["matchable_fraction"] = number(leg.status.matchable_fraction);
-    json["max_error_m"] = number(leg.status.max_error_m);
-    json["within_limit"] = leg.status.within_limit;
-    json["p_within_limit"] = number(leg.status.p_within_limit);
-    json["p_fix"] = number(leg.status.p_fix);
-    json["status"] = status_name(leg.quality);
-    legs.push_back(json);
-  }
-  return legs;
-}
-
-Json gaps_json(const Report& report) {
-  Json gaps = Json::array();
-  for (const ReportGap& gap : report.gaps) {
-    Json json;
-    json["leg"] = gap.gap.leg;
-    json["from"] = coordinates(gap.from);
-    json["to"] = coordinates(gap.to);
-    json["from_distance_m"] = number(gap.gap.from_distance_m);
-    json["to_distance_m"] = number(gap.gap.to_distance_m);
-    json["length_m"] = number(gap.length_m);
-    json["duration_s"] = number(gap.gap.duration_s);
-    json["speed_mps"] = number(gap.speed_mps);
-    json["error_m"] = number(gap.gap.error_m);
-    json["within_limit"] = gap.gap.within_limit;
-    json["p_first_excess"] = number(gap.gap.p_first_excess);
-    gaps.push_back(json);
-  }
-  return gaps;
-}
-
-Json probability_json(const Report& report) {
-  if (!report.probability) return nullptr;
-  Json json;
-  json["p_within_limit"] = number(report.probability->p_within_limit);
-  json["min_p_within_limit"] = number(report.probability->min_p_within_limit);
-  json["expected_fixes"] = number(report.probability->expected_fixes);
-  json["expected_false_fixes"] = number(report.probability->expected_false_fixes);
-  json["worst"] = nullptr;
-  if (const auto& worst = report.probability->worst) {
-    json["worst"] = {{"leg", worst->leg},
-                     {"from_distance_m", number(worst->from_distance_m)},
-                     {"to_distance_m", number(worst->to_distance_m)},
-                     {"p_first_excess", number(worst->p_first_excess)}};
-  }
-  return json;
-}
-
-Json route_json(const Report& report) {
-  Json json;
-  json["name"] = report.route_name;
-  json["format"] = report.route_format;
-  json["length_m"] = number(report.route_length_m);
-  json["matchable_fraction"] = number(report.matchable_fraction);
-  json["largest_error_m"] = number(report.largest_error_m);
-  json["max_error_m"] = number(report.max_error_m);
-  json["sigma_multiple"] = number(report.sigma_multiple);
-  json["probability"] = probability_json(report);
-  json["legs"] = legs_json(report);
-  json["worst_legs"] = report.worst_legs;
-  json["gaps"] = gaps_json(report);
-  json["fixes"] = Json::array();
-  for (const FixStretch& fix : report.fixes) {
-    Json stretch;
-    stretch["from_distance_m"] = number(fix.from_distance_m);
-    stretch["to_distance_m"] = number(fix.to_distance_m);
-    json["fixes"].push_back(stretch);
-  }
-  json["error_profile"]["columns"] = {"distance_m", "error_m", "matchable"};
-  json["error_profile"]["rows"] = Json::array();
+  json["columns"] = {"distance_m", "error_m", "matchable"};
+  json["rows"] = Json::array();
   for (const ErrorSample& sample : report.error_profile) {
-    json["error_profile"]["rows"].push_back(
-        Json::array({number(sample.distance_m), number(sample.error_m), sample.matchable}));
+    json["rows"].push_back(Json::array(
+        {json_of(number_value(sample.distance_m)), json_of(number_value(sample.error_m)), sample.matchable}));
   }
   return json;
+}
+
+template <class Io>
+void describe_route(Io& io, typename Io::template Ref<Report> report) {
+  io.value("name", report.route_name);
+  io.value("format", report.route_format);
+  io.number("length_m", report.route_length_m);
+  io.number("matchable_fraction", report.matchable_fraction);
+  io.number("largest_error_m", report.largest_error_m);
+  io.number("max_error_m", report.max_error_m);
+  io.number("sigma_multiple", report.sigma_multiple);
+  io.record("probability", report.probability);
+  io.records("legs", report.legs);
+  io.only_written("worst_legs", [&] { return report.worst_legs; });
+  io.records("gaps", report.gaps);
+  io.records("fixes", report.fixes);
+  io.only_written("error_profile", [&] { return profile_json(report); });
+}
+
+template <class Io>
+void describe_grid(Io& io, typename Io::template Ref<Report> report) {
+  io.value("crs", report.crs_name);
+  io.number("max_scale_distortion", report.max_scale_distortion);
+  io.number("corridor_half_width_m", report.corridor_half_width_m);
+  io.number("footprint_width_m", report.footprint_width_m);
+  io.number("footprint_height_m", report.footprint_height_m);
+  io.records("levels", report.levels);
 }
 
 Json measures_json(const Report& report) {
+  const auto number = [](double value) { return json_of(number_value(value, 12)); };
   Json measures = Json::array();
   for (const MeasureScale& scale : report.measures) {
-    Json json;
-    json["name"] = scale.measure.name;
-    json["label"] = scale.measure.label;
-    json["unit"] = scale.measure.unit;
-    json["meaning"] = scale.measure.meaning;
-    json["low"] = rounded(scale.low, 12);
-    json["high"] = rounded(scale.high, 12);
-    json["least"] = rounded(scale.least, 12);
-    json["most"] = rounded(scale.most, 12);
-    measures.push_back(json);
+    const HeatMap& heat = scale.measure.heat;
+    measures.push_back({{"name", scale.measure.name},
+                        {"label", heat.title},
+                        {"unit", heat.unit},
+                        {"meaning", heat.meaning},
+                        {"low", number(scale.low)},
+                        {"high", number(scale.high)},
+                        {"least", number(scale.least)},
+                        {"most", number(scale.most)}});
   }
   return measures;
 }
@@ -158,87 +306,124 @@ Json tiles_json(const Report& report) {
   json["rows"] = Json::array();
   for (const ReportTile& tile : report.tiles) {
     Json row = Json::array();
-    for (const TileField& field : tile_fields()) row.push_back(field.value(tile));
+    for (const TileField& field : tile_fields()) row.push_back(json_of(field.value(tile)));
     json["rows"].push_back(row);
   }
   return json;
 }
 
-Json grid_json(const Report& report) {
-  Json json;
-  json["crs"] = report.crs_name;
-  json["max_scale_distortion"] = number(report.max_scale_distortion);
-  json["corridor_half_width_m"] = number(report.corridor_half_width_m);
-  json["footprint_width_m"] = number(report.footprint_width_m);
-  json["footprint_height_m"] = number(report.footprint_height_m);
-  json["levels"] = Json::array();
-  for (const PlanLevel& level : report.levels) {
-    Json entry;
-    entry["level"] = level.matrix.level;
-    entry["gsd_m"] = number(level.gsd_m);
-    entry["min_agl_m"] = number(level.min_agl_m);
-    entry["max_agl_m"] = number(level.max_agl_m);
-    entry["tile_size_px"] = level.matrix.tile_size_px;
-    entry["stride_px"] = level.matrix.stride_px;
-    entry["search_radius_px"] = level.search_radius_px;
-    json["levels"].push_back(entry);
-  }
-  return json;
+/// All of the report behind its format and version.
+template <class Io>
+void describe(Io& io, typename Io::template Ref<Report> report) {
+  io.value("software_version", report.software_version);
+  io.value("title", report.title);
+  io.object("verdict", [&](Io& verdict) {
+    verdict.status("status", report.verdict, verdict_name);
+    verdict.value("text", report.verdict_text);
+  });
+  io.records("quality", report.quality);
+  io.object("route", [&](Io& route) { describe_route(route, report); });
+  io.object("selection", [&](Io& selection) {
+    selection.value("selected_tiles", report.selected_tiles);
+    selection.only_written("all_tiles", [&] { return report.tiles.size(); });
+    selection.value("estimated_bytes", report.estimated_bytes);
+  });
+  io.only_written("measures", [&] { return measures_json(report); });
+  io.object("grid", [&](Io& grid) { describe_grid(grid, report); });
+  io.records("imagery", report.imagery);
+  io.value("elevation", report.elevation);
+  io.records("inputs", report.inputs);
+  io.value("parameters", report.parameters);
+  io.value("warnings", report.warnings);
+  io.value("notes", report.notes);
+  io.only_written("tiles", [&] { return tiles_json(report); });
 }
 
-Json imagery_json(const Report& report) {
-  Json list = Json::array();
-  for (const PlanImagery& imagery : report.imagery) {
-    Json json;
-    json["dataset"] = imagery.dataset;
-    json["acquired"] = imagery.acquired;
-    json["gsd_m"] = number(imagery.gsd_m);
-    json["crs"] = imagery.crs;
-    json["width_px"] = imagery.width_px;
-    json["height_px"] = imagery.height_px;
-    list.push_back(json);
+void check_format(const Json& json, const std::string& file) {
+  const auto format = json.is_object() ? json.find("format") : json.end();
+  if (!json.is_object() || format == json.end() || *format != "pilotage-report") {
+    throw DataError(file +
+                    ": is not a report; `pilotage report --outputs json` and `pilotage prepare` write report.json");
   }
-  return list;
+  const std::int64_t version = JsonObject(json, file).integer("format_version");
+  if (version == kReportFormatVersion) return;
+  const bool newer = version > kReportFormatVersion;
+  throw DataError(file + ": is a report of format version " + std::to_string(version) + ", this program knows " +
+                  std::to_string(kReportFormatVersion) +
+                  (newer ? "; compare with the newer program" : "; write it again with `pilotage report`"));
 }
 
-Json inputs_json(const Report& report) {
-  Json list = Json::array();
-  for (const InputFile& file : report.inputs) {
-    Json json;
-    json["role"] = file.role;
-    json["name"] = file.name;
-    json["date"] = file.date;
-    json["digest"] = file.digest;
-    list.push_back(json);
+std::vector<int> read_worst_legs(JsonObject route, std::size_t legs) {
+  std::vector<int> worst;
+  for (const Json& index : route.value("worst_legs")) {
+    if (!index.is_number_integer() || index < 0 || index >= legs) {
+      throw DataError(route.path("worst_legs") + " names a leg that is not there: " + index.dump());
+    }
+    worst.push_back(index.get<int>());
   }
-  return list;
+  return worst;
+}
+
+std::vector<ReportTile> read_tiles(JsonObject table) {
+  constexpr std::array<const char*, 6> kNames = {"tile_id",        "level",    "center_lon_deg",
+                                                 "center_lat_deg", "selected", "p_correct_fix"};
+  const std::vector<std::string> columns = table.texts("columns");
+  std::array<std::size_t, kNames.size()> at{};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const auto found = std::find(columns.begin(), columns.end(), kNames[i]);
+    if (found == columns.end()) throw DataError(table.path("columns") + " lacks " + kNames[i]);
+    at[i] = static_cast<std::size_t>(found - columns.begin());
+  }
+  const Json& rows = table.value("rows");
+  if (!rows.is_array()) throw DataError(table.path("rows") + " is no array");
+  std::vector<ReportTile> tiles;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string where = table.path("rows") + "[" + std::to_string(i) + "]";
+    if (!rows[i].is_array() || rows[i].size() != columns.size()) {
+      throw DataError(where + " has not one entry for each of the " + std::to_string(columns.size()) + " columns");
+    }
+    Json named = Json::object();  // so that types are checked as everywhere
+    for (std::size_t n = 0; n < kNames.size(); ++n) named[kNames[n]] = rows[i][at[n]];
+    JsonObject row(named, where);
+    ReportTile& tile = tiles.emplace_back();
+    tile.tile.tile_id = row.integer("tile_id");
+    tile.tile.level = row.small_integer("level", 0, std::numeric_limits<int>::max());
+    tile.tile.center = {row.number_or_nan("center_lon_deg"), row.number_or_nan("center_lat_deg")};
+    tile.selected = row.boolean("selected");
+    tile.score.p_correct_fix = row.number_or_nan("p_correct_fix");
+  }
+  return tiles;
 }
 
 }  // namespace
 
-Json report_json(const Report& report) {
+Json grid_json(const Report& report) {
   Json json;
-  json["format"] = "pilotage-report";
-  json["format_version"] = kReportFormatVersion;
-  json["software_version"] = report.software_version;
-  json["title"] = report.title;
-  json["verdict"]["status"] = verdict_name(report.verdict);
-  json["verdict"]["text"] = report.verdict_text;
-  json["quality"] = quality_json(report);
-  json["route"] = route_json(report);
-  json["selection"]["selected_tiles"] = report.selected_tiles;
-  json["selection"]["all_tiles"] = report.tiles.size();
-  json["selection"]["estimated_bytes"] = report.estimated_bytes;
-  json["measures"] = measures_json(report);
-  json["grid"] = grid_json(report);
-  json["imagery"] = imagery_json(report);
-  json["elevation"] = report.elevation;
-  json["inputs"] = inputs_json(report);
-  json["parameters"] = report.parameters;
-  json["warnings"] = report.warnings;
-  json["notes"] = report.notes;
-  json["tiles"] = tiles_json(report);
+  Writer writer(json);
+  describe_grid(writer, report);
   return json;
+}
+
+Json report_json(const Report& report) {
+  Json json{{"format", "pilotage-report"}, {"format_version", kReportFormatVersion}};
+  Writer writer(json);
+  describe(writer, report);
+  return json;
+}
+
+Report report_from_json(const Json& json, const std::string& file) {
+  check_format(json, file);
+  Report report;
+  Reader reader(JsonObject(json, file));
+  describe(reader, report);
+  JsonObject object(json, file);
+  report.worst_legs = read_worst_legs(object.object("route"), report.legs.size());
+  report.tiles = read_tiles(object.object("tiles"));
+  return report;
+}
+
+Report read_report(const std::filesystem::path& path) {
+  return report_from_json(parse_json(path.string(), read_file(path)), path.string());
 }
 
 }  // namespace pilotage

@@ -1,4 +1,4 @@
-#include "pilotage/report/route_line.h"
+#include "pilotage/report/sampled_route.h"
 
 #include <cmath>
 
