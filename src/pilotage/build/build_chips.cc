@@ -35,7 +35,7 @@ std::optional<ChipCells> owned_cells(const TileMatrix& matrix, const PlanTile& t
     const double y_px = (static_cast<double>(first_row + row) + 0.5) * factor;
     for (int col = 0; col < width; ++col) {
       const double x_px = (static_cast<double>(first_col + col) + 0.5) * factor;
-      if (owner.owner_of(x_px, y_px) == TileOwner::Cell{tile.column, tile.row}) line[col] = 255;
+      if (owner.owner_of(x_px, y_px) == TileCell{tile.column, tile.row}) line[col] = 255;
     }
   }
   const cv::Rect box = cv::boundingRect(owned);

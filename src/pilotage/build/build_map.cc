@@ -139,8 +139,8 @@ class LevelBuilder {
   }
 
  private:
-  static std::vector<TileOwner::Cell> cells_of(const std::vector<const PlanTile*>& tiles) {
-    std::vector<TileOwner::Cell> cells;
+  static std::vector<TileCell> cells_of(const std::vector<const PlanTile*>& tiles) {
+    std::vector<TileCell> cells;
     for (const PlanTile* tile : tiles) cells.push_back({tile->column, tile->row});
     return cells;
   }

@@ -23,7 +23,7 @@ CellRange range_of(const TileMatrix& matrix, std::span<const TileRow> rows) {
   for (const TileRow& row : rows) {
     const PlanTile& tile = row.tile;
     if (tile.level != matrix.level) continue;
-    if (tile.column < 0 || tile.row < 0 || tile.column >= matrix.matrix_width() || tile.row >= matrix.matrix_height()) {
+    if (!matrix.contains(tile.column, tile.row)) {
       throw DataError("tile " + std::to_string(tile.tile_id) + " lies outside the tile matrix of level " +
                       std::to_string(matrix.level));
     }
@@ -33,19 +33,6 @@ CellRange range_of(const TileMatrix& matrix, std::span<const TileRow> rows) {
     range.last_row = std::max(range.last_row, tile.row);
   }
   return range;
-}
-
-// The transform of pixels of one stride each, the first of which lies around the centre of the first tile.
-GeoTransform cell_transform(const TileMatrix& matrix, const CellRange& range) {
-  const double inset_px = (matrix.tile_size_px - matrix.stride_px) / 2.0;
-  GeoTransform transform =
-      matrix.map_from_pixel.shifted(static_cast<double>(range.first_column * matrix.stride_px) + inset_px,
-                                    static_cast<double>(range.first_row * matrix.stride_px) + inset_px);
-  transform.x_per_col *= matrix.stride_px;
-  transform.x_per_row *= matrix.stride_px;
-  transform.y_per_col *= matrix.stride_px;
-  transform.y_per_row *= matrix.stride_px;
-  return transform;
 }
 
 template <class Value, class Get>
@@ -85,7 +72,7 @@ ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows
   ScoreRaster raster;
   const CellRange range = range_of(matrix, rows);
   if (range.last_row < 0) return raster;
-  raster.map_from_pixel = cell_transform(matrix, range);
+  raster.map_from_pixel = matrix.map_from_stride_cell({range.first_column, range.first_row});
   raster.bands.push_back({"valid_fraction", "", draw_scores(matrix, rows, range, [](const TileRow& row) {
                             return row.score.valid_fraction;
                           })});

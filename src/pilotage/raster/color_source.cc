@@ -6,8 +6,8 @@ namespace pilotage {
 
 ColorSource color_source_from(const Raster& raster) {
   const GraySource windows = gray_source_from(raster);  // windows of pixels in memory, whatever their channels
-  return {windows.width_px,         windows.height_px,     windows.map_from_pixel,
-          raster.pixels.channels(), raster.pixels.depth(), windows.read};
+  return {windows.width_px,      windows.height_px, windows.map_from_pixel, {}, raster.pixels.channels(),
+          raster.pixels.depth(), windows.read};
 }
 
 cv::Mat gray_from_colors(const cv::Mat& pixels) {
@@ -29,7 +29,11 @@ cv::Mat gray_from_colors(const cv::Mat& pixels) {
 }
 
 GraySource gray_source_of(const ColorSource& colors) {
-  return {colors.width_px, colors.height_px, colors.map_from_pixel, colors.depth,
+  return {colors.width_px,
+          colors.height_px,
+          colors.map_from_pixel,
+          colors.crs,
+          colors.depth,
           [read = colors.read](const PixelWindow& window) {
             Raster raster = read(window);
             raster.pixels = gray_from_colors(raster.pixels);

@@ -196,16 +196,6 @@ void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& info
   }
 }
 
-Bounds tile_bounds(const TileMatrix& matrix, std::int64_t column, std::int64_t row) {
-  const PixelWindow window = matrix.tile_window(column, row);
-  const auto col = static_cast<double>(window.col);
-  const auto first_row = static_cast<double>(window.row);
-  Bounds bounds;
-  bounds.extend(matrix.map_from_pixel.map_from_pixel({col, first_row}));
-  bounds.extend(matrix.map_from_pixel.map_from_pixel({col + window.width, first_row + window.height}));
-  return bounds;
-}
-
 // Coverage of each tile, from a coarser copy of the mosaic.
 void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatrix& matrix, std::span<PlanTile> tiles,
                       const Progress& progress) {
@@ -236,7 +226,7 @@ std::vector<PlanTile> cut_tiles(const TilePlan& plan, int level) {
     tile.level = level;
     tile.column = cell.column;
     tile.row = cell.row;
-    tile.bounds = tile_bounds(matrix, cell.column, cell.row);
+    tile.bounds = matrix.tile_bounds({cell.column, cell.row});
     tile.center = transform.geodetic_from_map(tile.bounds.center_m()).value();
     tile.route_distance_m = cell.route_distance_m;
     tile.route_offset_m = cell.route_offset_m;
