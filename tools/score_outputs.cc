@@ -10,8 +10,8 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/registered_place.h"
-#include "pilotage/mission/plan_imagery.h"
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/ground_imagery.h"
+#include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
 
@@ -124,21 +124,21 @@ CommandResult tell(const ScoredRun& scored, const Invocation& invocation) {
 
 TileMatrix shown_matrix(const ScoreRun& run, int level) {
   if (!run.plan) return run.imagery->matrix;
-  const std::size_t levels = run.plan->levels.size();
+  const std::size_t levels = run.plan->ground.levels.size();
   if (level >= static_cast<int>(levels)) {
     throw UsageError("level = " + std::to_string(level) + ": the plan has " + std::to_string(levels) + " level(s)");
   }
-  return run.plan->levels[static_cast<std::size_t>(level)].matrix;
+  return run.plan->ground.levels[static_cast<std::size_t>(level)].matrix;
 }
 
 // What an evaluation is about: the tiles of the level that the raster shows.
 ScoredGround judged_ground(const ScoreRun& run, const ScoredRun& scored, const TileMatrix& matrix, int level) {
   ScoredGround ground{scored.crs, matrix, run.options.grid.search_radius_px, {}, run.inputs, run.options.imagery, ""};
   if (run.plan) {
-    ground.search_radius_px = run.plan->levels[static_cast<std::size_t>(level)].search_radius_px;
-    ground.datasets = dataset_names(*run.plan);
-    ground.imagery = run.plan->imagery_options;
-    ground.elevation = run.plan->elevation;
+    ground.search_radius_px = run.plan->ground.levels[static_cast<std::size_t>(level)].search_radius_px;
+    ground.datasets = dataset_names(run.plan->ground.imagery);
+    ground.imagery = run.plan->ground.imagery.options;
+    ground.elevation = run.plan->ground.elevation;
   }
   std::copy_if(scored.rows.begin(), scored.rows.end(), std::back_inserter(ground.rows),
                [&](const TileRow& row) { return row.tile.level == matrix.level; });
@@ -183,7 +183,7 @@ CommandResult ScoreOutputs::write(const ScoredRun& scored) {
 void ScoreOutputs::add_evaluation(const ScoredRun& scored, CommandResult& result) {
   FlightFrames frames;
   if (!frames_.frames.empty()) {
-    frames = complete(frames_, options_, run_.plan ? std::optional<Camera>(run_.plan->camera) : std::nullopt);
+    frames = complete(frames_, options_, run_.plan ? std::optional<Camera>(run_.plan->flight.camera) : std::nullopt);
   }
   const std::filesystem::path scratch = folder_of_outputs(options_, invocation_) / "evaluation_map.gpkg";
   // The date that is judged by may be the second one as well: its registration then corrects the truth.

@@ -8,9 +8,9 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
-#include "pilotage/mission/tile_table.h"
 
 namespace pilotage {
 namespace {
@@ -30,7 +30,7 @@ void need_file(const std::string& path, const std::string& writer) {
   throw DataError(path + ": does not exist; `pilotage " + writer + "` writes it");
 }
 
-TilePlan read_stage_plan(const std::string& path) {
+Mission read_stage_plan(const std::string& path) {
   need_file(path, "tile");
   return read_plan(path);
 }
@@ -49,11 +49,11 @@ StageFiles read_stage_files(const StageFileOptions& options, const Invocation& i
   if (options.selection.empty()) {
     throw UsageError("selection is missing; give --selection selection.json, which `pilotage select` writes");
   }
-  TilePlan plan = read_stage_plan(invocation.inputs.front());
+  Mission plan = read_stage_plan(invocation.inputs.front());
   std::vector<TileScore> scores = read_scores(options.table);
   need_file(options.selection, "select");
   StageFiles files{std::move(plan), std::move(scores), read_selection(options.selection)};
-  const std::set<std::int64_t> planned = ids_of(files.plan.tiles);
+  const std::set<std::int64_t> planned = ids_of(files.plan.ground.tiles);
   if (ids_of(files.scores) != planned) {
     throw DataError(options.table + ": is of other tiles than " + invocation.inputs.front() + " (" +
                     std::to_string(files.scores.size()) + " scores, " + std::to_string(planned.size()) + " tiles)");
@@ -63,9 +63,9 @@ StageFiles read_stage_files(const StageFileOptions& options, const Invocation& i
       throw DataError(options.selection + ": tile " + std::to_string(id) + " is not in " + invocation.inputs.front());
     }
   }
-  if (files.selection.legs.size() != files.plan.route.legs.size()) {
+  if (files.selection.legs.size() != files.plan.flight.route.legs.size()) {
     throw DataError(options.selection + ": has " + std::to_string(files.selection.legs.size()) + " legs, " +
-                    invocation.inputs.front() + " has " + std::to_string(files.plan.route.legs.size()));
+                    invocation.inputs.front() + " has " + std::to_string(files.plan.flight.route.legs.size()));
   }
   return files;
 }

@@ -16,7 +16,7 @@
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/parallel.h"
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/score/score_imagery.h"
 #include "pilotage/score/tile_statistics.h"

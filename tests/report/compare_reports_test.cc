@@ -110,7 +110,7 @@ TEST(CompareReports, FindsWhatChanged) {
 TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
   const ReportInput before = scene();
   ReportInput after = scene();
-  for (PlanTile& tile : after.plan.tiles) {  // a third of a stride to the east, with other numbers
+  for (GroundTile& tile : after.plan.ground.tiles) {  // a third of a stride to the east, with other numbers
     const double shift_m = tile.bounds.width_m() / 6;
     tile.bounds = {tile.bounds.min_x_m + shift_m, tile.bounds.min_y_m, tile.bounds.max_x_m + shift_m,
                    tile.bounds.max_y_m};
@@ -129,7 +129,7 @@ TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
 
 TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
   ReportInput after = scene();
-  after.plan.route.vertices.back().point.lat_deg += 0.01;
+  after.plan.flight.route.vertices.back().point.lat_deg += 0.01;
   const ReportComparison c = compare_reports(stored(scene(), "a.json"), stored(after, "b.json"));
   EXPECT_EQ(c.common_legs, 3);
   EXPECT_THAT(c.legs_of_one[0], ElementsAre(3));

@@ -11,7 +11,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/random.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 
 namespace pilotage {
 namespace {

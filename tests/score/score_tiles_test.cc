@@ -12,7 +12,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/score/gray_statistics.h"
 #include "pilotage/vision/correlation_peaks.h"
 #include "pilotage/vision/fft_correlation.h"

@@ -11,11 +11,11 @@
 #include "pilotage/base/text.h"
 #include "pilotage/build/tile_owner.h"
 #include "pilotage/camera/camera_text.h"
+#include "pilotage/ground/ground_imagery.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/enu_from_grid.h"
 #include "pilotage/mapdb/map_writer.h"
-#include "pilotage/mission/plan_imagery.h"
-#include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -26,34 +26,37 @@ namespace {
 constexpr double kJacobianStep_m = 100;
 
 struct SelectedTile {
-  const PlanTile* tile = nullptr;
+  const GroundTile* tile = nullptr;
+  RoutePlace place;
   const TileScore* score = nullptr;
 };
 
-std::vector<SelectedTile> selected_tiles(const TilePlan& plan, const std::vector<TileScore>& scores,
+std::vector<SelectedTile> selected_tiles(const Mission& plan, const std::vector<TileScore>& scores,
                                          const Selection& selection) {
   std::map<std::int64_t, const TileScore*> score_of_id;
   for (const TileScore& score : scores) score_of_id[score.tile_id] = &score;
   std::vector<SelectedTile> selected;
-  auto tile = plan.tiles.begin();
+  auto tile = plan.ground.tiles.begin();
   for (const std::int64_t id : selection.tile_ids) {
-    tile = std::find_if(tile, plan.tiles.end(), [&](const PlanTile& candidate) { return candidate.tile_id == id; });
-    if (tile == plan.tiles.end()) {
+    tile = std::find_if(tile, plan.ground.tiles.end(),
+                        [&](const GroundTile& candidate) { return candidate.tile_id == id; });
+    if (tile == plan.ground.tiles.end()) {
       throw DataError("the selection names tile " + std::to_string(id) +
                       ", which the plan does not have in this place");
     }
     const auto score = score_of_id.find(id);
     if (score == score_of_id.end()) throw DataError("tile " + std::to_string(id) + " of the selection has no score");
-    selected.push_back({&*tile, score->second});
+    selected.push_back(
+        {&*tile, plan.flight.places.at(static_cast<std::size_t>(tile - plan.ground.tiles.begin())), score->second});
   }
   return selected;
 }
 
-MapHeader make_header(const TilePlan& plan, bool chips) {
+MapHeader make_header(const Mission& plan, bool chips) {
   MapHeader header;
   header.chips = chips;
-  header.crs = {plan.crs_name, plan.crs_wkt, Crs::from_user_input(plan.crs_wkt).authority()};
-  for (const PlanLevel& level : plan.levels) {
+  header.crs = {plan.ground.crs.name(), plan.ground.crs.wkt(), plan.ground.crs.authority()};
+  for (const GridLevel& level : plan.ground.levels) {
     header.levels.push_back({level.matrix, level.gsd_m, level.min_agl_m, level.max_agl_m, 0});
   }
   header.tile_columns.push_back({"status", MapColumnType::kText, "What became of the tile when it was scored"});
@@ -66,14 +69,14 @@ MapHeader make_header(const TilePlan& plan, bool chips) {
   }
   header.tile_columns.push_back(
       {"reasons", MapColumnType::kText, "Why it may not be recognised, joined by semicolons"});
-  header.description = "Reference map for visual navigation along " + plan.route.name;
+  header.description = "Reference map for visual navigation along " + plan.flight.route.name;
   return header;
 }
 
-void write_tiles(MapWriter& writer, const TilePlan& plan, const std::vector<SelectedTile>& selected) {
-  const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
+void write_tiles(MapWriter& writer, const Mission& plan, const std::vector<SelectedTile>& selected) {
+  const CrsTransform transform(plan.ground.crs);
   const auto geodetic_from_map = [&](const Eigen::Vector2d& point) { return transform.geodetic_from_map(point); };
-  for (const auto& [tile, score] : selected) {
+  for (const auto& [tile, place, score] : selected) {
     MapTile row;
     row.tile_id = tile->tile_id;
     row.level = tile->level;
@@ -82,8 +85,8 @@ void write_tiles(MapWriter& writer, const TilePlan& plan, const std::vector<Sele
     row.bounds = tile->bounds;
     row.center = tile->center;
     row.enu_from_grid = enu_from_grid(tile->bounds.center_m(), kJacobianStep_m, geodetic_from_map);
-    std::vector<MapValue> values{std::string(tile_status_name(score->status)), score->valid_fraction,
-                                 tile->route_distance_m, tile->route_offset_m};
+    std::vector<MapValue> values{std::string(tile_status_name(score->status)), score->valid_fraction, place.distance_m,
+                                 place.offset_m};
     for (const ScoreColumn& column : score_columns()) values.emplace_back(column.get(*score));
     values.emplace_back(reason_words(*score));
     writer.add_tile(row, values);
@@ -93,7 +96,7 @@ void write_tiles(MapWriter& writer, const TilePlan& plan, const std::vector<Sele
 // Collects the features of one level strip by strip and hands them on tile by tile, in ascending tile_id.
 class LevelBuilder {
  public:
-  LevelBuilder(MapWriter& writer, const TilePlan& plan, const PlanLevel& level, std::vector<const PlanTile*> tiles,
+  LevelBuilder(MapWriter& writer, const Mission& plan, const GridLevel& level, std::vector<const GroundTile*> tiles,
                const BuildOptions& options, const std::optional<SecondDate>& second_date)
       : writer_(writer),
         level_(level),
@@ -101,9 +104,9 @@ class LevelBuilder {
         features_(options.features),
         windows_(level.matrix),
         owner_(level.matrix, cells_of(tiles_)),
-        transform_(Crs::from_user_input(plan.crs_wkt)) {
-    if (!plan.elevation.empty()) elevation_.emplace(plan.elevation);
-    source_ = stretch_to_8bit(open_plan_imagery(plan, level));
+        transform_(plan.ground.crs) {
+    if (!plan.ground.elevation.empty()) elevation_.emplace(plan.ground.elevation);
+    source_ = stretch_to_8bit(open_gray(plan.ground, level));
     if (options.keep_features == KeepFeatures::kStable) second_ = open_second_date(*second_date, plan, level);
   }
 
@@ -139,16 +142,16 @@ class LevelBuilder {
   }
 
  private:
-  static std::vector<TileCell> cells_of(const std::vector<const PlanTile*>& tiles) {
+  static std::vector<TileCell> cells_of(const std::vector<const GroundTile*>& tiles) {
     std::vector<TileCell> cells;
-    for (const PlanTile* tile : tiles) cells.push_back({tile->column, tile->row});
+    for (const GroundTile* tile : tiles) cells.push_back({tile->column, tile->row});
     return cells;
   }
 
   // The parts of the selected tiles' windows between two rows of pixels.
   std::vector<PixelWindow> windows_of_strip(std::int64_t begin_px, std::int64_t end_px) const {
     std::vector<PixelWindow> windows;
-    for (const PlanTile* tile : tiles_) {
+    for (const GroundTile* tile : tiles_) {
       PixelWindow window = level_.matrix.tile_window(tile->column, tile->row);
       const std::int64_t top = std::max(window.row, begin_px);
       const std::int64_t bottom = std::min(window.row + window.height, end_px);
@@ -197,7 +200,7 @@ class LevelBuilder {
   // Tiles that end above this row of pixels get no more features.
   void write_tiles_above(std::int64_t row_px, BuildStats& stats) {
     while (written_ < tiles_.size()) {
-      const PlanTile& tile = *tiles_[written_];
+      const GroundTile& tile = *tiles_[written_];
       if (tile.row * level_.matrix.stride_px + level_.matrix.tile_size_px > row_px) return;
       ++written_;
       auto found = pending_.extract({tile.row, tile.column});
@@ -220,8 +223,8 @@ class LevelBuilder {
   };
 
   MapWriter& writer_;
-  const PlanLevel& level_;
-  std::vector<const PlanTile*> tiles_;  // ascending tile_id: by row, then column
+  const GridLevel& level_;
+  std::vector<const GroundTile*> tiles_;  // ascending tile_id: by row, then column
   FeatureOptions features_;
   WindowCounts windows_;
   TileOwner owner_;
@@ -235,22 +238,22 @@ class LevelBuilder {
 };
 
 // The route and its legs as layers. A leg that the selection does not speak of has no status.
-void write_route(MapWriter& writer, const TilePlan& plan, const Selection& selection) {
+void write_route(MapWriter& writer, const Mission& plan, const Selection& selection) {
   std::vector<MapLine> legs;
   MapLine route;
-  for (std::size_t i = 0; i < plan.route.legs.size(); ++i) {
+  for (std::size_t i = 0; i < plan.flight.route.legs.size(); ++i) {
     MapLine leg;
     leg.id = static_cast<std::int64_t>(i);
-    for (const PlanSample& sample : plan.route_samples) {
+    for (const FlightSample& sample : plan.flight.samples) {
       if (sample.leg == static_cast<int>(i)) leg.points.push_back(sample.point);
     }
     route.points.insert(route.points.end(), leg.points.begin(), leg.points.end());
     const LegStatus status = i < selection.legs.size() ? selection.legs[i] : LegStatus{};
-    leg.values = {plan.route.legs[i].length_m, status.matchable_fraction, status.max_error_m,
+    leg.values = {plan.flight.route.legs[i].length_m, status.matchable_fraction, status.max_error_m,
                   static_cast<std::int64_t>(status.within_limit ? 1 : 0)};
     legs.push_back(std::move(leg));
   }
-  route.values = {plan.route.name, route_length_m(plan.route)};
+  route.values = {plan.flight.route.name, route_length_m(plan.flight.route)};
   writer.write_route({{"name", MapColumnType::kText, "Name of the route file"},
                       {"length_m", MapColumnType::kReal, "Length of all legs [m]"}},
                      {route});
@@ -269,10 +272,10 @@ void write_options(MapWriter& writer, const std::string& prefix, Options options
   }
 }
 
-void write_info(MapWriter& writer, const TilePlan& plan, const Selection& selection, const BuildOptions& options,
+void write_info(MapWriter& writer, const Mission& plan, const Selection& selection, const BuildOptions& options,
                 const std::vector<InputFile>& inputs, const std::string& software_version, const BuildStats& stats) {
   writer.add_info("tool_version", software_version);
-  for (const auto& [key, value] : camera_to_text(plan.camera)) writer.add_info("camera." + key, value);
+  for (const auto& [key, value] : camera_to_text(plan.flight.camera)) writer.add_info("camera." + key, value);
   write_options(writer, "features.", options.features);
   if (stats.stable) {
     writer.add_info("keep_features", "stable");
@@ -286,11 +289,11 @@ void write_info(MapWriter& writer, const TilePlan& plan, const Selection& select
     writer.add_info("chips.gsd_m", format_number(options.chips.chip_gsd_m));
     writer.add_info("chips.gray_bits", std::to_string(options.chips.chip_gray_bits));
   }
-  write_options(writer, "ins.", plan.ins);
-  write_options(writer, "imagery.", plan.imagery_options);
+  write_options(writer, "ins.", plan.flight.ins);
+  write_options(writer, "imagery.", plan.ground.imagery.options);
   writer.add_info("max_error_m", format_number(selection.max_error_m));
   writer.add_info("sigma_multiple", format_number(selection.sigma_multiple));
-  writer.add_info("max_scale_distortion", format_number(plan.max_scale_distortion));
+  writer.add_info("max_scale_distortion", format_number(plan.ground.max_scale_distortion));
   int index = 0;
   for (const InputFile& file : inputs) {
     const std::string prefix = "input." + std::to_string(index++) + ".";
@@ -303,7 +306,7 @@ void write_info(MapWriter& writer, const TilePlan& plan, const Selection& select
 
 }  // namespace
 
-StoredSize stored_size(const BuildOptions& options, const TilePlan& plan) {
+StoredSize stored_size(const BuildOptions& options, const Mission& plan) {
   constexpr double kPageBytes = 4096;     // the last page of a blob is half empty on average, full at worst
   constexpr double kTileRowBytes = 1200;  // geometry, scores, R-tree entry
   constexpr double kChipRowBytes = 600;   // its other columns, and the head of its blob
@@ -316,14 +319,14 @@ StoredSize stored_size(const BuildOptions& options, const TilePlan& plan) {
                   {}};
   if (options.chips.chips) {
     size.bytes_per_tile += kPageBytes + kChipRowBytes;
-    for (const PlanLevel& level : plan.levels) {
+    for (const GridLevel& level : plan.ground.levels) {
       size.chip_bytes_per_px.push_back(chip_bytes_per_px(options.chips, level.gsd_m));
     }
   }
   return size;
 }
 
-BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
+BuildStats build_map(const std::filesystem::path& path, const Mission& plan, const std::vector<TileScore>& scores,
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads,
                      const Progress& progress, const std::optional<SecondDate>& second_date) {
@@ -338,8 +341,8 @@ BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, co
   BuildStats stats;
   stats.tiles = static_cast<std::int64_t>(selected.size());
   if (stable) stats.stable.emplace();
-  for (const PlanLevel& level : plan.levels) {
-    std::vector<const PlanTile*> tiles;
+  for (const GridLevel& level : plan.ground.levels) {
+    std::vector<const GroundTile*> tiles;
     for (const SelectedTile& entry : selected) {
       if (entry.tile->level == level.matrix.level) tiles.push_back(entry.tile);
     }

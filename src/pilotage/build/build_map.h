@@ -10,11 +10,11 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/build/build_chips.h"
 #include "pilotage/build/stable_features.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/mission/input_files.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/stored_size.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/vision/features.h"
 
 namespace pilotage {
@@ -46,7 +46,7 @@ struct BuildStats {
 };
 
 /// The most that the map database can take with these options on the levels of a plan.
-StoredSize stored_size(const BuildOptions& options, const TilePlan& plan);
+StoredSize stored_size(const BuildOptions& options, const Mission& plan);
 
 /// Writes the onboard map database (schemas/map-database.md) of the selected tiles.
 ///
@@ -63,7 +63,7 @@ StoredSize stored_size(const BuildOptions& options, const TilePlan& plan);
 /// The file appears complete or not at all. The same input gives the same bytes for any number of threads. Throws
 /// UsageError for options out of range or keep_features without its second date, DataError when the selection or the
 /// scores are not of this plan, or when reading or writing fails; Interrupted.
-BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
+BuildStats build_map(const std::filesystem::path& path, const Mission& plan, const std::vector<TileScore>& scores,
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads = 0,
                      const Progress& progress = {}, const std::optional<SecondDate>& second_date = {});

@@ -9,7 +9,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/registration/feature_fates.h"
 #include "pilotage/registration/registration_options.h"
 #include "pilotage/registration/warp_field.h"
@@ -35,12 +35,12 @@ struct SecondDate {
 
 /// Registers a second date over all tiles of a plan: the field is that of scoring the plan with the same options.
 /// Throws as register_tiles.
-SecondDate register_second_date(const TilePlan& plan, const std::vector<std::string>& datasets,
+SecondDate register_second_date(const Mission& plan, const std::vector<std::string>& datasets,
                                 const RegistrationOptions& options, int threads = 0, const Progress& progress = {});
 
 /// The second date on the grid of a level as the reference shows the ground, CV_8U; not valid where the field is not
 /// known.
-GraySource open_second_date(const SecondDate& second, const TilePlan& plan, const PlanLevel& level);
+GraySource open_second_date(const SecondDate& second, const Mission& plan, const GridLevel& level);
 
 /// What became of the features of the selected ground.
 struct StableStats {

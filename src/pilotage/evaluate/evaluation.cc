@@ -8,7 +8,7 @@
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/judge_tiles.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {

@@ -36,26 +36,26 @@ Camera any_camera(int side_px) {
 }
 
 /// A plan of one level and, as a map needs a route, one leg across the grid.
-TilePlan plan_of(const ScoredGround& ground) {
-  TilePlan plan;
-  plan.crs_wkt = ground.crs.wkt();
-  plan.crs_name = ground.crs.name();
-  plan.levels.push_back({ground.matrix, ground_gsd_m(ground), 1, 1e5, ground.search_radius_px});
-  for (const TileRow& row : ground.rows) plan.tiles.push_back(row.tile);
+Mission plan_of(const ScoredGround& ground) {
+  Mission plan;
+  plan.ground.crs = ground.crs;
+  plan.ground.levels.push_back({ground.matrix, ground_gsd_m(ground), 1, 1e5, ground.search_radius_px});
+  for (const TileRow& row : ground.rows) plan.ground.tiles.push_back(row.tile);
+  plan.flight.places.resize(plan.ground.tiles.size());
   for (const std::string& dataset : ground.datasets) {
-    plan.imagery.emplace_back();
-    plan.imagery.back().dataset = dataset;
+    plan.ground.imagery.datasets.emplace_back();
+    plan.ground.imagery.datasets.back().dataset = dataset;
   }
-  plan.imagery_options = ground.imagery;
-  plan.elevation = ground.elevation;
-  plan.route.name = "evaluation";
-  plan.route.legs.push_back({0, 1, 0});
-  for (const PlanTile* tile : {&plan.tiles.front(), &plan.tiles.back()}) {
-    PlanSample sample;
+  plan.ground.imagery.options = ground.imagery;
+  plan.ground.elevation = ground.elevation;
+  plan.flight.route.name = "evaluation";
+  plan.flight.route.legs.push_back({0, 1, 0});
+  for (const GroundTile* tile : {&plan.ground.tiles.front(), &plan.ground.tiles.back()}) {
+    FlightSample sample;
     sample.point = tile->center;
-    plan.route_samples.push_back(sample);
+    plan.flight.samples.push_back(sample);
   }
-  plan.camera = any_camera(ground.matrix.tile_size_px);
+  plan.flight.camera = any_camera(ground.matrix.tile_size_px);
   return plan;
 }
 
@@ -107,7 +107,7 @@ std::int64_t block_of(const ScoredGround& ground, const TileRow& row, double blo
 void build_evaluation_map(const std::filesystem::path& path, const ScoredGround& ground, bool chips, int threads,
                           const Progress& progress) {
   require_metric_grid(ground);
-  const TilePlan plan = plan_of(ground);
+  const Mission plan = plan_of(ground);
   std::vector<TileScore> scores;
   Selection selection;
   for (const TileRow& row : ground.rows) {

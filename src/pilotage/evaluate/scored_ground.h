@@ -10,8 +10,8 @@
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/raster/gdal_crs.h"
 #include "pilotage/raster/gdal_imagery.h"
 

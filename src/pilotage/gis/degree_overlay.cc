@@ -10,7 +10,7 @@
 #include "pilotage/base/safe_text.h"
 #include "pilotage/base/text.h"
 #include "pilotage/gis/report_layers.h"
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_degrees.h"
 #include "pilotage/report/wording.h"
 
@@ -87,10 +87,10 @@ DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
   DegreeOverlay overlay;
   const MeasureScale& shown = shown_scale(report);
   if (std::isnan(shown.least)) return overlay;
-  const Crs crs = Crs::from_user_input(input.plan.crs_wkt);
-  const std::vector<TileRow> rows = tile_rows(input.plan, input.scores);
+  const Crs crs = input.plan.ground.crs;
+  const std::vector<TileRow> rows = tile_rows(input.plan.ground, input.scores);
   const std::string name = html_escape(shown.measure.label);
-  for (const PlanLevel& level : input.plan.levels) {
+  for (const GridLevel& level : input.plan.ground.levels) {
     const ScoreRaster raster = score_raster(level.matrix, rows);
     const auto band = std::find_if(raster.bands.begin(), raster.bands.end(),
                                    [&](const ScoreBand& entry) { return entry.name == shown.measure.name; });

@@ -27,9 +27,9 @@ const std::vector<std::string>& layer_names() {
 std::vector<std::string> write_rasters(const fs::path& folder, const std::string& stem, const ReportInput& input,
                                        bool with_scores) {
   std::vector<std::string> names;
-  const std::vector<TileRow> rows = tile_rows(input.plan, input.scores);
-  const Crs crs = Crs::from_user_input(input.plan.crs_wkt);
-  for (const PlanLevel& level : input.plan.levels) {
+  const std::vector<TileRow> rows = tile_rows(input.plan.ground, input.scores);
+  const Crs crs = input.plan.ground.crs;
+  for (const GridLevel& level : input.plan.ground.levels) {
     const ScoreRaster raster = score_raster(level.matrix, rows);
     if (raster.bands.empty()) continue;
     const std::string suffix = level_suffix(level.matrix.level);
@@ -57,14 +57,14 @@ bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which) {
 }
 
 std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,
-                                             const std::vector<PlanLevel>& levels, bool with_scores) {
+                                             const std::vector<GridLevel>& levels, bool with_scores) {
   std::vector<std::string> names;
   const auto add = [&](ReportOutput output, const std::string& rest) {
     if (asks_for(outputs, output)) names.push_back(stem + rest);
   };
   add(ReportOutput::kHtml, ".html");
   add(ReportOutput::kJson, ".json");
-  for (const PlanLevel& level : levels) {
+  for (const GridLevel& level : levels) {
     const std::string suffix = level_suffix(level.matrix.level);
     if (with_scores) {
       for (const char* rest : {".tif", ".qml"}) add(ReportOutput::kCog, "_scores" + suffix + rest);
@@ -79,7 +79,7 @@ std::vector<std::string> report_output_names(const std::string& stem, const std:
 }
 
 bool is_report_output(const std::string& stem, const std::string& name) {
-  std::vector<PlanLevel> levels(1);
+  std::vector<GridLevel> levels(1);
   const auto at = name.find("_level");  // any level an earlier run may have had
   if (at != std::string::npos) levels.front().matrix.level = std::atoi(name.c_str() + at + 6);
   const std::vector<std::string> names = report_output_names(stem, {ReportOutput::kAll}, levels, true);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "pilotage/mission/score_raster.h"
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/ground/score_raster.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/report/measure.h"
 
 namespace pilotage {

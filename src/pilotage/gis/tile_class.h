@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gdal_write.h"
 #include "pilotage/report/measure.h"
 #include "pilotage/report/quality.h"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/options.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 
 namespace pilotage {
 

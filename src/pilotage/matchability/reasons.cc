@@ -165,7 +165,7 @@ Reason weak(const TileScore& score) {
 
 }  // namespace
 
-ReasonContext reason_context(const PlanLevel& level) {
+ReasonContext reason_context(const GridLevel& level) {
   return {level.matrix, 1, level.min_agl_m};
 }
 

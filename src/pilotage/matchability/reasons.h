@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/ground/ground.h"
 
 namespace pilotage {
 
@@ -21,7 +21,7 @@ struct ReasonContext {
 };
 
 /// Of a level of a plan.
-ReasonContext reason_context(const PlanLevel& level);
+ReasonContext reason_context(const GridLevel& level);
 
 /// One reason.
 struct Reason {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 
 namespace pilotage {
 

@@ -24,7 +24,7 @@ std::vector<std::string> valid_texts(const std::vector<std::string>& texts) {
 }
 
 void check_route(const ReportInput& input) {
-  const Route& route = input.plan.route;
+  const Route& route = input.plan.flight.route;
   const int vertices = static_cast<int>(route.vertices.size());
   const int legs = static_cast<int>(route.legs.size());
   const auto check_leg = [&](int leg, const std::string& what) {
@@ -38,7 +38,7 @@ void check_route(const ReportInput& input) {
                     std::to_string(leg.to) + ", the route has " + std::to_string(vertices) + " vertices");
   }
   double last_m = -std::numeric_limits<double>::infinity();
-  for (const PlanSample& sample : input.plan.route_samples) {
+  for (const FlightSample& sample : input.plan.flight.samples) {
     check_leg(sample.leg, "a sample of the route");
     if (!(sample.distance_m >= last_m))
       throw DataError("report: the samples of the route are not in order of distance");
@@ -64,12 +64,12 @@ void check_imagery(const Raster& imagery) {
 
 void check_pictures(const ReportInput& input) {
   const TilePictures& pictures = input.pictures;
-  if (pictures.sheet.empty() || input.plan.tiles.empty()) return;
+  if (pictures.sheet.empty() || input.plan.ground.tiles.empty()) return;
   const cv::Rect sheet({0, 0}, pictures.sheet.size());
   const bool whole =
       pictures.sheet.type() == CV_8UC3 && pictures.side_px > 0 && pictures.columns > 0 &&
       pictures.columns * pictures.side_px <= sheet.width &&
-      (pictures.place(input.plan.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
+      (pictures.place(input.plan.ground.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
   if (!whole) throw DataError("report: the sheet of pictures does not hold one for each tile of the plan");
 }
 
@@ -94,18 +94,19 @@ std::string reason_for(const ReportTile& tile) {
 std::vector<ReportTile> join_tiles(const ReportInput& input) {
   std::vector<ReportTile> tiles;
   std::map<std::int64_t, std::size_t> index;
-  for (const PlanTile& tile : input.plan.tiles) {
+  for (const GroundTile& tile : input.plan.ground.tiles) {
     if (!index.emplace(tile.tile_id, tiles.size()).second) {
       throw DataError("report: tile " + std::to_string(tile.tile_id) + " comes twice in the plan");
     }
-    const bool known = std::any_of(input.plan.levels.begin(), input.plan.levels.end(),
-                                   [&](const PlanLevel& level) { return level.matrix.level == tile.level; });
+    const bool known = std::any_of(input.plan.ground.levels.begin(), input.plan.ground.levels.end(),
+                                   [&](const GridLevel& level) { return level.matrix.level == tile.level; });
     if (!known) {
       throw DataError("report: tile " + std::to_string(tile.tile_id) + " lies on level " + std::to_string(tile.level) +
                       ", which the plan does not have");
     }
     ReportTile joined;
     joined.tile = tile;
+    joined.place = input.plan.flight.places.at(tiles.size());
     joined.score.tile_id = tile.tile_id;
     joined.score.valid_fraction = tile.valid_fraction;
     tiles.push_back(joined);
@@ -132,8 +133,8 @@ std::vector<ReportTile> join_tiles(const ReportInput& input) {
   for (ReportTile& tile : tiles) {
     tile.reason = reason_for(tile);
     if (!tile.scored) continue;
-    const auto level = std::find_if(input.plan.levels.begin(), input.plan.levels.end(),
-                                    [&](const PlanLevel& entry) { return entry.matrix.level == tile.tile.level; });
+    const auto level = std::find_if(input.plan.ground.levels.begin(), input.plan.ground.levels.end(),
+                                    [&](const GridLevel& entry) { return entry.matrix.level == tile.tile.level; });
     tile.reasons = reasons_text(tile_reasons(tile.score, reason_context(*level)));
   }
   return tiles;
@@ -146,17 +147,17 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
     placed.gap = gap;
     placed.length_m = gap.to_distance_m - gap.from_distance_m;
     placed.speed_mps = gap.duration_s > 0 ? placed.length_m / gap.duration_s : std::numeric_limits<double>::quiet_NaN();
-    placed.from = route_point_at(input.plan.route_samples, gap.from_distance_m);
-    placed.to = route_point_at(input.plan.route_samples, gap.to_distance_m);
+    placed.from = route_point_at(input.plan.flight.samples, gap.from_distance_m);
+    placed.to = route_point_at(input.plan.flight.samples, gap.to_distance_m);
     gaps.push_back(placed);
   }
   return gaps;
 }
 
 std::vector<ReportLeg> place_legs(const ReportInput& input) {
-  const Route& route = input.plan.route;
+  const Route& route = input.plan.flight.route;
   std::map<int, double> starts_m;
-  for (const PlanSample& sample : input.plan.route_samples) starts_m.try_emplace(sample.leg, sample.distance_m);
+  for (const FlightSample& sample : input.plan.flight.samples) starts_m.try_emplace(sample.leg, sample.distance_m);
   std::vector<ReportLeg> legs;
   for (const LegStatus& status : input.selection.legs) {
     const RouteLeg& leg = route.legs[static_cast<std::size_t>(status.leg)];
@@ -189,9 +190,9 @@ std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
   return order;
 }
 
-double route_length_m(const TilePlan& plan) {
+double route_length_m(const Mission& plan) {
   double length_m = 0;
-  for (const RouteLeg& leg : plan.route.legs) length_m += leg.length_m;
+  for (const RouteLeg& leg : plan.flight.route.legs) length_m += leg.length_m;
   return length_m;
 }
 
@@ -201,7 +202,7 @@ Report make_report(const ReportInput& input) {
   check_route(input);
   check_imagery(input.imagery);
   check_pictures(input);
-  const TilePlan& plan = input.plan;
+  const Mission& plan = input.plan;
   const Selection& selection = input.selection;
   Report report;
   report.tiles = join_tiles(input);
@@ -210,9 +211,9 @@ Report make_report(const ReportInput& input) {
   report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, input));
   for (QualityRow& row : report.quality) row.value = valid_utf8(row.value);
 
-  report.route_name = valid_utf8(plan.route.name);
-  report.route_format = valid_utf8(plan.route.format);
-  report.title = valid_utf8(input.title.empty() ? plan.route.name : input.title);
+  report.route_name = valid_utf8(plan.flight.route.name);
+  report.route_format = valid_utf8(plan.flight.route.format);
+  report.title = valid_utf8(input.title.empty() ? plan.flight.route.name : input.title);
   report.software_version = valid_utf8(input.software_version);
   report.route_length_m = route_length_m(plan);
   report.matchable_fraction = selection.matchable_fraction;
@@ -230,26 +231,26 @@ Report make_report(const ReportInput& input) {
   report.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   report.estimated_bytes = selection.estimated_bytes;
 
-  report.crs_name = valid_utf8(plan.crs_name);
-  report.max_scale_distortion = plan.max_scale_distortion;
-  report.corridor_half_width_m = plan.corridor_half_width_m;
-  report.footprint_width_m = plan.footprint_width_m;
-  report.footprint_height_m = plan.footprint_height_m;
-  report.levels = plan.levels;
-  for (const PlanImagery& imagery : plan.imagery) {
-    PlanImagery& copy = report.imagery.emplace_back(imagery);
+  report.crs_name = valid_utf8(plan.ground.crs.name());
+  report.max_scale_distortion = plan.ground.max_scale_distortion;
+  report.corridor_half_width_m = plan.flight.corridor_half_width_m;
+  report.footprint_width_m = plan.flight.footprint_width_m;
+  report.footprint_height_m = plan.flight.footprint_height_m;
+  report.levels = plan.ground.levels;
+  for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
+    ImageryDataset& copy = report.imagery.emplace_back(imagery);
     copy.dataset = valid_utf8(imagery.dataset);
     copy.crs = valid_utf8(imagery.crs);
     copy.acquired = valid_utf8(imagery.acquired);
   }
-  report.elevation = valid_utf8(plan.elevation);
+  report.elevation = valid_utf8(plan.ground.elevation);
   for (const InputFile& file : input.inputs) {
     report.inputs.push_back(
         {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
   }
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(plan.warnings);
-  report.notes = valid_texts(plan.route.notes);
+  report.notes = valid_texts(plan.flight.route.notes);
   for (const auto* more : {&selection.notes, &input.assumptions}) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }

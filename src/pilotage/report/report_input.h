@@ -9,20 +9,20 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/mission/input_files.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/raster.h"
 #include "pilotage/report/evaluation_note.h"
 #include "pilotage/report/tile_pictures.h"
 
 namespace pilotage {
 
-/// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.crs_wkt`).
+/// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.ground.crs.wkt()`).
 struct ReportInput {
   std::string title;  ///< Of the page; "" takes the route's name.
-  TilePlan plan;
+  Mission plan;
   std::vector<TileScore> scores;  ///< Any order; a tile of the plan without a score is shown as not scored.
   Selection selection;
 
@@ -30,7 +30,7 @@ struct ReportInput {
   /// empty. 1,000 to 4,000 pixels on the longer side are enough: the page carries at most 1,600.
   Raster imagery;
 
-  TilePictures pictures;                     ///< Of plan.tiles, in their order; may be empty.
+  TilePictures pictures;                     ///< Of plan.ground.tiles, in their order; may be empty.
   std::optional<EvaluationNote> evaluation;  ///< What the scores are worth, where that was measured.
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be

@@ -170,7 +170,7 @@ Json grid_json(const Report& report) {
   json["footprint_width_m"] = number(report.footprint_width_m);
   json["footprint_height_m"] = number(report.footprint_height_m);
   json["levels"] = Json::array();
-  for (const PlanLevel& level : report.levels) {
+  for (const GridLevel& level : report.levels) {
     Json entry;
     entry["level"] = level.matrix.level;
     entry["gsd_m"] = number(level.gsd_m);
@@ -186,7 +186,7 @@ Json grid_json(const Report& report) {
 
 Json imagery_json(const Report& report) {
   Json list = Json::array();
-  for (const PlanImagery& imagery : report.imagery) {
+  for (const ImageryDataset& imagery : report.imagery) {
     Json json;
     json["dataset"] = imagery.dataset;
     json["acquired"] = imagery.acquired;

@@ -62,7 +62,7 @@ Explanation explain(const Report& report, double from_m, double to_m) {
   int tiles = 0;
   int not_scored = 0;
   for (const ReportTile& tile : report.tiles) {
-    if (tile.selected || tile.tile.route_distance_m < from_m || tile.tile.route_distance_m > to_m) continue;
+    if (tile.selected || tile.place.distance_m < from_m || tile.place.distance_m > to_m) continue;
     ++tiles;
     if (!tile.scored) ++not_scored;
     if (tile.scored && tile.score.status == TileStatus::kTooLittleGround) {

@@ -27,11 +27,11 @@ void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::
   }
 }
 
-void add_relief(const TilePlan& plan, const std::vector<const PlanTile*>& tiles, std::vector<TileScore>& scores) {
+void add_relief(const Mission& plan, const std::vector<const GroundTile*>& tiles, std::vector<TileScore>& scores) {
   constexpr int kSteps = 8;
-  if (plan.elevation.empty()) return;
-  const Elevation elevation(plan.elevation);
-  const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
+  if (plan.ground.elevation.empty()) return;
+  const Elevation elevation(plan.ground.elevation);
+  const CrsTransform transform(plan.ground.crs);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (scores[i].status == TileStatus::kTooLittleGround) continue;
     const Bounds& bounds = tiles[i]->bounds;

@@ -5,8 +5,8 @@
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/raster/color_source.h"
 
 namespace pilotage {
@@ -17,6 +17,6 @@ void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::
 
 /// Fills relief_m of tiles (score i belongs to tile i): highest minus lowest of 9 x 9 heights spread over the tile. NaN
 /// where one of them is not known. Throws as Elevation.
-void add_relief(const TilePlan& plan, const std::vector<const PlanTile*>& tiles, std::vector<TileScore>& scores);
+void add_relief(const Mission& plan, const std::vector<const GroundTile*>& tiles, std::vector<TileScore>& scores);
 
 }  // namespace pilotage

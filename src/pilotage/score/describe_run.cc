@@ -11,7 +11,7 @@
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
-#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -79,8 +79,8 @@ std::set<std::string> sources_of(const ScoreRun& run) {
   names.insert(run.options.score.second_epoch.begin(), run.options.score.second_epoch.end());
   if (!run.options.score.model.empty()) names.insert(run.options.score.model);
   if (!run.plan) return names;
-  for (const std::string& dataset : dataset_names(*run.plan)) names.insert(dataset);
-  if (!run.plan->elevation.empty()) names.insert(run.plan->elevation);
+  for (const std::string& dataset : dataset_names(run.plan->ground.imagery)) names.insert(dataset);
+  if (!run.plan->ground.elevation.empty()) names.insert(run.plan->ground.elevation);
   return names;
 }
 
@@ -88,8 +88,8 @@ Json samples_of(const ScoreRun& run) {
   Json samples = Json::array();
   if (run.imagery) samples.push_back(sample_digest(run.imagery->source));
   if (run.plan) {
-    for (const PlanLevel& level : run.plan->levels)
-      samples.push_back(sample_digest(open_plan_imagery(*run.plan, level)));
+    for (const GridLevel& level : run.plan->ground.levels)
+      samples.push_back(sample_digest(open_gray(run.plan->ground, level)));
   }
   for (const std::string& dataset : run.options.score.second_epoch)
     samples.push_back(sample_digest(open_gray(dataset)));

@@ -31,7 +31,7 @@ void check_same_run(const std::string& file, const ScoreShard& shard, const Expe
 }
 
 std::int64_t id_of_place(const ScoreRun& run, std::int64_t place) {
-  return run.plan ? run.plan->tiles[static_cast<std::size_t>(place)].tile_id : place;
+  return run.plan ? run.plan->ground.tiles[static_cast<std::size_t>(place)].tile_id : place;
 }
 
 /// Copies the scores to their places.

@@ -4,7 +4,7 @@
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/score/score_tiles.h"
 

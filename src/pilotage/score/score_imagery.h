@@ -8,7 +8,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/score/score_second_epoch.h"

@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/matchability/reasons.h"
-#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/score/add_ground_cover.h"
 
 namespace pilotage {
@@ -13,20 +13,20 @@ namespace {
 
 /// Tiles of one level.
 struct LevelTiles {
-  const PlanLevel* level;
-  std::vector<const PlanTile*> tiles;
+  const GridLevel* level;
+  std::vector<const GroundTile*> tiles;
   std::vector<std::int64_t> indices;
 
   EpochTiles of_epoch() const { return {level->matrix, level->search_radius_px, indices}; }
 };
 
 /// The tiles at `places`, level by level; those of a plan ascend by level, so this is their order.
-std::vector<LevelTiles> tiles_of_levels(const TilePlan& plan, const std::vector<std::int64_t>& places) {
+std::vector<LevelTiles> tiles_of_levels(const Mission& plan, const std::vector<std::int64_t>& places) {
   std::vector<LevelTiles> levels;
-  for (const PlanLevel& level : plan.levels) {
+  for (const GridLevel& level : plan.ground.levels) {
     LevelTiles of_level{&level, {}, {}};
     for (const std::int64_t place : places) {
-      const PlanTile& tile = plan.tiles[static_cast<std::size_t>(place)];
+      const GroundTile& tile = plan.ground.tiles[static_cast<std::size_t>(place)];
       if (tile.level != level.matrix.level) continue;
       of_level.tiles.push_back(&tile);
       of_level.indices.push_back(tile.row * level.matrix.matrix_width() + tile.column);
@@ -36,19 +36,19 @@ std::vector<LevelTiles> tiles_of_levels(const TilePlan& plan, const std::vector<
   return levels;
 }
 
-std::vector<std::int64_t> all_places(const TilePlan& plan) {
-  std::vector<std::int64_t> places(plan.tiles.size());
+std::vector<std::int64_t> all_places(const Mission& plan) {
+  std::vector<std::int64_t> places(plan.ground.tiles.size());
   std::iota(places.begin(), places.end(), 0);
   return places;
 }
 
-void score_level(const TilePlan& plan, const LevelTiles& tiles, const ScoreOptions& options, std::uint64_t seed,
+void score_level(const Mission& plan, const LevelTiles& tiles, const ScoreOptions& options, std::uint64_t seed,
                  int threads, const Progress& progress, std::vector<TileScore>& scores) {
-  const PlanLevel& level = *tiles.level;
-  std::vector<TileScore> of_level = score_tiles(open_plan_imagery(plan, level), level.matrix, level.search_radius_px,
+  const GridLevel& level = *tiles.level;
+  std::vector<TileScore> of_level = score_tiles(open_gray(plan.ground, level), level.matrix, level.search_radius_px,
                                                 tiles.indices, options, seed, threads, progress);
   if (options.measure(ScoreMeasure::kGroundCover)) {
-    add_ground_cover(open_plan_colors(plan, level), level.matrix, of_level, threads, progress);
+    add_ground_cover(open_colors(plan.ground, level), level.matrix, of_level, threads, progress);
     add_relief(plan, tiles.tiles, of_level);
   }
   for (std::size_t i = 0; i < of_level.size(); ++i) {
@@ -62,15 +62,15 @@ void score_level(const TilePlan& plan, const LevelTiles& tiles, const ScoreOptio
 
 }  // namespace
 
-SecondEpoch register_second_epoch(const TilePlan& plan, const ScoreOptions& options, int threads,
+SecondEpoch register_second_epoch(const Mission& plan, const ScoreOptions& options, int threads,
                                   const Progress& progress) {
   std::vector<EpochTiles> levels;
   for (const LevelTiles& level : tiles_of_levels(plan, all_places(plan))) levels.push_back(level.of_epoch());
-  return register_epochs({dataset_names(plan), plan.imagery_options, Crs::from_user_input(plan.crs_wkt)}, levels,
-                         options, threads, progress);
+  return register_epochs({dataset_names(plan.ground.imagery), plan.ground.imagery.options, plan.ground.crs}, levels, options,
+                         threads, progress);
 }
 
-std::vector<TileScore> score_plan_tiles(const TilePlan& plan, const ScoreOptions& options,
+std::vector<TileScore> score_plan_tiles(const Mission& plan, const ScoreOptions& options,
                                         const std::vector<std::int64_t>& places, const WarpField* second_epoch,
                                         std::uint64_t seed, int threads, const Progress& progress) {
   std::vector<TileScore> scores;
@@ -82,17 +82,17 @@ std::vector<TileScore> score_plan_tiles(const TilePlan& plan, const ScoreOptions
   }
   if (second_epoch == nullptr) return scores;
   const std::vector<EpochScores> epochs =
-      score_epochs({dataset_names(plan), plan.imagery_options, Crs::from_user_input(plan.crs_wkt)}, *second_epoch,
-                   levels, options, threads, progress);
+      score_epochs({dataset_names(plan.ground.imagery), plan.ground.imagery.options, plan.ground.crs}, *second_epoch, levels,
+                   options, threads, progress);
   for (std::size_t i = 0; i < scores.size(); ++i) scores[i].epoch = epochs[i];
   return scores;
 }
 
-void explain_plan(const TilePlan& plan, std::vector<TileScore>& scores) {
-  for (const PlanLevel& level : plan.levels) explain_tiles(reason_context(level), scores);
+void explain_plan(const Mission& plan, std::vector<TileScore>& scores) {
+  for (const GridLevel& level : plan.ground.levels) explain_tiles(reason_context(level), scores);
 }
 
-ScoredPlan score_plan(const TilePlan& plan, const ScoreOptions& options, std::uint64_t seed, int threads,
+ScoredPlan score_plan(const Mission& plan, const ScoreOptions& options, std::uint64_t seed, int threads,
                       const Progress& progress) {
   ScoredPlan result;
   const WarpField* field = nullptr;

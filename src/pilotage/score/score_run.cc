@@ -21,11 +21,11 @@ ScoreRun open_score_run(const std::vector<std::string>& inputs, const ScoreImage
 }
 
 std::int64_t tile_count(const ScoreRun& run) {
-  return run.plan ? static_cast<std::int64_t>(run.plan->tiles.size()) : run.imagery->matrix.tile_count();
+  return run.plan ? static_cast<std::int64_t>(run.plan->ground.tiles.size()) : run.imagery->matrix.tile_count();
 }
 
 std::vector<ShardTile> shard_tiles(const ScoreRun& run, const Shard& shard) {
-  return run.plan ? shard_tiles(run.plan->tiles, shard) : shard_tiles(run.imagery->matrix, shard);
+  return run.plan ? shard_tiles(run.plan->ground.tiles, shard) : shard_tiles(run.imagery->matrix, shard);
 }
 
 std::optional<SecondEpoch> register_second_epoch(const ScoreRun& run, int threads, const Progress& progress) {
@@ -54,14 +54,14 @@ ScoredRun finish_run(ScoreRun& run, PartScores all, int threads) {
   }
   if (run.plan) {
     for (std::size_t i = 0; i < all.scores.size(); ++i) {
-      const PlanTile& tile = run.plan->tiles[i];
+      const GroundTile& tile = run.plan->ground.tiles[i];
       all.scores[i].level = tile.level;
       all.scores[i].column = tile.column;
       all.scores[i].row = tile.row;
     }
     explain_plan(*run.plan, all.scores);
-    result.crs = Crs::from_user_input(run.plan->crs_wkt);
-    result.rows = tile_rows(*run.plan, all.scores);
+    result.crs = run.plan->ground.crs;
+    result.rows = tile_rows(run.plan->ground, all.scores);
     return result;
   }
   const TileMatrix& matrix = run.imagery->matrix;

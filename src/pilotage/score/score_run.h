@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pilotage/base/progress.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/score/run_shards.h"
 #include "pilotage/score/score_imagery.h"
 
@@ -19,7 +19,7 @@ struct ScoreRun {
   std::vector<std::string> inputs;
   ScoreImageryOptions options;  ///< Grid, imagery, gsd_m and crs are the plan's when there is one.
   std::uint64_t seed = 1;
-  std::optional<TilePlan> plan;
+  std::optional<Mission> plan;
   std::optional<OpenImagery> imagery;
 };
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pilotage/base/progress.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/registration/register_dates.h"
 #include "pilotage/score/score_tiles.h"
 

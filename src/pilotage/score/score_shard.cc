@@ -9,8 +9,8 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/mapdb/byte_order.h"
-#include "pilotage/mission/tile_table.h"
 
 namespace pilotage {
 namespace {

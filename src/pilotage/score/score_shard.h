@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/score/run_shards.h"
 
 namespace pilotage {

@@ -20,15 +20,15 @@ namespace pilotage {
 namespace {
 
 // The scores in the order of the plan's tiles.
-std::vector<TileScore> scores_of_plan(const TilePlan& plan, const std::vector<TileScore>& scores) {
+std::vector<TileScore> scores_of_plan(const Mission& plan, const std::vector<TileScore>& scores) {
   std::vector<TileScore> ordered = scores;
   std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.tile_id < b.tile_id; });
   const bool same =
-      std::equal(plan.tiles.begin(), plan.tiles.end(), ordered.begin(), ordered.end(),
-                 [](const PlanTile& tile, const TileScore& score) { return tile.tile_id == score.tile_id; });
+      std::equal(plan.ground.tiles.begin(), plan.ground.tiles.end(), ordered.begin(), ordered.end(),
+                 [](const GroundTile& tile, const TileScore& score) { return tile.tile_id == score.tile_id; });
   if (!same) {
     throw DataError("the scores are of other tiles than the plan (" + std::to_string(scores.size()) + " scores, " +
-                    std::to_string(plan.tiles.size()) + " tiles); score the plan again");
+                    std::to_string(plan.ground.tiles.size()) + " tiles); score the plan again");
   }
   return ordered;
 }
@@ -40,17 +40,17 @@ std::vector<bool> samples_over(const std::vector<std::optional<std::size_t>>& ti
 }
 
 // The matching areas around the fixes: every matchable tile in which the aircraft may find itself there.
-std::vector<bool> sparse_areas(const TilePlan& plan, const std::vector<bool>& matchable,
+std::vector<bool> sparse_areas(const Mission& plan, const std::vector<bool>& matchable,
                                const std::vector<bool>& can_fix, double max_error_m) {
-  std::vector<bool> chosen(plan.tiles.size(), false);
+  std::vector<bool> chosen(plan.ground.tiles.size(), false);
   for (const std::size_t fix : fewest_fix_samples(plan, can_fix, max_error_m)) {
-    const PlanSample& sample = plan.route_samples[fix];
-    const TileMatrix& matrix = plan.levels[static_cast<std::size_t>(sample.level)].matrix;
+    const FlightSample& sample = plan.flight.samples[fix];
+    const TileMatrix& matrix = plan.ground.levels[static_cast<std::size_t>(sample.level)].matrix;
     // Half the diagonal of a stride more, so that the tile of the fix is among them however narrow the corridor.
     const double half_diagonal_m = std::sqrt(0.5) * matrix.stride_px * matrix.map_from_pixel.x_per_col;
-    const double reach_m = plan.corridor_half_width_m + half_diagonal_m;
-    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
-      const PlanTile& tile = plan.tiles[i];
+    const double reach_m = plan.flight.corridor_half_width_m + half_diagonal_m;
+    for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
+      const GroundTile& tile = plan.ground.tiles[i];
       if (tile.level != sample.level || !matchable[i]) continue;
       if ((tile.bounds.center_m() - sample.point_map_m).norm() <= reach_m) chosen[i] = true;
     }
@@ -86,7 +86,7 @@ struct Chances {
 
   RouteSurvival of(const std::vector<bool>& chosen) const {
     return predict_survival(
-        path, route_chances(attempts, of_chosen(p_of_tile, chosen), path.plan->route_samples.size(), fix_interval_s));
+        path, route_chances(attempts, of_chosen(p_of_tile, chosen), path.plan->flight.samples.size(), fix_interval_s));
   }
 };
 
@@ -94,7 +94,7 @@ struct Chances {
 std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScore>& scores,
                                 const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                 const StoredSize& size, std::int64_t budget) {
-  const TilePlan& plan = *chances.path.plan;
+  const Mission& plan = *chances.path.plan;
   const std::vector<bool> none(wanted.size(), false);
   std::vector<bool> best = tiles_in_order(plan, scores, wanted, sparse, none, size, budget);
   const auto worth = [&](const std::vector<bool>& chosen) { return flight_worth(chances.of(chosen).p_within_limit); };
@@ -120,7 +120,7 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                  const std::vector<std::optional<std::size_t>>& tiles, const SelectOptions& options,
                  Selection& selection) {
   const RouteSurvival survival = chances.of(chosen);
-  const TilePlan& plan = *chances.path.plan;
+  const Mission& plan = *chances.path.plan;
   const std::vector<double> p_of_stored = of_chosen(chances.p_of_tile, chosen);
   const ExpectedFixes expected =
       expected_fixes(plan, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
@@ -135,9 +135,9 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
     leg.p_fix = survival.leg_p_fix[static_cast<std::size_t>(leg.leg)];
   }
   const auto p_at = [&](double distance_m) {  // after the first of two samples at one place
-    const auto sample = std::lower_bound(plan.route_samples.begin(), plan.route_samples.end(), distance_m,
-                                         [](const PlanSample& a, double b_m) { return a.distance_m < b_m; });
-    return survival.p_within_limit[static_cast<std::size_t>(sample - plan.route_samples.begin())];
+    const auto sample = std::lower_bound(plan.flight.samples.begin(), plan.flight.samples.end(), distance_m,
+                                         [](const FlightSample& a, double b_m) { return a.distance_m < b_m; });
+    return survival.p_within_limit[static_cast<std::size_t>(sample - plan.flight.samples.begin())];
   };
   for (RouteGap& gap : selection.gaps) {
     const double before = gap.from_distance_m > 0 ? p_at(gap.from_distance_m) : 1;
@@ -147,7 +147,7 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
   selection.advice = advise_legs(chances.path, survival, chances.p_of_tile,
                                  {options.fix_interval_s, options.fix_decorrelation_m, options.min_leg_probability});
   for (const LegAdvice& advice : selection.advice) {
-    selection.notes.push_back(advice_text(advice, options.min_leg_probability, plan.corridor_half_width_m));
+    selection.notes.push_back(advice_text(advice, options.min_leg_probability, plan.flight.corridor_half_width_m));
   }
 }
 
@@ -164,14 +164,14 @@ bool is_matchable(const TileScore& score, const SelectOptions& options) {
   return std::isnan(margin) || margin >= options.min_peak_margin;
 }
 
-Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& scores, const StoredSize& size,
+Selection select_tiles(const Mission& plan, const std::vector<TileScore>& scores, const StoredSize& size,
                        const SelectOptions& options) {
   check_options(options);
-  const double max_error_m = plan.max_error_m;
+  const double max_error_m = plan.flight.max_error_m;
   const std::vector<TileScore> ordered = scores_of_plan(plan, scores);
   const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
 
-  std::vector<bool> matchable(plan.tiles.size());
+  std::vector<bool> matchable(plan.ground.tiles.size());
   for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(ordered[i], options);
   const std::vector<bool> sparse = sparse_areas(plan, matchable, samples_over(tiles, matchable), max_error_m);
   std::vector<bool> chosen = options.sparse ? sparse : matchable;
@@ -192,8 +192,8 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
   StorageCount count(plan, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i]) continue;
-    selection.tile_ids.push_back(plan.tiles[i].tile_id);
-    count.add(plan.tiles[i]);
+    selection.tile_ids.push_back(plan.ground.tiles[i].tile_id);
+    count.add(plan.ground.tiles[i]);
   }
   RouteError error = predict_route_error(plan, samples_over(tiles, chosen), max_error_m, options.fix_interval_s);
   selection.gaps = std::move(error.gaps);
@@ -202,9 +202,9 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
   selection.matchable_fraction = error.matchable_fraction;
   selection.within_limit = error.within_limit;
   selection.max_error_m = max_error_m;
-  selection.sigma_multiple = plan.ins.sigma_multiple;
+  selection.sigma_multiple = plan.flight.ins.sigma_multiple;
   selection.estimated_bytes = static_cast<std::int64_t>(std::ceil(count.bytes()));
-  selection.notes.push_back(std::to_string(count_true(matchable)) + " of " + std::to_string(plan.tiles.size()) +
+  selection.notes.push_back(std::to_string(count_true(matchable)) + " of " + std::to_string(plan.ground.tiles.size()) +
                             " tiles can be matched; " + std::to_string(selection.tile_ids.size()) + " are stored");
   if (chances) {
     std::size_t without_p = 0;

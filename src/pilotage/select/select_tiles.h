@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/stored_size.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/select/select_options.h"
 
 namespace pilotage {
@@ -33,7 +33,7 @@ bool is_matchable(const TileScore& score, const SelectOptions& options);
 ///
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
 /// of this plan.
-Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& scores, const StoredSize& size,
+Selection select_tiles(const Mission& plan, const std::vector<TileScore>& scores, const StoredSize& size,
                        const SelectOptions& options);
 
 }  // namespace pilotage

@@ -6,14 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/ground/ground.h"
 
 namespace pilotage {
 
 /// A tile with its scores: one row of tiles.csv.
 struct TileRow {
-  PlanTile tile;
+  GroundTile tile;
   std::int64_t min_col_px = 0;  ///< First column of the tile in the grid of its level.
   std::int64_t min_row_px = 0;
   TileScore score;
@@ -21,7 +21,7 @@ struct TileRow {
 
 /// The rows of a plan: `scores` by tile_id; every score must name a tile of the plan (DataError). Tiles without a score
 /// are left out. Ascending tile_id.
-std::vector<TileRow> tile_rows(const TilePlan& plan, std::span<const TileScore> scores);
+std::vector<TileRow> tile_rows(const Ground& ground, std::span<const TileScore> scores);
 
 /// One measured number of a tile. This one list drives the columns of tiles.csv, the bands of scores.tif, the columns
 /// of the map's `tiles` layer and the report.

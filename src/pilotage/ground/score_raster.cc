@@ -1,4 +1,4 @@
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/score_raster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ struct CellRange {
 CellRange range_of(const TileMatrix& matrix, std::span<const TileRow> rows) {
   CellRange range;
   for (const TileRow& row : rows) {
-    const PlanTile& tile = row.tile;
+    const GroundTile& tile = row.tile;
     if (tile.level != matrix.level) continue;
     if (!matrix.contains(tile.column, tile.row)) {
       throw DataError("tile " + std::to_string(tile.tile_id) + " lies outside the tile matrix of level " +

@@ -1,4 +1,4 @@
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 
 #include <algorithm>
 #include <charconv>
@@ -248,23 +248,12 @@ std::string_view tile_status_name(TileStatus status) {
   return "scored";
 }
 
-std::vector<TileRow> tile_rows(const TilePlan& plan, std::span<const TileScore> scores) {
+std::vector<TileRow> tile_rows(const Ground& ground, std::span<const TileScore> scores) {
   std::vector<TileRow> rows;
   for (const TileScore& score : scores) {
-    const auto tile =
-        std::lower_bound(plan.tiles.begin(), plan.tiles.end(), score.tile_id,
-                         [](const PlanTile& candidate, std::int64_t id) { return candidate.tile_id < id; });
-    if (tile == plan.tiles.end() || tile->tile_id != score.tile_id) {
-      throw DataError("score of tile " + std::to_string(score.tile_id) + ": the plan has no such tile");
-    }
-    const auto level = std::find_if(plan.levels.begin(), plan.levels.end(),
-                                    [&](const PlanLevel& candidate) { return candidate.matrix.level == tile->level; });
-    if (level == plan.levels.end()) {
-      throw DataError("tile " + std::to_string(tile->tile_id) + ": the plan has no level " +
-                      std::to_string(tile->level));
-    }
-    const PixelWindow window = level->matrix.tile_window(tile->column, tile->row);
-    rows.push_back({*tile, window.col, window.row, score});
+    const GroundTile& tile = ground.tiles[tile_index(ground, score.tile_id, "the scores")];
+    const PixelWindow window = ground.window_of(tile);
+    rows.push_back({tile, window.col, window.row, score});
   }
   std::sort(rows.begin(), rows.end(),
             [](const TileRow& a, const TileRow& b) { return a.tile.tile_id < b.tile.tile_id; });

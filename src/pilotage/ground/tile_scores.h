@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pilotage/geo/geodetic_point.h"
-#include "pilotage/mission/reason_code.h"
+#include "pilotage/ground/reason_code.h"
 
 namespace pilotage {
 

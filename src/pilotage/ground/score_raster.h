@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/raster/gdal_write.h"
 
 namespace pilotage {
