@@ -15,7 +15,8 @@ if(TARGET pilotage_prep)
   install(TARGETS pilotage_prep EXPORT pilotage-prep-targets COMPONENT prep)
   install(EXPORT pilotage-prep-targets NAMESPACE pilotage:: DESTINATION ${package_dir} COMPONENT prep)
   install(TARGETS pilotage RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT prep)
-  install(DIRECTORY src/pilotage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT prep FILES_MATCHING PATTERN "*.h")
+  install(DIRECTORY src/pilotage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT prep
+          FILES_MATCHING PATTERN "*.h" PATTERN compare EXCLUDE)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/man/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT prep)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/bash-completion ${PROJECT_BINARY_DIR}/share/zsh
           ${PROJECT_BINARY_DIR}/share/fish DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT prep)

@@ -8,7 +8,7 @@
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/raster/gdal_io.h"

@@ -5,7 +5,7 @@
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/select/select_tiles.h"

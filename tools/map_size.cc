@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pilotage/base/text.h"
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 
 namespace pilotage {
 namespace {

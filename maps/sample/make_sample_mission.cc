@@ -12,12 +12,12 @@
 
 #include <opencv2/core.hpp>
 
+#include "country/synthetic_scene.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/random.h"
 #include "pilotage/raster/gdal_geotiff.h"
-#include "pilotage/scene/synthetic_scene.h"
 
 namespace {
 
@@ -71,7 +71,7 @@ std::string stamp_of(const SampleOptions& options, const fs::path& sources) {
   SampleOptions copy = options;
   nlohmann::ordered_json stamp;
   stamp["generator_version"] = kGeneratorVersion;
-  stamp["scene_sources"] = sources_hash(sources);
+  stamp["country_sources"] = sources_hash(sources);
   stamp["options"] = pilotage::options_to_json(pilotage::list_options(copy));
   return stamp.dump(2) + "\n";
 }
@@ -131,9 +131,9 @@ void make_sample_mission(const fs::path& folder, const fs::path& sources) {
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::cerr << "usage: make_sample_mission FOLDER SCENE_SOURCES\n"
+    std::cerr << "usage: make_sample_mission FOLDER COUNTRY_SOURCES\n"
                  "Writes ortho.tif, ortho_second_epoch.tif and elevation.tif there unless they are current:\n"
-                 "made with the same options by the same sources of the scene.\n";
+                 "made with the same options by the same sources of the country.\n";
     return 2;
   }
   try {

@@ -22,10 +22,10 @@
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_file.h"
 #include "pilotage/camera/projection.h"
+#include "pilotage/camera/render_frame.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
-#include "pilotage/scene/render_frame.h"
 
 namespace pilotage {
 namespace {

@@ -14,7 +14,7 @@
 #include <opencv2/features2d.hpp>
 
 #include "pilotage/base/output_file.h"
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/tile_table.h"
 #include "pilotage/mission/plan_file.h"

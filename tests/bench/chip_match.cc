@@ -26,11 +26,11 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
 #include "pilotage/camera/projection.h"
+#include "pilotage/camera/render_frame.h"
 #include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/match/chip_search.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
-#include "pilotage/scene/render_frame.h"
 
 namespace pilotage {
 namespace {

@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "pilotage/base/random.h"
-#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/mapdb/map_writer.h"

@@ -11,9 +11,9 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/camera/projection.h"
+#include "pilotage/camera/render_frame.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/raster/gdal_io.h"
-#include "pilotage/scene/render_frame.h"
 
 namespace pilotage {
 namespace {

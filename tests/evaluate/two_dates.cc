@@ -2,9 +2,9 @@
 
 #include <opencv2/core.hpp>
 
+#include "country/synthetic_scene.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
-#include "pilotage/scene/synthetic_scene.h"
 
 namespace pilotage::testing {
 namespace {

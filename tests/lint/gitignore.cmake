@@ -1,4 +1,4 @@
-# "build/" without the slash in front would hide src/pilotage/build from version control.
+# "build/" without the slash in front would hide every folder of that name, wherever it stands, from version control.
 include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
 file(STRINGS ${SOURCE}/.gitignore lines)
 if(NOT "/build/" IN_LIST lines)

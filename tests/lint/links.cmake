@@ -26,7 +26,7 @@ function(without_code variable text)
 endfunction()
 
 file(GLOB pages RELATIVE ${SOURCE} ${SOURCE}/*.md)
-foreach(folder docs schemas maps tests)
+foreach(folder docs schemas maps studies tests)
   file(GLOB_RECURSE found RELATIVE ${SOURCE} ${SOURCE}/${folder}/*.md)
   list(APPEND pages ${found})
 endforeach()
@@ -55,7 +55,7 @@ if(links LESS 100)
   problem("only ${links} links found: they are no longer recognised")
 endif()
 
-execute_process(COMMAND grep -rnoIE "docs/[a-z0-9_/-]+\\.md" src tools tests maps cmake
+execute_process(COMMAND grep -rnoIE "docs/[a-z0-9_/-]+\\.md" src tools tests maps studies cmake
                 WORKING_DIRECTORY ${SOURCE} OUTPUT_VARIABLE mentions)
 string(REGEX MATCHALL "[^\n]+" mentions "${mentions}")
 foreach(mention IN LISTS mentions)

@@ -17,7 +17,7 @@ endmacro()
 # our_files(<variable> <glob>...): files below the repository, without build trees, relative to it and sorted.
 function(our_files variable)
   set(found "")
-  foreach(folder src tools tests)
+  foreach(folder src tools maps tests)
     foreach(pattern IN LISTS ARGN)
       file(GLOB_RECURSE files RELATIVE ${SOURCE} ${SOURCE}/${folder}/${pattern})
       list(APPEND found ${files})

@@ -6,8 +6,8 @@
 #include <GeographicLib/TransverseMercator.hpp>
 
 #include "pilotage/base/random.h"
+#include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/geo/geodetic_point.h"
-#include "pilotage/mapdb/enu_from_grid.h"
 
 namespace pilotage::testing {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
-#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/mapdb/map_reader.h"
 
 namespace pilotage {

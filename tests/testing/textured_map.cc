@@ -10,7 +10,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/random.h"
 #include "pilotage/camera/camera_text.h"
-#include "pilotage/mapdb/enu_from_grid.h"
+#include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/mapdb/map_writer.h"
 
 namespace pilotage::testing {

@@ -6,9 +6,9 @@
 
 #include "pilotage/camera/attitude.h"
 #include "pilotage/camera/camera.h"
+#include "pilotage/camera/render_frame.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gray_source.h"
-#include "pilotage/scene/render_frame.h"
 #include "pilotage/vision/features.h"
 
 namespace pilotage::testing {

@@ -11,12 +11,12 @@
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
 #include "pilotage/camera/projection.h"
+#include "pilotage/camera/render_frame.h"
 #include "pilotage/evaluate/judge_tiles.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/match/frame_match.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
-#include "pilotage/scene/render_frame.h"
 
 namespace pilotage {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
-#include "pilotage/build/build_map.h"
-#include "pilotage/mapdb/enu_from_grid.h"
-#include "pilotage/scene/render_frame.h"
+#include "pilotage/build_map/build_map.h"
+#include "pilotage/camera/render_frame.h"
+#include "pilotage/geo/enu_from_grid.h"
 
 namespace pilotage {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
-#include "pilotage/build/build_map.h"
+#include "pilotage/build_map/build_map.h"
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"

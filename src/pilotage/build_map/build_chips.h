@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
+#include "pilotage/build_map/tile_owner.h"
+#include "pilotage/mapdb/map_writer.h"
+#include "pilotage/mission/mission.h"
+#include "pilotage/raster/gray_source.h"
+
+namespace pilotage {
+
+/// Whether and how gray chips are stored beside the descriptors. The defaults are those that docs/decisions/chips.md
+/// measures.
+struct ChipOptions {
+  bool chips = false;
+  double chip_gsd_m = 1.2;
+  int chip_gray_bits = 4;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("chips", self.chips, "Store a small gray picture of each tile, too, for matching by correlation.");
+    fields.field("chip_gsd_m", self.chip_gsd_m,
+                 "Ground length of a chip's pixel; the nearest whole multiple of the level's pixel is taken.",
+                 Range{0.1, 100});
+    fields.field("chip_gray_bits", self.chip_gray_bits,
+                 "Gray values of a chip are kept in 2 to the power of this many steps.", Range{1, 8});
+  }
+};
+
+/// Side of a chip's pixel in pixels of a level with `gsd_m`: 1 … kMaxChipFactor.
+int chip_factor(const ChipOptions& options, double gsd_m);
+
+/// The most bytes that chips can take per pixel of a level with `gsd_m`; 0 when there are none.
+double chip_bytes_per_px(const ChipOptions& options, double gsd_m);
+
+struct ChipStats {
+  std::int64_t chips = 0;
+  std::int64_t bytes = 0;
+};
+
+/// Writes the chips of the selected `tiles` of one level (ascending tile_id). Chips share one grid of pixels, which
+/// begins at pixel (0, 0) of the level, and each of its pixels is stored by the tile that owns its centre: so every
+/// piece of ground is stored once, and the chips around a place put together show all selected ground there. A tile's
+/// chip is cut to the pixels it owns; a tile that owns no ground has none. `source` is the level's imagery, CV_8U; it
+/// is read once more, a tile at a time. The same rows for any number of threads. Throws what the source and the writer
+/// throw; Interrupted.
+ChipStats write_chips(MapWriter& writer, const GridLevel& level, const std::vector<const GroundTile*>& tiles,
+                      const TileOwner& owner, const GraySource& source, const ChipOptions& options, int threads,
+                      const Progress& progress);
+
+}  // namespace pilotage

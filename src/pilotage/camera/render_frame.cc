@@ -1,0 +1,200 @@
+#include "pilotage/camera/render_frame.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <Eigen/LU>
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/camera/projection.h"
+#include "pilotage/geo/bounds.h"
+#include "pilotage/geo/enu_from_grid.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kJacobianStepPx = 256;
+constexpr int kTaps = 4;                          // of cubic convolution
+constexpr double kMarginPx = 4;                   // taps, and the bulge of a bent edge between points of the outline
+constexpr double kMaxWindowPx = double{1 << 28};  // a footprint larger than this is a mistake
+
+View checked_view(const Camera& camera, const Attitude& attitude, double agl_m) {
+  if (const std::string problem = camera_problem(camera); !problem.empty()) throw UsageError("camera: " + problem);
+  auto view = make_view(camera, attitude, agl_m);
+  if (view) return *view;
+  throw UsageError("attitude " + format_number(attitude.yaw_deg) + ", " + format_number(attitude.pitch_deg) + ", " +
+                   format_number(attitude.roll_deg) + " deg or height " + format_number(agl_m) +
+                   " m: finite angles and a height in (0, 1e6] are needed");
+}
+
+Bounds outline_bounds(const Footprint& seen, const GroundPlace& place) {
+  Bounds bounds;
+  for (const auto& point : seen.polygon_m) bounds.extend(place.pixel_from_ground(point));
+  return bounds;
+}
+
+/// The part of the ground that the footprint needs; of no width or height when they do not meet.
+PixelWindow window_under(const Footprint& seen, const GroundPlace& place, const GraySource& ground) {
+  const Bounds bounds = outline_bounds(seen, place).grown(kMarginPx);
+  if (bounds.empty()) return {};
+  const double left = std::max(0.0, std::floor(bounds.min_x_m));
+  const double top = std::max(0.0, std::floor(bounds.min_y_m));
+  const double width = std::min(static_cast<double>(ground.width_px), std::ceil(bounds.max_x_m)) - left;
+  const double height = std::min(static_cast<double>(ground.height_px), std::ceil(bounds.max_y_m)) - top;
+  if (!(width >= 1 && height >= 1)) return {};
+  if (width * height > kMaxWindowPx) {
+    throw UsageError("the footprint covers " + format_number(width) + " x " + format_number(height) +
+                     " pixels of the ground; at most 2^28 can be rendered");
+  }
+  return {static_cast<std::int64_t>(left), static_cast<std::int64_t>(top), static_cast<int>(width),
+          static_cast<int>(height)};
+}
+
+using Weights = std::array<double, kTaps>;
+
+Weights cubic_weights(double t) {
+  const double t2 = t * t;
+  const double t3 = t2 * t;
+  return {-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3};
+}
+
+Weights linear_weights(double t) {
+  return {0, 1 - t, t, 0};
+}
+
+/// The gray value at a position of `ground` (pixel centres at +0.5); nothing where it needs a pixel that is not valid.
+std::optional<double> sample(const Raster& ground, const Eigen::Vector2d& at, bool cubic) {
+  const double left = std::floor(at.x() - 0.5);
+  const double top = std::floor(at.y() - 0.5);
+  const double most_left = ground.pixels.cols - 3;
+  const double most_top = ground.pixels.rows - 3;
+  if (!(left >= 1 && left <= most_left && top >= 1 && top <= most_top)) return std::nullopt;
+  const Weights across = cubic ? cubic_weights(at.x() - 0.5 - left) : linear_weights(at.x() - 0.5 - left);
+  const Weights down = cubic ? cubic_weights(at.y() - 0.5 - top) : linear_weights(at.y() - 0.5 - top);
+  const int margin = cubic ? 0 : 1;
+  double sum = 0;
+  for (int j = margin; j < kTaps - margin; ++j) {
+    const int row = static_cast<int>(top) - 1 + j;
+    const auto* gray = ground.pixels.ptr<std::uint8_t>(row) + static_cast<int>(left) - 1;
+    const auto* valid = ground.valid.ptr<std::uint8_t>(row) + static_cast<int>(left) - 1;
+    double line = 0;
+    for (int i = margin; i < kTaps - margin; ++i) {
+      if (valid[i] == 0) return std::nullopt;
+      line += across[static_cast<std::size_t>(i)] * gray[i];
+    }
+    sum += down[static_cast<std::size_t>(j)] * line;
+  }
+  return sum;
+}
+
+/// Where the corners of one pixel of the frame lie on the ground.
+struct Quadrilateral {
+  Eigen::Vector2d top_left, top_right, bottom_left, bottom_right;
+
+  double longest_side() const {
+    return std::max({(top_right - top_left).norm(), (bottom_right - bottom_left).norm(),
+                     (bottom_left - top_left).norm(), (bottom_right - top_right).norm()});
+  }
+  /// `x` and `y` in [0, 1]. Within one pixel the projection is bilinear to far less than a sample's distance.
+  Eigen::Vector2d at(double x, double y) const {
+    return (1 - y) * ((1 - x) * top_left + x * top_right) + y * ((1 - x) * bottom_left + x * bottom_right);
+  }
+};
+
+std::optional<double> mean_over(const Quadrilateral& area, const Raster& ground) {
+  const double side = area.longest_side();
+  if (!std::isfinite(side)) return std::nullopt;  // a corner sees no ground
+  const bool cubic = side <= 1;
+  const int count = std::max(2, static_cast<int>(std::ceil(2 * side)));
+  double sum = 0;
+  for (int j = 0; j < count; ++j) {
+    for (int i = 0; i < count; ++i) {
+      const auto value = sample(ground, area.at((i + 0.5) / count, (j + 0.5) / count), cubic);
+      if (!value) return std::nullopt;
+      sum += *value;
+    }
+  }
+  return sum / (count * count);
+}
+
+/// Where the upper corners of a row of the frame's pixels lie on the ground; NaN where they see none.
+std::vector<Eigen::Vector2d> corner_row(const View& view, const GroundPlace& place, int row) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Eigen::Vector2d> corners;
+  corners.reserve(static_cast<std::size_t>(view.lens.camera.width_px) + 1);
+  for (int col = 0; col <= view.lens.camera.width_px; ++col) {
+    const auto ground_m = ground_from_pixel(view, Eigen::Vector2d(col, row));
+    corners.push_back(ground_m ? place.pixel_from_ground(*ground_m) : Eigen::Vector2d(nan, nan));
+  }
+  return corners;
+}
+
+}  // namespace
+
+GeodeticPoint geodetic_from_pixel(const CrsTransform& transform, const GeoTransform& map_from_pixel,
+                                  const Eigen::Vector2d& pixel) {
+  const auto point = transform.geodetic_from_map(map_from_pixel.map_from_pixel(pixel));
+  if (point) return *point;
+  throw DataError("pixel (" + format_number(pixel.x()) + ", " + format_number(pixel.y()) +
+                  ") of the ground has no longitude and latitude");
+}
+
+GroundPlace ground_place(const Crs& crs, const GeoTransform& map_from_pixel, const Eigen::Vector2d& nadir_px) {
+  // Pixels with rows counted upwards stand in for a grid in metres: enu_from_grid wants a right-handed one.
+  const double hand = map_from_pixel.determinant() < 0 ? -1 : 1;
+  const CrsTransform transform(crs);
+  const Eigen::Matrix2d enu_from_pixel =
+      enu_from_grid({nadir_px.x(), hand * nadir_px.y()}, kJacobianStepPx, [&](const Eigen::Vector2d& point) {
+        return transform.geodetic_from_map(map_from_pixel.map_from_pixel({point.x(), hand * point.y()}));
+      });
+  GroundPlace place;
+  place.nadir_px = nadir_px;
+  place.pixel_from_enu_m = Eigen::Vector2d(1, hand).asDiagonal() * enu_from_pixel.inverse();
+  return place;
+}
+
+RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                           const Attitude& attitude, double agl_m) {
+  if (ground.depth != CV_8U) throw UsageError("the ground has not 8 bits; stretch_to_8bit makes it so");
+  const View view = checked_view(camera, attitude, agl_m);
+  RenderedFrame frame;
+  frame.gray = cv::Mat(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(0));
+  frame.valid = frame.gray.clone();
+  const PixelWindow window = window_under(footprint(view), place, ground);
+  if (window.width == 0) return frame;
+  const Raster pixels = ground.read(window);
+
+  GroundPlace in_window = place;
+  in_window.nadir_px -= Eigen::Vector2d(static_cast<double>(window.col), static_cast<double>(window.row));
+  std::vector<Eigen::Vector2d> above = corner_row(view, in_window, 0);
+  for (int row = 0; row < frame.gray.rows; ++row) {
+    std::vector<Eigen::Vector2d> below = corner_row(view, in_window, row + 1);
+    for (int col = 0; col < frame.gray.cols; ++col) {
+      const auto left = static_cast<std::size_t>(col);
+      const auto value = mean_over({above[left], above[left + 1], below[left], below[left + 1]}, pixels);
+      if (!value) continue;
+      frame.gray.at<std::uint8_t>(row, col) = cv::saturate_cast<std::uint8_t>(*value);
+      frame.valid.at<std::uint8_t>(row, col) = 255;
+    }
+    above.swap(below);
+  }
+  frame.valid_fraction = static_cast<double>(cv::countNonZero(frame.valid)) / static_cast<double>(frame.valid.total());
+  return frame;
+}
+
+bool footprint_inside(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                      const Attitude& attitude, double agl_m) {
+  const Footprint seen = footprint(checked_view(camera, attitude, agl_m));
+  if (seen.polygon_m.empty() || seen.cut) return false;
+  const Bounds bounds = outline_bounds(seen, place);
+  return bounds.min_x_m >= 0 && bounds.min_y_m >= 0 && bounds.max_x_m <= static_cast<double>(ground.width_px) &&
+         bounds.max_y_m <= static_cast<double>(ground.height_px);
+}
+
+}  // namespace pilotage

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/camera/attitude.h"
+#include "pilotage/camera/camera.h"
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/raster/gdal_crs.h"
+#include "pilotage/raster/gray_source.h"
+
+namespace pilotage {
+
+/// Where an aircraft hangs over a ground grid, and what one metre is there. Pixels (column, row) of the ground, centres
+/// at +0.5.
+struct GroundPlace {
+  Eigen::Vector2d nadir_px{0, 0};  ///< The point straight below the camera.
+  /// Pixels of the ground per metre to the true east (first column) and to the true north (second column): holds pixel
+  /// size, unit, scale and convergence of the ground's CRS.
+  Eigen::Matrix2d pixel_from_enu_m = Eigen::Matrix2d::Identity();
+
+  Eigen::Vector2d pixel_from_ground(const Eigen::Vector2d& ground_m) const {
+    return nadir_px + pixel_from_enu_m * ground_m;
+  }
+};
+
+/// The place of `nadir_px` on a grid of any CRS (metres, feet, degrees, EPSG:3857), rotated or not. The Jacobian is
+/// taken by differences on the ellipsoid (geo/enu_from_grid.h); what it leaves out is the change of scale and
+/// convergence within a frame: below 1 cm over a footprint of 150 m in any of the usual projections up to 60° latitude.
+/// Throws DataError where the grid has no longitude and latitude.
+GroundPlace ground_place(const Crs& crs, const GeoTransform& map_from_pixel, const Eigen::Vector2d& nadir_px);
+
+/// Longitude and latitude of a pixel position. Throws DataError where there is none.
+GeodeticPoint geodetic_from_pixel(const CrsTransform& transform, const GeoTransform& map_from_pixel,
+                                  const Eigen::Vector2d& pixel);
+
+struct RenderedFrame {
+  cv::Mat gray;               ///< CV_8UC1 of the camera's size; 0 where not valid.
+  cv::Mat valid;              ///< CV_8UC1: 255 where all the ground that the pixel sees is valid, else 0.
+  double valid_fraction = 0;  ///< Share of the frame that is.
+};
+
+/// What a camera sees of flat ground with the gray values of `ground`: the inverse of ortho_rectify, by the same
+/// projection (camera/projection.h). Each pixel of the frame is the mean over the quadrilateral that it covers, from
+/// samples at most half a ground pixel apart and at least 2 × 2; a sample is interpolated, where the frame is at least
+/// as fine as the ground by cubic convolution (R. Keys, IEEE Trans. ASSP 29, 1981, a = −1/2), else linearly. Only the
+/// window of `ground` under the footprint is read. Throws UsageError when no View can be made of camera, attitude and
+/// `agl_m`, when `ground` is not CV_8U (stretch_to_8bit makes it so), or when the footprint holds more than 2^28 of its
+/// pixels; DataError as ground.read.
+RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                           const Attitude& attitude, double agl_m);
+
+/// Whether the outline of the footprint lies inside the grid of `ground` and no part of the frame shows the sky: what
+/// render_frame would need to be valid everywhere, but for holes in the imagery. Reads nothing.
+bool footprint_inside(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                      const Attitude& attitude, double agl_m);
+
+}  // namespace pilotage
