@@ -33,7 +33,7 @@ struct ReportCommandOptions {
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
     fields.field("compare", self.compare, "Say what changed between two report.json; -o takes it as JSON.");
-    fields.field("outputs", self.outputs, kOutputsHelp);
+    fields.field("outputs", self.outputs, outputs_help());
     fields.path("report_json", self.report_json, "Also write the numbers as JSON here, wherever --outputs puts them.");
     fields.field("title", self.title, "Title of the page; the route's name if not given.");
     fields.path("evaluation", self.evaluation,

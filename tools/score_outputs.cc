@@ -43,23 +43,23 @@ std::string for_people(double number) {
 
 // One line per measure: how far it ranges.
 void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
-  const std::vector<ScoreColumn>& columns = score_columns();
-  std::vector<std::vector<double>> numbers(columns.size());
+  std::vector<std::vector<double>> numbers(measures().size());
   for (const TileRow& row : rows) {
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (const double value = columns[i].get(row.score); !std::isnan(value)) numbers[i].push_back(value);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (const double value = measures()[i].get(row.score); !std::isnan(value)) numbers[i].push_back(value);
     }
   }
-  for (std::size_t i = 0; i < columns.size(); ++i) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const Measure& measure = measures()[i];
     std::vector<double>& values = numbers[i];
     if (values.empty()) continue;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     const double median = *middle;
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    result.text += columns[i].name + ": " + for_people(*low) + " … " + for_people(median) + " … " + for_people(*high) +
-                   (columns[i].unit.empty() ? "" : " " + columns[i].unit) + "\n";
-    result.json["measures"][columns[i].name] = {
+    result.text += measure.name + ": " + for_people(*low) + " … " + for_people(median) + " … " + for_people(*high) +
+                   (measure.unit.empty() ? "" : " " + measure.unit) + "\n";
+    result.json["measures"][measure.name] = {
         {"minimum", *low}, {"median", median}, {"maximum", *high}, {"tiles", values.size()}};
   }
 }

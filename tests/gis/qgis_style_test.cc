@@ -12,10 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 
 MeasureScale variance_scale() {
-  for (const Measure& measure : report_measures()) {
-    if (measure.name == "gray_variance") return {measure, 10, 30, 5, 40};
-  }
-  return {};
+  return {*find_measure("gray_variance"), 10, 30, 5, 40};
 }
 
 /// The number of elements of a name anywhere in a document; -1 when it is not well-formed.

@@ -16,8 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 ReportLayers layers_of(const ReportInput& input) {
-  const Report report = make_report(input);
-  return report_layers(input, report, report_json(report));
+  return report_layers(input, make_report(input));
 }
 
 std::size_t column_of(const VectorLayer& layer, const std::string& name) {

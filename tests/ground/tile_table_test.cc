@@ -28,8 +28,8 @@ std::vector<TileRow> random_rows(int count) {
     row.min_row_px = i * 32;
     row.tile.valid_fraction = row.score.valid_fraction = random.uniform();
     row.score.status = i % 5 == 0 ? TileStatus::kTooLittleGround : i % 5 == 1 ? TileStatus::kFlat : TileStatus::kScored;
-    for (const ScoreColumn& column : score_columns()) {
-      if (random.below(4) != 0) column.set(row.score, number());
+    for (const Measure& measure : measures()) {
+      if (random.below(4) != 0) measure.set(row.score, number());
     }
     for (const auto& entry : enum_names(ReasonCode{})) {
       if (i % 4 != 0 && random.below(5) == 0) row.score.reasons.push_back(entry.value);
@@ -64,20 +64,20 @@ TEST(TileTable, ColumnsAreThePromisedOnes) {
 }
 
 TEST(TileTable, EveryColumnReadsWhatItWrites) {
-  for (const ScoreColumn& column : score_columns()) {
+  for (const Measure& measure : measures()) {
     TileScore score;
-    EXPECT_TRUE(std::isnan(column.get(score))) << column.name;
-    column.set(score, 0.25);
-    EXPECT_EQ(column.get(score), 0.25) << column.name;
-    for (const ScoreColumn& other : score_columns()) {
-      if (other.name != column.name) {
-        EXPECT_TRUE(std::isnan(other.get(score))) << column.name << " wrote " << other.name;
+    EXPECT_TRUE(std::isnan(measure.get(score))) << measure.name;
+    measure.set(score, 0.25);
+    EXPECT_EQ(measure.get(score), 0.25) << measure.name;
+    for (const Measure& other : measures()) {
+      if (other.name != measure.name) {
+        EXPECT_TRUE(std::isnan(other.get(score))) << measure.name << " wrote " << other.name;
       }
     }
-    EXPECT_EQ(find_score_column(column.name), &column);
-    EXPECT_FALSE(column.description.empty());
+    EXPECT_EQ(find_measure(measure.name), &measure);
+    EXPECT_FALSE(measure.description.empty());
   }
-  EXPECT_EQ(find_score_column("entropy"), nullptr);
+  EXPECT_EQ(find_measure("entropy"), nullptr);
 }
 
 TEST(TileTable, RoundTripIsExact) {
@@ -94,10 +94,10 @@ TEST(TileTable, RoundTripIsExact) {
     EXPECT_EQ(again[i].score.row, rows[i].tile.row);
     EXPECT_EQ(again[i].tile.valid_fraction, rows[i].score.valid_fraction);
     EXPECT_EQ(again[i].score.reasons, rows[i].score.reasons);
-    for (const ScoreColumn& column : score_columns()) {
-      const double before = column.get(rows[i].score);
-      const double after = column.get(again[i].score);
-      EXPECT_TRUE(before == after || (std::isnan(before) && std::isnan(after))) << column.name;
+    for (const Measure& measure : measures()) {
+      const double before = measure.get(rows[i].score);
+      const double after = measure.get(again[i].score);
+      EXPECT_TRUE(before == after || (std::isnan(before) && std::isnan(after))) << measure.name;
     }
   }
 }
@@ -126,7 +126,7 @@ TEST(TileTable, RefusesDamagedTables) {
   EXPECT_THAT(error_of(replaced("1099511627779", "1099511627776")),
               ::testing::HasSubstr("line 3: tile_id 1099511627776 does not follow 1099511627776"));
   EXPECT_THAT(error_of(csv + "1,2\n"),
-              ::testing::HasSubstr("line 5: 2 cells, expected " + std::to_string(15 + score_columns().size())));
+              ::testing::HasSubstr("line 5: 2 cells, expected " + std::to_string(15 + measures().size())));
   EXPECT_EQ(error_of(csv + "\n"), "") << "an empty line is no row (base/csv.h)";
 }
 

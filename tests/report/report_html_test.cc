@@ -188,7 +188,7 @@ TEST(ReportHtml, EveryTileHasAShadeOfEveryMeasure) {
     ASSERT_EQ(display["shades"][m].size(), report.tiles.size());
     for (std::size_t i = 0; i < report.tiles.size(); ++i) {
       EXPECT_EQ(display["shades"][m][i],
-                shade(report.measures[m], report.measures[m].measure.value(report.tiles[i].score)));
+                shade(report.measures[m], report.measures[m].measure.get(report.tiles[i].score)));
     }
   }
   EXPECT_EQ(display["colors"]["viridis"].size(), 256U);

@@ -70,8 +70,8 @@ TEST(ScoreShard, ComesBackBitForBit) {
     EXPECT_EQ(again.scores[i].tile_id, shard.scores[i].tile_id);
     EXPECT_EQ(again.scores[i].status, shard.scores[i].status);
     EXPECT_EQ(bits(again.scores[i].valid_fraction), bits(shard.scores[i].valid_fraction));
-    for (const ScoreColumn& column : score_columns()) {
-      EXPECT_EQ(bits(column.get(again.scores[i])), bits(column.get(shard.scores[i]))) << column.name;
+    for (const Measure& measure : measures()) {
+      EXPECT_EQ(bits(measure.get(again.scores[i])), bits(measure.get(shard.scores[i]))) << measure.name;
     }
   }
 }
@@ -80,7 +80,7 @@ TEST(ScoreShard, EveryNumberOfATileScoreIsAColumn) {
   // What is measured but no column would get lost between shard and merge.
   ScoreShard shard = some_shard(1);
   double next = 1;
-  for (const ScoreColumn& column : score_columns()) column.set(shard.scores[0], next++);
+  for (const Measure& measure : measures()) measure.set(shard.scores[0], next++);
   const TileScore again = score_shard_from_bytes("test", score_shard_to_bytes(shard)).scores[0];
   const auto surface = [](const SurfaceScores& scores) {
     return std::vector{scores.peak,        scores.rival,      scores.margin,        scores.rival_ratio,
@@ -90,7 +90,7 @@ TEST(ScoreShard, EveryNumberOfATileScoreIsAColumn) {
   EXPECT_EQ(surface(again.clean), surface(shard.scores[0].clean));
   EXPECT_EQ(surface(again.degraded), surface(shard.scores[0].degraded));
   // 10 + 10 of surfaces, 4 of the second date, 10 plain ones: all doubles of the struct but valid_fraction.
-  EXPECT_EQ(score_columns().size(), 34U);
+  EXPECT_EQ(measures().size(), 34U);
 }
 
 TEST(ScoreShard, LeavesOutWhatWasNotMeasured) {

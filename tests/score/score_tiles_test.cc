@@ -58,8 +58,8 @@ std::vector<std::uint64_t> bits_of(const std::vector<TileScore>& scores) {
   for (const TileScore& tile : scores) {
     bits.push_back(static_cast<std::uint64_t>(tile.tile_id));
     bits.push_back(static_cast<std::uint64_t>(tile.status));
-    for (const ScoreColumn& column : score_columns()) {
-      const double value = column.get(tile);
+    for (const Measure& measure : measures()) {
+      const double value = measure.get(tile);
       std::uint64_t word = 0;
       std::memcpy(&word, &value, sizeof(word));
       bits.push_back(std::isnan(value) ? 0 : word);

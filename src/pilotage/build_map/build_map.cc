@@ -60,12 +60,12 @@ MapHeader make_header(const Mission& plan, bool chips) {
     header.levels.push_back({level.matrix, level.gsd_m, level.min_agl_m, level.max_agl_m, 0});
   }
   header.tile_columns.push_back({"status", MapColumnType::kText, "What became of the tile when it was scored"});
-  header.tile_columns.push_back({"valid_fraction", MapColumnType::kReal, "Share of the tile that imagery covers"});
+  header.tile_columns.push_back({coverage_measure().name, MapColumnType::kReal, coverage_measure().description});
   header.tile_columns.push_back({"route_distance_m", MapColumnType::kReal, "Along the route, at its nearest point"});
   header.tile_columns.push_back({"route_offset_m", MapColumnType::kReal, "From the route to the tile's centre"});
-  for (const ScoreColumn& column : score_columns()) {
-    header.tile_columns.push_back({column.name, MapColumnType::kReal,
-                                   column.description + (column.unit.empty() ? "" : " [" + column.unit + "]")});
+  for (const Measure& measure : measures()) {
+    header.tile_columns.push_back({measure.name, MapColumnType::kReal,
+                                   measure.description + (measure.unit.empty() ? "" : " [" + measure.unit + "]")});
   }
   header.tile_columns.push_back(
       {"reasons", MapColumnType::kText, "Why it may not be recognised, joined by semicolons"});
@@ -85,9 +85,9 @@ void write_tiles(MapWriter& writer, const Mission& plan, const std::vector<Selec
     row.bounds = tile->bounds;
     row.center = tile->center;
     row.enu_from_grid = enu_from_grid(tile->bounds.center_m(), kJacobianStep_m, geodetic_from_map);
-    std::vector<MapValue> values{std::string(tile_status_name(score->status)), score->valid_fraction, place.distance_m,
-                                 place.offset_m};
-    for (const ScoreColumn& column : score_columns()) values.emplace_back(column.get(*score));
+    std::vector<MapValue> values{std::string(tile_status_name(score->status)), score->valid_fraction,
+                                 place.distance_m, place.offset_m};
+    for (const Measure& measure : measures()) values.emplace_back(measure.get(*score));
     values.emplace_back(reason_words(*score));
     writer.add_tile(row, values);
   }

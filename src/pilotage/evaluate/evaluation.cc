@@ -129,15 +129,15 @@ std::vector<std::string> predictor_columns() {
 
 std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const Evaluation& evaluation,
                                              const std::string& name) {
-  const ScoreColumn* column = find_score_column(name);
-  if (column == nullptr) throw UsageError("\"" + name + "\" is no column of tiles.csv");
+  const Measure* measure = find_measure(name);
+  if (measure == nullptr) throw UsageError("\"" + name + "\" is no column of tiles.csv");
   const double block_px = evaluation.block_m / evaluation.gsd_m;
   std::vector<JudgedPrediction> predictions;
   for (const TileOutcome& outcome : evaluation.outcomes) {
     if (outcome.outcome == Outcome::kNotCovered) continue;
     const TileRow& row = ground.rows[outcome.row];
     predictions.push_back(
-        {column->get(row.score), outcome.outcome == Outcome::kCorrect, block_of(ground, row, block_px)});
+        {measure->get(row.score), outcome.outcome == Outcome::kCorrect, block_of(ground, row, block_px)});
   }
   return predictions;
 }

@@ -137,14 +137,14 @@ std::string evaluation_text(const Evaluation& evaluation) {
 }
 
 std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluation) {
-  std::vector<const ScoreColumn*> columns;
+  std::vector<const Measure*> columns;
   std::string text =
       "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,error_east_m,error_"
       "north_m,evidence";
   std::vector<std::string> names = predictor_columns();
   for (const char* input_of_model : {"map_features", "vote_noise"}) names.emplace_back(input_of_model);
   for (const std::string& name : names) {
-    columns.push_back(find_score_column(name));
+    columns.push_back(find_measure(name));
     text += "," + columns.back()->name;
   }
   text += "\n";
@@ -165,7 +165,7 @@ std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluat
                                    csv_cell(outcome.error_east_m),
                                    csv_cell(outcome.error_north_m),
                                    csv_cell(outcome.evidence)};
-    for (const ScoreColumn* column : columns) cells.push_back(csv_cell(column->get(row.score)));
+    for (const Measure* measure : columns) cells.push_back(csv_cell(measure->get(row.score)));
     text += join(cells, ",") + "\n";
   }
   return text;

@@ -30,7 +30,7 @@ std::string png(const cv::Mat& rgba) {
 }
 
 cv::Mat colored(const cv::Mat& values, const MeasureScale& scale) {
-  const auto colors = color_table(scale.measure.color_map);
+  const auto colors = color_table(scale.measure.heat.colors);
   cv::Mat rgba(values.size(), CV_8UC4, cv::Scalar::all(0));
   for (int row = 0; row < values.rows; ++row) {
     for (int col = 0; col < values.cols; ++col) {
@@ -55,12 +55,11 @@ std::string ground_overlay(const std::string& name, const std::string& file, con
 cv::Mat legend(const MeasureScale& scale) {
   constexpr int kBarTop = 34;
   constexpr int kBarHeight = 160;
-  const auto colors = color_table(scale.measure.color_map);
+  const auto colors = color_table(scale.measure.heat.colors);
   cv::Mat rgba(kBarTop + kBarHeight + 16, 230, CV_8UC4, cv::Scalar(255, 255, 255, 225));
   const cv::Scalar ink(20, 20, 20, 255);
-  const std::string unit = scale.measure.unit == "1" ? "" : " [" + std::string(scale.measure.unit) + "]";
-  cv::putText(rgba, std::string(scale.measure.label) + unit, {8, 20}, cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1,
-              cv::LINE_AA);
+  const std::string unit = scale.measure.heat.unit == "1" ? "" : " [" + scale.measure.heat.unit + "]";
+  cv::putText(rgba, scale.measure.heat.title + unit, {8, 20}, cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1, cv::LINE_AA);
   for (int y = 0; y < kBarHeight; ++y) {
     const Rgb color = colors[static_cast<std::size_t>((kBarHeight - 1 - y) * 255 / (kBarHeight - 1))];
     cv::line(rgba, {8, kBarTop + y}, {32, kBarTop + y}, cv::Scalar(color.red, color.green, color.blue, 255));
@@ -68,8 +67,8 @@ cv::Mat legend(const MeasureScale& scale) {
   for (int tick = 0; tick <= 4; ++tick) {
     const int y = kBarTop + (kBarHeight - 1) * (4 - tick) / 4;
     cv::line(rgba, {32, y}, {38, y}, ink);
-    cv::putText(rgba, number_text(scale.low + (scale.high - scale.low) * tick / 4, scale.measure.decimals), {44, y + 5},
-                cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1, cv::LINE_AA);
+    cv::putText(rgba, number_text(scale.low + (scale.high - scale.low) * tick / 4, scale.measure.heat.decimals),
+                {44, y + 5}, cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1, cv::LINE_AA);
   }
   return rgba;
 }
@@ -89,7 +88,7 @@ DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
   if (std::isnan(shown.least)) return overlay;
   const Crs crs = input.plan.ground.crs;
   const std::vector<TileRow> rows = tile_rows(input.plan.ground, input.scores);
-  const std::string name = html_escape(shown.measure.label);
+  const std::string name = html_escape(shown.measure.heat.title);
   for (const GridLevel& level : input.plan.ground.levels) {
     const ScoreRaster raster = score_raster(level.matrix, rows);
     const auto band = std::find_if(raster.bands.begin(), raster.bands.end(),

@@ -28,7 +28,7 @@ std::string channels(Rgb color, int alpha = 255) {
 
 /// "1" is the unit of plain numbers, which need none.
 std::string unit_suffix(const Measure& measure) {
-  return measure.unit.empty() || measure.unit == "1" ? "" : " " + std::string(measure.unit);
+  return measure.heat.unit == "1" ? "" : " " + measure.heat.unit;
 }
 
 std::string symbol_layer(const std::string& kind, const Properties& properties) {
@@ -90,7 +90,7 @@ std::string rules_style(const std::vector<StyleRule>& rules) {
 }  // namespace
 
 std::string qgis_heat_style(const MeasureScale& scale, int band) {
-  const auto colors = color_table(scale.measure.color_map);
+  const auto colors = color_table(scale.measure.heat.colors);
   const auto stop_color = [&](int stop) { return colors[static_cast<std::size_t>(stop * 255 / (kColorStops - 1))]; };
   const std::string low = format_number(scale.low);
   const std::string high = format_number(scale.high);
@@ -102,7 +102,7 @@ std::string qgis_heat_style(const MeasureScale& scale, int band) {
     const double value = scale.low + share * (scale.high - scale.low);
     items += "          <item" + attribute("value", format_number(value)) + " alpha=\"255\"" +
              attribute("color", hex_color(stop_color(stop))) +
-             attribute("label", number_text(value, scale.measure.decimals) + suffix) + "/>\n";
+             attribute("label", number_text(value, scale.measure.heat.decimals) + suffix) + "/>\n";
     if (stop == 0 || stop == kColorStops - 1) continue;
     stops += (stops.empty() ? "" : ":") + format_number(share) + ";" + channels(stop_color(stop));
   }
@@ -114,7 +114,7 @@ std::string qgis_heat_style(const MeasureScale& scale, int band) {
          "<statAccuracy>Exact</statAccuracy></minMaxOrigin>\n      <rastershader>\n"
          "        <colorrampshader colorRampType=\"INTERPOLATED\" classificationMode=\"1\" clip=\"0\"" +
          attribute("minimumValue", low) + attribute("maximumValue", high) +
-         attribute("labelPrecision", std::to_string(scale.measure.decimals)) +
+         attribute("labelPrecision", std::to_string(scale.measure.heat.decimals)) +
          ">\n          <colorramp name=\"[source]\" type=\"gradient\">\n" + "            <prop" +
          attribute("k", "color1") + attribute("v", channels(stop_color(0))) + "/>\n            <prop" +
          attribute("k", "color2") + attribute("v", channels(stop_color(kColorStops - 1))) +
@@ -123,9 +123,9 @@ std::string qgis_heat_style(const MeasureScale& scale, int band) {
          attribute("v", stops) + "/>\n          </colorramp>\n" + items +
          "          <rampLegendSettings useContinuousLegend=\"1\" orientation=\"2\" direction=\"0\" prefix=\"\"" +
          attribute("suffix", suffix) +
-         attribute("minimumLabel", number_text(scale.low, scale.measure.decimals) + suffix) +
+         attribute("minimumLabel", number_text(scale.low, scale.measure.heat.decimals) + suffix) +
          attribute("maximumLabel",
-                   number_text(scale.high, scale.measure.decimals) + suffix + " " + std::string(scale.measure.label)) +
+                   number_text(scale.high, scale.measure.heat.decimals) + suffix + " " + scale.measure.heat.title) +
          "/>\n        </colorrampshader>\n      </rastershader>\n    </rasterrenderer>\n  </pipe>\n"
          "  <blendMode>0</blendMode>\n</qgis>\n";
 }
@@ -156,15 +156,15 @@ std::string with_aliases(const std::string& style, const std::vector<std::pair<s
 }
 
 std::vector<ScaleClass> scale_classes(const MeasureScale& scale) {
-  const auto colors = color_table(scale.measure.color_map);
+  const auto colors = color_table(scale.measure.heat.colors);
   std::vector<ScaleClass> classes;
   for (int i = 0; i < kScaleClasses; ++i) {
     ScaleClass next;
     next.low = scale.low + (scale.high - scale.low) * i / kScaleClasses;
     next.high = scale.low + (scale.high - scale.low) * (i + 1) / kScaleClasses;
     next.color = colors[static_cast<std::size_t>((2 * i + 1) * 255 / (2 * kScaleClasses))];
-    next.label = number_text(next.low, scale.measure.decimals) + " – " +
-                 number_text(next.high, scale.measure.decimals) + unit_suffix(scale.measure);
+    next.label = number_text(next.low, scale.measure.heat.decimals) + " – " +
+                 number_text(next.high, scale.measure.heat.decimals) + unit_suffix(scale.measure);
     classes.push_back(next);
   }
   return classes;
@@ -173,7 +173,7 @@ std::vector<ScaleClass> scale_classes(const MeasureScale& scale) {
 std::string qgis_tile_style(const MeasureScale& scale) {
   constexpr Rgb kThin{0x80, 0x80, 0x80};
   constexpr Rgb kStrong{0x20, 0x20, 0x20};
-  const std::string column = "\"" + std::string(scale.measure.name) + "\"";
+  const std::string column = "\"" + scale.measure.name + "\"";
   const std::vector<ScaleClass> classes = scale_classes(scale);
   std::vector<StyleRule> rules;
   for (std::size_t i = 0; i < classes.size(); ++i) {
@@ -182,10 +182,10 @@ std::string qgis_tile_style(const MeasureScale& scale) {
     if (i + 1 < classes.size()) {
       filter += (filter.empty() ? "" : " AND ") + column + " < " + format_number(classes[i].high);
     }
-    rules.push_back({filter, std::string(scale.measure.label) + " " + classes[i].label, "fill", "0.7",
+    rules.push_back({filter, scale.measure.heat.title + " " + classes[i].label, "fill", "0.7",
                      fill_layer("solid", classes[i].color, kThin, "solid", 0.1)});
   }
-  rules.push_back({column + " IS NULL", std::string(scale.measure.label) + ": not known", "fill", "1",
+  rules.push_back({column + " IS NULL", scale.measure.heat.title + ": not known", "fill", "1",
                    fill_layer("b_diagonal", kThin, kThin, "solid", 0.1)});
   rules.push_back({"\"selected\"", "matching area", "fill", "1", fill_layer("no", kStrong, kStrong, "solid", 0.4)});
   return rules_style(rules);

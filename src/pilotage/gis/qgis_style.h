@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pilotage/raster/gdal_write.h"
-#include "pilotage/report/measure.h"
+#include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
 

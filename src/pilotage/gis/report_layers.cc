@@ -20,24 +20,29 @@
 namespace pilotage {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Corners = std::vector<Eigen::Vector2d>;
 
 constexpr std::size_t kMaxLinePoints = 100'000;
 constexpr Rgb kRouteColor{0x20, 0x20, 0x20};
 
-VectorValue value_of(const Json& json, VectorType type) {
-  if (json.is_null()) return std::monostate{};
-  if (type == VectorType::kBoolean) return json.get<bool>();
-  if (type == VectorType::kText) return json.get<std::string>();
-  if (type == VectorType::kInteger) return json.get<std::int64_t>();
-  return json.get<double>();
+/// A column of a layer and where its value comes from.
+template <class Row>
+struct LayerField {
+  VectorColumn column;
+  VectorValue (*value)(const Row&);
+};
+
+template <class Row>
+std::vector<VectorColumn> columns_of(const std::vector<LayerField<Row>>& fields) {
+  std::vector<VectorColumn> columns;
+  for (const LayerField<Row>& field : fields) columns.push_back(field.column);
+  return columns;
 }
 
-/// The values of an object by the names of the columns.
-std::vector<VectorValue> values_of(const Json& object, const std::vector<VectorColumn>& columns) {
+template <class Row>
+std::vector<VectorValue> values_of(const std::vector<LayerField<Row>>& fields, const Row& row) {
   std::vector<VectorValue> values;
-  for (const VectorColumn& column : columns) values.push_back(value_of(object.at(column.name), column.type));
+  for (const LayerField<Row>& field : fields) values.push_back(field.value(row));
   return values;
 }
 
@@ -63,7 +68,7 @@ const GridLevel& level_of(const ReportInput& input, int level) {
 }
 
 VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>& classes, const TileScore& score) {
-  const double value = scale.measure.value(score);
+  const double value = scale.measure.get(score);
   VectorStyle style{"#404040ff", 1, "#80808040"};
   for (const ScaleClass& next : classes) {  // the last that is reached; the first takes what lies below the scale
     if (!std::isnan(value) && (value >= next.low || &next == &classes.front())) {
@@ -73,14 +78,7 @@ VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>&
   return style;
 }
 
-VectorType type_of(const TileField& field) {
-  const Json value = field.value(ReportTile{});
-  if (value.is_boolean()) return VectorType::kBoolean;
-  if (value.is_string()) return VectorType::kText;
-  return value.is_number_integer() ? VectorType::kInteger : VectorType::kReal;
-}
-
-VectorLayer tile_layer(const ReportInput& input, const Report& report, const Json& numbers) {
+VectorLayer tile_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer;
   layer.name = "tiles";
   layer.title = "Tiles";
@@ -89,20 +87,16 @@ VectorLayer tile_layer(const ReportInput& input, const Report& report, const Jso
   layer.crs = input.plan.ground.crs;
   layer.visible = false;
   for (const TileField& field : tile_fields()) {
-    const std::string unit = field.unit.empty() ? "" : " [" + std::string(field.unit) + "]";
-    layer.columns.push_back({std::string(field.name), type_of(field), std::string(field.label) + unit});
+    const std::string unit = field.unit.empty() ? "" : " [" + field.unit + "]";
+    layer.columns.push_back({field.name, field.type, field.label + unit});
   }
   const MeasureScale& scale = shown_scale(report);
   const std::vector<ScaleClass> classes = scale_classes(scale);
   layer.qml = qgis_tile_style(scale);
-  const Json& rows = numbers.at("tiles").at("rows");
-  for (std::size_t i = 0; i < report.tiles.size(); ++i) {
-    const ReportTile& tile = report.tiles[i];
+  for (const ReportTile& tile : report.tiles) {
     VectorFeature feature;
     feature.points = cell_of(tile.tile, level_of(input, tile.tile.level).matrix);
-    for (std::size_t c = 0; c < layer.columns.size(); ++c) {
-      feature.values.push_back(value_of(rows.at(i).at(c), layer.columns[c].type));
-    }
+    for (const TileField& field : tile_fields()) feature.values.push_back(field.value(tile));
     feature.title = "Tile " + std::to_string(tile.tile.tile_id);
     feature.style = tile_style(scale, classes, tile.score);
     layer.features.push_back(std::move(feature));
@@ -172,8 +166,7 @@ VectorLayer area_layer(const ReportInput& input, const Report& report) {
                       static_cast<std::int64_t>(group.size())};
     for (const bool largest : {false, true}) {
       if (!range) feature.values.emplace_back(std::monostate{});
-      if (range)
-        feature.values.push_back(value_of(rounded(largest ? range->second : range->first, 6), VectorType::kReal));
+      if (range) feature.values.push_back(number_value(largest ? range->second : range->first));
     }
     layer.features.push_back(std::move(feature));
   }
@@ -205,32 +198,43 @@ std::string fixed_or_unknown(double p) {
   return std::isnan(p) ? "not known" : probability_text(p);
 }
 
-VectorLayer leg_layer(const ReportInput& input, const Report& report, const Json& numbers) {
+const std::vector<LayerField<ReportLeg>>& leg_fields() {
+  using Leg = const ReportLeg&;
+  using Type = VectorType;
+  static const std::vector<LayerField<ReportLeg>> fields = {
+      {{"leg", Type::kInteger, "Leg"}, [](Leg leg) { return VectorValue(std::int64_t{leg.status.leg}); }},
+      {{"status", Type::kText, "Status"}, [](Leg leg) { return VectorValue(std::string(status_name(leg.quality))); }},
+      {{"from_distance_m", Type::kReal, "From, along the route [m]"},
+       [](Leg leg) { return number_value(leg.from_distance_m); }},
+      {{"length_m", Type::kReal, "Length [m]"}, [](Leg leg) { return number_value(leg.status.length_m); }},
+      {{"matchable_fraction", Type::kReal, "Share over matching areas"},
+       [](Leg leg) { return number_value(leg.status.matchable_fraction); }},
+      {{"max_error_m", Type::kReal, "Largest predicted error [m]"},
+       [](Leg leg) { return number_value(leg.status.max_error_m); }},
+      {{"within_limit", Type::kBoolean, "Error within its limit"},
+       [](Leg leg) { return VectorValue(leg.status.within_limit); }},
+      {{"p_within_limit", Type::kReal, "P(within the limit)"},
+       [](Leg leg) { return number_value(leg.status.p_within_limit); }},
+      {{"p_fix", Type::kReal, "P(a correct fix)"}, [](Leg leg) { return number_value(leg.status.p_fix); }}};
+  return fields;
+}
+
+VectorLayer leg_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer = line_layer("legs", "Legs", "The legs of the route and whether they can be flown.");
-  layer.columns = {{"leg", VectorType::kInteger, "Leg"},
-                   {"status", VectorType::kText, "Status"},
-                   {"from_distance_m", VectorType::kReal, "From, along the route [m]"},
-                   {"length_m", VectorType::kReal, "Length [m]"},
-                   {"matchable_fraction", VectorType::kReal, "Share over matching areas"},
-                   {"max_error_m", VectorType::kReal, "Largest predicted error [m]"},
-                   {"within_limit", VectorType::kBoolean, "Error within its limit"},
-                   {"p_within_limit", VectorType::kReal, "P(within the limit)"},
-                   {"p_fix", VectorType::kReal, "P(a correct fix)"}};
+  layer.columns = columns_of(leg_fields());
   std::vector<LineClass> classes;
   for (const QualityStatus status : {QualityStatus::kGood, QualityStatus::kMarginal, QualityStatus::kBad}) {
     const std::string value(status_name(status));
     classes.push_back({value, value, status_color(status), 1.2, status != QualityStatus::kGood});
   }
   layer.qml = qgis_line_style("status", classes);
-  const Json& legs = numbers.at("route").at("legs");
-  for (std::size_t i = 0; i < report.legs.size(); ++i) {
-    const ReportLeg& leg = report.legs[i];
+  for (const ReportLeg& leg : report.legs) {
     std::vector<GeodeticPoint> points = leg_line(input.plan.flight.samples, leg.status.leg, kMaxLinePoints);
     points.insert(points.begin(), leg.from);
     points.push_back(leg.to);
     VectorFeature feature;
     feature.points = line_of(points);
-    feature.values = values_of(legs.at(i), layer.columns);
+    feature.values = values_of(leg_fields(), leg);
     feature.title = "Leg " + std::to_string(leg.status.leg);
     feature.note = std::string(status_name(leg.quality)) + ": predicted error " + error_text(leg.status.max_error_m) +
                    ", within the limit with P " + fixed_or_unknown(leg.status.p_within_limit);
@@ -240,25 +244,37 @@ VectorLayer leg_layer(const ReportInput& input, const Report& report, const Json
   return layer;
 }
 
-VectorLayer gap_layer(const ReportInput& input, const Report& report, const Json& numbers) {
+const std::vector<LayerField<ReportGap>>& gap_fields() {
+  using Gap = const ReportGap&;
+  using Type = VectorType;
+  static const std::vector<LayerField<ReportGap>> fields = {
+      {{"leg", Type::kInteger, "Leg on which it starts"},
+       [](Gap gap) { return VectorValue(std::int64_t{gap.gap.leg}); }},
+      {{"from_distance_m", Type::kReal, "From, along the route [m]"},
+       [](Gap gap) { return number_value(gap.gap.from_distance_m); }},
+      {{"to_distance_m", Type::kReal, "To, along the route [m]"},
+       [](Gap gap) { return number_value(gap.gap.to_distance_m); }},
+      {{"length_m", Type::kReal, "Length [m]"}, [](Gap gap) { return number_value(gap.length_m); }},
+      {{"duration_s", Type::kReal, "Duration [s]"}, [](Gap gap) { return number_value(gap.gap.duration_s); }},
+      {{"speed_mps", Type::kReal, "Speed [m/s]"}, [](Gap gap) { return number_value(gap.speed_mps); }},
+      {{"error_m", Type::kReal, "Predicted error at its end [m]"},
+       [](Gap gap) { return number_value(gap.gap.error_m); }},
+      {{"within_limit", Type::kBoolean, "Error within its limit"},
+       [](Gap gap) { return VectorValue(gap.gap.within_limit); }},
+      {{"p_first_excess", Type::kReal, "P(first beyond the limit here)"},
+       [](Gap gap) { return number_value(gap.gap.p_first_excess); }}};
+  return fields;
+}
+
+VectorLayer gap_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer = line_layer("gaps", "Gaps", "Stretches of the route without a fix.");
-  layer.columns = {{"leg", VectorType::kInteger, "Leg on which it starts"},
-                   {"from_distance_m", VectorType::kReal, "From, along the route [m]"},
-                   {"to_distance_m", VectorType::kReal, "To, along the route [m]"},
-                   {"length_m", VectorType::kReal, "Length [m]"},
-                   {"duration_s", VectorType::kReal, "Duration [s]"},
-                   {"speed_mps", VectorType::kReal, "Speed [m/s]"},
-                   {"error_m", VectorType::kReal, "Predicted error at its end [m]"},
-                   {"within_limit", VectorType::kBoolean, "Error within its limit"},
-                   {"p_first_excess", VectorType::kReal, "P(first beyond the limit here)"}};
+  layer.columns = columns_of(gap_fields());
   layer.qml = qgis_line_style("", {{"", "gap", status_color(QualityStatus::kBad), 3, false}});
-  const Json& gaps = numbers.at("route").at("gaps");
-  for (std::size_t i = 0; i < report.gaps.size(); ++i) {
-    const ReportGap& gap = report.gaps[i];
+  for (const ReportGap& gap : report.gaps) {
     VectorFeature feature;
     feature.points = line_of(
         route_line_between(input.plan.flight.samples, gap.gap.from_distance_m, gap.gap.to_distance_m, kMaxLinePoints));
-    feature.values = values_of(gaps.at(i), layer.columns);
+    feature.values = values_of(gap_fields(), gap);
     feature.title = "Gap of " + length_text(gap.length_m);
     feature.note = duration_text(gap.gap.duration_s) + "; " + comparison_text(gap.gap.error_m, report.max_error_m);
     feature.style = {with_opacity(status_color(QualityStatus::kBad), "80"), 9, ""};  // around the leg
@@ -267,25 +283,35 @@ VectorLayer gap_layer(const ReportInput& input, const Report& report, const Json
   return layer;
 }
 
-VectorLayer route_layer(const ReportInput& input, const Report& report, const Json& numbers) {
+const std::vector<LayerField<Report>>& route_fields() {
+  using Type = VectorType;
+  static const std::vector<LayerField<Report>> fields = {
+      {{"name", Type::kText, "Name"}, [](const Report& report) { return VectorValue(report.route_name); }},
+      {{"length_m", Type::kReal, "Length [m]"},
+       [](const Report& report) { return number_value(report.route_length_m); }},
+      {{"matchable_fraction", Type::kReal, "Share over matching areas"},
+       [](const Report& report) { return number_value(report.matchable_fraction); }},
+      {{"largest_error_m", Type::kReal, "Largest predicted error [m]"},
+       [](const Report& report) { return number_value(report.largest_error_m); }},
+      {{"max_error_m", Type::kReal, "Limit of the error [m]"},
+       [](const Report& report) { return number_value(report.max_error_m); }},
+      {{"p_within_limit", Type::kReal, "P(within the limit)"},
+       [](const Report& report) {
+         return report.probability ? number_value(report.probability->p_within_limit) : VectorValue();
+       }},
+      {{"verdict_status", Type::kText, "Verdict: status"},
+       [](const Report& report) { return VectorValue(std::string(verdict_name(report.verdict))); }},
+      {{"verdict_text", Type::kText, "Verdict: text"},
+       [](const Report& report) { return VectorValue(report.verdict_text); }}};
+  return fields;
+}
+
+VectorLayer route_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer = line_layer("route", "Route", "The whole route with its verdict.");
-  layer.columns = {{"name", VectorType::kText, "Name"},
-                   {"length_m", VectorType::kReal, "Length [m]"},
-                   {"matchable_fraction", VectorType::kReal, "Share over matching areas"},
-                   {"largest_error_m", VectorType::kReal, "Largest predicted error [m]"},
-                   {"max_error_m", VectorType::kReal, "Limit of the error [m]"}};
+  layer.columns = columns_of(route_fields());
   layer.qml = qgis_line_style("", {{"", "route", kRouteColor, 0.3, false}});
-  const Json& route = numbers.at("route");
   VectorFeature feature;
-  feature.values = values_of(route, layer.columns);
-  const Json& probability = route.at("probability");
-  layer.columns.push_back({"p_within_limit", VectorType::kReal, "P(within the limit)"});
-  feature.values.push_back(probability.is_null() ? VectorValue()
-                                                 : value_of(probability.at("p_within_limit"), VectorType::kReal));
-  for (const char* key : {"status", "text"}) {
-    layer.columns.push_back({std::string("verdict_") + key, VectorType::kText, std::string("Verdict: ") + key});
-    feature.values.push_back(value_of(numbers.at("verdict").at(key), VectorType::kText));
-  }
+  feature.values = values_of(route_fields(), report);
   std::vector<GeodeticPoint> points;
   for (const FlightSample& sample : input.plan.flight.samples) points.push_back(sample.point);
   feature.points = line_of(points);
@@ -297,27 +323,31 @@ VectorLayer route_layer(const ReportInput& input, const Report& report, const Js
   return layer;
 }
 
-VectorLayer key_value_layer(const Json& numbers) {
+VectorLayer key_value_layer(const Report& report) {
   VectorLayer layer;
   layer.name = "report";
   layer.title = "Report";
   layer.description = "The verdict and what the report was made of.";
   layer.columns = {{"key", VectorType::kText, ""}, {"value", VectorType::kText, ""}};
-  const auto add = [&](const std::string& key, const Json& value) {
+  const auto add = [&](const std::string& key, const std::string& value) {
     VectorFeature row;
-    row.values = {key, value.is_string() ? value.get<std::string>() : value.dump()};
+    row.values = {key, value};
     layer.features.push_back(std::move(row));
   };
-  for (const char* key : {"title", "software_version"}) add(key, numbers.at(key));
-  for (const auto& [key, value] : numbers.at("verdict").items()) add("verdict." + key, value);
-  for (const Json& row : numbers.at("quality")) {
-    add("quality." + row.at("name").get<std::string>(), row.at("value"));
-  }
-  for (const auto& [key, value] : numbers.at("selection").items()) add("selection." + key, value);
-  for (std::size_t i = 0; i < numbers.at("inputs").size(); ++i) {
-    for (const auto& [key, value] : numbers.at("inputs").at(i).items()) {
-      add("inputs." + std::to_string(i) + "." + key, value);
-    }
+  add("title", report.title);
+  add("software_version", report.software_version);
+  add("verdict.status", std::string(verdict_name(report.verdict)));
+  add("verdict.text", report.verdict_text);
+  for (const QualityRow& row : report.quality) add("quality." + row.name, row.value);
+  add("selection.selected_tiles", std::to_string(report.selected_tiles));
+  add("selection.all_tiles", std::to_string(report.tiles.size()));
+  add("selection.estimated_bytes", std::to_string(report.estimated_bytes));
+  for (std::size_t i = 0; i < report.inputs.size(); ++i) {
+    const std::string prefix = "inputs." + std::to_string(i) + ".";
+    add(prefix + "role", report.inputs[i].role);
+    add(prefix + "name", report.inputs[i].name);
+    add(prefix + "date", report.inputs[i].date);
+    add(prefix + "digest", report.inputs[i].digest);
   }
   return layer;
 }
@@ -330,10 +360,9 @@ const MeasureScale& shown_scale(const Report& report) {
   return known == report.measures.end() ? report.measures.front() : *known;
 }
 
-ReportLayers report_layers(const ReportInput& input, const Report& report, const Json& numbers) {
-  ReportLayers layers{tile_layer(input, report, numbers),  area_layer(input, report),
-                      leg_layer(input, report, numbers),   gap_layer(input, report, numbers),
-                      route_layer(input, report, numbers), key_value_layer(numbers)};
+ReportLayers report_layers(const ReportInput& input, const Report& report) {
+  ReportLayers layers{tile_layer(input, report), area_layer(input, report),  leg_layer(input, report),
+                      gap_layer(input, report),  route_layer(input, report), key_value_layer(report)};
   for (VectorLayer* layer : {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {
     std::vector<std::pair<std::string, std::string>> titles;
     for (const VectorColumn& column : layer->columns) titles.emplace_back(column.name, column.title);

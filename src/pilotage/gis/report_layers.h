@@ -2,8 +2,6 @@
 
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "pilotage/raster/gdal_vector.h"
 #include "pilotage/report/report.h"
 
@@ -24,8 +22,8 @@ struct ReportLayers {
 /// P(correct fix) where there is one; the first when none has.
 const MeasureScale& shown_scale(const Report& report);
 
-/// `report` is make_report(input) and `numbers` its report_json. Features come in the order of report.json; route is
+/// `report` is make_report(input). Features come in the order of report.json; route is
 /// empty when the plan has no route.
-ReportLayers report_layers(const ReportInput& input, const Report& report, const nlohmann::ordered_json& numbers);
+ReportLayers report_layers(const ReportInput& input, const Report& report);
 
 }  // namespace pilotage

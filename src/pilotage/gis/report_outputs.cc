@@ -1,7 +1,7 @@
 #include "pilotage/gis/report_outputs.h"
 
 #include <algorithm>
-#include <iterator>
+#include <charconv>
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/gis/kml_files.h"
@@ -18,38 +18,157 @@ std::string level_suffix(int level) {
   return level == 0 ? "" : "_level" + std::to_string(level);
 }
 
-const std::vector<std::string>& layer_names() {
-  static const std::vector<std::string> names = {"tiles", "areas", "legs", "gaps", "route"};
-  return names;
+using Endings = std::vector<std::string>;
+
+/// What a format is written from, and where.
+struct OutputSource {
+  fs::path folder;
+  std::string stem;
+  const ReportInput& input;
+  const Report& report;
+  const ReportLayers& layers;  ///< Empty when no format that is asked for draws layers.
+  bool with_scores = false;
+
+  fs::path path(const std::string& ending) const { return folder / (stem + ending); }
+};
+
+/// A way to hand the report on. Endings are what stands behind the stem in the names of its files.
+struct OutputFormat {
+  ReportOutput output;
+  std::string name;
+  std::string purpose;  ///< For the help: "QGIS"; "" for none.
+  bool draws_layers = false;
+  Endings (*endings)(const std::vector<GridLevel>& levels, bool with_scores);
+  Endings (*write)(const OutputSource& source);  ///< Returns the endings of the files written.
+};
+
+Endings write_html(const OutputSource& source) {
+  write_file(source.path(".html"), report_html(source.report), true);
+  return {".html"};
+}
+
+Endings write_json(const OutputSource& source) {
+  write_file(source.path(".json"), report_json(source.report).dump(1) + "\n", true);
+  return {".json"};
+}
+
+Endings raster_endings(const std::vector<GridLevel>& levels, bool with_scores) {
+  Endings endings;
+  for (const GridLevel& level : levels) {
+    const std::string suffix = level_suffix(level.matrix.level);
+    if (with_scores) {
+      for (const char* type : {".tif", ".qml"}) endings.push_back("_scores" + suffix + type);
+    }
+    for (const char* type : {".tif", ".qml", ".tif.aux.xml"}) endings.push_back("_classes" + suffix + type);
+  }
+  return endings;
 }
 
 /// The score raster of its own and the class raster of every level that has scores.
-std::vector<std::string> write_rasters(const fs::path& folder, const std::string& stem, const ReportInput& input,
-                                       bool with_scores) {
-  std::vector<std::string> names;
-  const std::vector<TileRow> rows = tile_rows(input.plan.ground, input.scores);
-  const Crs crs = input.plan.ground.crs;
-  for (const GridLevel& level : input.plan.ground.levels) {
+Endings write_rasters(const OutputSource& source) {
+  Endings endings;
+  const std::vector<TileRow> rows = tile_rows(source.input.plan, source.input.scores);
+  const Crs crs = source.input.plan.ground.crs;
+  for (const GridLevel& level : source.input.plan.ground.levels) {
     const ScoreRaster raster = score_raster(level.matrix, rows);
     if (raster.bands.empty()) continue;
     const std::string suffix = level_suffix(level.matrix.level);
-    if (with_scores) {
-      const fs::path path = folder / (stem + "_scores" + suffix + ".tif");
+    if (source.with_scores) {
+      const fs::path path = source.path("_scores" + suffix + ".tif");
       write_score_raster(path, raster.bands, crs, raster.map_from_pixel, true);
-      names.push_back(path.filename().string());
-      if (const auto shown = shown_measure(raster, input.scores)) {
-        names.push_back(write_heat_style(path, *shown, true));
+      endings.push_back("_scores" + suffix + ".tif");
+      if (const auto shown = shown_measure(raster, source.input.scores)) {
+        write_heat_style(path, *shown, true);
+        endings.push_back("_scores" + suffix + ".qml");
       }
     }
-    const std::vector<std::string> written =
-        write_classes(folder / (stem + "_classes" + suffix + ".tif"), class_values(level.matrix, rows), crs,
-                      raster.map_from_pixel, true);
-    names.insert(names.end(), written.begin(), written.end());
+    write_classes(source.path("_classes" + suffix + ".tif"), class_values(level.matrix, rows), crs,
+                  raster.map_from_pixel, true);
+    for (const char* type : {".tif", ".qml", ".tif.aux.xml"}) endings.push_back("_classes" + suffix + type);
   }
-  return names;
+  return endings;
+}
+
+Endings write_gpkg(const OutputSource& source) {
+  const ReportLayers& layers = source.layers;
+  write_geopackage(source.path(".gpkg"),
+                   {layers.tiles, layers.areas, layers.legs, layers.gaps, layers.route, layers.report},
+                   geopackage_timestamp(), true);
+  return {".gpkg"};
+}
+
+Endings write_google_earth(const OutputSource& source) {
+  write_kmz(source.path(".kmz"), source.input, source.report, source.layers, true);
+  return {".kmz"};
+}
+
+Endings write_kml(const OutputSource& source) {
+  write_file(source.path("_legs.kml"), legs_kml(source.report, source.layers), true);
+  write_file(source.path("_areas.kml"), areas_kml(source.report, source.layers), true);
+  return {"_legs.kml", "_areas.kml"};
+}
+
+Endings write_geojsons(const OutputSource& source) {
+  const ReportLayers& layers = source.layers;
+  Endings endings;
+  for (const VectorLayer* layer : {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {
+    endings.push_back("_" + layer->name + ".geojson");
+    write_geojson(source.path(endings.back()), *layer, true);
+  }
+  return endings;
+}
+
+/// The formats in the order in which they are written.
+const std::vector<OutputFormat>& output_formats() {
+  using Levels = const std::vector<GridLevel>&;
+  static const std::vector<OutputFormat> formats = {
+      {ReportOutput::kHtml, "html", "", false, [](Levels, bool) { return Endings{".html"}; }, write_html},
+      {ReportOutput::kJson, "json", "", false, [](Levels, bool) { return Endings{".json"}; }, write_json},
+      {ReportOutput::kCog, "cog", "heat map and classes", false, raster_endings, write_rasters},
+      {ReportOutput::kGpkg, "gpkg", "QGIS", true, [](Levels, bool) { return Endings{".gpkg"}; }, write_gpkg},
+      {ReportOutput::kKmz, "kmz", "Google Earth", true, [](Levels, bool) { return Endings{".kmz"}; },
+       write_google_earth},
+      {ReportOutput::kKml, "kml", "QGroundControl", true,
+       [](Levels, bool) {
+         return Endings{"_legs.kml", "_areas.kml"};
+       },
+       write_kml},
+      {ReportOutput::kGeojson, "geojson", "", true,
+       [](Levels, bool) {
+         return Endings{"_tiles.geojson", "_areas.geojson", "_legs.geojson", "_gaps.geojson", "_route.geojson"};
+       },
+       write_geojsons}};
+  return formats;
+}
+
+/// The level that a name of one of our files carries, 0 without one: any level an earlier run may have had.
+int level_in(const std::string& name) {
+  constexpr std::string_view kMark = "_level";
+  const std::size_t at = name.find(kMark);
+  int level = 0;
+  if (at != std::string::npos) std::from_chars(name.data() + at + kMark.size(), name.data() + name.size(), level);
+  return level;
 }
 
 }  // namespace
+
+EnumNames<ReportOutput> enum_names(ReportOutput) {
+  EnumNames<ReportOutput> names;
+  for (const OutputFormat& format : output_formats()) names.push_back({format.output, format.name});
+  names.push_back({ReportOutput::kAll, "all"});
+  return names;
+}
+
+const std::string& outputs_help() {
+  static const std::string help = [] {
+    std::string text = "Files to write: ";
+    for (const OutputFormat& format : output_formats()) {
+      text += format.name + (format.purpose.empty() ? "" : " (" + format.purpose + ")") + ", ";
+    }
+    return text + "or all.";
+  }();
+  return help;
+}
 
 bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which) {
   return std::any_of(outputs.begin(), outputs.end(),
@@ -59,29 +178,16 @@ bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which) {
 std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,
                                              const std::vector<GridLevel>& levels, bool with_scores) {
   std::vector<std::string> names;
-  const auto add = [&](ReportOutput output, const std::string& rest) {
-    if (asks_for(outputs, output)) names.push_back(stem + rest);
-  };
-  add(ReportOutput::kHtml, ".html");
-  add(ReportOutput::kJson, ".json");
-  for (const GridLevel& level : levels) {
-    const std::string suffix = level_suffix(level.matrix.level);
-    if (with_scores) {
-      for (const char* rest : {".tif", ".qml"}) add(ReportOutput::kCog, "_scores" + suffix + rest);
-    }
-    for (const char* rest : {".tif", ".qml", ".tif.aux.xml"}) add(ReportOutput::kCog, "_classes" + suffix + rest);
+  for (const OutputFormat& format : output_formats()) {
+    if (!asks_for(outputs, format.output)) continue;
+    for (const std::string& ending : format.endings(levels, with_scores)) names.push_back(stem + ending);
   }
-  add(ReportOutput::kGpkg, ".gpkg");
-  add(ReportOutput::kKmz, ".kmz");
-  for (const char* rest : {"_legs.kml", "_areas.kml"}) add(ReportOutput::kKml, rest);
-  for (const std::string& layer : layer_names()) add(ReportOutput::kGeojson, "_" + layer + ".geojson");
   return names;
 }
 
 bool is_report_output(const std::string& stem, const std::string& name) {
   std::vector<GridLevel> levels(1);
-  const auto at = name.find("_level");  // any level an earlier run may have had
-  if (at != std::string::npos) levels.front().matrix.level = std::atoi(name.c_str() + at + 6);
+  levels.front().matrix.level = level_in(name);
   const std::vector<std::string> names = report_output_names(stem, {ReportOutput::kAll}, levels, true);
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -89,44 +195,21 @@ bool is_report_output(const std::string& stem, const std::string& name) {
 std::vector<std::string> write_report_outputs(const fs::path& folder, const std::string& stem, const ReportInput& input,
                                               const Report& report, const std::vector<ReportOutput>& outputs,
                                               bool with_scores, const Progress& progress) {
+  const std::vector<OutputFormat>& formats = output_formats();
+  const bool draws_layers = std::any_of(formats.begin(), formats.end(), [&](const OutputFormat& format) {
+    return format.draws_layers && asks_for(outputs, format.output);
+  });
+  const ReportLayers layers = draws_layers ? report_layers(input, report) : ReportLayers{};
+  const OutputSource source{folder, stem, input, report, layers, with_scores};
   std::vector<std::string> names;
-  const auto path_of = [&](const std::string& rest) {
-    names.push_back(stem + rest);
-    return folder / names.back();
-  };
-  constexpr std::int64_t kSteps = 7;
+  const auto steps = static_cast<std::int64_t>(formats.size());
   std::int64_t step = 0;
-  const auto wanted = [&](ReportOutput output) {
-    report_progress(progress, "writing the report", step++, kSteps);
-    return asks_for(outputs, output);
-  };
-  const nlohmann::ordered_json numbers = report_json(report);
-  const bool maps = asks_for(outputs, ReportOutput::kGpkg) || asks_for(outputs, ReportOutput::kKmz) ||
-                    asks_for(outputs, ReportOutput::kKml) || asks_for(outputs, ReportOutput::kGeojson);
-  const ReportLayers layers = maps ? report_layers(input, report, numbers) : ReportLayers{};
-
-  if (wanted(ReportOutput::kHtml)) write_file(path_of(".html"), report_html(report), true);
-  if (wanted(ReportOutput::kJson)) write_file(path_of(".json"), numbers.dump(1) + "\n", true);
-  if (wanted(ReportOutput::kCog)) {
-    std::vector<std::string> written = write_rasters(folder, stem, input, with_scores);
-    std::move(written.begin(), written.end(), std::back_inserter(names));
+  for (const OutputFormat& format : formats) {
+    report_progress(progress, "writing the report", step++, steps);
+    if (!asks_for(outputs, format.output)) continue;
+    for (const std::string& ending : format.write(source)) names.push_back(stem + ending);
   }
-  if (wanted(ReportOutput::kGpkg)) {
-    write_geopackage(path_of(".gpkg"),
-                     {layers.tiles, layers.areas, layers.legs, layers.gaps, layers.route, layers.report},
-                     geopackage_timestamp(), true);
-  }
-  if (wanted(ReportOutput::kKmz)) write_kmz(path_of(".kmz"), input, report, layers, true);
-  if (wanted(ReportOutput::kKml)) {
-    write_file(path_of("_legs.kml"), legs_kml(report, layers), true);
-    write_file(path_of("_areas.kml"), areas_kml(report, layers), true);
-  }
-  if (wanted(ReportOutput::kGeojson)) {
-    for (const VectorLayer* layer : {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {
-      write_geojson(path_of("_" + layer->name + ".geojson"), *layer, true);
-    }
-  }
-  report_progress(progress, "writing the report", kSteps, kSteps);
+  report_progress(progress, "writing the report", steps, steps);
   return names;
 }
 

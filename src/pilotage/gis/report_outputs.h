@@ -10,18 +10,14 @@
 
 namespace pilotage {
 
-/// Files in which a report can be handed on (docs/commands/report.md).
+/// Files in which a report can be handed on (docs/commands/report.md). A new one is a value here and a row of the table
+/// in report_outputs.cc.
 enum class ReportOutput { kHtml, kJson, kCog, kGpkg, kKmz, kKml, kGeojson, kAll };
 
-inline EnumNames<ReportOutput> enum_names(ReportOutput) {
-  return {{ReportOutput::kHtml, "html"},       {ReportOutput::kJson, "json"}, {ReportOutput::kCog, "cog"},
-          {ReportOutput::kGpkg, "gpkg"},       {ReportOutput::kKmz, "kmz"},   {ReportOutput::kKml, "kml"},
-          {ReportOutput::kGeojson, "geojson"}, {ReportOutput::kAll, "all"}};
-}
+EnumNames<ReportOutput> enum_names(ReportOutput);
 
-inline constexpr const char* kOutputsHelp =
-    "Files to write: html, json, cog (heat map and classes), gpkg (QGIS), kmz (Google Earth), kml (QGroundControl), "
-    "geojson, or all.";
+/// The help of an option that takes them: every name and what it is for.
+const std::string& outputs_help();
 
 /// Whether `outputs` ask for `which`, by name or as part of all.
 bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which);

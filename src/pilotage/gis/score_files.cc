@@ -21,9 +21,9 @@ std::string category_names(const std::vector<RasterClass>& classes) {
 }  // namespace
 
 std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScore>& scores) {
-  for (const Measure& measure : report_measures()) {
+  for (const Measure* measure : heat_maps()) {
     for (std::size_t i = 0; i < raster.bands.size(); ++i) {
-      if (raster.bands[i].name == measure.name) return {{measure_scale(measure, scores), static_cast<int>(i) + 1}};
+      if (raster.bands[i].name == measure->name) return {{measure_scale(*measure, scores), static_cast<int>(i) + 1}};
     }
   }
   return std::nullopt;
@@ -42,14 +42,13 @@ std::string write_heat_style(const std::filesystem::path& raster_path, const Sho
   return path.filename().string();
 }
 
-std::vector<std::string> write_classes(const std::filesystem::path& path, const cv::Mat& values, const Crs& crs,
-                                       const GeoTransform& map_from_pixel, bool overwrite) {
+void write_classes(const std::filesystem::path& path, const cv::Mat& values, const Crs& crs,
+                   const GeoTransform& map_from_pixel, bool overwrite) {
   const std::filesystem::path style = style_path(path);
   const std::filesystem::path names = path.string() + ".aux.xml";
   write_class_raster(path, "class", values, tile_classes(), crs, map_from_pixel, overwrite);
   write_file(style, qgis_class_style(tile_classes()), overwrite);
   write_file(names, category_names(tile_classes()), overwrite);
-  return {path.filename().string(), style.filename().string(), names.filename().string()};
 }
 
 }  // namespace pilotage

@@ -7,11 +7,11 @@
 
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/mission/mission.h"
-#include "pilotage/report/measure.h"
+#include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
 
-/// The measure that a score raster shows when it is opened: the first of report_measures() that is a band of it, with
+/// The measure that a score raster shows when it is opened: the first of heat_maps() that is a band of it, with
 /// its scale over the rows of the level. Nothing when there is none.
 struct ShownMeasure {
   MeasureScale scale;
@@ -27,8 +27,7 @@ cv::Mat class_values(const TileMatrix& matrix, const std::vector<TileRow>& rows)
 std::string write_heat_style(const std::filesystem::path& raster_path, const ShownMeasure& shown, bool overwrite);
 
 /// Writes the class raster with its style (.qml) and the names of its classes (.aux.xml, where GDAL looks for them).
-/// Returns the file names.
-std::vector<std::string> write_classes(const std::filesystem::path& path, const cv::Mat& values, const Crs& crs,
-                                       const GeoTransform& map_from_pixel, bool overwrite);
+void write_classes(const std::filesystem::path& path, const cv::Mat& values, const Crs& crs,
+                   const GeoTransform& map_from_pixel, bool overwrite);
 
 }  // namespace pilotage

@@ -6,7 +6,7 @@
 
 #include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gdal_write.h"
-#include "pilotage/report/measure.h"
+#include "pilotage/report/measure_scale.h"
 #include "pilotage/report/quality.h"
 
 namespace pilotage {

@@ -53,14 +53,13 @@ cv::Mat draw_scores(const TileMatrix& matrix, std::span<const TileRow> rows, con
   return draw(matrix, rows, range, std::numeric_limits<double>::quiet_NaN(), get);
 }
 
-/// For each score column, whether some tile of the level has a number.
-std::vector<char> measured_columns(const TileMatrix& matrix, std::span<const TileRow> rows) {
-  const std::vector<ScoreColumn>& columns = score_columns();
-  std::vector<char> measured(columns.size());
+/// For each measure, whether some tile of the level has a number.
+std::vector<char> is_measured(const TileMatrix& matrix, std::span<const TileRow> rows) {
+  std::vector<char> measured(measures().size());
   for (const TileRow& row : rows) {
     if (row.tile.level != matrix.level) continue;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (measured[i] == 0 && !std::isnan(columns[i].get(row.score))) measured[i] = 1;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+      if (measured[i] == 0 && !std::isnan(measures()[i].get(row.score))) measured[i] = 1;
     }
   }
   return measured;
@@ -73,16 +72,15 @@ ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows
   const CellRange range = range_of(matrix, rows);
   if (range.last_row < 0) return raster;
   raster.map_from_pixel = matrix.map_from_stride_cell({range.first_column, range.first_row});
-  raster.bands.push_back({"valid_fraction", "", draw_scores(matrix, rows, range, [](const TileRow& row) {
-                            return row.score.valid_fraction;
-                          })});
-  const std::vector<char> measured = measured_columns(matrix, rows);
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    if (measured[i] == 0) continue;
-    const ScoreColumn& column = score_columns()[i];
-    raster.bands.push_back({column.name, column.unit, draw_scores(matrix, rows, range, [&](const TileRow& row) {
-                              return column.get(row.score);
+  const auto add_band = [&](const Measure& measure) {
+    raster.bands.push_back({measure.name, measure.unit, draw_scores(matrix, rows, range, [&](const TileRow& row) {
+                              return measure.get(row.score);
                             })});
+  };
+  add_band(coverage_measure());
+  const std::vector<char> measured = is_measured(matrix, rows);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (measured[i] != 0) add_band(measures()[i]);
   }
   return raster;
 }

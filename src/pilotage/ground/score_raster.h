@@ -13,7 +13,7 @@ namespace pilotage {
 
 /// Scores as a raster: one pixel per tile, drawn as the stride-sized cell around the tile's centre.
 struct ScoreRaster {
-  std::vector<ScoreBand> bands;  ///< valid_fraction, then score_columns() by name; NaN where there is no tile.
+  std::vector<ScoreBand> bands;  ///< valid_fraction, then measures() by name; NaN where there is no tile.
   GeoTransform map_from_pixel;
 };
 

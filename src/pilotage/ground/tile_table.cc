@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -132,10 +133,10 @@ std::vector<Cell> make_cells() {
       "valid_fraction", true, [](const TileRow& row) { return row.score.valid_fraction; },
       [](TileRow& row, double value) { row.tile.valid_fraction = row.score.valid_fraction = value; }));
   cells.push_back(status_cell());
-  for (const ScoreColumn& column : score_columns()) {
+  for (const Measure& measure : measures()) {
     cells.push_back(number_cell(
-        column.name, false, [&column](const TileRow& row) { return column.get(row.score); },
-        [&column](TileRow& row, double value) { column.set(row.score, value); }));
+        measure.name, false, [&measure](const TileRow& row) { return measure.get(row.score); },
+        [&measure](TileRow& row, double value) { measure.set(row.score, value); }));
   }
   cells.push_back(reasons_cell());
   return cells;
@@ -162,73 +163,7 @@ std::vector<const Cell*> read_header(const CsvReader& reader, const std::vector<
   return order;
 }
 
-void add_surface_columns(std::vector<ScoreColumn>& columns, const std::string& prefix, const std::string& which,
-                         SurfaceScores TileScore::*surface) {
-  const auto add = [&](const char* name, const char* unit, const char* description, double SurfaceScores::*member) {
-    columns.push_back({prefix + name, unit, which + description,
-                       [=](const TileScore& score) { return score.*surface.*member; },
-                       [=](TileScore& score, double value) { score.*surface.*member = value; }});
-  };
-  add("peak", "", "correlation at the true position (R1)", &SurfaceScores::peak);
-  add("rival", "", "highest correlation outside the main lobe (R2)", &SurfaceScores::rival);
-  add("peak_margin", "", "R1 - R2; negative where a wrong position wins", &SurfaceScores::margin);
-  add("rival_ratio", "", "R2 / R1", &SurfaceScores::rival_ratio);
-  add("psr", "", "peak-to-sidelobe ratio, (R1 - mean) / sigma outside the main lobe", &SurfaceScores::psr);
-  add("rivals", "", "number of other local maxima of at least 0.8 R1", &SurfaceScores::rivals);
-  add("half_width_px", "px", "half width of the main lobe at half its height", &SurfaceScores::half_width_px);
-  add("expected_error_px", "px", "expected error of a fix per axis, from curvature and noise",
-      &SurfaceScores::expected_error_px);
-  add("rival_dx_px", "px", "offset of the strongest rival, to the right", &SurfaceScores::rival_dx_px);
-  add("rival_dy_px", "px", "offset of the strongest rival, downwards", &SurfaceScores::rival_dy_px);
-}
-
-void add_epoch_columns(std::vector<ScoreColumn>& columns) {
-  const auto add = [&](const char* name, const char* unit, const char* description, double EpochScores::*member) {
-    columns.push_back({name, unit, std::string("Second date: ") + description,
-                       [member](const TileScore& score) { return score.epoch.*member; },
-                       [member](TileScore& score, double value) { score.epoch.*member = value; }});
-  };
-  add("epoch_ncc", "", "correlation of both dates at the registered place", &EpochScores::ncc);
-  add("epoch_margin", "", "epoch_ncc - highest correlation at a wrong place", &EpochScores::margin);
-  add("epoch_survival", "", "share of descriptors found in both dates", &EpochScores::survival);
-  add("epoch_disagreement_m", "m", "distance between the georeferences of both dates", &EpochScores::disagreement_m);
-}
-
-std::vector<ScoreColumn> make_score_columns() {
-  std::vector<ScoreColumn> columns;
-  const auto add = [&](const char* name, const char* unit, const char* description, double TileScore::*member) {
-    columns.push_back({name, unit, description, [member](const TileScore& score) { return score.*member; },
-                       [member](TileScore& score, double value) { score.*member = value; }});
-  };
-  add("gray_variance", "gray levels", "gray variance V, with the square root", &TileScore::gray_variance);
-  add("frieden_entropy", "", "Frieden entropy H", &TileScore::frieden_entropy);
-  add("frieden_deficit", "", "N (1 - H/e) - 1, about (sigma/mean)^2", &TileScore::frieden_deficit);
-  add_surface_columns(columns, "clean_", "Clean surface: ", &TileScore::clean);
-  add_surface_columns(columns, "degraded_", "Degraded copies: ", &TileScore::degraded);
-  add_epoch_columns(columns);
-  add("vegetation_share", "", "share of the ground that is green", &TileScore::vegetation_share);
-  add("water_share", "", "share of the ground that looks like open water", &TileScore::water_share);
-  add("aperture", "", "how much edges run in all directions (1) rather than in one (0)", &TileScore::aperture);
-  add("relief_m", "m", "highest minus lowest ground", &TileScore::relief_m);
-  add("map_features", "", "features of the map in this tile", &TileScore::map_features);
-  add("vote_noise", "", "standard deviation of the votes that they give to wrong places", &TileScore::vote_noise);
-  add("p_correct_fix", "", "probability of a correct fix", &TileScore::p_correct_fix);
-  return columns;
-}
-
 }  // namespace
-
-const std::vector<ScoreColumn>& score_columns() {
-  static const std::vector<ScoreColumn> columns = make_score_columns();
-  return columns;
-}
-
-const ScoreColumn* find_score_column(std::string_view name) {
-  for (const ScoreColumn& column : score_columns()) {
-    if (column.name == name) return &column;
-  }
-  return nullptr;
-}
 
 std::string reason_words(const TileScore& score) {
   std::vector<std::string> words;

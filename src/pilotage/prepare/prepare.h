@@ -31,7 +31,7 @@ struct PrepareOptions {
     fields.group("score", self.score, "How tiles are scored.", FlagPrefix::kNone);
     fields.group("select", self.select, "Which tiles become matching areas.", FlagPrefix::kNone);
     fields.group("build", self.build, "What is stored of them.", FlagPrefix::kNone);
-    fields.field("outputs", self.outputs, kOutputsHelp);
+    fields.field("outputs", self.outputs, outputs_help());
   }
 };
 

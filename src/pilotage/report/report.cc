@@ -227,7 +227,7 @@ Report make_report(const ReportInput& input) {
   report.fixes = fix_stretches(selection.error_profile);
   report.error_profile = thin_profile(selection.error_profile, 2000);
 
-  for (const Measure& measure : report_measures()) report.measures.push_back(measure_scale(measure, input.scores));
+  for (const Measure* measure : heat_maps()) report.measures.push_back(measure_scale(*measure, input.scores));
   report.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   report.estimated_bytes = selection.estimated_bytes;
 

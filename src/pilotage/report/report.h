@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "pilotage/report/measure.h"
+#include "pilotage/report/measure_scale.h"
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
 #include "pilotage/report/weak_places.h"

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <regex>
 
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/safe_text.h"
 #include "pilotage/base/text.h"
 #include "pilotage/report/page_assets.h"
@@ -241,17 +242,18 @@ Json display_json(const Report& report) {
   }
   json["profile_p"] = Json::array();  // one for each row of the error profile
   for (const ErrorSample& sample : report.error_profile) {
-    json["profile_p"].push_back(Json::array({rounded(sample.p_correct_fix, 4), rounded(sample.p_within_limit, 6)}));
+    json["profile_p"].push_back(
+        Json::array({json_number(rounded(sample.p_correct_fix, 4)), json_number(rounded(sample.p_within_limit, 6))}));
   }
   json["shades"] = Json::array();
   json["color_maps"] = Json::array();
   json["decimals"] = Json::array();
   for (const MeasureScale& scale : report.measures) {
     Json shades = Json::array();
-    for (const ReportTile& tile : report.tiles) shades.push_back(shade(scale, scale.measure.value(tile.score)));
+    for (const ReportTile& tile : report.tiles) shades.push_back(shade(scale, scale.measure.get(tile.score)));
     json["shades"].push_back(shades);
-    json["color_maps"].push_back(scale.measure.color_map == ColorMap::kViridis ? "viridis" : "cividis");
-    json["decimals"].push_back(scale.measure.decimals);
+    json["color_maps"].push_back(scale.measure.heat.colors == ColorMap::kViridis ? "viridis" : "cividis");
+    json["decimals"].push_back(scale.measure.heat.decimals);
   }
   for (const auto& [name, map] : {std::pair{"viridis", ColorMap::kViridis}, std::pair{"cividis", ColorMap::kCividis}}) {
     for (const Rgb color : color_table(map)) json["colors"][name].push_back(hex_color(color));

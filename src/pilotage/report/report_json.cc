@@ -1,6 +1,3 @@
-#include <cmath>
-
-#include "pilotage/base/text.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/stored_report.h"
 #include "pilotage/report/tile_fields.h"
@@ -10,15 +7,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Shorthand for the numbers that need no more than six digits.
-Json number(double value) {
-  return rounded(value, 6);
+Json json_of(const VectorValue& value) {
+  return std::visit(
+      [](const auto& held) -> Json {
+        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, std::monostate>)
+          return nullptr;
+        else
+          return held;
+      },
+      value);
+}
+
+Json number(double value, int digits = 6) {
+  return json_of(number_value(value, digits));
 }
 
 Json coordinates(GeodeticPoint point) {
   Json json;
-  json["lon_deg"] = coordinate(point.lon_deg);
-  json["lat_deg"] = coordinate(point.lat_deg);
+  json["lon_deg"] = json_of(degrees_value(point.lon_deg));
+  json["lat_deg"] = json_of(degrees_value(point.lat_deg));
   return json;
 }
 
@@ -131,13 +138,13 @@ Json measures_json(const Report& report) {
   for (const MeasureScale& scale : report.measures) {
     Json json;
     json["name"] = scale.measure.name;
-    json["label"] = scale.measure.label;
-    json["unit"] = scale.measure.unit;
-    json["meaning"] = scale.measure.meaning;
-    json["low"] = rounded(scale.low, 12);
-    json["high"] = rounded(scale.high, 12);
-    json["least"] = rounded(scale.least, 12);
-    json["most"] = rounded(scale.most, 12);
+    json["label"] = scale.measure.heat.title;
+    json["unit"] = scale.measure.heat.unit;
+    json["meaning"] = scale.measure.heat.meaning;
+    json["low"] = number(scale.low, 12);
+    json["high"] = number(scale.high, 12);
+    json["least"] = number(scale.least, 12);
+    json["most"] = number(scale.most, 12);
     measures.push_back(json);
   }
   return measures;
@@ -156,7 +163,7 @@ Json tiles_json(const Report& report) {
   json["rows"] = Json::array();
   for (const ReportTile& tile : report.tiles) {
     Json row = Json::array();
-    for (const TileField& field : tile_fields()) row.push_back(field.value(tile));
+    for (const TileField& field : tile_fields()) row.push_back(json_of(field.value(tile)));
     json["rows"].push_back(row);
   }
   return json;

@@ -1,28 +1,33 @@
 #pragma once
 
-#include <string_view>
+#include <functional>
+#include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "pilotage/raster/gdal_vector.h"
 #include "pilotage/report/report.h"
 
 namespace pilotage {
 
-/// `value` with `digits` significant decimal digits; null when it is not finite.
-nlohmann::ordered_json rounded(double value, int digits);
+/// `value` with `digits` significant decimal digits; NaN when it is not finite.
+double rounded(double value, int digits);
 
-/// Degrees with seven decimals (about a centimetre); null when not finite.
-nlohmann::ordered_json coordinate(double degrees);
+/// What report.json and the layers for a GIS say of a number: six significant digits; NULL when it is not finite.
+VectorValue number_value(double value, int digits = 6);
 
-/// One number of a tile as report.json and the page show it.
+/// Degrees with seven decimals (about a centimetre); NULL when not finite.
+VectorValue degrees_value(double degrees);
+
+/// A column of the report's table of tiles, as report.json, the page and the layers for a GIS show it.
 struct TileField {
-  std::string_view name;   ///< As in tiles.csv.
-  std::string_view label;  ///< For people.
-  std::string_view unit;   ///< "" for none.
-  nlohmann::ordered_json (*value)(const ReportTile&) = nullptr;
+  std::string name;   ///< As in tiles.csv.
+  std::string label;  ///< For people.
+  std::string unit;   ///< "" for none.
+  VectorType type = VectorType::kReal;
+  std::function<VectorValue(const ReportTile&)> value;
 };
 
+/// Which tile it is, what the report says of it, where it lies, and every measure, P(correct fix) before the others.
 const std::vector<TileField>& tile_fields();
 
 }  // namespace pilotage

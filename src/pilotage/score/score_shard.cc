@@ -21,9 +21,9 @@ constexpr std::size_t kDigestChars = 64;
 constexpr std::size_t kFixedBytes = 8 + 1 + 8;  // of a tile: id, status, valid fraction
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 36;
 
-bool is_measured(const ScoreColumn& column, const std::vector<TileScore>& scores) {
+bool is_measured(const Measure& measure, const std::vector<TileScore>& scores) {
   return std::any_of(scores.begin(), scores.end(),
-                     [&](const TileScore& score) { return !std::isnan(column.get(score)); });
+                     [&](const TileScore& score) { return !std::isnan(measure.get(score)); });
 }
 
 /// The bytes behind the header: checked against the number of tiles and columns, then read one array after the other.
@@ -52,10 +52,10 @@ class Arrays {
   std::span<const std::uint8_t> left_;
 };
 
-std::vector<const ScoreColumn*> read_columns(JsonObject& header) {
-  std::vector<const ScoreColumn*> columns;
+std::vector<const Measure*> read_columns(JsonObject& header) {
+  std::vector<const Measure*> columns;
   for (const std::string& name : header.texts("columns")) {
-    const ScoreColumn* column = find_score_column(name);
+    const Measure* column = find_measure(name);
     if (column == nullptr || std::find(columns.begin(), columns.end(), column) != columns.end()) {
       throw DataError(header.path("columns") + ": \"" + name.substr(0, 40) + "\" is not known, or stands twice");
     }
@@ -64,7 +64,7 @@ std::vector<const ScoreColumn*> read_columns(JsonObject& header) {
   return columns;
 }
 
-void read_scores(const std::string& name, Arrays& arrays, const std::vector<const ScoreColumn*>& columns,
+void read_scores(const std::string& name, Arrays& arrays, const std::vector<const Measure*>& columns,
                  std::vector<TileScore>& scores) {
   std::int64_t last_id = -1;
   for (TileScore& score : scores) {
@@ -89,7 +89,7 @@ void read_scores(const std::string& name, Arrays& arrays, const std::vector<cons
       throw DataError(name + ": tile " + std::to_string(score.tile_id) + ": valid_fraction is outside [0, 1]");
     }
   }
-  for (const ScoreColumn* column : columns) {
+  for (const Measure* column : columns) {
     for (TileScore& score : scores) column->set(score, arrays.take_double());
   }
 }
@@ -104,9 +104,9 @@ std::string shard_file_name(const Shard& shard) {
 }
 
 std::string score_shard_to_bytes(const ScoreShard& shard) {
-  std::vector<const ScoreColumn*> columns;
+  std::vector<const Measure*> columns;
   nlohmann::ordered_json names = nlohmann::ordered_json::array();
-  for (const ScoreColumn& column : score_columns()) {
+  for (const Measure& column : measures()) {
     if (!is_measured(column, shard.scores)) continue;
     columns.push_back(&column);
     names.push_back(column.name);
@@ -127,7 +127,7 @@ std::string score_shard_to_bytes(const ScoreShard& shard) {
   for (const TileScore& score : shard.scores) append_le(bytes, score.tile_id);
   for (const TileScore& score : shard.scores) append_le(bytes, static_cast<std::uint8_t>(score.status));
   for (const TileScore& score : shard.scores) append_le(bytes, score.valid_fraction);
-  for (const ScoreColumn* column : columns) {
+  for (const Measure* column : columns) {
     for (const TileScore& score : shard.scores) append_le(bytes, column->get(score));
   }
   std::string file(bytes.begin(), bytes.end());
@@ -155,7 +155,7 @@ ScoreShard score_shard_from_bytes(const std::string& name, std::string_view byte
   shard.shard.count = header.integer("shards", 1, kMostShards);
   shard.shard.number = header.integer("shard", 1, shard.shard.count);
   const auto tiles = static_cast<std::size_t>(header.integer("tiles", 0, static_cast<std::int64_t>(kMostBytes)));
-  const std::vector<const ScoreColumn*> columns = read_columns(header);
+  const std::vector<const Measure*> columns = read_columns(header);
   shard.run = header.value("run");
   header.finish();
   Arrays arrays(name, content.substr(end_of_header + 1), tiles, columns.size());

@@ -15,7 +15,7 @@ namespace pilotage {
 struct ScoreShard {
   nlohmann::ordered_json run;  ///< What the run is: describe_run (describe_run.h). Shards of one run have equal ones.
   Shard shard;
-  /// Ascending tile_id. Of each: tile_id, status, valid_fraction and score_columns(), bit for bit; level, column, row
+  /// Ascending tile_id. Of each: tile_id, status, valid_fraction and measures(), bit for bit; level, column, row
   /// and reasons follow from the run and are not in the file.
   std::vector<TileScore> scores;
 };

@@ -3,16 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "pilotage/ground/tile_scores.h"
+#include "pilotage/ground/measures.h"
 
 namespace pilotage {
-
-/// Perceptually uniform colour maps that colour-blind people read as others do: viridis (S. van der Walt, N. Smith,
-/// 2015) and cividis (J. Nuñez, C. Anderton, R. Renslow, PLoS ONE 13(7), 2018).
-enum class ColorMap { kViridis, kCividis };
 
 struct Rgb {
   std::uint8_t red = 0;
@@ -26,20 +21,6 @@ std::array<Rgb, 256> color_table(ColorMap map);
 
 /// "#rrggbb"
 std::string hex_color(Rgb color);
-
-/// One quantity of a tile that the page draws as a heat map.
-struct Measure {
-  std::string_view name;     ///< As in the CSV and the GeoTIFF bands: "gray_variance".
-  std::string_view label;    ///< For people: "Gray variance".
-  std::string_view unit;     ///< "gray levels", "1" for none.
-  std::string_view meaning;  ///< One sentence.
-  ColorMap color_map = ColorMap::kCividis;
-  int decimals = 2;
-  double (*value)(const TileScore&) = nullptr;
-};
-
-/// The measures of the page in their order. A new measure is one more row of this table.
-const std::vector<Measure>& report_measures();
 
 /// A measure with the range its colours span: the 2nd to the 98th percentile (nearest rank) of its defined values, so
 /// that a few extreme tiles do not wash out the rest; values beyond take the end colours. Shares

@@ -1,4 +1,4 @@
-#include "pilotage/report/measure.h"
+#include "pilotage/report/measure_scale.h"
 
 #include <cmath>
 #include <limits>
@@ -19,8 +19,8 @@ std::vector<TileScore> scores_with_variance(const std::vector<double>& values) {
 }
 
 const Measure& measure_named(std::string_view name) {
-  for (const Measure& measure : report_measures()) {
-    if (measure.name == name) return measure;
+  for (const Measure* measure : heat_maps()) {
+    if (measure->name == name) return *measure;
   }
   throw std::out_of_range("no such measure");
 }
@@ -92,11 +92,11 @@ TEST(Shade, ClampsAndTellsNoValueFromLow) {
   EXPECT_EQ(shade(scale, std::numeric_limits<double>::quiet_NaN()), -1);
 }
 
-TEST(Measures, EveryOneHasUnitAndMeaning) {
-  for (const Measure& measure : report_measures()) {
-    EXPECT_FALSE(measure.unit.empty()) << measure.name;
-    EXPECT_FALSE(measure.meaning.empty()) << measure.name;
-    EXPECT_NE(measure.value, nullptr) << measure.name;
+TEST(HeatMaps, EveryOneHasUnitAndMeaning) {
+  for (const Measure* measure : heat_maps()) {
+    EXPECT_FALSE(measure->heat.unit.empty()) << measure->name;
+    EXPECT_FALSE(measure->heat.meaning.empty()) << measure->name;
+    EXPECT_NE(measure->get, nullptr) << measure->name;
   }
 }
 
