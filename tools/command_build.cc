@@ -48,7 +48,7 @@ std::vector<InputFile> inputs_of(const Mission& plan, const std::vector<std::str
 std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, const Mission& plan,
                                          const Invocation& invocation) {
   if (options.build.keep_features == KeepFeatures::kAll || options.second_epoch.empty()) return std::nullopt;
-  return register_second_date(plan, options.second_epoch, options.registration, invocation.threads,
+  return register_second_date(plan.ground, options.second_epoch, options.registration, invocation.threads,
                               invocation.progress);
 }
 

@@ -66,8 +66,8 @@ Command make_select_command() {
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
     Mission plan = read_stage_plan(invocation.inputs.front());
     plan.flight.max_error_m = options.max_error_m.value_or(plan.flight.max_error_m);
-    const Selection selection =
-        select_tiles(plan, read_scores(options.table), stored_size(options.build, plan), options.select);
+    const Selection selection = select_tiles(plan, read_scores(options.table, plan.ground),
+                                             stored_size(options.build, plan.ground), options.select);
     write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);
 
     CommandResult result;

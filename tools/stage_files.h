@@ -25,7 +25,7 @@ struct StageFileOptions {
 
 struct StageFiles {
   Mission plan;
-  std::vector<TileScore> scores;
+  std::vector<TileScores> scores;
   Selection selection;
 };
 
@@ -37,7 +37,7 @@ void need_file(const std::string& path, const std::string& writer);
 Mission read_stage_plan(const std::string& path);
 
 /// The scores of a table. Throws UsageError when `table` is empty, DataError when it cannot be read.
-std::vector<TileScore> read_scores(const std::string& table);
+std::vector<TileScores> read_scores(const std::string& table, const Ground& ground);
 
 /// The plan that is the command's input, its scores and its selection. Throws as read_scores, likewise for the others;
 /// DataError when the scores or the selection are of another plan.

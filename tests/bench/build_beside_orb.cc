@@ -28,7 +28,7 @@ void run(char** argv) {
   const Mission plan = read_plan(argv[1]);
   const Selection selection = read_selection(argv[3]);
   const int threads = std::stoi(argv[4]);
-  std::vector<TileScore> scores;
+  std::vector<TileScores> scores;
   for (const TileRow& row : tile_table_from_csv(argv[2], read_file(argv[2]))) scores.push_back(row.score);
   const testing::TemporaryFolder folder;
   const BuildOptions options;

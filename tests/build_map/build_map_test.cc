@@ -22,10 +22,10 @@
 namespace pilotage {
 namespace {
 
-std::vector<TileScore> good_scores(const Mission& plan) {
-  std::vector<TileScore> scores;
+std::vector<TileScores> good_scores(const Mission& plan) {
+  std::vector<TileScores> scores;
   for (const GroundTile& tile : plan.ground.tiles) {
-    TileScore score;
+    TileScores score;
     score.tile_id = tile.tile_id;
     score.level = tile.level;
     score.column = tile.column;
@@ -85,7 +85,7 @@ class BuildMap : public ::testing::Test {
  protected:
   testing::TemporaryFolder folder_;
   Mission plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
-  std::vector<TileScore> scores_ = good_scores(plan_);
+  std::vector<TileScores> scores_ = good_scores(plan_);
 
   BuildStats build(const std::string& name, const Selection& selection, int threads = 1,
                    const BuildOptions& options = {}) {
@@ -194,7 +194,7 @@ TEST_F(BuildMap, EstimateOfTheBudgetIsAnUpperBound) {
     for (const std::int64_t budget : {std::int64_t{0}, std::int64_t{400'000}}) {
       SelectOptions options;
       if (budget > 0) options.budget = std::to_string(budget);
-      const Selection selection = select_tiles(plan_, scores_, stored_size(build_options, plan_), options);
+      const Selection selection = select_tiles(plan_, scores_, stored_size(build_options, plan_.ground), options);
       const BuildStats stats = build("budget" + std::to_string(number++) + ".gpkg", selection, 1, build_options);
       EXPECT_LE(stats.bytes, selection.estimated_bytes);
       if (budget > 0) {

@@ -113,7 +113,7 @@ class StableFeatures : public ::testing::Test {
   }
 
   BuildStats build(const std::string& name, KeepFeatures keep, int threads = 1) {
-    std::vector<TileScore> scores;
+    std::vector<TileScores> scores;
     Selection selection;
     selection.legs.resize(plan_.flight.route.legs.size());
     for (const GroundTile& tile : plan_.ground.tiles) {
@@ -124,7 +124,7 @@ class StableFeatures : public ::testing::Test {
     BuildOptions options;
     options.keep_features = keep;
     return build_map(folder_ / name, plan_, scores, selection, {}, "test", options, false, threads, {},
-                     register_second_date(plan_, {second_}, {}, threads));
+                     register_second_date(plan_.ground, {second_}, {}, threads));
   }
 
   std::vector<Point> stored(const std::string& name) {

@@ -28,7 +28,7 @@ ReportInput gis_scene(GeodeticPoint origin, bool two_levels) {
     input.plan.ground.levels.resize(1);
   }
   Random random(3);
-  for (TileScore& score : input.scores) {
+  for (TileScores& score : input.scores) {
     if (score.status == TileStatus::kScored && score.tile_id % 9 != 0) score.p_correct_fix = random.uniform();
   }
   input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, WorstStretch{1, 300, 520, 0.04}};

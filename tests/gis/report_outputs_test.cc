@@ -158,7 +158,7 @@ TEST(ReportOutputs, RastersHoldScoresAndClasses) {
   EXPECT_STREQ(band->GetCategoryNames()[1], "marginal");
   ASSERT_EQ(classes->GetRasterXSize(), 7);
   ASSERT_EQ(classes->GetRasterYSize(), 14);
-  for (const TileScore& score : input.scores) {
+  for (const TileScores& score : input.scores) {
     double value = 0;
     std::uint8_t number = 0;
     const int col = static_cast<int>(score.column);

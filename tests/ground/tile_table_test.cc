@@ -65,7 +65,7 @@ TEST(TileTable, ColumnsAreThePromisedOnes) {
 
 TEST(TileTable, EveryColumnReadsWhatItWrites) {
   for (const Measure& measure : measures()) {
-    TileScore score;
+    TileScores score;
     EXPECT_TRUE(std::isnan(measure.get(score))) << measure.name;
     measure.set(score, 0.25);
     EXPECT_EQ(measure.get(score), 0.25) << measure.name;
@@ -181,7 +181,7 @@ TEST(TileRows, JoinPlanAndScores) {
     tile.row = 2;
     ground.tiles.push_back(tile);
   }
-  TileScore score;
+  TileScores score;
   score.tile_id = 9;
   score.gray_variance = 12;
   const std::vector<TileRow> rows = tile_rows(ground, std::vector{score});

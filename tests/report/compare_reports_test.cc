@@ -23,7 +23,7 @@ ReportInput scene() {
   options.matchable_to = 0.5;
   options.tiles_along = 12;
   ReportInput input = testing::report_scene(options);
-  for (TileScore& score : input.scores) {
+  for (TileScores& score : input.scores) {
     if (score.status == TileStatus::kScored) score.p_correct_fix = 0.75;
   }
   return input;
@@ -64,7 +64,7 @@ TEST(CompareReports, FindsWhatChanged) {
   ids.erase(ids.begin() + 1);
   ids.push_back(gained);
   std::sort(ids.begin(), ids.end());
-  for (TileScore& score : after.scores) {
+  for (TileScores& score : after.scores) {
     if (score.tile_id == changed) score.p_correct_fix = 0.5;
     if (score.tile_id == ids.back()) score.p_correct_fix = 0.755;  // less than what counts
   }
@@ -117,7 +117,7 @@ TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
     tile.center = after.geodetic_from_map(tile.bounds.center_m());
     tile.tile_id += 1000;
   }
-  for (TileScore& score : after.scores) score.tile_id += 1000;
+  for (TileScores& score : after.scores) score.tile_id += 1000;
   for (std::int64_t& id : after.selection.tile_ids) id += 1000;
   const ReportComparison c = compare_reports(stored(before, "a.json"), stored(after, "b.json"));
   EXPECT_EQ(c.kept_areas, static_cast<std::int64_t>(before.selection.tile_ids.size()));

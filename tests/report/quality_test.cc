@@ -29,7 +29,7 @@ ReportInput plain_input(double gap_error_m, double limit_m) {
     tile.tile_id = i;
     tile.valid_fraction = 1;
     input.plan.ground.tiles.push_back(tile);
-    TileScore score;
+    TileScores score;
     score.tile_id = i;
     score.degraded.margin = 0.2;
     input.scores.push_back(score);
@@ -185,7 +185,7 @@ TEST(QualityRows, AmbiguousTilesAreCountedAmongTheSelected) {
   input.scores[1].degraded.margin = -0.1;
   input.selection.tile_ids = {1, 2, 3};
   EXPECT_EQ(row_named(input, "ambiguous_tiles").value, "1 of 3");
-  for (TileScore& score : input.scores) score.degraded.margin = kNan;
+  for (TileScores& score : input.scores) score.degraded.margin = kNan;
   EXPECT_EQ(row_named(input, "ambiguous_tiles").value, "not judged");
 }
 

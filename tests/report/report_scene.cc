@@ -64,8 +64,8 @@ Crs local_crs(const std::string& name) {
 
 namespace {
 
-TileScore score_of(const GroundTile& tile, Random& random) {
-  TileScore score;
+TileScores score_of(const GroundTile& tile, Random& random) {
+  TileScores score;
   score.tile_id = tile.tile_id;
   score.level = tile.level;
   score.column = tile.column;
@@ -240,7 +240,7 @@ ReportInput report_scene(const ReportSceneOptions& options) {
   Random random(11);
   for (const GroundTile& tile : input.plan.ground.tiles) {
     input.scores.push_back(score_of(tile, random));
-    const TileScore& score = input.scores.back();
+    const TileScores& score = input.scores.back();
     const double share = static_cast<double>(tile.row * (tile.level + 1)) / options.tiles_along;
     const bool in_gap = share >= options.matchable_from && share < options.matchable_to;
     if (score.degraded.margin > 0.05 && !in_gap) input.selection.tile_ids.push_back(tile.tile_id);

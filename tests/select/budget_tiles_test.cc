@@ -60,8 +60,8 @@ Mission with_large_tiles(Mission plan, double from_m, double to_m) {
 }
 
 // Scores of which only every `step`-th tile can be matched, with P drawn from [0.5, 1).
-std::vector<TileScore> some_scores(const Mission& plan, std::size_t step, Random& random) {
-  std::vector<TileScore> scores = good_scores(plan);
+std::vector<TileScores> some_scores(const Mission& plan, std::size_t step, Random& random) {
+  std::vector<TileScores> scores = good_scores(plan);
   for (std::size_t i = 0; i < scores.size(); ++i) {
     scores[i].p_correct_fix = i % step == 0 ? random.uniform(0.5, 1) : 0.1;
     scores[i].degraded.margin = random.uniform(0.1, 0.9);
@@ -92,7 +92,7 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
   int rounds = 0;
   for (; rounds < 6; ++rounds) {
     const Mission plan = with_large_tiles(straight_plan(1800, 0), 600, 1200 + 100 * (rounds % 2));
-    const std::vector<TileScore> scores = some_scores(plan, 3, random);
+    const std::vector<TileScores> scores = some_scores(plan, 3, random);
     const double limit_m = error_after_s(plan, 46 + 2 * rounds);
     const FlightPath path = make_flight_path(plan, limit_m);
     const auto attempts = fix_attempts(plan, tiles_under_route(plan, TileLookup(plan)), 2, std::nullopt);
@@ -137,13 +137,13 @@ TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
   for (int round = 0; round < 4; ++round) {
     Mission plan = with_large_tiles(straight_plan(4000, 50), 1400, 2600);
     plan.flight.max_error_m = error_after_s(plan, 40);
-    const std::vector<TileScore> scores = some_scores(plan, 2, random);
+    const std::vector<TileScores> scores = some_scores(plan, 2, random);
     SelectOptions options;
     options.budget = std::to_string(250000 + 60000 * round);
     const Selection found = select_tiles(plan, scores, kSize, options);
     // Without any P the order decides; its tiles are then judged with P.
-    std::vector<TileScore> without_p = scores;
-    for (TileScore& score : without_p) {
+    std::vector<TileScores> without_p = scores;
+    for (TileScores& score : without_p) {
       if (score.p_correct_fix < 0.5) score.status = TileStatus::kFlat;
       score.p_correct_fix = std::nan("");
     }

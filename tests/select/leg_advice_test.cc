@@ -22,7 +22,7 @@ constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fi
 // (north) and `p_right` (south).
 struct Scene {
   Mission plan = straight_plan(6000, 150, 3);
-  std::vector<TileScore> scores = good_scores(plan);
+  std::vector<TileScores> scores = good_scores(plan);
   SelectOptions options;
 
   Scene(double p_left, double p_right) {
@@ -93,7 +93,7 @@ TEST(LegAdvice, TheLineThatIsNamedHoldsWhatItPromises) {
 // A small budget left the line's good tiles out: that is no reason to fly elsewhere.
 TEST(LegAdvice, TriesTheLineItselfWithAllTilesFirst) {
   Scene scene(0.95, 0.95);
-  for (TileScore& score : scene.scores) score.p_correct_fix = 0.95;
+  for (TileScores& score : scene.scores) score.p_correct_fix = 0.95;
   scene.options.budget = "110kB";
   const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
   ASSERT_FALSE(selection.advice.empty());
@@ -105,7 +105,7 @@ TEST(LegAdvice, TriesTheLineItselfWithAllTilesFirst) {
 
 TEST(LegAdvice, NeedsProbabilities) {
   Scene scene(0.9, 0.9);
-  for (TileScore& score : scene.scores) score.p_correct_fix = std::nan("");
+  for (TileScores& score : scene.scores) score.p_correct_fix = std::nan("");
   const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
   EXPECT_FALSE(selection.probability);
   EXPECT_TRUE(selection.advice.empty());

@@ -19,7 +19,7 @@ constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fi
 
 TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
   SelectOptions options;
-  TileScore score;
+  TileScores score;
   score.valid_fraction = 1;
   EXPECT_TRUE(is_matchable(score, options)) << "nothing measured: the status decides";
   score.clean.margin = 0.9;
@@ -35,7 +35,7 @@ TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
 
 TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
   SelectOptions options;
-  TileScore score;
+  TileScores score;
   score.degraded.margin = 0.9;
   score.p_correct_fix = 0.19;
   EXPECT_FALSE(is_matchable(score, options));
@@ -59,7 +59,7 @@ TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {
 TEST(SelectTiles, ProbabilitiesOfTheFlight) {
   const Mission plan = straight_plan(6000, 50, 2);
   auto scores = good_scores(plan);
-  for (TileScore& score : scores) score.p_correct_fix = 0.8;
+  for (TileScores& score : scores) score.p_correct_fix = 0.8;
   for (std::size_t i = 0; i < scores.size(); ++i) {
     if (plan.flight.places[i].distance_m > 3500 && plan.flight.places[i].distance_m < 4350)
       scores[i].p_correct_fix = 0.1;

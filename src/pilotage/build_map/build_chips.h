@@ -6,8 +6,8 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/tile_owner.h"
+#include "pilotage/ground/ground.h"
 #include "pilotage/mapdb/map_writer.h"
-#include "pilotage/mission/mission.h"
 #include "pilotage/raster/gray_source.h"
 
 namespace pilotage {

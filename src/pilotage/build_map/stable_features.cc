@@ -12,17 +12,17 @@
 
 namespace pilotage {
 
-SecondDate register_second_date(const Mission& plan, const std::vector<std::string>& datasets,
+SecondDate register_second_date(const Ground& ground, const std::vector<std::string>& datasets,
                                 const RegistrationOptions& options, int threads, const Progress& progress) {
   std::vector<Bounds> tiles;
-  for (const GroundTile& tile : plan.ground.tiles) tiles.push_back(tile.bounds);
-  const TileRegistration registered = register_tiles(dataset_names(plan.ground.imagery), plan.ground.imagery.options,
-                                                     datasets, plan.ground.crs, tiles, options, threads, progress);
+  for (const GroundTile& tile : ground.tiles) tiles.push_back(tile.bounds);
+  const TileRegistration registered = register_tiles(dataset_names(ground.imagery), ground.imagery.options, datasets,
+                                                     ground.crs, tiles, options, threads, progress);
   return {datasets, registered.registration.fit.field};
 }
 
-GraySource open_second_date(const SecondDate& second, const Mission& plan, const GridLevel& level) {
-  const GraySource as_delivered = open_gray_on_grid(second.datasets, plan.ground.crs, level.matrix.map_from_pixel,
+GraySource open_second_date(const SecondDate& second, const Ground& ground, const GridLevel& level) {
+  const GraySource as_delivered = open_gray_on_grid(second.datasets, ground.crs, level.matrix.map_from_pixel,
                                                     level.matrix.grid_width_px, level.matrix.grid_height_px);
   return warped_source(stretch_to_8bit(as_delivered), std::make_shared<const WarpField>(second.field));
 }

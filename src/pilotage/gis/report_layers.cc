@@ -67,7 +67,7 @@ const GridLevel& level_of(const ReportInput& input, int level) {
                        [&](const GridLevel& entry) { return entry.matrix.level == level; });
 }
 
-VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>& classes, const TileScore& score) {
+VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>& classes, const TileScores& score) {
   const double value = scale.measure.get(score);
   VectorStyle style{"#404040ff", 1, "#80808040"};
   for (const ScaleClass& next : classes) {  // the last that is reached; the first takes what lies below the scale

@@ -67,10 +67,10 @@ Endings raster_endings(const std::vector<GridLevel>& levels, bool with_scores) {
 /// The score raster of its own and the class raster of every level that has scores.
 Endings write_rasters(const OutputSource& source) {
   Endings endings;
-  const std::vector<TileRow> rows = tile_rows(source.input.plan, source.input.scores);
+  const ScoreTable table(source.input.plan.ground, source.input.scores);
   const Crs crs = source.input.plan.ground.crs;
   for (const GridLevel& level : source.input.plan.ground.levels) {
-    const ScoreRaster raster = score_raster(level.matrix, rows);
+    const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const std::string suffix = level_suffix(level.matrix.level);
     if (source.with_scores) {
@@ -82,7 +82,7 @@ Endings write_rasters(const OutputSource& source) {
         endings.push_back("_scores" + suffix + ".qml");
       }
     }
-    write_classes(source.path("_classes" + suffix + ".tif"), class_values(level.matrix, rows), crs,
+    write_classes(source.path("_classes" + suffix + ".tif"), class_values(table, level.matrix.level), crs,
                   raster.map_from_pixel, true);
     for (const char* type : {".tif", ".qml", ".tif.aux.xml"}) endings.push_back("_classes" + suffix + type);
   }

@@ -42,9 +42,9 @@ struct Measure {
   std::string label;        ///< For people.
   MeasureKind kind = MeasureKind::kNumber;
   MeasureGroup group = MeasureGroup::kContrast;
-  int digits = 6;                               ///< Significant ones that tell tiles apart.
-  std::function<double(const TileScore&)> get;  ///< NaN = not measured or not defined.
-  std::function<void(TileScore&, double)> set;
+  int digits = 6;                                ///< Significant ones that tell tiles apart.
+  std::function<double(const TileScores&)> get;  ///< NaN = not measured or not defined.
+  std::function<void(TileScores&, double)> set;
   HeatMap heat;
 };
 

@@ -7,89 +7,87 @@
 #include <vector>
 
 #include "pilotage/base/error.h"
+#include "pilotage/ground/measures.h"
 
 namespace pilotage {
 namespace {
 
+/// Calls use(tile, scores) for each tile of a level.
+template <class Use>
+void for_each_tile(const ScoreTable& table, int level, const Use& use) {
+  for (std::size_t i = 0; i < table.scores.size(); ++i) {
+    if (table.ground.tiles[i].level == level) use(table.ground.tiles[i], table.scores[i]);
+  }
+}
+
+/// The cells of the tiles of a level, from the first to the last column and row.
 struct CellRange {
-  std::int64_t first_column = std::numeric_limits<std::int64_t>::max();
-  std::int64_t first_row = std::numeric_limits<std::int64_t>::max();
-  std::int64_t last_column = -1;
-  std::int64_t last_row = -1;
+  TileCell first{std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::max()};
+  TileCell last{-1, -1};
+
+  bool empty() const { return last.row < 0; }
 };
 
-CellRange range_of(const TileMatrix& matrix, std::span<const TileRow> rows) {
+CellRange range_of(const ScoreTable& table, int level) {
   CellRange range;
-  for (const TileRow& row : rows) {
-    const GroundTile& tile = row.tile;
-    if (tile.level != matrix.level) continue;
-    if (!matrix.contains(tile.column, tile.row)) {
+  for_each_tile(table, level, [&](const GroundTile& tile, const TileScores&) {
+    if (!table.ground.level_of(tile).matrix.contains(tile.column, tile.row)) {
       throw DataError("tile " + std::to_string(tile.tile_id) + " lies outside the tile matrix of level " +
-                      std::to_string(matrix.level));
+                      std::to_string(level));
     }
-    range.first_column = std::min(range.first_column, tile.column);
-    range.first_row = std::min(range.first_row, tile.row);
-    range.last_column = std::max(range.last_column, tile.column);
-    range.last_row = std::max(range.last_row, tile.row);
-  }
+    range.first = {std::min(range.first.column, tile.column), std::min(range.first.row, tile.row)};
+    range.last = {std::max(range.last.column, tile.column), std::max(range.last.row, tile.row)};
+  });
   return range;
 }
 
 template <class Value, class Get>
-cv::Mat draw(const TileMatrix& matrix, std::span<const TileRow> rows, const CellRange& range, Value nothing, Get get) {
-  cv::Mat values(static_cast<int>(range.last_row - range.first_row + 1),
-                 static_cast<int>(range.last_column - range.first_column + 1), cv::DataType<Value>::type,
+cv::Mat draw(const ScoreTable& table, int level, const CellRange& range, Value nothing, Get get) {
+  cv::Mat values(static_cast<int>(range.last.row - range.first.row + 1),
+                 static_cast<int>(range.last.column - range.first.column + 1), cv::DataType<Value>::type,
                  cv::Scalar(nothing));
-  for (const TileRow& row : rows) {
-    if (row.tile.level != matrix.level) continue;
-    values.at<Value>(static_cast<int>(row.tile.row - range.first_row),
-                     static_cast<int>(row.tile.column - range.first_column)) = get(row);
-  }
+  for_each_tile(table, level, [&](const GroundTile& tile, const TileScores& scores) {
+    values.at<Value>(static_cast<int>(tile.row - range.first.row), static_cast<int>(tile.column - range.first.column)) =
+        get(scores);
+  });
   return values;
 }
 
-template <class Get>
-cv::Mat draw_scores(const TileMatrix& matrix, std::span<const TileRow> rows, const CellRange& range, Get get) {
-  return draw(matrix, rows, range, std::numeric_limits<double>::quiet_NaN(), get);
-}
-
 /// For each measure, whether some tile of the level has a number.
-std::vector<char> is_measured(const TileMatrix& matrix, std::span<const TileRow> rows) {
+std::vector<char> is_measured(const ScoreTable& table, int level) {
   std::vector<char> measured(measures().size());
-  for (const TileRow& row : rows) {
-    if (row.tile.level != matrix.level) continue;
+  for_each_tile(table, level, [&](const GroundTile&, const TileScores& scores) {
     for (std::size_t i = 0; i < measured.size(); ++i) {
-      if (measured[i] == 0 && !std::isnan(measures()[i].get(row.score))) measured[i] = 1;
+      if (measured[i] == 0 && !std::isnan(measures()[i].get(scores))) measured[i] = 1;
     }
-  }
+  });
   return measured;
 }
 
 }  // namespace
 
-ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows) {
+ScoreRaster score_raster(const ScoreTable& table, int level) {
   ScoreRaster raster;
-  const CellRange range = range_of(matrix, rows);
-  if (range.last_row < 0) return raster;
-  raster.map_from_pixel = matrix.map_from_stride_cell({range.first_column, range.first_row});
+  const CellRange range = range_of(table, level);
+  if (range.empty()) return raster;
+  raster.map_from_pixel = table.ground.levels[static_cast<std::size_t>(level)].matrix.map_from_stride_cell(range.first);
   const auto add_band = [&](const Measure& measure) {
-    raster.bands.push_back({measure.name, measure.unit, draw_scores(matrix, rows, range, [&](const TileRow& row) {
-                              return measure.get(row.score);
-                            })});
+    constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+    raster.bands.push_back({measure.name, measure.unit, draw(table, level, range, kNothing, measure.get)});
   };
   add_band(coverage_measure());
-  const std::vector<char> measured = is_measured(matrix, rows);
+  const std::vector<char> measured = is_measured(table, level);
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (measured[i] != 0) add_band(measures()[i]);
   }
   return raster;
 }
 
-cv::Mat class_raster(const TileMatrix& matrix, std::span<const TileRow> rows,
-                     const std::function<std::uint8_t(const TileRow&)>& class_of) {
-  const CellRange range = range_of(matrix, rows);
-  if (range.last_row < 0) return {};
-  return draw(matrix, rows, range, kNoClass, class_of);
+cv::Mat class_raster(const ScoreTable& table, int level,
+                     const std::function<std::uint8_t(const TileScores&)>& class_of) {
+  const CellRange range = range_of(table, level);
+  if (range.empty()) return {};
+  return draw(table, level, range, kNoClass, class_of);
 }
 
 }  // namespace pilotage

@@ -2,11 +2,10 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/ground/tile_table.h"
+#include "pilotage/ground/score_table.h"
 #include "pilotage/raster/gdal_write.h"
 
 namespace pilotage {
@@ -17,13 +16,13 @@ struct ScoreRaster {
   GeoTransform map_from_pixel;
 };
 
-/// The raster of the rows of one level, cropped to the tiles there are; columns that no row has a value for are left
-/// out. Empty bands when there is no row. Throws DataError when a row lies outside `matrix`.
-ScoreRaster score_raster(const TileMatrix& matrix, std::span<const TileRow> rows);
+/// The raster of the tiles of one level, cropped to the tiles there are; measures that no tile has a value for are left
+/// out. Empty bands when the level has no tile. Throws DataError when a tile lies outside the level's matrix.
+ScoreRaster score_raster(const ScoreTable& table, int level);
 
-/// One byte per tile on the same pixels, kNoClass where there is no tile; empty when there is no row. Throws as
+/// One byte per tile on the same pixels, kNoClass where there is no tile; empty when the level has no tile. Throws as
 /// score_raster.
-cv::Mat class_raster(const TileMatrix& matrix, std::span<const TileRow> rows,
-                     const std::function<std::uint8_t(const TileRow&)>& class_of);
+cv::Mat class_raster(const ScoreTable& table, int level,
+                     const std::function<std::uint8_t(const TileScores&)>& class_of);
 
 }  // namespace pilotage

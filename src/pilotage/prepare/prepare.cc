@@ -18,7 +18,7 @@
 #include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
-#include "pilotage/score/score_plan.h"
+#include "pilotage/score/score_ground.h"
 #include "pilotage/score/score_second_epoch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
@@ -104,18 +104,18 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
 
-  const ScoredPlan scored = score_plan(plan, score_options, run.seed, run.threads, progress);
-  const std::vector<TileScore>& scores = scored.scores;
+  const GroundScores scored = score_ground(plan.ground, score_options, run.seed, run.threads, progress);
+  const std::vector<TileScores>& scores = scored.scores;
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
     write_score_raster(publish_later(kDisagreement), layer.bands, plan.ground.crs, layer.map_from_pixel, true);
   }
   report_progress(progress, "writing scores", 0, 0);
-  const std::vector<TileRow> rows = tile_rows(plan.ground, scores);
-  write_file(publish_later("tiles.csv"), tile_table_to_csv(rows), true);
+  const ScoreTable table(plan.ground, scores);
+  write_file(publish_later("tiles.csv"), tile_table_to_csv(plan.ground, scores), true);
   for (const GridLevel& level : plan.ground.levels) {
-    const ScoreRaster raster = score_raster(level.matrix, rows);
+    const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const fs::path path = publish_later(score_raster_name(level.matrix.level));
     write_score_raster(path, raster.bands, plan.ground.crs, raster.map_from_pixel, true);
@@ -126,7 +126,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
 
   report_progress(progress, "selecting", 0, 0);
-  const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan), options.select);
+  const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan.ground), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
   std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report

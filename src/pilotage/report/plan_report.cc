@@ -13,7 +13,7 @@ constexpr int kOverviewSide_px = 1600;
 
 }  // namespace
 
-ReportInput make_report_input(const Mission& plan, const std::vector<TileScore>& scores, const Selection& selection,
+ReportInput make_report_input(const Mission& plan, const std::vector<TileScores>& scores, const Selection& selection,
                               const std::vector<InputFile>& inputs, const std::string& software_version, int threads,
                               const Progress& progress) {
   ReportInput input;

@@ -227,7 +227,7 @@ QualityRow scored_row(const ReportInput& input) {
   std::size_t scored = 0;
   std::size_t little = 0;
   std::size_t flat = 0;
-  for (const TileScore& score : input.scores) {
+  for (const TileScores& score : input.scores) {
     if (score.status == TileStatus::kScored) ++scored;
     if (score.status == TileStatus::kTooLittleGround) ++little;
     if (score.status == TileStatus::kFlat) ++flat;
@@ -240,8 +240,7 @@ QualityRow scored_row(const ReportInput& input) {
       all > 0 ? static_cast<double>(scored) / static_cast<double>(all) : std::numeric_limits<double>::quiet_NaN();
   row.unit = "1";
   row.value = percent_text(row.number) + " (" + std::to_string(scored) + " scored, " + std::to_string(little) +
-              " with too little ground, " + std::to_string(flat) + " flat, " +
-              std::to_string(all - std::min(all, scored + little + flat)) + " not scored)";
+              " with too little ground, " + std::to_string(flat) + " flat)";
   row.threshold = "good from 95 %, marginal from 80 %";
   row.status = judge_at_least(row.number, Limits::kScoredGood, Limits::kScoredMarginal);
   if (row.status != QualityStatus::kGood)
@@ -253,8 +252,9 @@ QualityRow ambiguous_row(const ReportInput& input) {
   const std::set<std::int64_t> selected(input.selection.tile_ids.begin(), input.selection.tile_ids.end());
   std::size_t judged = 0;
   std::size_t ambiguous = 0;
-  for (const TileScore& score : input.scores) {
-    if (!selected.contains(score.tile_id) || std::isnan(score.degraded.margin)) continue;
+  for (std::size_t i = 0; i < input.scores.size(); ++i) {
+    const TileScores& score = input.scores[i];
+    if (!selected.contains(input.plan.ground.tiles[i].tile_id) || std::isnan(score.degraded.margin)) continue;
     ++judged;
     if (score.degraded.margin <= 0) ++ambiguous;
   }

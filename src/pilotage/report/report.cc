@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pilotage/base/error.h"
+#include "pilotage/ground/score_table.h"
 #include "pilotage/base/safe_text.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
@@ -75,7 +76,6 @@ void check_pictures(const ReportInput& input) {
 
 std::string reason_for(const ReportTile& tile) {
   if (tile.selected) return "";
-  if (!tile.scored) return "It was not scored.";
   if (tile.score.status == TileStatus::kTooLittleGround) {
     return "Too little ground: the imagery covers " + percent_text(tile.score.valid_fraction) + " of it.";
   }
@@ -91,51 +91,25 @@ std::string reason_for(const ReportTile& tile) {
   return "It can be scored, but the selection left it out (size budget, minimum score or sparse areas).";
 }
 
-std::vector<ReportTile> join_tiles(const ReportInput& input) {
-  std::vector<ReportTile> tiles;
-  std::map<std::int64_t, std::size_t> index;
-  for (const GroundTile& tile : input.plan.ground.tiles) {
-    if (!index.emplace(tile.tile_id, tiles.size()).second) {
-      throw DataError("report: tile " + std::to_string(tile.tile_id) + " comes twice in the plan");
-    }
-    const bool known = std::any_of(input.plan.ground.levels.begin(), input.plan.ground.levels.end(),
-                                   [&](const GridLevel& level) { return level.matrix.level == tile.level; });
-    if (!known) {
-      throw DataError("report: tile " + std::to_string(tile.tile_id) + " lies on level " + std::to_string(tile.level) +
-                      ", which the plan does not have");
-    }
-    ReportTile joined;
-    joined.tile = tile;
-    joined.place = input.plan.flight.places.at(tiles.size());
-    joined.score.tile_id = tile.tile_id;
-    joined.score.valid_fraction = tile.valid_fraction;
-    tiles.push_back(joined);
+std::vector<ReportTile> report_tiles(const ReportInput& input) {
+  const Ground& ground = input.plan.ground;
+  const ScoreTable table(ground, input.scores);
+  if (input.plan.flight.places.size() != ground.tiles.size()) {
+    throw DataError("report: " + std::to_string(input.plan.flight.places.size()) + " places along the route, " +
+                    std::to_string(ground.tiles.size()) + " tiles");
   }
-  const auto find = [&](std::int64_t tile_id, const std::string& what) -> ReportTile& {
-    const auto found = index.find(tile_id);
-    if (found == index.end())
-      throw DataError("report: " + what + " name tile " + std::to_string(tile_id) + ", which the plan does not have");
-    return tiles[found->second];
-  };
-  for (const TileScore& score : input.scores) {
-    ReportTile& tile = find(score.tile_id, "the scores");
-    if (tile.scored) throw DataError("report: tile " + std::to_string(score.tile_id) + " comes twice in the scores");
-    tile.score = score;
-    tile.scored = true;
+  std::vector<ReportTile> tiles;
+  for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
+    tiles.push_back({ground.tiles[i], input.plan.flight.places[i], table.scores[i], false, "", ""});
   }
   for (const std::int64_t tile_id : input.selection.tile_ids) {
-    ReportTile& tile = find(tile_id, "the selected tiles");
-    if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " comes twice in the selection");
+    ReportTile& tile = tiles[tile_index(ground, tile_id, "report: the selection")];
+    if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " is a duplicate in the selection");
     tile.selected = true;
   }
-  std::sort(tiles.begin(), tiles.end(),
-            [](const ReportTile& a, const ReportTile& b) { return a.tile.tile_id < b.tile.tile_id; });
   for (ReportTile& tile : tiles) {
     tile.reason = reason_for(tile);
-    if (!tile.scored) continue;
-    const auto level = std::find_if(input.plan.ground.levels.begin(), input.plan.ground.levels.end(),
-                                    [&](const GridLevel& entry) { return entry.matrix.level == tile.tile.level; });
-    tile.reasons = reasons_text(tile_reasons(tile.score, reason_context(*level)));
+    tile.reasons = reasons_text(tile_reasons(tile.score, reason_context(ground.crs, ground.level_of(tile.tile))));
   }
   return tiles;
 }
@@ -205,7 +179,7 @@ Report make_report(const ReportInput& input) {
   const Mission& plan = input.plan;
   const Selection& selection = input.selection;
   Report report;
-  report.tiles = join_tiles(input);
+  report.tiles = report_tiles(input);
   report.quality = quality_rows(input);
   report.verdict = verdict_of(report.quality);
   report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, input));

@@ -42,8 +42,7 @@ struct ReportLeg {
 struct ReportTile {
   GroundTile tile;
   RoutePlace place;  ///< Along the route.
-  TileScore score;   ///< All NaN when `scored` is false.
-  bool scored = false;
+  TileScores score;
   bool selected = false;
   std::string reason;  ///< Why it is not selected, as one sentence; "" when it is.
   std::string

@@ -23,7 +23,7 @@ namespace pilotage {
 struct ReportInput {
   std::string title;  ///< Of the page; "" takes the route's name.
   Mission plan;
-  std::vector<TileScore> scores;  ///< Any order; a tile of the plan without a score is shown as not scored.
+  std::vector<TileScores> scores;  ///< Of the ground's tiles, in their order.
   Selection selection;
 
   /// Overview of the imagery in the mission grid's CRS, CV_8UC3 (red, green, blue) or CV_8UC1, of any size; it may be

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/mission.h"
+#include "pilotage/ground/ground.h"
 
 namespace pilotage {
 

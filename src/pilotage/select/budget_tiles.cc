@@ -192,7 +192,7 @@ double flight_worth(const std::vector<double>& p_within_limit) {
   return p_within_limit.back() + 1e-3 * sum / static_cast<double>(p_within_limit.size());
 }
 
-std::vector<bool> tiles_in_order(const Mission& plan, const std::vector<TileScore>& scores,
+std::vector<bool> tiles_in_order(const Mission& plan, const std::vector<TileScores>& scores,
                                  const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                  const std::vector<bool>& first, const StoredSize& size, std::int64_t budget) {
   std::vector<std::size_t> order;

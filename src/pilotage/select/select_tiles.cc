@@ -19,20 +19,6 @@
 namespace pilotage {
 namespace {
 
-// The scores in the order of the plan's tiles.
-std::vector<TileScore> scores_of_plan(const Mission& plan, const std::vector<TileScore>& scores) {
-  std::vector<TileScore> ordered = scores;
-  std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.tile_id < b.tile_id; });
-  const bool same =
-      std::equal(plan.ground.tiles.begin(), plan.ground.tiles.end(), ordered.begin(), ordered.end(),
-                 [](const GroundTile& tile, const TileScore& score) { return tile.tile_id == score.tile_id; });
-  if (!same) {
-    throw DataError("the scores are of other tiles than the plan (" + std::to_string(scores.size()) + " scores, " +
-                    std::to_string(plan.ground.tiles.size()) + " tiles); score the plan again");
-  }
-  return ordered;
-}
-
 std::vector<bool> samples_over(const std::vector<std::optional<std::size_t>>& tiles, const std::vector<bool>& chosen) {
   std::vector<bool> over(tiles.size());
   for (std::size_t i = 0; i < over.size(); ++i) over[i] = tiles[i] && chosen[*tiles[i]];
@@ -64,7 +50,7 @@ std::size_t count_true(const std::vector<bool>& flags) {
 
 // P of a correct fix of each matchable tile, 0 of the others. One without a P counts as certain, as before there were
 // any.
-std::vector<double> fix_chances(const std::vector<TileScore>& scores, const std::vector<bool>& matchable) {
+std::vector<double> fix_chances(const std::vector<TileScores>& scores, const std::vector<bool>& matchable) {
   std::vector<double> p(scores.size(), 0.0);
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (matchable[i]) p[i] = std::isnan(scores[i].p_correct_fix) ? 1.0 : scores[i].p_correct_fix;
@@ -91,7 +77,7 @@ struct Chances {
 };
 
 // The better of the stated order and of the search for the largest P; the order where they are alike.
-std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScore>& scores,
+std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScores>& scores,
                                 const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                 const StoredSize& size, std::int64_t budget) {
   const Mission& plan = *chances.path.plan;
@@ -153,39 +139,39 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
 
 }  // namespace
 
-double judged_margin(const TileScore& score) {
+double judged_margin(const TileScores& score) {
   return std::isnan(score.degraded.margin) ? score.clean.margin : score.degraded.margin;
 }
 
-bool is_matchable(const TileScore& score, const SelectOptions& options) {
+bool is_matchable(const TileScores& score, const SelectOptions& options) {
   if (score.status != TileStatus::kScored) return false;
   if (!std::isnan(score.p_correct_fix)) return score.p_correct_fix >= options.min_p_correct_fix;
   const double margin = judged_margin(score);
   return std::isnan(margin) || margin >= options.min_peak_margin;
 }
 
-Selection select_tiles(const Mission& plan, const std::vector<TileScore>& scores, const StoredSize& size,
+Selection select_tiles(const Mission& plan, const std::vector<TileScores>& scores, const StoredSize& size,
                        const SelectOptions& options) {
   check_options(options);
   const double max_error_m = plan.flight.max_error_m;
-  const std::vector<TileScore> ordered = scores_of_plan(plan, scores);
+  ScoreTable(plan.ground, scores);  // one for each tile
   const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
 
   std::vector<bool> matchable(plan.ground.tiles.size());
-  for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(ordered[i], options);
+  for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(scores[i], options);
   const std::vector<bool> sparse = sparse_areas(plan, matchable, samples_over(tiles, matchable), max_error_m);
   std::vector<bool> chosen = options.sparse ? sparse : matchable;
   std::optional<Chances> chances;
-  if (std::any_of(ordered.begin(), ordered.end(), [](const TileScore& s) { return !std::isnan(s.p_correct_fix); })) {
+  if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
     chances = Chances{make_flight_path(plan, max_error_m),
                       fix_attempts(plan, tiles, options.fix_interval_s, options.fix_decorrelation_m),
-                      fix_chances(ordered, matchable), options.fix_interval_s};
+                      fix_chances(scores, matchable), options.fix_interval_s};
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
     const std::vector<bool> none(chosen.size(), false);
-    chosen = chances ? within_budget(*chances, ordered, chosen, sparse, size, budget)
-                     : tiles_in_order(plan, ordered, chosen, sparse, none, size, budget);
+    chosen = chances ? within_budget(*chances, scores, chosen, sparse, size, budget)
+                     : tiles_in_order(plan, scores, chosen, sparse, none, size, budget);
   }
 
   Selection selection;
@@ -208,7 +194,7 @@ Selection select_tiles(const Mission& plan, const std::vector<TileScore>& scores
                             " tiles can be matched; " + std::to_string(selection.tile_ids.size()) + " are stored");
   if (chances) {
     std::size_t without_p = 0;
-    for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(ordered[i].p_correct_fix);
+    for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(scores[i].p_correct_fix);
     if (without_p > 0) {
       selection.notes.push_back(std::to_string(without_p) +
                                 " stored tiles have no probability of a correct fix; they were counted as certain");
