@@ -36,7 +36,7 @@ struct BuildCommandOptions {
 };
 
 // The files of the plan and of the second date, as `prepare` lists them.
-std::vector<InputFile> inputs_of(const TilePlan& plan, const std::vector<std::string>& second_epoch) {
+std::vector<InputFile> inputs_of(const Mission& plan, const std::vector<std::string>& second_epoch) {
   std::vector<InputFile> inputs = input_files(plan);
   for (const std::string& dataset : second_epoch) {
     inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
@@ -45,10 +45,10 @@ std::vector<InputFile> inputs_of(const TilePlan& plan, const std::vector<std::st
 }
 
 // Nothing is registered when nothing asks for it.
-std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, const TilePlan& plan,
+std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, const Mission& plan,
                                          const Invocation& invocation) {
   if (options.build.keep_features == KeepFeatures::kAll || options.second_epoch.empty()) return std::nullopt;
-  return register_second_date(plan, options.second_epoch, options.registration, invocation.threads,
+  return register_second_date(plan.ground, options.second_epoch, options.registration, invocation.threads,
                               invocation.progress);
 }
 

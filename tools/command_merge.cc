@@ -42,9 +42,11 @@ Command make_merge_command() {
     MergedShards merged = read_shards(shard_files(invocation.inputs), version_line(), invocation.progress);
     if (!merged.missing.empty()) return missing_result(merged);
     ScoreOutputs outputs(options, invocation, merged.run);
-    PartScores all{std::move(merged.scores),
-                   register_second_epoch(merged.run, invocation.threads, invocation.progress)};
-    return outputs.write(finish_run(merged.run, std::move(all), invocation.threads));
+    const Ground ground = whole_ground(merged.run, invocation.threads);
+    GroundScores all{std::move(merged.scores),
+                     register_second_epoch(merged.run, invocation.threads, invocation.progress)};
+    explain_scores(ground, all.scores, invocation.threads);
+    return outputs.write(ground, all);
   });
   return command;
 }

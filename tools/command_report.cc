@@ -81,7 +81,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const StageFiles files = read_stage_files(options.files, invocation);
-  refuse_existing(place, report_output_names(place.stem, options.outputs, files.plan.levels, true),
+  refuse_existing(place, report_output_names(place.stem, options.outputs, files.plan.ground.levels, true),
                   invocation.overwrite);
   const ReportInput input = read_report_input(options, files, invocation);
   const Report report = make_report(input);

@@ -18,7 +18,7 @@ namespace pilotage {
 namespace {
 
 struct ScoreCommandOptions {
-  ScoreImageryOptions imagery;
+  ScoreRunOptions run;
   ScoreOutputOptions outputs;
   std::int64_t plan_shards = 0;
   std::string shard;
@@ -26,7 +26,7 @@ struct ScoreCommandOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    ScoreImageryOptions::describe(self.imagery, fields);
+    ScoreRunOptions::describe(self.run, fields);
     ScoreOutputOptions::describe(self.outputs, fields);
     fields.field("plan_shards", self.plan_shards, "Score nothing; say what so many shards are (-o: as JSON). 0: score.",
                  Range{0, static_cast<double>(kMostShards)});
@@ -40,7 +40,7 @@ struct ScoreCommandOptions {
 ScoreRun open_run(const ScoreCommandOptions& options, const Invocation& invocation) {
   const std::vector<std::string>& inputs = invocation.inputs;
   if (inputs.size() == 1 && inputs.front().ends_with(".json")) need_file(inputs.front(), "tile");
-  return open_score_run(inputs, options.imagery, invocation.seed);
+  return open_score_run(inputs, options.run, invocation.seed);
 }
 
 // What belongs to the whole run is made by `merge`.
@@ -72,7 +72,7 @@ CommandResult plan_shards(const ScoreCommandOptions& options, const Invocation& 
     nlohmann::ordered_json parts = nlohmann::ordered_json::array();
     std::vector<std::string> words;
     for (const ShardPart& part : shard_parts(tiles)) {
-      words.push_back((run.plan ? "level " + std::to_string(part.level) + " " : "") + "columns " +
+      words.push_back((run.flight ? "level " + std::to_string(part.level) + " " : "") + "columns " +
                       range_text(part.first_column, part.last_column) + " rows " +
                       range_text(part.first_row, part.last_row));
       parts.push_back({{"level", part.level},
@@ -126,11 +126,15 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
   ScoreShard result{describe_run(run, version_line()), shard, {}};
   CommandResult told;
   const bool done = !invocation.overwrite && is_done(file, result.run, shard, told.warnings);
-  if (!done && shard.count > 1 && !options.imagery.score.second_epoch.empty()) {
+  if (!done && shard.count > 1 && !options.run.score.second_epoch.empty()) {
     told.warnings.emplace_back("with a second date each shard registers both dates over all tiles of the run");
   }
   if (!done) {
-    result.scores = score_part(run, places, invocation.threads, invocation.progress).scores;
+    const Ground part = part_of_ground(run, places, invocation.threads);
+    const auto second_epoch = register_second_epoch(run, invocation.threads, invocation.progress);
+    result.rows = tile_rows(part, score_ground_tiles(part, run.options.score,
+                                                     second_epoch ? &second_epoch->registration.fit.field : nullptr,
+                                                     run.seed, invocation.threads, invocation.progress));
     // A second task with the same shard writes the same bytes: whichever is last wins.
     write_file(file, score_shard_to_bytes(result), true);
   }
@@ -148,9 +152,11 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
 CommandResult score_all(const ScoreCommandOptions& options, const Invocation& invocation) {
   if (!options.shards.empty()) throw UsageError("--shards goes with --shard");
   if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: where the score raster goes");
-  ScoreRun run = open_run(options, invocation);
+  const ScoreRun run = open_run(options, invocation);
   ScoreOutputs outputs(options.outputs, invocation, run);
-  return outputs.write(score_run(run, invocation.threads, invocation.progress));
+  const Ground ground = whole_ground(run, invocation.threads);
+  return outputs.write(ground,
+                       score_ground(ground, run.options.score, run.seed, invocation.threads, invocation.progress));
 }
 
 }  // namespace

@@ -64,14 +64,14 @@ Command make_select_command() {
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile, .help = "The selection (JSON)."};
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
-    TilePlan plan = read_stage_plan(invocation.inputs.front());
-    plan.max_error_m = options.max_error_m.value_or(plan.max_error_m);
-    const Selection selection =
-        select_tiles(plan, read_scores(options.table), stored_size(options.build, plan), options.select);
+    Mission plan = read_stage_plan(invocation.inputs.front());
+    plan.flight.max_error_m = options.max_error_m.value_or(plan.flight.max_error_m);
+    const Selection selection = select_tiles(plan, read_scores(options.table, plan.ground),
+                                             stored_size(options.build, plan.ground), options.select);
     write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);
 
     CommandResult result;
-    result.text = std::to_string(selection.tile_ids.size()) + " of " + std::to_string(plan.tiles.size()) +
+    result.text = std::to_string(selection.tile_ids.size()) + " of " + std::to_string(plan.ground.tiles.size()) +
                   " tiles, at most " + format_fixed(static_cast<double>(selection.estimated_bytes) / 1e6, 2) +
                   " MB; matchable on " + format_fixed(100 * selection.matchable_fraction, 1) + " % of the route\n";
     for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);

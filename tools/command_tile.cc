@@ -16,13 +16,13 @@ Command make_tile_command() {
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
   command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON)."};
   bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
-    const TilePlan plan = plan_tiles(options, invocation.progress);
+    const Mission plan = plan_tiles(options, invocation.progress);
     write_file(invocation.output, plan_to_json(plan).dump(1) + "\n", invocation.overwrite);
     CommandResult result;
-    result.text = std::to_string(plan.tiles.size()) + " tiles in " + std::to_string(plan.levels.size()) +
-                  " level(s), " + plan.crs_name + "\n";
-    result.json = {{"output", invocation.output}, {"crs", plan.crs_name}, {"tiles", plan.tiles.size()}};
-    for (const PlanLevel& level : plan.levels) {
+    result.text = std::to_string(plan.ground.tiles.size()) + " tiles in " + std::to_string(plan.ground.levels.size()) +
+                  " level(s), " + plan.ground.crs.name() + "\n";
+    result.json = {{"output", invocation.output}, {"crs", plan.ground.crs.name()}, {"tiles", plan.ground.tiles.size()}};
+    for (const GridLevel& level : plan.ground.levels) {
       result.text += "level " + std::to_string(level.matrix.level) + ": " + format_fixed(level.gsd_m, 3) +
                      " m/px, tiles of " + std::to_string(level.matrix.tile_size_px) + " px every " +
                      std::to_string(level.matrix.stride_px) + " px, search " + std::to_string(level.search_radius_px) +

@@ -11,8 +11,8 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/registered_place.h"
-#include "pilotage/mission/plan_imagery.h"
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/ground_imagery.h"
+#include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
 
@@ -43,11 +43,11 @@ std::string for_people(double number) {
 }
 
 // One line per measure: how far it ranges.
-void summarise(const std::vector<TileRow>& rows, CommandResult& result) {
+void summarise(const std::vector<TileScores>& scores, CommandResult& result) {
   std::vector<std::vector<double>> numbers(measures().size());
-  for (const TileRow& row : rows) {
+  for (const TileScores& tile : scores) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-      if (const double value = measures()[i].get(row.score); !std::isnan(value)) numbers[i].push_back(value);
+      if (const double value = measures()[i].get(tile); !std::isnan(value)) numbers[i].push_back(value);
     }
   }
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -77,11 +77,11 @@ nlohmann::ordered_json json_of(const Spread& spread) {
           {"largest", json_number(spread.largest)}};
 }
 
-void summarise(const SecondEpoch& epoch, CommandResult& result) {
+void summarise(const SecondEpoch& epoch, const std::vector<TileScores>& scores, CommandResult& result) {
   const Registration& registration = epoch.registration;
   const WarpFit& fit = registration.fit;
-  const auto unknown = std::count_if(epoch.scores.begin(), epoch.scores.end(),
-                                     [](const EpochScores& score) { return std::isnan(score.disagreement_m); });
+  const auto unknown = std::count_if(scores.begin(), scores.end(),
+                                     [](const TileScores& tile) { return std::isnan(tile.epoch.disagreement_m); });
   result.text += "second epoch: " + std::to_string(registration.finest_ties) + " ties at " +
                  std::to_string(registration.places) + " places and " +
                  std::to_string(static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties) +
@@ -100,56 +100,37 @@ void summarise(const SecondEpoch& epoch, CommandResult& result) {
       {"tiles_unknown", unknown}};
   if (unknown == 0) return;
   result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
-                            " of " + std::to_string(epoch.scores.size()) + " tiles");
+                            " of " + std::to_string(scores.size()) + " tiles");
 }
 
-CommandResult tell(const ScoredRun& scored, const Invocation& invocation) {
+CommandResult tell(const GroundScores& scored, const ScoreRun& run, const Invocation& invocation) {
   const auto of_status = [&](TileStatus status) {
-    return std::count_if(scored.rows.begin(), scored.rows.end(),
-                         [&](const TileRow& row) { return row.score.status == status; });
+    return std::count_if(scored.scores.begin(), scored.scores.end(),
+                         [&](const TileScores& tile) { return tile.status == status; });
   };
   CommandResult result;
-  result.text = std::to_string(scored.rows.size()) + " tiles, " + std::to_string(of_status(TileStatus::kScored)) +
+  result.text = std::to_string(scored.scores.size()) + " tiles, " + std::to_string(of_status(TileStatus::kScored)) +
                 " scored, " + std::to_string(of_status(TileStatus::kFlat)) + " flat, " +
                 std::to_string(of_status(TileStatus::kTooLittleGround)) + " with too little ground\n";
   result.json = {{"output", invocation.output},
-                 {"tiles", scored.rows.size()},
+                 {"tiles", scored.scores.size()},
                  {"scored", of_status(TileStatus::kScored)},
                  {"flat", of_status(TileStatus::kFlat)},
                  {"too_little_ground", of_status(TileStatus::kTooLittleGround)}};
-  summarise(scored.rows, result);
-  result.warnings = scored.warnings;
-  if (scored.second_epoch) summarise(*scored.second_epoch, result);
+  summarise(scored.scores, result);
+  result.warnings = run.warnings;
+  if (scored.second_epoch) summarise(*scored.second_epoch, scored.scores, result);
   return result;
-}
-
-TileMatrix shown_matrix(const ScoreRun& run, int level) {
-  if (!run.plan) return run.imagery->matrix;
-  const std::size_t levels = run.plan->levels.size();
-  if (level >= static_cast<int>(levels)) {
-    throw UsageError("level = " + std::to_string(level) + ": the plan has " + std::to_string(levels) + " level(s)");
-  }
-  return run.plan->levels[static_cast<std::size_t>(level)].matrix;
-}
-
-// What an evaluation is about: the tiles of the level that the raster shows.
-ScoredGround judged_ground(const ScoreRun& run, const ScoredRun& scored, const TileMatrix& matrix, int level) {
-  ScoredGround ground{scored.crs, matrix, run.options.grid.search_radius_px, {}, run.inputs, run.options.imagery, ""};
-  if (run.plan) {
-    ground.search_radius_px = run.plan->levels[static_cast<std::size_t>(level)].search_radius_px;
-    ground.datasets = dataset_names(*run.plan);
-    ground.imagery = run.plan->imagery_options;
-    ground.elevation = run.plan->elevation;
-  }
-  std::copy_if(scored.rows.begin(), scored.rows.end(), std::back_inserter(ground.rows),
-               [&](const TileRow& row) { return row.tile.level == matrix.level; });
-  return ground;
 }
 
 }  // namespace
 
 ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& invocation, const ScoreRun& run)
-    : options_(options), invocation_(invocation), run_(run), matrix_(shown_matrix(run, options.level)) {
+    : options_(options), invocation_(invocation), run_(run) {
+  if (options.level >= std::ssize(run.ground.levels)) {
+    throw UsageError("level = " + std::to_string(options.level) + ": the plan has " +
+                     std::to_string(run.ground.levels.size()) + " level(s)");
+  }
   if (!options.table.empty()) table_.emplace(options.table, invocation.overwrite);
   if (options.evaluate.wanted()) {
     check_evaluation(options.evaluate);
@@ -162,17 +143,18 @@ ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& 
   const OutputFile refused(options.second_epoch_output, invocation.overwrite);
 }
 
-CommandResult ScoreOutputs::write(const ScoredRun& scored) {
-  CommandResult result = tell(scored, invocation_);
-  if (evaluation_) add_evaluation(scored, result);
+CommandResult ScoreOutputs::write(const Ground& ground, const GroundScores& scored) {
+  const ScoreTable table(ground, scored.scores);
+  CommandResult result = tell(scored, run_, invocation_);
+  if (evaluation_) add_evaluation(table, scored, result);
   report_progress(invocation_.progress, "writing scores", 0, 0);
-  const ScoreRaster raster = score_raster(matrix_, scored.rows);
-  if (table_) table_->write(tile_table_to_csv(scored.rows));
-  write_score_raster(invocation_.output, raster.bands, scored.crs, raster.map_from_pixel, invocation_.overwrite);
+  const ScoreRaster raster = score_raster(table, options_.level);
+  if (table_) table_->write(tile_table_to_csv(ground, scored.scores));
+  write_score_raster(invocation_.output, raster.bands, ground.crs, raster.map_from_pixel, invocation_.overwrite);
   if (!options_.second_epoch_output.empty()) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
-    write_score_raster(options_.second_epoch_output, layer.bands, scored.crs, layer.map_from_pixel,
+    write_score_raster(options_.second_epoch_output, layer.bands, ground.crs, layer.map_from_pixel,
                        invocation_.overwrite);
   }
   if (table_) table_->commit();  // all appear, or none
@@ -181,21 +163,21 @@ CommandResult ScoreOutputs::write(const ScoredRun& scored) {
 }
 
 // Shows how well each predictor does, and writes the evaluation's files without letting them appear.
-void ScoreOutputs::add_evaluation(const ScoredRun& scored, CommandResult& result) {
+void ScoreOutputs::add_evaluation(const ScoreTable& table, const GroundScores& scored, CommandResult& result) {
   FlightFrames frames;
   if (!frames_.frames.empty()) {
-    frames = complete(frames_, options_, run_.plan ? std::optional<Camera>(run_.plan->camera) : std::nullopt);
+    frames = complete(frames_, options_, run_.flight ? std::optional<Camera>(run_.flight->camera) : std::nullopt);
   }
   const std::filesystem::path scratch = folder_of_outputs(options_, invocation_) / "evaluation_map.gpkg";
   // The date that is judged by may be the second one as well: its registration then corrects the truth.
   const std::vector<std::string>& second_epoch = run_.options.score.second_epoch;
   const bool registered = second_epoch.size() == 1 && second_epoch.front() == options_.evaluate.file;
-  const ScoredGround ground = judged_ground(run_, scored, matrix_, options_.level);
+  const LevelScores judged(table, options_.level);
   const Evaluation evaluation = evaluate(
-      ground, frames.frames, options_.evaluate, scratch, run_.seed, invocation_.threads, invocation_.progress,
+      judged, frames.frames, options_.evaluate, scratch, run_.seed, invocation_.threads, invocation_.progress,
       registered ? registered_place(scored.second_epoch->registration.fit.field) : PlaceOnReference(same_place));
   const EvaluationSource source{run_.inputs, version_line(), options_.evaluate, run_.seed};
-  evaluation_->write(ground, evaluation, source);
+  evaluation_->write(judged, evaluation, source);
   result.json["evaluation"] = evaluation_json(evaluation, source);
   result.text += evaluation_text(evaluation);
   result.warnings.insert(result.warnings.end(), frames.warnings.begin(), frames.warnings.end());

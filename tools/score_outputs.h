@@ -40,16 +40,15 @@ class ScoreOutputs {
   /// that do not fit the run. All three must outlive this.
   ScoreOutputs(const ScoreOutputOptions& options, const Invocation& invocation, const ScoreRun& run);
 
-  /// Writes everything and says what there is to say.
-  CommandResult write(const ScoredRun& scored);
+  /// Writes everything and says what there is to say; `ground` is the run's with all its tiles.
+  CommandResult write(const Ground& ground, const GroundScores& scored);
 
  private:
-  void add_evaluation(const ScoredRun& scored, CommandResult& result);
+  void add_evaluation(const ScoreTable& table, const GroundScores& scored, CommandResult& result);
 
   const ScoreOutputOptions& options_;
   const Invocation& invocation_;
   const ScoreRun& run_;
-  TileMatrix matrix_;  // of the level that the raster shows
   std::optional<OutputFile> table_;
   std::optional<EvaluationFiles> evaluation_;
   FrameTable frames_;

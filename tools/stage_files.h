@@ -5,9 +5,9 @@
 
 #include "command.h"
 
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 
 namespace pilotage {
 
@@ -24,8 +24,8 @@ struct StageFileOptions {
 };
 
 struct StageFiles {
-  TilePlan plan;
-  std::vector<TileScore> scores;
+  Mission plan;
+  std::vector<TileScores> scores;
   Selection selection;
 };
 
@@ -34,10 +34,10 @@ struct StageFiles {
 void need_file(const std::string& path, const std::string& writer);
 
 /// The plan of a file. Throws as need_file and read_plan do.
-TilePlan read_stage_plan(const std::string& path);
+Mission read_stage_plan(const std::string& path);
 
 /// The scores of a table. Throws UsageError when `table` is empty, DataError when it cannot be read.
-std::vector<TileScore> read_scores(const std::string& table);
+std::vector<TileScores> read_scores(const std::string& table, const Ground& ground);
 
 /// The plan that is the command's input, its scores and its selection. Throws as read_scores, likewise for the others;
 /// DataError when the scores or the selection are of another plan.

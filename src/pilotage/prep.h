@@ -4,12 +4,12 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/gis/report_outputs.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
-#include "pilotage/mission/tile_table.h"
 #include "pilotage/prepare/prepare.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
@@ -38,10 +38,10 @@
 /// Order
 ///  prepare() is all of it. A program that wants something in between calls the stages; what passes between them are
 ///  values, and each value has a file:
-///  1. plan_tiles(): TileOptions → TilePlan. read_plan(), plan_to_json().
+///  1. plan_tiles(): TileOptions → Mission. read_plan(), plan_to_json().
 ///  2. open_score_run(), score_run(): rasters or a plan → ScoredRun, a TileRow for each tile, with the probability of a
 ///     correct fix. tile_table_to_csv(), tile_table_from_csv(). score_part() scores a shard of them for finish_run().
-///  3. select_tiles(): TilePlan, the TileScore of its tiles, stored_size() → Selection. read_selection(),
+///  3. select_tiles(): Mission, the TileScores of its tiles, stored_size() → Selection. read_selection(),
 ///     selection_to_json().
 ///  4. build_map(): all of these and input_files() of the plan → map.gpkg.
 ///  5. make_report_input(), make_report(), write_report_outputs(): all of these → the files of the report.

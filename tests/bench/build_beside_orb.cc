@@ -15,24 +15,24 @@
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/build_map/build_map.h"
+#include "pilotage/ground/ground_imagery.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/mission/plan_file.h"
-#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/mission/selection_file.h"
-#include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/gray_stretch.h"
 
 namespace pilotage {
 namespace {
 
 void run(char** argv) {
-  const TilePlan plan = read_plan(argv[1]);
+  const Mission plan = read_plan(argv[1]);
   const Selection selection = read_selection(argv[3]);
   const int threads = std::stoi(argv[4]);
-  std::vector<TileScore> scores;
+  std::vector<TileScores> scores;
   for (const TileRow& row : tile_table_from_csv(argv[2], read_file(argv[2]))) scores.push_back(row.score);
   const testing::TemporaryFolder folder;
   const BuildOptions options;
-  const PlanLevel& level = plan.levels.front();
+  const GridLevel& level = plan.ground.levels.front();
   Raster pixels;
   BuildStats built;
   const auto build = [&] {
@@ -40,7 +40,7 @@ void run(char** argv) {
   };
   build();
   const auto read = [&] {
-    const GraySource source = stretch_to_8bit(open_plan_imagery(plan, level));
+    const GraySource source = stretch_to_8bit(open_gray(plan.ground, level));
     pixels = source.read({0, 0, static_cast<int>(source.width_px), static_cast<int>(source.height_px)});
   };
   cv::setNumThreads(threads);

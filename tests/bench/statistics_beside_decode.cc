@@ -16,7 +16,7 @@
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/parallel.h"
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/score/score_imagery.h"
 #include "pilotage/score/tile_statistics.h"
@@ -76,12 +76,12 @@ void read_gray(const Request& request) {
 }
 
 /// V and H into scores that lie in memory already.
-void score_into(const Request& request, std::vector<TileScore>& scores) {
+void score_into(const Request& request, std::vector<TileScores>& scores) {
   const GraySource source = open_gray(request.file);
   const TileMatrix matrix = score_matrix(source, request.grid);
   scores.resize(static_cast<std::size_t>(matrix.tile_count()));
-  std::vector<TileScore*> tiles;
-  for (TileScore& score : scores) {
+  std::vector<TileScores*> tiles;
+  for (TileScores& score : scores) {
     const auto index = static_cast<std::int64_t>(tiles.size());
     score.column = index % matrix.matrix_width();
     score.row = index / matrix.matrix_width();
@@ -104,7 +104,7 @@ void run(const Request& request, int repeats) {
   std::vector<Step> steps;
   steps.push_back({"GDAL reads and decodes", [&] { decode(request); }});
   steps.push_back({"gray pixels", [&] { read_gray(request); }});
-  std::vector<TileScore> scores;
+  std::vector<TileScores> scores;
   steps.push_back({"V and H", [&] { score_into(request, scores); }});
   steps.push_back({"scores in memory", [&] { score_in_memory(request); }});
   steps.push_back(

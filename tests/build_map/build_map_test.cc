@@ -11,10 +11,10 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_verify.h"
-#include "pilotage/mission/plan_imagery.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
@@ -22,10 +22,10 @@
 namespace pilotage {
 namespace {
 
-std::vector<TileScore> good_scores(const TilePlan& plan) {
-  std::vector<TileScore> scores;
-  for (const PlanTile& tile : plan.tiles) {
-    TileScore score;
+std::vector<TileScores> good_scores(const Mission& plan) {
+  std::vector<TileScores> scores;
+  for (const GroundTile& tile : plan.ground.tiles) {
+    TileScores score;
     score.tile_id = tile.tile_id;
     score.level = tile.level;
     score.column = tile.column;
@@ -38,10 +38,11 @@ std::vector<TileScore> good_scores(const TilePlan& plan) {
   return scores;
 }
 
-Selection every_tile(const TilePlan& plan, std::size_t step = 1) {
+Selection every_tile(const Mission& plan, std::size_t step = 1) {
   Selection selection;
-  for (std::size_t i = 0; i < plan.tiles.size(); i += step) selection.tile_ids.push_back(plan.tiles[i].tile_id);
-  selection.legs.resize(plan.route.legs.size());
+  for (std::size_t i = 0; i < plan.ground.tiles.size(); i += step)
+    selection.tile_ids.push_back(plan.ground.tiles[i].tile_id);
+  selection.legs.resize(plan.flight.route.legs.size());
   return selection;
 }
 
@@ -68,9 +69,9 @@ std::set<GroundPoint> stored_points(const std::filesystem::path& map) {
   return points;
 }
 
-bool on_selected_ground(const TilePlan& plan, const Selection& selection, const GroundPoint& point) {
-  const TileMatrix& matrix = plan.levels[0].matrix;
-  for (const PlanTile& tile : plan.tiles) {
+bool on_selected_ground(const Mission& plan, const Selection& selection, const GroundPoint& point) {
+  const TileMatrix& matrix = plan.ground.levels[0].matrix;
+  for (const GroundTile& tile : plan.ground.tiles) {
     if (!std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), tile.tile_id)) continue;
     const PixelWindow window = matrix.tile_window(tile.column, tile.row);
     const double x = point.first - static_cast<double>(window.col);
@@ -83,8 +84,8 @@ bool on_selected_ground(const TilePlan& plan, const Selection& selection, const 
 class BuildMap : public ::testing::Test {
  protected:
   testing::TemporaryFolder folder_;
-  TilePlan plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
-  std::vector<TileScore> scores_ = good_scores(plan_);
+  Mission plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
+  std::vector<TileScores> scores_ = good_scores(plan_);
 
   BuildStats build(const std::string& name, const Selection& selection, int threads = 1,
                    const BuildOptions& options = {}) {
@@ -94,14 +95,14 @@ class BuildMap : public ::testing::Test {
   // Chips of `factor` × `factor` pixels of the level.
   BuildOptions with_chips(int factor, int gray_bits = 8) const {
     BuildOptions options;
-    options.chips = {true, factor * plan_.levels[0].gsd_m, gray_bits};
+    options.chips = {true, factor * plan_.ground.levels[0].gsd_m, gray_bits};
     return options;
   }
 };
 
 TEST_F(BuildMap, StoresEveryDescriptorOnceAndVerifies) {
   const BuildStats stats = build("map.gpkg", every_tile(plan_));
-  EXPECT_EQ(stats.tiles, static_cast<std::int64_t>(plan_.tiles.size()));
+  EXPECT_EQ(stats.tiles, static_cast<std::int64_t>(plan_.ground.tiles.size()));
   EXPECT_GT(stats.descriptors, 200);
   EXPECT_EQ(static_cast<std::int64_t>(stored_points(folder_ / "map.gpkg").size()), stats.descriptors);
   EXPECT_EQ(stats.bytes, static_cast<std::int64_t>(std::filesystem::file_size(folder_ / "map.gpkg")));
@@ -131,7 +132,7 @@ TEST_F(BuildMap, StoredCellsCoverTheUnionOfTheSelectedTiles) {
 // Put together, the chips of any part of the tiles show each pixel whose centre lies in one of them once, and no other,
 // as the mean of the imagery's pixels.
 TEST_F(BuildMap, ChipsShowAllSelectedGroundOnce) {
-  const GraySource imagery = stretch_to_8bit(open_plan_imagery(plan_, plan_.levels[0]));
+  const GraySource imagery = stretch_to_8bit(open_gray(plan_.ground, plan_.ground.levels[0]));
   for (const int factor : {1, 2, 3, 5}) {
     for (const std::size_t step : {1u, 2u, 5u}) {
       const Selection part = every_tile(plan_, step);
@@ -193,7 +194,7 @@ TEST_F(BuildMap, EstimateOfTheBudgetIsAnUpperBound) {
     for (const std::int64_t budget : {std::int64_t{0}, std::int64_t{400'000}}) {
       SelectOptions options;
       if (budget > 0) options.budget = std::to_string(budget);
-      const Selection selection = select_tiles(plan_, scores_, stored_size(build_options, plan_), options);
+      const Selection selection = select_tiles(plan_, scores_, stored_size(build_options, plan_.ground), options);
       const BuildStats stats = build("budget" + std::to_string(number++) + ".gpkg", selection, 1, build_options);
       EXPECT_LE(stats.bytes, selection.estimated_bytes);
       if (budget > 0) {

@@ -90,7 +90,7 @@ using Point = std::pair<double, double>;  // metres east and south of the raster
 class StableFeatures : public ::testing::Test {
  protected:
   testing::TemporaryFolder folder_;
-  TilePlan plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
+  Mission plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
   std::string second_ = make_second();
 
   // The blocks of the small mission, 3 m further east; other ones in the middle, nothing in the east.
@@ -113,10 +113,10 @@ class StableFeatures : public ::testing::Test {
   }
 
   BuildStats build(const std::string& name, KeepFeatures keep, int threads = 1) {
-    std::vector<TileScore> scores;
+    std::vector<TileScores> scores;
     Selection selection;
-    selection.legs.resize(plan_.route.legs.size());
-    for (const PlanTile& tile : plan_.tiles) {
+    selection.legs.resize(plan_.flight.route.legs.size());
+    for (const GroundTile& tile : plan_.ground.tiles) {
       scores.emplace_back();
       scores.back().tile_id = tile.tile_id;
       selection.tile_ids.push_back(tile.tile_id);
@@ -124,12 +124,12 @@ class StableFeatures : public ::testing::Test {
     BuildOptions options;
     options.keep_features = keep;
     return build_map(folder_ / name, plan_, scores, selection, {}, "test", options, false, threads, {},
-                     register_second_date(plan_, {second_}, {}, threads));
+                     register_second_date(plan_.ground, {second_}, {}, threads));
   }
 
   std::vector<Point> stored(const std::string& name) {
     MapReader reader(folder_ / name);
-    const GeoTransform place = plan_.levels[0].matrix.map_from_pixel;
+    const GeoTransform place = plan_.ground.levels[0].matrix.map_from_pixel;
     std::vector<Point> points;
     for (const MapTile& tile : reader.tiles()) {
       const auto row = reader.descriptors(tile.tile_id, tile.level);

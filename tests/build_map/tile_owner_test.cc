@@ -20,13 +20,13 @@ TileMatrix make_matrix(int size, int stride) {
   return matrix;
 }
 
-bool contains(const TileMatrix& matrix, const TileOwner::Cell& cell, double x, double y) {
+bool contains(const TileMatrix& matrix, const TileCell& cell, double x, double y) {
   const PixelWindow window = matrix.tile_window(cell.column, cell.row);
   return x >= static_cast<double>(window.col) && x < static_cast<double>(window.col + window.width) &&
          y >= static_cast<double>(window.row) && y < static_cast<double>(window.row + window.height);
 }
 
-double distance(const TileMatrix& matrix, const TileOwner::Cell& cell, double x, double y) {
+double distance(const TileMatrix& matrix, const TileCell& cell, double x, double y) {
   const PixelWindow window = matrix.tile_window(cell.column, cell.row);
   return std::max(std::abs(x - static_cast<double>(window.col) - matrix.tile_size_px / 2.0),
                   std::abs(y - static_cast<double>(window.row) - matrix.tile_size_px / 2.0));
@@ -38,7 +38,7 @@ TEST(TileOwner, IsTheNearestSelectedTileThatContainsThePoint) {
   for (const auto& [size, stride] :
        std::vector<std::pair<int, int>>{{64, 64}, {64, 32}, {100, 33}, {50, 49}, {40, 60}}) {
     const TileMatrix matrix = make_matrix(size, stride);
-    std::vector<TileOwner::Cell> selected;
+    std::vector<TileCell> selected;
     for (std::int64_t row = 0; row < matrix.matrix_height(); ++row) {
       for (std::int64_t column = 0; column < matrix.matrix_width(); ++column) {
         if (random.uniform() < 0.4) selected.push_back({column, row});

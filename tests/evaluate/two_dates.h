@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "pilotage/evaluate/scored_ground.h"
+#include "pilotage/evaluate/evaluated_tiles.h"
 
 namespace pilotage::testing {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "pilotage/base/error.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::string table;

@@ -15,18 +15,20 @@ ReportInput gis_scene(GeodeticPoint origin, bool two_levels) {
   options.matchable_to = 0.5;
   options.tiles_along = 14;
   ReportInput input = report_scene(options);
-  input.plan.crs_wkt = "+proj=aeqd +datum=WGS84 +units=m +no_defs +lat_0=" + format_number(origin.lat_deg) +
-                       " +lon_0=" + format_number(origin.lon_deg);
+  input.plan.ground.crs =
+      Crs::from_user_input("+proj=aeqd +datum=WGS84 +units=m +no_defs +lat_0=" + format_number(origin.lat_deg) +
+                           " +lon_0=" + format_number(origin.lon_deg));
   if (!two_levels) {
     const auto upper = [](const auto& entry) { return entry.level > 0; };
-    std::erase_if(input.plan.tiles, upper);
+    std::erase_if(input.plan.ground.tiles, upper);
+    input.plan.flight.places.resize(input.plan.ground.tiles.size());
     std::erase_if(input.scores, upper);
-    const auto tiles = static_cast<std::int64_t>(input.plan.tiles.size());
+    const auto tiles = static_cast<std::int64_t>(input.plan.ground.tiles.size());
     std::erase_if(input.selection.tile_ids, [&](std::int64_t id) { return id >= tiles; });
-    input.plan.levels.resize(1);
+    input.plan.ground.levels.resize(1);
   }
   Random random(3);
-  for (TileScore& score : input.scores) {
+  for (TileScores& score : input.scores) {
     if (score.status == TileStatus::kScored && score.tile_id % 9 != 0) score.p_correct_fix = random.uniform();
   }
   input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, WorstStretch{1, 300, 520, 0.04}};

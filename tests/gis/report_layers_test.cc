@@ -77,7 +77,7 @@ TEST(ReportLayers, LegsAndGapsHoldTheNumbersOfTheReport) {
     for (std::size_t c = 0; c < layers.legs.columns.size(); ++c) {
       EXPECT_EQ(json_of(layers.legs.features[i].values[c]), json["route"]["legs"][i][layers.legs.columns[c].name]);
     }
-    EXPECT_EQ(layers.legs.features[i].points.front().x(), input.plan.route.vertices[i].point.lon_deg);
+    EXPECT_EQ(layers.legs.features[i].points.front().x(), input.plan.flight.route.vertices[i].point.lon_deg);
   }
   ASSERT_EQ(layers.gaps.features.size(), 1u);
   EXPECT_EQ(json_of(layers.gaps.features[0].values[column_of(layers.gaps, "error_m")]),
@@ -109,11 +109,11 @@ TEST(ReportLayers, AreasJoinSelectedTilesThatTouch) {
 
 TEST(ReportLayers, AnEmptyPlanHasEmptyLayers) {
   ReportInput input = testing::gis_scene();
-  input.plan.tiles.clear();
+  input.plan.ground.tiles.clear();
   input.scores.clear();
   input.selection = {};
-  input.plan.route = {};
-  input.plan.route_samples.clear();
+  input.plan.flight.route = {};
+  input.plan.flight.samples.clear();
   const ReportLayers layers = layers_of(input);
   EXPECT_TRUE(layers.tiles.features.empty());
   EXPECT_TRUE(layers.areas.features.empty());

@@ -18,7 +18,7 @@
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/gis/tile_class.h"
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/score_raster.h"
 
 namespace pilotage {
 namespace {
@@ -60,7 +60,7 @@ TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
   const std::vector<std::string> names = write_all(folder, input);
   const std::set<std::string> written(names.begin(), names.end());
   EXPECT_EQ(names_in(folder), written);
-  const std::vector<std::string> told = report_output_names("report", kEverything, input.plan.levels, true);
+  const std::vector<std::string> told = report_output_names("report", kEverything, input.plan.ground.levels, true);
   EXPECT_EQ(std::set<std::string>(told.begin(), told.end()), written);
   EXPECT_EQ(written.size(), 21u);
   for (const std::string& name : names) EXPECT_TRUE(is_report_output("report", name)) << name;
@@ -159,7 +159,7 @@ TEST(ReportOutputs, RastersHoldScoresAndClasses) {
   EXPECT_STREQ(band->GetCategoryNames()[1], "marginal");
   ASSERT_EQ(classes->GetRasterXSize(), 7);
   ASSERT_EQ(classes->GetRasterYSize(), 14);
-  for (const TileScore& score : input.scores) {
+  for (const TileScores& score : input.scores) {
     double value = 0;
     std::uint8_t number = 0;
     const int col = static_cast<int>(score.column);
@@ -255,12 +255,12 @@ TEST(ReportOutputs, APlanWithoutScoresAndRouteStillWorks) {
   ReportInput input = testing::gis_scene();
   input.scores.clear();
   input.selection = {};
-  input.plan.route = {};
-  input.plan.route_samples.clear();
+  input.plan.flight.route = {};
+  input.plan.flight.samples.clear();
   const std::vector<std::string> names = write_all(folder, input);
   EXPECT_EQ(names_in(folder), std::set<std::string>(names.begin(), names.end()));
   EXPECT_EQ(open(folder / "report_tiles.geojson")->GetLayer(0)->GetFeatureCount(),
-            static_cast<GIntBig>(input.plan.tiles.size()));
+            static_cast<GIntBig>(input.plan.ground.tiles.size()));
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 namespace pilotage {
 namespace {
 
-TileScore with_p(double p) {
-  TileScore score;
+TileScores with_p(double p) {
+  TileScores score;
   score.p_correct_fix = p;
   score.degraded.margin = -1;  // P wins over it
   return score;
@@ -23,7 +23,7 @@ TEST(TileClass, PartsAtThePublishedProbabilities) {
 }
 
 TEST(TileClass, GoesByTheMarginWithoutAProbability) {
-  TileScore score;
+  TileScores score;
   EXPECT_EQ(tile_class(score), std::nullopt);
   score.degraded.margin = 0.05;
   EXPECT_EQ(tile_class(score), TileClass::kGo);
@@ -34,7 +34,7 @@ TEST(TileClass, GoesByTheMarginWithoutAProbability) {
 }
 
 TEST(TileClass, WhatCannotBeScoredIsNoGo) {
-  TileScore score = with_p(0.9);
+  TileScores score = with_p(0.9);
   score.status = TileStatus::kFlat;
   EXPECT_EQ(tile_class(score), TileClass::kNoGo);
 }

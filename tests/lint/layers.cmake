@@ -16,9 +16,10 @@ set(foundation ${flying} correlation degradation)
 set(may_include_route ${foundation})
 set(may_include_ins ${foundation})
 set(may_include_registration ${foundation})
-set(may_include_mission ${foundation} route ins mapdb)
-set(may_include_matchability ${foundation} route ins mapdb mission)
-set(below_stages ${foundation} route ins mapdb registration mission matchability)
+set(may_include_ground ${foundation})
+set(may_include_mission ${foundation} route ins mapdb ground)
+set(may_include_matchability ${foundation} ground)
+set(below_stages ${foundation} route ins mapdb registration ground mission matchability)
 foreach(stage tile score select build_map report compare landmark)
   set(may_include_${stage} ${below_stages})
 endforeach()
@@ -69,6 +70,6 @@ foreach(file IN LISTS files)
     endif()
   endforeach()
 endforeach()
-finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {route, ins, mapdb <- match, registration} <- mission <- \
-matchability <- stages; a stage never includes another stage, except prepare (the stages it is made of), gis (report), flightlog (match), \
+finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {route, ins, mapdb <- match, registration, ground} <- \
+{mission, matchability} <- stages; a stage never includes another stage, except prepare (the stages it is made of), gis (report), flightlog (match), \
 evaluate (build_map, match and flightlog) and simulate (match and flightlog)")

@@ -22,8 +22,8 @@ MatcherModel simple_model() {
   return model;
 }
 
-TileScore scored_tile() {
-  TileScore score;
+TileScores scored_tile() {
+  TileScores score;
   score.gray_variance = 20;
   score.frieden_deficit = 0.04;  // σ/mean = 0.2: a mean of 100
   score.map_features = 98;

@@ -26,8 +26,8 @@ ReasonContext context_of(int tile_size_px = 256, double gsd_m = 0.6) {
 }
 
 /// A tile that nothing speaks against but its P.
-TileScore good(double p = 0.3) {
-  TileScore score;
+TileScores good(double p = 0.3) {
+  TileScores score;
   score.valid_fraction = 1;
   score.p_correct_fix = p;
   score.gray_variance = 40;
@@ -42,20 +42,20 @@ TileScore good(double p = 0.3) {
   return score;
 }
 
-std::vector<ReasonCode> codes(const TileScore& score, const ReasonContext& context = context_of()) {
+std::vector<ReasonCode> codes(const TileScores& score, const ReasonContext& context = context_of()) {
   std::vector<ReasonCode> list;
   for (const Reason& reason : tile_reasons(score, context)) list.push_back(reason.code);
   return list;
 }
 
-std::string text(const TileScore& score, const ReasonContext& context = context_of()) {
+std::string text(const TileScores& score, const ReasonContext& context = context_of()) {
   return reasons_text(tile_reasons(score, context));
 }
 
 TEST(Reasons, NoneWhereNothingIsWrong) {
   EXPECT_THAT(codes(good(0.9)), IsEmpty());
   EXPECT_THAT(codes(good(0.7)), IsEmpty());
-  TileScore unknown;
+  TileScores unknown;
   unknown.valid_fraction = 1;
   EXPECT_THAT(codes(unknown), IsEmpty()) << "what was not measured is no reason";
 }
@@ -66,7 +66,7 @@ TEST(Reasons, LowPAlwaysHasOne) {
 }
 
 TEST(Reasons, TooLittleGroundAndFlatStandAlone) {
-  TileScore score = good();
+  TileScores score = good();
   score.status = TileStatus::kTooLittleGround;
   score.valid_fraction = 0.31;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kTooLittleGround));
@@ -79,7 +79,7 @@ TEST(Reasons, TooLittleGroundAndFlatStandAlone) {
 }
 
 TEST(Reasons, LowContrast) {
-  TileScore score = good();
+  TileScores score = good();
   score.frieden_deficit = 0.05 * 0.05;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kFlat));
   EXPECT_THAT(text(score), HasSubstr("by 5 % of their mean"));
@@ -88,7 +88,7 @@ TEST(Reasons, LowContrast) {
 }
 
 TEST(Reasons, FewFeatures) {
-  TileScore score = good();
+  TileScores score = good();
   score.map_features = 14;
   score.vote_noise = 0.01;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kFewFeatures));
@@ -98,7 +98,7 @@ TEST(Reasons, FewFeatures) {
 }
 
 TEST(Reasons, RepeatsSayWhere) {
-  TileScore score = good();
+  TileScores score = good();
   score.clean.rival_ratio = 0.91;
   score.clean.rival_dx_px = 100;
   score.clean.rival_dy_px = -98;
@@ -118,14 +118,14 @@ TEST(Reasons, RepeatsSayWhere) {
 }
 
 TEST(Reasons, FeaturesThatLookAlike) {
-  TileScore score = good();
+  TileScores score = good();
   score.vote_noise = 48;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kRepeats));
   EXPECT_THAT(text(score), HasSubstr("8.0 votes for every hundred"));
 }
 
 TEST(Reasons, VegetationWaitsForTheSecondDate) {
-  TileScore score = good();
+  TileScores score = good();
   score.vegetation_share = 0.9;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kVegetation));
   EXPECT_THAT(text(score), HasSubstr("90 % of it is green"));
@@ -140,7 +140,7 @@ TEST(Reasons, VegetationWaitsForTheSecondDate) {
 }
 
 TEST(Reasons, WaterEdgesReliefAndPixels) {
-  TileScore score = good();
+  TileScores score = good();
   score.water_share = 0.73;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kWater));
   EXPECT_THAT(text(score), HasSubstr("73 % of it looks like open water"));
@@ -159,7 +159,7 @@ TEST(Reasons, WaterEdgesReliefAndPixels) {
 }
 
 TEST(Reasons, Changed) {
-  TileScore score = good();
+  TileScores score = good();
   score.epoch.survival = 0.02;
   score.epoch.margin = 0.3;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kChanged));
@@ -167,7 +167,7 @@ TEST(Reasons, Changed) {
 }
 
 TEST(Reasons, TheHeaviestThreeInOrder) {
-  TileScore score = good();
+  TileScores score = good();
   score.water_share = 0.105;     // a little over 0.1
   score.aperture = 0.01;         // far below
   score.vegetation_share = 0.9;  // a little over 0.8
@@ -181,7 +181,7 @@ TEST(Reasons, TheHeaviestThreeInOrder) {
 }
 
 TEST(Reasons, TheWatchListTellsOnlyWhatIsPlain) {
-  TileScore score = good(0.3);
+  TileScores score = good(0.3);
   score.water_share = 0.087;  // 0.87 of the threshold
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kWater));
   score.p_correct_fix = 0.7;
@@ -195,7 +195,7 @@ TEST(Reasons, TheWatchListTellsOnlyWhatIsPlain) {
 }
 
 TEST(Reasons, ExplainTilesOfTheirLevelOnly) {
-  std::vector<TileScore> scores{good(), good(), good(0.95)};
+  std::vector<TileScores> scores{good(), good(), good(0.95)};
   scores[1].level = 1;
   scores[2].reasons = {ReasonCode::kWater};  // of an earlier look
   explain_tiles(context_of(), scores);
@@ -223,7 +223,7 @@ TEST(Reasons, ALatticeRepeats) {
   context.matrix.grid_width_px = context.matrix.grid_height_px = kSide;
   const std::vector<std::int64_t> tile{context.matrix.matrix_width() + 1};
   const SelfVotes votes = count_self_votes(gray_source_from(raster), context.matrix, tile, {}).front();
-  TileScore score = good();
+  TileScores score = good();
   score.map_features = static_cast<double>(votes.features);
   score.vote_noise = votes.noise;
   score.aperture = measure_ground_cover(testing::color_source_from(raster), context.matrix, tile).front().aperture;

@@ -11,8 +11,8 @@ namespace pilotage {
 namespace {
 
 TEST(TileIdOf, CountsLevelByLevelRowByRow) {
-  std::vector<PlanLevel> levels(2);
-  for (PlanLevel& level : levels) {
+  std::vector<GridLevel> levels(2);
+  for (GridLevel& level : levels) {
     level.matrix.tile_size_px = 10;
     level.matrix.stride_px = 10;
     level.matrix.grid_width_px = 70;
@@ -28,19 +28,19 @@ TEST(TileIdOf, CountsLevelByLevelRowByRow) {
 
 // Against a search through all tiles of the matrix.
 TEST(TileLookup, FindsTheTileWithTheNearestCentre) {
-  const TilePlan plan = testing::straight_plan(2000, 60);
+  const Mission plan = testing::straight_plan(2000, 60);
   const TileLookup lookup(plan);
   Random random(seed_from_name("TileLookup"));
   int found = 0;
   for (int trial = 0; trial < 2000; ++trial) {
-    PlanSample sample;
+    FlightSample sample;
     sample.level = 0;
     sample.point_map_m = {random.uniform(-100, 2100), random.uniform(-120, 120)};
     const auto index = lookup.tile_under(sample);
     double nearest = 1e9;
     std::size_t nearest_index = 0;
-    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
-      const double distance = (plan.tiles[i].bounds.center_m() - sample.point_map_m).lpNorm<Eigen::Infinity>();
+    for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
+      const double distance = (plan.ground.tiles[i].bounds.center_m() - sample.point_map_m).lpNorm<Eigen::Infinity>();
       if (distance < nearest) {
         nearest = distance;
         nearest_index = i;
@@ -55,11 +55,11 @@ TEST(TileLookup, FindsTheTileWithTheNearestCentre) {
 }
 
 TEST(TileLookup, NothingWithoutALevelOrOutsideTheMatrix) {
-  const TilePlan plan = testing::straight_plan(500);
+  const Mission plan = testing::straight_plan(500);
   const TileLookup lookup(plan);
-  PlanSample sample = plan.route_samples.front();
+  FlightSample sample = plan.flight.samples.front();
   EXPECT_TRUE(lookup.tile_under(sample));
-  sample.level = PlanSample::kNoLevel;
+  sample.level = FlightSample::kNoLevel;
   EXPECT_FALSE(lookup.tile_under(sample));
   sample.level = 0;
   sample.point_map_m = {1e9, -1e9};

@@ -24,7 +24,7 @@ ReportInput scene() {
   options.matchable_to = 0.5;
   options.tiles_along = 12;
   ReportInput input = testing::report_scene(options);
-  for (TileScore& score : input.scores) {
+  for (TileScores& score : input.scores) {
     if (score.status == TileStatus::kScored) score.p_correct_fix = 0.75;
   }
   return input;
@@ -67,7 +67,7 @@ TEST(CompareReports, FindsWhatChanged) {
   ids.erase(ids.begin() + 1);
   ids.push_back(gained);
   std::sort(ids.begin(), ids.end());
-  for (TileScore& score : after.scores) {
+  for (TileScores& score : after.scores) {
     if (score.tile_id == changed) score.p_correct_fix = 0.5;
     if (score.tile_id == ids.back()) score.p_correct_fix = 0.755;  // less than what counts
   }
@@ -113,14 +113,14 @@ TEST(CompareReports, FindsWhatChanged) {
 TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
   const ReportInput before = scene();
   ReportInput after = scene();
-  for (PlanTile& tile : after.plan.tiles) {  // a third of a stride to the east, with other numbers
+  for (GroundTile& tile : after.plan.ground.tiles) {  // a third of a stride to the east, with other numbers
     const double shift_m = tile.bounds.width_m() / 6;
     tile.bounds = {tile.bounds.min_x_m + shift_m, tile.bounds.min_y_m, tile.bounds.max_x_m + shift_m,
                    tile.bounds.max_y_m};
     tile.center = after.geodetic_from_map(tile.bounds.center_m());
     tile.tile_id += 1000;
   }
-  for (TileScore& score : after.scores) score.tile_id += 1000;
+  for (TileScores& score : after.scores) score.tile_id += 1000;
   for (std::int64_t& id : after.selection.tile_ids) id += 1000;
   const ReportComparison c = compared(before, after);
   EXPECT_EQ(c.kept_areas, static_cast<std::int64_t>(before.selection.tile_ids.size()));
@@ -132,7 +132,7 @@ TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
 
 TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
   ReportInput after = scene();
-  after.plan.route.vertices.back().point.lat_deg += 0.01;
+  after.plan.flight.route.vertices.back().point.lat_deg += 0.01;
   const ReportComparison c = compared(scene(), after);
   EXPECT_EQ(c.common_legs, 3);
   EXPECT_THAT(c.legs_of_one[0], ElementsAre(3));

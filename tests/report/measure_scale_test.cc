@@ -8,10 +8,10 @@
 namespace pilotage {
 namespace {
 
-std::vector<TileScore> scores_with_variance(const std::vector<double>& values) {
-  std::vector<TileScore> scores;
+std::vector<TileScores> scores_with_variance(const std::vector<double>& values) {
+  std::vector<TileScores> scores;
   for (const double value : values) {
-    TileScore score;
+    TileScores score;
     score.gray_variance = value;
     scores.push_back(score);
   }
@@ -73,8 +73,8 @@ TEST(MeasureScale, OneValueOrNoneStillSpansSomething) {
 }
 
 TEST(MeasureScale, CoverageSpansZeroToOne) {
-  std::vector<TileScore> scores(3);
-  for (TileScore& score : scores) score.valid_fraction = 0.95;
+  std::vector<TileScores> scores(3);
+  for (TileScores& score : scores) score.valid_fraction = 0.95;
   const MeasureScale scale = measure_scale(measure_named("valid_fraction"), scores);
   EXPECT_EQ(scale.low, 0);
   EXPECT_EQ(scale.high, 1);

@@ -89,8 +89,8 @@ TEST(ReportHtml, PicturesFollowTheOrderOfTheTiles) {
   ReportInput input = scene(0.04);
   input.pictures.sheet.setTo(cv::Scalar::all(0));
   input.pictures.sheet(input.pictures.place(7)).setTo(cv::Scalar::all(255));
-  const std::int64_t white = input.plan.tiles[7].tile_id;
-  std::swap(input.plan.tiles[7], input.plan.tiles[3]);  // and their pictures with them
+  const std::int64_t white = input.plan.ground.tiles[7].tile_id;
+  std::swap(input.plan.ground.tiles[7], input.plan.ground.tiles[3]);  // and their pictures with them
   input.pictures.sheet(input.pictures.place(3)).setTo(cv::Scalar::all(255));
   input.pictures.sheet(input.pictures.place(7)).setTo(cv::Scalar::all(0));
   const Report report = make_report(input);
@@ -125,15 +125,15 @@ TEST(ReportHtml, TextIsNeverMarkup) {
   ReportInput input = scene(0.04);
   input.title = evil;
   input.software_version = evil;
-  input.plan.route.name = evil;
-  input.plan.route.format = evil;
-  input.plan.crs_name = evil;
-  input.plan.elevation = evil;
+  input.plan.flight.route.name = evil;
+  input.plan.flight.route.format = evil;
+  input.plan.ground.crs = local_crs("</script><img src=x onerror=alert(1)>'&{{data}}");
+  input.plan.ground.elevation = evil;
   input.plan.warnings = {evil};
-  input.plan.route.notes = {evil};
+  input.plan.flight.route.notes = {evil};
   input.selection.notes = {evil};
   input.assumptions = {evil};
-  input.plan.imagery = {{evil, 0.3, evil, evil, 10, 10}};
+  input.plan.ground.imagery.datasets = {{evil, 0.3, evil, evil, 10, 10}};
   input.inputs = {{evil, evil, evil, evil}};
   input.parameters = {{evil, {{evil, evil}}}, {"list", {evil}}};
   const std::string html = report_html(input);
@@ -153,7 +153,7 @@ TEST(ReportHtml, TextIsNeverMarkup) {
 TEST(ReportHtml, ImageryLiesUnderTheCells) {
   ReportInput input = scene(0.04);
   // One tile of level 0 painted white: in the picture the middle of its cell must be white.
-  const PlanTile& tile = input.plan.tiles[60];
+  const GroundTile& tile = input.plan.ground.tiles[60];
   const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.min_x_m, tile.bounds.max_y_m});
   const Eigen::Vector2d b = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.max_x_m, tile.bounds.min_y_m});
   input.imagery.pixels.setTo(cv::Scalar(0, 0, 0));

@@ -89,7 +89,7 @@ TEST(ReportJson, RowsHaveOneEntryPerColumnAndTheScoresNumbers) {
     if (input.scores[i].status != TileStatus::kScored) continue;
     EXPECT_NEAR(row[index("degraded_peak_margin")].get<double>(), input.scores[i].degraded.margin, 1e-6);
     EXPECT_NEAR(row[index("frieden_entropy")].get<double>(), input.scores[i].frieden_entropy, 1e-11);
-    EXPECT_NEAR(row[index("center_lon_deg")].get<double>(), input.plan.tiles[i].center.lon_deg, 5.1e-8);
+    EXPECT_NEAR(row[index("center_lon_deg")].get<double>(), input.plan.ground.tiles[i].center.lon_deg, 5.1e-8);
   }
   for (const auto& measure : json["measures"]) EXPECT_LT(index(measure["name"]), columns.size()) << measure["name"];
 }

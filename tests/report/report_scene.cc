@@ -56,8 +56,16 @@ Raster draw_ground(const TileMatrix& matrix) {
   return raster;
 }
 
-TileScore score_of(const PlanTile& tile, Random& random) {
-  TileScore score;
+}  // namespace
+
+Crs local_crs(const std::string& name) {
+  return Crs::from_user_input("LOCAL_CS[\"" + name + "\",UNIT[\"metre\",1],AXIS[\"x\",EAST],AXIS[\"y\",NORTH]]");
+}
+
+namespace {
+
+TileScores score_of(const GroundTile& tile, Random& random) {
+  TileScores score;
   score.tile_id = tile.tile_id;
   score.level = tile.level;
   score.column = tile.column;
@@ -98,11 +106,11 @@ TilePictures pictures_of(const ReportInput& input) {
   TilePictures pictures;
   pictures.side_px = 32;
   pictures.columns = 64;
-  const int rows = static_cast<int>(input.plan.tiles.size()) / pictures.columns + 1;
+  const int rows = static_cast<int>(input.plan.ground.tiles.size()) / pictures.columns + 1;
   pictures.sheet = cv::Mat(rows * pictures.side_px, pictures.columns * pictures.side_px, CV_8UC3, cv::Scalar::all(192));
   const cv::Rect all({0, 0}, input.imagery.pixels.size());
-  for (std::size_t i = 0; i < input.plan.tiles.size(); ++i) {
-    const Bounds& bounds = input.plan.tiles[i].bounds;
+  for (std::size_t i = 0; i < input.plan.ground.tiles.size(); ++i) {
+    const Bounds& bounds = input.plan.ground.tiles[i].bounds;
     const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({bounds.min_x_m, bounds.max_y_m});
     const Eigen::Vector2d b = input.imagery.map_from_pixel.pixel_from_map({bounds.max_x_m, bounds.min_y_m});
     const cv::Rect window = cv::Rect(cv::Point(static_cast<int>(a.x()), static_cast<int>(a.y())),
@@ -116,7 +124,7 @@ TilePictures pictures_of(const ReportInput& input) {
 }
 
 void add_level(const ReportSceneOptions& options, int level, ReportInput& input) {
-  PlanLevel plan_level;
+  GridLevel plan_level;
   plan_level.matrix = matrix_of(options);
   plan_level.matrix.level = level;
   plan_level.gsd_m = kGsd_m * (level + 1);
@@ -131,8 +139,8 @@ void add_level(const ReportSceneOptions& options, int level, ReportInput& input)
   const TileMatrix& matrix = plan_level.matrix;
   for (std::int64_t row = 0; row < matrix.matrix_height(); ++row) {
     for (std::int64_t column = 0; column < matrix.matrix_width(); ++column) {
-      PlanTile tile;
-      tile.tile_id = static_cast<std::int64_t>(input.plan.tiles.size());
+      GroundTile tile;
+      tile.tile_id = static_cast<std::int64_t>(input.plan.ground.tiles.size());
       tile.level = level;
       tile.column = column;
       tile.row = row;
@@ -142,12 +150,13 @@ void add_level(const ReportSceneOptions& options, int level, ReportInput& input)
                      top_left.x() + kTile_px * plan_level.gsd_m, top_left.y()};
       tile.center = input.geodetic_from_map(tile.bounds.center_m());
       tile.valid_fraction = column < 1 && row * 9 < matrix.matrix_height() ? 0.3 : 1;
-      tile.route_distance_m = static_cast<double>(row) * kStride_px * plan_level.gsd_m;
-      tile.route_offset_m = std::abs(static_cast<double>(column) - options.tiles_across / 2) * kStride_m;
-      input.plan.tiles.push_back(tile);
+      input.plan.ground.tiles.push_back(tile);
+      input.plan.flight.places.push_back(
+          {static_cast<double>(row) * kStride_px * plan_level.gsd_m,
+           std::abs(static_cast<double>(column) - options.tiles_across / 2) * kStride_m});
     }
   }
-  input.plan.levels.push_back(plan_level);
+  input.plan.ground.levels.push_back(plan_level);
 }
 
 void add_route(const ReportSceneOptions& options, ReportInput& input) {
@@ -155,7 +164,7 @@ void add_route(const ReportSceneOptions& options, ReportInput& input) {
   const double length_m = (options.tiles_along - 1) * kStride_m;
   const double x_m = 1000 + static_cast<double>(matrix.grid_width_px) * kGsd_m / 2;
   const double start_y_m = 9000 - kTile_px * kGsd_m / 2;
-  Route& route = input.plan.route;
+  Route& route = input.plan.flight.route;
   route.name = "valley.plan";
   route.format = "QGroundControl plan";
   for (int i = 0; i <= 4; ++i) {
@@ -174,13 +183,13 @@ void add_route(const ReportSceneOptions& options, ReportInput& input) {
   const auto steps = static_cast<int>(length_m / 10);
   int matchable = 0;
   for (int i = 0; i <= steps; ++i) {
-    PlanSample sample;
+    FlightSample sample;
     sample.distance_m = length_m * i / steps;
     sample.leg = std::min(3, static_cast<int>(sample.distance_m / (length_m / 4)));
     sample.point = input.geodetic_from_map({x_m, start_y_m - sample.distance_m});
     sample.agl_m = 120;
     sample.speed_mps = kSpeed_mps;
-    input.plan.route_samples.push_back(sample);
+    input.plan.flight.samples.push_back(sample);
     const bool in_gap = sample.distance_m >= gap_from_m && sample.distance_m < gap_to_m;
     const double error_m =
         in_gap ? 3 + options.drift * (sample.distance_m - gap_from_m) : 3 + std::fmod(sample.distance_m, 150) / 75;
@@ -219,19 +228,19 @@ ReportInput report_scene(const ReportSceneOptions& options) {
     const double north_m = -std::sin(turn_rad) * xy.x() + std::cos(turn_rad) * xy.y();
     return frame.geodetic_from_enu({east_m, north_m, 0});
   };
-  input.plan.crs_name = "Local grid";
-  input.plan.max_scale_distortion = 2e-4;
-  input.plan.corridor_half_width_m = 270;
-  input.plan.footprint_width_m = input.plan.footprint_height_m = kTile_px * kGsd_m;
-  input.plan.imagery.push_back({"valley.tif", 0.3, "EPSG:32632", "2024-06-01", 30000, 40000});
+  input.plan.ground.crs = local_crs("Local grid");
+  input.plan.ground.max_scale_distortion = 2e-4;
+  input.plan.flight.corridor_half_width_m = 270;
+  input.plan.flight.footprint_width_m = input.plan.flight.footprint_height_m = kTile_px * kGsd_m;
+  input.plan.ground.imagery.datasets.push_back({"valley.tif", 0.3, "EPSG:32632", "2024-06-01", 30000, 40000});
   input.plan.warnings = {"The imagery is older than two years."};
   add_level(options, 0, input);
   add_level(options, 1, input);
   add_route(options, input);
   Random random(11);
-  for (const PlanTile& tile : input.plan.tiles) {
+  for (const GroundTile& tile : input.plan.ground.tiles) {
     input.scores.push_back(score_of(tile, random));
-    const TileScore& score = input.scores.back();
+    const TileScores& score = input.scores.back();
     const double share = static_cast<double>(tile.row * (tile.level + 1)) / options.tiles_along;
     const bool in_gap = share >= options.matchable_from && share < options.matchable_to;
     if (score.degraded.margin > 0.05 && !in_gap) input.selection.tile_ids.push_back(tile.tile_id);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+
+#include "pilotage/raster/gdal_crs.h"
 #include "pilotage/report/report.h"
 
 namespace pilotage::testing {
@@ -14,6 +17,9 @@ struct ReportSceneOptions {
   int tiles_across = 7;  ///< Columns; rows follow the route.
   int tiles_along = 48;
 };
+
+/// A CRS in metres that lies nowhere on Earth, of any name without double quotes.
+Crs local_crs(const std::string& name);
 
 /// A mission over drawn ground: two levels, a route of four legs up the middle of the corridor, tiles of every status,
 /// one gap.

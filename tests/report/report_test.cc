@@ -38,7 +38,7 @@ std::string refusal(Change change) {
 TEST(Report, JoinsTilesScoresAndSelection) {
   const ReportInput input = scene();
   const Report report = make_report(input);
-  ASSERT_EQ(report.tiles.size(), input.plan.tiles.size());
+  ASSERT_EQ(report.tiles.size(), input.plan.ground.tiles.size());
   std::int64_t selected = 0;
   for (const ReportTile& tile : report.tiles) {
     EXPECT_EQ(tile.score.tile_id, tile.tile.tile_id);
@@ -101,8 +101,8 @@ TEST(Report, CellsOfNeighboursTouchAndContainTheirCentre) {
     const Eigen::Vector2d middle = (cell[0] + cell[1] + cell[2] + cell[3]) / 4;
     const Eigen::Vector2d center = mercator_from_geodetic(report.tiles[i].tile.center);
     EXPECT_LT((middle - center).norm(), 0.05);
-    const PlanTile& tile = report.tiles[i].tile;
-    const PlanTile& next = report.tiles[i + 1].tile;
+    const GroundTile& tile = report.tiles[i].tile;
+    const GroundTile& next = report.tiles[i + 1].tile;
     if (tile.row != next.row || tile.level != next.level) continue;
     EXPECT_LT((cell[1] - report.display.cells_m[i + 1][0]).norm(), 1e-3);
     EXPECT_LT((cell[2] - report.display.cells_m[i + 1][3]).norm(), 1e-3);
@@ -138,15 +138,15 @@ TEST(Report, ContradictionsAreRefused) {
   EXPECT_THAT(refusal([](ReportInput& i) { i.selection.tile_ids.push_back(-4); }), HasSubstr("tile -4"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.selection.tile_ids.push_back(i.selection.tile_ids[0]); }),
               HasSubstr("duplicate in the selection"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.tiles[1].tile_id = i.plan.tiles[0].tile_id; }),
+  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.ground.tiles[1].tile_id = i.plan.ground.tiles[0].tile_id; }),
               HasSubstr("duplicate in the plan"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.tiles[1].level = 7; }), HasSubstr("level 7"));
+  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.ground.tiles[1].level = 7; }), HasSubstr("level 7"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.selection.legs[0].leg = 4; }),
               HasSubstr("names leg 4, the route has 4 legs"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.selection.gaps[0].leg = -1; }), HasSubstr("leg -1"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.route.legs[0].to = 55; }), HasSubstr("vertices 0 and 55"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.route_samples[5].distance_m = -1; }), HasSubstr("not in order"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.route_samples[5].distance_m = std::nan(""); }),
+  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.flight.route.legs[0].to = 55; }), HasSubstr("vertices 0 and 55"));
+  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.flight.samples[5].distance_m = -1; }), HasSubstr("not in order"));
+  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.flight.samples[5].distance_m = std::nan(""); }),
               HasSubstr("not in order"));
   EXPECT_THAT(refusal([](ReportInput& i) { i.imagery.pixels.convertTo(i.imagery.pixels, CV_16U); }),
               HasSubstr("allowed are CV_8UC3"));

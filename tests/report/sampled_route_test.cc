@@ -8,10 +8,10 @@ namespace pilotage {
 namespace {
 
 // 101 samples, 10 m apart, crossing the antimeridian; leg 1 starts at 500 m.
-std::vector<PlanSample> samples_across_180() {
-  std::vector<PlanSample> samples;
+std::vector<FlightSample> samples_across_180() {
+  std::vector<FlightSample> samples;
   for (int i = 0; i <= 100; ++i) {
-    PlanSample sample;
+    FlightSample sample;
     sample.distance_m = 10.0 * i;
     sample.leg = i < 50 ? 0 : 1;
     sample.point = {wrap_lon_deg(179.95 + 0.001 * i), 10 + 0.0001 * i};

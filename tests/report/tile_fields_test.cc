@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pilotage/mission/measures.h"
+#include "pilotage/ground/measures.h"
 
 namespace pilotage {
 namespace {

@@ -34,7 +34,7 @@ TEST(WeakPlaces, AGapOverTheLimitSaysWhereWhyAndWhatToDo) {
   int tiles = 0;
   int green = 0;
   for (const ReportTile& tile : report.tiles) {
-    const double along_m = tile.tile.route_distance_m;
+    const double along_m = tile.place.distance_m;
     if (tile.selected || along_m < place.from_distance_m || along_m > place.to_distance_m) continue;
     ++tiles;
     const auto& reasons = tile.score.reasons;

@@ -13,7 +13,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/random.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/raster/gdal_write.h"
 #include "pilotage/score/describe_run.h"
 #include "pilotage/score/score_shard.h"

@@ -59,10 +59,10 @@ TEST(RunShards, HoldEachTileOnceInTheOrderOfWork) {
 
 TEST(RunShards, CutAPlanOfAllTilesLikeTheMatrix) {
   const TileMatrix matrix = matrix_of(150, 20);
-  std::vector<PlanTile> plan;
+  std::vector<GroundTile> plan;
   for (std::int64_t row = 0; row < 20; ++row) {
     for (std::int64_t column = 0; column < 150; ++column) {
-      PlanTile tile;
+      GroundTile tile;
       tile.tile_id = row * 150 + column;
       tile.column = column;
       tile.row = row;
@@ -75,10 +75,10 @@ TEST(RunShards, CutAPlanOfAllTilesLikeTheMatrix) {
 }
 
 TEST(RunShards, CutAPlanLevelByLevel) {
-  std::vector<PlanTile> plan;
+  std::vector<GroundTile> plan;
   for (int level = 0; level < 3; ++level) {
     for (std::int64_t column = 0; column < 10; ++column) {
-      PlanTile tile;
+      GroundTile tile;
       tile.tile_id = static_cast<std::int64_t>(plan.size());
       tile.level = level;
       tile.column = 7 * column;
@@ -122,7 +122,7 @@ TEST(RunShards, RefuseMoreShardsThanTiles) {
       },
       ThrowsMessage<UsageError>(HasSubstr("5 shards of 4 tiles")));
   EXPECT_THROW(shard_tiles(matrix_of(2, 2), {3, 2}), UsageError);
-  EXPECT_THROW(shard_tiles(std::vector<PlanTile>{}, {1, 1}), UsageError);
+  EXPECT_THROW(shard_tiles(std::vector<GroundTile>{}, {1, 1}), UsageError);
 }
 
 TEST(ParseShard, ReadsNumberAndCount) {

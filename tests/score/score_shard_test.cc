@@ -12,7 +12,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/random.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 
 namespace pilotage {
 namespace {
@@ -31,7 +31,7 @@ ScoreShard some_shard(std::size_t tiles) {
                             std::numeric_limits<double>::infinity(),
                             1.0 / 3};
   for (std::size_t i = 0; i < tiles; ++i) {
-    TileScore score;
+    TileScores score;
     score.tile_id = static_cast<std::int64_t>(7 * i);
     score.status = static_cast<TileStatus>(i % 3);
     score.valid_fraction = random.uniform(0, 1);
@@ -82,7 +82,7 @@ TEST(ScoreShard, EveryNumberOfATileScoreIsAColumn) {
   ScoreShard shard = some_shard(1);
   double next = 1;
   for (const Measure& measure : measures()) measure.set(shard.scores[0], next++);
-  const TileScore again = score_shard_from_bytes("test", score_shard_to_bytes(shard)).scores[0];
+  const TileScores again = score_shard_from_bytes("test", score_shard_to_bytes(shard)).scores[0];
   const auto surface = [](const SurfaceScores& scores) {
     return std::vector{scores.peak,        scores.rival,      scores.margin,        scores.rival_ratio,
                        scores.psr,         scores.rivals,     scores.half_width_px, scores.expected_error_px,

@@ -14,7 +14,7 @@
 #include "pilotage/base/random.h"
 #include "pilotage/correlation/correlation_peaks.h"
 #include "pilotage/correlation/fft_correlation.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/score/gray_statistics.h"
 
 namespace pilotage {
@@ -45,17 +45,17 @@ Request options_of(int tile_size_px, int stride_px, int search_radius_px) {
   return request;
 }
 
-std::vector<TileScore> score(const Raster& raster, const Request& request, std::vector<std::int64_t> tiles = {},
-                             int threads = 1) {
+std::vector<TileScores> score(const Raster& raster, const Request& request, std::vector<std::int64_t> tiles = {},
+                              int threads = 1) {
   const GraySource source = gray_source_from(raster);
   return score_tiles(source, score_matrix(source, request.grid), request.grid.search_radius_px, tiles, request, 5,
                      threads);
 }
 
 /// All numbers of the scores, for bit-wise comparison.
-std::vector<std::uint64_t> bits_of(const std::vector<TileScore>& scores) {
+std::vector<std::uint64_t> bits_of(const std::vector<TileScores>& scores) {
   std::vector<std::uint64_t> bits;
-  for (const TileScore& tile : scores) {
+  for (const TileScores& tile : scores) {
     bits.push_back(static_cast<std::uint64_t>(tile.tile_id));
     bits.push_back(static_cast<std::uint64_t>(tile.status));
     for (const Measure& measure : measures()) {
@@ -81,11 +81,11 @@ std::string error_of(const std::function<void()>& call) {
 void expect_as_plain(const Raster& raster, const Request& options) {
   const GraySource source = gray_source_from(raster);
   const TileMatrix matrix = score_matrix(source, options.grid);
-  const std::vector<TileScore> scores = score(raster, options);
+  const std::vector<TileScores> scores = score(raster, options);
   ASSERT_EQ(scores.size(), static_cast<std::size_t>(matrix.tile_count()));
   cv::Mat map;
   raster.pixels.convertTo(map, CV_32F);
-  for (const TileScore& tile : scores) {
+  for (const TileScores& tile : scores) {
     const PixelWindow window = matrix.tile_window(tile.column, tile.row);
     const PixelWindow area = matrix.search_window(tile.column, tile.row, options.grid.search_radius_px);
     const cv::Rect rect(static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height);
@@ -152,9 +152,9 @@ TEST(ScoreTiles, LatticesOfLagsAgreeWithEveryLag) {
     const Raster raster = smooth_ground(300, 320, sigma_px, "lattice");
     Request options = options_of(64, 32, 100);
     options.measures = {ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded};
-    const std::vector<TileScore> sparse = score(raster, options, {}, 2);
+    const std::vector<TileScores> sparse = score(raster, options, {}, 2);
     options.every_lag = true;
-    const std::vector<TileScore> all = score(raster, options, {}, 2);
+    const std::vector<TileScores> all = score(raster, options, {}, 2);
     EXPECT_NE(bits_of(sparse), bits_of(all)) << "no lattice was used";
     int equal = 0;
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -175,9 +175,9 @@ TEST(ScoreTiles, SharpTilesOfASmoothMapGetEveryLag) {
   ground(64, 64, "grain").pixels.copyTo(raster.pixels(cv::Rect(128, 128, 64, 64)));
   Request options = options_of(64, 64, 100);
   options.measures = {ScoreMeasure::kUniqueness};
-  const TileScore tile = score(raster, options)[2 * 6 + 2];
+  const TileScores tile = score(raster, options)[2 * 6 + 2];
   options.every_lag = true;
-  const TileScore expected = score(raster, options)[2 * 6 + 2];
+  const TileScores expected = score(raster, options)[2 * 6 + 2];
   EXPECT_NEAR(tile.clean.rival, expected.clean.rival, 1e-4);
   EXPECT_NEAR(tile.clean.psr, expected.clean.psr, 1e-3 * expected.clean.psr);
   EXPECT_EQ(tile.clean.rivals, expected.clean.rivals);
@@ -188,10 +188,10 @@ TEST(ScoreTiles, LatticesGiveTheSameBytesForAnyThreadsAndAnyChoiceOfTiles) {
   raster.valid(cv::Rect(280, 200, 30, 60)).setTo(0);
   Request options = options_of(64, 16, 70);
   options.measures = {ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded};
-  const std::vector<TileScore> all = score(raster, options);
+  const std::vector<TileScores> all = score(raster, options);
   EXPECT_EQ(bits_of(score(raster, options, {}, 3)), bits_of(all));
   std::vector<std::int64_t> some;
-  std::vector<TileScore> expected;
+  std::vector<TileScores> expected;
   for (std::size_t i = 2; i < all.size(); i += 5) {
     some.push_back(static_cast<std::int64_t>(i));
     expected.push_back(all[i]);
@@ -202,13 +202,13 @@ TEST(ScoreTiles, LatticesGiveTheSameBytesForAnyThreadsAndAnyChoiceOfTiles) {
 TEST(ScoreTiles, SixteenBitAndDoubleGiveTheSameSurfaces) {
   const Raster bytes = ground(80, 90, "depths");
   Request options = options_of(32, 16, 12);
-  const std::vector<TileScore> expected = score(bytes, options);
+  const std::vector<TileScores> expected = score(bytes, options);
   Raster words = bytes;
   bytes.pixels.convertTo(words.pixels, CV_16U, 200, 300);
   Raster doubles = bytes;
   bytes.pixels.convertTo(doubles.pixels, CV_64F, 1.0 / 255, -0.5);
   for (const Raster& raster : {words, doubles}) {
-    const std::vector<TileScore> scores = score(raster, options);
+    const std::vector<TileScores> scores = score(raster, options);
     for (std::size_t i = 0; i < scores.size(); ++i) {
       EXPECT_NEAR(scores[i].clean.rival, expected[i].clean.rival, 1e-4);
       EXPECT_NEAR(scores[i].degraded.margin, expected[i].degraded.margin, 1e-3);
@@ -220,11 +220,11 @@ TEST(ScoreTiles, SameBytesForAnyThreadsAndAnyChoiceOfTiles) {
   Raster raster = ground(180, 200, "determinism");
   raster.valid(cv::Rect(150, 100, 30, 60)).setTo(0);
   Request options = options_of(32, 8, 16);
-  const std::vector<TileScore> all = score(raster, options);
+  const std::vector<TileScores> all = score(raster, options);
   EXPECT_EQ(bits_of(score(raster, options, {}, 2)), bits_of(all));
   EXPECT_EQ(bits_of(score(raster, options, {}, 5)), bits_of(all));
   std::vector<std::int64_t> some;
-  std::vector<TileScore> expected;
+  std::vector<TileScores> expected;
   for (std::int64_t i = static_cast<std::int64_t>(all.size()) - 3; i >= 0; i -= 7) {
     some.push_back(i);
     expected.push_back(all[static_cast<std::size_t>(i)]);
@@ -235,12 +235,12 @@ TEST(ScoreTiles, SameBytesForAnyThreadsAndAnyChoiceOfTiles) {
 TEST(ScoreTiles, OnlyWhatIsAskedForIsMeasured) {
   const Raster raster = ground(70, 70, "asked");
   Request options = options_of(32, 16, 8);
-  const std::vector<TileScore> all = score(raster, options);
+  const std::vector<TileScores> all = score(raster, options);
   for (const ScoreMeasure measure : options.measures) {
     Request one = options;
     one.measures = {measure};
     if (!one.measures_surface()) one.grid.search_radius_px = 0;
-    const TileScore tile = score(raster, one)[2];
+    const TileScores tile = score(raster, one)[2];
     const bool model = measure == ScoreMeasure::kCorrectFix;  // which needs V and the deficit
     EXPECT_EQ(std::isnan(tile.p_correct_fix), !model);
     EXPECT_EQ(std::isnan(tile.gray_variance), !model && measure != ScoreMeasure::kGrayVariance);
@@ -256,7 +256,7 @@ TEST(ScoreTiles, OnlyWhatIsAskedForIsMeasured) {
 
 TEST(ScoreTiles, DegradedCopiesMatchWorseThanCleanOnes) {
   const Raster raster = ground(140, 140, "degraded");
-  for (const TileScore& tile : score(raster, options_of(64, 16, 24))) {
+  for (const TileScores& tile : score(raster, options_of(64, 16, 24))) {
     EXPECT_LT(tile.degraded.peak, 0.99 * tile.clean.peak);
     EXPECT_GT(tile.degraded.peak, 0.2);
     EXPECT_LT(tile.degraded.margin, tile.clean.margin);
@@ -267,7 +267,7 @@ TEST(ScoreTiles, DegradedCopiesMatchWorseThanCleanOnes) {
 TEST(ScoreTiles, UndegradedCopyIsClean) {
   Request options = options_of(32, 8, 16);
   options.degradation = {0, 0, 0, 3, 0, 0, 0, 0};
-  for (const TileScore& tile : score(ground(100, 110, "undegraded"), options)) {
+  for (const TileScores& tile : score(ground(100, 110, "undegraded"), options)) {
     EXPECT_NEAR(tile.degraded.peak, tile.clean.peak, 1e-5);
     EXPECT_NEAR(tile.degraded.rival, tile.clean.rival, 1e-5);
     EXPECT_NEAR(tile.degraded.psr, tile.clean.psr, 1e-3 * tile.clean.psr);
@@ -280,8 +280,8 @@ TEST(ScoreTiles, RepeatedGroundHasARivalWhereItRepeats) {
   const cv::Mat kept = raster.pixels(cv::Rect(52, 25, 32, 32)).clone();
   kept.copyTo(raster.pixels(cv::Rect(32, 64, 32, 32)));
   Request options = options_of(32, 32, 60);
-  const std::vector<TileScore> scores = score(raster, options);
-  const TileScore& tile = scores[2 * 5 + 1];  // column 1, row 2: first pixel (32, 64), its twin at (52, 25)
+  const std::vector<TileScores> scores = score(raster, options);
+  const TileScores& tile = scores[2 * 5 + 1];  // column 1, row 2: first pixel (32, 64), its twin at (52, 25)
   ASSERT_EQ(tile.column, 1);
   EXPECT_NEAR(tile.clean.rival, 1, 1e-4);
   EXPECT_EQ(tile.clean.rival_dx_px, 20);
@@ -296,7 +296,7 @@ TEST(ScoreTiles, FlatEmptyAndPartlyCoveredTilesAreDefined) {
   raster.valid(cv::Rect(96, 0, 32, 96)).setTo(0);
   raster.valid(cv::Rect(64, 64, 8, 32)).setTo(0);
   raster.pixels.setTo(255, raster.valid == 0);
-  const std::vector<TileScore> scores = score(raster, options_of(32, 32, 20));
+  const std::vector<TileScores> scores = score(raster, options_of(32, 32, 20));
   const auto at = [&](int column, int row) { return scores[static_cast<std::size_t>(4 * row + column)]; };
 
   EXPECT_EQ(at(0, 0).status, TileStatus::kFlat);
@@ -310,7 +310,7 @@ TEST(ScoreTiles, FlatEmptyAndPartlyCoveredTilesAreDefined) {
   EXPECT_TRUE(std::isnan(at(3, 1).gray_variance));
   EXPECT_TRUE(std::isnan(at(3, 1).frieden_entropy));
 
-  const TileScore partly = at(2, 2);
+  const TileScores partly = at(2, 2);
   EXPECT_EQ(partly.status, TileStatus::kScored);
   EXPECT_EQ(partly.valid_fraction, 0.75);
   EXPECT_NEAR(partly.clean.peak, 1, 1e-3);
@@ -338,7 +338,7 @@ TEST(ScoreTiles, NotFinitePixelsAreNoGround) {
   Raster raster = ground(64, 64, "nan");
   raster.pixels.convertTo(raster.pixels, CV_64F);
   raster.pixels(cv::Rect(40, 40, 10, 10)).setTo(std::nan(""));
-  for (const TileScore& tile : score(raster, options_of(32, 16, 8))) {
+  for (const TileScores& tile : score(raster, options_of(32, 16, 8))) {
     EXPECT_TRUE(std::isfinite(tile.gray_variance));
     EXPECT_TRUE(std::isfinite(tile.clean.margin));
   }

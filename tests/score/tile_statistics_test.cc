@@ -28,10 +28,10 @@ TileMatrix matrix_of(const GraySource& source, int side, int stride) {
 }
 
 /// Tiles of every `step`-th index.
-std::vector<TileScore> tiles_of(const TileMatrix& matrix, std::int64_t step) {
-  std::vector<TileScore> tiles;
+std::vector<TileScores> tiles_of(const TileMatrix& matrix, std::int64_t step) {
+  std::vector<TileScores> tiles;
   for (std::int64_t index = 0; index < matrix.tile_count(); index += step) {
-    TileScore score;
+    TileScores score;
     score.column = index % matrix.matrix_width();
     score.row = index / matrix.matrix_width();
     tiles.push_back(score);
@@ -39,14 +39,14 @@ std::vector<TileScore> tiles_of(const TileMatrix& matrix, std::int64_t step) {
   return tiles;
 }
 
-std::vector<TileScore*> pointers(std::vector<TileScore>& tiles) {
-  std::vector<TileScore*> list;
-  for (TileScore& tile : tiles) list.push_back(&tile);
+std::vector<TileScores*> pointers(std::vector<TileScores>& tiles) {
+  std::vector<TileScores*> list;
+  for (TileScores& tile : tiles) list.push_back(&tile);
   return list;
 }
 
-void expect_as_pixels(const Raster& raster, const TileMatrix& matrix, const std::vector<TileScore>& tiles) {
-  for (const TileScore& tile : tiles) {
+void expect_as_pixels(const Raster& raster, const TileMatrix& matrix, const std::vector<TileScores>& tiles) {
+  for (const TileScores& tile : tiles) {
     const PixelWindow window = matrix.tile_window(tile.column, tile.row);
     const cv::Rect rect(static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height);
     const GrayStatistics oracle = gray_statistics(raster.pixels(rect), raster.valid(rect));
@@ -82,17 +82,17 @@ GraySource in_blocks(const Raster& raster, int width, int height, CountedReads& 
 TEST(TileStatistics, StreamsWhatTheOracleSaysAndReadsEachBlockOnce) {
   const Raster raster = noise(500, 36'000, "stream");
   const TileMatrix matrix = matrix_of(gray_source_from(raster), 96, 40);
-  std::vector<std::vector<TileScore>> results;
+  std::vector<std::vector<TileScores>> results;
   for (const int threads : {1, 3}) {
     CountedReads reads;
     const GraySource source = in_blocks(raster, 130, 300, reads);
-    std::vector<TileScore> tiles = tiles_of(matrix, 1);
+    std::vector<TileScores> tiles = tiles_of(matrix, 1);
     stream_statistics(source, matrix, {}, pointers(tiles), threads);
     EXPECT_EQ(reads.of_block.size(), 4U * 120U);
     for (const auto& [block, count] : reads.of_block) EXPECT_EQ(count, 1) << block.first << ", " << block.second;
     results.push_back(std::move(tiles));
   }
-  std::vector<TileScore> some;
+  std::vector<TileScores> some;
   for (std::size_t i = 0; i < results[0].size(); i += 17) some.push_back(results[0][i]);
   expect_as_pixels(raster, matrix, some);
   for (std::size_t i = 0; i < results[0].size(); ++i) {
@@ -103,13 +103,13 @@ TEST(TileStatistics, StreamsWhatTheOracleSaysAndReadsEachBlockOnce) {
 TEST(TileStatistics, FewTilesAreAsAmongAllAndOthersAreNotRead) {
   const Raster raster = noise(1200, 900, "few");
   const TileMatrix matrix = matrix_of(gray_source_from(raster), 50, 25);
-  std::vector<TileScore> all = tiles_of(matrix, 1);
+  std::vector<TileScores> all = tiles_of(matrix, 1);
   score_statistics({{0, 0, 1200, 900}, raster.pixels, raster.valid}, matrix, {}, pointers(all), 2);
   CountedReads reads;
   const GraySource source = in_blocks(raster, 300, 300, reads);
-  std::vector<TileScore> few;
+  std::vector<TileScores> few;
   for (const std::size_t index : {3U, 7U, 49U}) few.push_back(all[index]);
-  for (TileScore& tile : few) tile.frieden_deficit = tile.gray_variance = -1;
+  for (TileScores& tile : few) tile.frieden_deficit = tile.gray_variance = -1;
   stream_statistics(source, matrix, {}, pointers(few), 2);
   EXPECT_EQ(few[0].frieden_deficit, all[3].frieden_deficit);
   EXPECT_EQ(few[1].frieden_deficit, all[7].frieden_deficit);
@@ -120,9 +120,9 @@ TEST(TileStatistics, FewTilesAreAsAmongAllAndOthersAreNotRead) {
 TEST(TileStatistics, AreComputedInAnyWindowAndOrder) {
   const Raster raster = noise(700, 400, "window");
   const TileMatrix matrix = matrix_of(gray_source_from(raster), 64, 16);
-  std::vector<TileScore> tiles = tiles_of(matrix, 7);
-  std::erase_if(tiles, [](const TileScore& tile) { return tile.column < 3 || tile.row < 2; });
-  std::vector<TileScore*> backwards = pointers(tiles);
+  std::vector<TileScores> tiles = tiles_of(matrix, 7);
+  std::erase_if(tiles, [](const TileScores& tile) { return tile.column < 3 || tile.row < 2; });
+  std::vector<TileScores*> backwards = pointers(tiles);
   std::reverse(backwards.begin(), backwards.end());
   const cv::Rect part(37, 11, 663, 389);  // begins between two tiles
   score_statistics({{part.x, part.y, part.width, part.height}, raster.pixels(part), raster.valid(part)}, matrix, {},
@@ -135,7 +135,7 @@ TEST(TileStatistics, AnErrorOfReadingIsTold) {
   GraySource source = gray_source_from(raster);
   source.read = [](const PixelWindow&) -> Raster { throw DataError("broken"); };
   const TileMatrix matrix = matrix_of(source, 64, 64);
-  std::vector<TileScore> tiles = tiles_of(matrix, 1);
+  std::vector<TileScores> tiles = tiles_of(matrix, 1);
   EXPECT_THROW(stream_statistics(source, matrix, {}, pointers(tiles), 2), DataError);
 }
 

@@ -21,44 +21,48 @@ using testing::straight_plan;
 
 constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fixed = 100000};
 
-double error_after_s(const TilePlan& plan, double time_s) {
-  const InsErrorModel model = make_ins_error_model(plan.ins);
+double error_after_s(const Mission& plan, double time_s) {
+  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
   return position_error_m(testing::drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
 }
 
 // The stretch [from_m, to_m) is flown higher: tiles of 400 m every 200 m, in pixels of the same size, so that a tile
 // takes 16 times the bytes.
-TilePlan with_large_tiles(TilePlan plan, double from_m, double to_m) {
-  PlanLevel level = plan.levels[0];
+Mission with_large_tiles(Mission plan, double from_m, double to_m) {
+  GridLevel level = plan.ground.levels[0];
   level.matrix.level = 1;
   level.matrix.tile_size_px = 400;
   level.matrix.stride_px = 200;
   level.matrix.map_from_pixel = GeoTransform::north_up(-500, 600, 1);
   level.matrix.grid_height_px = 1200;
-  plan.levels.push_back(level);
-  for (PlanSample& sample : plan.route_samples) {
+  plan.ground.levels.push_back(level);
+  for (FlightSample& sample : plan.flight.samples) {
     if (sample.distance_m >= from_m && sample.distance_m < to_m) sample.level = 1;
   }
-  std::erase_if(plan.tiles,
-                [&](const PlanTile& tile) { return tile.route_distance_m >= from_m && tile.route_distance_m < to_m; });
+  const auto replaced = [&](const RoutePlace& place) { return place.distance_m >= from_m && place.distance_m < to_m; };
+  std::size_t index = 0;
+  std::erase_if(plan.ground.tiles, [&](const GroundTile&) { return replaced(plan.flight.places[index++]); });
+  std::erase_if(plan.flight.places, replaced);
   for (std::int64_t column = 0; column < level.matrix.matrix_width(); ++column) {
-    PlanTile tile;
+    GroundTile tile;
     tile.level = 1;
     tile.column = column;
     tile.row = 2;
-    tile.tile_id = tile_id_of(plan.levels, 1, column, tile.row);
+    tile.tile_id = tile_id_of(plan.ground.levels, 1, column, tile.row);
     tile.bounds = {-500.0 + 200.0 * static_cast<double>(column), -200, -100.0 + 200.0 * static_cast<double>(column),
                    200};
     tile.valid_fraction = 1;
-    tile.route_distance_m = tile.bounds.center_m().x();
-    if (tile.route_distance_m >= from_m && tile.route_distance_m < to_m) plan.tiles.push_back(tile);
+    const RoutePlace place{tile.bounds.center_m().x(), 0};
+    if (!replaced(place)) continue;
+    plan.ground.tiles.push_back(tile);
+    plan.flight.places.push_back(place);
   }
   return plan;
 }
 
 // Scores of which only every `step`-th tile can be matched, with P drawn from [0.5, 1).
-std::vector<TileScore> some_scores(const TilePlan& plan, std::size_t step, Random& random) {
-  std::vector<TileScore> scores = good_scores(plan);
+std::vector<TileScores> some_scores(const Mission& plan, std::size_t step, Random& random) {
+  std::vector<TileScores> scores = good_scores(plan);
   for (std::size_t i = 0; i < scores.size(); ++i) {
     scores[i].p_correct_fix = i % step == 0 ? random.uniform(0.5, 1) : 0.1;
     scores[i].degraded.margin = random.uniform(0.1, 0.9);
@@ -73,13 +77,13 @@ struct Outcome {
 };
 Outcome outcome_of(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                    const std::vector<double>& p_of_tile) {
-  const TilePlan& plan = *path.plan;
+  const Mission& plan = *path.plan;
   StorageCount count(plan, kSize);
   for (std::size_t i = 0; i < p_of_tile.size(); ++i) {
-    if (p_of_tile[i] > 0) count.add(plan.tiles[i]);
+    if (p_of_tile[i] > 0) count.add(plan.ground.tiles[i]);
   }
   return {
-      predict_survival(path, route_chances(attempts, p_of_tile, plan.route_samples.size(), 2)).p_within_limit.back(),
+      predict_survival(path, route_chances(attempts, p_of_tile, plan.flight.samples.size(), 2)).p_within_limit.back(),
       count.bytes()};
 }
 
@@ -88,8 +92,8 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
   double lost = 0;
   int rounds = 0;
   for (; rounds < 6; ++rounds) {
-    const TilePlan plan = with_large_tiles(straight_plan(1800, 0), 600, 1200 + 100 * (rounds % 2));
-    const std::vector<TileScore> scores = some_scores(plan, 3, random);
+    const Mission plan = with_large_tiles(straight_plan(1800, 0), 600, 1200 + 100 * (rounds % 2));
+    const std::vector<TileScores> scores = some_scores(plan, 3, random);
     const double limit_m = error_after_s(plan, 46 + 2 * rounds);
     const FlightPath path = make_flight_path(plan, limit_m);
     const auto attempts = fix_attempts(plan, tiles_under_route(plan, TileLookup(plan)), 2, std::nullopt);
@@ -102,20 +106,20 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
     const double budget = kSize.bytes_fixed + 100000 + 15000 * rounds;
     double best = 0;
     for (unsigned subset = 0; subset < 1U << candidates.size(); ++subset) {
-      std::vector<double> p_of_tile(plan.tiles.size(), 0.0);
+      std::vector<double> p_of_tile(plan.ground.tiles.size(), 0.0);
       StorageCount count(plan, kSize);
       for (std::size_t k = 0; k < candidates.size(); ++k) {
         if ((subset >> k & 1U) == 0) continue;
         p_of_tile[candidates[k]] = scores[candidates[k]].p_correct_fix;
-        count.add(plan.tiles[candidates[k]]);
+        count.add(plan.ground.tiles[candidates[k]]);
       }
       if (count.bytes() > budget || count.bytes() < 0.5 * (budget + kSize.bytes_fixed)) continue;
       best = std::max(best, outcome_of(path, attempts, p_of_tile).p);
     }
     SelectOptions options;
     options.budget = std::to_string(static_cast<long>(budget));
-    TilePlan limited = plan;
-    limited.max_error_m = limit_m;
+    Mission limited = plan;
+    limited.flight.max_error_m = limit_m;
     const Selection selection = select_tiles(limited, scores, kSize, options);
     ASSERT_TRUE(selection.probability);
     EXPECT_LE(selection.estimated_bytes, budget);
@@ -132,26 +136,27 @@ TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
   Random random(seed_from_name("BeatsTheOrderWhereGroundIsExpensive"));
   int better = 0;
   for (int round = 0; round < 4; ++round) {
-    TilePlan plan = with_large_tiles(straight_plan(4000, 50), 1400, 2600);
-    plan.max_error_m = error_after_s(plan, 40);
-    const std::vector<TileScore> scores = some_scores(plan, 2, random);
+    Mission plan = with_large_tiles(straight_plan(4000, 50), 1400, 2600);
+    plan.flight.max_error_m = error_after_s(plan, 40);
+    const std::vector<TileScores> scores = some_scores(plan, 2, random);
     SelectOptions options;
     options.budget = std::to_string(250000 + 60000 * round);
     const Selection found = select_tiles(plan, scores, kSize, options);
     // Without any P the order decides; its tiles are then judged with P.
-    std::vector<TileScore> without_p = scores;
-    for (TileScore& score : without_p) {
+    std::vector<TileScores> without_p = scores;
+    for (TileScores& score : without_p) {
       if (score.p_correct_fix < 0.5) score.status = TileStatus::kFlat;
       score.p_correct_fix = std::nan("");
     }
     const Selection ordered = select_tiles(plan, without_p, kSize, options);
     EXPECT_FALSE(ordered.probability);
-    std::vector<double> p_of_tile(plan.tiles.size(), 0.0);
-    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
-      const bool stored = std::binary_search(ordered.tile_ids.begin(), ordered.tile_ids.end(), plan.tiles[i].tile_id);
+    std::vector<double> p_of_tile(plan.ground.tiles.size(), 0.0);
+    for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
+      const bool stored =
+          std::binary_search(ordered.tile_ids.begin(), ordered.tile_ids.end(), plan.ground.tiles[i].tile_id);
       if (stored) p_of_tile[i] = scores[i].p_correct_fix;
     }
-    const FlightPath path = make_flight_path(plan, plan.max_error_m);
+    const FlightPath path = make_flight_path(plan, plan.flight.max_error_m);
     const auto attempts = fix_attempts(plan, tiles_under_route(plan, TileLookup(plan)), 2, std::nullopt);
     const double p_ordered = outcome_of(path, attempts, p_of_tile).p;
     EXPECT_GE(found.probability->p_within_limit, p_ordered) << "never worse";
@@ -162,15 +167,15 @@ TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
 }
 
 TEST(StorageCount, TakesAwayWhatItAdded) {
-  const TilePlan plan = straight_plan(1000);
+  const Mission plan = straight_plan(1000);
   StorageCount count(plan, kSize);
-  count.add(plan.tiles[3]);
+  count.add(plan.ground.tiles[3]);
   const double before = count.bytes();
-  EXPECT_LT(count.bytes_of(plan.tiles[4]), count.bytes_of(plan.tiles[9])) << "4 overlaps 3";
-  count.add(plan.tiles[4]);
-  count.add(plan.tiles[9]);
-  count.remove(plan.tiles[4]);
-  count.remove(plan.tiles[9]);
+  EXPECT_LT(count.bytes_of(plan.ground.tiles[4]), count.bytes_of(plan.ground.tiles[9])) << "4 overlaps 3";
+  count.add(plan.ground.tiles[4]);
+  count.add(plan.ground.tiles[9]);
+  count.remove(plan.ground.tiles[4]);
+  count.remove(plan.ground.tiles[9]);
   EXPECT_DOUBLE_EQ(count.bytes(), before);
 }
 

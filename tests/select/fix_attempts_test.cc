@@ -14,10 +14,10 @@ using testing::straight_plan;
 
 // Tiles of 100 m every 50 m, flown at 20 m/s.
 struct Scene {
-  TilePlan plan = straight_plan(2000);
+  Mission plan = straight_plan(2000);
   std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
 
-  std::vector<double> p_of_tile(double p) const { return std::vector<double>(plan.tiles.size(), p); }
+  std::vector<double> p_of_tile(double p) const { return std::vector<double>(plan.ground.tiles.size(), p); }
 };
 
 TEST(FixAttempts, OneIndependentAttemptForEachTileWidth) {
@@ -78,11 +78,11 @@ TEST(FixAttempts, ATileMoreNeverTakesAChanceAway) {
 
 TEST(ExpectedFixes, EveryTryCounts) {
   const Scene scene;
-  const std::vector<bool> stored(scene.plan.tiles.size(), true);
+  const std::vector<bool> stored(scene.plan.ground.tiles.size(), true);
   const ExpectedFixes fixes = expected_fixes(scene.plan, scene.tiles, stored, scene.p_of_tile(0.75), 2, 0.001);
   EXPECT_NEAR(fixes.correct, 51 * 0.75, 1e-9) << "100 s, one try every 2 s, the first at once";
   EXPECT_NEAR(fixes.wrong, 51 * 0.25 * 0.001, 1e-12);
-  const std::vector<bool> none(scene.plan.tiles.size(), false);
+  const std::vector<bool> none(scene.plan.ground.tiles.size(), false);
   EXPECT_EQ(expected_fixes(scene.plan, scene.tiles, none, scene.p_of_tile(0.75), 2, 0.001).correct, 0);
 }
 

@@ -22,15 +22,16 @@ constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fi
 // Eastward, three legs of 2 km; over the second, tiles within 60 m of the line are bad and further off P is `p_left`
 // (north) and `p_right` (south).
 struct Scene {
-  TilePlan plan = straight_plan(6000, 150, 3);
-  std::vector<TileScore> scores = good_scores(plan);
+  Mission plan = straight_plan(6000, 150, 3);
+  std::vector<TileScores> scores = good_scores(plan);
   SelectOptions options;
 
   Scene(double p_left, double p_right) {
-    const InsErrorModel model = make_ins_error_model(plan.ins);
-    plan.max_error_m = position_error_m(testing::drift_after(model, 40, 20, model.start_sigma_m), model.sigma_multiple);
+    const InsErrorModel model = make_ins_error_model(plan.flight.ins);
+    plan.flight.max_error_m =
+        position_error_m(testing::drift_after(model, 40, 20, model.start_sigma_m), model.sigma_multiple);
     for (std::size_t i = 0; i < scores.size(); ++i) {
-      const Eigen::Vector2d center = plan.tiles[i].bounds.center_m();
+      const Eigen::Vector2d center = plan.ground.tiles[i].bounds.center_m();
       scores[i].p_correct_fix = 0.95;
       if (center.x() < 1900 || center.x() > 4100) continue;
       scores[i].p_correct_fix = center.y() > 60 ? p_left : center.y() < -60 ? p_right : 0.1;
@@ -83,8 +84,8 @@ TEST(LegAdvice, TheLineThatIsNamedHoldsWhatItPromises) {
   const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
   ASSERT_GE(selection.advice.size(), 1U);
   ASSERT_EQ(selection.advice[0].side, AdviceSide::kLeft);
-  TilePlan moved = scene.plan;
-  for (PlanSample& sample : moved.route_samples) {
+  Mission moved = scene.plan;
+  for (FlightSample& sample : moved.flight.samples) {
     if (sample.leg == 1) sample.point_map_m.y() += selection.advice[0].offset_m;
   }
   const Selection again = select_tiles(moved, scene.scores, kSize, scene.options);
@@ -94,7 +95,7 @@ TEST(LegAdvice, TheLineThatIsNamedHoldsWhatItPromises) {
 // A small budget left the line's good tiles out: that is no reason to fly elsewhere.
 TEST(LegAdvice, TriesTheLineItselfWithAllTilesFirst) {
   Scene scene(0.95, 0.95);
-  for (TileScore& score : scene.scores) score.p_correct_fix = 0.95;
+  for (TileScores& score : scene.scores) score.p_correct_fix = 0.95;
   scene.options.budget = "110kB";
   const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
   ASSERT_FALSE(selection.advice.empty());
@@ -106,7 +107,7 @@ TEST(LegAdvice, TriesTheLineItselfWithAllTilesFirst) {
 
 TEST(LegAdvice, NeedsProbabilities) {
   Scene scene(0.9, 0.9);
-  for (TileScore& score : scene.scores) score.p_correct_fix = std::nan("");
+  for (TileScores& score : scene.scores) score.p_correct_fix = std::nan("");
   const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
   EXPECT_FALSE(selection.probability);
   EXPECT_TRUE(selection.advice.empty());

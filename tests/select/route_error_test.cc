@@ -14,9 +14,9 @@ namespace {
 using testing::straight_plan;
 
 // Matchable within any of the stretches, given as distances along the route.
-std::vector<bool> matchable_in(const TilePlan& plan, const std::vector<std::pair<double, double>>& stretches) {
+std::vector<bool> matchable_in(const Mission& plan, const std::vector<std::pair<double, double>>& stretches) {
   std::vector<bool> matchable;
-  for (const PlanSample& sample : plan.route_samples) {
+  for (const FlightSample& sample : plan.flight.samples) {
     matchable.push_back(std::any_of(stretches.begin(), stretches.end(), [&](const auto& stretch) {
       return sample.distance_m >= stretch.first && sample.distance_m <= stretch.second;
     }));
@@ -24,15 +24,15 @@ std::vector<bool> matchable_in(const TilePlan& plan, const std::vector<std::pair
   return matchable;
 }
 
-double error_after_fix_sequence(const TilePlan& plan, const std::vector<bool>& matchable) {
-  return predict_route_error(plan, matchable, plan.max_error_m, 0.1).profile.back().error_m;
+double error_after_fix_sequence(const Mission& plan, const std::vector<bool>& matchable) {
+  return predict_route_error(plan, matchable, plan.flight.max_error_m, 0.1).profile.back().error_m;
 }
 
 TEST(RouteError, WithoutFixesIsTheDriftOfTheGrade) {
-  const TilePlan plan = straight_plan(4000);
+  const Mission plan = straight_plan(4000);
   const RouteError error =
-      predict_route_error(plan, std::vector<bool>(plan.route_samples.size(), false), plan.max_error_m, 2);
-  const InsErrorModel model = make_ins_error_model(plan.ins);
+      predict_route_error(plan, std::vector<bool>(plan.flight.samples.size(), false), plan.flight.max_error_m, 2);
+  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
   const double expected_m =
       position_error_m(testing::drift_after(model, 4000.0 / 20.0, 20, model.start_sigma_m), model.sigma_multiple);
   EXPECT_NEAR(error.profile.back().error_m, expected_m, 1e-6 * expected_m);
@@ -42,13 +42,13 @@ TEST(RouteError, WithoutFixesIsTheDriftOfTheGrade) {
   EXPECT_NEAR(error.gaps[0].duration_s, 200, 1e-9);
   EXPECT_EQ(error.gaps[0].error_m, error.profile.back().error_m);
   EXPECT_EQ(error.matchable_fraction, 0);
-  EXPECT_EQ(error.within_limit, expected_m <= plan.max_error_m);
+  EXPECT_EQ(error.within_limit, expected_m <= plan.flight.max_error_m);
 }
 
 TEST(RouteError, FixesHoldTheErrorDownAndGapsLieBetweenThem) {
-  const TilePlan plan = straight_plan(4000, 50, 2);
+  const Mission plan = straight_plan(4000, 50, 2);
   const auto matchable = matchable_in(plan, {{0, 1000}, {1500, 2500}, {3500, 4000}});
-  const RouteError error = predict_route_error(plan, matchable, plan.max_error_m, 2);
+  const RouteError error = predict_route_error(plan, matchable, plan.flight.max_error_m, 2);
   ASSERT_EQ(error.gaps.size(), 2U);
   EXPECT_EQ(error.gaps[0].from_distance_m, 1000);
   EXPECT_EQ(error.gaps[0].to_distance_m, 1500);
@@ -67,15 +67,15 @@ TEST(RouteError, FixesHoldTheErrorDownAndGapsLieBetweenThem) {
 }
 
 TEST(RouteError, AFixTakenMoreOftenDoesNotHurt) {
-  const TilePlan plan = straight_plan(3000);
-  const std::vector<bool> all(plan.route_samples.size(), true);
+  const Mission plan = straight_plan(3000);
+  const std::vector<bool> all(plan.flight.samples.size(), true);
   const double often_m = predict_route_error(plan, all, 50, 0.5).profile.back().error_m;
   const double seldom_m = predict_route_error(plan, all, 50, 30).profile.back().error_m;
   EXPECT_LE(often_m, seldom_m);
 }
 
 // All subsets of the matchable samples on a coarse route: the least number of fixes that holds the limit.
-std::size_t fewest_by_brute_force(const TilePlan& plan, const std::vector<bool>& matchable, double max_error_m) {
+std::size_t fewest_by_brute_force(const Mission& plan, const std::vector<bool>& matchable, double max_error_m) {
   std::vector<std::size_t> candidates;
   for (std::size_t i = 1; i < matchable.size(); ++i) {
     if (matchable[i]) candidates.push_back(i);
@@ -92,12 +92,12 @@ std::size_t fewest_by_brute_force(const TilePlan& plan, const std::vector<bool>&
 }
 
 TEST(FewestFixSamples, IsAsFewAsAnySubset) {
-  TilePlan plan = straight_plan(20000);
-  std::vector<PlanSample> coarse;
-  for (std::size_t i = 0; i < plan.route_samples.size(); i += 200) coarse.push_back(plan.route_samples[i]);
-  plan.route_samples = coarse;  // 11 samples, 2 km apart
+  Mission plan = straight_plan(20000);
+  std::vector<FlightSample> coarse;
+  for (std::size_t i = 0; i < plan.flight.samples.size(); i += 200) coarse.push_back(plan.flight.samples[i]);
+  plan.flight.samples = coarse;  // 11 samples, 2 km apart
   const std::vector<bool> matchable(coarse.size(), true);
-  const InsErrorModel model = make_ins_error_model(plan.ins);
+  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
   for (const double gap_s : {150.0, 250.0, 420.0}) {
     const double limit_m =
         position_error_m(testing::drift_after(model, gap_s, 20, model.start_sigma_m), model.sigma_multiple);
@@ -110,12 +110,12 @@ TEST(FewestFixSamples, IsAsFewAsAnySubset) {
 }
 
 TEST(FewestFixSamples, TakesTheNextChanceWhereTheLimitCannotHold) {
-  const TilePlan plan = straight_plan(20000);
+  const Mission plan = straight_plan(20000);
   const auto matchable = matchable_in(plan, {{15000, 15100}});
   const auto fixes = fewest_fix_samples(plan, matchable, 15);
   ASSERT_FALSE(fixes.empty());
-  EXPECT_GE(plan.route_samples[fixes[0]].distance_m, 15000);
-  EXPECT_LE(plan.route_samples[fixes[0]].distance_m, 15100);
+  EXPECT_GE(plan.flight.samples[fixes[0]].distance_m, 15000);
+  EXPECT_LE(plan.flight.samples[fixes[0]].distance_m, 15100);
 }
 
 }  // namespace

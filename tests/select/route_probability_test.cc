@@ -28,8 +28,8 @@ struct OneFlight {
 // One flight with its own covariance and all of its history; `succeeds(sample)` says whether the attempt there does.
 OneFlight fly_once(const FlightPath& path, const std::vector<double>& p_fix,
                    const std::function<bool(std::size_t)>& succeeds) {
-  const std::vector<PlanSample>& samples = path.plan->route_samples;
-  OneFlight flight{samples.size(), std::vector<bool>(path.plan->route.legs.size(), false)};
+  const std::vector<FlightSample>& samples = path.plan->flight.samples;
+  OneFlight flight{samples.size(), std::vector<bool>(path.plan->flight.route.legs.size(), false)};
   InsState state = initial_ins_state(path.model, samples[0].azimuth_deg, samples[0].speed_mps);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (position_error_m(state, path.model.sigma_multiple) > path.max_error_m) {
@@ -45,8 +45,8 @@ OneFlight fly_once(const FlightPath& path, const std::vector<double>& p_fix,
   return flight;
 }
 
-double error_after_s(const TilePlan& plan, double time_s) {
-  const InsErrorModel model = make_ins_error_model(plan.ins);
+double error_after_s(const Mission& plan, double time_s) {
+  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
   return position_error_m(testing::drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
 }
 
@@ -58,17 +58,17 @@ RouteChances independent(const std::vector<double>& p_fix) {
 }
 
 // A fix may come at every `step`-th sample, with probabilities drawn from [low, high).
-std::vector<double> random_p_fix(const TilePlan& plan, std::size_t step, double low, double high, Random& random) {
-  std::vector<double> p_fix(plan.route_samples.size(), 0.0);
+std::vector<double> random_p_fix(const Mission& plan, std::size_t step, double low, double high, Random& random) {
+  std::vector<double> p_fix(plan.flight.samples.size(), 0.0);
   for (std::size_t i = step; i < p_fix.size(); i += step) p_fix[i] = random.uniform(low, high);
   return p_fix;
 }
 
 TEST(RouteProbability, WithoutFixesAFlightIsLostWhereTheDriftReachesTheLimit) {
-  const TilePlan plan = straight_plan(3000);
+  const Mission plan = straight_plan(3000);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 60.1));  // at 20 m/s: 1,202 m
   const RouteSurvival survival =
-      predict_survival(path, independent(std::vector<double>(plan.route_samples.size(), 0.0)));
+      predict_survival(path, independent(std::vector<double>(plan.flight.samples.size(), 0.0)));
   EXPECT_EQ(survival.p_within_limit[120], 1);
   EXPECT_EQ(survival.p_within_limit[121], 0);
   EXPECT_EQ(survival.leg_p_within_limit[0], 0);
@@ -80,9 +80,9 @@ TEST(RouteProbability, WithoutFixesAFlightIsLostWhereTheDriftReachesTheLimit) {
 }
 
 TEST(RouteProbability, OneAttemptThatIsNeededIsTheProbability) {
-  const TilePlan plan = straight_plan(1800, 50, 2);
+  const Mission plan = straight_plan(1800, 50, 2);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 60.1));
-  std::vector<double> p_fix(plan.route_samples.size(), 0.0);
+  std::vector<double> p_fix(plan.flight.samples.size(), 0.0);
   p_fix[111] = 0.7;  // at 1,100 m; the drift reaches the limit at 1,202 m
   const RouteSurvival survival = predict_survival(path, independent(p_fix));
   EXPECT_EQ(survival.p_within_limit[111], 1);
@@ -96,10 +96,10 @@ TEST(RouteProbability, OneAttemptThatIsNeededIsTheProbability) {
 }
 
 TEST(RouteProbability, ALegThatNoFlightReachesHasNone) {
-  const TilePlan plan = straight_plan(4000, 50, 2);
+  const Mission plan = straight_plan(4000, 50, 2);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 30));
   const RouteSurvival survival =
-      predict_survival(path, independent(std::vector<double>(plan.route_samples.size(), 0.0)));
+      predict_survival(path, independent(std::vector<double>(plan.flight.samples.size(), 0.0)));
   EXPECT_EQ(survival.leg_p_within_limit[0], 0);
   EXPECT_TRUE(std::isnan(survival.leg_p_within_limit[1]));
   EXPECT_TRUE(std::isnan(survival.leg_p_fix[1]));
@@ -125,8 +125,8 @@ void fly_every_outcome(const FlightPath& path, const std::vector<double>& p_fix,
 // The recursion merges histories that are nearly alike, and must stay close.
 TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
   for (const InsGrade grade : {InsGrade::kTactical, InsGrade::kIndustrial, InsGrade::kVisualOdometry}) {
-    TilePlan plan = straight_plan(4400, 50, 2);
-    plan.ins.grade = grade;
+    Mission plan = straight_plan(4400, 50, 2);
+    plan.flight.ins.grade = grade;
     Random random(seed_from_name("AgreesWithEveryOutcomeOfTenAttempts"));
     for (int round = 0; round < 3; ++round) {
       const std::vector<double> p_fix = random_p_fix(plan, 40, 0.2, 0.95, random);
@@ -149,7 +149,7 @@ TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
 
 // Many flights, each with its own luck and its own covariance.
 TEST(RouteProbability, AgreesWithSimulatedFlights) {
-  const TilePlan plan = straight_plan(6000, 50, 4);
+  const Mission plan = straight_plan(6000, 50, 4);
   Random random(seed_from_name("AgreesWithSimulatedFlights"));
   const std::vector<double> p_fix = random_p_fix(plan, 13, 0.1, 0.7, random);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 40));
@@ -180,7 +180,7 @@ TEST(RouteProbability, AgreesWithSimulatedFlights) {
 
 // One draw for each window of four tries, and a least time between fixes.
 TEST(RouteProbability, AgreesWithSimulatedFlightsWhereTriesDependOnEachOther) {
-  const TilePlan plan = straight_plan(4000);
+  const Mission plan = straight_plan(4000);
   Random random(seed_from_name("AgreesWithSimulatedFlightsWhereTriesDependOnEachOther"));
   for (const double fix_interval_s : {0.0, 9.0}) {
     RouteChances chances{random_p_fix(plan, 9, 0.3, 0.9, random), {}, fix_interval_s};
@@ -193,7 +193,7 @@ TEST(RouteProbability, AgreesWithSimulatedFlightsWhereTriesDependOnEachOther) {
       for (double& draw : draws) draw = random.uniform();
       double last_fix_s = -1e9;
       const OneFlight flight = fly_once(path, chances.p, [&](std::size_t i) {
-        const double time_s = plan.route_samples[i].distance_m / 20;
+        const double time_s = plan.flight.samples[i].distance_m / 20;
         if (time_s - last_fix_s < fix_interval_s - 1e-9 || draws[i / 36] >= chances.p[i]) return false;
         last_fix_s = time_s;
         return true;
@@ -211,7 +211,7 @@ TEST(RouteProbability, AgreesWithSimulatedFlightsWhereTriesDependOnEachOther) {
 }
 
 TEST(RouteProbability, AFixMoreLikelyNeverHurts) {
-  const TilePlan plan = straight_plan(6000);
+  const Mission plan = straight_plan(6000);
   Random random(seed_from_name("AFixMoreLikelyNeverHurts"));
   std::vector<double> p_fix = random_p_fix(plan, 20, 0.1, 0.6, random);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 40));
@@ -229,9 +229,9 @@ TEST(RouteProbability, AFixMoreLikelyNeverHurts) {
 }
 
 TEST(RouteProbability, TheWorstStretchIsTheGap) {
-  const TilePlan plan = straight_plan(6000);
+  const Mission plan = straight_plan(6000);
   const FlightPath path = make_flight_path(plan, error_after_s(plan, 60));
-  std::vector<double> p_fix(plan.route_samples.size(), 0.0);
+  std::vector<double> p_fix(plan.flight.samples.size(), 0.0);
   for (std::size_t i = 10; i < p_fix.size(); i += 10) {
     if (i < 300 || i >= 400) p_fix[i] = 0.6;
   }

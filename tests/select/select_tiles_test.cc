@@ -19,7 +19,7 @@ constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fi
 
 TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
   SelectOptions options;
-  TileScore score;
+  TileScores score;
   score.valid_fraction = 1;
   EXPECT_TRUE(is_matchable(score, options)) << "nothing measured: the status decides";
   score.clean.margin = 0.9;
@@ -35,7 +35,7 @@ TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
 
 TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
   SelectOptions options;
-  TileScore score;
+  TileScores score;
   score.degraded.margin = 0.9;
   score.p_correct_fix = 0.19;
   EXPECT_FALSE(is_matchable(score, options));
@@ -48,7 +48,7 @@ TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
 }
 
 TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {
-  const TilePlan plan = straight_plan(3000);
+  const Mission plan = straight_plan(3000);
   const Selection selection = select_tiles(plan, good_scores(plan), kSize, {});
   EXPECT_FALSE(selection.probability);
   EXPECT_TRUE(std::isnan(selection.legs[0].p_within_limit));
@@ -57,11 +57,12 @@ TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {
 }
 
 TEST(SelectTiles, ProbabilitiesOfTheFlight) {
-  const TilePlan plan = straight_plan(6000, 50, 2);
+  const Mission plan = straight_plan(6000, 50, 2);
   auto scores = good_scores(plan);
-  for (TileScore& score : scores) score.p_correct_fix = 0.8;
+  for (TileScores& score : scores) score.p_correct_fix = 0.8;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (plan.tiles[i].route_distance_m > 3500 && plan.tiles[i].route_distance_m < 4350) scores[i].p_correct_fix = 0.1;
+    if (plan.flight.places[i].distance_m > 3500 && plan.flight.places[i].distance_m < 4350)
+      scores[i].p_correct_fix = 0.1;
   }
   scores[0].p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   SelectOptions options;
@@ -89,21 +90,21 @@ TEST(SelectTiles, ProbabilitiesOfTheFlight) {
 }
 
 TEST(SelectTiles, TakesEveryMatchableTileByDefault) {
-  const TilePlan plan = straight_plan(3000);
+  const Mission plan = straight_plan(3000);
   auto scores = good_scores(plan);
   std::reverse(scores.begin(), scores.end());  // any order will do
   scores[5].degraded.margin = -0.2;
   const Selection selection = select_tiles(plan, scores, kSize, {});
-  EXPECT_EQ(selection.tile_ids.size(), plan.tiles.size() - 1);
+  EXPECT_EQ(selection.tile_ids.size(), plan.ground.tiles.size() - 1);
   EXPECT_TRUE(std::is_sorted(selection.tile_ids.begin(), selection.tile_ids.end()));
   EXPECT_FALSE(std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), scores[5].tile_id));
 }
 
 TEST(SelectTiles, ATileWithoutScoreMakesAGap) {
-  const TilePlan plan = straight_plan(3000);
+  const Mission plan = straight_plan(3000);
   auto scores = good_scores(plan);
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (std::abs(plan.tiles[i].route_distance_m - 1500) < 200) scores[i].status = TileStatus::kFlat;
+    if (std::abs(plan.flight.places[i].distance_m - 1500) < 200) scores[i].status = TileStatus::kFlat;
   }
   const Selection selection = select_tiles(plan, scores, kSize, {});
   ASSERT_EQ(selection.gaps.size(), 1U);
@@ -112,7 +113,7 @@ TEST(SelectTiles, ATileWithoutScoreMakesAGap) {
 }
 
 TEST(SelectTiles, SparseStoresFewTilesAndHoldsTheLimit) {
-  const TilePlan plan = straight_plan(30000);
+  const Mission plan = straight_plan(30000);
   SelectOptions options;
   const Selection all = select_tiles(plan, good_scores(plan), kSize, options);
   options.sparse = true;
@@ -125,7 +126,7 @@ TEST(SelectTiles, SparseStoresFewTilesAndHoldsTheLimit) {
 }
 
 TEST(SelectTiles, BudgetIsKeptAndSparseAreasSurviveIt) {
-  const TilePlan plan = straight_plan(30000);
+  const Mission plan = straight_plan(30000);
   const auto scores = good_scores(plan);
   SelectOptions sparse_options;
   sparse_options.sparse = true;
@@ -143,7 +144,7 @@ TEST(SelectTiles, BudgetIsKeptAndSparseAreasSurviveIt) {
 }
 
 TEST(SelectTiles, RefusesWhatDoesNotFit) {
-  const TilePlan plan = straight_plan(3000);
+  const Mission plan = straight_plan(3000);
   auto scores = good_scores(plan);
   SelectOptions options;
   options.budget = "50kB";  // an empty map has more

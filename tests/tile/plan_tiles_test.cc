@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
-#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/mission/tile_lookup.h"
 #include "pilotage/raster/gray_stretch.h"
 
@@ -33,48 +33,48 @@ std::string error_of(const TileOptions& options) {
   return "no error";
 }
 
-void expect_sound(const TilePlan& plan) {
+void expect_sound(const Mission& plan) {
   const TileLookup lookup(plan);
-  for (const PlanSample& sample : plan.route_samples) {
-    if (sample.level != PlanSample::kNoLevel) {
+  for (const FlightSample& sample : plan.flight.samples) {
+    if (sample.level != FlightSample::kNoLevel) {
       EXPECT_TRUE(lookup.tile_under(sample)) << sample.distance_m;
     }
   }
   std::int64_t before = -1;
-  for (const PlanTile& tile : plan.tiles) {
-    const TileMatrix& matrix = plan.levels.at(static_cast<std::size_t>(tile.level)).matrix;
+  for (const GroundTile& tile : plan.ground.tiles) {
+    const TileMatrix& matrix = plan.ground.levels.at(static_cast<std::size_t>(tile.level)).matrix;
     EXPECT_GT(tile.tile_id, before);
     before = tile.tile_id;
-    EXPECT_EQ(tile.tile_id, tile_id_of(plan.levels, tile.level, tile.column, tile.row));
+    EXPECT_EQ(tile.tile_id, tile_id_of(plan.ground.levels, tile.level, tile.column, tile.row));
     EXPECT_NEAR(tile.bounds.max_x_m - tile.bounds.min_x_m, matrix.tile_size_px * matrix.map_from_pixel.x_per_col, 1e-6);
   }
 }
 
 TEST(PlanTiles, OneHeightIsOneLevelOfTilesOfTheFootprint) {
   const TemporaryFolder folder;
-  const TilePlan plan = plan_tiles(make_small_mission(folder.path(), two_legs()));
-  ASSERT_EQ(plan.levels.size(), 1u);
+  const Mission plan = plan_tiles(make_small_mission(folder.path(), two_legs()));
+  ASSERT_EQ(plan.ground.levels.size(), 1u);
   // 2 · 80 m · tan 30° wide, 3/4 of that high.
   const double width_m = 160 * std::tan(std::acos(-1.0) / 6);
-  EXPECT_NEAR(plan.footprint_width_m, width_m, 1e-6);
-  EXPECT_NEAR(plan.footprint_height_m, width_m * 0.75, 1e-6);
-  EXPECT_NEAR(plan.levels[0].matrix.tile_size_px * plan.levels[0].gsd_m, width_m * std::sqrt(0.75), 0.51);
-  EXPECT_THAT(plan.crs_name, HasSubstr("UTM zone 33N"));
-  EXPECT_EQ(plan.route.legs.size(), 2u);
+  EXPECT_NEAR(plan.flight.footprint_width_m, width_m, 1e-6);
+  EXPECT_NEAR(plan.flight.footprint_height_m, width_m * 0.75, 1e-6);
+  EXPECT_NEAR(plan.ground.levels[0].matrix.tile_size_px * plan.ground.levels[0].gsd_m, width_m * std::sqrt(0.75), 0.51);
+  EXPECT_THAT(plan.ground.crs.name(), HasSubstr("UTM zone 33N"));
+  EXPECT_EQ(plan.flight.route.legs.size(), 2u);
   expect_sound(plan);
-  for (const PlanTile& tile : plan.tiles) EXPECT_EQ(tile.valid_fraction, 1) << tile.tile_id;
+  for (const GroundTile& tile : plan.ground.tiles) EXPECT_EQ(tile.valid_fraction, 1) << tile.tile_id;
 }
 
 TEST(PlanTiles, HeightsOfMoreThanAFactorOfTwoMakeLevels) {
   const TemporaryFolder folder;
-  const TilePlan plan =
+  const Mission plan =
       plan_tiles(make_small_mission(folder.path(), {MissionPoint{150, 150, 50}, {450, 150, 160}, {450, 260, 160}}));
-  ASSERT_EQ(plan.levels.size(), 2u);
-  EXPECT_GT(plan.levels[1].matrix.tile_size_px * plan.levels[1].gsd_m,
-            plan.levels[0].matrix.tile_size_px * plan.levels[0].gsd_m);
+  ASSERT_EQ(plan.ground.levels.size(), 2u);
+  EXPECT_GT(plan.ground.levels[1].matrix.tile_size_px * plan.ground.levels[1].gsd_m,
+            plan.ground.levels[0].matrix.tile_size_px * plan.ground.levels[0].gsd_m);
   expect_sound(plan);
-  for (const PlanSample& sample : plan.route_samples) {
-    const PlanLevel& level = plan.levels.at(static_cast<std::size_t>(sample.level));
+  for (const FlightSample& sample : plan.flight.samples) {
+    const GridLevel& level = plan.ground.levels.at(static_cast<std::size_t>(sample.level));
     EXPECT_GE(sample.agl_m, level.min_agl_m * (1 - 1e-9));
     EXPECT_LE(sample.agl_m, level.max_agl_m * (1 + 1e-9));
   }
@@ -89,10 +89,10 @@ TEST(PlanTiles, NarrowCorridorHasTheTileUnderEveryPoint) {
 
 TEST(PlanTiles, PartsBelowTheLowestHeightHaveNoLevel) {
   const TemporaryFolder folder;
-  const TilePlan plan =
+  const Mission plan =
       plan_tiles(make_small_mission(folder.path(), {MissionPoint{100, 150, 20}, {300, 150, 60}, {500, 150, 60}}));
-  EXPECT_EQ(plan.route_samples.front().level, PlanSample::kNoLevel);
-  EXPECT_EQ(plan.route_samples.back().level, 0);
+  EXPECT_EQ(plan.flight.samples.front().level, FlightSample::kNoLevel);
+  EXPECT_EQ(plan.flight.samples.back().level, 0);
   EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("are flown lower than 30 m above the ground")));
 }
 
@@ -124,8 +124,8 @@ TEST(PlanTiles, WarnsOfAHomeThatIsNotOnItsGround) {  // 2026-11: home 400 m off 
   const TemporaryFolder folder;
   const auto of_home = ::testing::Contains(HasSubstr("Home is said"));
   EXPECT_THAT(plan_tiles(over_home(folder, 50.8)).warnings, ::testing::Not(of_home));
-  const TilePlan plan = plan_tiles(over_home(folder, 450.8));
-  EXPECT_NEAR(plan.route_samples.front().agl_m, 480.8, 0.1);
+  const Mission plan = plan_tiles(over_home(folder, 450.8));
+  EXPECT_NEAR(plan.flight.samples.front().agl_m, 480.8, 0.1);
   EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("Home is said to lie at 450.8 m above sea level, but the "
                                                            "elevation model has 50.0 m there")));
 }
@@ -155,12 +155,12 @@ TEST(PlanTiles, NamesThePartOutsideTheImagery) {
   EXPECT_THAT(error_of(options), ::testing::ContainsRegex("leaves the imagery from 0\\.5[01] km to 0\\.80 km .*up to "
                                                           "(299|300|301) m outside"));
   options.allow_uncovered = true;
-  const TilePlan plan = plan_tiles(options);
+  const Mission plan = plan_tiles(options);
   expect_sound(plan);
   EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("leaves the imagery")));
-  EXPECT_EQ(plan.tiles.front().valid_fraction, 1);
+  EXPECT_EQ(plan.ground.tiles.front().valid_fraction, 1);
   bool none = false;
-  for (const PlanTile& tile : plan.tiles) none = none || tile.valid_fraction == 0;
+  for (const GroundTile& tile : plan.ground.tiles) none = none || tile.valid_fraction == 0;
   EXPECT_TRUE(none);
 }
 
@@ -178,11 +178,11 @@ TEST(PlanTiles, CoverageCountsThePixelsThatScoreReads) {  // 2026-11: 30 % of ra
     const int half = 2;  // averages over what is valid: no hole is left
     ASSERT_EQ(dataset.BuildOverviews("AVERAGE", 1, &half, 0, nullptr, nullptr, nullptr), CE_None);
   });
-  const TilePlan plan = plan_tiles(options);
-  for (const PlanTile& tile : plan.tiles) {
-    const PlanLevel& level = plan.levels.at(static_cast<std::size_t>(tile.level));
+  const Mission plan = plan_tiles(options);
+  for (const GroundTile& tile : plan.ground.tiles) {
+    const GridLevel& level = plan.ground.levels.at(static_cast<std::size_t>(tile.level));
     const double scored =
-        valid_fraction(open_plan_imagery(plan, level), level.matrix.tile_window(tile.column, tile.row));
+        valid_fraction(open_gray(plan.ground, level), level.matrix.tile_window(tile.column, tile.row));
     EXPECT_EQ(tile.valid_fraction, scored) << tile.tile_id;
     EXPECT_NEAR(tile.valid_fraction, 0.7, 0.03) << tile.tile_id;
   }
@@ -200,19 +200,19 @@ TEST(PlanTiles, WorksAcrossTheAntimeridianAndNearThePole) {
   for (const testing::SmallPlace& place : {testing::SmallPlace{"EPSG:32660", 833'700, 100'000},
                                            testing::SmallPlace{"EPSG:32661", 2'000'000 - 300, 2'100'000}}) {
     const TemporaryFolder folder;
-    const TilePlan plan = plan_tiles(make_small_mission(folder.path(), two_legs(), place));
+    const Mission plan = plan_tiles(make_small_mission(folder.path(), two_legs(), place));
     expect_sound(plan);
     double east_deg = -180;
     double west_deg = 180;
-    for (const PlanSample& sample : plan.route_samples) {
+    for (const FlightSample& sample : plan.flight.samples) {
       east_deg = std::max(east_deg, sample.point.lon_deg);
       west_deg = std::min(west_deg, sample.point.lon_deg);
     }
     if (place.srs == "EPSG:32660") {
       EXPECT_GT(east_deg - west_deg, 359);
     }
-    EXPECT_LT(plan.tiles.size(), 60u);
-    for (const PlanTile& tile : plan.tiles) EXPECT_GT(tile.valid_fraction, 0.99) << tile.tile_id;
+    EXPECT_LT(plan.ground.tiles.size(), 60u);
+    for (const GroundTile& tile : plan.ground.tiles) EXPECT_GT(tile.valid_fraction, 0.99) << tile.tile_id;
   }
 }
 

@@ -3,8 +3,6 @@
 #include <cstdint>
 #include <string_view>
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// Seeded random numbers that are the same on every machine and standard library (std:: distributions are not).
@@ -46,5 +44,3 @@ std::uint64_t derive_seed(std::uint64_t seed, std::uint64_t index);
 std::uint64_t seed_from_name(std::string_view name);
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop

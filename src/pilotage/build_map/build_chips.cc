@@ -22,7 +22,7 @@ struct ChipCells {
 };
 
 /// The pixels of the grid of chips whose centres the tile owns, cut to their bounding box; nothing when it owns none.
-std::optional<ChipCells> owned_cells(const TileMatrix& matrix, const PlanTile& tile, const TileOwner& owner,
+std::optional<ChipCells> owned_cells(const TileMatrix& matrix, const GroundTile& tile, const TileOwner& owner,
                                      int factor) {
   const PixelWindow window = matrix.tile_window(tile.column, tile.row);
   const std::int64_t first_col = window.col / factor;
@@ -35,7 +35,7 @@ std::optional<ChipCells> owned_cells(const TileMatrix& matrix, const PlanTile& t
     const double y_px = (static_cast<double>(first_row + row) + 0.5) * factor;
     for (int col = 0; col < width; ++col) {
       const double x_px = (static_cast<double>(first_col + col) + 0.5) * factor;
-      if (owner.owner_of(x_px, y_px) == TileOwner::Cell{tile.column, tile.row}) line[col] = 255;
+      if (owner.owner_of(x_px, y_px) == TileCell{tile.column, tile.row}) line[col] = 255;
     }
   }
   const cv::Rect box = cv::boundingRect(owned);
@@ -44,7 +44,7 @@ std::optional<ChipCells> owned_cells(const TileMatrix& matrix, const PlanTile& t
 }
 
 /// The tile's chip; nothing when no imagery covers what it owns.
-std::optional<MapChip> make_chip(const TileMatrix& matrix, const PlanTile& tile, const TileOwner& owner,
+std::optional<MapChip> make_chip(const TileMatrix& matrix, const GroundTile& tile, const TileOwner& owner,
                                  const GraySource& source, int factor, int gray_bits) {
   const auto cells = owned_cells(matrix, tile, owner, factor);
   if (!cells) return std::nullopt;
@@ -81,7 +81,7 @@ double chip_bytes_per_px(const ChipOptions& options, double gsd_m) {
   return bits / 8 / (factor * factor) * kFullPages * kBorderPixels;
 }
 
-ChipStats write_chips(MapWriter& writer, const PlanLevel& level, const std::vector<const PlanTile*>& tiles,
+ChipStats write_chips(MapWriter& writer, const GridLevel& level, const std::vector<const GroundTile*>& tiles,
                       const TileOwner& owner, const GraySource& source, const ChipOptions& options, int threads,
                       const Progress& progress) {
   constexpr std::size_t kBatch = 64;  // of chips in memory

@@ -6,8 +6,8 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/tile_owner.h"
+#include "pilotage/ground/ground.h"
 #include "pilotage/mapdb/map_writer.h"
-#include "pilotage/mission/tile_plan.h"
 #include "pilotage/raster/gray_source.h"
 
 #pragma GCC visibility push(default)
@@ -49,7 +49,7 @@ struct ChipStats {
 /// chip is cut to the pixels it owns; a tile that owns no ground has none. `source` is the level's imagery, CV_8U; it
 /// is read once more, a tile at a time. The same rows for any number of threads. Throws what the source and the writer
 /// throw; Interrupted.
-ChipStats write_chips(MapWriter& writer, const PlanLevel& level, const std::vector<const PlanTile*>& tiles,
+ChipStats write_chips(MapWriter& writer, const GridLevel& level, const std::vector<const GroundTile*>& tiles,
                       const TileOwner& owner, const GraySource& source, const ChipOptions& options, int threads,
                       const Progress& progress);
 

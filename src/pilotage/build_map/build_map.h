@@ -10,11 +10,11 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/build_chips.h"
 #include "pilotage/build_map/stable_features.h"
+#include "pilotage/ground/score_table.h"
 #include "pilotage/mission/input_files.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/stored_size.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/vision/features.h"
 
 #pragma GCC visibility push(default)
@@ -47,28 +47,25 @@ struct BuildStats {
   std::string content_digest;  ///< 64 hex digits.
 };
 
-/// The most that the map database can take with these options on the levels of a plan.
-StoredSize stored_size(const BuildOptions& options, const TilePlan& plan);
+/// The most that the map database can take with these options on the levels of a ground.
+StoredSize stored_size(const BuildOptions& options, const Ground& ground);
 
-/// Writes the onboard map database (schemas/map-database.md) of the selected tiles.
-///
-/// Scored tiles overlap, stored ground does not: each feature belongs to the selected tile, among those it lies in,
-/// whose centre is nearest (the larger of both axis distances; the lower tile_id on a tie), so that every descriptor is
-/// stored once and the descriptors of a tile's footprint are found in the tiles that overlap it. Imagery streams in
-/// strips; features of a piece of ground do not depend on the selection. Chips, where asked for, are stored once
-/// likewise (build_chips.h). The layer `tiles` has one row per selected tile with every score.
-///
-/// With keep_features = stable, a feature is dropped when `second_date` shows the ground around it and no counterpart
-/// (feature_fates.h); a tile in whose window fewer than kLeastFeatures are left keeps the strongest others that it
-/// owns, up to so many. The levels' grids are then north-up with square pixels. Chips stay as they are.
+/// Writes the onboard map database (schemas/map-database.md) of a mission's selected tiles: their ground
+/// (write_ground), then the flight over it.
 ///
 /// The file appears complete or not at all. The same input gives the same bytes for any number of threads. Throws
 /// UsageError for options out of range or keep_features without its second date, DataError when the selection or the
 /// scores are not of this plan, or when reading or writing fails; Interrupted.
-BuildStats build_map(const std::filesystem::path& path, const TilePlan& plan, const std::vector<TileScore>& scores,
+BuildStats build_map(const std::filesystem::path& path, const Mission& plan, const std::vector<TileScores>& scores,
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads = 0,
                      const Progress& progress = {}, const std::optional<SecondDate>& second_date = {});
+
+/// The same of a ground that nobody has planned a flight over: a map without route, camera or inputs. An existing file
+/// is replaced. Throws as build_map.
+BuildStats build_ground_map(const std::filesystem::path& path, const ScoreTable& table,
+                            const std::vector<std::int64_t>& tile_ids, const BuildOptions& options, int threads = 0,
+                            const Progress& progress = {});
 
 }  // namespace pilotage
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <numeric>
 
-#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/registration/register_tiles.h"
@@ -12,20 +12,18 @@
 
 namespace pilotage {
 
-SecondDate register_second_date(const TilePlan& plan, const std::vector<std::string>& datasets,
+SecondDate register_second_date(const Ground& ground, const std::vector<std::string>& datasets,
                                 const RegistrationOptions& options, int threads, const Progress& progress) {
   std::vector<Bounds> tiles;
-  for (const PlanTile& tile : plan.tiles) tiles.push_back(tile.bounds);
-  const TileRegistration registered =
-      register_tiles(dataset_names(plan), plan.imagery_options, datasets, Crs::from_user_input(plan.crs_wkt), tiles,
-                     options, threads, progress);
+  for (const GroundTile& tile : ground.tiles) tiles.push_back(tile.bounds);
+  const TileRegistration registered = register_tiles(dataset_names(ground.imagery), ground.imagery.options, datasets,
+                                                     ground.crs, tiles, options, threads, progress);
   return {datasets, registered.registration.fit.field};
 }
 
-GraySource open_second_date(const SecondDate& second, const TilePlan& plan, const PlanLevel& level) {
-  const GraySource as_delivered =
-      open_gray_on_grid(second.datasets, Crs::from_user_input(plan.crs_wkt), level.matrix.map_from_pixel,
-                        level.matrix.grid_width_px, level.matrix.grid_height_px);
+GraySource open_second_date(const SecondDate& second, const Ground& ground, const GridLevel& level) {
+  const GraySource as_delivered = open_gray_on_grid(second.datasets, ground.crs, level.matrix.map_from_pixel,
+                                                    level.matrix.grid_width_px, level.matrix.grid_height_px);
   return warped_source(stretch_to_8bit(as_delivered), std::make_shared<const WarpField>(second.field));
 }
 

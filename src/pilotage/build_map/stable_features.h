@@ -9,7 +9,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/ground/ground.h"
 #include "pilotage/registration/feature_fates.h"
 #include "pilotage/registration/registration_options.h"
 #include "pilotage/registration/warp_field.h"
@@ -32,17 +32,17 @@ inline EnumNames<KeepFeatures> enum_names(KeepFeatures) {
 /// A second date and where it shows the ground of the reference.
 struct SecondDate {
   std::vector<std::string> datasets;
-  WarpField field;  ///< In the CRS of the plan.
+  WarpField field;  ///< In the CRS of the ground.
 };
 
-/// Registers a second date over all tiles of a plan: the field is that of scoring the plan with the same options.
+/// Registers a second date over all tiles of a ground: the field is that of scoring it with the same options.
 /// Throws as register_tiles.
-SecondDate register_second_date(const TilePlan& plan, const std::vector<std::string>& datasets,
+SecondDate register_second_date(const Ground& ground, const std::vector<std::string>& datasets,
                                 const RegistrationOptions& options, int threads = 0, const Progress& progress = {});
 
 /// The second date on the grid of a level as the reference shows the ground, CV_8U; not valid where the field is not
 /// known.
-GraySource open_second_date(const SecondDate& second, const TilePlan& plan, const PlanLevel& level);
+GraySource open_second_date(const SecondDate& second, const Ground& ground, const GridLevel& level);
 
 /// What became of the features of the selected ground.
 struct StableStats {

@@ -6,11 +6,11 @@
 
 namespace pilotage {
 
-TileOwner::TileOwner(const TileMatrix& matrix, const std::vector<Cell>& selected) : matrix_(matrix) {
-  for (const Cell& cell : selected) selected_.insert(cell.row * matrix.matrix_width() + cell.column);
+TileOwner::TileOwner(const TileMatrix& matrix, const std::vector<TileCell>& selected) : matrix_(matrix) {
+  for (const TileCell& cell : selected) selected_.insert(matrix.index_of(cell.column, cell.row));
 }
 
-std::optional<TileOwner::Cell> TileOwner::owner_of(double x_px, double y_px) const {
+std::optional<TileCell> TileOwner::owner_of(double x_px, double y_px) const {
   const double stride = matrix_.stride_px;
   const double size = matrix_.tile_size_px;
   // Tiles that contain a coordinate v: index·stride ≤ v < index·stride + size.
@@ -19,16 +19,16 @@ std::optional<TileOwner::Cell> TileOwner::owner_of(double x_px, double y_px) con
   };
   const auto last = [&](double v) { return static_cast<std::int64_t>(std::floor(v / stride)); };
 
-  std::optional<Cell> owner;
+  std::optional<TileCell> owner;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::int64_t row = first(y_px); row <= std::min(last(y_px), matrix_.matrix_height() - 1); ++row) {
     for (std::int64_t column = first(x_px); column <= std::min(last(x_px), matrix_.matrix_width() - 1); ++column) {
-      if (!selected_.contains(row * matrix_.matrix_width() + column)) continue;
+      if (!selected_.contains(matrix_.index_of(column, row))) continue;
       const double distance = std::max(std::abs(x_px - (static_cast<double>(column) * stride + size / 2)),
                                        std::abs(y_px - (static_cast<double>(row) * stride + size / 2)));
       if (distance < nearest) {
         nearest = distance;
-        owner = Cell{column, row};
+        owner = TileCell{column, row};
       }
     }
   }

@@ -16,17 +16,11 @@ namespace pilotage {
 /// overlapping tiles do not overlap and together cover the union of their footprints.
 class TileOwner {
  public:
-  struct Cell {
-    std::int64_t column = 0;
-    std::int64_t row = 0;
-    bool operator==(const Cell&) const = default;
-  };
-
-  TileOwner(const TileMatrix& matrix, const std::vector<Cell>& selected);
+  TileOwner(const TileMatrix& matrix, const std::vector<TileCell>& selected);
 
   /// The tile that stores the pixel position, or nothing outside all selected tiles. A tile contains its left and upper
   /// edge, not its right and lower one.
-  std::optional<Cell> owner_of(double x_px, double y_px) const;
+  std::optional<TileCell> owner_of(double x_px, double y_px) const;
 
  private:
   TileMatrix matrix_;

@@ -8,8 +8,6 @@
 
 #include "pilotage/camera/camera.h"
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// The models as files name them: none, brown_conrady, fisheye; nothing for a name that is none of them.
@@ -29,5 +27,3 @@ CameraText camera_to_text(const Camera& camera);
 Camera camera_from_text(const std::string& name, const CameraText& text);
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop

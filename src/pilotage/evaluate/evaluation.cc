@@ -8,7 +8,7 @@
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/judge_tiles.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -30,14 +30,14 @@ constexpr Predictor kPredictors[] = {{"p_correct_fix", "P(correct fix)", true},
                                      {"clean_peak_margin", "uniqueness, clean", false},
                                      {"degraded_peak_margin", "uniqueness, degraded copies", false}};
 
-void check(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options) {
+void check(const LevelScores& judged, const std::vector<FlightFrame>& frames, const EvaluateOptions& options) {
   check_evaluation(options);
   const bool any_truth =
       std::any_of(frames.begin(), frames.end(), [](const FlightFrame& frame) { return frame.frame.truth.has_value(); });
   if (!options.frames.empty() && !any_truth) {
     throw DataError(options.frames + ": no frame has its truth (true_lon_deg, true_lat_deg)");
   }
-  if (ground.rows.empty()) throw DataError("there are no scored tiles to evaluate");
+  if (judged.ground.tiles.empty()) throw DataError("there are no scored tiles to evaluate");
 }
 
 double tolerance_m(const EvaluateOptions& options, double gsd_m) {
@@ -46,41 +46,42 @@ double tolerance_m(const EvaluateOptions& options, double gsd_m) {
   return ncc ? kNccTolerancePx * gsd_m : std::max(kTolerancePx * gsd_m, kLeastTolerance_m);
 }
 
-std::vector<TileOutcome> outcomes_of(const ScoredGround& ground, const std::vector<FlightFrame>& frames,
+std::vector<TileOutcome> outcomes_of(const LevelScores& judged, const std::vector<FlightFrame>& frames,
                                      const EvaluateOptions& options, double within_m,
                                      const std::filesystem::path& scratch, std::uint64_t seed, int threads,
                                      const Progress& progress, const PlaceOnReference& place) {
-  const std::vector<std::size_t> tiles = choose_tiles(ground, options.stride, options.max_tiles, seed);
+  const std::vector<std::size_t> tiles = choose_tiles(judged, options.stride, options.max_tiles, seed);
   if (tiles.empty()) throw DataError("no tile has enough ground to be evaluated");
   if (options.matcher == EvaluateMatcher::kNcc) {
-    return judge_by_ncc(ground, tiles, place, options, within_m, threads, progress);
+    return judge_by_ncc(judged, tiles, place, options, within_m, threads, progress);
   }
   const OutputFile map(scratch, true);  // never committed: goes with this scope
-  build_evaluation_map(map.temporary_path(), ground, options.chips, threads, progress);
+  build_evaluation_map(map.temporary_path(), judged, options.chips, threads, progress);
   if (!options.frames.empty()) {
-    return judge_by_frames(ground, map.temporary_path(), frames, options, within_m, threads, progress);
+    return judge_by_frames(judged, map.temporary_path(), frames, options, within_m, threads, progress);
   }
-  return judge_by_voting(ground, tiles, map.temporary_path(), place, options, within_m, seed, threads, progress);
+  return judge_by_voting(judged, tiles, map.temporary_path(), place, options, within_m, seed, threads, progress);
 }
 
 bool accepted(const TileOutcome& outcome) {
   return outcome.outcome == Outcome::kCorrect || outcome.outcome == Outcome::kFalse;
 }
 
-std::int64_t count_false_like_neighbours(const ScoredGround& ground, const Evaluation& evaluation) {
+std::int64_t count_false_like_neighbours(const LevelScores& judged, const Evaluation& evaluation) {
   constexpr std::size_t kFewestNeighbours = 5;
   std::int64_t count = 0;
   for (const TileOutcome& outcome : evaluation.outcomes) {
     if (outcome.outcome != Outcome::kFalse) continue;
-    const TileRow& here = ground.rows[outcome.row];
+    const GroundTile& here = judged.ground.tiles[outcome.tile];
     std::vector<double> east_m;
     std::vector<double> north_m;
     for (const TileOutcome& other : evaluation.outcomes) {
       if (&other == &outcome || !accepted(other)) continue;
-      const TileRow& there = ground.rows[other.row];
-      const double distance_px = std::hypot(static_cast<double>(there.min_col_px - here.min_col_px),
-                                            static_cast<double>(there.min_row_px - here.min_row_px));
-      if (distance_px >= ground.matrix.tile_size_px) continue;
+      const GroundTile& there = judged.ground.tiles[other.tile];
+      const double distance_px =
+          std::hypot(static_cast<double>((there.column - here.column) * judged.matrix().stride_px),
+                     static_cast<double>((there.row - here.row) * judged.matrix().stride_px));
+      if (distance_px >= judged.matrix().tile_size_px) continue;
       east_m.push_back(other.error_east_m);
       north_m.push_back(other.error_north_m);
     }
@@ -127,7 +128,7 @@ std::vector<std::string> predictor_columns() {
   return names;
 }
 
-std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const Evaluation& evaluation,
+std::vector<JudgedPrediction> predictions_of(const LevelScores& judged, const Evaluation& evaluation,
                                              const std::string& name) {
   const Measure* measure = find_measure(name);
   if (measure == nullptr) throw UsageError("\"" + name + "\" is no column of tiles.csv");
@@ -135,42 +136,41 @@ std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const E
   std::vector<JudgedPrediction> predictions;
   for (const TileOutcome& outcome : evaluation.outcomes) {
     if (outcome.outcome == Outcome::kNotCovered) continue;
-    const TileRow& row = ground.rows[outcome.row];
-    predictions.push_back(
-        {measure->get(row.score), outcome.outcome == Outcome::kCorrect, block_of(ground, row, block_px)});
+    predictions.push_back({measure->get(judged.scores[outcome.tile]), outcome.outcome == Outcome::kCorrect,
+                           block_of(judged, judged.ground.tiles[outcome.tile], block_px)});
   }
   return predictions;
 }
 
-std::vector<JudgedPredictor> judge_predictors(const ScoredGround& ground, const Evaluation& evaluation,
+std::vector<JudgedPredictor> judge_predictors(const LevelScores& judged, const Evaluation& evaluation,
                                               const EvaluateOptions& options, std::uint64_t seed, int threads,
                                               const Progress& progress) {
-  std::vector<JudgedPredictor> judged;
+  std::vector<JudgedPredictor> predictors;
   std::int64_t done = 0;
   for (const Predictor& predictor : kPredictors) {
     report_progress(progress, "judging scores", done++, std::ssize(kPredictors));
     JudgedPredictor next{predictor.name, predictor.title, {}};
-    next.quality = judge_predictions(predictions_of(ground, evaluation, predictor.name), predictor.probability,
+    next.quality = judge_predictions(predictions_of(judged, evaluation, predictor.name), predictor.probability,
                                      quality_options(options, seed, threads));
     if (predictor.probability && next.quality.count == 0) continue;  // no model
-    judged.push_back(std::move(next));
+    predictors.push_back(std::move(next));
   }
-  return judged;
+  return predictors;
 }
 
-Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
+Evaluation evaluate(const LevelScores& judged, const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
                     const std::filesystem::path& scratch, std::uint64_t seed, int threads, const Progress& progress,
                     const PlaceOnReference& place) {
-  check(ground, frames, options);
+  check(judged, frames, options);
   Evaluation evaluation;
-  evaluation.gsd_m = ground_gsd_m(ground);
-  evaluation.footprint_m = ground.matrix.tile_size_px * evaluation.gsd_m;
-  evaluation.search_radius_m = ground.search_radius_px * evaluation.gsd_m;
+  evaluation.gsd_m = ground_gsd_m(judged);
+  evaluation.footprint_m = judged.matrix().tile_size_px * evaluation.gsd_m;
+  evaluation.search_radius_m = judged.level.search_radius_px * evaluation.gsd_m;
   evaluation.tolerance_m = tolerance_m(options, evaluation.gsd_m);
   evaluation.block_m = options.block_tiles * evaluation.footprint_m;
-  evaluation.scored_tiles = static_cast<std::int64_t>(choose_tiles(ground, 1, 0, seed).size());
+  evaluation.scored_tiles = static_cast<std::int64_t>(choose_tiles(judged, 1, 0, seed).size());
   evaluation.outcomes =
-      outcomes_of(ground, frames, options, evaluation.tolerance_m, scratch, seed, threads, progress, place);
+      outcomes_of(judged, frames, options, evaluation.tolerance_m, scratch, seed, threads, progress, place);
   for (const Outcome outcome : kOutcomes) evaluation.counts[outcome] = 0;
   for (const TileOutcome& outcome : evaluation.outcomes) ++evaluation.counts[outcome.outcome];
   if (evaluation.judged() == 0) {
@@ -182,8 +182,8 @@ Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& 
                                   (options.file.empty() ? " frames show no scored tile and are left out"
                                                         : " tiles are not covered by the other date and are left out"));
   }
-  evaluation.false_like_neighbours = count_false_like_neighbours(ground, evaluation);
-  evaluation.predictors = judge_predictors(ground, evaluation, options, seed, threads, progress);
+  evaluation.false_like_neighbours = count_false_like_neighbours(judged, evaluation);
+  evaluation.predictors = judge_predictors(judged, evaluation, options, seed, threads, progress);
   return evaluation;
 }
 

@@ -8,7 +8,7 @@
 
 #include "pilotage/base/progress.h"
 #include "pilotage/evaluate/evaluate_options.h"
-#include "pilotage/evaluate/scored_ground.h"
+#include "pilotage/evaluate/evaluated_tiles.h"
 #include "pilotage/evaluate/tile_outcome.h"
 #include "pilotage/flightlog/flight_frames.h"
 #include "pilotage/matchability/quality_report.h"
@@ -43,7 +43,7 @@ QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t see
 std::vector<std::string> predictor_columns();
 
 /// A prediction of column `name` of tiles.csv for each outcome that is covered, in their order.
-std::vector<JudgedPrediction> predictions_of(const ScoredGround& ground, const Evaluation& evaluation,
+std::vector<JudgedPrediction> predictions_of(const LevelScores& judged, const Evaluation& evaluation,
                                              const std::string& name);
 
 /// Throws what evaluate() would for the options alone, before hours of scoring: UsageError unless exactly one of
@@ -54,12 +54,12 @@ void check_evaluation(const EvaluateOptions& options);
 /// `scratch` is a path beside which a temporary map may grow; nothing stays there. The same for any number of threads.
 /// Throws as check_evaluation; DataError when no frame has its truth or no tile is left to judge; otherwise as what it
 /// calls.
-Evaluation evaluate(const ScoredGround& ground, const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
+Evaluation evaluate(const LevelScores& judged, const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
                     const std::filesystem::path& scratch, std::uint64_t seed, int threads, const Progress& progress,
                     const PlaceOnReference& place = same_place);
 
 /// The predictors alone, from outcomes and ground.
-std::vector<JudgedPredictor> judge_predictors(const ScoredGround& ground, const Evaluation& evaluation,
+std::vector<JudgedPredictor> judge_predictors(const LevelScores& judged, const Evaluation& evaluation,
                                               const EvaluateOptions& options, std::uint64_t seed, int threads);
 
 }  // namespace pilotage

@@ -138,7 +138,7 @@ std::string evaluation_text(const Evaluation& evaluation) {
   return text;
 }
 
-std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluation) {
+std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluation) {
   std::vector<const Measure*> columns;
   std::string text =
       "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,error_east_m,error_"
@@ -151,14 +151,14 @@ std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluat
   }
   text += "\n";
   for (const TileOutcome& outcome : evaluation.outcomes) {
-    const TileRow& row = ground.rows[outcome.row];
-    const std::int64_t block = block_of(ground, row, evaluation.block_m / evaluation.gsd_m);
-    std::vector<std::string> cells{std::to_string(row.tile.tile_id),
-                                   std::to_string(row.tile.level),
-                                   std::to_string(row.tile.column),
-                                   std::to_string(row.tile.row),
-                                   csv_cell(row.tile.center.lon_deg),
-                                   csv_cell(row.tile.center.lat_deg),
+    const GroundTile& tile = judged.ground.tiles[outcome.tile];
+    const std::int64_t block = block_of(judged, tile, evaluation.block_m / evaluation.gsd_m);
+    std::vector<std::string> cells{std::to_string(tile.tile_id),
+                                   std::to_string(tile.level),
+                                   std::to_string(tile.column),
+                                   std::to_string(tile.row),
+                                   csv_cell(tile.center.lon_deg),
+                                   csv_cell(tile.center.lat_deg),
                                    std::to_string(block),
                                    csv_cell(outcome.frame),
                                    std::string(outcome_name(outcome.outcome)),
@@ -167,7 +167,7 @@ std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluat
                                    csv_cell(outcome.error_east_m),
                                    csv_cell(outcome.error_north_m),
                                    csv_cell(outcome.evidence)};
-    for (const Measure* measure : columns) cells.push_back(csv_cell(measure->get(row.score)));
+    for (const Measure* measure : columns) cells.push_back(csv_cell(measure->get(judged.scores[outcome.tile])));
     text += join(cells, ",") + "\n";
   }
   return text;
@@ -178,7 +178,7 @@ EvaluationFiles::EvaluationFiles(const std::filesystem::path& folder, bool overw
   for (const char* name : kNames) OutputFile(folder / name, overwrite);
 }
 
-void EvaluationFiles::write(const ScoredGround& ground, const Evaluation& evaluation, const EvaluationSource& source) {
+void EvaluationFiles::write(const LevelScores& judged, const Evaluation& evaluation, const EvaluationSource& source) {
   const JudgedPredictor* probability = probability_of(evaluation);
   const auto add = [&](const char* name, const std::string& content) {
     files_.push_back(std::make_unique<OutputFile>(folder_ / name, overwrite_));
@@ -186,10 +186,10 @@ void EvaluationFiles::write(const ScoredGround& ground, const Evaluation& evalua
   };
   add(kNames[0], evaluation_markdown(evaluation, source, probability != nullptr));
   add(kNames[1], evaluation_json(evaluation, source).dump(1) + "\n");
-  add(kNames[2], evaluation_csv(ground, evaluation));
+  add(kNames[2], evaluation_csv(judged, evaluation));
   if (probability == nullptr) return;
   add(kNames[3], reliability_diagram_svg("P(correct fix), tiles of " + metres(evaluation.footprint_m),
-                                         probability->quality, predictions_of(ground, evaluation, probability->name)));
+                                         probability->quality, predictions_of(judged, evaluation, probability->name)));
 }
 
 std::vector<std::filesystem::path> EvaluationFiles::commit() {

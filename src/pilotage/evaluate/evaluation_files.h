@@ -31,7 +31,7 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
 std::string evaluation_text(const Evaluation& evaluation);
 
 /// evaluation.csv (schemas/evaluation-csv.md): one line for each outcome.
-std::string evaluation_csv(const ScoredGround& ground, const Evaluation& evaluation);
+std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluation);
 
 /// The four files evaluation.md, .json, .csv and reliability.svg of a folder, refused before the work is done when one
 /// exists, and appearing together after it.
@@ -41,7 +41,7 @@ class EvaluationFiles {
   EvaluationFiles(const std::filesystem::path& folder, bool overwrite);
 
   /// Writes all; reliability.svg only when there is a probability. Throws DataError.
-  void write(const ScoredGround& ground, const Evaluation& evaluation, const EvaluationSource& source);
+  void write(const LevelScores& judged, const Evaluation& evaluation, const EvaluationSource& source);
   /// Lets them appear, and says which.
   std::vector<std::filesystem::path> commit();
 

@@ -9,19 +9,19 @@ namespace pilotage {
 namespace {
 
 struct NearestTile {
-  std::size_t row = 0;
+  std::size_t tile = 0;
   bool holds_it = false;  ///< The point lies in the tile.
 };
 
-NearestTile nearest_tile(const ScoredGround& ground, const Eigen::Vector2d& point_px) {
+NearestTile nearest_tile(const LevelScores& judged, const Eigen::Vector2d& point_px) {
   NearestTile nearest;
   double least = std::numeric_limits<double>::infinity();
-  const double half = ground.matrix.tile_size_px / 2.0;
-  for (std::size_t i = 0; i < ground.rows.size(); ++i) {
-    const TileRow& row = ground.rows[i];
-    if (row.score.status == TileStatus::kTooLittleGround) continue;
-    const double x = std::abs(point_px.x() - static_cast<double>(row.min_col_px) - half);
-    const double y = std::abs(point_px.y() - static_cast<double>(row.min_row_px) - half);
+  const double half = judged.matrix().tile_size_px / 2.0;
+  for (std::size_t i = 0; i < judged.ground.tiles.size(); ++i) {
+    if (!judged.has(i) || judged.scores[i].status == TileStatus::kTooLittleGround) continue;
+    const PixelWindow window = judged.matrix().tile_window(judged.ground.tiles[i].cell());
+    const double x = std::abs(point_px.x() - static_cast<double>(window.col) - half);
+    const double y = std::abs(point_px.y() - static_cast<double>(window.row) - half);
     if (std::hypot(x, y) >= least) continue;
     least = std::hypot(x, y);
     nearest = {i, std::max(x, y) <= half};
@@ -31,7 +31,7 @@ NearestTile nearest_tile(const ScoredGround& ground, const Eigen::Vector2d& poin
 
 }  // namespace
 
-std::vector<TileOutcome> judge_by_frames(const ScoredGround& ground, const std::filesystem::path& map,
+std::vector<TileOutcome> judge_by_frames(const LevelScores& judged, const std::filesystem::path& map,
                                          const std::vector<FlightFrame>& frames, const EvaluateOptions& options,
                                          double tolerance_m, int threads, const Progress& progress) {
   std::vector<FlightFrame> with_truth;
@@ -42,23 +42,23 @@ std::vector<TileOutcome> judge_by_frames(const ScoredGround& ground, const std::
   match.yaw_sigma_deg = options.attitude_sigma_deg;
   match.height_sigma_fraction = options.height_sigma_fraction;
   match.chips = options.chips;
-  const CrsTransform transform(ground.crs);
+  const CrsTransform transform(judged.ground.crs);
   std::vector<TileOutcome> outcomes;
   for (const FrameMatch& matched : match_flight(map, with_truth, match, options.frames_truth, threads, progress)) {
     TileOutcome outcome;
     outcome.frame = matched.frame.file;
     outcome.status = frame_status_name(matched);
     const auto truth = transform.map_from_geodetic(*matched.frame.truth);
-    const NearestTile tile =
-        truth ? nearest_tile(ground, ground.matrix.map_from_pixel.pixel_from_map(*truth)) : NearestTile{};
-    outcome.row = tile.row;
+    const NearestTile nearest =
+        truth ? nearest_tile(judged, judged.matrix().map_from_pixel.pixel_from_map(*truth)) : NearestTile{};
+    outcome.tile = nearest.tile;
     if (matched.readable()) outcome.evidence = matched.result.stats.vote_peak;
     if (const auto& error = matched.error ? matched.error : matched.candidate_error) {
       outcome.error_m = error->error_m;
       outcome.error_east_m = error->east_m;
       outcome.error_north_m = error->north_m;
     }
-    if (tile.holds_it) {
+    if (nearest.holds_it) {
       outcome.outcome = !matched.has_fix()               ? Outcome::kRefused
                         : outcome.error_m <= tolerance_m ? Outcome::kCorrect
                                                          : Outcome::kFalse;

@@ -7,6 +7,7 @@
 #include "pilotage/base/parallel.h"
 #include "pilotage/correlation/fft_correlation.h"
 #include "pilotage/evaluate/judge_tiles.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr double kMinValidFraction = 0.9;
 constexpr double kMinOverlap = 0.5;
 
-struct Pair {
+struct BothDates {
   GraySource reference;
   GraySource other;  ///< On the same grid.
 };
@@ -28,10 +29,10 @@ cv::Mat as_float(const cv::Mat& pixels) {
 }
 
 /// Correlation of the other date's tile at every position of the search area; empty when it is not covered.
-cv::Mat surface_of(const Pair& pair, const PixelWindow& tile, const PixelWindow& area) {
-  const Raster shown = pair.other.read(tile);
+cv::Mat surface_of(const BothDates& dates, const PixelWindow& tile, const PixelWindow& area) {
+  const Raster shown = dates.other.read(tile);
   if (valid_fraction(shown.valid) < kMinValidFraction) return {};
-  const Raster region = pair.reference.read(area);
+  const Raster region = dates.reference.read(area);
   return masked_correlation_surface(as_float(shown.pixels), shown.valid, as_float(region.pixels), region.valid,
                                     kMinOverlap);
 }
@@ -52,14 +53,14 @@ Peak highest(const cv::Mat& surface) {
   return peak;
 }
 
-TileOutcome judge(const ScoredGround& ground, const Pair& pair, std::size_t index, const PlaceOnReference& place,
+TileOutcome judge(const LevelScores& judged, const BothDates& dates, std::size_t index, const PlaceOnReference& place,
                   double tolerance_m, double gsd_m) {
   TileOutcome outcome;
-  outcome.row = index;
-  const TileRow& row = ground.rows[index];
-  const PixelWindow tile = ground.matrix.tile_window(row.tile.column, row.tile.row);
-  const PixelWindow area = ground.matrix.search_window(row.tile.column, row.tile.row, ground.search_radius_px);
-  const cv::Mat surface = surface_of(pair, tile, area);
+  outcome.tile = index;
+  const TileCell cell = judged.ground.tiles[index].cell();
+  const PixelWindow tile = judged.matrix().tile_window(cell);
+  const PixelWindow area = judged.matrix().search_window(cell, judged.level.search_radius_px);
+  const cv::Mat surface = surface_of(dates, tile, area);
   if (surface.empty()) return outcome;
   const Peak peak = highest(surface);
   outcome.evidence = peak.value;
@@ -68,8 +69,8 @@ TileOutcome judge(const ScoredGround& ground, const Pair& pair, std::size_t inde
     outcome.status = "no_contrast";
     return outcome;
   }
-  const Eigen::Vector2d center = tile_center(ground, row);
-  const GeoTransform& grid = ground.matrix.map_from_pixel;
+  const Eigen::Vector2d center = judged.matrix().tile_center(cell);
+  const GeoTransform& grid = judged.matrix().map_from_pixel;
   const Eigen::Vector2d true_shift_px = grid.pixel_from_map(place(center)) - grid.pixel_from_map(center);
   const Eigen::Vector2d found_shift_px(static_cast<double>(area.col + peak.at.x - tile.col),
                                        static_cast<double>(area.row + peak.at.y - tile.row));
@@ -84,23 +85,23 @@ TileOutcome judge(const ScoredGround& ground, const Pair& pair, std::size_t inde
 
 }  // namespace
 
-std::vector<TileOutcome> judge_by_ncc(const ScoredGround& ground, std::span<const std::size_t> tiles,
+std::vector<TileOutcome> judge_by_ncc(const LevelScores& judged, std::span<const std::size_t> tiles,
                                       const PlaceOnReference& place, const EvaluateOptions& options, double tolerance_m,
                                       int threads, const Progress& progress) {
-  if (ground.search_radius_px < 1) throw UsageError("search_radius_px = 0: there is nothing to search; at least 1");
-  const auto on_grid = [&](const std::vector<std::string>& datasets, const ImageryOptions& imagery) {
-    return open_gray_on_grid(datasets, ground.crs, ground.matrix.map_from_pixel, ground.matrix.grid_width_px,
-                             ground.matrix.grid_height_px, imagery);
-  };
-  const Pair pair{on_grid(ground.datasets, ground.imagery), on_grid({options.file}, {})};
-  const double gsd_m = ground_gsd_m(ground);
+  if (judged.level.search_radius_px < 1)
+    throw UsageError("search_radius_px = 0: there is nothing to search; at least 1");
+  const TileMatrix& matrix = judged.matrix();
+  const BothDates dates{open_gray(judged.ground, judged.level),
+                        open_gray_on_grid({options.file}, judged.ground.crs, matrix.map_from_pixel,
+                                          matrix.grid_width_px, matrix.grid_height_px)};
+  const double gsd_m = ground_gsd_m(judged);
   std::vector<TileOutcome> outcomes(tiles.size());
   std::mutex mutex;
   std::int64_t done = 0;
   const auto total = static_cast<std::int64_t>(tiles.size());
   report_progress(progress, "evaluating", done, total);
   parallel_for(tiles.size(), threads, [&](std::size_t i, int) {
-    outcomes[i] = judge(ground, pair, tiles[i], place, tolerance_m, gsd_m);
+    outcomes[i] = judge(judged, dates, tiles[i], place, tolerance_m, gsd_m);
     const std::lock_guard lock(mutex);
     report_progress(progress, "evaluating", ++done, total);
   });

@@ -25,16 +25,11 @@ constexpr int kMaxFrameSidePx = 2048;
 constexpr double kMinValidFraction = 0.9;
 constexpr double kSearchSigmas = 3;
 
-struct OtherDate {
-  GraySource gray;
-  Crs crs;
-};
-
-/// What all tiles share.
-struct Flight {
-  const ScoredGround& ground;
+/// What the frames over all tiles share.
+struct FrameSetup {
+  const LevelScores& judged;
   const PlaceOnReference& place;
-  OtherDate other;
+  GraySource other;  ///< The other date.
   Camera camera{};
   MatchOptions match{};
   double agl_m = 0;
@@ -49,27 +44,28 @@ Camera square_camera(int side_px) {
   return camera;
 }
 
-Flight make_flight(const ScoredGround& ground, const PlaceOnReference& place, const EvaluateOptions& options,
-                   double tolerance_m) {
-  if (ground.search_radius_px < 1) throw UsageError("search_radius_px = 0: there is nothing to search; at least 1");
-  const double gsd_m = ground_gsd_m(ground);
-  Flight flight{ground, place, {stretch_to_8bit(open_gray(options.file)), inspect_imagery(options.file).crs}};
-  flight.camera = square_camera(std::min(kFrameOversampling * ground.matrix.tile_size_px, kMaxFrameSidePx));
-  flight.agl_m = ground.matrix.tile_size_px * gsd_m / 2 / std::tan(kHalfFieldOfView_rad);
-  flight.search_radius_m = ground.search_radius_px * gsd_m;
-  flight.tolerance_m = tolerance_m;
-  flight.match.search_sigmas = kSearchSigmas;
-  flight.match.attitude_sigma_deg = options.attitude_sigma_deg;
-  flight.match.yaw_sigma_deg = options.attitude_sigma_deg;
-  flight.match.height_sigma_fraction = options.height_sigma_fraction;
-  flight.match.chips = options.chips;
-  return flight;
+FrameSetup make_setup(const LevelScores& judged, const PlaceOnReference& place, const EvaluateOptions& options,
+                      double tolerance_m) {
+  if (judged.level.search_radius_px < 1)
+    throw UsageError("search_radius_px = 0: there is nothing to search; at least 1");
+  const double gsd_m = ground_gsd_m(judged);
+  FrameSetup setup{judged, place, stretch_to_8bit(open_gray(options.file))};
+  setup.camera = square_camera(std::min(kFrameOversampling * judged.matrix().tile_size_px, kMaxFrameSidePx));
+  setup.agl_m = judged.matrix().tile_size_px * gsd_m / 2 / std::tan(kHalfFieldOfView_rad);
+  setup.search_radius_m = judged.level.search_radius_px * gsd_m;
+  setup.tolerance_m = tolerance_m;
+  setup.match.search_sigmas = kSearchSigmas;
+  setup.match.attitude_sigma_deg = options.attitude_sigma_deg;
+  setup.match.yaw_sigma_deg = options.attitude_sigma_deg;
+  setup.match.height_sigma_fraction = options.height_sigma_fraction;
+  setup.match.chips = options.chips;
+  return setup;
 }
 
 /// Where the top of a frame must point so that its sides are those of the grid: the grid's north, from true north.
-double grid_yaw_deg(const ScoredGround& ground, const Eigen::Vector2d& center_map) {
-  const GeoTransform& t = ground.matrix.map_from_pixel;
-  const GroundPlace place = ground_place(ground.crs, t, t.pixel_from_map(center_map));
+double grid_yaw_deg(const LevelScores& judged, const Eigen::Vector2d& center_map) {
+  const GeoTransform& t = judged.matrix().map_from_pixel;
+  const GroundPlace place = ground_place(judged.ground.crs, t, t.pixel_from_map(center_map));
   const Eigen::Vector2d up_m = place.pixel_from_enu_m.inverse() * Eigen::Vector2d(0, -1);
   return std::atan2(up_m.x(), up_m.y()) * 180 / std::numbers::pi;
 }
@@ -81,43 +77,43 @@ struct TileFrame {
   GeodeticPoint true_center;  ///< On the reference: the ground that the principal point shows.
 };
 
-std::optional<TileFrame> take_frame(const Flight& flight, const TileRow& row, std::uint64_t seed) {
-  Random random(derive_seed(seed, static_cast<std::uint64_t>(row.tile.tile_id)));
-  const Eigen::Vector2d center_map = tile_center(flight.ground, row);
+std::optional<TileFrame> take_frame(const FrameSetup& setup, const GroundTile& tile, std::uint64_t seed) {
+  Random random(derive_seed(seed, static_cast<std::uint64_t>(tile.tile_id)));
+  const Eigen::Vector2d center_map = setup.judged.matrix().tile_center(tile.cell());
   TileFrame frame;
-  frame.prior.attitude.yaw_deg = grid_yaw_deg(flight.ground, center_map);
-  frame.prior.height_agl_m = flight.agl_m;
-  frame.prior.sigma_m = flight.search_radius_m / kSearchSigmas;
+  frame.prior.attitude.yaw_deg = grid_yaw_deg(setup.judged, center_map);
+  frame.prior.height_agl_m = setup.agl_m;
+  frame.prior.sigma_m = setup.search_radius_m / kSearchSigmas;
   Attitude attitude = frame.prior.attitude;
   for (double* angle_deg : {&attitude.yaw_deg, &attitude.pitch_deg, &attitude.roll_deg}) {
-    *angle_deg += flight.match.attitude_sigma_deg * random.normal();
+    *angle_deg += setup.match.attitude_sigma_deg * random.normal();
   }
-  const double agl_m = flight.agl_m * std::max(0.1, 1 + flight.match.height_sigma_fraction * random.normal());
-  const double east_m = random.uniform(-flight.search_radius_m, flight.search_radius_m);
-  const double north_m = random.uniform(-flight.search_radius_m, flight.search_radius_m);
+  const double agl_m = setup.agl_m * std::max(0.1, 1 + setup.match.height_sigma_fraction * random.normal());
+  const double east_m = random.uniform(-setup.search_radius_m, setup.search_radius_m);
+  const double north_m = random.uniform(-setup.search_radius_m, setup.search_radius_m);
 
-  const CrsTransform reference(flight.ground.crs);
+  const CrsTransform reference(setup.judged.ground.crs);
   const auto shown = reference.geodetic_from_map(center_map);
-  const auto truth = reference.geodetic_from_map(flight.place(center_map));
-  const auto in_other = shown ? CrsTransform(flight.other.crs).map_from_geodetic(*shown) : std::nullopt;
-  const auto view = make_view(flight.camera, attitude, agl_m);
-  const auto center_m = view ? ground_from_pixel(*view, {flight.camera.cx_px, flight.camera.cy_px}) : std::nullopt;
+  const auto truth = reference.geodetic_from_map(setup.place(center_map));
+  const auto in_other = shown ? CrsTransform(setup.other.crs).map_from_geodetic(*shown) : std::nullopt;
+  const auto view = make_view(setup.camera, attitude, agl_m);
+  const auto center_m = view ? ground_from_pixel(*view, {setup.camera.cx_px, setup.camera.cy_px}) : std::nullopt;
   if (!truth || !in_other || !center_m) return std::nullopt;
-  const GeoTransform& other_grid = flight.other.gray.map_from_pixel;
-  const GroundPlace over = ground_place(flight.other.crs, other_grid, other_grid.pixel_from_map(*in_other));
-  frame.picture = render_frame(flight.other.gray, over, flight.camera, attitude, agl_m);
+  const GeoTransform& other_grid = setup.other.map_from_pixel;
+  const GroundPlace over = ground_place(setup.other.crs, other_grid, other_grid.pixel_from_map(*in_other));
+  frame.picture = render_frame(setup.other, over, setup.camera, attitude, agl_m);
   const LocalFrame at_nadir(*truth);
   frame.prior.position = at_nadir.geodetic_from_enu({east_m, north_m, 0});
   frame.true_center = at_nadir.geodetic_from_enu({center_m->x(), center_m->y(), 0});
   return frame;
 }
 
-TileOutcome judge(const Flight& flight, std::size_t index, std::uint64_t seed, MapReader& map) {
+TileOutcome judge(const FrameSetup& setup, std::size_t index, std::uint64_t seed, MapReader& map) {
   TileOutcome outcome;
-  outcome.row = index;
-  const auto frame = take_frame(flight, flight.ground.rows[index], seed);
+  outcome.tile = index;
+  const auto frame = take_frame(setup, setup.judged.ground.tiles[index], seed);
   if (!frame || frame->picture.valid_fraction < kMinValidFraction) return outcome;
-  const MatchResult result = match(frame->picture.gray, frame->prior, flight.camera, map, flight.match);
+  const MatchResult result = match(frame->picture.gray, frame->prior, setup.camera, map, setup.match);
   outcome.status = match_status_name(result.status);
   outcome.evidence = result.stats.vote_peak;
   if (const auto& best = result.fix ? result.fix : result.candidate) {
@@ -126,22 +122,22 @@ TileOutcome judge(const Flight& flight, std::size_t index, std::uint64_t seed, M
     outcome.error_east_m = error.east_m;
     outcome.error_north_m = error.north_m;
   }
-  outcome.outcome = !result.fix                             ? Outcome::kRefused
-                    : outcome.error_m <= flight.tolerance_m ? Outcome::kCorrect
-                                                            : Outcome::kFalse;
+  outcome.outcome = !result.fix                            ? Outcome::kRefused
+                    : outcome.error_m <= setup.tolerance_m ? Outcome::kCorrect
+                                                           : Outcome::kFalse;
   return outcome;
 }
 
 }  // namespace
 
-std::vector<TileOutcome> judge_by_voting(const ScoredGround& ground, std::span<const std::size_t> tiles,
+std::vector<TileOutcome> judge_by_voting(const LevelScores& judged, std::span<const std::size_t> tiles,
                                          const std::filesystem::path& map, const PlaceOnReference& place,
                                          const EvaluateOptions& options, double tolerance_m, std::uint64_t seed,
                                          int threads, const Progress& progress) {
-  const Flight flight = make_flight(ground, place, options, tolerance_m);
+  const FrameSetup setup = make_setup(judged, place, options, tolerance_m);
   std::vector<TileOutcome> outcomes(tiles.size());
   for_each_with_reader(map, tiles.size(), threads, "evaluating", progress,
-                       [&](std::size_t i, MapReader& reader) { outcomes[i] = judge(flight, tiles[i], seed, reader); });
+                       [&](std::size_t i, MapReader& reader) { outcomes[i] = judge(setup, tiles[i], seed, reader); });
   return outcomes;
 }
 

@@ -85,7 +85,7 @@ EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::
   while (row.next()) {
     const std::string& outcome = row.text("outcome");
     if (outcome == outcome_name(Outcome::kNotCovered)) continue;
-    TileScore score;
+    TileScores score;
     score.gray_variance = row.number("gray_variance");
     score.frieden_deficit = row.number("frieden_deficit");
     score.map_features = row.number("map_features");

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pilotage/evaluate/scored_ground.h"
+#include "pilotage/evaluate/evaluated_tiles.h"
 #include "pilotage/registration/warp_field.h"
 
 namespace pilotage {

@@ -20,7 +20,7 @@ std::string_view outcome_name(Outcome outcome);  ///< "correct", "false", "refus
 
 /// What became of one tile, or of one real frame over it.
 struct TileOutcome {
-  std::size_t row = 0;  ///< Index into ScoredGround::rows.
+  std::size_t tile = 0;  ///< Index into the ground's tiles.
   Outcome outcome = Outcome::kNotCovered;
   std::string status;  ///< The matcher's word: "fix", "ambiguous" …; "peak" for ncc.
   /// Of the best place, accepted or not, answer minus truth; NaN without one. For ncc along the grid's axes.

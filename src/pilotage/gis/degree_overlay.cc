@@ -10,7 +10,7 @@
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
 #include "pilotage/gis/report_layers.h"
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_degrees.h"
 #include "pilotage/report/wording.h"
 
@@ -86,11 +86,11 @@ DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
   DegreeOverlay overlay;
   const MeasureScale& shown = shown_scale(report);
   if (std::isnan(shown.least)) return overlay;
-  const Crs crs = Crs::from_user_input(input.plan.crs_wkt);
-  const std::vector<TileRow> rows = tile_rows(input.plan, input.scores);
+  const Crs crs = input.plan.ground.crs;
+  const ScoreTable table(input.plan.ground, input.scores);
   const std::string name = html_escape(shown.measure.heat.title);
-  for (const PlanLevel& level : input.plan.levels) {
-    const ScoreRaster raster = score_raster(level.matrix, rows);
+  for (const GridLevel& level : input.plan.ground.levels) {
+    const ScoreRaster raster = score_raster(table, level.matrix.level);
     const auto band = std::find_if(raster.bands.begin(), raster.bands.end(),
                                    [&](const ScoreBand& entry) { return entry.name == shown.measure.name; });
     if (band == raster.bands.end()) continue;

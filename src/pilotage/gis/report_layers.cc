@@ -54,7 +54,7 @@ std::string with_opacity(Rgb color, const char* opacity) {
 
 /// The stride-sized cell around a tile's centre, as on the page and in the score raster. Millimetres are the grid on
 /// which neighbours have the same corners.
-Corners cell_of(const PlanTile& tile, const TileMatrix& matrix) {
+Corners cell_of(const GroundTile& tile, const TileMatrix& matrix) {
   const double share = std::min(1.0, static_cast<double>(matrix.stride_px) / std::max(1, matrix.tile_size_px));
   const Eigen::Vector2d center = tile.bounds.center_m();
   const Eigen::Vector2d half = Eigen::Vector2d(tile.bounds.width_m(), tile.bounds.height_m()) * share / 2;
@@ -64,12 +64,12 @@ Corners cell_of(const PlanTile& tile, const TileMatrix& matrix) {
   return {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)};
 }
 
-const PlanLevel& level_of(const ReportInput& input, int level) {
-  return *std::find_if(input.plan.levels.begin(), input.plan.levels.end(),
-                       [&](const PlanLevel& entry) { return entry.matrix.level == level; });
+const GridLevel& level_of(const ReportInput& input, int level) {
+  return *std::find_if(input.plan.ground.levels.begin(), input.plan.ground.levels.end(),
+                       [&](const GridLevel& entry) { return entry.matrix.level == level; });
 }
 
-VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>& classes, const TileScore& score) {
+VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>& classes, const TileScores& score) {
   const double value = scale.measure.get(score);
   VectorStyle style{"#404040ff", 1, "#80808040"};
   for (const ScaleClass& next : classes) {  // the last that is reached; the first takes what lies below the scale
@@ -86,7 +86,7 @@ VectorLayer tile_layer(const ReportInput& input, const Report& report) {
   layer.title = "Tiles";
   layer.description = "The ground around the centre of each tile, with every measure of it.";
   layer.shape = VectorShape::kPolygon;
-  layer.crs = Crs::from_user_input(input.plan.crs_wkt);
+  layer.crs = input.plan.ground.crs;
   layer.visible = false;
   for (const TileField& field : tile_fields()) {
     const std::string unit = field.unit.empty() ? "" : " [" + field.unit + "]";
@@ -139,7 +139,7 @@ VectorLayer area_layer(const ReportInput& input, const Report& report) {
   layer.title = "Matching areas";
   layer.description = "Outlines of the ground over which stored tiles give fixes.";
   layer.shape = VectorShape::kPolygon;
-  layer.crs = Crs::from_user_input(input.plan.crs_wkt);
+  layer.crs = input.plan.ground.crs;
   layer.columns = {{"area", VectorType::kInteger, "Area"},
                    {"level", VectorType::kInteger, "Level"},
                    {"tiles", VectorType::kInteger, "Tiles"},
@@ -231,7 +231,7 @@ VectorLayer leg_layer(const ReportInput& input, const Report& report) {
   }
   layer.qml = qgis_line_style("status", classes);
   for (const ReportLeg& leg : report.legs) {
-    std::vector<GeodeticPoint> points = leg_line(input.plan.route_samples, leg.status.leg, kMaxLinePoints);
+    std::vector<GeodeticPoint> points = leg_line(input.plan.flight.samples, leg.status.leg, kMaxLinePoints);
     points.insert(points.begin(), leg.from);
     points.push_back(leg.to);
     VectorFeature feature;
@@ -275,7 +275,7 @@ VectorLayer gap_layer(const ReportInput& input, const Report& report) {
   for (const ReportGap& gap : report.gaps) {
     VectorFeature feature;
     feature.points = line_of(
-        route_line_between(input.plan.route_samples, gap.gap.from_distance_m, gap.gap.to_distance_m, kMaxLinePoints));
+        route_line_between(input.plan.flight.samples, gap.gap.from_distance_m, gap.gap.to_distance_m, kMaxLinePoints));
     feature.values = values_of(gap_fields(), gap);
     feature.title = "Gap of " + length_text(gap.length_m);
     feature.note = duration_text(gap.gap.duration_s) + "; " + comparison_text(gap.gap.error_m, report.max_error_m);
@@ -315,7 +315,7 @@ VectorLayer route_layer(const ReportInput& input, const Report& report) {
   VectorFeature feature;
   feature.values = values_of(route_fields(), report);
   std::vector<GeodeticPoint> points;
-  for (const PlanSample& sample : input.plan.route_samples) points.push_back(sample.point);
+  for (const FlightSample& sample : input.plan.flight.samples) points.push_back(sample.point);
   feature.points = line_of(points);
   if (feature.points.empty()) return layer;
   feature.title = report.route_name.empty() ? "Route" : report.route_name;

@@ -40,7 +40,7 @@ struct OutputFormat {
   std::string name;
   std::string purpose;  ///< For the help: "QGIS"; "" for none.
   bool draws_layers = false;
-  Endings (*endings)(const std::vector<PlanLevel>& levels, bool with_scores);
+  Endings (*endings)(const std::vector<GridLevel>& levels, bool with_scores);
   Endings (*write)(const OutputSource& source);  ///< Returns the endings of the files written.
 };
 
@@ -54,9 +54,9 @@ Endings write_json(const OutputSource& source) {
   return {".json"};
 }
 
-Endings raster_endings(const std::vector<PlanLevel>& levels, bool with_scores) {
+Endings raster_endings(const std::vector<GridLevel>& levels, bool with_scores) {
   Endings endings;
-  for (const PlanLevel& level : levels) {
+  for (const GridLevel& level : levels) {
     const std::string suffix = level_suffix(level.matrix.level);
     if (with_scores) {
       for (const char* type : {".tif", ".qml"}) endings.push_back("_scores" + suffix + type);
@@ -69,10 +69,10 @@ Endings raster_endings(const std::vector<PlanLevel>& levels, bool with_scores) {
 /// The score raster of its own and the class raster of every level that has scores.
 Endings write_rasters(const OutputSource& source) {
   Endings endings;
-  const std::vector<TileRow> rows = tile_rows(source.input.plan, source.input.scores);
-  const Crs crs = Crs::from_user_input(source.input.plan.crs_wkt);
-  for (const PlanLevel& level : source.input.plan.levels) {
-    const ScoreRaster raster = score_raster(level.matrix, rows);
+  const ScoreTable table(source.input.plan.ground, source.input.scores);
+  const Crs crs = source.input.plan.ground.crs;
+  for (const GridLevel& level : source.input.plan.ground.levels) {
+    const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const std::string suffix = level_suffix(level.matrix.level);
     if (source.with_scores) {
@@ -84,7 +84,7 @@ Endings write_rasters(const OutputSource& source) {
         endings.push_back("_scores" + suffix + ".qml");
       }
     }
-    write_classes(source.path("_classes" + suffix + ".tif"), class_values(level.matrix, rows), crs,
+    write_classes(source.path("_classes" + suffix + ".tif"), class_values(table, level.matrix.level), crs,
                   raster.map_from_pixel, true);
     for (const char* type : {".tif", ".qml", ".tif.aux.xml"}) endings.push_back("_classes" + suffix + type);
   }
@@ -122,7 +122,7 @@ Endings write_geojsons(const OutputSource& source) {
 
 /// The formats in the order in which they are written.
 const std::vector<OutputFormat>& output_formats() {
-  using Levels = const std::vector<PlanLevel>&;
+  using Levels = const std::vector<GridLevel>&;
   static const std::vector<OutputFormat> formats = {
       {ReportOutput::kHtml, "html", "", false, [](Levels, bool) { return Endings{".html"}; }, write_html},
       {ReportOutput::kJson, "json", "", false, [](Levels, bool) { return Endings{".json"}; }, write_json},
@@ -178,7 +178,7 @@ bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which) {
 }
 
 std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,
-                                             const std::vector<PlanLevel>& levels, bool with_scores) {
+                                             const std::vector<GridLevel>& levels, bool with_scores) {
   std::vector<std::string> names;
   for (const OutputFormat& format : output_formats()) {
     if (!asks_for(outputs, format.output)) continue;
@@ -188,7 +188,7 @@ std::vector<std::string> report_output_names(const std::string& stem, const std:
 }
 
 bool is_report_output(const std::string& stem, const std::string& name) {
-  std::vector<PlanLevel> levels(1);
+  std::vector<GridLevel> levels(1);
   levels.front().matrix.level = level_in(name);
   const std::vector<std::string> names = report_output_names(stem, {ReportOutput::kAll}, levels, true);
   return std::find(names.begin(), names.end(), name) != names.end();

@@ -27,7 +27,7 @@ bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which);
 /// The names of the files that `outputs` would write for a plan with these levels, without writing them; all of them
 /// begin with `stem`. `with_scores` says whether cog brings its own score raster, `<stem>_scores.tif`.
 std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,
-                                             const std::vector<PlanLevel>& levels, bool with_scores);
+                                             const std::vector<GridLevel>& levels, bool with_scores);
 
 /// Whether a file of this name could be one of report_output_names(stem, all): leftovers of an earlier run are.
 bool is_report_output(const std::string& stem, const std::string& name);

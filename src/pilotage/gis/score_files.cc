@@ -20,7 +20,7 @@ std::string category_names(const std::vector<RasterClass>& classes) {
 
 }  // namespace
 
-std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScore>& scores) {
+std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScores>& scores) {
   for (const Measure* measure : heat_maps()) {
     for (std::size_t i = 0; i < raster.bands.size(); ++i) {
       if (raster.bands[i].name == measure->name) return {{measure_scale(*measure, scores), static_cast<int>(i) + 1}};
@@ -29,9 +29,9 @@ std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::
   return std::nullopt;
 }
 
-cv::Mat class_values(const TileMatrix& matrix, const std::vector<TileRow>& rows) {
-  return class_raster(matrix, rows, [](const TileRow& row) {
-    const auto found = tile_class(row.score);
+cv::Mat class_values(const ScoreTable& table, int level) {
+  return class_raster(table, level, [](const TileScores& scores) {
+    const auto found = tile_class(scores);
     return found ? static_cast<std::uint8_t>(*found) : kNoClass;
   });
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "pilotage/mission/score_raster.h"
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/ground/score_raster.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
@@ -17,11 +17,11 @@ struct ShownMeasure {
   MeasureScale scale;
   int band = 0;  ///< From 1.
 };
-std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScore>& scores);
+std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScores>& scores);
 
 /// Classes go, marginal, no-go (tile_class.h) of the tiles of one level on the pixels of score_raster, kNoClass where
 /// there is no tile; CV_8U, empty when there is no row. Throws as score_raster.
-cv::Mat class_values(const TileMatrix& matrix, const std::vector<TileRow>& rows);
+cv::Mat class_values(const ScoreTable& table, int level);
 
 /// Writes the heat map's style beside `raster_path`: the same name with .qml. Returns its file name.
 std::string write_heat_style(const std::filesystem::path& raster_path, const ShownMeasure& shown, bool overwrite);

@@ -4,7 +4,7 @@
 
 namespace pilotage {
 
-std::optional<TileClass> tile_class(const TileScore& score) {
+std::optional<TileClass> tile_class(const TileScores& score) {
   using Limits = TileClassThresholds;
   if (score.status != TileStatus::kScored) return TileClass::kNoGo;
   if (!std::isnan(score.p_correct_fix)) {

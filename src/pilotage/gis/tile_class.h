@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gdal_write.h"
 #include "pilotage/report/measure_scale.h"
 #include "pilotage/report/quality.h"
@@ -25,7 +25,7 @@ struct TileClassThresholds {
 /// By P(correct fix) where there is one: go from 0.5, marginal from 0.2, else no-go. Else by the margin of degraded
 /// copies: go from 0.05, marginal above 0. A tile that could not be scored (too little ground, flat) is no-go; nothing
 /// when neither was measured.
-std::optional<TileClass> tile_class(const TileScore& score);
+std::optional<TileClass> tile_class(const TileScores& score);
 
 /// Names and colours of the classes in the order of their numbers.
 const std::vector<RasterClass>& tile_classes();

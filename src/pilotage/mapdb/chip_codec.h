@@ -8,6 +8,8 @@
 
 #include "pilotage/mapdb/map_types.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 // The picture of a map chip between pixels and bytes, encoding "chip1+zstd" of schemas/pilotage_descriptors.md: gray
@@ -44,3 +46,5 @@ MapChip encode_chip(const ChipPicture& picture, std::int64_t tile_id, int level,
 ChipPicture decode_chip(const MapChip& chip, const std::string& file);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -9,6 +9,8 @@
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/vision/feature_options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// What a map says about itself.
@@ -32,3 +34,5 @@ std::optional<Camera> camera_of_info(const MapInfo& info, const std::string& fil
 FeatureOptions features_of_info(const MapInfo& info, const std::string& file);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -13,6 +13,8 @@
 #include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_types.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A chip of the map as pixels.
@@ -66,3 +68,5 @@ class TileCache {
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -217,8 +217,7 @@ std::vector<TileGroup> make_groups(const TileMatrix& matrix, std::span<const std
   const std::int64_t across = std::max(1, (kGroupSide_px - matrix.tile_size_px) / matrix.stride_px + 1);
   std::map<std::pair<std::int64_t, std::int64_t>, TileGroup> groups;
   for (std::size_t result_index = 0; result_index < indices.size(); ++result_index) {
-    const std::int64_t column = indices[result_index] % matrix.matrix_width();
-    const std::int64_t row = indices[result_index] / matrix.matrix_width();
+    const auto [column, row] = matrix.cell_of(indices[result_index]);
     const PixelWindow reach = matrix.search_window(column, row, kHalo_px);
     TileGroup& group = groups[{row / across, column / across}];
     if (group.result_indices.empty()) group.window = reach;
@@ -275,8 +274,7 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
     const cv::Mat pixels = to_8bit(raster, white);
     const CoverSums sums(pixels, gray_from_colors(pixels), cv::Mat(raster.valid != 0) / 255);
     for (const std::size_t result_index : group.result_indices) {
-      const PixelWindow tile = matrix.tile_window(indices[result_index] % matrix.matrix_width(),
-                                                  indices[result_index] / matrix.matrix_width());
+      const PixelWindow tile = matrix.tile_window(matrix.cell_of(indices[result_index]));
       covers[result_index] = sums.of({static_cast<int>(tile.col - group.window.col),
                                       static_cast<int>(tile.row - group.window.row), tile.width, tile.height});
     }

@@ -53,7 +53,7 @@ std::string flying_matcher_name(FlyingMatcher matcher) {
   return {};
 }
 
-MatchabilityInputs matchability_inputs(const TileScore& score, int tile_size_px, double black) {
+MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px, double black) {
   double contrast = std::sqrt(std::max(score.frieden_deficit, 0.0));
   if (black != 0 && contrast > 0) {
     const double mean = score.gray_variance / contrast;

@@ -9,7 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "pilotage/base/options.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 
 #pragma GCC visibility push(default)
 
@@ -42,7 +42,7 @@ inline constexpr int kDescriptorBorder_px = 16;
 
 /// The inputs of a scored tile of side `tile_size_px`; its gray_variance, frieden_deficit, map_features and vote_noise
 /// must be there. Noise of a tile without features counts as 0. `black` is the gray value that becomes 0 in 8 bits.
-MatchabilityInputs matchability_inputs(const TileScore& score, int tile_size_px, double black = 0);
+MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px, double black = 0);
 
 /// One input's part of the sum: coefficient · (x − mean), x held to mean ± 3 spread, so that ground unlike any that the
 /// model has seen cannot promise more than the outermost that it has.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pilotage/base/text.h"
+#include "pilotage/raster/gdal_crs.h"
 
 namespace pilotage {
 namespace {
@@ -57,12 +58,12 @@ std::string direction(double dx_px, double dy_px, const ReasonContext& context) 
   return distance + " to the " + point;
 }
 
-Reason too_little_ground(const TileScore& score) {
+Reason too_little_ground(const TileScores& score) {
   return {ReasonCode::kTooLittleGround, "The imagery covers only " + percent(score.valid_fraction) + " of the tile.",
           score.status == TileStatus::kTooLittleGround ? kHeaviest : short_of(score.valid_fraction, kEnoughGround)};
 }
 
-Reason flat(const TileScore& score) {
+Reason flat(const TileScores& score) {
   if (score.status == TileStatus::kFlat) {
     return {ReasonCode::kFlat, "All pixels have the same gray value: there is nothing to recognise.", kHeaviest};
   }
@@ -72,14 +73,14 @@ Reason flat(const TileScore& score) {
           std::isnan(score.frieden_deficit) ? 0 : short_of(contrast, kEnoughContrast)};
 }
 
-Reason few_features(const TileScore& score) {
+Reason few_features(const TileScores& score) {
   return {ReasonCode::kFewFeatures,
           "Only " + format_fixed(score.map_features, 0) + " features to recognise; a safe fix needs about " +
               format_fixed(kEnoughFeatures, 0) + ".",
           short_of(score.map_features, kEnoughFeatures)};
 }
 
-Reason repeats(const TileScore& score, const ReasonContext& context) {
+Reason repeats(const TileScores& score, const ReasonContext& context) {
   Reason rival{ReasonCode::kRepeats, "", beyond(score.clean.rival_ratio, kMostRivalRatio)};
   if (rival.weight > 0) {
     // A ratio cannot grow far beyond 1, so what is left of the margin counts.
@@ -98,7 +99,7 @@ Reason repeats(const TileScore& score, const ReasonContext& context) {
 
 /// Not measured, it is a suspicion: some forests are found better than anything else (docs/methods/reasons.md), so it
 /// is told of a low P only, and behind what is plain.
-Reason vegetation(const TileScore& score) {
+Reason vegetation(const TileScores& score) {
   const std::string green = percent(score.vegetation_share) + " of it is green";
   const double weight = beyond(score.vegetation_share, kMuchVegetation);
   if (std::isnan(score.epoch.margin)) {
@@ -110,19 +111,19 @@ Reason vegetation(const TileScore& score) {
           score.epoch.margin < kEpochMargin ? 2 * weight : 0};
 }
 
-Reason water(const TileScore& score) {
+Reason water(const TileScores& score) {
   return {ReasonCode::kWater, percent(score.water_share) + " of it looks like open water: nothing there stays.",
           beyond(score.water_share, kMuchWater)};
 }
 
-Reason edge_only(const TileScore& score) {
+Reason edge_only(const TileScores& score) {
   return {
       ReasonCode::kEdgeOnly,
       "Its edges run in one direction (" + percent(score.aperture) + " as strong across): a fix may slide along them.",
       short_of(score.aperture, kLeastAperture)};
 }
 
-Reason relief(const TileScore& score, const ReasonContext& context) {
+Reason relief(const TileScores& score, const ReasonContext& context) {
   const double share = score.relief_m / context.min_agl_m;
   return {ReasonCode::kRelief,
           "Its heights differ by " + format_fixed(score.relief_m, 0) + " m, " + percent(share) + " of the " +
@@ -141,7 +142,7 @@ Reason coarse(const ReasonContext& context) {
           short_of(side, kEnoughPixels)};
 }
 
-Reason changed(const TileScore& score) {
+Reason changed(const TileScores& score) {
   const double by_margin = std::isnan(score.epoch.margin) ? 0 : score.epoch.margin < kEpochMargin ? 1.5 : 0;
   const double by_survival = short_of(score.epoch.survival, kEpochSurvival);
   Reason reason{ReasonCode::kChanged, "", std::max(by_margin, by_survival)};
@@ -154,7 +155,7 @@ Reason changed(const TileScore& score) {
   return reason;
 }
 
-Reason weak(const TileScore& score) {
+Reason weak(const TileScores& score) {
   std::string text = "No single cause: it has too little of everything";
   if (!std::isnan(score.map_features)) {
     text += " (" + format_fixed(score.map_features, 0) + " features against a noise of " +
@@ -165,11 +166,11 @@ Reason weak(const TileScore& score) {
 
 }  // namespace
 
-ReasonContext reason_context(const PlanLevel& level) {
-  return {level.matrix, 1, level.min_agl_m};
+ReasonContext reason_context(const Crs& crs, const GridLevel& level) {
+  return {level.matrix, crs.metres_per_unit(), level.min_agl_m};
 }
 
-std::vector<Reason> tile_reasons(const TileScore& score, const ReasonContext& context) {
+std::vector<Reason> tile_reasons(const TileScores& score, const ReasonContext& context) {
   if (score.status == TileStatus::kTooLittleGround) return {too_little_ground(score)};
   if (score.status == TileStatus::kFlat) return {flat(score)};
   const bool low = score.p_correct_fix < context.low_p;
@@ -192,12 +193,10 @@ std::string reasons_text(const std::vector<Reason>& reasons) {
   return join(texts, " ");
 }
 
-void explain_tiles(const ReasonContext& context, std::span<TileScore> scores) {
-  for (TileScore& score : scores) {
-    if (score.level != context.matrix.level) continue;
-    score.reasons.clear();
-    for (const Reason& reason : tile_reasons(score, context)) score.reasons.push_back(reason.code);
-  }
+std::vector<ReasonCode> reason_codes(const TileScores& score, const ReasonContext& context) {
+  std::vector<ReasonCode> codes;
+  for (const Reason& reason : tile_reasons(score, context)) codes.push_back(reason.code);
+  return codes;
 }
 
 }  // namespace pilotage

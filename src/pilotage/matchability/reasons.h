@@ -1,13 +1,12 @@
 #pragma once
 
 #include <limits>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/ground.h"
+#include "pilotage/ground/tile_scores.h"
 
 namespace pilotage {
 
@@ -20,8 +19,8 @@ struct ReasonContext {
   double watch_p = 0.8;  ///< Below this P it is told what is plain.
 };
 
-/// Of a level of a plan.
-ReasonContext reason_context(const PlanLevel& level);
+/// Of a level of a ground.
+ReasonContext reason_context(const Crs& crs, const GridLevel& level);
 
 /// One reason.
 struct Reason {
@@ -39,13 +38,12 @@ struct Reason {
 ///  - otherwise none.
 ///
 /// Numbers that were not measured (NaN) give no reason. Thresholds: docs/methods/reasons.md.
-std::vector<Reason> tile_reasons(const TileScore& score, const ReasonContext& context);
+std::vector<Reason> tile_reasons(const TileScores& score, const ReasonContext& context);
 
 /// The sentences, one after the other.
 std::string reasons_text(const std::vector<Reason>& reasons);
 
-/// Fills `reasons` of every score of the context's level with the codes of tile_reasons. To be called when all numbers
-/// are there.
-void explain_tiles(const ReasonContext& context, std::span<TileScore> scores);
+/// The codes of tile_reasons, as TileScores::reasons holds them.
+std::vector<ReasonCode> reason_codes(const TileScores& score, const ReasonContext& context);
 
 }  // namespace pilotage

@@ -89,8 +89,7 @@ class FeatureBands {
                const FeatureOptions& options, int threads)
       : source_(source), options_(options), threads_(threads) {
     for (const std::int64_t index : indices) {
-      const PixelWindow window =
-          matrix.search_window(index % matrix.matrix_width(), index / matrix.matrix_width(), kVoteReach_px);
+      const PixelWindow window = matrix.search_window(matrix.cell_of(index), kVoteReach_px);
       const std::int64_t end = window.row + window.height;
       for (std::int64_t band = window.row / kFeatureBlockPx; band * kFeatureBlockPx < end; ++band) {
         const std::int64_t top = std::max(window.row, band * kFeatureBlockPx);
@@ -199,7 +198,7 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
       throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
                        std::to_string(matrix.tile_count() - 1) + "]");
     }
-    rows[index / matrix.matrix_width()].push_back(i);
+    rows[matrix.cell_of(index).row].push_back(i);
   }
   FeatureBands bands(source, matrix, tile_indices, options, threads);
   std::vector<SelfVotes> result(tile_indices.size());
@@ -217,9 +216,8 @@ std::vector<SelfVotes> count_self_votes(const GraySource& source, const TileMatr
       if (const FeatureBand* found = bands.with_votes(band)) touched.push_back(found);
     }
     parallel_for(result_indices.size(), threads, [&](std::size_t i, int worker) {
-      const std::int64_t column = tile_indices[result_indices[i]] % matrix.matrix_width();
-      result[result_indices[i]] =
-          votes_of_tile(matrix.tile_window(column, row), touched, surfaces[static_cast<std::size_t>(worker)]);
+      const PixelWindow tile = matrix.tile_window(matrix.cell_of(tile_indices[result_indices[i]]));
+      result[result_indices[i]] = votes_of_tile(tile, touched, surfaces[static_cast<std::size_t>(worker)]);
     });
   }
   report_progress(progress, "counting votes", done, done);

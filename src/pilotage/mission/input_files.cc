@@ -13,13 +13,13 @@ InputFile input_file(const std::string& role, const std::string& name, const std
   return {role, name, date, is_file ? "blake2b-256:" + file_digest(name) : ""};
 }
 
-std::vector<InputFile> input_files(const TilePlan& plan) {
+std::vector<InputFile> input_files(const Mission& plan) {
   std::vector<InputFile> files;
-  for (const PlanImagery& imagery : plan.imagery) {
+  for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
     files.push_back(input_file("imagery", imagery.dataset, imagery.acquired));
   }
-  if (!plan.elevation.empty()) files.push_back(input_file("elevation", plan.elevation, ""));
-  if (!plan.route_file.empty()) files.push_back(input_file("route", plan.route_file, ""));
+  if (!plan.ground.elevation.empty()) files.push_back(input_file("elevation", plan.ground.elevation, ""));
+  if (!plan.flight.route_file.empty()) files.push_back(input_file("route", plan.flight.route_file, ""));
   return files;
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/mission.h"
 
 #pragma GCC visibility push(default)
 
@@ -22,7 +22,7 @@ InputFile input_file(const std::string& role, const std::string& name, const std
 
 /// The files that went into a plan, with date and digest. Only files of this machine have a digest; what GDAL fetches
 /// from elsewhere has none. Throws DataError when a file cannot be read.
-std::vector<InputFile> input_files(const TilePlan& plan);
+std::vector<InputFile> input_files(const Mission& plan);
 
 }  // namespace pilotage
 

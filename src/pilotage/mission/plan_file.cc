@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kPlanVersion = 1;
 constexpr std::size_t kMaxLevels = 64;
 
-Json matrix_to_json(const PlanLevel& level) {
+Json matrix_to_json(const GridLevel& level) {
   const TileMatrix& matrix = level.matrix;
   return {{"level", matrix.level},
           {"gsd_m", level.gsd_m},
@@ -38,9 +38,9 @@ Json matrix_to_json(const PlanLevel& level) {
           {"matrix_height", matrix.matrix_height()}};
 }
 
-PlanLevel level_from_json(JsonObject json, int expected_level) {
+GridLevel level_from_json(JsonObject json, int expected_level) {
   constexpr std::int64_t kMaxGrid_px = std::int64_t{1} << 28;  // tile numbers over kMaxLevels levels fit in 62 bits
-  PlanLevel level;
+  GridLevel level;
   TileMatrix& matrix = level.matrix;
   matrix.level = json.small_integer("level", expected_level, expected_level);
   level.gsd_m = json.number("gsd_m");
@@ -60,7 +60,7 @@ PlanLevel level_from_json(JsonObject json, int expected_level) {
   return level;
 }
 
-Json tile_to_json(const PlanTile& tile) {
+Json tile_to_json(const GroundTile& tile, const RoutePlace& place) {
   return {{"tile_id", tile.tile_id},
           {"level", tile.level},
           {"column", tile.column},
@@ -69,12 +69,17 @@ Json tile_to_json(const PlanTile& tile) {
           {"center_lon_deg", tile.center.lon_deg},
           {"center_lat_deg", tile.center.lat_deg},
           {"valid_fraction", tile.valid_fraction},
-          {"route_distance_m", tile.route_distance_m},
-          {"route_offset_m", tile.route_offset_m}};
+          {"route_distance_m", place.distance_m},
+          {"route_offset_m", place.offset_m}};
 }
 
-PlanTile tile_from_json(JsonObject json, const std::vector<PlanLevel>& levels) {
-  PlanTile tile;
+struct PlacedTile {
+  GroundTile tile;
+  RoutePlace place;
+};
+
+PlacedTile tile_from_json(JsonObject json, const std::vector<GridLevel>& levels) {
+  GroundTile tile;
   tile.tile_id = json.integer("tile_id", 0);
   tile.level = json.small_integer("level", 0, static_cast<int>(levels.size()) - 1);
   const TileMatrix& matrix = levels[static_cast<std::size_t>(tile.level)].matrix;
@@ -88,13 +93,12 @@ PlanTile tile_from_json(JsonObject json, const std::vector<PlanLevel>& levels) {
   tile.bounds = {bounds[0], bounds[1], bounds[2], bounds[3]};
   tile.center = {json.number("center_lon_deg"), json.number("center_lat_deg")};
   tile.valid_fraction = json.number("valid_fraction");
-  tile.route_distance_m = json.number("route_distance_m");
-  tile.route_offset_m = json.number("route_offset_m");
+  const RoutePlace place{json.number("route_distance_m"), json.number("route_offset_m")};
   json.finish();
-  return tile;
+  return {tile, place};
 }
 
-Json sample_to_json(const PlanSample& sample) {
+Json sample_to_json(const FlightSample& sample) {
   return {{"lon_deg", sample.point.lon_deg},
           {"lat_deg", sample.point.lat_deg},
           {"x_m", sample.point_map_m.x()},
@@ -108,27 +112,30 @@ Json sample_to_json(const PlanSample& sample) {
           {"level", sample.level}};
 }
 
-PlanSample sample_from_json(JsonObject json, const TilePlan& plan) {
-  PlanSample sample;
+FlightSample sample_from_json(JsonObject json, const Mission& plan) {
+  FlightSample sample;
   sample.point = {json.number("lon_deg"), json.number("lat_deg")};
   sample.point_map_m = {json.number("x_m"), json.number("y_m")};
-  sample.leg = json.small_integer("leg", 0, static_cast<int>(plan.route.legs.size()) - 1);
+  sample.leg = json.small_integer("leg", 0, static_cast<int>(plan.flight.route.legs.size()) - 1);
   sample.distance_m = json.number("distance_m");
   sample.azimuth_deg = json.number("azimuth_deg");
   sample.amsl_m = json.number_or_nan("amsl_m");
   sample.agl_m = json.number("agl_m");
   sample.speed_mps = json.positive_number("speed_mps");
-  sample.level = json.small_integer("level", PlanSample::kNoLevel, static_cast<int>(plan.levels.size()) - 1);
+  sample.level = json.small_integer("level", FlightSample::kNoLevel, static_cast<int>(plan.ground.levels.size()) - 1);
   json.finish();
   return sample;
 }
 
-// The name of a CRS that PROJ does not know is no mistake of the caller here: the file is wrong.
-void check_crs(const std::string& wkt, const std::string& path) {
+// A CRS that PROJ does not know is no mistake of the caller here: the file is wrong.
+Crs crs_from_json(JsonObject& json) {
+  const std::string name = json.text("crs_name");
   try {
-    Crs::from_user_input(wkt);
+    Crs crs = Crs::from_user_input(json.text("crs_wkt"));
+    if (crs.name() == name) return crs;
+    throw DataError(json.path("crs_name") + " = \"" + name + "\" is not the name of crs_wkt, \"" + crs.name() + "\"");
   } catch (const UsageError& error) {
-    throw DataError(path + ": " + error.what());
+    throw DataError(json.path("crs_wkt") + ": " + error.what());
   }
 }
 
@@ -150,29 +157,29 @@ Json json_of(Options options) {
 
 }  // namespace
 
-Json plan_to_json(const TilePlan& plan) {
+Json plan_to_json(const Mission& plan) {
   Json json = {{"pilotage_plan", kPlanVersion},
-               {"crs_name", plan.crs_name},
-               {"crs_wkt", plan.crs_wkt},
-               {"max_scale_distortion", plan.max_scale_distortion},
-               {"elevation", plan.elevation},
-               {"route_file", plan.route_file},
-               {"imagery_options", json_of(plan.imagery_options)},
-               {"camera", camera_to_json(plan.camera)},
-               {"ins", json_of(plan.ins)},
-               {"max_error_m", plan.max_error_m},
-               {"min_agl_m", plan.min_agl_m},
-               {"corridor_half_width_m", plan.corridor_half_width_m},
-               {"footprint_width_m", plan.footprint_width_m},
-               {"footprint_height_m", plan.footprint_height_m},
+               {"crs_name", plan.ground.crs.name()},
+               {"crs_wkt", plan.ground.crs.wkt()},
+               {"max_scale_distortion", plan.ground.max_scale_distortion},
+               {"elevation", plan.ground.elevation},
+               {"route_file", plan.flight.route_file},
+               {"imagery_options", json_of(plan.ground.imagery.options)},
+               {"camera", camera_to_json(plan.flight.camera)},
+               {"ins", json_of(plan.flight.ins)},
+               {"max_error_m", plan.flight.max_error_m},
+               {"min_agl_m", plan.flight.min_agl_m},
+               {"corridor_half_width_m", plan.flight.corridor_half_width_m},
+               {"footprint_width_m", plan.flight.footprint_width_m},
+               {"footprint_height_m", plan.flight.footprint_height_m},
                {"warnings", plan.warnings},
                {"notes", plan.notes},
                {"imagery", Json::array()},
                {"levels", Json::array()},
-               {"route", route_to_json(plan.route)},
+               {"route", route_to_json(plan.flight.route)},
                {"route_samples", Json::array()},
                {"tiles", Json::array()}};
-  for (const PlanImagery& image : plan.imagery) {
+  for (const ImageryDataset& image : plan.ground.imagery.datasets) {
     json["imagery"].push_back({{"dataset", image.dataset},
                                {"gsd_m", image.gsd_m},
                                {"crs", image.crs},
@@ -180,15 +187,17 @@ Json plan_to_json(const TilePlan& plan) {
                                {"width_px", image.width_px},
                                {"height_px", image.height_px}});
   }
-  for (const PlanLevel& level : plan.levels) json["levels"].push_back(matrix_to_json(level));
-  for (const PlanSample& sample : plan.route_samples) json["route_samples"].push_back(sample_to_json(sample));
-  for (const PlanTile& tile : plan.tiles) json["tiles"].push_back(tile_to_json(tile));
+  for (const GridLevel& level : plan.ground.levels) json["levels"].push_back(matrix_to_json(level));
+  for (const FlightSample& sample : plan.flight.samples) json["route_samples"].push_back(sample_to_json(sample));
+  for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
+    json["tiles"].push_back(tile_to_json(plan.ground.tiles[i], plan.flight.places.at(i)));
+  }
   return json;
 }
 
-TilePlan plan_from_json(const Json& json, const std::string& name) {
+Mission plan_from_json(const Json& json, const std::string& name) {
   JsonObject object(json, name);
-  TilePlan plan;
+  Mission plan;
   if (!object.has("pilotage_plan")) {
     throw DataError(name + ": is not a tile plan; `pilotage tile` makes one of a mission file");
   }
@@ -197,44 +206,46 @@ TilePlan plan_from_json(const Json& json, const std::string& name) {
     throw DataError(name + ": plan version " + std::to_string(version) + " is newer than this program reads (" +
                     std::to_string(kPlanVersion) + ")");
   }
-  plan.crs_name = object.text("crs_name");
-  plan.crs_wkt = object.text("crs_wkt");
-  check_crs(plan.crs_wkt, object.path("crs_wkt"));
-  plan.max_scale_distortion = object.number("max_scale_distortion");
-  plan.elevation = object.text("elevation");
-  plan.route_file = object.text("route_file");
-  plan.imagery_options = options_of<ImageryOptions>(object, "imagery_options");
-  plan.camera = camera_from_json(object.path("camera"), object.value("camera"));
-  plan.ins = options_of<InsOptions>(object, "ins");
-  plan.max_error_m = object.number("max_error_m");
-  plan.min_agl_m = object.number("min_agl_m");
-  plan.corridor_half_width_m = object.number("corridor_half_width_m");
-  plan.footprint_width_m = object.number("footprint_width_m");
-  plan.footprint_height_m = object.number("footprint_height_m");
+  plan.ground.crs = crs_from_json(object);
+  plan.ground.max_scale_distortion = object.number("max_scale_distortion");
+  plan.ground.elevation = object.text("elevation");
+  plan.flight.route_file = object.text("route_file");
+  plan.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
+  plan.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
+  plan.flight.ins = options_of<InsOptions>(object, "ins");
+  plan.flight.max_error_m = object.number("max_error_m");
+  plan.flight.min_agl_m = object.number("min_agl_m");
+  plan.flight.corridor_half_width_m = object.number("corridor_half_width_m");
+  plan.flight.footprint_width_m = object.number("footprint_width_m");
+  plan.flight.footprint_height_m = object.number("footprint_height_m");
   plan.warnings = object.texts("warnings");
   plan.notes = object.texts("notes");
   for (JsonObject& image : object.objects("imagery")) {
-    plan.imagery.push_back({image.text("dataset"), image.number("gsd_m"), image.text("crs"), image.text("acquired"),
-                            image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
-                            image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
+    plan.ground.imagery.datasets.push_back({image.text("dataset"), image.number("gsd_m"), image.text("crs"),
+                                            image.text("acquired"),
+                                            image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
+                                            image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
     image.finish();
   }
   for (JsonObject& level : object.objects("levels")) {
-    plan.levels.push_back(level_from_json(level, static_cast<int>(plan.levels.size())));
+    plan.ground.levels.push_back(level_from_json(level, static_cast<int>(plan.ground.levels.size())));
   }
-  if (plan.levels.empty()) throw DataError(object.path("levels") + " is empty");
-  if (plan.levels.size() > kMaxLevels) {
-    throw DataError(object.path("levels") + " has " + std::to_string(plan.levels.size()) + " levels; at most " +
+  if (plan.ground.levels.empty()) throw DataError(object.path("levels") + " is empty");
+  if (plan.ground.levels.size() > kMaxLevels) {
+    throw DataError(object.path("levels") + " has " + std::to_string(plan.ground.levels.size()) + " levels; at most " +
                     std::to_string(kMaxLevels) + " are allowed");
   }
-  plan.route = route_from_json(object.value("route"), object.path("route"));
+  plan.flight.route = route_from_json(object.value("route"), object.path("route"));
   for (JsonObject& sample : object.objects("route_samples"))
-    plan.route_samples.push_back(sample_from_json(sample, plan));
-  if (plan.route_samples.empty()) throw DataError(object.path("route_samples") + " is empty");
+    plan.flight.samples.push_back(sample_from_json(sample, plan));
+  if (plan.flight.samples.empty()) throw DataError(object.path("route_samples") + " is empty");
   for (JsonObject& tile : object.objects("tiles")) {
-    plan.tiles.push_back(tile_from_json(tile, plan.levels));
-    if (plan.tiles.size() > 1 && plan.tiles.back().tile_id <= plan.tiles[plan.tiles.size() - 2].tile_id) {
-      throw DataError(object.path("tiles") + ": tile_id " + std::to_string(plan.tiles.back().tile_id) +
+    const PlacedTile placed = tile_from_json(tile, plan.ground.levels);
+    plan.ground.tiles.push_back(placed.tile);
+    plan.flight.places.push_back(placed.place);
+    if (plan.ground.tiles.size() > 1 &&
+        plan.ground.tiles.back().tile_id <= plan.ground.tiles[plan.ground.tiles.size() - 2].tile_id) {
+      throw DataError(object.path("tiles") + ": tile_id " + std::to_string(plan.ground.tiles.back().tile_id) +
                       " is out of order");
     }
   }
@@ -242,7 +253,7 @@ TilePlan plan_from_json(const Json& json, const std::string& name) {
   return plan;
 }
 
-TilePlan read_plan(const std::filesystem::path& path) {
+Mission read_plan(const std::filesystem::path& path) {
   return plan_from_json(parse_json(path.string(), read_file(path)), path.string());
 }
 

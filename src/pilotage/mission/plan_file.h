@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/mission.h"
 
 #pragma GCC visibility push(default)
 
@@ -14,13 +14,13 @@ namespace pilotage {
 
 /// The tile plan as a file (schemas/plan.schema.json): what `tile` writes and `score`, `select`, `build` and `report`
 /// read. Numbers read back exactly.
-nlohmann::ordered_json plan_to_json(const TilePlan& plan);
+nlohmann::ordered_json plan_to_json(const Mission& plan);
 
 /// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path.
-TilePlan plan_from_json(const nlohmann::ordered_json& json, const std::string& name);
+Mission plan_from_json(const nlohmann::ordered_json& json, const std::string& name);
 
 /// plan_from_json of a file. Throws DataError.
-TilePlan read_plan(const std::filesystem::path& path);
+Mission read_plan(const std::filesystem::path& path);
 
 }  // namespace pilotage
 

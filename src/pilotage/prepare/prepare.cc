@@ -12,15 +12,15 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/gis/score_files.h"
+#include "pilotage/ground/score_raster.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/mission/plan_file.h"
-#include "pilotage/mission/score_raster.h"
 #include "pilotage/mission/selection_file.h"
-#include "pilotage/mission/tile_table.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
-#include "pilotage/score/score_plan.h"
+#include "pilotage/score/score_ground.h"
 #include "pilotage/score/score_second_epoch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
@@ -97,7 +97,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   refuse_existing(run.output_folder, run.overwrite);
   for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
-  const TilePlan plan = plan_tiles(options.tile, progress);
+  const Mission plan = plan_tiles(options.tile, progress);
   const StagingFolder staging(run.output_folder);
   PrepareResult result;
   const auto publish_later = [&](const std::string& name) {
@@ -106,22 +106,21 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
 
-  const ScoredPlan scored = score_plan(plan, score_options, run.seed, run.threads, progress);
-  const std::vector<TileScore>& scores = scored.scores;
+  const GroundScores scored = score_ground(plan.ground, score_options, run.seed, run.threads, progress);
+  const std::vector<TileScores>& scores = scored.scores;
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
-    write_score_raster(publish_later(kDisagreement), layer.bands, Crs::from_user_input(plan.crs_wkt),
-                       layer.map_from_pixel, true);
+    write_score_raster(publish_later(kDisagreement), layer.bands, plan.ground.crs, layer.map_from_pixel, true);
   }
   report_progress(progress, "writing scores", 0, 0);
-  const std::vector<TileRow> rows = tile_rows(plan, scores);
-  write_file(publish_later("tiles.csv"), tile_table_to_csv(rows), true);
-  for (const PlanLevel& level : plan.levels) {
-    const ScoreRaster raster = score_raster(level.matrix, rows);
+  const ScoreTable table(plan.ground, scores);
+  write_file(publish_later("tiles.csv"), tile_table_to_csv(plan.ground, scores), true);
+  for (const GridLevel& level : plan.ground.levels) {
+    const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const fs::path path = publish_later(score_raster_name(level.matrix.level));
-    write_score_raster(path, raster.bands, Crs::from_user_input(plan.crs_wkt), raster.map_from_pixel, true);
+    write_score_raster(path, raster.bands, plan.ground.crs, raster.map_from_pixel, true);
     const auto shown = shown_measure(raster, scores);
     if (shown && asks_for(options.outputs, ReportOutput::kCog)) {
       result.files.push_back(write_heat_style(path, *shown, true));
@@ -129,7 +128,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
 
   report_progress(progress, "selecting", 0, 0);
-  const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan), options.select);
+  const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan.ground), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
   std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
@@ -156,7 +155,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   remove_stale(run.output_folder, result.files);
 
   result.verdict = report.verdict_text;
-  result.planned_tiles = static_cast<std::int64_t>(plan.tiles.size());
+  result.planned_tiles = static_cast<std::int64_t>(plan.ground.tiles.size());
   result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   result.matchable_fraction = selection.matchable_fraction;
   result.within_limit = selection.within_limit;

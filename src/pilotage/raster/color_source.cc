@@ -23,7 +23,11 @@ cv::Mat gray_from_colors(const cv::Mat& pixels) {
 }
 
 GraySource gray_source_of(const ColorSource& colors) {
-  return {colors.width_px, colors.height_px, colors.map_from_pixel, colors.depth,
+  return {colors.width_px,
+          colors.height_px,
+          colors.map_from_pixel,
+          colors.crs,
+          colors.depth,
           [read = colors.read](const PixelWindow& window) {
             Raster raster = read(window);
             raster.pixels = gray_from_colors(raster.pixels);

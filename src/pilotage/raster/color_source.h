@@ -13,6 +13,7 @@ struct ColorSource {
   std::int64_t width_px = 0;
   std::int64_t height_px = 0;
   GeoTransform map_from_pixel;
+  Crs crs;           ///< As of GraySource.
   int channels = 3;  ///< 3: red, green, blue. 1: the imagery has one band, colours are not known.
   int depth = 0;     ///< OpenCV depth of what `read` returns: CV_8U, CV_16U or CV_64F.
 

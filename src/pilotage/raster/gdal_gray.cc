@@ -218,13 +218,10 @@ std::function<Raster(const PixelWindow&)> windows_on_own_pixels(const ImageryInf
 }
 
 GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& options) {
-  return {info.width_px,
-          info.height_px,
-          info.map_from_pixel,
-          info.depth,
-          windows_on_own_pixels(info, options, read_gray),
-          info.block_width_px,
-          info.block_height_px};
+  return {info.width_px,       info.height_px,
+          info.map_from_pixel, info.crs,
+          info.depth,          windows_on_own_pixels(info, options, read_gray),
+          info.block_width_px, info.block_height_px};
 }
 
 GraySource source_on_grid(Mosaic opened) {
@@ -233,6 +230,7 @@ GraySource source_on_grid(Mosaic opened) {
   source.width_px = mosaic->grid.width_px;
   source.height_px = mosaic->grid.height_px;
   source.map_from_pixel = mosaic->grid.map_from_pixel;
+  source.crs = mosaic->grid.crs;
   source.depth = mosaic->depth;
   source.block_width_px = RasterView::kWarpedBlockWidth_px;
   source.block_height_px = RasterView::kWarpedBlockHeight_px;
@@ -288,6 +286,7 @@ ColorSource open_colors(const std::string& dataset, const ImageryOptions& option
   return {info.width_px,
           info.height_px,
           info.map_from_pixel,
+          info.crs,
           channels,
           info.depth,
           windows_on_own_pixels(info, options, [channels](const RasterView& view, const PixelWindow& window) {
@@ -303,11 +302,12 @@ ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const 
   const bool colored = std::any_of(mosaic->parts.begin(), mosaic->parts.end(),
                                    [](const MosaicPart& part) { return channels_of(part.info) == 3; });
   const int channels = colored ? 3 : 1;
-  return {width_px, height_px, map_from_pixel, channels, mosaic->depth, [mosaic, channels](const PixelWindow& window) {
-            check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
-            return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, channels),
-                           [&](const RasterView& view) { return read_colors(view, window, channels); });
-          }};
+  return {
+      width_px, height_px, map_from_pixel, crs, channels, mosaic->depth, [mosaic, channels](const PixelWindow& window) {
+        check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
+        return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, channels),
+                       [&](const RasterView& view) { return read_colors(view, window, channels); });
+      }};
 }
 
 Raster read_rgb8_on_grid(const std::vector<std::string>& datasets, const Crs& crs, const GeoTransform& map_from_pixel,

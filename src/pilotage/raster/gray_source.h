@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "pilotage/geo/tile_matrix.h"
+#include "pilotage/raster/crs.h"
 #include "pilotage/raster/raster.h"
 
 #pragma GCC visibility push(default)
@@ -14,6 +15,7 @@ struct GraySource {
   std::int64_t width_px = 0;
   std::int64_t height_px = 0;
   GeoTransform map_from_pixel;
+  Crs crs;        ///< Of map_from_pixel; empty for pixels in memory whose place nobody asked for.
   int depth = 0;  ///< OpenCV depth of what `read` returns: CV_8U, CV_16U or CV_64F (everything else is widened to it).
 
   /// The pixels of a window that lies inside the grid, as one channel of type `depth`. May be called by several threads

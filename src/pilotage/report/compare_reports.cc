@@ -193,7 +193,7 @@ class TilePlaces {
 double reach_of(const Report& a, const Report& b) {
   double stride_m = std::numeric_limits<double>::infinity();
   for (const Report* report : {&a, &b}) {
-    for (const PlanLevel& level : report->levels) stride_m = std::min(stride_m, level.gsd_m * level.matrix.stride_px);
+    for (const GridLevel& level : report->levels) stride_m = std::min(stride_m, level.gsd_m * level.matrix.stride_px);
   }
   return std::isfinite(stride_m) && stride_m > 0 ? kPlaceShare * stride_m : 1;
 }

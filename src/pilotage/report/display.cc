@@ -21,9 +21,10 @@ using PlaneFunction = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
 
 // A longitude in the middle of what is drawn, so that everything lies within 180° of it.
 double reference_lon_deg(const ReportInput& input) {
-  if (!input.plan.tiles.empty()) return input.plan.tiles[input.plan.tiles.size() / 2].center.lon_deg;
-  if (!input.plan.route_samples.empty())
-    return input.plan.route_samples[input.plan.route_samples.size() / 2].point.lon_deg;
+  if (!input.plan.ground.tiles.empty())
+    return input.plan.ground.tiles[input.plan.ground.tiles.size() / 2].center.lon_deg;
+  if (!input.plan.flight.samples.empty())
+    return input.plan.flight.samples[input.plan.flight.samples.size() / 2].point.lon_deg;
   return 0;
 }
 
@@ -38,7 +39,7 @@ std::vector<Eigen::Vector2d> plane_line(const std::vector<GeodeticPoint>& points
 
 // Corners from the top left, clockwise in the mission grid, of the stride-sized cell around a tile's centre: cells of a
 // level touch, while its tiles overlap.
-std::array<Eigen::Vector2d, 4> cell_corners(const PlanTile& tile, const PlanLevel& level,
+std::array<Eigen::Vector2d, 4> cell_corners(const GroundTile& tile, const GridLevel& level,
                                             const PlaneFunction& display_from_map) {
   const double share = static_cast<double>(level.matrix.stride_px) / std::max(1, level.matrix.tile_size_px);
   const Eigen::Vector2d center = tile.bounds.center_m();
@@ -49,7 +50,7 @@ std::array<Eigen::Vector2d, 4> cell_corners(const PlanTile& tile, const PlanLeve
 }
 
 void add_route(const ReportInput& input, const Report& report, double reference_deg, ReportDisplay& display) {
-  const std::vector<PlanSample>& samples = input.plan.route_samples;
+  const std::vector<FlightSample>& samples = input.plan.flight.samples;
   const std::size_t per_leg = std::max<std::size_t>(8, kMaxLinePoints / std::max<std::size_t>(1, report.legs.size()));
   for (const ReportLeg& leg : report.legs) {
     std::vector<GeodeticPoint> line = leg_line(samples, leg.status.leg, per_leg);
@@ -74,7 +75,7 @@ void add_pictures(const ReportInput& input, const Report& report, ReportDisplay&
   const TilePictures& pictures = input.pictures;
   if (pictures.sheet.empty()) return;
   std::map<std::int64_t, std::size_t> index;
-  for (std::size_t i = 0; i < input.plan.tiles.size(); ++i) index[input.plan.tiles[i].tile_id] = i;
+  for (std::size_t i = 0; i < input.plan.ground.tiles.size(); ++i) index[input.plan.ground.tiles[i].tile_id] = i;
   cv::Mat sheet(pictures.sheet.size(), pictures.sheet.type(), cv::Scalar::all(0));
   for (std::size_t i = 0; i < report.tiles.size(); ++i) {
     pictures.sheet(pictures.place(index.at(report.tiles[i].tile.tile_id))).copyTo(sheet(pictures.place(i)));
@@ -109,8 +110,8 @@ ReportDisplay make_display(const ReportInput& input, const Report& report) {
   ReportDisplay display;
   const double reference_deg = reference_lon_deg(input);
   const PlaneFunction display_from_map = mercator_from_map(input.geodetic_from_map, reference_deg);
-  std::map<int, const PlanLevel*> levels;
-  for (const PlanLevel& level : input.plan.levels) levels[level.matrix.level] = &level;
+  std::map<int, const GridLevel*> levels;
+  for (const GridLevel& level : input.plan.ground.levels) levels[level.matrix.level] = &level;
   for (const ReportTile& tile : report.tiles) {
     display.cells_m.push_back(cell_corners(tile.tile, *levels.at(tile.tile.level), display_from_map));
   }

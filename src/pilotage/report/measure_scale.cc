@@ -42,9 +42,9 @@ std::string hex_color(Rgb color) {
   return text;
 }
 
-MeasureScale measure_scale(const Measure& measure, const std::vector<TileScore>& scores) {
+MeasureScale measure_scale(const Measure& measure, const std::vector<TileScores>& scores) {
   std::vector<double> values;
-  for (const TileScore& score : scores) {
+  for (const TileScores& score : scores) {
     const double value = measure.get(score);
     if (std::isfinite(value)) values.push_back(value);
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pilotage/mission/measures.h"
+#include "pilotage/ground/measures.h"
 
 #pragma GCC visibility push(default)
 
@@ -35,7 +35,7 @@ struct MeasureScale {
   double most = 0;
 };
 
-MeasureScale measure_scale(const Measure& measure, const std::vector<TileScore>& scores);
+MeasureScale measure_scale(const Measure& measure, const std::vector<TileScores>& scores);
 
 /// Index into color_table, or -1 where the value is not defined.
 int shade(const MeasureScale& scale, double value);

@@ -3,7 +3,7 @@
 #include <limits>
 #include <memory>
 
-#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -13,16 +13,16 @@ constexpr int kOverviewSide_px = 1600;
 
 }  // namespace
 
-ReportInput make_report_input(const TilePlan& plan, const std::vector<TileScore>& scores, const Selection& selection,
+ReportInput make_report_input(const Mission& plan, const std::vector<TileScores>& scores, const Selection& selection,
                               const std::vector<InputFile>& inputs, const std::string& software_version, int threads,
                               const Progress& progress) {
   ReportInput input;
   input.plan = plan;
   input.scores = scores;
   input.selection = selection;
-  input.imagery = read_plan_overview(plan, kOverviewSide_px);
+  input.imagery = read_overview(plan.ground, kOverviewSide_px);
   input.pictures = read_tile_pictures(plan, threads, progress);
-  const auto transform = std::make_shared<CrsTransform>(Crs::from_user_input(plan.crs_wkt));
+  const auto transform = std::make_shared<CrsTransform>(plan.ground.crs);
   input.geodetic_from_map = [transform](Eigen::Vector2d point) {
     constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
     return transform->geodetic_from_map(point).value_or(GeodeticPoint{kNowhere, kNowhere});

@@ -136,7 +136,7 @@ QualityRow selected_row(const ReportInput& input) {
   row.label = "Tiles selected for the map";
   row.number = static_cast<double>(input.selection.tile_ids.size());
   row.unit = "tiles";
-  row.value = std::to_string(input.selection.tile_ids.size()) + " of " + std::to_string(input.plan.tiles.size());
+  row.value = std::to_string(input.selection.tile_ids.size()) + " of " + std::to_string(input.plan.ground.tiles.size());
   if (input.selection.estimated_bytes > 0) {
     row.value += ", about " + bytes_text(static_cast<double>(input.selection.estimated_bytes));
   }
@@ -149,14 +149,14 @@ QualityRow selected_row(const ReportInput& input) {
   return row;
 }
 
-QualityRow coverage_row(const TilePlan& plan) {
+QualityRow coverage_row(const Mission& plan) {
   QualityRow row;
   row.name = "imagery_coverage";
   row.label = "Corridor covered by imagery";
   double sum = 0;
   double count = 0;
-  const int finest = plan.tiles.empty() ? 0 : plan.tiles.front().level;
-  for (const PlanTile& tile : plan.tiles) {
+  const int finest = plan.ground.tiles.empty() ? 0 : plan.ground.tiles.front().level;
+  for (const GroundTile& tile : plan.ground.tiles) {
     if (tile.level != finest) continue;
     sum += tile.valid_fraction;
     ++count;
@@ -171,13 +171,13 @@ QualityRow coverage_row(const TilePlan& plan) {
   return row;
 }
 
-QualityRow distortion_row(const TilePlan& plan) {
+QualityRow distortion_row(const Mission& plan) {
   QualityRow row;
   row.name = "scale_distortion";
   row.label = "Scale distortion of the mission grid";
-  row.number = plan.max_scale_distortion;
+  row.number = plan.ground.max_scale_distortion;
   row.unit = "1";
-  row.value = number_text(plan.max_scale_distortion * 100, 3) + " %";
+  row.value = number_text(plan.ground.max_scale_distortion * 100, 3) + " %";
   row.threshold = "good up to 0.1 %, marginal up to 0.5 %";
   row.status = judge_at_least(-row.number, -Limits::kDistortionGood, -Limits::kDistortionMarginal);
   row.decides = true;
@@ -186,13 +186,13 @@ QualityRow distortion_row(const TilePlan& plan) {
   return row;
 }
 
-QualityRow gsd_row(const TilePlan& plan) {
+QualityRow gsd_row(const Mission& plan) {
   QualityRow row;
   row.name = "map_gsd";
   row.label = "Ground sample distance of the map";
   row.unit = "m/px";
   std::vector<std::string> texts;
-  for (const PlanLevel& level : plan.levels) {
+  for (const GridLevel& level : plan.ground.levels) {
     if (std::isnan(row.number) || level.gsd_m < row.number) row.number = level.gsd_m;
     texts.push_back(number_text(level.gsd_m, 2) + " m/px");
   }
@@ -206,12 +206,12 @@ QualityRow gsd_row(const TilePlan& plan) {
   return row;
 }
 
-QualityRow footprint_row(const TilePlan& plan) {
+QualityRow footprint_row(const Mission& plan) {
   QualityRow row;
   row.name = "footprint_pixels";
   row.label = "Map pixels across a tile";
   row.unit = "px";
-  for (const PlanLevel& level : plan.levels) {
+  for (const GridLevel& level : plan.ground.levels) {
     const double size_px = level.matrix.tile_size_px;
     if (std::isnan(row.number) || size_px < row.number) row.number = size_px;
   }
@@ -227,12 +227,12 @@ QualityRow scored_row(const ReportInput& input) {
   std::size_t scored = 0;
   std::size_t little = 0;
   std::size_t flat = 0;
-  for (const TileScore& score : input.scores) {
+  for (const TileScores& score : input.scores) {
     if (score.status == TileStatus::kScored) ++scored;
     if (score.status == TileStatus::kTooLittleGround) ++little;
     if (score.status == TileStatus::kFlat) ++flat;
   }
-  const std::size_t all = input.plan.tiles.size();
+  const std::size_t all = input.plan.ground.tiles.size();
   QualityRow row;
   row.name = "scored_tiles";
   row.label = "Tiles that could be scored";
@@ -240,8 +240,7 @@ QualityRow scored_row(const ReportInput& input) {
       all > 0 ? static_cast<double>(scored) / static_cast<double>(all) : std::numeric_limits<double>::quiet_NaN();
   row.unit = "1";
   row.value = percent_text(row.number) + " (" + std::to_string(scored) + " scored, " + std::to_string(little) +
-              " with too little ground, " + std::to_string(flat) + " flat, " +
-              std::to_string(all - std::min(all, scored + little + flat)) + " not scored)";
+              " with too little ground, " + std::to_string(flat) + " flat)";
   row.threshold = "good from 95 %, marginal from 80 %";
   row.status = judge_at_least(row.number, Limits::kScoredGood, Limits::kScoredMarginal);
   if (row.status != QualityStatus::kGood)
@@ -253,8 +252,9 @@ QualityRow ambiguous_row(const ReportInput& input) {
   const std::set<std::int64_t> selected(input.selection.tile_ids.begin(), input.selection.tile_ids.end());
   std::size_t judged = 0;
   std::size_t ambiguous = 0;
-  for (const TileScore& score : input.scores) {
-    if (!selected.contains(score.tile_id) || std::isnan(score.degraded.margin)) continue;
+  for (std::size_t i = 0; i < input.scores.size(); ++i) {
+    const TileScores& score = input.scores[i];
+    if (!selected.contains(input.plan.ground.tiles[i].tile_id) || std::isnan(score.degraded.margin)) continue;
     ++judged;
     if (score.degraded.margin <= 0) ++ambiguous;
   }
@@ -278,22 +278,22 @@ QualityRow ambiguous_row(const ReportInput& input) {
   return row;
 }
 
-QualityRow imagery_date_row(const TilePlan& plan) {
+QualityRow imagery_date_row(const Mission& plan) {
   QualityRow row;
   row.name = "imagery_dates";
   row.label = "Imagery with a known date";
   row.unit = "files";
   std::vector<std::string> dates;
-  for (const PlanImagery& imagery : plan.imagery) {
+  for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
     if (!imagery.acquired.empty()) dates.push_back(imagery.acquired);
   }
   row.number = static_cast<double>(dates.size());
-  row.value = std::to_string(dates.size()) + " of " + std::to_string(plan.imagery.size());
+  row.value = std::to_string(dates.size()) + " of " + std::to_string(plan.ground.imagery.datasets.size());
   std::sort(dates.begin(), dates.end());
   if (!dates.empty()) row.value += ", " + dates.front();
   if (!dates.empty() && dates.back() != dates.front()) row.value += " to " + dates.back();
   row.threshold = "good when every file tells its date";
-  if (dates.size() < plan.imagery.size() || plan.imagery.empty()) {
+  if (dates.size() < plan.ground.imagery.datasets.size() || plan.ground.imagery.datasets.empty()) {
     row.status = QualityStatus::kMarginal;
     row.advice = "Check by hand how old the imagery is: vegetation, building sites and water change first.";
   }

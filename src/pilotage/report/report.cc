@@ -8,6 +8,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/ground/score_table.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
@@ -25,7 +26,7 @@ std::vector<std::string> valid_texts(const std::vector<std::string>& texts) {
 }
 
 void check_route(const ReportInput& input) {
-  const Route& route = input.plan.route;
+  const Route& route = input.plan.flight.route;
   const int vertices = static_cast<int>(route.vertices.size());
   const int legs = static_cast<int>(route.legs.size());
   const auto check_leg = [&](int leg, const std::string& what) {
@@ -39,7 +40,7 @@ void check_route(const ReportInput& input) {
                     std::to_string(leg.to) + ", the route has " + std::to_string(vertices) + " vertices");
   }
   double last_m = -std::numeric_limits<double>::infinity();
-  for (const PlanSample& sample : input.plan.route_samples) {
+  for (const FlightSample& sample : input.plan.flight.samples) {
     check_leg(sample.leg, "a sample of the route");
     if (!(sample.distance_m >= last_m))
       throw DataError("report: the samples of the route are not in order of distance");
@@ -65,18 +66,17 @@ void check_imagery(const Raster& imagery) {
 
 void check_pictures(const ReportInput& input) {
   const TilePictures& pictures = input.pictures;
-  if (pictures.sheet.empty() || input.plan.tiles.empty()) return;
+  if (pictures.sheet.empty() || input.plan.ground.tiles.empty()) return;
   const cv::Rect sheet({0, 0}, pictures.sheet.size());
   const bool whole =
       pictures.sheet.type() == CV_8UC3 && pictures.side_px > 0 && pictures.columns > 0 &&
       pictures.columns * pictures.side_px <= sheet.width &&
-      (pictures.place(input.plan.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
+      (pictures.place(input.plan.ground.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
   if (!whole) throw DataError("report: the sheet of pictures does not hold one for each tile of the plan");
 }
 
 std::string reason_for(const ReportTile& tile) {
   if (tile.selected) return "";
-  if (!tile.scored) return "It was not scored.";
   if (tile.score.status == TileStatus::kTooLittleGround) {
     return "Too little ground: the imagery covers " + percent_text(tile.score.valid_fraction) + " of it.";
   }
@@ -92,50 +92,25 @@ std::string reason_for(const ReportTile& tile) {
   return "It can be scored, but the selection left it out (size budget, minimum score or sparse areas).";
 }
 
-std::vector<ReportTile> join_tiles(const ReportInput& input) {
-  std::vector<ReportTile> tiles;
-  std::map<std::int64_t, std::size_t> index;
-  for (const PlanTile& tile : input.plan.tiles) {
-    if (!index.emplace(tile.tile_id, tiles.size()).second) {
-      throw DataError("report: tile " + std::to_string(tile.tile_id) + " is a duplicate in the plan");
-    }
-    const bool known = std::any_of(input.plan.levels.begin(), input.plan.levels.end(),
-                                   [&](const PlanLevel& level) { return level.matrix.level == tile.level; });
-    if (!known) {
-      throw DataError("report: tile " + std::to_string(tile.tile_id) + " lies on level " + std::to_string(tile.level) +
-                      ", which the plan does not have");
-    }
-    ReportTile joined;
-    joined.tile = tile;
-    joined.score.tile_id = tile.tile_id;
-    joined.score.valid_fraction = tile.valid_fraction;
-    tiles.push_back(joined);
+std::vector<ReportTile> report_tiles(const ReportInput& input) {
+  const Ground& ground = input.plan.ground;
+  const ScoreTable table(ground, input.scores);
+  if (input.plan.flight.places.size() != ground.tiles.size()) {
+    throw DataError("report: " + std::to_string(input.plan.flight.places.size()) + " places along the route, " +
+                    std::to_string(ground.tiles.size()) + " tiles");
   }
-  const auto find = [&](std::int64_t tile_id, const std::string& what) -> ReportTile& {
-    const auto found = index.find(tile_id);
-    if (found == index.end())
-      throw DataError("report: " + what + " name tile " + std::to_string(tile_id) + ", which the plan does not have");
-    return tiles[found->second];
-  };
-  for (const TileScore& score : input.scores) {
-    ReportTile& tile = find(score.tile_id, "the scores");
-    if (tile.scored) throw DataError("report: tile " + std::to_string(score.tile_id) + " is a duplicate in the scores");
-    tile.score = score;
-    tile.scored = true;
+  std::vector<ReportTile> tiles;
+  for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
+    tiles.push_back({ground.tiles[i], input.plan.flight.places[i], table.scores[i], false, "", ""});
   }
   for (const std::int64_t tile_id : input.selection.tile_ids) {
-    ReportTile& tile = find(tile_id, "the selected tiles");
+    ReportTile& tile = tiles[tile_index(ground, tile_id, "report: the selection")];
     if (tile.selected) throw DataError("report: tile " + std::to_string(tile_id) + " is a duplicate in the selection");
     tile.selected = true;
   }
-  std::sort(tiles.begin(), tiles.end(),
-            [](const ReportTile& a, const ReportTile& b) { return a.tile.tile_id < b.tile.tile_id; });
   for (ReportTile& tile : tiles) {
     tile.reason = reason_for(tile);
-    if (!tile.scored) continue;
-    const auto level = std::find_if(input.plan.levels.begin(), input.plan.levels.end(),
-                                    [&](const PlanLevel& entry) { return entry.matrix.level == tile.tile.level; });
-    tile.reasons = reasons_text(tile_reasons(tile.score, reason_context(*level)));
+    tile.reasons = reasons_text(tile_reasons(tile.score, reason_context(ground.crs, ground.level_of(tile.tile))));
   }
   return tiles;
 }
@@ -147,17 +122,17 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
     placed.gap = gap;
     placed.length_m = gap.to_distance_m - gap.from_distance_m;
     placed.speed_mps = gap.duration_s > 0 ? placed.length_m / gap.duration_s : std::numeric_limits<double>::quiet_NaN();
-    placed.from = route_point_at(input.plan.route_samples, gap.from_distance_m);
-    placed.to = route_point_at(input.plan.route_samples, gap.to_distance_m);
+    placed.from = route_point_at(input.plan.flight.samples, gap.from_distance_m);
+    placed.to = route_point_at(input.plan.flight.samples, gap.to_distance_m);
     gaps.push_back(placed);
   }
   return gaps;
 }
 
 std::vector<ReportLeg> place_legs(const ReportInput& input) {
-  const Route& route = input.plan.route;
+  const Route& route = input.plan.flight.route;
   std::map<int, double> starts_m;
-  for (const PlanSample& sample : input.plan.route_samples) starts_m.try_emplace(sample.leg, sample.distance_m);
+  for (const FlightSample& sample : input.plan.flight.samples) starts_m.try_emplace(sample.leg, sample.distance_m);
   std::vector<ReportLeg> legs;
   for (const LegStatus& status : input.selection.legs) {
     const RouteLeg& leg = route.legs[static_cast<std::size_t>(status.leg)];
@@ -196,20 +171,20 @@ Report make_report(const ReportInput& input) {
   check_route(input);
   check_imagery(input.imagery);
   check_pictures(input);
-  const TilePlan& plan = input.plan;
+  const Mission& plan = input.plan;
   const Selection& selection = input.selection;
   Report report;
-  report.tiles = join_tiles(input);
+  report.tiles = report_tiles(input);
   report.quality = quality_rows(input);
   report.verdict = verdict_of(report.quality);
   report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, input));
   for (QualityRow& row : report.quality) row.value = valid_utf8(row.value);
 
-  report.route_name = valid_utf8(plan.route.name);
-  report.route_format = valid_utf8(plan.route.format);
-  report.title = valid_utf8(input.title.empty() ? plan.route.name : input.title);
+  report.route_name = valid_utf8(plan.flight.route.name);
+  report.route_format = valid_utf8(plan.flight.route.format);
+  report.title = valid_utf8(input.title.empty() ? plan.flight.route.name : input.title);
   report.software_version = valid_utf8(input.software_version);
-  report.route_length_m = route_length_m(plan.route);
+  report.route_length_m = route_length_m(plan.flight.route);
   report.matchable_fraction = selection.matchable_fraction;
   report.largest_error_m = largest_error_m(selection);
   report.max_error_m = selection.max_error_m;
@@ -225,26 +200,26 @@ Report make_report(const ReportInput& input) {
   report.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   report.estimated_bytes = selection.estimated_bytes;
 
-  report.crs_name = valid_utf8(plan.crs_name);
-  report.max_scale_distortion = plan.max_scale_distortion;
-  report.corridor_half_width_m = plan.corridor_half_width_m;
-  report.footprint_width_m = plan.footprint_width_m;
-  report.footprint_height_m = plan.footprint_height_m;
-  report.levels = plan.levels;
-  for (const PlanImagery& imagery : plan.imagery) {
-    PlanImagery& copy = report.imagery.emplace_back(imagery);
+  report.crs_name = valid_utf8(plan.ground.crs.name());
+  report.max_scale_distortion = plan.ground.max_scale_distortion;
+  report.corridor_half_width_m = plan.flight.corridor_half_width_m;
+  report.footprint_width_m = plan.flight.footprint_width_m;
+  report.footprint_height_m = plan.flight.footprint_height_m;
+  report.levels = plan.ground.levels;
+  for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
+    ImageryDataset& copy = report.imagery.emplace_back(imagery);
     copy.dataset = valid_utf8(imagery.dataset);
     copy.crs = valid_utf8(imagery.crs);
     copy.acquired = valid_utf8(imagery.acquired);
   }
-  report.elevation = valid_utf8(plan.elevation);
+  report.elevation = valid_utf8(plan.ground.elevation);
   for (const InputFile& file : input.inputs) {
     report.inputs.push_back(
         {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
   }
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(plan.warnings);
-  report.notes = valid_texts(plan.route.notes);
+  report.notes = valid_texts(plan.flight.route.notes);
   for (const auto* more : {&selection.notes, &input.assumptions}) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }

@@ -42,9 +42,9 @@ struct ReportLeg {
 
 /// A tile of the plan with its score.
 struct ReportTile {
-  PlanTile tile;
-  TileScore score;  ///< All NaN when `scored` is false.
-  bool scored = false;
+  GroundTile tile;
+  RoutePlace place;  ///< Along the route.
+  TileScores score;
   bool selected = false;
   std::string reason;  ///< Why it is not selected, as one sentence; "" when it is.
   std::string
@@ -107,8 +107,8 @@ struct Report {
   double corridor_half_width_m = 0;
   double footprint_width_m = 0;
   double footprint_height_m = 0;
-  std::vector<PlanLevel> levels;
-  std::vector<PlanImagery> imagery;
+  std::vector<GridLevel> levels;
+  std::vector<ImageryDataset> imagery;
   std::string elevation;
   std::vector<InputFile> inputs;
   nlohmann::ordered_json parameters;

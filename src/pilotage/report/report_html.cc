@@ -160,7 +160,7 @@ std::string gaps_html(const Report& report) {
 
 std::string imagery_html(const Report& report) {
   std::string html;
-  for (const PlanImagery& imagery : report.imagery) {
+  for (const ImageryDataset& imagery : report.imagery) {
     html += "<tr>" + heading(imagery.dataset) + cell(imagery.acquired.empty() ? "unknown" : imagery.acquired) +
             cell(number_text(imagery.gsd_m, 3) + " m/px") + cell(imagery.crs) +
             cell(std::to_string(imagery.width_px) + " × " + std::to_string(imagery.height_px) + " px") + "</tr>\n";
@@ -183,7 +183,7 @@ std::string grid_html(const Report& report) {
   html += "<tr>" + heading("Camera footprint") +
           cell(number_text(report.footprint_width_m, 1) + " × " + number_text(report.footprint_height_m, 1) + " m") +
           "</tr>\n";
-  for (const PlanLevel& level : report.levels) {
+  for (const GridLevel& level : report.levels) {
     html +=
         "<tr>" + heading("Level " + std::to_string(level.matrix.level)) +
         cell(number_text(level.gsd_m, 3) + " m/px; tile " + std::to_string(level.matrix.tile_size_px) + " px every " +

@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/mission/input_files.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/raster.h"
 #include "pilotage/report/evaluation_note.h"
 #include "pilotage/report/tile_pictures.h"
@@ -21,18 +21,18 @@
 
 namespace pilotage {
 
-/// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.crs_wkt`).
+/// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.ground.crs.wkt()`).
 struct ReportInput {
   std::string title;  ///< Of the page; "" takes the route's name.
-  TilePlan plan;
-  std::vector<TileScore> scores;  ///< Any order; a tile of the plan without a score is shown as not scored.
+  Mission plan;
+  std::vector<TileScores> scores;  ///< Of the ground's tiles, in their order.
   Selection selection;
 
   /// Overview of the imagery in the mission grid's CRS, CV_8UC3 (red, green, blue) or CV_8UC1, of any size; it may be
   /// empty. 1,000 to 4,000 pixels on the longer side are enough: the page carries at most 1,600.
   Raster imagery;
 
-  TilePictures pictures;                     ///< Of plan.tiles, in their order; may be empty.
+  TilePictures pictures;                     ///< Of plan.ground.tiles, in their order; may be empty.
   std::optional<EvaluationNote> evaluation;  ///< What the scores are worth, where that was measured.
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be

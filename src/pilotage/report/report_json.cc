@@ -4,11 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pilotage/base/text.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/report_file.h"
 #include "pilotage/report/tile_fields.h"
@@ -210,7 +210,7 @@ void describe(Io& io, typename Io::template Ref<FixStretch> fix) {
 }
 
 template <class Io>
-void describe(Io& io, typename Io::template Ref<PlanLevel> level) {
+void describe(Io& io, typename Io::template Ref<GridLevel> level) {
   io.value("level", level.matrix.level);
   io.number("gsd_m", level.gsd_m);
   io.number("min_agl_m", level.min_agl_m);
@@ -221,7 +221,7 @@ void describe(Io& io, typename Io::template Ref<PlanLevel> level) {
 }
 
 template <class Io>
-void describe(Io& io, typename Io::template Ref<PlanImagery> imagery) {
+void describe(Io& io, typename Io::template Ref<ImageryDataset> imagery) {
   io.value("dataset", imagery.dataset);
   io.value("acquired", imagery.acquired);
   io.number("gsd_m", imagery.gsd_m);

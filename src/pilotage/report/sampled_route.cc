@@ -7,7 +7,7 @@
 namespace pilotage {
 namespace {
 
-bool before(const PlanSample& sample, double distance_m) {
+bool before(const FlightSample& sample, double distance_m) {
   return sample.distance_m < distance_m;
 }
 
@@ -22,35 +22,36 @@ void append_thinned(Iterator first, Iterator last, std::size_t max_points, std::
 
 }  // namespace
 
-GeodeticPoint route_point_at(const std::vector<PlanSample>& samples, double distance_m) {
+GeodeticPoint route_point_at(const std::vector<FlightSample>& samples, double distance_m) {
   if (samples.empty()) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
   const auto next = std::lower_bound(samples.begin(), samples.end(), distance_m, before);
   if (next == samples.begin()) return samples.front().point;
   if (next == samples.end()) return samples.back().point;
-  const PlanSample& a = *(next - 1);
-  const PlanSample& b = *next;
+  const FlightSample& a = *(next - 1);
+  const FlightSample& b = *next;
   const double share = (distance_m - a.distance_m) / (b.distance_m - a.distance_m);
   const double lon_deg = unwrap_lon_deg(b.point.lon_deg, a.point.lon_deg);
   return {wrap_lon_deg(a.point.lon_deg + share * (lon_deg - a.point.lon_deg)),
           a.point.lat_deg + share * (b.point.lat_deg - a.point.lat_deg)};
 }
 
-std::vector<GeodeticPoint> route_line_between(const std::vector<PlanSample>& samples, double from_distance_m,
+std::vector<GeodeticPoint> route_line_between(const std::vector<FlightSample>& samples, double from_distance_m,
                                               double to_distance_m, std::size_t max_points) {
   if (samples.empty()) return {};
   std::vector<GeodeticPoint> line = {route_point_at(samples, from_distance_m)};
-  const auto first = std::upper_bound(samples.begin(), samples.end(), from_distance_m,
-                                      [](double distance_m, const PlanSample& s) { return distance_m < s.distance_m; });
+  const auto first =
+      std::upper_bound(samples.begin(), samples.end(), from_distance_m,
+                       [](double distance_m, const FlightSample& s) { return distance_m < s.distance_m; });
   const auto last = std::lower_bound(samples.begin(), samples.end(), to_distance_m, before);
   if (first < last) append_thinned(first, last, std::max<std::size_t>(max_points, 4) - 2, line);
   line.push_back(route_point_at(samples, to_distance_m));
   return line;
 }
 
-std::vector<GeodeticPoint> leg_line(const std::vector<PlanSample>& samples, int leg, std::size_t max_points) {
-  std::vector<PlanSample> own;
+std::vector<GeodeticPoint> leg_line(const std::vector<FlightSample>& samples, int leg, std::size_t max_points) {
+  std::vector<FlightSample> own;
   std::copy_if(samples.begin(), samples.end(), std::back_inserter(own),
-               [leg](const PlanSample& sample) { return sample.leg == leg; });
+               [leg](const FlightSample& sample) { return sample.leg == leg; });
   std::vector<GeodeticPoint> line;
   append_thinned(own.begin(), own.end(), std::max<std::size_t>(max_points, 2) - 1, line);
   return line;

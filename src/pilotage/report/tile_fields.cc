@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/text.h"
-#include "pilotage/mission/measures.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/measures.h"
+#include "pilotage/ground/tile_table.h"
 
 namespace pilotage {
 namespace {
@@ -32,21 +32,20 @@ std::vector<TileField> identity_fields() {
           {"column", "Column", "", Type::kInteger, [](Tile t) { return t.tile.column; }},
           {"row", "Row", "", Type::kInteger, [](Tile t) { return t.tile.row; }},
           {"selected", "Selected", "", Type::kBoolean, [](Tile t) { return t.selected; }},
-          {"status", "Status", "", Type::kText,
-           [](Tile t) { return t.scored ? std::string(tile_status_name(t.score.status)) : std::string("not_scored"); }},
+          {"status", "Status", "", Type::kText, [](Tile t) { return std::string(tile_status_name(t.score.status)); }},
           {"reason", "Why not selected", "", Type::kText, [](Tile t) { return t.reason; }}};
 }
 
 std::vector<TileField> place_fields() {
-  return {{"reasons", "What speaks against it", "", Type::kText, [](Tile t) { return t.reasons; }},
-          {"center_lon_deg", "Centre, longitude", "°", Type::kReal,
-           [](Tile t) { return degrees_value(t.tile.center.lon_deg); }},
-          {"center_lat_deg", "Centre, latitude", "°", Type::kReal,
-           [](Tile t) { return degrees_value(t.tile.center.lat_deg); }},
-          {"route_distance_m", "Along the route", "m", Type::kReal,
-           [](Tile t) { return number_value(t.tile.route_distance_m); }},
-          {"route_offset_m", "Beside the route", "m", Type::kReal,
-           [](Tile t) { return number_value(t.tile.route_offset_m); }}};
+  return {
+      {"reasons", "What speaks against it", "", Type::kText, [](Tile t) { return t.reasons; }},
+      {"center_lon_deg", "Centre, longitude", "°", Type::kReal,
+       [](Tile t) { return degrees_value(t.tile.center.lon_deg); }},
+      {"center_lat_deg", "Centre, latitude", "°", Type::kReal,
+       [](Tile t) { return degrees_value(t.tile.center.lat_deg); }},
+      {"route_distance_m", "Along the route", "m", Type::kReal,
+       [](Tile t) { return number_value(t.place.distance_m); }},
+      {"route_offset_m", "Beside the route", "m", Type::kReal, [](Tile t) { return number_value(t.place.offset_m); }}};
 }
 
 std::vector<TileField> make_tile_fields() {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pilotage/base/parallel.h"
-#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -26,7 +26,7 @@ struct PictureGrid {
   ColorSource colors;
 };
 
-PictureGrid open_pictures(const TilePlan& plan, const PlanLevel& level, int side_px) {
+PictureGrid open_pictures(const Mission& plan, const GridLevel& level, int side_px) {
   const TileMatrix& matrix = level.matrix;
   PictureGrid grid;
   grid.scale = static_cast<double>(matrix.tile_size_px) / side_px;
@@ -35,12 +35,13 @@ PictureGrid open_pictures(const TilePlan& plan, const PlanLevel& level, int side
   const auto pixels = [&](std::int64_t extent_px) {
     return std::max<std::int64_t>(side_px, std::llround(std::ceil(static_cast<double>(extent_px) / grid.scale)));
   };
-  grid.colors = open_colors_on_grid(dataset_names(plan), Crs::from_user_input(plan.crs_wkt), place,
-                                    pixels(matrix.grid_width_px), pixels(matrix.grid_height_px), plan.imagery_options);
+  grid.colors =
+      open_colors_on_grid(dataset_names(plan.ground.imagery), plan.ground.crs, place, pixels(matrix.grid_width_px),
+                          pixels(matrix.grid_height_px), plan.ground.imagery.options);
   return grid;
 }
 
-PixelWindow picture_window(const PictureGrid& grid, const PlanLevel& level, const PlanTile& tile, int side_px) {
+PixelWindow picture_window(const PictureGrid& grid, const GridLevel& level, const GroundTile& tile, int side_px) {
   const PixelWindow window = level.matrix.tile_window(tile.column, tile.row);
   const auto begin = [&](std::int64_t at_px, std::int64_t extent_px) {
     return std::clamp<std::int64_t>(std::llround(static_cast<double>(at_px) / grid.scale), 0, extent_px - side_px);
@@ -105,25 +106,25 @@ int tile_picture_side_px(std::size_t tiles) {
   return count * kSides_px.back() * kSides_px.back() <= kMaxPixelsSmallest ? kSides_px.back() : 0;
 }
 
-TilePictures read_tile_pictures(const TilePlan& plan, int threads, const Progress& progress) {
+TilePictures read_tile_pictures(const Mission& plan, int threads, const Progress& progress) {
   TilePictures result;
-  result.side_px = tile_picture_side_px(plan.tiles.size());
-  if (result.side_px == 0 || plan.tiles.empty()) return {};
+  result.side_px = tile_picture_side_px(plan.ground.tiles.size());
+  if (result.side_px == 0 || plan.ground.tiles.empty()) return {};
   std::map<int, PictureGrid> grids;
-  std::map<int, const PlanLevel*> levels;
-  for (const PlanLevel& level : plan.levels) {
+  std::map<int, const GridLevel*> levels;
+  for (const GridLevel& level : plan.ground.levels) {
     grids.emplace(level.matrix.level, open_pictures(plan, level, result.side_px));
     levels[level.matrix.level] = &level;
   }
-  std::vector<Raster> pictures(plan.tiles.size());
+  std::vector<Raster> pictures(plan.ground.tiles.size());
   std::mutex mutex;
   std::int64_t done = 0;
-  parallel_for(plan.tiles.size(), threads, [&](std::size_t i, int) {
-    const PlanTile& tile = plan.tiles[i];
+  parallel_for(plan.ground.tiles.size(), threads, [&](std::size_t i, int) {
+    const GroundTile& tile = plan.ground.tiles[i];
     const PictureGrid& grid = grids.at(tile.level);
     pictures[i] = grid.colors.read(picture_window(grid, *levels.at(tile.level), tile, result.side_px));
     const std::lock_guard lock(mutex);
-    report_progress(progress, "pictures of tiles", ++done, static_cast<std::int64_t>(plan.tiles.size()));
+    report_progress(progress, "pictures of tiles", ++done, static_cast<std::int64_t>(plan.ground.tiles.size()));
   });
   const ColorSource& source = grids.begin()->second.colors;
   const std::vector<Linear> stretch = stretch_of(pictures, source.depth, source.channels);

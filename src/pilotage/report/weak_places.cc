@@ -60,14 +60,12 @@ struct Explanation {
 Explanation explain(const Report& report, double from_m, double to_m) {
   std::map<ReasonCode, int> counts;
   int tiles = 0;
-  int not_scored = 0;
   for (const ReportTile& tile : report.tiles) {
-    if (tile.selected || tile.tile.route_distance_m < from_m || tile.tile.route_distance_m > to_m) continue;
+    if (tile.selected || tile.place.distance_m < from_m || tile.place.distance_m > to_m) continue;
     ++tiles;
-    if (!tile.scored) ++not_scored;
-    if (tile.scored && tile.score.status == TileStatus::kTooLittleGround) {
+    if (tile.score.status == TileStatus::kTooLittleGround) {
       ++counts[ReasonCode::kTooLittleGround];
-    } else if (tile.scored && tile.score.status == TileStatus::kFlat) {
+    } else if (tile.score.status == TileStatus::kFlat) {
       ++counts[ReasonCode::kFlat];
     } else {
       for (const ReasonCode code : tile.score.reasons) ++counts[code];
@@ -75,7 +73,6 @@ Explanation explain(const Report& report, double from_m, double to_m) {
   }
   if (tiles == 0) return {"No tile of the plan lies there.", "Let the plan cover it: imagery or heights are missing."};
   if (counts.empty()) {
-    if (not_scored == tiles) return {"Its tiles were not scored.", ""};
     return {"Its " + std::to_string(tiles) + " tiles show no single reason; click them on the map.", ""};
   }
   std::vector<std::pair<ReasonCode, int>> order(counts.begin(), counts.end());

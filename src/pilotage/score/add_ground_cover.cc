@@ -9,14 +9,14 @@
 
 namespace pilotage {
 
-void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::vector<TileScore>& scores, int threads,
-                      const Progress& progress) {
-  std::vector<TileScore*> scored;
+void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::span<const std::int64_t> tile_indices,
+                      std::span<TileScores> scores, int threads, const Progress& progress) {
+  std::vector<TileScores*> scored;
   std::vector<std::int64_t> indices;
-  for (TileScore& score : scores) {
-    if (score.status == TileStatus::kTooLittleGround) continue;
-    scored.push_back(&score);
-    indices.push_back(score.row * matrix.matrix_width() + score.column);
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    if (scores[i].status == TileStatus::kTooLittleGround) continue;
+    scored.push_back(&scores[i]);
+    indices.push_back(tile_indices[i]);
   }
   if (indices.empty()) return;
   const std::vector<GroundCover> covers = measure_ground_cover(colors, matrix, indices, threads, progress);
@@ -27,14 +27,14 @@ void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::
   }
 }
 
-void add_relief(const TilePlan& plan, const std::vector<const PlanTile*>& tiles, std::vector<TileScore>& scores) {
+void add_relief(const Ground& ground, std::span<const GroundTile> tiles, std::span<TileScores> scores) {
   constexpr int kSteps = 8;
-  if (plan.elevation.empty()) return;
-  const Elevation elevation(plan.elevation);
-  const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
+  if (ground.elevation.empty()) return;
+  const Elevation elevation(ground.elevation);
+  const CrsTransform transform(ground.crs);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (scores[i].status == TileStatus::kTooLittleGround) continue;
-    const Bounds& bounds = tiles[i]->bounds;
+    const Bounds& bounds = tiles[i].bounds;
     double lowest_m = std::numeric_limits<double>::infinity();
     double highest_m = -lowest_m;
     for (int step = 0; step < (kSteps + 1) * (kSteps + 1) && !std::isnan(highest_m); ++step) {

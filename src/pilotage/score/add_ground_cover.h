@@ -1,22 +1,23 @@
 #pragma once
 
-#include <string>
-#include <vector>
+#include <cstdint>
+#include <span>
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/ground.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/color_source.h"
 
 namespace pilotage {
 
-/// Fills vegetation_share, water_share and aperture of the scored tiles of `matrix`. Throws as measure_ground_cover.
-void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::vector<TileScore>& scores, int threads,
-                      const Progress& progress);
+/// Fills vegetation_share, water_share and aperture of the scored tiles of `matrix`: scores[i] is of the tile with
+/// index tile_indices[i]. Throws as measure_ground_cover.
+void add_ground_cover(const ColorSource& colors, const TileMatrix& matrix, std::span<const std::int64_t> tile_indices,
+                      std::span<TileScores> scores, int threads, const Progress& progress);
 
-/// Fills relief_m of tiles (score i belongs to tile i): highest minus lowest of 9 x 9 heights spread over the tile. NaN
-/// where one of them is not known. Throws as Elevation.
-void add_relief(const TilePlan& plan, const std::vector<const PlanTile*>& tiles, std::vector<TileScore>& scores);
+/// Fills relief_m of tiles of a ground (scores[i] is of tiles[i]), where it has elevation: highest minus
+/// lowest of 9 x 9 heights spread over the tile. NaN where one of them is not known. Throws as Elevation.
+void add_relief(const Ground& ground, std::span<const GroundTile> tiles, std::span<TileScores> scores);
 
 }  // namespace pilotage

@@ -13,7 +13,7 @@
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
-#include "pilotage/mission/plan_imagery.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -80,19 +80,14 @@ std::set<std::string> sources_of(const ScoreRun& run) {
   std::set<std::string> names(run.inputs.begin(), run.inputs.end());
   names.insert(run.options.score.second_epoch.begin(), run.options.score.second_epoch.end());
   if (!run.options.score.model.empty()) names.insert(run.options.score.model);
-  if (!run.plan) return names;
-  for (const std::string& dataset : dataset_names(*run.plan)) names.insert(dataset);
-  if (!run.plan->elevation.empty()) names.insert(run.plan->elevation);
+  for (const std::string& dataset : dataset_names(run.ground.imagery)) names.insert(dataset);
+  if (!run.ground.elevation.empty()) names.insert(run.ground.elevation);
   return names;
 }
 
 Json samples_of(const ScoreRun& run) {
   Json samples = Json::array();
-  if (run.imagery) samples.push_back(sample_digest(run.imagery->source));
-  if (run.plan) {
-    for (const PlanLevel& level : run.plan->levels)
-      samples.push_back(sample_digest(open_plan_imagery(*run.plan, level)));
-  }
+  for (const GridLevel& level : run.ground.levels) samples.push_back(sample_digest(open_gray(run.ground, level)));
   for (const std::string& dataset : run.options.score.second_epoch)
     samples.push_back(sample_digest(open_gray(dataset)));
   return samples;
@@ -116,7 +111,7 @@ std::string dotted(const std::string& pointer) {
 Json describe_run(const ScoreRun& run, const std::string& software_version) {
   Json files = Json::object();
   for (const std::string& name : sources_of(run)) files[name] = fingerprint(name);
-  ScoreImageryOptions options = run.options;
+  ScoreRunOptions options = run.options;
   return {{"program", software_version},
           {"inputs", run.inputs},
           {"seed", run.seed},
@@ -129,7 +124,7 @@ ScoreRun open_described_run(const std::string& name, const Json& description) {
   JsonObject run(description, name + ": run");
   const std::vector<std::string> inputs = run.texts("inputs");
   const std::int64_t seed = run.integer("seed", 0);
-  ScoreImageryOptions options;
+  ScoreRunOptions options;
   try {
     set_options_from_json(list_options(options), run.value("options"), name);
   } catch (const UsageError& error) {

@@ -33,25 +33,24 @@ void check_same_run(const std::string& file, const ScoreShard& shard, const Expe
 }
 
 std::int64_t id_of_place(const ScoreRun& run, std::int64_t place) {
-  return run.plan ? run.plan->tiles[static_cast<std::size_t>(place)].tile_id : place;
+  return run.flight ? run.ground.tiles[static_cast<std::size_t>(place)].tile_id : place;
 }
 
-/// Copies the scores to their places.
-void place_scores(const std::string& file, const ScoreShard& shard, const ScoreRun& run,
-                  std::vector<TileScore>& scores) {
+/// Moves the scores to their places.
+void place_scores(const std::string& file, ScoreShard& shard, const ScoreRun& run, std::vector<TileScores>& scores) {
   std::vector<std::int64_t> places;
   for (const ShardTile& tile : shard_tiles(run, shard.shard)) places.push_back(tile.place);
   std::sort(places.begin(), places.end());
-  if (places.size() != shard.scores.size()) {
-    throw DataError(file + ": has " + std::to_string(shard.scores.size()) + " tiles, expected " +
+  if (places.size() != shard.rows.size()) {
+    throw DataError(file + ": has " + std::to_string(shard.rows.size()) + " tiles, expected " +
                     std::to_string(places.size()));
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if (shard.scores[i].tile_id != id_of_place(run, places[i])) {
-      throw DataError(file + ": has tile " + std::to_string(shard.scores[i].tile_id) + ", expected " +
+    if (shard.rows[i].tile.tile_id != id_of_place(run, places[i])) {
+      throw DataError(file + ": has tile " + std::to_string(shard.rows[i].tile.tile_id) + ", expected " +
                       std::to_string(id_of_place(run, places[i])));
     }
-    scores[static_cast<std::size_t>(places[i])] = shard.scores[i];
+    scores[static_cast<std::size_t>(places[i])] = std::move(shard.rows[i].score);
   }
 }
 
@@ -86,7 +85,7 @@ MergedShards read_shards(const std::vector<std::string>& files, const std::strin
   std::map<std::int64_t, std::string> file_of_number;
   for (std::size_t i = 0; i < files.size(); ++i) {
     report_progress(progress, "reading shards", static_cast<std::int64_t>(i), static_cast<std::int64_t>(files.size()));
-    const ScoreShard shard = read_score_shard(files[i]);
+    ScoreShard shard = read_score_shard(files[i]);
     if (!expected) {
       expected = {files[i], shard.run, shard.shard.count};
       merged.count = shard.shard.count;

@@ -18,7 +18,7 @@ struct MergedShards {
   ScoreRun run;  ///< Opened again; its files are those that the shards were made of.
   std::int64_t count = 0;
   std::vector<std::int64_t> missing;  ///< Numbers of shards that are not among the files, ascending.
-  std::vector<TileScore> scores;      ///< Of all tiles in the order of places; complete when none is missing.
+  std::vector<TileScores> scores;     ///< Of all tiles in the order of places; complete when none is missing.
 };
 
 /// Reads shards, any number and in any order. Throws IntegrityError for one that is damaged; DataError when two are of

@@ -14,15 +14,16 @@ MatchabilityModel model_for(const ScoreOptions& options) {
 }
 
 void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
-                           const MatchabilityModel& model, std::vector<TileScore>& scores, int threads,
-                           const Progress& progress) {
-  std::vector<TileScore*> scored;
+                           const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
+                           std::vector<TileScores>& scores, int threads, const Progress& progress) {
+  std::vector<TileScores*> scored;
   std::vector<std::int64_t> indices;
-  for (TileScore& score : scores) {
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    TileScores& score = scores[i];
     if (score.status == TileStatus::kFlat) score.p_correct_fix = 0;
     if (score.status != TileStatus::kScored) continue;
     scored.push_back(&score);
-    indices.push_back(score.row * matrix.matrix_width() + score.column);
+    indices.push_back(tile_indices[i]);
   }
   // The map's features are found in 8 bits, and the contrast that they have is what counts.
   const bool is_8bit = source.depth == CV_8U;

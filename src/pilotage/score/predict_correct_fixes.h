@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/score/score_tiles.h"
 
@@ -14,10 +16,11 @@ namespace pilotage {
 /// for the matcher.
 MatchabilityModel model_for(const ScoreOptions& options);
 
-/// Fills map_features, vote_noise and p_correct_fix of scored tiles of `matrix`, whose statistics are there. Flat tiles
-/// have P = 0; those with too little ground have none. Throws as count_self_votes.
+/// Fills map_features, vote_noise and p_correct_fix of scored tiles of `matrix`, whose statistics are there: scores[i]
+/// is of the tile with index tile_indices[i]. Flat tiles have P = 0; those with too little ground have none. Throws as
+/// count_self_votes.
 void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
-                           const MatchabilityModel& model, std::vector<TileScore>& scores, int threads,
-                           const Progress& progress);
+                           const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
+                           std::vector<TileScores>& scores, int threads, const Progress& progress);
 
 }  // namespace pilotage

@@ -108,10 +108,10 @@ std::vector<ShardTile> shard_tiles(const TileMatrix& matrix, const Shard& shard)
   return tiles;
 }
 
-std::vector<ShardTile> shard_tiles(const std::vector<PlanTile>& tiles, const Shard& shard) {
+std::vector<ShardTile> shard_tiles(const std::vector<GroundTile>& tiles, const Shard& shard) {
   std::vector<ShardTile> all;
   all.reserve(tiles.size());
-  for (const PlanTile& tile : tiles) {
+  for (const GroundTile& tile : tiles) {
     all.push_back({static_cast<std::int64_t>(all.size()), tile.level, tile.column, tile.row});
   }
   const auto key = [](const ShardTile& tile) {

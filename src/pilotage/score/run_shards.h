@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/ground/ground.h"
 
 #pragma GCC visibility push(default)
 
@@ -51,7 +51,7 @@ inline constexpr std::int64_t kShardColumns = 64;
 /// column), or those of a plan (ascending tile_id; place = index). Throws UsageError when there are more shards than
 /// tiles, or the number is not 1 … count.
 std::vector<ShardTile> shard_tiles(const TileMatrix& matrix, const Shard& shard);
-std::vector<ShardTile> shard_tiles(const std::vector<PlanTile>& tiles, const Shard& shard);
+std::vector<ShardTile> shard_tiles(const std::vector<GroundTile>& tiles, const Shard& shard);
 
 /// Tiles of one level and one group of columns that follow one another, and the rectangle around them.
 struct ShardPart {

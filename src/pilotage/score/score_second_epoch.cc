@@ -12,6 +12,7 @@
 #include "pilotage/base/parallel.h"
 #include "pilotage/correlation/correlation_peaks.h"
 #include "pilotage/correlation/fft_correlation.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/registration/register_tiles.h"
 #include "pilotage/registration/surviving_features.h"
@@ -26,11 +27,11 @@ namespace {
 constexpr std::int64_t kGroupColumns = 64;                      // of tiles, worked on together
 constexpr std::int64_t kFeatureStrip_px = 4 * kFeatureBlockPx;  // whole blocks
 
-/// Tiles of a group of columns: their places in the result by row, then column.
-using Group = std::map<std::int64_t, std::map<std::int64_t, std::size_t>>;
+/// Tiles of neighbouring columns: where each stands in the result, by row, then column.
+using ColumnTiles = std::map<std::int64_t, std::map<std::int64_t, std::size_t>>;
 
-struct Job {
-  const EpochTiles& tiles;
+struct EpochScoring {
+  const GridLevel& level;
   GraySource reference;
   GraySource second;  // drawn onto the reference
   double min_valid_fraction;
@@ -38,23 +39,23 @@ struct Job {
   double reference_center;
   double second_center;
 
-  int radius_px() const { return std::max(tiles.search_radius_px, kEpochPlace_px); }
+  int radius_px() const { return std::max(level.search_radius_px, kEpochPlace_px); }
 };
 
-std::vector<Group> make_groups(const EpochTiles& tiles) {
-  std::map<std::int64_t, Group> groups;
-  const std::int64_t width = tiles.matrix.matrix_width();
-  for (std::size_t i = 0; i < tiles.indices.size(); ++i) {
-    const std::int64_t column = tiles.indices[i] % width;
-    groups[column / kGroupColumns][tiles.indices[i] / width][column] = i;
+std::vector<ColumnTiles> group_by_columns(const TileMatrix& matrix, std::span<const std::int64_t> tile_indices) {
+  std::map<std::int64_t, ColumnTiles> groups;
+  for (std::size_t i = 0; i < tile_indices.size(); ++i) {
+    const auto [column, row] = matrix.cell_of(tile_indices[i]);
+    groups[column / kGroupColumns][row][column] = i;
   }
-  std::vector<Group> list;
+  std::vector<ColumnTiles> list;
   for (auto& [key, group] : groups) list.push_back(std::move(group));
   return list;
 }
 
 /// The window around tiles of a group in rows [first, last], grown by a halo and cut to the grid.
-PixelWindow window_of(const TileMatrix& matrix, const Group& group, std::int64_t first, std::int64_t last, int halo) {
+PixelWindow window_of(const TileMatrix& matrix, const ColumnTiles& group, std::int64_t first, std::int64_t last,
+                      int halo) {
   std::int64_t low = matrix.matrix_width();
   std::int64_t high = -1;
   for (const auto& [row, columns] : group) {
@@ -75,10 +76,10 @@ bool is_flat(const cv::Mat& pixels, const cv::Mat& valid) {
 }
 
 /// ncc and margin of one tile.
-void score_surface(const Job& job, const MapStrip& reference, const MapStrip& second, std::int64_t column,
+void score_surface(const EpochScoring& scoring, const MapStrip& reference, const MapStrip& second, std::int64_t column,
                    std::int64_t row, EpochScores& score) {
-  const SearchArea area(job.tiles.matrix, column, row, job.radius_px());
-  const double least = job.min_valid_fraction * area.tile.width * area.tile.height;
+  const SearchArea area(scoring.level.matrix, column, row, scoring.radius_px());
+  const double least = scoring.min_valid_fraction * area.tile.width * area.tile.height;
   if (static_cast<double>(second.count_valid(area.tile)) < least ||
       static_cast<double>(reference.count_valid(area.tile)) < least) {
     return;
@@ -91,7 +92,7 @@ void score_surface(const Job& job, const MapStrip& reference, const MapStrip& se
     return;
   }
   const cv::Mat surface = masked_correlation_surface(
-      tile, tile_valid, region, reference.view(reference.valid, area.window), job.min_valid_fraction);
+      tile, tile_valid, region, reference.view(reference.valid, area.window), scoring.min_valid_fraction);
   const cv::Rect near = cv::Rect(area.truth.x - kEpochPlace_px, area.truth.y - kEpochPlace_px, 2 * kEpochPlace_px + 1,
                                  2 * kEpochPlace_px + 1) &
                         cv::Rect(0, 0, surface.cols, surface.rows);
@@ -101,29 +102,29 @@ void score_surface(const Job& job, const MapStrip& reference, const MapStrip& se
   cv::minMaxLoc(close, nullptr, nullptr, nullptr, &best);
   const CorrelationPeaks peaks = correlation_peaks(surface, near.tl() + best, area.tile.width);
   score.ncc = peaks.peak;
-  if (job.tiles.search_radius_px > 0) score.margin = peaks.margin;
+  if (scoring.level.search_radius_px > 0) score.margin = peaks.margin;
 }
 
-void score_surfaces(const Job& job, const Group& group, std::vector<EpochScores>& scores) {
-  const TileMatrix& matrix = job.tiles.matrix;
+void score_surfaces(const EpochScoring& scoring, const ColumnTiles& group, std::vector<EpochScores>& scores) {
+  const TileMatrix& matrix = scoring.level.matrix;
   std::optional<MapStrip> reference;
   std::optional<MapStrip> second;
   for (const auto& [row, columns] : group) {
     // Both strips share a window: what lies below the tiles now is read once for the rows to come.
-    const PixelWindow window = window_of(matrix, group, row, row, job.radius_px());
+    const PixelWindow window = window_of(matrix, group, row, row, scoring.radius_px());
     const auto move_on = [&](const GraySource& source, double center, std::optional<MapStrip>& strip) {
       MapStrip next;
       StripIntegrals integrals;
-      load_strip(source, window, center, matrix.tile_size_px, 0, strip ? &*strip : nullptr, job.threads, integrals,
+      load_strip(source, window, center, matrix.tile_size_px, 0, strip ? &*strip : nullptr, scoring.threads, integrals,
                  next);
       strip = std::move(next);
     };
-    move_on(job.reference, job.reference_center, reference);
-    move_on(job.second, job.second_center, second);
+    move_on(scoring.reference, scoring.reference_center, reference);
+    move_on(scoring.second, scoring.second_center, second);
     const std::vector<std::pair<std::int64_t, std::size_t>> list(columns.begin(), columns.end());
     const std::int64_t tile_row = row;
-    parallel_for(list.size(), job.threads, [&](std::size_t i, int) {
-      score_surface(job, *reference, *second, list[i].first, tile_row, scores[list[i].second]);
+    parallel_for(list.size(), scoring.threads, [&](std::size_t i, int) {
+      score_surface(scoring, *reference, *second, list[i].first, tile_row, scores[list[i].second]);
     });
   }
 }
@@ -134,7 +135,7 @@ struct Survival {
 };
 
 /// Counts a feature for every tile of the group that it lies in.
-void count_feature(const TileMatrix& matrix, const Group& group, const Feature& feature, bool survives,
+void count_feature(const TileMatrix& matrix, const ColumnTiles& group, const Feature& feature, bool survives,
                    std::map<std::size_t, Survival>& counts) {
   const auto x = static_cast<std::int64_t>(feature.x_px);
   const auto y = static_cast<std::int64_t>(feature.y_px);
@@ -153,24 +154,24 @@ void count_feature(const TileMatrix& matrix, const Group& group, const Feature& 
   }
 }
 
-void score_survival(const Job& job, const Group& group, std::vector<EpochScores>& scores) {
-  const TileMatrix& matrix = job.tiles.matrix;
+void score_survival(const EpochScoring& scoring, const ColumnTiles& group, std::vector<EpochScores>& scores) {
+  const TileMatrix& matrix = scoring.level.matrix;
   const PixelWindow all = window_of(matrix, group, group.begin()->first, group.rbegin()->first, 0);
   const std::int64_t end = all.row + all.height;
   std::map<std::size_t, Survival> counts;
   for (std::int64_t top = all.row / kFeatureStrip_px * kFeatureStrip_px; top < end; top += kFeatureStrip_px) {
     const std::int64_t first = std::max(top, all.row);
     const PixelWindow strip{all.col, first, all.width, static_cast<int>(std::min(top + kFeatureStrip_px, end) - first)};
-    const FeatureSet reference = extract_features_of_map(job.reference, {strip}, {}, job.threads);
+    const FeatureSet reference = extract_features_of_map(scoring.reference, {strip}, {}, scoring.threads);
     if (reference.size() == 0) continue;
     // A feature at the strip's edge may have its counterpart just beyond.
     const auto reach = static_cast<std::int64_t>(std::ceil(SurvivalOptions{}.radius_px));
     const std::int64_t above = std::max<std::int64_t>(0, strip.row - reach);
     const std::int64_t below = std::min(matrix.grid_height_px, strip.row + strip.height + reach);
     const FeatureSet second = extract_features_of_map(
-        job.second, {{strip.col, above, strip.width, static_cast<int>(below - above)}}, {}, job.threads);
+        scoring.second, {{strip.col, above, strip.width, static_cast<int>(below - above)}}, {}, scoring.threads);
     const std::vector<std::uint8_t> survives = surviving_features(reference, second);
-    const cv::Mat valid = job.second.read(strip).valid;
+    const cv::Mat valid = scoring.second.read(strip).valid;
     for (std::size_t i = 0; i < reference.size(); ++i) {
       const Feature& feature = reference.features[i];
       const auto col = static_cast<int>(static_cast<std::int64_t>(feature.x_px) - strip.col);
@@ -185,16 +186,6 @@ void score_survival(const Job& job, const Group& group, std::vector<EpochScores>
   }
 }
 
-Bounds tile_bounds(const TileMatrix& matrix, std::int64_t index) {
-  const PixelWindow window = matrix.tile_window(index % matrix.matrix_width(), index / matrix.matrix_width());
-  Bounds bounds;
-  for (const int corner : {0, window.width}) {
-    bounds.extend(matrix.map_from_pixel.map_from_pixel(
-        {static_cast<double>(window.col + corner), static_cast<double>(window.row + corner)}));
-  }
-  return bounds;
-}
-
 void check_grid(const Crs& crs, const GeoTransform& place) {
   const bool square = place.x_per_row == 0 && place.y_per_col == 0 && place.x_per_col > 0 &&
                       std::abs(place.x_per_col + place.y_per_row) < 1e-6 * place.x_per_col;
@@ -206,53 +197,58 @@ void check_grid(const Crs& crs, const GeoTransform& place) {
 
 }  // namespace
 
-std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpField& field, const EpochTiles& tiles,
-                                           double min_valid_fraction, int threads, const Progress& progress) {
-  std::vector<EpochScores> scores(tiles.indices.size());
+std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpField& field, const GridLevel& level,
+                                           std::span<const std::int64_t> tile_indices, double min_valid_fraction,
+                                           int threads, const Progress& progress) {
+  std::vector<EpochScores> scores(tile_indices.size());
   const auto shared = std::make_shared<const WarpField>(field);
   const GraySource reference = stretch_to_8bit(dates.reference);
   const GraySource second = stretch_to_8bit(dates.second);
-  const Job job{tiles,
-                reference,
-                warped_source(second, shared),
-                min_valid_fraction,
-                threads,
-                sample_map(reference).center,
-                sample_map(second).center};
-  const std::vector<Group> groups = make_groups(tiles);
+  const EpochScoring scoring{level,
+                             reference,
+                             warped_source(second, shared),
+                             min_valid_fraction,
+                             threads,
+                             sample_map(reference).center,
+                             sample_map(second).center};
+  const std::vector<ColumnTiles> groups = group_by_columns(level.matrix, tile_indices);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     report_progress(progress, "second epoch", static_cast<std::int64_t>(i), static_cast<std::int64_t>(groups.size()));
-    score_surfaces(job, groups[i], scores);
-    score_survival(job, groups[i], scores);
+    score_surfaces(scoring, groups[i], scores);
+    score_survival(scoring, groups[i], scores);
   }
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    const Eigen::Vector2d center = tile_bounds(tiles.matrix, tiles.indices[i]).center_m();
+    const Eigen::Vector2d center = level.matrix.tile_bounds(level.matrix.cell_of(tile_indices[i])).center_m();
     scores[i].disagreement_m = field.displacement_m(center.x(), center.y()).norm();
   }
   return scores;
 }
 
-SecondEpoch register_epochs(const EpochGround& ground, const std::vector<EpochTiles>& levels,
-                            const ScoreOptions& options, int threads, const Progress& progress) {
+SecondEpoch register_second_epoch(const Ground& ground, const ScoreOptions& options, int threads,
+                                  const Progress& progress) {
+  for (const GridLevel& level : ground.levels) check_grid(ground.crs, level.matrix.map_from_pixel);
   std::vector<Bounds> tiles;
-  for (const EpochTiles& level : levels) {
-    check_grid(ground.crs, level.matrix.map_from_pixel);
-    for (const std::int64_t index : level.indices) tiles.push_back(tile_bounds(level.matrix, index));
-  }
-  TileRegistration registered = register_tiles(ground.reference, ground.imagery, options.second_epoch, ground.crs,
-                                               tiles, options.registration, threads, progress);
-  return {std::move(registered.registration), registered.area_m, {}};
+  for (const GroundTile& tile : ground.tiles) tiles.push_back(ground.level_of(tile).matrix.tile_bounds(tile.cell()));
+  TileRegistration registered =
+      register_tiles(dataset_names(ground.imagery), ground.imagery.options, options.second_epoch, ground.crs, tiles,
+                     options.registration, threads, progress);
+  return {std::move(registered.registration), registered.area_m};
 }
 
-std::vector<EpochScores> score_epochs(const EpochGround& ground, const WarpField& field,
-                                      const std::vector<EpochTiles>& levels, const ScoreOptions& options, int threads,
-                                      const Progress& progress) {
+std::vector<EpochScores> score_epochs(const Ground& ground, const WarpField& field, const ScoreOptions& options,
+                                      int threads, const Progress& progress) {
   std::vector<EpochScores> scores;
-  const OpenPair open = open_rasters(ground.reference, ground.imagery, options.second_epoch, ground.crs);
-  for (const EpochTiles& level : levels) {
+  const OpenPair open =
+      open_rasters(dataset_names(ground.imagery), ground.imagery.options, options.second_epoch, ground.crs);
+  for (const GridLevel& level : ground.levels) {
+    std::vector<std::int64_t> indices;
+    for (const GroundTile& tile : ground.tiles) {
+      if (tile.level == level.matrix.level) indices.push_back(level.matrix.index_of(tile.column, tile.row));
+    }
+    if (indices.empty()) continue;
     const DatePair dates = open(level.matrix.map_from_pixel, level.matrix.grid_width_px, level.matrix.grid_height_px);
     const std::vector<EpochScores> of_level =
-        score_epoch_tiles(dates, field, level, options.min_valid_fraction, threads, progress);
+        score_epoch_tiles(dates, field, level, indices, options.min_valid_fraction, threads, progress);
     scores.insert(scores.end(), of_level.begin(), of_level.end());
   }
   return scores;

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <span>
 #include <vector>
 
 #include "pilotage/base/progress.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/ground.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/registration/register_dates.h"
 #include "pilotage/score/score_tiles.h"
 
@@ -14,22 +14,14 @@
 
 namespace pilotage {
 
-/// A second date beside the reference: where it disagrees, and what of each tile it confirms.
+/// A second date beside the reference: where it disagrees.
 struct SecondEpoch {
   Registration registration;
-  Bounds area_m;                    ///< That was looked at, in the CRS of the grid.
-  std::vector<EpochScores> scores;  ///< One for each tile asked for.
+  Bounds area_m;  ///< That was looked at, in the CRS of the ground.
 };
 
-/// Tiles of one level whose second date is looked at.
-struct EpochTiles {
-  TileMatrix matrix;
-  int search_radius_px = 0;
-  std::vector<std::int64_t> indices;  ///< row · matrix_width + column.
-};
-
-/// What the second date, drawn onto the reference by `field`, says of each tile. `dates` is on the grid of the matrix:
-/// north-up, square pixels, metres.
+/// What the second date, drawn onto the reference by `field`, says of tiles of a level, named by their index in its
+/// matrix. `dates` is on the grid of the matrix: north-up, square pixels, metres.
 ///  - ncc: the second date's tile correlated with the reference at its place, the highest within kEpochPlace_px of it;
 ///  - margin: ncc minus the best rival's in the tile's search area, with the second date's tile as query
 ///    (correlation_peaks.h; masked correlation where ground is missing);
@@ -40,29 +32,21 @@ struct EpochTiles {
 /// flat tiles; margin also with radius 0 or when nothing lies outside the main lobe; survival for tiles without
 /// features. Streams both dates; memory does not grow with the height of the grid. The same for any number of threads.
 /// Throws what the sources throw; Interrupted.
-std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpField& field, const EpochTiles& tiles,
-                                           double min_valid_fraction, int threads = 0, const Progress& progress = {});
+std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpField& field, const GridLevel& level,
+                                           std::span<const std::int64_t> tile_indices, double min_valid_fraction,
+                                           int threads = 0, const Progress& progress = {});
 
 /// How far from the registered place the tile may be found, columns and rows.
 inline constexpr int kEpochPlace_px = 2;
 
-/// Where rasters of two dates lie: what both steps below need of the run.
-struct EpochGround {
-  std::vector<std::string> reference;
-  ImageryOptions imagery;
-  Crs crs;  ///< Of the grid.
-};
+/// Registers options.second_epoch to the ground's imagery over all its tiles. Throws UsageError when the grid of a
+/// level is not north-up with square pixels in metres, DataError as register_dates and inspect_imagery.
+SecondEpoch register_second_epoch(const Ground& ground, const ScoreOptions& options, int threads = 0,
+                                  const Progress& progress = {});
 
-/// Registers options.second_epoch to the reference rasters over all tiles of all levels; `scores` stay empty. Throws
-/// UsageError when the grid of a level is not north-up with square pixels in metres, DataError as register_dates and
-/// inspect_imagery.
-SecondEpoch register_epochs(const EpochGround& ground, const std::vector<EpochTiles>& levels,
-                            const ScoreOptions& options, int threads = 0, const Progress& progress = {});
-
-/// Scores tiles, any part of those that were registered, by the registration's field: level after level, tile after
-/// tile. Throws as score_epoch_tiles.
-std::vector<EpochScores> score_epochs(const EpochGround& ground, const WarpField& field,
-                                      const std::vector<EpochTiles>& levels, const ScoreOptions& options,
+/// Scores the ground's tiles by the registration's field, which may be that of a larger ground. Throws as
+/// score_epoch_tiles.
+std::vector<EpochScores> score_epochs(const Ground& ground, const WarpField& field, const ScoreOptions& options,
                                       int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage

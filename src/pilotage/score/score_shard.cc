@@ -1,8 +1,6 @@
 #include "pilotage/score/score_shard.h"
 
-#include <algorithm>
-#include <cmath>
-#include <span>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -11,90 +9,15 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/mapdb/byte_order.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 
 namespace pilotage {
 namespace {
 
 constexpr std::string_view kMagic = "pilotage-shard ";
-constexpr std::string_view kVersion = "1";
+constexpr std::string_view kVersion = "2";
 constexpr std::size_t kDigestChars = 64;
-constexpr std::size_t kFixedBytes = 8 + 1 + 8;  // of a tile: id, status, valid fraction
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 36;
-
-bool is_measured(const Measure& measure, const std::vector<TileScore>& scores) {
-  return std::any_of(scores.begin(), scores.end(),
-                     [&](const TileScore& score) { return !std::isnan(measure.get(score)); });
-}
-
-/// The bytes behind the header: checked against the number of tiles and columns, then read one array after the other.
-class Arrays {
- public:
-  Arrays(std::string name, std::string_view bytes, std::size_t tiles, std::size_t columns)
-      : name_(std::move(name)), left_(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()) {
-    const std::size_t per_tile = kFixedBytes + 8 * columns;
-    if (bytes.size() / per_tile != tiles || bytes.size() % per_tile != 0) {
-      throw DataError(name_ + ": has " + std::to_string(bytes.size()) + " bytes of scores, expected " +
-                      std::to_string(tiles) + " x " + std::to_string(per_tile));
-    }
-  }
-  std::int64_t take_integer() { return static_cast<std::int64_t>(read_le<std::uint64_t>(take(8))); }
-  std::uint8_t take_byte() { return *take(1); }
-  double take_double() { return read_le_double(take(8)); }
-
- private:
-  const std::uint8_t* take(std::size_t count) {
-    const std::uint8_t* bytes = left_.data();
-    left_ = left_.subspan(count);
-    return bytes;
-  }
-
-  std::string name_;
-  std::span<const std::uint8_t> left_;
-};
-
-std::vector<const Measure*> read_columns(JsonObject& header) {
-  std::vector<const Measure*> columns;
-  for (const std::string& name : header.texts("columns")) {
-    const Measure* column = find_measure(name);
-    if (column == nullptr || std::find(columns.begin(), columns.end(), column) != columns.end()) {
-      throw DataError(header.path("columns") + ": \"" + name.substr(0, 40) + "\" is not known, or stands twice");
-    }
-    columns.push_back(column);
-  }
-  return columns;
-}
-
-void read_scores(const std::string& name, Arrays& arrays, const std::vector<const Measure*>& columns,
-                 std::vector<TileScore>& scores) {
-  std::int64_t last_id = -1;
-  for (TileScore& score : scores) {
-    score.tile_id = arrays.take_integer();
-    if (score.tile_id <= last_id) {
-      throw DataError(name + ": tile_id " + std::to_string(score.tile_id) + " does not follow " +
-                      std::to_string(last_id));
-    }
-    last_id = score.tile_id;
-  }
-  for (TileScore& score : scores) {
-    const std::uint8_t status = arrays.take_byte();
-    if (status > static_cast<std::uint8_t>(TileStatus::kFlat)) {
-      throw DataError(name + ": tile " + std::to_string(score.tile_id) + ": status " + std::to_string(status) +
-                      " is outside [0, 2]");
-    }
-    score.status = static_cast<TileStatus>(status);
-  }
-  for (TileScore& score : scores) {
-    score.valid_fraction = arrays.take_double();
-    if (!(score.valid_fraction >= 0 && score.valid_fraction <= 1)) {
-      throw DataError(name + ": tile " + std::to_string(score.tile_id) + ": valid_fraction is outside [0, 1]");
-    }
-  }
-  for (const Measure* column : columns) {
-    for (TileScore& score : scores) column->set(score, arrays.take_double());
-  }
-}
 
 }  // namespace
 
@@ -106,34 +29,15 @@ std::string shard_file_name(const Shard& shard) {
 }
 
 std::string score_shard_to_bytes(const ScoreShard& shard) {
-  std::vector<const Measure*> columns;
-  nlohmann::ordered_json names = nlohmann::ordered_json::array();
-  for (const Measure& column : measures()) {
-    if (!is_measured(column, shard.scores)) continue;
-    columns.push_back(&column);
-    names.push_back(column.name);
-  }
-  const nlohmann::ordered_json header{{"shard", shard.shard.number},
-                                      {"shards", shard.shard.count},
-                                      {"tiles", shard.scores.size()},
-                                      {"columns", names},
-                                      {"run", shard.run}};
-  std::vector<std::uint8_t> bytes;
-  const std::string text = header.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  bytes.reserve(text.size() + 128 + shard.scores.size() * (kFixedBytes + 8 * columns.size()));
-  append_text(bytes, kMagic);
-  append_text(bytes, kVersion);
-  append_text(bytes, "\n");
-  append_text(bytes, text);
-  append_text(bytes, "\n");
-  for (const TileScore& score : shard.scores) append_le(bytes, score.tile_id);
-  for (const TileScore& score : shard.scores) append_le(bytes, static_cast<std::uint8_t>(score.status));
-  for (const TileScore& score : shard.scores) append_le(bytes, score.valid_fraction);
-  for (const Measure* column : columns) {
-    for (const TileScore& score : shard.scores) append_le(bytes, column->get(score));
-  }
-  std::string file(bytes.begin(), bytes.end());
-  return file + bytes_digest(file);
+  const nlohmann::ordered_json header{
+      {"shard", shard.shard.number}, {"shards", shard.shard.count}, {"tiles", shard.rows.size()}, {"run", shard.run}};
+  std::string bytes{kMagic};
+  bytes += kVersion;
+  bytes += '\n';
+  bytes += header.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  bytes += '\n';
+  bytes += tile_table_to_csv(shard.rows);
+  return bytes + bytes_digest(bytes);
 }
 
 ScoreShard score_shard_from_bytes(const std::string& name, std::string_view bytes) {
@@ -156,13 +60,14 @@ ScoreShard score_shard_from_bytes(const std::string& name, std::string_view byte
   ScoreShard shard;
   shard.shard.count = header.integer("shards", 1, kMostShards);
   shard.shard.number = header.integer("shard", 1, shard.shard.count);
-  const auto tiles = static_cast<std::size_t>(header.integer("tiles", 0, static_cast<std::int64_t>(kMostBytes)));
-  const std::vector<const Measure*> columns = read_columns(header);
+  const std::int64_t tiles = header.integer("tiles", 0);
   shard.run = header.value("run");
   header.finish();
-  Arrays arrays(name, content.substr(end_of_header + 1), tiles, columns.size());
-  shard.scores.resize(tiles);
-  read_scores(name, arrays, columns, shard.scores);
+  shard.rows = tile_table_from_csv(name, content.substr(end_of_header + 1));
+  if (std::ssize(shard.rows) != tiles) {
+    throw DataError(name + ": has " + std::to_string(shard.rows.size()) + " tiles, its header says " +
+                    std::to_string(tiles));
+  }
   return shard;
 }
 

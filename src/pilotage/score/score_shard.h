@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_table.h"
 #include "pilotage/score/run_shards.h"
 
 namespace pilotage {
@@ -15,15 +15,13 @@ namespace pilotage {
 struct ScoreShard {
   nlohmann::ordered_json run;  ///< What the run is: describe_run (describe_run.h). Shards of one run have equal ones.
   Shard shard;
-  /// Ascending tile_id. Of each: tile_id, status, valid_fraction and measures(), bit for bit; level, column, row
-  /// and reasons follow from the run and are not in the file.
-  std::vector<TileScore> scores;
+  std::vector<TileRow> rows;  ///< Ascending tile_id; their reasons, which follow from all tiles, are left to `merge`.
 };
 
 /// "scores-03-of-16.shard": sorts by number.
 std::string shard_file_name(const Shard& shard);
 
-/// The file's bytes. Columns that are NaN for all tiles are left out.
+/// The file's bytes: what the shard is, and its rows as tiles.csv has them.
 std::string score_shard_to_bytes(const ScoreShard& shard);
 
 /// Reads what score_shard_to_bytes writes. Throws IntegrityError when the digest at the end is not that of the bytes

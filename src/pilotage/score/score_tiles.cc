@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <string>
 
@@ -29,19 +28,19 @@ namespace {
 /// Memory for spectra and surfaces of the tile columns that are worked on together, and how many these are at most.
 constexpr std::size_t kColumnMemory = std::size_t{400} << 20;
 constexpr std::int64_t kMostColumns = 64;
-/// Pixels of a strip: the map is held in memory in pieces of about this size (twice: one is read while one is worked
+/// Pixels of a strip: the map is held in memory in blocks of about this size (twice: one is read while one is worked
 /// on).
 constexpr std::int64_t kStripPixels = 8 << 20;
 
 /// Tiles of a few columns and a few rows: what is worked on with one strip in memory.
-struct Piece {
+struct TileBlock {
   std::int64_t first_column = 0;
   std::int64_t columns = 0;
   PixelWindow window;
   std::map<std::int64_t, std::vector<std::int64_t>> columns_of_row;  // tiles asked for
 };
 
-struct Job {
+struct TileScoring {
   const GraySource& source;
   const TileMatrix& matrix;
   const ScoreOptions& options;
@@ -59,7 +58,6 @@ struct Job {
   std::size_t place_of(std::int64_t index) const {
     return std::lower_bound(order.begin(), order.end(), std::pair{index, std::size_t{0}})->second;
   }
-  std::int64_t index_of(std::int64_t column, std::int64_t row) const { return row * matrix.matrix_width() + column; }
 };
 
 void check_request(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
@@ -91,52 +89,54 @@ void check_request(const GraySource& source, const TileMatrix& matrix, int searc
   }
 }
 
-std::int64_t columns_per_piece(const Job& job) {
+std::int64_t columns_per_block(const TileScoring& scoring) {
   std::size_t bytes = 1;
-  if (job.clean()) bytes += CleanSurfaces::bytes_per_column(job.matrix, job.radius_px, job.lag_step);
-  if (job.degraded()) bytes += DegradedSurfaces::bytes_per_column(job.matrix, job.radius_px);
+  if (scoring.clean()) bytes += CleanSurfaces::bytes_per_column(scoring.matrix, scoring.radius_px, scoring.lag_step);
+  if (scoring.degraded()) bytes += DegradedSurfaces::bytes_per_column(scoring.matrix, scoring.radius_px);
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(kColumnMemory / bytes), 1, kMostColumns);
 }
 
-/// The pieces that hold a tile that is asked for: down one group of columns, then the next. Their borders do not depend
+/// The blocks that hold a tile that is asked for: down one group of columns, then the next. Their borders do not depend
 /// on which tiles are asked for.
-std::vector<Piece> make_pieces(const Job& job) {
-  const TileMatrix& matrix = job.matrix;
-  const std::int64_t columns = columns_per_piece(job);
-  const int halo = std::max(job.radius_px, job.margin_px);
+std::vector<TileBlock> make_blocks(const TileScoring& scoring) {
+  const TileMatrix& matrix = scoring.matrix;
+  const std::int64_t columns = columns_per_block(scoring);
+  const int halo = std::max(scoring.radius_px, scoring.margin_px);
   const auto extent = [&](std::int64_t tiles) {
     return (tiles - 1) * matrix.stride_px + matrix.tile_size_px + 2 * halo;
   };
   const std::int64_t rows = std::max<std::int64_t>(
       1, (kStripPixels / extent(columns) - 2 * halo - matrix.tile_size_px) / matrix.stride_px + 1);
-  std::map<std::pair<std::int64_t, std::int64_t>, Piece> pieces;
-  for (const auto& [index, place] : job.order) {
-    const std::int64_t column = index % matrix.matrix_width();
-    const std::int64_t row = index / matrix.matrix_width();
-    Piece& piece = pieces[{column / columns, row / rows}];
-    piece.columns_of_row[row].push_back(column);
-    if (piece.columns > 0) continue;
-    piece.first_column = column / columns * columns;
-    piece.columns = std::min(columns, matrix.matrix_width() - piece.first_column);
+  std::map<std::pair<std::int64_t, std::int64_t>, TileBlock> blocks;
+  for (const auto& [index, place] : scoring.order) {
+    const auto [column, row] = matrix.cell_of(index);
+    TileBlock& block = blocks[{column / columns, row / rows}];
+    block.columns_of_row[row].push_back(column);
+    if (block.columns > 0) continue;
+    block.first_column = column / columns * columns;
+    block.columns = std::min(columns, matrix.matrix_width() - block.first_column);
     const std::int64_t first_row = row / rows * rows;
     const std::int64_t last_row = std::min(first_row + rows, matrix.matrix_height()) - 1;
-    const PixelWindow first = matrix.search_window(piece.first_column, first_row, halo);
-    const PixelWindow last = matrix.search_window(piece.first_column + piece.columns - 1, last_row, halo);
-    piece.window = {first.col, first.row, static_cast<int>(last.col + last.width - first.col),
+    const PixelWindow first = matrix.search_window(block.first_column, first_row, halo);
+    const PixelWindow last = matrix.search_window(block.first_column + block.columns - 1, last_row, halo);
+    block.window = {first.col, first.row, static_cast<int>(last.col + last.width - first.col),
                     static_cast<int>(last.row + last.height - first.row)};
   }
-  std::vector<Piece> list;
-  for (auto& [key, piece] : pieces) list.push_back(std::move(piece));
+  std::vector<TileBlock> list;
+  for (auto& [key, block] : blocks) list.push_back(std::move(block));
   return list;
 }
 
-/// V and H of a piece's tiles, and their status.
-void score_piece_statistics(const Job& job, const Piece& piece, const MapStrip& strip, std::vector<TileScore>& scores) {
-  std::vector<TileScore*> tiles;
-  for (const auto& [row, columns] : piece.columns_of_row) {
-    for (const std::int64_t column : columns) tiles.push_back(&scores[job.place_of(job.index_of(column, row))]);
+/// V and H of a block's tiles, and their status.
+void score_block_statistics(const TileScoring& scoring, const TileBlock& block, const MapStrip& strip,
+                            std::vector<TileScores>& scores) {
+  std::vector<MeasuredTile> tiles;
+  for (const auto& [row, columns] : block.columns_of_row) {
+    for (const std::int64_t column : columns) {
+      tiles.push_back({{column, row}, &scores[scoring.place_of(scoring.matrix.index_of(column, row))]});
+    }
   }
-  score_statistics({strip.window, strip.pixels, strip.valid}, job.matrix, job.options, tiles, job.threads);
+  score_statistics({strip.window, strip.pixels, strip.valid}, scoring.matrix, scoring.options, tiles, scoring.threads);
 }
 
 SurfaceScores surface_scores(const CorrelationPeaks& peaks) {
@@ -172,34 +172,34 @@ SurfaceScores mean_scores(const std::vector<SurfaceScores>& copies) {
 
 /// A tile whose search area is not all ground: masked correlation. The mask of a degraded copy loses a border as wide
 /// as the copy may have moved, so that what it shows is ground.
-void score_masked(const Job& job, const MapStrip& strip, const SearchArea& area, TileScore& score) {
+void score_masked(const TileScoring& scoring, const MapStrip& strip, const SearchArea& area, TileScores& score) {
   const cv::Mat tile = strip.view(strip.centred, area.tile);
   const cv::Mat tile_valid = strip.view(strip.valid, area.tile);
   const cv::Mat region = strip.view(strip.centred, area.window);
   const cv::Mat region_valid = strip.view(strip.valid, area.window);
   const auto surfaces_of = [&](const cv::Mat& valid) {
-    return masked_surfaces(valid, region, region_valid, job.options.min_valid_fraction);
+    return masked_surfaces(valid, region, region_valid, scoring.options.min_valid_fraction);
   };
   const auto scores_of = [&](const cv::Mat& surface) {
     return surface_scores(correlation_peaks(surface, area.truth, area.tile.width));
   };
-  if (job.clean()) score.clean = scores_of(surfaces_of(tile_valid)(tile));
-  if (!job.degraded()) return;
+  if (scoring.clean()) score.clean = scores_of(surfaces_of(tile_valid)(tile));
+  if (!scoring.degraded()) return;
   cv::Mat kept = tile_valid.clone();
   if (cv::countNonZero(tile_valid) < tile_valid.rows * tile_valid.cols) {
-    const int side = 2 * job.margin_px + 1;
+    const int side = 2 * scoring.margin_px + 1;
     cv::erode(tile_valid, kept, cv::Mat::ones(side, side, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
   }
   if (cv::countNonZero(kept) < 2) return;
   const auto surface_of = surfaces_of(kept);
   std::vector<SurfaceScores> copies;
-  for (const Degrader& degrader : job.copies) {
-    copies.push_back(scores_of(surface_of(degraded_tile(strip, area.tile, degrader, job.margin_px))));
+  for (const Degrader& degrader : scoring.copies) {
+    copies.push_back(scores_of(surface_of(degraded_tile(strip, area.tile, degrader, scoring.margin_px))));
   }
   score.degraded = mean_scores(copies);
 }
 
-/// Neighbouring tile columns of a piece and of those below it, for one thread: what they share they compute once.
+/// Neighbouring tile columns of a block and of those below it, for one thread: what they share they compute once.
 struct ColumnGroup {
   std::int64_t first_column = 0;
   std::int64_t columns = 0;
@@ -209,21 +209,21 @@ struct ColumnGroup {
   std::vector<std::int64_t> masked;  // tile indices that are left for score_masked
 };
 
-/// Groups for the pieces that follow each other down one set of columns, with about as many tiles each. Groups compute
+/// Groups for the blocks that follow each other down one set of columns, with about as many tiles each. Groups compute
 /// what lies across their borders twice, so they are not cut finer than the threads need.
-std::vector<std::unique_ptr<ColumnGroup>> make_groups(const Job& job, std::span<const Piece> pieces) {
-  const Piece& first = pieces.front();
+std::vector<std::unique_ptr<ColumnGroup>> make_groups(const TileScoring& scoring, std::span<const TileBlock> blocks) {
+  const TileBlock& first = blocks.front();
   std::vector<std::size_t> tiles(static_cast<std::size_t>(first.columns), 0);
   std::size_t total = 0;
-  for (const Piece& piece : pieces) {
-    if (piece.first_column != first.first_column) break;
-    for (const auto& [row, columns] : piece.columns_of_row) {
+  for (const TileBlock& block : blocks) {
+    if (block.first_column != first.first_column) break;
+    for (const auto& [row, columns] : block.columns_of_row) {
       total += columns.size();
       for (const std::int64_t column : columns) ++tiles[static_cast<std::size_t>(column - first.first_column)];
     }
   }
-  const std::int64_t least = 2 * BlockSums::blocks_per_side(job.matrix);
-  const auto wanted = static_cast<std::size_t>(std::clamp<std::int64_t>(first.columns / least, 1, job.threads));
+  const std::int64_t least = 2 * BlockSums::blocks_per_side(scoring.matrix);
+  const auto wanted = static_cast<std::size_t>(std::clamp<std::int64_t>(first.columns / least, 1, scoring.threads));
   std::vector<std::unique_ptr<ColumnGroup>> groups;
   std::size_t before = 0;
   std::int64_t begin = 0;
@@ -234,12 +234,12 @@ std::vector<std::unique_ptr<ColumnGroup>> make_groups(const Job& job, std::span<
     auto group = std::make_unique<ColumnGroup>();
     group->first_column = first.first_column + begin;
     group->columns = column + 1 - begin;
-    if (job.clean()) {
-      group->clean.emplace(job.matrix, job.radius_px, job.lag_step, group->first_column, group->columns);
+    if (scoring.clean()) {
+      group->clean.emplace(scoring.matrix, scoring.radius_px, scoring.lag_step, group->first_column, group->columns);
     }
-    if (job.degraded()) {
-      group->degraded.emplace(job.matrix, job.radius_px, group->first_column, group->columns, job.copies,
-                              job.margin_px);
+    if (scoring.degraded()) {
+      group->degraded.emplace(scoring.matrix, scoring.radius_px, group->first_column, group->columns, scoring.copies,
+                              scoring.margin_px);
     }
     groups.push_back(std::move(group));
     begin = column + 1;
@@ -248,13 +248,13 @@ std::vector<std::unique_ptr<ColumnGroup>> make_groups(const Job& job, std::span<
 }
 
 /// Surfaces of the tiles of one row that belong to a group, but for those that need masks.
-void score_row(const Job& job, const MapStrip& strip, std::int64_t row, std::span<const std::int64_t> asked,
-               ColumnGroup& group, std::vector<TileScore>& scores) {
+void score_row(const TileScoring& scoring, const MapStrip& strip, std::int64_t row, std::span<const std::int64_t> asked,
+               ColumnGroup& group, std::vector<TileScores>& scores) {
   std::vector<std::int64_t> whole;  // search area all ground
   for (const std::int64_t column : asked) {
-    const std::int64_t index = job.index_of(column, row);
-    if (scores[job.place_of(index)].status != TileStatus::kScored) continue;
-    const SearchArea area(job.matrix, column, row, job.radius_px);
+    const std::int64_t index = scoring.matrix.index_of(column, row);
+    if (scores[scoring.place_of(index)].status != TileStatus::kScored) continue;
+    const SearchArea area(scoring.matrix, column, row, scoring.radius_px);
     const std::int64_t pixels = static_cast<std::int64_t>(area.window.width) * area.window.height;
     if (strip.count_valid(area.window) == pixels) {
       whole.push_back(column);
@@ -265,8 +265,8 @@ void score_row(const Job& job, const MapStrip& strip, std::int64_t row, std::spa
   if (whole.empty()) return;
   if (group.clean) group.clean->prepare(strip, row, whole);
   for (const std::int64_t column : whole) {
-    const SearchArea area(job.matrix, column, row, job.radius_px);
-    TileScore& score = scores[job.place_of(job.index_of(column, row))];
+    const SearchArea area(scoring.matrix, column, row, scoring.radius_px);
+    TileScores& score = scores[scoring.place_of(scoring.matrix.index_of(column, row))];
     if (group.clean) score.clean = surface_scores(group.clean->peaks(strip, area, column, row, group.scratch));
     if (!group.degraded) continue;
     std::vector<SurfaceScores> copies;
@@ -277,40 +277,41 @@ void score_row(const Job& job, const MapStrip& strip, std::int64_t row, std::spa
   }
 }
 
-/// Surfaces of the tiles of a piece; `advance(n)` says that n more are done and returns false to stop.
-void score_surfaces(const Job& job, const Piece& piece, const MapStrip& strip,
+/// Surfaces of the tiles of a block; `advance(n)` says that n more are done and returns false to stop.
+void score_surfaces(const TileScoring& scoring, const TileBlock& block, const MapStrip& strip,
                     std::span<const std::unique_ptr<ColumnGroup>> groups,
-                    const std::function<bool(std::int64_t)>& advance, std::vector<TileScore>& scores) {
+                    const std::function<bool(std::int64_t)>& advance, std::vector<TileScores>& scores) {
   std::atomic<bool> stopped{false};
-  parallel_for(groups.size(), job.threads, [&](std::size_t index, int) {
+  parallel_for(groups.size(), scoring.threads, [&](std::size_t index, int) {
     ColumnGroup& group = *groups[index];
     group.masked.clear();
-    for (const auto& [row, columns] : piece.columns_of_row) {
+    for (const auto& [row, columns] : block.columns_of_row) {
       if (stopped) return;
       const auto first = std::lower_bound(columns.begin(), columns.end(), group.first_column);
       const auto last = std::lower_bound(first, columns.end(), group.first_column + group.columns);
-      score_row(job, strip, row, {first, last}, group, scores);
+      score_row(scoring, strip, row, {first, last}, group, scores);
       if (!advance(last - first)) stopped = true;
     }
   });
   if (stopped) throw Interrupted{};
   std::vector<std::int64_t> masked;
   for (const auto& group : groups) masked.insert(masked.end(), group->masked.begin(), group->masked.end());
-  parallel_for(masked.size(), job.threads, [&](std::size_t i, int) {
-    const SearchArea area(job.matrix, masked[i] % job.matrix.matrix_width(), masked[i] / job.matrix.matrix_width(),
-                          job.radius_px);
-    score_masked(job, strip, area, scores[job.place_of(masked[i])]);
+  parallel_for(masked.size(), scoring.threads, [&](std::size_t i, int) {
+    const auto [column, row] = scoring.matrix.cell_of(masked[i]);
+    const SearchArea area(scoring.matrix, column, row, scoring.radius_px);
+    score_masked(scoring, strip, area, scores[scoring.place_of(masked[i])]);
   });
 }
 
-void load(const Job& job, const Piece& piece, const MapStrip* previous, StripIntegrals& integrals, MapStrip& strip) {
-  load_strip(job.source, piece.window, job.center, job.matrix.tile_size_px, job.lag_step, previous, job.threads,
-             integrals, strip);
+void load(const TileScoring& scoring, const TileBlock& block, const MapStrip* previous, StripIntegrals& integrals,
+          MapStrip& strip) {
+  load_strip(scoring.source, block.window, scoring.center, scoring.matrix.tile_size_px, scoring.lag_step, previous,
+             scoring.threads, integrals, strip);
 }
 
-/// Statistics and surfaces of all tiles, piece by piece; the next piece is read while one is worked on.
-void score_pieces(const Job& job, const Progress& progress, std::vector<TileScore>& scores) {
-  const std::vector<Piece> pieces = make_pieces(job);
+/// Statistics and surfaces of all tiles, block by block; the next block is read while one is worked on.
+void score_blocks(const TileScoring& scoring, const Progress& progress, std::vector<TileScores>& scores) {
+  const std::vector<TileBlock> blocks = make_blocks(scoring);
   std::vector<std::unique_ptr<ColumnGroup>> groups;
   std::mutex progress_mutex;
   std::int64_t done = 0;
@@ -323,18 +324,18 @@ void score_pieces(const Job& job, const Progress& progress, std::vector<TileScor
   MapStrip strip;
   MapStrip next_strip;
   StripIntegrals integrals;
-  load(job, pieces.front(), nullptr, integrals, strip);
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const Piece& piece = pieces[i];
-    std::future<void> next;  // read while this piece is worked on
-    if (i + 1 < pieces.size()) {
-      next = std::async(std::launch::async, [&, i] { load(job, pieces[i + 1], &strip, integrals, next_strip); });
+  load(scoring, blocks.front(), nullptr, integrals, strip);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const TileBlock& block = blocks[i];
+    std::future<void> next;  // read while this block is worked on
+    if (i + 1 < blocks.size()) {
+      next = std::async(std::launch::async, [&, i] { load(scoring, blocks[i + 1], &strip, integrals, next_strip); });
     }
-    if (i == 0 || pieces[i - 1].first_column != piece.first_column) {
-      groups = make_groups(job, std::span(pieces).subspan(i));
+    if (i == 0 || blocks[i - 1].first_column != block.first_column) {
+      groups = make_groups(scoring, std::span(blocks).subspan(i));
     }
-    score_piece_statistics(job, piece, strip, scores);
-    score_surfaces(job, piece, strip, groups, advance, scores);
+    score_block_statistics(scoring, block, strip, scores);
+    score_surfaces(scoring, block, strip, groups, advance, scores);
     if (!next.valid()) continue;
     next.get();
     std::swap(strip, next_strip);
@@ -351,66 +352,44 @@ bool ScoreOptions::measures_surface() const {
   return measure(ScoreMeasure::kUniqueness) || measure(ScoreMeasure::kDegraded);
 }
 
-TileMatrix score_matrix(const GraySource& source, const ScoreGridOptions& grid) {
-  check_options(grid);
-  const TileMatrix matrix{
-      0, source.map_from_pixel, source.width_px, source.height_px, grid.tile_size_px, grid.stride_px};
-  if (matrix.tile_count() == 0) {
-    throw DataError("tile_size_px = " + std::to_string(grid.tile_size_px) + ": a tile of " +
-                    std::to_string(grid.tile_size_px) + " x " + std::to_string(grid.tile_size_px) +
-                    " px is larger than the imagery of " + std::to_string(source.width_px) + " x " +
-                    std::to_string(source.height_px) + " px");
-  }
-  return matrix;
-}
-
-std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
-                                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
-                                   std::uint64_t seed, int threads, const Progress& progress) {
+std::vector<TileScores> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                                    std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
+                                    std::uint64_t seed, int threads, const Progress& progress) {
   check_request(source, matrix, search_radius_px, tile_indices, options);
   std::optional<MatchabilityModel> model;  // a wrong one is refused before the work is done
   if (options.measure(ScoreMeasure::kCorrectFix)) model = model_for(options);
-  std::vector<std::int64_t> indices(tile_indices.begin(), tile_indices.end());
-  if (indices.empty()) {
-    indices.resize(static_cast<std::size_t>(matrix.tile_count()));
-    std::iota(indices.begin(), indices.end(), 0);
-  }
-
-  Job job{source, matrix, options, options.measures_surface() ? search_radius_px : 0, 0, thread_count(threads)};
-  if (job.degraded()) {
-    job.margin_px = rotation_margin_px(matrix.tile_size_px, options.degradation);
+  TileScoring scoring{
+      source, matrix, options, options.measures_surface() ? search_radius_px : 0, 0, thread_count(threads)};
+  if (scoring.degraded()) {
+    scoring.margin_px = rotation_margin_px(matrix.tile_size_px, options.degradation);
     for (int copy = 0; copy < options.degraded_copies; ++copy) {
-      job.copies.emplace_back(matrix.tile_size_px, job.margin_px, options.degradation, seed, copy);
+      scoring.copies.emplace_back(matrix.tile_size_px, scoring.margin_px, options.degradation, seed, copy);
     }
   }
-  if (job.surfaces()) {
+  if (scoring.surfaces()) {
     const MapSample sample = sample_map(source);
-    job.center = sample.center;
-    job.lag_step = options.every_lag || !job.clean() ? 1 : choose_lag_step(sample, matrix.tile_size_px, job.radius_px);
+    scoring.center = sample.center;
+    scoring.lag_step =
+        options.every_lag || !scoring.clean() ? 1 : choose_lag_step(sample, matrix.tile_size_px, scoring.radius_px);
   }
-  std::vector<TileScore> scores(indices.size());
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    const std::int64_t index = indices[i];
-    job.order.emplace_back(index, i);
-    scores[i].tile_id = index;
-    scores[i].level = matrix.level;
-    scores[i].column = index % matrix.matrix_width();
-    scores[i].row = index / matrix.matrix_width();
+  std::vector<TileScores> scores(tile_indices.size());
+  if (scores.empty()) return scores;
+  for (std::size_t i = 0; i < tile_indices.size(); ++i) scoring.order.emplace_back(tile_indices[i], i);
+  std::sort(scoring.order.begin(), scoring.order.end());
+  const auto duplicate = std::adjacent_find(scoring.order.begin(), scoring.order.end(),
+                                            [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (duplicate != scoring.order.end()) {
+    throw UsageError("tile index " + std::to_string(duplicate->first) + " is a duplicate");
   }
 
-  std::sort(job.order.begin(), job.order.end());
-  const auto twice = std::adjacent_find(job.order.begin(), job.order.end(),
-                                        [](const auto& a, const auto& b) { return a.first == b.first; });
-  if (twice != job.order.end()) throw UsageError("tile index " + std::to_string(twice->first) + " stands twice");
-
-  if (job.surfaces()) {
-    score_pieces(job, progress, scores);
+  if (scoring.surfaces()) {
+    score_blocks(scoring, progress, scores);
   } else {
-    std::vector<TileScore*> tiles;
-    for (const auto& [index, place] : job.order) tiles.push_back(&scores[place]);
-    stream_statistics(source, matrix, options, tiles, job.threads, progress);
+    std::vector<MeasuredTile> tiles;
+    for (const auto& [index, place] : scoring.order) tiles.push_back({matrix.cell_of(index), &scores[place]});
+    stream_statistics(source, matrix, options, tiles, scoring.threads, progress);
   }
-  if (model) predict_correct_fixes(source, matrix, options, *model, scores, threads, progress);
+  if (model) predict_correct_fixes(source, matrix, options, *model, tile_indices, scores, threads, progress);
   return scores;
 }
 

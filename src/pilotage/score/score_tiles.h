@@ -9,8 +9,8 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/degradation/degradation.h"
 #include "pilotage/geo/tile_matrix.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/matchability/matchability_model.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/registration/registration_options.h"
 #include "pilotage/vision/features.h"
@@ -35,21 +35,6 @@ inline EnumNames<ScoreMeasure> enum_names(ScoreMeasure) {
           {ScoreMeasure::kUniqueness, "uniqueness"},      {ScoreMeasure::kDegraded, "degraded"},
           {ScoreMeasure::kGroundCover, "ground_cover"},   {ScoreMeasure::kCorrectFix, "correct_fix"}};
 }
-
-/// How a raster without a plan is cut into tiles.
-struct ScoreGridOptions {
-  int tile_size_px = 256;
-  int stride_px = 64;
-  int search_radius_px = 128;
-
-  template <class Self, class Fields>
-  static void describe(Self& self, Fields& fields) {
-    fields.field("tile_size_px", self.tile_size_px, "Side of a square tile.", Range{2, 4096});
-    fields.field("stride_px", self.stride_px, "Distance between neighbouring tiles.", Range{1, 65536});
-    fields.field("search_radius_px", self.search_radius_px,
-                 "How far from its place a tile is looked for, in columns and rows.", Range{0, 4096});
-  }
-};
 
 struct ScoreOptions {
   std::vector<ScoreMeasure> measures{ScoreMeasure::kGrayVariance, ScoreMeasure::kFriedenEntropy,
@@ -92,13 +77,8 @@ struct ScoreOptions {
   bool measure(ScoreMeasure which) const;
 };
 
-/// The tiles of `grid` over all of `source`, level 0. Throws DataError naming both sizes when the tile is larger
-/// than the imagery.
-TileMatrix score_matrix(const GraySource& source, const ScoreGridOptions& grid);
-
 /// Scores tiles of `matrix`, whose pixel grid is that of `source`. Result i belongs to `tile_indices[i]`, where index =
-/// row · matrix_width + column; an empty list means all tiles, in this order. tile_id is set to the index. Tile size
-/// and stride are the matrix's.
+/// row · matrix_width + column. Tile size and stride are the matrix's.
 ///
 /// What is defined for special tiles:
 ///  - valid fraction below min_valid_fraction: status kTooLittleGround, all measures NaN;
@@ -115,9 +95,9 @@ TileMatrix score_matrix(const GraySource& source, const ScoreGridOptions& grid);
 /// Throws UsageError when an option is out of range, no measure is asked for, or a surface is asked for with radius 0;
 /// DataError when the tile is larger than the grid, the matrix is not that of the source, or reading fails;
 /// Interrupted.
-std::vector<TileScore> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
-                                   std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
-                                   std::uint64_t seed = 1, int threads = 0, const Progress& progress = {});
+std::vector<TileScores> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,
+                                    std::span<const std::int64_t> tile_indices, const ScoreOptions& options,
+                                    std::uint64_t seed = 1, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
 

@@ -18,7 +18,7 @@ constexpr std::int64_t kUnitSide_px = 256;      // least side of what is read at
 constexpr std::int64_t kLargestBlock_px = 4096;
 
 void set_statistics(const TileMatrix& matrix, const ScoreOptions& options, const GrayStatistics& statistics,
-                    TileScore& score) {
+                    TileScores& score) {
   const double area = static_cast<double>(matrix.tile_size_px) * matrix.tile_size_px;
   score.valid_fraction = static_cast<double>(statistics.count) / area;
   if (score.valid_fraction < options.min_valid_fraction) {
@@ -57,14 +57,14 @@ struct ReadUnits {
   std::vector<char> wanted;  // row by row: some tile touches it
   ColumnRange columns;       // of the tiles
 
-  ReadUnits(const GraySource& source, const TileMatrix& matrix, std::span<TileScore* const> tiles)
+  ReadUnits(const GraySource& source, const TileMatrix& matrix, std::span<const MeasuredTile> tiles)
       : width_px(source.block_width_px >= source.width_px ? source.width_px : side(source.block_width_px)),
         height_px(side(source.block_height_px)) {
     across = (source.width_px + width_px - 1) / width_px;
     wanted.resize(static_cast<std::size_t>(across * ((source.height_px + height_px - 1) / height_px)));
-    for (const TileScore* tile : tiles) {
-      columns.extend(tile->column);
-      const PixelWindow window = matrix.tile_window(tile->column, tile->row);
+    for (const MeasuredTile& tile : tiles) {
+      columns.extend(tile.cell.column);
+      const PixelWindow window = matrix.tile_window(tile.cell);
       for (std::int64_t row = window.row / height_px; row * height_px < window.row + window.height; ++row) {
         const std::int64_t first = window.col / width_px;
         const std::int64_t last = (window.col + window.width - 1) / width_px;
@@ -122,17 +122,18 @@ GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int
 
 /// Statistics of tiles, which ascend by row and stand in these columns.
 void score_sorted(const GrayWindow& map, const TileMatrix& matrix, const ScoreOptions& options,
-                  std::span<TileScore* const> tiles, const ColumnRange& columns, int threads) {
-  const std::int64_t first_row = tiles.front()->row;
+                  std::span<const MeasuredTile> tiles, const ColumnRange& columns, int threads) {
+  const std::int64_t first_row = tiles.front().cell.row;
   const PixelWindow first = matrix.tile_window(columns.first, first_row);
-  const PixelWindow last = matrix.tile_window(columns.last, tiles.back()->row);
+  const PixelWindow last = matrix.tile_window(columns.last, tiles.back().cell.row);
   const cv::Rect place = rect_in(map.window, {first.col, first.row, static_cast<int>(last.col + last.width - first.col),
                                               static_cast<int>(last.row + last.height - first.row)});
   const WindowSums sums(map.pixels(place), map.valid(place), matrix.tile_size_px, matrix.stride_px, threads);
   parallel_for((tiles.size() + kTilesAtOnce - 1) / kTilesAtOnce, threads, [&](std::size_t piece, int) {
     const std::size_t begin = piece * kTilesAtOnce;
-    for (TileScore* tile : tiles.subspan(begin, std::min(kTilesAtOnce, tiles.size() - begin))) {
-      set_statistics(matrix, options, sums.at(tile->column - columns.first, tile->row - first_row), *tile);
+    for (const MeasuredTile& tile : tiles.subspan(begin, std::min(kTilesAtOnce, tiles.size() - begin))) {
+      set_statistics(matrix, options, sums.at(tile.cell.column - columns.first, tile.cell.row - first_row),
+                     *tile.scores);
     }
   });
 }
@@ -140,17 +141,18 @@ void score_sorted(const GrayWindow& map, const TileMatrix& matrix, const ScoreOp
 }  // namespace
 
 void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const ScoreOptions& options,
-                      std::span<TileScore* const> tiles, int threads) {
+                      std::span<const MeasuredTile> tiles, int threads) {
   if (tiles.empty()) return;
-  std::vector<TileScore*> sorted(tiles.begin(), tiles.end());
-  std::sort(sorted.begin(), sorted.end(), [](const TileScore* a, const TileScore* b) { return a->row < b->row; });
+  std::vector<MeasuredTile> sorted(tiles.begin(), tiles.end());
+  std::sort(sorted.begin(), sorted.end(),
+            [](const MeasuredTile& a, const MeasuredTile& b) { return a.cell.row < b.cell.row; });
   ColumnRange columns;
-  for (const TileScore* tile : tiles) columns.extend(tile->column);
+  for (const MeasuredTile& tile : tiles) columns.extend(tile.cell.column);
   score_sorted(map, matrix, options, sorted, columns, threads);
 }
 
 void stream_statistics(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
-                       std::span<TileScore* const> tiles, int threads, const Progress& progress) {
+                       std::span<const MeasuredTile> tiles, int threads, const Progress& progress) {
   const auto count = static_cast<std::int64_t>(tiles.size());
   const ReadUnits units(source, matrix, tiles);
   const std::int64_t strip_rows = std::max<std::int64_t>(matrix.tile_size_px, kStripPixels / source.width_px);
@@ -160,11 +162,11 @@ void stream_statistics(const GraySource& source, const TileMatrix& matrix, const
   GrayWindow strip;
   while (!tiles.empty()) {
     report_progress(progress, "score", count - static_cast<std::int64_t>(tiles.size()), count);
-    const std::int64_t first_row = matrix.tile_window(0, tiles.front()->row).row;
+    const std::int64_t first_row = matrix.tile_window(0, tiles.front().cell.row).row;
     const std::int64_t end = (first_row + strip_rows + units.height_px - 1) / units.height_px * units.height_px;
     strip = read_strip(source, units, first_row, std::min(end, source.height_px), strip, memory, threads);
-    const auto below = std::partition_point(tiles.begin(), tiles.end(), [&](const TileScore* tile) {
-      const PixelWindow window = matrix.tile_window(0, tile->row);
+    const auto below = std::partition_point(tiles.begin(), tiles.end(), [&](const MeasuredTile& tile) {
+      const PixelWindow window = matrix.tile_window(0, tile.cell.row);
       return window.row + window.height <= strip.window.row + strip.window.height;
     });
     const auto inside = static_cast<std::size_t>(below - tiles.begin());

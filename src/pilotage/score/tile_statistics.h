@@ -6,7 +6,7 @@
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/score/score_tiles.h"
 
@@ -19,18 +19,24 @@ struct GrayWindow {
   cv::Mat valid;       ///< CV_8U, 0 where there is no ground.
 };
 
+/// A tile of a matrix, and where its scores go.
+struct MeasuredTile {
+  TileCell cell;
+  TileScores* scores = nullptr;
+};
+
 /// Sets valid_fraction, status, and of V, H and the deficit what `options` asks for (all of them for P(correct fix)),
-/// of tiles of `matrix` that lie inside the window; column and row of each say which tile it is. Tiles are computed
-/// from sums of powers that they share (WindowSums). The same bytes for any number of threads and any choice and order
-/// of tiles. Throws UsageError for pixels of another type.
+/// of tiles of `matrix` that lie inside the window. Tiles are computed from sums of powers that they share
+/// (WindowSums). The same bytes for any number of threads and any choice and order of tiles. Throws UsageError for
+/// pixels of another type.
 void score_statistics(const GrayWindow& map, const TileMatrix& matrix, const ScoreOptions& options,
-                      std::span<TileScore* const> tiles, int threads);
+                      std::span<const MeasuredTile> tiles, int threads);
 
 /// The same of tiles anywhere on the map, whose pixel grid is that of `source`: rows of tiles stream from the top to
 /// the bottom, and each block of the source that a tile touches is read once. `tiles` ascend by row, then column.
 /// Memory: some 8 million pixels and their sums, more only where a tile's height of the map is more. Throws what
 /// reading throws; Interrupted.
 void stream_statistics(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
-                       std::span<TileScore* const> tiles, int threads, const Progress& progress = {});
+                       std::span<const MeasuredTile> tiles, int threads, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/stored_size.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/select/fix_attempts.h"
 #include "pilotage/select/route_probability.h"
 
@@ -14,7 +14,7 @@ namespace pilotage {
 /// The tiles of `wanted` that fit, in this order while they do: those of `first`; the sparse areas, nearest to the
 /// route first; the others by whole half strides from the route, and by margin among equals. Throws UsageError for a
 /// budget that cannot hold an empty map.
-std::vector<bool> tiles_in_order(const TilePlan& plan, const std::vector<TileScore>& scores,
+std::vector<bool> tiles_in_order(const Mission& plan, const std::vector<TileScores>& scores,
                                  const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                  const std::vector<bool>& first, const StoredSize& size, std::int64_t budget);
 

@@ -5,26 +5,26 @@
 #include <optional>
 #include <vector>
 
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/tile_lookup.h"
-#include "pilotage/mission/tile_plan.h"
 
 namespace pilotage {
 
 /// A place on the route where a tile can be tried: the middle of the stretch that is flown over it.
 struct FixAttempt {
-  std::size_t sample = 0;   ///< Index into plan.route_samples.
-  std::size_t tile = 0;     ///< Index into plan.tiles.
+  std::size_t sample = 0;   ///< Index into plan.flight.samples.
+  std::size_t tile = 0;     ///< Index into plan.ground.tiles.
   std::int64_t window = 0;  ///< Attempts of one window succeed or fail together.
 };
 
 /// The tile under each sample of the route.
-std::vector<std::optional<std::size_t>> tiles_under_route(const TilePlan& plan, const TileLookup& lookup);
+std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& plan, const TileLookup& lookup);
 
 /// The places where tiles can be tried, in the order of flight. The route is cut into windows of one decorrelation
 /// distance (`decorrelation_m`, else the width of the sample's tiles) or of one fix interval, whichever is longer. A
 /// stretch over one tile is one attempt, or as many equal ones as it has decorrelation distances, and belongs to the
 /// window of its middle.
-std::vector<FixAttempt> fix_attempts(const TilePlan& plan, const std::vector<std::optional<std::size_t>>& tiles,
+std::vector<FixAttempt> fix_attempts(const Mission& plan, const std::vector<std::optional<std::size_t>>& tiles,
                                      double fix_interval_s, std::optional<double> decorrelation_m);
 
 /// The attempts that count, ascending: of each window the one with the largest P above 0, the first among equals, and
@@ -51,7 +51,7 @@ struct ExpectedFixes {
   double correct = 0;
   double wrong = 0;  ///< Σ (1 − P) · max_false_fix_rate.
 };
-ExpectedFixes expected_fixes(const TilePlan& plan, const std::vector<std::optional<std::size_t>>& tiles,
+ExpectedFixes expected_fixes(const Mission& plan, const std::vector<std::optional<std::size_t>>& tiles,
                              const std::vector<bool>& stored, const std::vector<double>& p_of_tile,
                              double fix_interval_s, double max_false_fix_rate);
 

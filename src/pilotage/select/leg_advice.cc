@@ -13,10 +13,10 @@ struct LegSamples {
   std::size_t end = 0;
 };
 
-std::vector<LegSamples> samples_of_legs(const TilePlan& plan) {
-  std::vector<LegSamples> legs(plan.route.legs.size());
-  for (std::size_t i = 0; i < plan.route_samples.size(); ++i) {
-    LegSamples& leg = legs[static_cast<std::size_t>(plan.route_samples[i].leg)];
+std::vector<LegSamples> samples_of_legs(const Mission& plan) {
+  std::vector<LegSamples> legs(plan.flight.route.legs.size());
+  for (std::size_t i = 0; i < plan.flight.samples.size(); ++i) {
+    LegSamples& leg = legs[static_cast<std::size_t>(plan.flight.samples[i].leg)];
     if (leg.end == 0) leg.begin = i;
     leg.end = i + 1;
   }
@@ -25,22 +25,22 @@ std::vector<LegSamples> samples_of_legs(const TilePlan& plan) {
 
 // The sample moved to the right of the track (negative: to the left), on the mission grid. The direction is that of the
 // leg's neighbouring samples, so the grid's convergence does not matter.
-PlanSample moved_aside(const TilePlan& plan, const LegSamples& leg, std::size_t i, double right_m) {
-  PlanSample sample = plan.route_samples[i];
+FlightSample moved_aside(const Mission& plan, const LegSamples& leg, std::size_t i, double right_m) {
+  FlightSample sample = plan.flight.samples[i];
   const std::size_t a = i > leg.begin ? i - 1 : i;
   const std::size_t b = i + 1 < leg.end ? i + 1 : i;
-  const Eigen::Vector2d along = plan.route_samples[b].point_map_m - plan.route_samples[a].point_map_m;
+  const Eigen::Vector2d along = plan.flight.samples[b].point_map_m - plan.flight.samples[a].point_map_m;
   if (along.norm() > 0) sample.point_map_m += right_m / along.norm() * Eigen::Vector2d(along.y(), -along.x());
   return sample;
 }
 
 // One stride of the coarsest level that the leg uses.
-double stride_m(const TilePlan& plan, const LegSamples& leg) {
+double stride_m(const Mission& plan, const LegSamples& leg) {
   double stride = 0;
   for (std::size_t i = leg.begin; i < leg.end; ++i) {
-    const int level = plan.route_samples[i].level;
-    if (level == PlanSample::kNoLevel) continue;
-    const TileMatrix& matrix = plan.levels[static_cast<std::size_t>(level)].matrix;
+    const int level = plan.flight.samples[i].level;
+    if (level == FlightSample::kNoLevel) continue;
+    const TileMatrix& matrix = plan.ground.levels[static_cast<std::size_t>(level)].matrix;
     stride = std::max(stride, matrix.stride_px * std::abs(matrix.map_from_pixel.x_per_col));
   }
   return stride;
@@ -50,7 +50,7 @@ double stride_m(const TilePlan& plan, const LegSamples& leg) {
 
 std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& survival,
                                    const std::vector<double>& p_of_tile, const AdviceOptions& options) {
-  const TilePlan& plan = *path.plan;
+  const Mission& plan = *path.plan;
   const TileLookup lookup(plan);
   const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, lookup);
   const std::vector<LegSamples> legs = samples_of_legs(plan);
@@ -79,7 +79,7 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
     };
     try_line(0);
     const double stride = stride_m(plan, legs[leg]);
-    for (double offset_m = stride; stride > 0 && offset_m <= plan.corridor_half_width_m; offset_m += stride) {
+    for (double offset_m = stride; stride > 0 && offset_m <= plan.flight.corridor_half_width_m; offset_m += stride) {
       if (!best.good) try_line(-offset_m);
       if (!best.good) try_line(offset_m);
     }

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
-#include "pilotage/mission/tile_plan.h"
 
 namespace pilotage {
 
@@ -17,18 +17,18 @@ struct RouteError {
 };
 
 /// Propagates the inertial error (ins/ins_state.h) along the plan's samples at the route's speed. GNSS is lost at the
-/// start of the route; over each sample with `matchable[i]` a fix of plan.ins.fix_sigma_m is taken, at most one every
-/// `fix_interval_s`. The error is k·σ of position along the worst direction, k = plan.ins.sigma_multiple. A gap runs
-/// from the last matchable sample before a stretch without matchable ground (or the start) to the first one after it
-/// (or the end).
-RouteError predict_route_error(const TilePlan& plan, const std::vector<bool>& matchable, double max_error_m,
+/// start of the route; over each sample with `matchable[i]` a fix of plan.flight.ins.fix_sigma_m is taken, at most one
+/// every `fix_interval_s`. The error is k·σ of position along the worst direction, k = plan.flight.ins.sigma_multiple.
+/// A gap runs from the last matchable sample before a stretch without matchable ground (or the start) to the first one
+/// after it (or the end).
+RouteError predict_route_error(const Mission& plan, const std::vector<bool>& matchable, double max_error_m,
                                double fix_interval_s);
 
 /// The fewest samples at which a fix must be taken so that the error stays within `max_error_m` wherever that can be
 /// done: fly on to the last matchable sample before the limit is reached, fix there, and so on (optimal for intervals
 /// on a line). Where no fix can be had in time, the next matchable sample is taken. Ascending indices into
-/// plan.route_samples.
-std::vector<std::size_t> fewest_fix_samples(const TilePlan& plan, const std::vector<bool>& matchable,
+/// plan.flight.samples.
+std::vector<std::size_t> fewest_fix_samples(const Mission& plan, const std::vector<bool>& matchable,
                                             double max_error_m);
 
 }  // namespace pilotage

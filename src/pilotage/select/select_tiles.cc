@@ -19,20 +19,6 @@
 namespace pilotage {
 namespace {
 
-// The scores in the order of the plan's tiles.
-std::vector<TileScore> scores_of_plan(const TilePlan& plan, const std::vector<TileScore>& scores) {
-  std::vector<TileScore> ordered = scores;
-  std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.tile_id < b.tile_id; });
-  const bool same =
-      std::equal(plan.tiles.begin(), plan.tiles.end(), ordered.begin(), ordered.end(),
-                 [](const PlanTile& tile, const TileScore& score) { return tile.tile_id == score.tile_id; });
-  if (!same) {
-    throw DataError("the scores are of other tiles than the plan (" + std::to_string(scores.size()) + " scores, " +
-                    std::to_string(plan.tiles.size()) + " tiles); score the plan again");
-  }
-  return ordered;
-}
-
 std::vector<bool> samples_over(const std::vector<std::optional<std::size_t>>& tiles, const std::vector<bool>& chosen) {
   std::vector<bool> over(tiles.size());
   for (std::size_t i = 0; i < over.size(); ++i) over[i] = tiles[i] && chosen[*tiles[i]];
@@ -40,17 +26,17 @@ std::vector<bool> samples_over(const std::vector<std::optional<std::size_t>>& ti
 }
 
 // The matching areas around the fixes: every matchable tile in which the aircraft may find itself there.
-std::vector<bool> sparse_areas(const TilePlan& plan, const std::vector<bool>& matchable,
+std::vector<bool> sparse_areas(const Mission& plan, const std::vector<bool>& matchable,
                                const std::vector<bool>& can_fix, double max_error_m) {
-  std::vector<bool> chosen(plan.tiles.size(), false);
+  std::vector<bool> chosen(plan.ground.tiles.size(), false);
   for (const std::size_t fix : fewest_fix_samples(plan, can_fix, max_error_m)) {
-    const PlanSample& sample = plan.route_samples[fix];
-    const TileMatrix& matrix = plan.levels[static_cast<std::size_t>(sample.level)].matrix;
+    const FlightSample& sample = plan.flight.samples[fix];
+    const TileMatrix& matrix = plan.ground.levels[static_cast<std::size_t>(sample.level)].matrix;
     // Half the diagonal of a stride more, so that the tile of the fix is among them however narrow the corridor.
     const double half_diagonal_m = std::sqrt(0.5) * matrix.stride_px * matrix.map_from_pixel.x_per_col;
-    const double reach_m = plan.corridor_half_width_m + half_diagonal_m;
-    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
-      const PlanTile& tile = plan.tiles[i];
+    const double reach_m = plan.flight.corridor_half_width_m + half_diagonal_m;
+    for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
+      const GroundTile& tile = plan.ground.tiles[i];
       if (tile.level != sample.level || !matchable[i]) continue;
       if ((tile.bounds.center_m() - sample.point_map_m).norm() <= reach_m) chosen[i] = true;
     }
@@ -64,7 +50,7 @@ std::size_t count_true(const std::vector<bool>& flags) {
 
 // P of a correct fix of each matchable tile, 0 of the others. One without a P counts as certain, as before there were
 // any.
-std::vector<double> fix_chances(const std::vector<TileScore>& scores, const std::vector<bool>& matchable) {
+std::vector<double> fix_chances(const std::vector<TileScores>& scores, const std::vector<bool>& matchable) {
   std::vector<double> p(scores.size(), 0.0);
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (matchable[i]) p[i] = std::isnan(scores[i].p_correct_fix) ? 1.0 : scores[i].p_correct_fix;
@@ -86,15 +72,15 @@ struct Chances {
 
   RouteSurvival of(const std::vector<bool>& chosen) const {
     return predict_survival(
-        path, route_chances(attempts, of_chosen(p_of_tile, chosen), path.plan->route_samples.size(), fix_interval_s));
+        path, route_chances(attempts, of_chosen(p_of_tile, chosen), path.plan->flight.samples.size(), fix_interval_s));
   }
 };
 
 // The better of the stated order and of the search for the largest P; the order where they are alike.
-std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScore>& scores,
+std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScores>& scores,
                                 const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                 const StoredSize& size, std::int64_t budget) {
-  const TilePlan& plan = *chances.path.plan;
+  const Mission& plan = *chances.path.plan;
   const std::vector<bool> none(wanted.size(), false);
   std::vector<bool> best = tiles_in_order(plan, scores, wanted, sparse, none, size, budget);
   const auto worth = [&](const std::vector<bool>& chosen) { return flight_worth(chances.of(chosen).p_within_limit); };
@@ -120,7 +106,7 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                  const std::vector<std::optional<std::size_t>>& tiles, const SelectOptions& options,
                  Selection& selection) {
   const RouteSurvival survival = chances.of(chosen);
-  const TilePlan& plan = *chances.path.plan;
+  const Mission& plan = *chances.path.plan;
   const std::vector<double> p_of_stored = of_chosen(chances.p_of_tile, chosen);
   const ExpectedFixes expected =
       expected_fixes(plan, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
@@ -135,9 +121,9 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
     leg.p_fix = survival.leg_p_fix[static_cast<std::size_t>(leg.leg)];
   }
   const auto p_at = [&](double distance_m) {  // after the first of two samples at one place
-    const auto sample = std::lower_bound(plan.route_samples.begin(), plan.route_samples.end(), distance_m,
-                                         [](const PlanSample& a, double b_m) { return a.distance_m < b_m; });
-    return survival.p_within_limit[static_cast<std::size_t>(sample - plan.route_samples.begin())];
+    const auto sample = std::lower_bound(plan.flight.samples.begin(), plan.flight.samples.end(), distance_m,
+                                         [](const FlightSample& a, double b_m) { return a.distance_m < b_m; });
+    return survival.p_within_limit[static_cast<std::size_t>(sample - plan.flight.samples.begin())];
   };
   for (RouteGap& gap : selection.gaps) {
     const double before = gap.from_distance_m > 0 ? p_at(gap.from_distance_m) : 1;
@@ -147,53 +133,53 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
   selection.advice = advise_legs(chances.path, survival, chances.p_of_tile,
                                  {options.fix_interval_s, options.fix_decorrelation_m, options.min_leg_probability});
   for (const LegAdvice& advice : selection.advice) {
-    selection.notes.push_back(advice_text(advice, options.min_leg_probability, plan.corridor_half_width_m));
+    selection.notes.push_back(advice_text(advice, options.min_leg_probability, plan.flight.corridor_half_width_m));
   }
 }
 
 }  // namespace
 
-double judged_margin(const TileScore& score) {
+double judged_margin(const TileScores& score) {
   return std::isnan(score.degraded.margin) ? score.clean.margin : score.degraded.margin;
 }
 
-bool is_matchable(const TileScore& score, const SelectOptions& options) {
+bool is_matchable(const TileScores& score, const SelectOptions& options) {
   if (score.status != TileStatus::kScored) return false;
   if (!std::isnan(score.p_correct_fix)) return score.p_correct_fix >= options.min_p_correct_fix;
   const double margin = judged_margin(score);
   return std::isnan(margin) || margin >= options.min_peak_margin;
 }
 
-Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& scores, const StoredSize& size,
+Selection select_tiles(const Mission& plan, const std::vector<TileScores>& scores, const StoredSize& size,
                        const SelectOptions& options) {
   check_options(options);
-  const double max_error_m = plan.max_error_m;
-  const std::vector<TileScore> ordered = scores_of_plan(plan, scores);
+  const double max_error_m = plan.flight.max_error_m;
+  ScoreTable(plan.ground, scores);  // one for each tile
   const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
 
-  std::vector<bool> matchable(plan.tiles.size());
-  for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(ordered[i], options);
+  std::vector<bool> matchable(plan.ground.tiles.size());
+  for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(scores[i], options);
   const std::vector<bool> sparse = sparse_areas(plan, matchable, samples_over(tiles, matchable), max_error_m);
   std::vector<bool> chosen = options.sparse ? sparse : matchable;
   std::optional<Chances> chances;
-  if (std::any_of(ordered.begin(), ordered.end(), [](const TileScore& s) { return !std::isnan(s.p_correct_fix); })) {
+  if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
     chances = Chances{make_flight_path(plan, max_error_m),
                       fix_attempts(plan, tiles, options.fix_interval_s, options.fix_decorrelation_m),
-                      fix_chances(ordered, matchable), options.fix_interval_s};
+                      fix_chances(scores, matchable), options.fix_interval_s};
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
     const std::vector<bool> none(chosen.size(), false);
-    chosen = chances ? within_budget(*chances, ordered, chosen, sparse, size, budget)
-                     : tiles_in_order(plan, ordered, chosen, sparse, none, size, budget);
+    chosen = chances ? within_budget(*chances, scores, chosen, sparse, size, budget)
+                     : tiles_in_order(plan, scores, chosen, sparse, none, size, budget);
   }
 
   Selection selection;
   StorageCount count(plan, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i]) continue;
-    selection.tile_ids.push_back(plan.tiles[i].tile_id);
-    count.add(plan.tiles[i]);
+    selection.tile_ids.push_back(plan.ground.tiles[i].tile_id);
+    count.add(plan.ground.tiles[i]);
   }
   RouteError error = predict_route_error(plan, samples_over(tiles, chosen), max_error_m, options.fix_interval_s);
   selection.gaps = std::move(error.gaps);
@@ -202,13 +188,13 @@ Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& score
   selection.matchable_fraction = error.matchable_fraction;
   selection.within_limit = error.within_limit;
   selection.max_error_m = max_error_m;
-  selection.sigma_multiple = plan.ins.sigma_multiple;
+  selection.sigma_multiple = plan.flight.ins.sigma_multiple;
   selection.estimated_bytes = static_cast<std::int64_t>(std::ceil(count.bytes()));
-  selection.notes.push_back(std::to_string(count_true(matchable)) + " of " + std::to_string(plan.tiles.size()) +
+  selection.notes.push_back(std::to_string(count_true(matchable)) + " of " + std::to_string(plan.ground.tiles.size()) +
                             " tiles can be matched; " + std::to_string(selection.tile_ids.size()) + " are stored");
   if (chances) {
     std::size_t without_p = 0;
-    for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(ordered[i].p_correct_fix);
+    for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(scores[i].p_correct_fix);
     if (without_p > 0) {
       selection.notes.push_back(std::to_string(without_p) +
                                 " stored tiles have no probability of a correct fix; they were counted as certain");

@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "pilotage/ground/score_table.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/stored_size.h"
-#include "pilotage/mission/tile_plan.h"
-#include "pilotage/mission/tile_scores.h"
 #include "pilotage/select/select_options.h"
 
 #pragma GCC visibility push(default)
@@ -13,13 +13,13 @@
 namespace pilotage {
 
 /// R1 − R2 by which a tile is judged: of degraded copies, else of the clean surface, else NaN.
-double judged_margin(const TileScore& score);
+double judged_margin(const TileScores& score);
 
 /// Whether a frame can be expected to match this tile: scored, and its probability of a correct fix, where it is known,
 /// is at least min_p_correct_fix; else its peak stands min_peak_margin above every rival. Judged on degraded copies; on
 /// the clean surface only where no degraded one was computed, because clean uniqueness can point the wrong way
 /// (docs/methods/uniqueness.md). A tile without either is judged by its status alone.
-bool is_matchable(const TileScore& score, const SelectOptions& options);
+bool is_matchable(const TileScores& score, const SelectOptions& options);
 
 /// Chooses the tiles that are stored and predicts what the flight looks like with them.
 ///
@@ -35,7 +35,7 @@ bool is_matchable(const TileScore& score, const SelectOptions& options);
 ///
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
 /// of this plan.
-Selection select_tiles(const TilePlan& plan, const std::vector<TileScore>& scores, const StoredSize& size,
+Selection select_tiles(const Mission& plan, const std::vector<TileScores>& scores, const StoredSize& size,
                        const SelectOptions& options);
 
 }  // namespace pilotage

@@ -4,8 +4,8 @@
 #include <map>
 #include <tuple>
 
+#include "pilotage/mission/mission.h"
 #include "pilotage/mission/stored_size.h"
-#include "pilotage/mission/tile_plan.h"
 
 namespace pilotage {
 
@@ -13,19 +13,19 @@ namespace pilotage {
 /// The plan must outlive it.
 class StorageCount {
  public:
-  StorageCount(const TilePlan& plan, const StoredSize& size);
+  StorageCount(const Mission& plan, const StoredSize& size);
 
   double bytes() const { return bytes_; }
   /// What `tile` would add.
-  double bytes_of(const PlanTile& tile) const;
-  void add(const PlanTile& tile);
+  double bytes_of(const GroundTile& tile) const;
+  void add(const GroundTile& tile);
   /// Takes away a tile that was added.
-  void remove(const PlanTile& tile);
+  void remove(const GroundTile& tile);
 
  private:
-  double cell_bytes(const PlanTile& tile) const;
+  double cell_bytes(const GroundTile& tile) const;
 
-  const TilePlan* plan_;
+  const Mission* plan_;
   StoredSize size_;
   double bytes_ = 0;
   std::map<std::tuple<int, std::int64_t, std::int64_t>, int> cells_;  ///< Tiles over level, row, column.

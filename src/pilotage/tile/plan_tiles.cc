@@ -53,19 +53,19 @@ TerrainHeight open_terrain(const std::string& elevation) {
 }
 
 // The samples of the plan's route, and what a planner should look at again in its heights.
-void sample_plan_route(TilePlan& plan) {
-  const TerrainHeight terrain = open_terrain(plan.elevation);
-  const std::vector<RouteSample> samples = sample_route(plan.route, kSampleStep_m, terrain);
+void sample_plan_route(Mission& plan) {
+  const TerrainHeight terrain = open_terrain(plan.ground.elevation);
+  const std::vector<RouteSample> samples = sample_route(plan.flight.route, kSampleStep_m, terrain);
   for (const RouteSample& sample : samples) {
-    plan.route_samples.push_back(PlanSample{sample});
+    plan.flight.samples.push_back(FlightSample{sample});
     if (!std::isfinite(sample.speed_mps)) {
-      throw UsageError(plan.route.name + ": leg " + std::to_string(sample.leg + 1) +
+      throw UsageError(plan.flight.route.name + ": leg " + std::to_string(sample.leg + 1) +
                        " has no speed; give --speed-mps (metres per second over ground)");
     }
   }
   // Who plans to match from lower than this means to fly there.
-  const double low_agl_m = std::min(kLowAgl_m, plan.min_agl_m);
-  for (std::string& warning : route_height_warnings(plan.route, samples, terrain, low_agl_m)) {
+  const double low_agl_m = std::min(kLowAgl_m, plan.flight.min_agl_m);
+  for (std::string& warning : route_height_warnings(plan.flight.route, samples, terrain, low_agl_m)) {
     plan.warnings.push_back(std::move(warning));
   }
 }
@@ -77,9 +77,9 @@ MissionCrs mission_crs(const TileOptions& options, const Route& route, double ha
   return check_mission_crs(Crs::from_user_input(options.crs), points, half_width_m);
 }
 
-void place_samples(std::vector<PlanSample>& samples, const Crs& crs) {
+void place_samples(std::vector<FlightSample>& samples, const Crs& crs) {
   const CrsTransform transform(crs);
-  for (PlanSample& sample : samples) {
+  for (FlightSample& sample : samples) {
     const auto point = transform.map_from_geodetic(sample.point);
     if (!point) {
       throw DataError("the route at lon " + format_fixed(sample.point.lon_deg, 6) + ", lat " +
@@ -99,10 +99,10 @@ double footprint_side_m(const Camera& camera, double agl_m) {
 }
 
 // Runs of consecutive samples of one level, on the grid.
-std::vector<std::vector<GridSample>> runs_of_level(const std::vector<PlanSample>& samples, int level) {
+std::vector<std::vector<GridSample>> runs_of_level(const std::vector<FlightSample>& samples, int level) {
   std::vector<std::vector<GridSample>> runs;
-  const PlanSample* before = nullptr;
-  for (const PlanSample& sample : samples) {
+  const FlightSample* before = nullptr;
+  for (const FlightSample& sample : samples) {
     if (sample.level == level) {
       const bool joined = before != nullptr && before->level == level && before->leg == sample.leg;
       if (!joined) runs.emplace_back();
@@ -113,9 +113,9 @@ std::vector<std::vector<GridSample>> runs_of_level(const std::vector<PlanSample>
   return runs;
 }
 
-PlanLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size_px, double overlap, double reach_m,
-                     const std::vector<PlanSample>& samples) {
-  PlanLevel level;
+GridLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size_px, double overlap, double reach_m,
+                     const std::vector<FlightSample>& samples) {
+  GridLevel level;
   level.gsd_m = gsd_m;
   level.min_agl_m = band.min_agl_m;
   level.max_agl_m = band.max_agl_m;
@@ -124,7 +124,7 @@ PlanLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size
   level.matrix.stride_px = std::max(1, static_cast<int>(std::lround(tile_size_px * (1 - overlap))));
 
   Bounds bounds;
-  for (const PlanSample& sample : samples) {
+  for (const FlightSample& sample : samples) {
     if (sample.level == index) bounds.extend(sample.point_map_m);
   }
   const Bounds grid = bounds.grown(reach_m + tile_size_px * gsd_m);
@@ -138,80 +138,71 @@ PlanLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size
 
 // How far from the route the centres of a level's tiles may lie: at least half the diagonal of a stride, so that the
 // tile nearest to a point of the route (TileLookup) is always there, however narrow the corridor.
-double reach_of_tiles_m(const PlanLevel& level, double corridor_half_width_m) {
+double reach_of_tiles_m(const GridLevel& level, double corridor_half_width_m) {
   return std::max(corridor_half_width_m, std::sqrt(0.5) * level.matrix.stride_px * level.gsd_m);
 }
 
 // Gives every sample its level; returns the bands of heights.
-std::vector<AglBand> serve_heights(TilePlan& plan) {
+std::vector<AglBand> serve_heights(Mission& plan) {
   std::vector<double> heights_m;
-  for (const PlanSample& sample : plan.route_samples) {
-    if (sample.agl_m >= plan.min_agl_m) heights_m.push_back(sample.agl_m);
+  for (const FlightSample& sample : plan.flight.samples) {
+    if (sample.agl_m >= plan.flight.min_agl_m) heights_m.push_back(sample.agl_m);
   }
   if (heights_m.empty()) {
-    throw DataError(plan.route.name + ": no part of the route is higher than min_agl_m = " +
-                    format_number(plan.min_agl_m) + " above the ground");
+    throw DataError(plan.flight.route.name + ": no part of the route is higher than min_agl_m = " +
+                    format_number(plan.flight.min_agl_m) + " above the ground");
   }
   const std::vector<AglBand> bands = agl_bands(heights_m);
   double low_m = 0;
-  const PlanSample* before = nullptr;
-  for (PlanSample& sample : plan.route_samples) {
-    const bool high_enough = sample.agl_m >= plan.min_agl_m;
-    sample.level = high_enough ? band_of(bands, sample.agl_m) : PlanSample::kNoLevel;
+  const FlightSample* before = nullptr;
+  for (FlightSample& sample : plan.flight.samples) {
+    const bool high_enough = sample.agl_m >= plan.flight.min_agl_m;
+    sample.level = high_enough ? band_of(bands, sample.agl_m) : FlightSample::kNoLevel;
     if (before != nullptr && !high_enough) low_m += sample.distance_m - before->distance_m;
     before = &sample;
   }
   if (low_m > 0) {
     plan.warnings.push_back(format_fixed(low_m, 0) + " m of the route are flown lower than " +
-                            format_number(plan.min_agl_m) + " m above the ground, where no matching is expected");
+                            format_number(plan.flight.min_agl_m) +
+                            " m above the ground, where no matching is expected");
   }
   return bands;
 }
 
 // One level for each band: its ground sample distance, tile size, grid and search radius.
 void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& infos, const std::vector<AglBand>& bands,
-                TilePlan& plan) {
+                Mission& plan) {
   const double tilt_rad =
-      attitude_error(initial_ins_state(make_ins_error_model(plan.ins), 0, plan.route_samples.front().speed_mps),
-                     plan.ins.sigma_multiple)
+      attitude_error(initial_ins_state(make_ins_error_model(plan.flight.ins), 0, plan.flight.samples.front().speed_mps),
+                     plan.flight.ins.sigma_multiple)
           .tilt_rad;
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const double agl_m = bands[i].typical_agl_m;
-    const double side_m = footprint_side_m(plan.camera, agl_m);
-    const GroundSampleDistance camera_gsd = gsd_m(plan.camera, agl_m);
+    const double side_m = footprint_side_m(plan.flight.camera, agl_m);
+    const GroundSampleDistance camera_gsd = gsd_m(plan.flight.camera, agl_m);
     const double camera_gsd_m = std::max(camera_gsd.across_m, camera_gsd.along_m);
     const WorkingGsd working = choose_working_gsd(options.gsd_m, coarsest_gsd_m(infos), camera_gsd_m, side_m);
     plan.notes.push_back("Level " + std::to_string(i) + ": " + format_fixed(working.gsd_m, 3) + " m/px, " +
                          working.reason);
     const int tile_size_px =
         options.tile_size_px.value_or(std::clamp(static_cast<int>(std::lround(side_m / working.gsd_m)), 16, 8192));
-    const double radius_m = search_radius_m(plan.max_error_m, 0, bands[i].max_agl_m, tilt_rad);
-    PlanLevel level = make_level(static_cast<int>(i), bands[i], working.gsd_m, tile_size_px, options.tile_overlap,
-                                 plan.corridor_half_width_m + radius_m, plan.route_samples);
+    const double radius_m = search_radius_m(plan.flight.max_error_m, 0, bands[i].max_agl_m, tilt_rad);
+    GridLevel level = make_level(static_cast<int>(i), bands[i], working.gsd_m, tile_size_px, options.tile_overlap,
+                                 plan.flight.corridor_half_width_m + radius_m, plan.flight.samples);
     level.search_radius_px = std::max(1, static_cast<int>(std::ceil(radius_m / working.gsd_m)));
-    plan.levels.push_back(level);
+    plan.ground.levels.push_back(level);
     if (i == 0) {
-      const Footprint shape = footprint(plan.camera, Attitude{}, agl_m);
-      plan.footprint_width_m = shape.across_m;
-      plan.footprint_height_m = shape.along_m;
+      const Footprint shape = footprint(plan.flight.camera, Attitude{}, agl_m);
+      plan.flight.footprint_width_m = shape.across_m;
+      plan.flight.footprint_height_m = shape.along_m;
       const double usable_gsd_m = choose_working_gsd({}, 0, camera_gsd_m, side_m).gsd_m;
       for (auto& warning : imagery_warnings(infos, usable_gsd_m)) plan.warnings.push_back(std::move(warning));
     }
   }
 }
 
-Bounds tile_bounds(const TileMatrix& matrix, std::int64_t column, std::int64_t row) {
-  const PixelWindow window = matrix.tile_window(column, row);
-  const auto col = static_cast<double>(window.col);
-  const auto first_row = static_cast<double>(window.row);
-  Bounds bounds;
-  bounds.extend(matrix.map_from_pixel.map_from_pixel({col, first_row}));
-  bounds.extend(matrix.map_from_pixel.map_from_pixel({col + window.width, first_row + window.height}));
-  return bounds;
-}
-
 // Coverage of each tile: the share of its pixels that `score` will find valid.
-void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatrix& matrix, std::span<PlanTile> tiles,
+void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatrix& matrix, std::span<GroundTile> tiles,
                       const Progress& progress) {
   const GraySource source = open_valid_on_grid(options.imagery, crs, matrix.map_from_pixel, matrix.grid_width_px,
                                                matrix.grid_height_px, options.imagery_options);
@@ -221,25 +212,24 @@ void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatr
   }
 }
 
-std::vector<PlanTile> cut_tiles(const TilePlan& plan, int level) {
-  const PlanLevel& plan_level = plan.levels[static_cast<std::size_t>(level)];
+// Adds the tiles of a level to the ground, with their places along the route to the flight.
+void cut_tiles(int level, Mission& plan) {
+  const GridLevel& plan_level = plan.ground.levels[static_cast<std::size_t>(level)];
   const TileMatrix& matrix = plan_level.matrix;
-  const CrsTransform transform(Crs::from_user_input(plan.crs_wkt));
-  std::vector<PlanTile> tiles;
-  for (const CorridorTile& cell : corridor_tiles(runs_of_level(plan.route_samples, level),
-                                                 reach_of_tiles_m(plan_level, plan.corridor_half_width_m), matrix)) {
-    PlanTile tile;
-    tile.tile_id = tile_id_of(plan.levels, level, cell.column, cell.row);
+  const CrsTransform transform(plan.ground.crs);
+  for (const CorridorTile& cell :
+       corridor_tiles(runs_of_level(plan.flight.samples, level),
+                      reach_of_tiles_m(plan_level, plan.flight.corridor_half_width_m), matrix)) {
+    GroundTile tile;
+    tile.tile_id = tile_id_of(plan.ground.levels, level, cell.column, cell.row);
     tile.level = level;
     tile.column = cell.column;
     tile.row = cell.row;
-    tile.bounds = tile_bounds(matrix, cell.column, cell.row);
+    tile.bounds = matrix.tile_bounds({cell.column, cell.row});
     tile.center = transform.geodetic_from_map(tile.bounds.center_m()).value();
-    tile.route_distance_m = cell.route_distance_m;
-    tile.route_offset_m = cell.route_offset_m;
-    tiles.push_back(tile);
+    plan.ground.tiles.push_back(tile);
+    plan.flight.places.push_back({cell.route_distance_m, cell.route_offset_m});
   }
-  return tiles;
 }
 
 double distance_outside_m(const Bounds& bounds, const Eigen::Vector2d& point_m) {
@@ -249,7 +239,7 @@ double distance_outside_m(const Bounds& bounds, const Eigen::Vector2d& point_m) 
 }
 
 // Names the stretches of the route that lie outside the rectangle of every raster; "" when there are none.
-std::string uncovered_route(const std::vector<PlanSample>& samples, const std::vector<ImageryInfo>& infos,
+std::string uncovered_route(const std::vector<FlightSample>& samples, const std::vector<ImageryInfo>& infos,
                             const Crs& crs) {
   std::vector<Bounds> extents;
   for (const auto& info : infos) extents.push_back(imagery_bounds(info, crs));
@@ -277,7 +267,7 @@ std::string uncovered_route(const std::vector<PlanSample>& samples, const std::v
 }
 
 // Names the first level whose tiles are wider or higher than all imagery together; "" when there is none.
-std::string tile_larger_than_imagery(const TilePlan& plan, const std::vector<ImageryInfo>& infos, const Crs& crs) {
+std::string tile_larger_than_imagery(const Mission& plan, const std::vector<ImageryInfo>& infos, const Crs& crs) {
   Bounds extent;
   for (const auto& info : infos) {
     const Bounds part = imagery_bounds(info, crs);
@@ -285,7 +275,7 @@ std::string tile_larger_than_imagery(const TilePlan& plan, const std::vector<Ima
     extent.extend({part.min_x_m, part.min_y_m});
     extent.extend({part.max_x_m, part.max_y_m});
   }
-  for (const PlanLevel& level : plan.levels) {
+  for (const GridLevel& level : plan.ground.levels) {
     const double side_m = level.matrix.tile_size_px * level.gsd_m;
     const double width_m = extent.max_x_m - extent.min_x_m;
     const double height_m = extent.max_y_m - extent.min_y_m;
@@ -297,44 +287,43 @@ std::string tile_larger_than_imagery(const TilePlan& plan, const std::vector<Ima
   return "";
 }
 
-void add_imagery(TilePlan& plan, const std::vector<ImageryInfo>& infos) {
+void add_imagery(Mission& plan, const std::vector<ImageryInfo>& infos) {
   for (const auto& info : infos) {
-    plan.imagery.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), info.acquired,
-                            info.width_px, info.height_px});
+    plan.ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
+                                            info.acquired, info.width_px, info.height_px});
   }
 }
 
 }  // namespace
 
-TilePlan plan_tiles(const TileOptions& options, const Progress& progress) {
+Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   check_options(options);
   require(!options.imagery.empty(), "imagery");
   require(!options.route.empty(), "route");
 
-  TilePlan plan;
+  Mission plan;
   const auto infos = inspect_all(options);
   add_imagery(plan, infos);
-  plan.elevation = options.elevation;
-  plan.route_file = options.route;
-  plan.imagery_options = options.imagery_options;
-  plan.route = read_route(options.route, options.route_options);
-  plan.camera = make_camera(options.camera, plan.route.camera);
-  plan.ins = options.ins;
-  plan.max_error_m = options.max_error_m;
-  plan.min_agl_m = options.min_agl_m;
-  plan.corridor_half_width_m = options.corridor_half_width_m.value_or(options.max_error_m);
+  plan.ground.elevation = options.elevation;
+  plan.flight.route_file = options.route;
+  plan.ground.imagery.options = options.imagery_options;
+  plan.flight.route = read_route(options.route, options.route_options);
+  plan.flight.camera = make_camera(options.camera, plan.flight.route.camera);
+  plan.flight.ins = options.ins;
+  plan.flight.max_error_m = options.max_error_m;
+  plan.flight.min_agl_m = options.min_agl_m;
+  plan.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(options.max_error_m);
   sample_plan_route(plan);
 
-  const MissionCrs grid = mission_crs(options, plan.route, plan.corridor_half_width_m);
-  plan.crs_wkt = grid.crs.wkt();
-  plan.crs_name = grid.crs.name();
-  plan.max_scale_distortion = grid.max_scale_distortion;
+  const MissionCrs grid = mission_crs(options, plan.flight.route, plan.flight.corridor_half_width_m);
+  plan.ground.crs = grid.crs;
+  plan.ground.max_scale_distortion = grid.max_scale_distortion;
   plan.notes.push_back("Mission grid: " + grid.reason);
-  place_samples(plan.route_samples, grid.crs);
+  place_samples(plan.flight.samples, grid.crs);
 
-  const std::string uncovered = uncovered_route(plan.route_samples, infos, grid.crs);
+  const std::string uncovered = uncovered_route(plan.flight.samples, infos, grid.crs);
   if (!uncovered.empty()) {
-    const std::string sentence = plan.route.name + ": the route leaves the imagery " + uncovered;
+    const std::string sentence = plan.flight.route.name + ": the route leaves the imagery " + uncovered;
     if (!options.allow_uncovered)
       throw DataError(sentence + "; add imagery, or give --allow-uncovered to plan with a gap there");
     plan.warnings.push_back(sentence);
@@ -347,12 +336,14 @@ TilePlan plan_tiles(const TileOptions& options, const Progress& progress) {
     if (!options.allow_uncovered) throw DataError(too_large + "; add imagery, or give a smaller --tile-size-px");
     plan.warnings.push_back(too_large);
   }
-  for (std::size_t level = 0; level < plan.levels.size(); ++level) {
-    std::vector<PlanTile> tiles = cut_tiles(plan, static_cast<int>(level));
-    measure_coverage(options, grid.crs, plan.levels[level].matrix, tiles, progress);
-    plan.tiles.insert(plan.tiles.end(), tiles.begin(), tiles.end());
+  for (std::size_t level = 0; level < plan.ground.levels.size(); ++level) {
+    const std::size_t first = plan.ground.tiles.size();
+    cut_tiles(static_cast<int>(level), plan);
+    measure_coverage(options, grid.crs, plan.ground.levels[level].matrix, std::span(plan.ground.tiles).subspan(first),
+                     progress);
   }
-  if (plan.tiles.empty()) throw DataError("the corridor holds no tile; look at corridor_half_width_m and tile_size_px");
+  if (plan.ground.tiles.empty())
+    throw DataError("the corridor holds no tile; look at corridor_half_width_m and tile_size_px");
   return plan;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pilotage/base/progress.h"
-#include "pilotage/mission/tile_plan.h"
+#include "pilotage/mission/mission.h"
 #include "pilotage/tile/tile_options.h"
 
 #pragma GCC visibility push(default)
@@ -21,7 +21,7 @@ namespace pilotage {
 /// Throws UsageError for options that are missing or outside their range, DataError when a file cannot be used, or when
 /// a part of the route lies outside the imagery (naming which part and how far) or a tile is larger than all of it,
 /// unless options.allow_uncovered.
-TilePlan plan_tiles(const TileOptions& options, const Progress& progress = {});
+Mission plan_tiles(const TileOptions& options, const Progress& progress = {});
 
 }  // namespace pilotage
 

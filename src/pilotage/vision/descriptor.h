@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// Which pixels a descriptor compares (vision/feature_descriptor.cc).
@@ -70,3 +72,5 @@ static_assert(std::all_of(kBinaryDescriptors.begin(), kBinaryDescriptors.end(),
               "lengths are whole words, and no two descriptors have the same");
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 #include "pilotage/base/options.h"
 #include "pilotage/vision/descriptor.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// How features are found and described. Map and frame must agree in descriptor_bits and oriented.
@@ -43,3 +45,5 @@ double octave_scale(const FeatureOptions& options, int octave);
 int patch_radius_px(const FeatureOptions& options);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
 #include <vector>
 
-#include "pilotage/geo/geodetic_point.h"
-#include "pilotage/mission/reason_code.h"
+#include "pilotage/ground/reason_code.h"
 
 #pragma GCC visibility push(default)
 
@@ -42,12 +40,9 @@ enum class TileStatus {
   kFlat,             ///< All valid pixels have the same gray value.
 };
 
-/// The scores of one tile. What was not asked for, or is not defined, is NaN.
-struct TileScore {
-  std::int64_t tile_id = 0;
-  int level = 0;
-  std::int64_t column = 0;
-  std::int64_t row = 0;
+/// The scores of one tile: numbers alone; which tile they are of is told by their place beside the tiles of a Ground
+/// (score_table.h). What was not asked for, or is not defined, is NaN.
+struct TileScores {
   TileStatus status = TileStatus::kScored;
   double valid_fraction = 0;
   double gray_variance = std::numeric_limits<double>::quiet_NaN();    ///< Eq. 1: V, gray levels (with the square root).

@@ -1,4 +1,4 @@
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 
 #include <algorithm>
 #include <charconv>
@@ -82,33 +82,34 @@ Cell reasons_cell() {
 
 std::vector<Cell> make_cells() {
   std::vector<Cell> cells;
+  // A place that is not known (outside the projection, or in metres where the CRS counts degrees) is empty.
   const auto tile_number = [&](std::string name, auto member) {
     cells.push_back(number_cell(
-        std::move(name), true, [member](const TileRow& row) { return *member(row); },
+        std::move(name), false, [member](const TileRow& row) { return *member(row); },
         [member](TileRow& row, double value) { *member(row) = value; }));
   };
   cells.push_back(integer_cell(
       "tile_id", [](const TileRow& row) { return row.tile.tile_id; },
       [](TileRow& row, std::int64_t value) {
-        row.tile.tile_id = row.score.tile_id = value;
+        row.tile.tile_id = value;
         return true;
       }));
   cells.push_back(integer_cell(
       "level", [](const TileRow& row) { return row.tile.level; },
       [](TileRow& row, std::int64_t value) {
-        row.tile.level = row.score.level = static_cast<int>(value);
+        row.tile.level = static_cast<int>(value);
         return value >= 0 && value <= 1000;
       }));
   cells.push_back(integer_cell(
       "column", [](const TileRow& row) { return row.tile.column; },
       [](TileRow& row, std::int64_t value) {
-        row.tile.column = row.score.column = value;
+        row.tile.column = value;
         return true;
       }));
   cells.push_back(integer_cell(
       "row", [](const TileRow& row) { return row.tile.row; },
       [](TileRow& row, std::int64_t value) {
-        row.tile.row = row.score.row = value;
+        row.tile.row = value;
         return true;
       }));
   tile_number("center_lon_deg", [](auto& row) { return &row.tile.center.lon_deg; });
@@ -152,7 +153,7 @@ std::vector<const Cell*> read_header(const CsvReader& reader, const std::vector<
   std::vector<const Cell*> order;
   std::map<std::string_view, int> seen;
   for (const std::string& column : names) {
-    if (++seen[column] > 1) throw DataError(reader.where() + "column \"" + column + "\" stands twice");
+    if (++seen[column] > 1) throw DataError(reader.where() + "column \"" + column + "\" is a duplicate");
     const auto found =
         std::find_if(cells().begin(), cells().end(), [&](const Cell& cell) { return cell.name == column; });
     order.push_back(found == cells().end() ? nullptr : &*found);
@@ -163,9 +164,35 @@ std::vector<const Cell*> read_header(const CsvReader& reader, const std::vector<
   return order;
 }
 
+TileRow make_row(const Ground& ground, std::size_t i, TileScores scores) {
+  const PixelWindow window = ground.window_of(ground.tiles[i]);
+  return {ground.tiles[i], window.col, window.row, std::move(scores)};
+}
+
+/// The table of `count` rows that row_of gives.
+template <class RowOf>
+std::string table_of(std::size_t count, const RowOf& row_of) {
+  std::string text;
+  for (const Cell& cell : cells()) text += (text.empty() ? "" : ",") + cell.name;
+  text += '\n';
+  constexpr std::size_t kUsualRow = 320;
+  text.reserve(text.size() + count * kUsualRow);  // growing by doubling would hold it twice
+  for (std::size_t i = 0; i < count; ++i) {
+    const TileRow& row = row_of(i);
+    bool first = true;
+    for (const Cell& cell : cells()) {
+      if (!first) text += ',';
+      first = false;
+      text += cell.write(row);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string reason_words(const TileScore& score) {
+std::string reason_words(const TileScores& score) {
   std::vector<std::string> words;
   for (const ReasonCode code : score.reasons) words.push_back(options_detail::enum_to_name(code));
   return join(words, ";");
@@ -183,45 +210,19 @@ std::string_view tile_status_name(TileStatus status) {
   return "scored";
 }
 
-std::vector<TileRow> tile_rows(const TilePlan& plan, std::span<const TileScore> scores) {
+std::vector<TileRow> tile_rows(const Ground& ground, std::vector<TileScores> scores) {
   std::vector<TileRow> rows;
-  for (const TileScore& score : scores) {
-    const auto tile =
-        std::lower_bound(plan.tiles.begin(), plan.tiles.end(), score.tile_id,
-                         [](const PlanTile& candidate, std::int64_t id) { return candidate.tile_id < id; });
-    if (tile == plan.tiles.end() || tile->tile_id != score.tile_id) {
-      throw DataError("score of tile " + std::to_string(score.tile_id) + ": the plan has no such tile");
-    }
-    const auto level = std::find_if(plan.levels.begin(), plan.levels.end(),
-                                    [&](const PlanLevel& candidate) { return candidate.matrix.level == tile->level; });
-    if (level == plan.levels.end()) {
-      throw DataError("tile " + std::to_string(tile->tile_id) + ": the plan has no level " +
-                      std::to_string(tile->level));
-    }
-    const PixelWindow window = level->matrix.tile_window(tile->column, tile->row);
-    rows.push_back({*tile, window.col, window.row, score});
-  }
-  std::sort(rows.begin(), rows.end(),
-            [](const TileRow& a, const TileRow& b) { return a.tile.tile_id < b.tile.tile_id; });
+  rows.reserve(scores.size());
+  for (std::size_t i = 0; i < scores.size(); ++i) rows.push_back(make_row(ground, i, std::move(scores[i])));
   return rows;
 }
 
 std::string tile_table_to_csv(std::span<const TileRow> rows) {
-  std::string text;
-  for (const Cell& cell : cells()) text += (text.empty() ? "" : ",") + cell.name;
-  text += '\n';
-  constexpr std::size_t kUsualRow = 320;
-  text.reserve(text.size() + rows.size() * kUsualRow);  // growing by doubling would hold it twice
-  for (const TileRow& row : rows) {
-    bool first = true;
-    for (const Cell& cell : cells()) {
-      if (!first) text += ',';
-      first = false;
-      text += cell.write(row);
-    }
-    text += '\n';
-  }
-  return text;
+  return table_of(rows.size(), [&](std::size_t i) -> const TileRow& { return rows[i]; });
+}
+
+std::string tile_table_to_csv(const Ground& ground, std::span<const TileScores> scores) {
+  return table_of(scores.size(), [&](std::size_t i) { return make_row(ground, i, scores[i]); });
 }
 
 std::vector<TileRow> tile_table_from_csv(const std::string& name, std::string_view text) {

@@ -1,4 +1,4 @@
-#include "pilotage/mission/measures.h"
+#include "pilotage/ground/measures.h"
 
 #include <algorithm>
 
@@ -27,11 +27,11 @@ Measure described(std::string name, std::string unit, std::string description, s
 }
 
 Measure of_tile(std::string name, std::string unit, std::string description, std::string label, Kind kind, Group group,
-                double TileScore::*member, HeatMap heat = {}) {
+                double TileScores::*member, HeatMap heat = {}) {
   Measure measure = described(std::move(name), std::move(unit), std::move(description), std::move(label), kind, group,
                               std::move(heat));
-  measure.get = [member](const TileScore& score) { return score.*member; };
-  measure.set = [member](TileScore& score, double value) { score.*member = value; };
+  measure.get = [member](const TileScores& score) { return score.*member; };
+  measure.set = [member](TileScores& score, double value) { score.*member = value; };
   return measure;
 }
 
@@ -41,7 +41,7 @@ struct SurfaceWords {
   std::string description;  ///< "Clean surface: "
   std::string label;        ///< "Clean: "
   Group group = Group::kClean;
-  SurfaceScores TileScore::*surface = nullptr;
+  SurfaceScores TileScores::*surface = nullptr;
 };
 
 void add_surface(std::vector<Measure>& list, const SurfaceWords& words, const HeatMap& margin_heat) {
@@ -50,8 +50,8 @@ void add_surface(std::vector<Measure>& list, const SurfaceWords& words, const He
     Measure& measure = list.emplace_back(described(words.name + name, unit, words.description + description,
                                                    words.label + label, kind, words.group, heat));
     const auto surface = words.surface;
-    measure.get = [=](const TileScore& score) { return score.*surface.*member; };
-    measure.set = [=](TileScore& score, double value) { score.*surface.*member = value; };
+    measure.get = [=](const TileScores& score) { return score.*surface.*member; };
+    measure.set = [=](TileScores& score, double value) { score.*surface.*member = value; };
   };
   using Surface = SurfaceScores;
   add("peak", "", "correlation at the true position (R1)", "peak R₁", Kind::kCorrelation, &Surface::peak);
@@ -79,8 +79,8 @@ void add_second_date(std::vector<Measure>& list) {
     Measure& measure =
         list.emplace_back(described(name, unit, std::string("Second date: ") + description,
                                     std::string("Second date: ") + label, kind, Group::kSecondDate, std::move(heat)));
-    measure.get = [member](const TileScore& score) { return score.epoch.*member; };
-    measure.set = [member](TileScore& score, double value) { score.epoch.*member = value; };
+    measure.get = [member](const TileScores& score) { return score.epoch.*member; };
+    measure.set = [member](TileScores& score, double value) { score.epoch.*member = value; };
   };
   add("epoch_ncc", "", "correlation of both dates at the registered place", "correlation", Kind::kCorrelation,
       &EpochScores::ncc);
@@ -102,20 +102,20 @@ void add_second_date(std::vector<Measure>& list) {
 void add_contrast(std::vector<Measure>& list) {
   list.push_back(
       of_tile("gray_variance", "gray levels", "gray variance V, with the square root", "Gray variance (with the root)",
-              Kind::kNumber, Group::kContrast, &TileScore::gray_variance,
+              Kind::kNumber, Group::kContrast, &TileScores::gray_variance,
               {4, "Gray variance", "",
                "Standard deviation of the gray values (Eq. 1, with the square root): how much contrast there is.",
                ColorMap::kCividis, 1}));
   Measure& entropy = list.emplace_back(of_tile(
       "frieden_entropy", "", "Frieden entropy H", "Frieden entropy", Kind::kNumber, Group::kContrast,
-      &TileScore::frieden_entropy,
+      &TileScores::frieden_entropy,
       {6, "", "",
        "H = Σ p e^(1 − p) (Eq. 2, 3). It saturates just below e = 2.71828…: two tiles differ in the sixth digit.",
        ColorMap::kCividis, 9}));
   entropy.digits = 12;
   list.push_back(of_tile(
       "frieden_deficit", "", "N (1 - H/e) - 1, about (sigma/mean)^2", "Frieden deficit", Kind::kNumber,
-      Group::kContrast, &TileScore::frieden_deficit,
+      Group::kContrast, &TileScores::frieden_deficit,
       {5, "", "",
        "N (1 − H/e) − 1: the entropy in a scale a person can read; about the squared ratio of contrast to brightness.",
        ColorMap::kCividis, 4}));
@@ -124,29 +124,29 @@ void add_contrast(std::vector<Measure>& list) {
 void add_ground(std::vector<Measure>& list) {
   list.push_back(of_tile(
       "vegetation_share", "", "share of the ground that is green", "Green ground", Kind::kShare, Group::kGround,
-      &TileScore::vegetation_share,
+      &TileScores::vegetation_share,
       {9, "", "", "Share of the tile that is green: plants look different in another season.", ColorMap::kCividis, 2}));
   list.push_back(of_tile(
       "water_share", "", "share of the ground that looks like open water", "Open water", Kind::kShare, Group::kGround,
-      &TileScore::water_share,
+      &TileScores::water_share,
       {10, "", "", "Share of the tile that looks like open water: nothing there stays.", ColorMap::kCividis, 2}));
   list.push_back(of_tile("aperture", "", "how much edges run in all directions (1) rather than in one (0)",
                          "Edges: weakest over strongest direction", Kind::kShare, Group::kGround,
-                         &TileScore::aperture));
+                         &TileScores::aperture));
   list.push_back(of_tile("relief_m", "m", "highest minus lowest ground", "Highest minus lowest ground", Kind::kNumber,
-                         Group::kGround, &TileScore::relief_m,
+                         Group::kGround, &TileScores::relief_m,
                          {11, "Relief", "", "Highest minus lowest ground of the tile.", ColorMap::kCividis, 0}));
 }
 
 void add_features(std::vector<Measure>& list) {
   list.push_back(of_tile("map_features", "", "features of the map in this tile", "Features of the map", Kind::kNumber,
-                         Group::kFeatures, &TileScore::map_features,
+                         Group::kFeatures, &TileScores::map_features,
                          {8, "", "features", "Features that the map would hold of the tile.", ColorMap::kCividis, 0}));
   list.push_back(of_tile("vote_noise", "", "standard deviation of the votes that they give to wrong places",
-                         "Noise of wrong votes", Kind::kNumber, Group::kFeatures, &TileScore::vote_noise));
+                         "Noise of wrong votes", Kind::kNumber, Group::kFeatures, &TileScores::vote_noise));
   list.push_back(of_tile(
       "p_correct_fix", "", "probability of a correct fix", "P(correct fix)", Kind::kShare, Group::kCorrectFix,
-      &TileScore::p_correct_fix,
+      &TileScores::p_correct_fix,
       {1, "", "",
        "Probability that the matcher finds a frame taken here on another day, and is right; from one date of imagery. "
        "This is the measure to judge by.",
@@ -156,12 +156,12 @@ void add_features(std::vector<Measure>& list) {
 std::vector<Measure> make_measures() {
   std::vector<Measure> list;
   add_contrast(list);
-  add_surface(list, {"clean_", "Clean surface: ", "Clean: ", Group::kClean, &TileScore::clean},
+  add_surface(list, {"clean_", "Clean surface: ", "Clean: ", Group::kClean, &TileScores::clean},
               {3, "Uniqueness, clean", "",
                "Correlation at the true place minus the best rival, the tile matched against its own map. On fine "
                "imagery it is high even over grass and water: do not judge by it alone.",
                ColorMap::kViridis, 3});
-  add_surface(list, {"degraded_", "Degraded copies: ", "Degraded: ", Group::kDegraded, &TileScore::degraded},
+  add_surface(list, {"degraded_", "Degraded copies: ", "Degraded: ", Group::kDegraded, &TileScores::degraded},
               {2, "Uniqueness, degraded copies", "",
                "Correlation at the true place minus the best rival in the search area, mean over degraded copies of "
                "the tile. Above 0 the true place wins.",
@@ -191,7 +191,7 @@ const std::vector<Measure>& measures() {
 const Measure& coverage_measure() {
   static const Measure measure =
       of_tile("valid_fraction", "", "Share of the tile that imagery covers", "Imagery coverage", Kind::kShare,
-              Group::kCoverage, &TileScore::valid_fraction,
+              Group::kCoverage, &TileScores::valid_fraction,
               {7, "", "", "Share of the tile's pixels that the imagery covers.", ColorMap::kCividis, 3});
   return measure;
 }

@@ -1,4 +1,4 @@
-#include "pilotage/mission/measures.h"
+#include "pilotage/ground/measures.h"
 
 #include <cmath>
 #include <set>
@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pilotage/mission/score_raster.h"
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/score_raster.h"
+#include "pilotage/ground/tile_table.h"
 
 namespace pilotage {
 namespace {

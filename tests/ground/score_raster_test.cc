@@ -1,4 +1,4 @@
-#include "pilotage/mission/score_raster.h"
+#include "pilotage/ground/score_raster.h"
 
 #include <cmath>
 

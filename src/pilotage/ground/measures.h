@@ -5,7 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "pilotage/mission/tile_scores.h"
+#include "pilotage/ground/tile_scores.h"
+
+#pragma GCC visibility push(default)
 
 namespace pilotage {
 
@@ -42,9 +44,9 @@ struct Measure {
   std::string label;        ///< For people.
   MeasureKind kind = MeasureKind::kNumber;
   MeasureGroup group = MeasureGroup::kContrast;
-  int digits = 6;                               ///< Significant ones that tell tiles apart.
-  std::function<double(const TileScore&)> get;  ///< NaN = not measured or not defined.
-  std::function<void(TileScore&, double)> set;
+  int digits = 6;                                ///< Significant ones that tell tiles apart.
+  std::function<double(const TileScores&)> get;  ///< NaN = not measured or not defined.
+  std::function<void(TileScores&, double)> set;
   HeatMap heat;
 };
 
@@ -69,3 +71,5 @@ std::vector<const Measure*> measures_by_group();
 std::vector<const Measure*> heat_maps();
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -1,4 +1,4 @@
-#include "pilotage/evaluate/scored_ground.h"
+#include "pilotage/evaluate/evaluated_tiles.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "pilotage/mission/tile_table.h"
+#include "pilotage/ground/tile_table.h"
 
 #include <cmath>
 
@@ -65,7 +65,7 @@ TEST(TileTable, ColumnsAreThePromisedOnes) {
 
 TEST(TileTable, EveryColumnReadsWhatItWrites) {
   for (const Measure& measure : measures()) {
-    TileScore score;
+    TileScores score;
     EXPECT_TRUE(std::isnan(measure.get(score))) << measure.name;
     measure.set(score, 0.25);
     EXPECT_EQ(measure.get(score), 0.25) << measure.name;
@@ -166,31 +166,31 @@ TEST(TileTable, SurvivesAnyBytes) {
 }
 
 TEST(TileRows, JoinPlanAndScores) {
-  TilePlan plan;
-  PlanLevel level;
+  Ground ground;
+  GridLevel level;
   level.matrix.level = 1;
   level.matrix.tile_size_px = 128;
   level.matrix.stride_px = 32;
   level.matrix.grid_width_px = level.matrix.grid_height_px = 1000;
-  plan.levels.push_back(level);
+  ground.levels = {level, level};
   for (const std::int64_t id : {4, 9}) {
-    PlanTile tile;
+    GroundTile tile;
     tile.tile_id = id;
     tile.level = 1;
     tile.column = id;
     tile.row = 2;
-    plan.tiles.push_back(tile);
+    ground.tiles.push_back(tile);
   }
-  TileScore score;
+  TileScores score;
   score.tile_id = 9;
   score.gray_variance = 12;
-  const std::vector<TileRow> rows = tile_rows(plan, std::vector{score});
+  const std::vector<TileRow> rows = tile_rows(ground, std::vector{score});
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].min_col_px, 9 * 32);
   EXPECT_EQ(rows[0].min_row_px, 2 * 32);
   EXPECT_EQ(rows[0].score.gray_variance, 12);
   score.tile_id = 5;
-  EXPECT_THROW(tile_rows(plan, std::vector{score}), DataError);
+  EXPECT_THROW(tile_rows(ground, std::vector{score}), DataError);
 }
 
 }  // namespace
