@@ -1,5 +1,5 @@
 # Adding a measure of a tile touches at most four modules (a .h with its .cc): the ones that compute it,
-# mission/tile_scores.h and one row of mission/measures.cc. Everything that lists measures follows measures().
+# ground/tile_scores.h and one row of ground/measures.cc. Everything that lists measures follows measures().
 include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
 set(MOST_MODULES 4)
 
@@ -15,13 +15,13 @@ set(others_map_features match match_json fix_table)
 set(others_ncc ties warp_problem chip_search match_confidence match_json place_ranking fix_table match)
 set(others_disagreement_m fit_warp score_outputs)
 
-file(READ ${SOURCE}/src/pilotage/mission/tile_scores.h text)
+file(READ ${SOURCE}/src/pilotage/ground/tile_scores.h text)
 string(REGEX MATCHALL "double [a-z_0-9]+ = std::numeric_limits" members "${text}")
 list(TRANSFORM members REPLACE "double ([a-z_0-9]+) =.*" "\\1")
 list(REMOVE_DUPLICATES members)
 list(LENGTH members count)
 if(count LESS 20)
-  problem("only ${count} measures found in mission/tile_scores.h: this lint reads it wrongly")
+  problem("only ${count} measures found in ground/tile_scores.h: this lint reads it wrongly")
 endif()
 
 foreach(member IN LISTS members)
