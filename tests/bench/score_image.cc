@@ -4,7 +4,9 @@
 // total.
 #include <chrono>
 #include <cstdio>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -30,10 +32,6 @@ int main(int argc, char** argv) {
   const double read_s = seconds(start);
 
   pilotage::ScoreOptions options;
-  pilotage::ScoreGridOptions grid;
-  grid.tile_size_px = std::stoi(argv[2]);
-  grid.stride_px = std::stoi(argv[3]);
-  grid.search_radius_px = std::stoi(argv[4]);
   options.measures.clear();
   for (int i = 6; i < argc; ++i) {
     for (const auto& [value, name] : enum_names(pilotage::ScoreMeasure{})) {
@@ -41,8 +39,11 @@ int main(int argc, char** argv) {
     }
   }
   const auto source = gray_source_from(raster);
-  const auto scores =
-      score_tiles(source, score_matrix(source, grid), grid.search_radius_px, {}, options, 1, std::stoi(argv[5]));
+  const pilotage::TileMatrix matrix{
+      0, source.map_from_pixel, source.width_px, source.height_px, std::stoi(argv[2]), std::stoi(argv[3])};
+  std::vector<std::int64_t> tiles(static_cast<std::size_t>(matrix.tile_count()));
+  std::iota(tiles.begin(), tiles.end(), 0);
+  const auto scores = score_tiles(source, matrix, std::stoi(argv[4]), tiles, options, 1, std::stoi(argv[5]));
   double checksum = 0;
   for (const auto& score : scores) {
     for (const double value : {score.frieden_entropy, score.clean.margin, score.degraded.margin}) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,11 @@
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/ground/ground_imagery.h"
+#include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
-#include "pilotage/score/score_imagery.h"
+#include "pilotage/score/score_ground.h"
 #include "pilotage/score/tile_statistics.h"
 
 namespace pilotage {
@@ -26,7 +29,7 @@ namespace {
 
 struct Request {
   std::string file;
-  ScoreGridOptions grid;
+  RasterGridOptions grid;
   ScoreOptions score;
   int threads = 1;
 };
@@ -75,47 +78,50 @@ void read_gray(const Request& request) {
                });
 }
 
+Ground open_ground(const Request& request) {
+  return ground_of_rasters({request.file}, request.grid).ground;
+}
+
 /// V and H into scores that lie in memory already.
 void score_into(const Request& request, std::vector<TileScores>& scores) {
-  const GraySource source = open_gray(request.file);
-  const TileMatrix matrix = score_matrix(source, request.grid);
+  const Ground ground = open_ground(request);
+  const TileMatrix& matrix = ground.levels.front().matrix;
   scores.resize(static_cast<std::size_t>(matrix.tile_count()));
-  std::vector<TileScores*> tiles;
-  for (TileScores& score : scores) {
-    const auto index = static_cast<std::int64_t>(tiles.size());
-    score.column = index % matrix.matrix_width();
-    score.row = index / matrix.matrix_width();
-    tiles.push_back(&score);
-  }
-  stream_statistics(source, matrix, request.score, tiles, request.threads);
+  std::vector<MeasuredTile> tiles;
+  for (TileScores& score : scores) tiles.push_back({matrix.cell_of(std::ssize(tiles)), &score});
+  stream_statistics(open_gray(ground, ground.levels.front()), matrix, request.score, tiles, request.threads);
 }
 
 void score_in_memory(const Request& request) {
-  const GraySource source = open_gray(request.file);
-  score_tiles(source, score_matrix(source, request.grid), 0, {}, request.score, 1, request.threads);
+  const Ground ground = open_ground(request);
+  const GridLevel& level = ground.levels.front();
+  std::vector<std::int64_t> all(static_cast<std::size_t>(level.matrix.tile_count()));
+  std::iota(all.begin(), all.end(), 0);
+  score_tiles(open_gray(ground, level), level.matrix, 0, all, request.score, 1, request.threads);
 }
 
 void run(const Request& request, int repeats) {
   const testing::TemporaryFolder folder;
-  ScoreImageryOptions options;
-  options.grid = request.grid;
-  options.score = request.score;
-  ScoredImagery scored;
+  Ground ground;
+  std::vector<TileScores> scored;
   std::vector<Step> steps;
   steps.push_back({"GDAL reads and decodes", [&] { decode(request); }});
   steps.push_back({"gray pixels", [&] { read_gray(request); }});
   std::vector<TileScores> scores;
   steps.push_back({"V and H", [&] { score_into(request, scores); }});
   steps.push_back({"scores in memory", [&] { score_in_memory(request); }});
-  steps.push_back(
-      {"scores with places and reasons", [&] { scored = score_imagery({request.file}, options, 1, request.threads); }});
-  steps.push_back({"score raster", [&] {
-                     const ScoreRaster raster = score_raster(scored.matrix, scored.rows);
-                     write_score_raster(folder / "scores.tif", raster.bands, scored.crs, raster.map_from_pixel, true);
+  steps.push_back({"scores with places and reasons", [&] {
+                     ground = open_ground(request);
+                     cut_all_tiles(ground, request.threads);
+                     scored = score_ground(ground, request.score, 1, request.threads).scores;
                    }});
-  steps.push_back({"table", [&] { write_file(folder / "tiles.csv", tile_table_to_csv(scored.rows), true); }});
+  steps.push_back({"score raster", [&] {
+                     const ScoreRaster raster = score_raster(ScoreTable(ground, scored), 0);
+                     write_score_raster(folder / "scores.tif", raster.bands, ground.crs, raster.map_from_pixel, true);
+                   }});
+  steps.push_back({"table", [&] { write_file(folder / "tiles.csv", tile_table_to_csv(ground, scored), true); }});
   measure(steps, repeats);
-  std::printf("%zu tiles, %d threads\n", scored.rows.size(), request.threads);
+  std::printf("%zu tiles, %d threads\n", scored.size(), request.threads);
   print(steps, 0);
 }
 
@@ -129,7 +135,9 @@ int main(int argc, char** argv) {
   }
   pilotage::Request request;
   request.file = argv[1];
-  request.grid = {std::stoi(argv[2]), std::stoi(argv[3]), 0};
+  request.grid.tile_size_px = std::stoi(argv[2]);
+  request.grid.stride_px = std::stoi(argv[3]);
+  request.grid.search_radius_px = 0;
   request.threads = std::stoi(argv[4]);
   request.score.measures = {pilotage::ScoreMeasure::kGrayVariance, pilotage::ScoreMeasure::kFriedenEntropy};
   GDALAllRegister();

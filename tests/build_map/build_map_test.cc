@@ -26,10 +26,6 @@ std::vector<TileScores> good_scores(const Mission& plan) {
   std::vector<TileScores> scores;
   for (const GroundTile& tile : plan.ground.tiles) {
     TileScores score;
-    score.tile_id = tile.tile_id;
-    score.level = tile.level;
-    score.column = tile.column;
-    score.row = tile.row;
     score.valid_fraction = tile.valid_fraction;
     score.gray_variance = 10;
     score.degraded.margin = 0.5;

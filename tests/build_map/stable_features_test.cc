@@ -113,14 +113,10 @@ class StableFeatures : public ::testing::Test {
   }
 
   BuildStats build(const std::string& name, KeepFeatures keep, int threads = 1) {
-    std::vector<TileScores> scores;
+    const std::vector<TileScores> scores(plan_.ground.tiles.size());
     Selection selection;
     selection.legs.resize(plan_.flight.route.legs.size());
-    for (const GroundTile& tile : plan_.ground.tiles) {
-      scores.emplace_back();
-      scores.back().tile_id = tile.tile_id;
-      selection.tile_ids.push_back(tile.tile_id);
-    }
+    for (const GroundTile& tile : plan_.ground.tiles) selection.tile_ids.push_back(tile.tile_id);
     BuildOptions options;
     options.keep_features = keep;
     return build_map(folder_ / name, plan_, scores, selection, {}, "test", options, false, threads, {},

@@ -25,7 +25,7 @@ struct Setup {
     source.options.file = dates.other;
     source.options.matcher = EvaluateMatcher::kNcc;
     source.options.stated_rate = 0.6;
-    evaluation = evaluate(dates.ground, {}, source.options, folder / "scratch.gpkg", 1, 2, {});
+    evaluation = evaluate(dates.judged(), {}, source.options, folder / "scratch.gpkg", 1, 2, {});
   }
 };
 
@@ -45,7 +45,7 @@ TEST(EvaluationFiles, JsonFollowsItsSchema) {
 }
 
 TEST(EvaluationFiles, CsvHasALineForEachOutcome) {
-  const std::string csv = evaluation_csv(setup().dates.ground, setup().evaluation);
+  const std::string csv = evaluation_csv(setup().dates.judged(), setup().evaluation);
   EXPECT_THAT(csv,
               StartsWith("tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,"
                          "error_east_m,error_north_m,evidence,p_correct_fix,gray_variance,frieden_deficit,"
@@ -67,12 +67,12 @@ TEST(EvaluationFiles, AppearTogetherAndAreNotReplacedUnasked) {
   const testing::TemporaryFolder out;
   {
     EvaluationFiles files(out.path(), false);
-    files.write(setup().dates.ground, setup().evaluation, setup().source);
+    files.write(setup().dates.judged(), setup().evaluation, setup().source);
     EXPECT_FALSE(std::filesystem::exists(out / "evaluation.md"));
   }
   EXPECT_TRUE(std::filesystem::is_empty(out.path()));
   EvaluationFiles files(out.path(), false);
-  files.write(setup().dates.ground, setup().evaluation, setup().source);
+  files.write(setup().dates.judged(), setup().evaluation, setup().source);
   EXPECT_EQ(files.commit().size(), 4U);
   EXPECT_THAT(read_file(out / "reliability.svg"), StartsWith("<svg "));
   EXPECT_THROW(EvaluationFiles(out.path(), false), DataError);
@@ -81,7 +81,7 @@ TEST(EvaluationFiles, AppearTogetherAndAreNotReplacedUnasked) {
   Evaluation without = setup().evaluation;
   without.predictors.erase(without.predictors.begin());
   EvaluationFiles again(out.path(), true);
-  again.write(setup().dates.ground, without, setup().source);
+  again.write(setup().dates.judged(), without, setup().source);
   EXPECT_EQ(again.commit().size(), 3U);
   EXPECT_FALSE(std::filesystem::exists(out / "reliability.svg"));
 }

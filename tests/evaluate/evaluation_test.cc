@@ -29,7 +29,7 @@ EvaluateOptions by(const std::string& other, EvaluateMatcher matcher = EvaluateM
 
 Evaluation run(const EvaluateOptions& options, int threads = 2) {
   const testing::TemporaryFolder work;
-  const Evaluation evaluation = evaluate(setup().dates.ground, {}, options, work / "scratch.gpkg", 1, threads, {});
+  const Evaluation evaluation = evaluate(setup().dates.judged(), {}, options, work / "scratch.gpkg", 1, threads, {});
   EXPECT_TRUE(std::filesystem::is_empty(work.path())) << "the temporary map stays";
   return evaluation;
 }
@@ -59,11 +59,12 @@ TEST(Evaluation, CountsOutcomesAndJudgesEveryMeasure) {
 }
 
 TEST(Evaluation, WithoutAModelThereIsNoRowForIt) {
-  ScoredGround ground = setup().dates.ground;
-  for (TileRow& row : ground.rows) row.score.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  std::vector<TileScores> scores = setup().dates.scores;
+  for (TileScores& score : scores) score.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  const LevelScores judged(ScoreTable(setup().dates.ground, scores), 0);
   const testing::TemporaryFolder work;
   const Evaluation evaluation =
-      evaluate(ground, {}, by(setup().dates.other, EvaluateMatcher::kNcc), work / "scratch.gpkg", 1, 2, {});
+      evaluate(judged, {}, by(setup().dates.other, EvaluateMatcher::kNcc), work / "scratch.gpkg", 1, 2, {});
   ASSERT_EQ(evaluation.predictors.size(), 4U);
   EXPECT_EQ(evaluation.predictors[0].name, "gray_variance");
 }
@@ -104,7 +105,7 @@ TEST(Evaluation, RefusesOptionsAtOddsWithEachOther) {
   EXPECT_THROW(run(both), DataError) << "frames without truth";
   both.matcher = EvaluateMatcher::kNcc;
   EXPECT_THROW(run(both), UsageError);
-  EXPECT_THROW(predictions_of(setup().dates.ground, {}, "no_such_column"), UsageError);
+  EXPECT_THROW(predictions_of(setup().dates.judged(), {}, "no_such_column"), UsageError);
 }
 
 }  // namespace

@@ -15,9 +15,9 @@ struct Setup {
   testing::TemporaryFolder folder;
   testing::TwoDates dates = testing::make_two_dates(folder.path());
   std::filesystem::path map = folder / "map.gpkg";
-  std::vector<std::size_t> tiles = choose_tiles(dates.ground, 1, 0, 1);
+  std::vector<std::size_t> tiles = choose_tiles(dates.judged(), 1, 0, 1);
 
-  Setup() { build_evaluation_map(map, dates.ground, false, 2, {}); }
+  Setup() { build_evaluation_map(map, dates.judged(), false, 2, {}); }
 };
 
 const Setup& setup() {
@@ -34,14 +34,14 @@ std::vector<TileOutcome> vote(const std::string& other, const PlaceOnReference& 
                               const std::vector<std::size_t>& tiles = setup().tiles) {
   EvaluateOptions options;
   options.file = other;
-  return judge_by_voting(setup().dates.ground, tiles, setup().map, place, options, 3, 1, threads, {});
+  return judge_by_voting(setup().dates.judged(), tiles, setup().map, place, options, 3, 1, threads, {});
 }
 
 std::vector<TileOutcome> correlate(const std::string& other, const PlaceOnReference& place, int threads = 2) {
   EvaluateOptions options;
   options.file = other;
   options.matcher = EvaluateMatcher::kNcc;
-  return judge_by_ncc(setup().dates.ground, setup().tiles, place, options, 1.5, threads, {});
+  return judge_by_ncc(setup().dates.judged(), setup().tiles, place, options, 1.5, threads, {});
 }
 
 std::int64_t count(const std::vector<TileOutcome>& outcomes, Outcome outcome) {
@@ -52,7 +52,7 @@ std::int64_t count(const std::vector<TileOutcome>& outcomes, Outcome outcome) {
 void expect_same(const std::vector<TileOutcome>& a, const std::vector<TileOutcome>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].row, b[i].row);
+    EXPECT_EQ(a[i].tile, b[i].tile);
     EXPECT_EQ(a[i].outcome, b[i].outcome);
     EXPECT_EQ(a[i].status, b[i].status);
     EXPECT_TRUE(a[i].error_m == b[i].error_m || (std::isnan(a[i].error_m) && std::isnan(b[i].error_m)));
@@ -66,7 +66,7 @@ TEST(JudgeByVoting, FindsTheSameDateAlmostEverywhere) {
   EXPECT_GE(count(outcomes, Outcome::kCorrect), 70);
   EXPECT_EQ(count(outcomes, Outcome::kFalse), 0);
   for (const TileOutcome& outcome : outcomes) {
-    EXPECT_EQ(outcome.outcome == Outcome::kCorrect, outcome.status == "fix") << outcome.row;
+    EXPECT_EQ(outcome.outcome == Outcome::kCorrect, outcome.status == "fix") << outcome.tile;
   }
 }
 
@@ -111,12 +111,13 @@ TEST(JudgeByNcc, ATruthThatIsOffMakesPlacesFalseAndItsCorrectionRightAgain) {
 }
 
 TEST(JudgeTiles, NeedsRoomToSearch) {
-  ScoredGround ground = setup().dates.ground;
-  ground.search_radius_px = 0;
+  Ground ground = setup().dates.ground;
+  ground.levels[0].search_radius_px = 0;
+  const LevelScores judged(ScoreTable(ground, setup().dates.scores), 0);
   EvaluateOptions options;
   options.file = setup().dates.other;
-  EXPECT_THROW(judge_by_ncc(ground, setup().tiles, same_place, options, 1, 1, {}), UsageError);
-  EXPECT_THROW(judge_by_voting(ground, setup().tiles, setup().map, same_place, options, 1, 1, 1, {}), UsageError);
+  EXPECT_THROW(judge_by_ncc(judged, setup().tiles, same_place, options, 1, 1, {}), UsageError);
+  EXPECT_THROW(judge_by_voting(judged, setup().tiles, setup().map, same_place, options, 1, 1, 1, {}), UsageError);
 }
 
 }  // namespace

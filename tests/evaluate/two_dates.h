@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "pilotage/evaluate/evaluated_tiles.h"
 
@@ -10,10 +11,13 @@ namespace pilotage::testing {
 /// A piece of the synthetic country (town, river, fields) at two dates, 0.5 m/px, as files, and its scores: what an
 /// evaluation is made of.
 struct TwoDates {
-  ScoredGround ground;  ///< Tiles of 96 px every 48 px, searched ± 40 px; gray_variance only, p_correct_fix set to it.
+  Ground ground;                   ///< Tiles of 96 px every 48 px, searched ± 40 px.
+  std::vector<TileScores> scores;  ///< Of its tiles: gray_variance only, p_correct_fix set to it.
   std::string reference;
   std::string other;
   std::string moved;  ///< The other date whose georeference lies `moved_m` to the east of the truth.
+
+  LevelScores judged() const { return {ScoreTable(ground, scores), 0}; }
 };
 
 inline constexpr double kMoved_m = 7;

@@ -15,7 +15,7 @@ void read(const std::string& bytes) {
   try {
     const pilotage::ScoreShard shard = pilotage::score_shard_from_bytes("fuzz", bytes);
     const std::string again = pilotage::score_shard_to_bytes(shard);
-    if (pilotage::score_shard_from_bytes("again", again).scores.size() != shard.scores.size()) std::abort();
+    if (pilotage::score_shard_from_bytes("again", again).rows.size() != shard.rows.size()) std::abort();
   } catch (const pilotage::DataError&) {
   }
 }

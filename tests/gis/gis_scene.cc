@@ -22,14 +22,17 @@ ReportInput gis_scene(GeodeticPoint origin, bool two_levels) {
     const auto upper = [](const auto& entry) { return entry.level > 0; };
     std::erase_if(input.plan.ground.tiles, upper);
     input.plan.flight.places.resize(input.plan.ground.tiles.size());
-    std::erase_if(input.scores, upper);
+    input.scores.resize(input.plan.ground.tiles.size());
     const auto tiles = static_cast<std::int64_t>(input.plan.ground.tiles.size());
     std::erase_if(input.selection.tile_ids, [&](std::int64_t id) { return id >= tiles; });
     input.plan.ground.levels.resize(1);
   }
   Random random(3);
-  for (TileScores& score : input.scores) {
-    if (score.status == TileStatus::kScored && score.tile_id % 9 != 0) score.p_correct_fix = random.uniform();
+  for (std::size_t i = 0; i < input.scores.size(); ++i) {
+    TileScores& score = input.scores[i];
+    if (score.status == TileStatus::kScored && input.plan.ground.tiles[i].tile_id % 9 != 0) {
+      score.p_correct_fix = random.uniform();
+    }
   }
   input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, WorstStretch{1, 300, 520, 0.04}};
   for (LegStatus& leg : input.selection.legs) {

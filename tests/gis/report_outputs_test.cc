@@ -159,11 +159,12 @@ TEST(ReportOutputs, RastersHoldScoresAndClasses) {
   EXPECT_STREQ(band->GetCategoryNames()[1], "marginal");
   ASSERT_EQ(classes->GetRasterXSize(), 7);
   ASSERT_EQ(classes->GetRasterYSize(), 14);
-  for (const TileScores& score : input.scores) {
+  for (std::size_t i = 0; i < input.scores.size(); ++i) {
+    const TileScores& score = input.scores[i];
     double value = 0;
     std::uint8_t number = 0;
-    const int col = static_cast<int>(score.column);
-    const int row = static_cast<int>(score.row);
+    const int col = static_cast<int>(input.plan.ground.tiles[i].column);
+    const int row = static_cast<int>(input.plan.ground.tiles[i].row);
     ASSERT_EQ(p->RasterIO(GF_Read, col, row, 1, 1, &value, 1, 1, GDT_Float64, 0, 0, nullptr), CE_None);
     ASSERT_EQ(band->RasterIO(GF_Read, col, row, 1, 1, &number, 1, 1, GDT_Byte, 0, 0, nullptr), CE_None);
     EXPECT_TRUE(value == score.p_correct_fix || (std::isnan(value) && std::isnan(score.p_correct_fix)));

@@ -41,9 +41,13 @@ TEST(Measures, AreNamedOnceAndDescribed) {
 TEST(Measures, EveryOneIsAColumnOfTheTableAndABandOfTheRaster) {
   const TileRow row = measured_row();
   const std::string csv = tile_table_to_csv(std::vector{row});
-  TileMatrix matrix;
+  Ground ground;
+  ground.levels.emplace_back();
+  TileMatrix& matrix = ground.levels[0].matrix;
   matrix.grid_width_px = matrix.grid_height_px = matrix.tile_size_px = matrix.stride_px = 64;
-  const ScoreRaster raster = score_raster(matrix, std::vector{row});
+  ground.tiles = {row.tile};
+  const std::vector<TileScores> scores{row.score};
+  const ScoreRaster raster = score_raster(ScoreTable(ground, scores), 0);
   ASSERT_EQ(raster.bands.size(), measures().size() + 1);
   EXPECT_EQ(raster.bands[0].name, "valid_fraction");
   for (std::size_t i = 0; i < measures().size(); ++i) {

@@ -194,16 +194,6 @@ TEST(Reasons, TheWatchListTellsOnlyWhatIsPlain) {
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kWater)) << "without a model P is not known";
 }
 
-TEST(Reasons, ExplainTilesOfTheirLevelOnly) {
-  std::vector<TileScores> scores{good(), good(), good(0.95)};
-  scores[1].level = 1;
-  scores[2].reasons = {ReasonCode::kWater};  // of an earlier look
-  explain_tiles(context_of(), scores);
-  EXPECT_THAT(scores[0].reasons, ElementsAre(ReasonCode::kWeak));
-  EXPECT_THAT(scores[1].reasons, IsEmpty());
-  EXPECT_THAT(scores[2].reasons, IsEmpty());
-}
-
 /// Ground made of copies of one patch: what is measured of it must give the reason.
 TEST(Reasons, ALatticeRepeats) {
   constexpr int kSide = 512;

@@ -30,7 +30,6 @@ ReportInput plain_input(double gap_error_m, double limit_m) {
     tile.valid_fraction = 1;
     input.plan.ground.tiles.push_back(tile);
     TileScores score;
-    score.tile_id = i;
     score.degraded.margin = 0.2;
     input.scores.push_back(score);
     input.selection.tile_ids.push_back(i);

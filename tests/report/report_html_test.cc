@@ -127,7 +127,7 @@ TEST(ReportHtml, TextIsNeverMarkup) {
   input.software_version = evil;
   input.plan.flight.route.name = evil;
   input.plan.flight.route.format = evil;
-  input.plan.ground.crs = local_crs("</script><img src=x onerror=alert(1)>'&{{data}}");
+  input.plan.ground.crs = testing::local_crs("</script><img src=x onerror=alert(1)>'&{{data}}");
   input.plan.ground.elevation = evil;
   input.plan.warnings = {evil};
   input.plan.flight.route.notes = {evil};

@@ -66,10 +66,6 @@ namespace {
 
 TileScores score_of(const GroundTile& tile, Random& random) {
   TileScores score;
-  score.tile_id = tile.tile_id;
-  score.level = tile.level;
-  score.column = tile.column;
-  score.row = tile.row;
   score.valid_fraction = tile.valid_fraction;
   if (tile.valid_fraction < 0.5) {
     score.status = TileStatus::kTooLittleGround;

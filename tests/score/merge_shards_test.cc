@@ -44,9 +44,11 @@ std::string write_ground(const TemporaryFolder& folder, int rows, int cols) {
   return file;
 }
 
-ScoreImageryOptions options_of_test() {
-  ScoreImageryOptions options;
-  options.grid = {48, 4, 12};
+ScoreRunOptions options_of_test() {
+  ScoreRunOptions options;
+  options.grid.tile_size_px = 48;
+  options.grid.stride_px = 4;
+  options.grid.search_radius_px = 12;
   options.score.measures = {ScoreMeasure::kGrayVariance, ScoreMeasure::kUniqueness, ScoreMeasure::kDegraded,
                             ScoreMeasure::kGroundCover, ScoreMeasure::kCorrectFix};
   options.score.degraded_copies = 1;
@@ -57,7 +59,9 @@ std::string write_shard(const TemporaryFolder& folder, const ScoreRun& run, cons
   std::vector<std::int64_t> places;
   for (const ShardTile& tile : shard_tiles(run, shard)) places.push_back(tile.place);
   std::sort(places.begin(), places.end());
-  const ScoreShard result{describe_run(run, "test 1"), shard, score_part(run, places, threads).scores};
+  const Ground part = part_of_ground(run, places, threads);
+  std::vector<TileScores> scores = score_ground_tiles(part, run.options.score, nullptr, run.seed, threads);
+  const ScoreShard result{describe_run(run, "test 1"), shard, tile_rows(part, std::move(scores))};
   const std::string file = folder.path() / shard_file_name(shard);
   write_file(file, score_shard_to_bytes(result), true);
   return file;
@@ -67,16 +71,18 @@ TEST(MergeShards, GivesTheTableOfTheWholeRun) {
   const TemporaryFolder folder;
   // 96 columns of tiles: both groups of columns, and shards that end inside a row.
   const std::string ground = write_ground(folder, 80, 430);
-  ScoreRun in_one = open_score_run({ground}, options_of_test(), 7);
-  const std::string whole = tile_table_to_csv(score_run(in_one).rows);
   const ScoreRun run = open_score_run({ground}, options_of_test(), 7);
+  const Ground all = whole_ground(run);
+  const std::string whole = tile_table_to_csv(all, score_ground(all, run.options.score, run.seed).scores);
   std::vector<std::string> files;
   for (const std::int64_t number : {4, 2, 1, 3, 5}) {
     files.push_back(write_shard(folder, run, {number, 5}, 1 + static_cast<int>(number % 2)));
   }
   MergedShards merged = read_shards(files, "test 1");
   EXPECT_TRUE(merged.missing.empty());
-  EXPECT_EQ(tile_table_to_csv(finish_run(merged.run, {std::move(merged.scores), {}}).rows), whole);
+  const Ground again = whole_ground(merged.run);
+  explain_scores(again, merged.scores);
+  EXPECT_EQ(tile_table_to_csv(again, merged.scores), whole);
   EXPECT_THAT(whole, HasSubstr("too_little_ground"));
 
   EXPECT_THAT(read_shards({files[0], files[2]}, "test 1").missing, ElementsAre(2, 3, 5));
@@ -91,15 +97,15 @@ TEST(MergeShards, GivesTheTableOfTheWholeRun) {
 
 TEST(MergeShards, RefusesAShardWithOtherTiles) {
   const TemporaryFolder folder;
-  ScoreImageryOptions options = options_of_test();
+  ScoreRunOptions options = options_of_test();
   options.score.measures = {ScoreMeasure::kGrayVariance};
   const ScoreRun run = open_score_run({write_ground(folder, 60, 80)}, options, 7);
   const std::string file = write_shard(folder, run, {1, 2}, 1);
   ScoreShard shard = read_score_shard(file);
-  shard.scores.back().tile_id += 1;
+  shard.rows.back().tile.tile_id += 1;
   write_file(file, score_shard_to_bytes(shard), true);
   EXPECT_THAT([&] { read_shards({file}, "test 1"); }, ThrowsMessage<DataError>(HasSubstr("expected ")));
-  shard.scores.pop_back();
+  shard.rows.pop_back();
   write_file(file, score_shard_to_bytes(shard), true);
   EXPECT_THAT([&] { read_shards({file}, "test 1"); }, ThrowsMessage<DataError>(HasSubstr("tiles, expected ")));
 }
@@ -107,19 +113,19 @@ TEST(MergeShards, RefusesAShardWithOtherTiles) {
 TEST(DescribeRun, SeesWhatTheResultDependsOn) {
   const TemporaryFolder folder;
   const std::string file = write_ground(folder, 60, 80);
-  const ScoreImageryOptions options = options_of_test();
-  const auto described = [&](std::uint64_t seed, const ScoreImageryOptions& with) {
+  const ScoreRunOptions options = options_of_test();
+  const auto described = [&](std::uint64_t seed, const ScoreRunOptions& with) {
     return describe_run(open_score_run({file}, with, seed), "test 1");
   };
   const nlohmann::ordered_json first = described(7, options);
   EXPECT_EQ(run_difference(first, described(7, options)), "");
   EXPECT_EQ(run_difference(first, nlohmann::ordered_json::parse(first.dump())), "");
   EXPECT_EQ(run_difference(first, described(8, options)), "seed: 7, not 8");
-  ScoreImageryOptions other = options;
+  ScoreRunOptions other = options;
   other.score.degradation.noise = 0.06;
   EXPECT_EQ(run_difference(first, described(7, other)), "options.degradation.noise: 0.05, not 0.06");
   other = options;
-  other.imagery.nodata = 3;
+  other.grid.imagery.nodata = 3;
   EXPECT_EQ(run_difference(first, described(7, other)), "options.nodata: not there, 3.0 in the other");
   write_file(file, read_file(file) + " ", true);
   EXPECT_THAT(run_difference(first, described(7, options)), HasSubstr("files." + file + ".bytes: "));

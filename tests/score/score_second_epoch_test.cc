@@ -28,7 +28,8 @@ TwoDates half_changed() {
 }
 
 struct Scored {
-  EpochTiles tiles;
+  GridLevel level;
+  std::vector<std::int64_t> indices;
   std::vector<EpochScores> scores;
 };
 
@@ -36,11 +37,11 @@ Scored score(const TwoDates& dates, int threads = 1) {
   const WarpField warp =
       register_dates(testing::open_in_memory(dates), {1000, 4300, 1700, 5000}, 1, {}, {}, threads).fit.field;
   Scored scored;
-  scored.tiles.matrix = {0, dates.reference.map_from_pixel, kSide_px, kSide_px, 100, 50};
-  scored.tiles.search_radius_px = 40;
-  for (std::int64_t i = 0; i < scored.tiles.matrix.tile_count(); ++i) scored.tiles.indices.push_back(i);
+  scored.level.matrix = {0, dates.reference.map_from_pixel, kSide_px, kSide_px, 100, 50};
+  scored.level.search_radius_px = 40;
+  for (std::int64_t i = 0; i < scored.level.matrix.tile_count(); ++i) scored.indices.push_back(i);
   scored.scores = score_epoch_tiles({gray_source_from(dates.reference), gray_source_from(dates.second)}, warp,
-                                    scored.tiles, 0.5, threads);
+                                    scored.level, scored.indices, 0.5, threads);
   return scored;
 }
 
@@ -49,9 +50,8 @@ TEST(ScoreSecondEpoch, TellsWhatStayedFromWhatChanged) {
   int stayed = 0;
   int changed = 0;
   for (std::size_t i = 0; i < scored.scores.size(); ++i) {
-    const std::int64_t width = scored.tiles.matrix.matrix_width();
-    const PixelWindow tile =
-        scored.tiles.matrix.tile_window(scored.tiles.indices[i] % width, scored.tiles.indices[i] / width);
+    const TileMatrix& matrix = scored.level.matrix;
+    const PixelWindow tile = matrix.tile_window(matrix.cell_of(scored.indices[i]));
     const EpochScores& score = scored.scores[i];
     if (tile.col < 50 || tile.row < 50 || tile.col > 550 || tile.row > 550) continue;
     const Eigen::Vector2d center(1000.0 + static_cast<double>(tile.col) + 50,
@@ -78,9 +78,8 @@ TEST(ScoreSecondEpoch, LeavesOutWhatHasNoGround) {
   TwoDates dates = make_two_dates(kSide_px, field, "no ground");
   dates.second.valid(cv::Rect(0, 0, 350, kSide_px)) = 0;
   const Scored scored = score(dates);
-  const std::int64_t width = scored.tiles.matrix.matrix_width();
   for (std::size_t i = 0; i < scored.scores.size(); ++i) {
-    const std::int64_t left = scored.tiles.indices[i] % width * 50;
+    const std::int64_t left = scored.level.matrix.cell_of(scored.indices[i]).column * 50;
     const EpochScores& score = scored.scores[i];
     if (left <= 200) {
       EXPECT_TRUE(std::isnan(score.ncc) && std::isnan(score.margin) && std::isnan(score.survival)) << i;

@@ -31,19 +31,27 @@ ScoreShard some_shard(std::size_t tiles) {
                             std::numeric_limits<double>::infinity(),
                             1.0 / 3};
   for (std::size_t i = 0; i < tiles; ++i) {
-    TileScores score;
-    score.tile_id = static_cast<std::int64_t>(7 * i);
+    TileRow row;
+    row.tile.tile_id = static_cast<std::int64_t>(7 * i);
+    row.tile.level = static_cast<int>(i % 2);
+    row.tile.column = static_cast<std::int64_t>(i);
+    row.tile.center = {random.uniform(-180, 180), random.uniform(-90, 90)};
+    row.tile.bounds = {random.normal(), random.normal(), random.normal(), random.normal()};
+    row.min_col_px = static_cast<std::int64_t>(64 * i);
+    TileScores& score = row.score;
     score.status = static_cast<TileStatus>(i % 3);
     score.valid_fraction = random.uniform(0, 1);
     score.gray_variance = random.normal();
     score.degraded.margin = special[i % 6];
-    shard.scores.push_back(score);
+    row.tile.valid_fraction = score.valid_fraction;
+    shard.rows.push_back(row);
   }
   return shard;
 }
 
+/// NaN has no bits of its own in a table.
 std::uint64_t bits(double number) {
-  return std::bit_cast<std::uint64_t>(number);
+  return std::isnan(number) ? ~std::uint64_t{0} : std::bit_cast<std::uint64_t>(number);
 }
 
 /// The bytes with a right digest behind whatever was changed.
@@ -66,38 +74,55 @@ TEST(ScoreShard, ComesBackBitForBit) {
   const ScoreShard again = score_shard_from_bytes("test", score_shard_to_bytes(shard));
   EXPECT_EQ(again.run, shard.run);
   EXPECT_EQ(again.shard, shard.shard);
-  ASSERT_EQ(again.scores.size(), shard.scores.size());
-  for (std::size_t i = 0; i < shard.scores.size(); ++i) {
-    EXPECT_EQ(again.scores[i].tile_id, shard.scores[i].tile_id);
-    EXPECT_EQ(again.scores[i].status, shard.scores[i].status);
-    EXPECT_EQ(bits(again.scores[i].valid_fraction), bits(shard.scores[i].valid_fraction));
+  ASSERT_EQ(again.rows.size(), shard.rows.size());
+  EXPECT_EQ(tile_table_to_csv(again.rows), tile_table_to_csv(shard.rows));
+  for (std::size_t i = 0; i < shard.rows.size(); ++i) {
+    const TileRow& row = again.rows[i];
+    const TileRow& wanted = shard.rows[i];
+    EXPECT_EQ(row.tile.tile_id, wanted.tile.tile_id);
+    EXPECT_EQ(row.tile.level, wanted.tile.level);
+    EXPECT_EQ(row.tile.cell(), wanted.tile.cell());
+    EXPECT_EQ(bits(row.tile.center.lon_deg), bits(wanted.tile.center.lon_deg));
+    EXPECT_EQ(bits(row.tile.bounds.min_x_m), bits(wanted.tile.bounds.min_x_m));
+    EXPECT_EQ(row.min_col_px, wanted.min_col_px);
+    EXPECT_EQ(row.score.status, wanted.score.status);
+    EXPECT_EQ(bits(row.score.valid_fraction), bits(wanted.score.valid_fraction));
     for (const Measure& measure : measures()) {
-      EXPECT_EQ(bits(measure.get(again.scores[i])), bits(measure.get(shard.scores[i]))) << measure.name;
+      EXPECT_EQ(bits(measure.get(row.score)), bits(measure.get(wanted.score))) << measure.name;
     }
   }
+}
+
+TEST(ScoreShard, BoundsOfARasterInDegreesAreEmptyAndComeBack) {
+  ScoreShard shard = some_shard(3);
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (TileRow& row : shard.rows) row.tile.bounds = {kNaN, kNaN, kNaN, kNaN};
+  const std::string bytes = score_shard_to_bytes(shard);
+  EXPECT_THAT(bytes, HasSubstr(",,,,,0,0,"));
+  const ScoreShard again = score_shard_from_bytes("test", bytes);
+  ASSERT_EQ(again.rows.size(), 3U);
+  for (const TileRow& row : again.rows) {
+    EXPECT_TRUE(std::isnan(row.tile.bounds.min_x_m) && std::isnan(row.tile.bounds.min_y_m) &&
+                std::isnan(row.tile.bounds.max_x_m) && std::isnan(row.tile.bounds.max_y_m));
+  }
+  EXPECT_EQ(score_shard_to_bytes(again), bytes);
 }
 
 TEST(ScoreShard, EveryNumberOfATileScoreIsAColumn) {
   // What is measured but no column would get lost between shard and merge.
   ScoreShard shard = some_shard(1);
   double next = 1;
-  for (const Measure& measure : measures()) measure.set(shard.scores[0], next++);
-  const TileScores again = score_shard_from_bytes("test", score_shard_to_bytes(shard)).scores[0];
+  for (const Measure& measure : measures()) measure.set(shard.rows[0].score, next++);
+  const TileScores again = score_shard_from_bytes("test", score_shard_to_bytes(shard)).rows[0].score;
   const auto surface = [](const SurfaceScores& scores) {
     return std::vector{scores.peak,        scores.rival,      scores.margin,        scores.rival_ratio,
                        scores.psr,         scores.rivals,     scores.half_width_px, scores.expected_error_px,
                        scores.rival_dx_px, scores.rival_dy_px};
   };
-  EXPECT_EQ(surface(again.clean), surface(shard.scores[0].clean));
-  EXPECT_EQ(surface(again.degraded), surface(shard.scores[0].degraded));
+  EXPECT_EQ(surface(again.clean), surface(shard.rows[0].score.clean));
+  EXPECT_EQ(surface(again.degraded), surface(shard.rows[0].score.degraded));
   // 10 + 10 of surfaces, 4 of the second date, 10 plain ones: all doubles of the struct but valid_fraction.
   EXPECT_EQ(measures().size(), 34U);
-}
-
-TEST(ScoreShard, LeavesOutWhatWasNotMeasured) {
-  const std::string bytes = score_shard_to_bytes(some_shard(1000));
-  EXPECT_THAT(bytes, HasSubstr("\"columns\":[\"gray_variance\",\"degraded_peak_margin\"]"));
-  EXPECT_LT(bytes.size(), 1000 * (8 + 1 + 8 + 2 * 8) + 400U);
 }
 
 TEST(ScoreShard, RefusesEveryTruncation) {
@@ -121,9 +146,9 @@ TEST(ScoreShard, RefusesEveryFlippedBit) {
 
 TEST(ScoreShard, RefusesALaterVersion) {
   std::string bytes = score_shard_to_bytes(some_shard(3));
-  bytes[bytes.find('\n') - 1] = '2';
+  bytes[bytes.find('\n') - 1] = '3';
   EXPECT_THAT([&] { score_shard_from_bytes("test", sealed(bytes)); },
-              ThrowsMessage<DataError>(HasSubstr("test: is a shard of version \"2\"; this program reads version 1")));
+              ThrowsMessage<DataError>(HasSubstr("test: is a shard of version \"3\"; this program reads version 2")));
 }
 
 TEST(ScoreShard, RefusesHeadersThatLieUnderARightDigest) {
@@ -133,39 +158,37 @@ TEST(ScoreShard, RefusesHeadersThatLieUnderARightDigest) {
     const char* message;
     std::function<void(Json&)> tell;
   };
-  const Lie lies[] = {{"expected", [](Json& header) { header["tiles"] = 6; }},
-                      {"expected", [](Json& header) { header["tiles"] = 0; }},
-                      {"outside", [](Json& header) { header["tiles"] = std::int64_t{1} << 60; }},
-                      {"outside", [](Json& header) { header["tiles"] = -1; }},
-                      {"expected",
-                       [](Json& header) {
-                         header["columns"].push_back("psr"), header["columns"].erase(2);
-                         header["columns"].erase(1);
-                       }},
-                      {"is not known, or stands twice", [](Json& header) { header["columns"][1] = "gray_variance"; }},
-                      {"is not known, or stands twice", [](Json& header) { header["columns"][1] = "later"; }},
-                      {"outside", [](Json& header) { header["shard"] = 17; }},
-                      {"outside", [](Json& header) { header["shards"] = 0; }},
-                      {"an integer", [](Json& header) { header["shard"] = 3.5; }},
-                      {"missing", [](Json& header) { header.erase("run"); }},
-                      {"more", [](Json& header) { header["more"] = 1; }}};
+  const Lie lies[] = {
+      {"has 5 tiles, its header says 6", [](Json& header) { header["tiles"] = 6; }},
+      {"has 5 tiles, its header says 0", [](Json& header) { header["tiles"] = 0; }},
+      {"its header says 1152921504606846976", [](Json& header) { header["tiles"] = std::int64_t{1} << 60; }},
+      {"outside", [](Json& header) { header["tiles"] = -1; }},
+      {"outside", [](Json& header) { header["shard"] = 17; }},
+      {"outside", [](Json& header) { header["shards"] = 0; }},
+      {"an integer", [](Json& header) { header["shard"] = 3.5; }},
+      {"missing", [](Json& header) { header.erase("run"); }},
+      {"more", [](Json& header) { header["more"] = 1; }}};
   for (const Lie& lie : lies) {
     EXPECT_THAT([&] { score_shard_from_bytes("test", with_header(lie.tell)); },
                 ThrowsMessage<DataError>(HasSubstr(lie.message)));
   }
 }
 
-TEST(ScoreShard, RefusesTilesThatDoNotAscendAndUnknownStatus) {
+TEST(ScoreShard, RefusesRowsThatLieUnderARightDigest) {
   const std::string bytes = score_shard_to_bytes(some_shard(3));
-  const std::size_t arrays = bytes.find('\n', bytes.find('\n') + 1) + 1;
-  std::string changed = bytes;
-  changed[arrays + 8] = 0;  // the second id: 7 becomes 0
-  EXPECT_THAT([&] { score_shard_from_bytes("test", sealed(changed)); },
-              ThrowsMessage<DataError>(HasSubstr("tile_id 0 does not follow 0")));
-  changed = bytes;
-  changed[arrays + 24] = 3;  // the first status
-  EXPECT_THAT([&] { score_shard_from_bytes("test", sealed(changed)); },
-              ThrowsMessage<DataError>(HasSubstr("status 3")));
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = bytes;
+    return sealed(text.replace(text.find(from), from.size(), to));
+  };
+  const auto refused = [](const std::string& text, const std::string& message) {
+    EXPECT_THAT([&] { score_shard_from_bytes("test", text); }, ThrowsMessage<DataError>(HasSubstr(message)));
+  };
+  refused(changed("\n7,1,", "\n0,1,"), "tile_id 0 does not follow 0");
+  refused(changed("\n7,1,", "\n7,-1,"), "level = \"-1\"");
+  refused(changed(",too_little_ground,", ",wet,"), "status = \"wet\"");
+  refused(changed(",gray_variance,", ",gray,"), "column \"gray_variance\" is missing");
+  refused(changed(",clean_rival,", ",clean_peak,"), "column \"clean_peak\" is a duplicate");
+  refused(sealed(bytes.substr(0, bytes.find('\n') + 1) + std::string(64, '0')), "test");
 }
 
 TEST(ScoreShard, NamesSortByNumber) {

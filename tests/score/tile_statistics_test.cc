@@ -27,27 +27,33 @@ TileMatrix matrix_of(const GraySource& source, int side, int stride) {
   return {0, source.map_from_pixel, source.width_px, source.height_px, side, stride};
 }
 
-/// Tiles of every `step`-th index.
-std::vector<TileScores> tiles_of(const TileMatrix& matrix, std::int64_t step) {
-  std::vector<TileScores> tiles;
-  for (std::int64_t index = 0; index < matrix.tile_count(); index += step) {
-    TileScores score;
-    score.column = index % matrix.matrix_width();
-    score.row = index / matrix.matrix_width();
-    tiles.push_back(score);
+/// Some tiles of a matrix and their scores.
+struct Tiles {
+  std::vector<TileCell> cells;
+  std::vector<TileScores> scores;
+
+  std::vector<MeasuredTile> measured() {
+    std::vector<MeasuredTile> list;
+    for (std::size_t i = 0; i < cells.size(); ++i) list.push_back({cells[i], &scores[i]});
+    return list;
   }
+  void add(const TileCell& cell, const TileScores& score = {}) {
+    cells.push_back(cell);
+    scores.push_back(score);
+  }
+};
+
+/// Tiles of every `step`-th index.
+Tiles tiles_of(const TileMatrix& matrix, std::int64_t step) {
+  Tiles tiles;
+  for (std::int64_t index = 0; index < matrix.tile_count(); index += step) tiles.add(matrix.cell_of(index));
   return tiles;
 }
 
-std::vector<TileScores*> pointers(std::vector<TileScores>& tiles) {
-  std::vector<TileScores*> list;
-  for (TileScores& tile : tiles) list.push_back(&tile);
-  return list;
-}
-
-void expect_as_pixels(const Raster& raster, const TileMatrix& matrix, const std::vector<TileScores>& tiles) {
-  for (const TileScores& tile : tiles) {
-    const PixelWindow window = matrix.tile_window(tile.column, tile.row);
+void expect_as_pixels(const Raster& raster, const TileMatrix& matrix, const Tiles& tiles) {
+  for (std::size_t i = 0; i < tiles.cells.size(); ++i) {
+    const TileScores& tile = tiles.scores[i];
+    const PixelWindow window = matrix.tile_window(tiles.cells[i]);
     const cv::Rect rect(static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height);
     const GrayStatistics oracle = gray_statistics(raster.pixels(rect), raster.valid(rect));
     ASSERT_DOUBLE_EQ(tile.valid_fraction, static_cast<double>(oracle.count) / rect.area());
@@ -82,47 +88,48 @@ GraySource in_blocks(const Raster& raster, int width, int height, CountedReads& 
 TEST(TileStatistics, StreamsWhatTheOracleSaysAndReadsEachBlockOnce) {
   const Raster raster = noise(500, 36'000, "stream");
   const TileMatrix matrix = matrix_of(gray_source_from(raster), 96, 40);
-  std::vector<std::vector<TileScores>> results;
+  std::vector<Tiles> results;
   for (const int threads : {1, 3}) {
     CountedReads reads;
     const GraySource source = in_blocks(raster, 130, 300, reads);
-    std::vector<TileScores> tiles = tiles_of(matrix, 1);
-    stream_statistics(source, matrix, {}, pointers(tiles), threads);
+    Tiles tiles = tiles_of(matrix, 1);
+    stream_statistics(source, matrix, {}, tiles.measured(), threads);
     EXPECT_EQ(reads.of_block.size(), 4U * 120U);
     for (const auto& [block, count] : reads.of_block) EXPECT_EQ(count, 1) << block.first << ", " << block.second;
     results.push_back(std::move(tiles));
   }
-  std::vector<TileScores> some;
-  for (std::size_t i = 0; i < results[0].size(); i += 17) some.push_back(results[0][i]);
+  Tiles some;
+  for (std::size_t i = 0; i < results[0].cells.size(); i += 17) some.add(results[0].cells[i], results[0].scores[i]);
   expect_as_pixels(raster, matrix, some);
-  for (std::size_t i = 0; i < results[0].size(); ++i) {
-    ASSERT_EQ(results[0][i].frieden_deficit, results[1][i].frieden_deficit);
+  for (std::size_t i = 0; i < results[0].scores.size(); ++i) {
+    ASSERT_EQ(results[0].scores[i].frieden_deficit, results[1].scores[i].frieden_deficit);
   }
 }
 
 TEST(TileStatistics, FewTilesAreAsAmongAllAndOthersAreNotRead) {
   const Raster raster = noise(1200, 900, "few");
   const TileMatrix matrix = matrix_of(gray_source_from(raster), 50, 25);
-  std::vector<TileScores> all = tiles_of(matrix, 1);
-  score_statistics({{0, 0, 1200, 900}, raster.pixels, raster.valid}, matrix, {}, pointers(all), 2);
+  Tiles all = tiles_of(matrix, 1);
+  score_statistics({{0, 0, 1200, 900}, raster.pixels, raster.valid}, matrix, {}, all.measured(), 2);
   CountedReads reads;
   const GraySource source = in_blocks(raster, 300, 300, reads);
-  std::vector<TileScores> few;
-  for (const std::size_t index : {3U, 7U, 49U}) few.push_back(all[index]);
-  for (TileScores& tile : few) tile.frieden_deficit = tile.gray_variance = -1;
-  stream_statistics(source, matrix, {}, pointers(few), 2);
-  EXPECT_EQ(few[0].frieden_deficit, all[3].frieden_deficit);
-  EXPECT_EQ(few[1].frieden_deficit, all[7].frieden_deficit);
-  EXPECT_EQ(few[2].gray_variance, all[49].gray_variance);
+  Tiles few;
+  for (const std::size_t index : {3U, 7U, 49U}) few.add(all.cells[index], all.scores[index]);
+  for (TileScores& tile : few.scores) tile.frieden_deficit = tile.gray_variance = -1;
+  stream_statistics(source, matrix, {}, few.measured(), 2);
+  EXPECT_EQ(few.scores[0].frieden_deficit, all.scores[3].frieden_deficit);
+  EXPECT_EQ(few.scores[1].frieden_deficit, all.scores[7].frieden_deficit);
+  EXPECT_EQ(few.scores[2].gray_variance, all.scores[49].gray_variance);
   EXPECT_EQ(reads.of_block.size(), 1U);  // all three lie in the first block
 }
 
 TEST(TileStatistics, AreComputedInAnyWindowAndOrder) {
   const Raster raster = noise(700, 400, "window");
   const TileMatrix matrix = matrix_of(gray_source_from(raster), 64, 16);
-  std::vector<TileScores> tiles = tiles_of(matrix, 7);
-  std::erase_if(tiles, [](const TileScores& tile) { return tile.column < 3 || tile.row < 2; });
-  std::vector<TileScores*> backwards = pointers(tiles);
+  Tiles tiles = tiles_of(matrix, 7);
+  std::erase_if(tiles.cells, [](const TileCell& cell) { return cell.column < 3 || cell.row < 2; });
+  tiles.scores.resize(tiles.cells.size());
+  std::vector<MeasuredTile> backwards = tiles.measured();
   std::reverse(backwards.begin(), backwards.end());
   const cv::Rect part(37, 11, 663, 389);  // begins between two tiles
   score_statistics({{part.x, part.y, part.width, part.height}, raster.pixels(part), raster.valid(part)}, matrix, {},
@@ -135,8 +142,8 @@ TEST(TileStatistics, AnErrorOfReadingIsTold) {
   GraySource source = gray_source_from(raster);
   source.read = [](const PixelWindow&) -> Raster { throw DataError("broken"); };
   const TileMatrix matrix = matrix_of(source, 64, 64);
-  std::vector<TileScores> tiles = tiles_of(matrix, 1);
-  EXPECT_THROW(stream_statistics(source, matrix, {}, pointers(tiles), 2), DataError);
+  Tiles tiles = tiles_of(matrix, 1);
+  EXPECT_THROW(stream_statistics(source, matrix, {}, tiles.measured(), 2), DataError);
 }
 
 }  // namespace

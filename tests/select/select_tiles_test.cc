@@ -97,7 +97,7 @@ TEST(SelectTiles, TakesEveryMatchableTileByDefault) {
   const Selection selection = select_tiles(plan, scores, kSize, {});
   EXPECT_EQ(selection.tile_ids.size(), plan.ground.tiles.size() - 1);
   EXPECT_TRUE(std::is_sorted(selection.tile_ids.begin(), selection.tile_ids.end()));
-  EXPECT_FALSE(std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), scores[5].tile_id));
+  EXPECT_FALSE(std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), plan.ground.tiles[5].tile_id));
 }
 
 TEST(SelectTiles, ATileWithoutScoreMakesAGap) {

@@ -59,13 +59,10 @@ inline Mission straight_plan(double length_m, double half_width_m = 50, int legs
 
 /// Good scores for every tile of the plan.
 inline std::vector<TileScores> good_scores(const Mission& plan) {
-  std::vector<TileScores> scores;
-  for (const GroundTile& tile : plan.ground.tiles) {
-    TileScores score;
-    score.tile_id = tile.tile_id;
+  std::vector<TileScores> scores(plan.ground.tiles.size());
+  for (TileScores& score : scores) {
     score.valid_fraction = 1;
     score.degraded.margin = 0.5;
-    scores.push_back(score);
   }
   return scores;
 }

@@ -142,7 +142,7 @@ TEST(PlanTiles, CrsIsObeyedOrRefused) {
   const TemporaryFolder folder;
   TileOptions options = make_small_mission(folder.path(), two_legs());
   options.crs = "EPSG:3035";  // Lambert azimuthal equal area of Europe: 0.06 % here
-  EXPECT_THAT(plan_tiles(options).crs_name, HasSubstr("LAEA"));
+  EXPECT_THAT(plan_tiles(options).ground.crs.name(), HasSubstr("LAEA"));
   options.crs = "EPSG:3857";
   EXPECT_THROW(plan_tiles(options), UsageError);
   options.crs = "EPSG:4326";
