@@ -187,7 +187,8 @@ TEST_F(StableFeatures, SameBytesForAnyNumberOfThreads) {
 TEST_F(StableFeatures, NeedsItsSecondDate) {
   BuildOptions options;
   options.keep_features = KeepFeatures::kStable;
-  EXPECT_THROW(build_map(folder_ / "map.gpkg", plan_, {}, {}, {}, "test", options, false), UsageError);
+  const std::vector<TileScores> scores(plan_.ground.tiles.size());
+  EXPECT_THROW(build_map(folder_ / "map.gpkg", plan_, scores, {}, {}, "test", options, false), UsageError);
 }
 
 }  // namespace

@@ -110,6 +110,7 @@ TEST(ReportLayers, AreasJoinSelectedTilesThatTouch) {
 TEST(ReportLayers, AnEmptyPlanHasEmptyLayers) {
   ReportInput input = testing::gis_scene();
   input.plan.ground.tiles.clear();
+  input.plan.flight.places.clear();
   input.scores.clear();
   input.selection = {};
   input.plan.flight.route = {};

@@ -251,10 +251,10 @@ TEST(ReportOutputs, AcrossTheAntimeridianShapesAreCut) {
   EXPECT_EQ(kml, "True\n");
 }
 
-TEST(ReportOutputs, APlanWithoutScoresAndRouteStillWorks) {
+TEST(ReportOutputs, APlanWithoutMeasuresAndRouteStillWorks) {
   const TemporaryFolder folder;
   ReportInput input = testing::gis_scene();
-  input.scores.clear();
+  input.scores.assign(input.plan.ground.tiles.size(), {});
   input.selection = {};
   input.plan.flight.route = {};
   input.plan.flight.samples.clear();

@@ -41,7 +41,7 @@ TEST(GroundOfRasters, IsTheRastersOwnGrid) {
   EXPECT_EQ(matrix.tile_size_px, 16);
   EXPECT_EQ(matrix.stride_px, 8);
   EXPECT_EQ(ground.levels[0].search_radius_px, 4);
-  EXPECT_EQ(ground.levels[0].gsd_m, 0.5);
+  EXPECT_NEAR(ground.levels[0].gsd_m, 0.5 / 0.9996, 1e-6) << "on the ground, at the central meridian";
   EXPECT_TRUE(std::isnan(ground.levels[0].min_agl_m)) << "nobody flies";
   EXPECT_TRUE(ground.tiles.empty());
 
