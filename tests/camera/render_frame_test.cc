@@ -71,8 +71,8 @@ TEST(RenderFrame, OrthoRectifyGivesTheGroundBack) {
     const GraySource ground = make_ground(size_px, place, ground_gray);
     for (const Camera& camera : cameras) {
       for (const Attitude& attitude : attitudes) {
-        SCOPED_TRACE(testing::Message() << gsd_m << " m " << static_cast<int>(camera.distortion_model) << " "
-                                        << attitude.yaw_deg);
+        SCOPED_TRACE(::testing::Message()
+                     << gsd_m << " m " << static_cast<int>(camera.distortion_model) << " " << attitude.yaw_deg);
         const RenderedFrame frame = render_frame(ground, place, camera, attitude, kAgl_m);
         ASSERT_EQ(frame.valid_fraction, 1);
         const RectifiedFrame back = ortho_rectify(frame.gray, camera, attitude, kAgl_m, {.gsd_m = 0.4});

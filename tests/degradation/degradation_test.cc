@@ -10,6 +10,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
+#include "pilotage/degradation/degradation_fields.h"
 
 namespace pilotage {
 namespace {

@@ -32,7 +32,7 @@ Ground two_levels() {
     GridLevel level;
     level.matrix = {number, GeoTransform::north_up(500000, 5000000, 1 + number), 1000, 1000, 100, 100};
     level.gsd_m = 1 + number;
-    level.min_agl_m = number == 0 ? 60 : 600;
+    level.min_agl_m = number == 0 ? 60 : 6000;
     level.max_agl_m = 10 * level.min_agl_m;
     ground.levels.push_back(level);
     for (std::int64_t column = 0; column < 2; ++column) {
@@ -56,7 +56,7 @@ TEST(ExplainScores, HoldsEachTileAgainstItsOwnLevel) {
     EXPECT_EQ(scores[i].reasons, reason_codes(scores[i], context));
   }
   EXPECT_THAT(scores[0].reasons, ::testing::Contains(ReasonCode::kRelief)) << "30 m of relief seen from 60 m";
-  EXPECT_THAT(scores[2].reasons, ElementsAre(ReasonCode::kRepeats)) << "and from 600 m";
+  EXPECT_THAT(scores[2].reasons, ElementsAre(ReasonCode::kRepeats)) << "and from 6000 m";
   EXPECT_THAT(scores[1].reasons, IsEmpty());
   EXPECT_THAT(scores[3].reasons, IsEmpty());
 }

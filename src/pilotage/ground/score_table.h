@@ -13,7 +13,8 @@ namespace pilotage {
 
 /// The tiles of a ground with their scores: scores[i] is of ground.tiles[i]. What it is made of must outlive it.
 struct ScoreTable {
-  /// Throws DataError when there is not one score for each tile.
+  /// Throws DataError when there is not one score for each tile, or the ground is none: tiles that do not ascend, or
+  /// lie on a level that it does not have.
   ScoreTable(const Ground& ground, const std::vector<TileScores>& scores);
 
   const Ground& ground;

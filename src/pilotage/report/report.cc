@@ -200,7 +200,7 @@ Report make_report(const ReportInput& input) {
   report.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   report.estimated_bytes = selection.estimated_bytes;
 
-  report.crs_name = valid_utf8(plan.ground.crs.name());
+  report.crs_name = plan.ground.crs.empty() ? "" : valid_utf8(plan.ground.crs.name());
   report.max_scale_distortion = plan.ground.max_scale_distortion;
   report.corridor_half_width_m = plan.flight.corridor_half_width_m;
   report.footprint_width_m = plan.flight.footprint_width_m;
