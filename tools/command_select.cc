@@ -66,7 +66,7 @@ Command make_select_command() {
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
     Mission plan = read_stage_plan(invocation.inputs.front());
     plan.flight.max_error_m = options.max_error_m.value_or(plan.flight.max_error_m);
-    const Selection selection = select_tiles(plan, read_scores(options.table, plan.ground),
+    const Selection selection = select_tiles(plan, read_scores(options.table, plan.ground, invocation.inputs.front()),
                                              stored_size(options.build, plan.ground), options.select);
     write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);
 

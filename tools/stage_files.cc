@@ -23,12 +23,12 @@ Mission read_stage_plan(const std::string& path) {
   return read_plan(path);
 }
 
-std::vector<TileScores> read_scores(const std::string& table, const Ground& ground) {
+std::vector<TileScores> read_scores(const std::string& table, const Ground& ground, const std::string& plan) {
   if (table.empty()) {
     throw UsageError("table is missing; give --table tiles.csv, which `pilotage score --table` writes");
   }
   need_file(table, "score --table");
-  return scores_of(ground, tile_table_from_csv(table, read_file(table)), table);
+  return scores_of(ground, tile_table_from_csv(table, read_file(table)), table, plan);
 }
 
 StageFiles read_stage_files(const StageFileOptions& options, const Invocation& invocation) {
@@ -36,7 +36,7 @@ StageFiles read_stage_files(const StageFileOptions& options, const Invocation& i
     throw UsageError("selection is missing; give --selection selection.json, which `pilotage select` writes");
   }
   Mission plan = read_stage_plan(invocation.inputs.front());
-  std::vector<TileScores> scores = read_scores(options.table, plan.ground);
+  std::vector<TileScores> scores = read_scores(options.table, plan.ground, invocation.inputs.front());
   need_file(options.selection, "select");
   StageFiles files{std::move(plan), std::move(scores), read_selection(options.selection)};
   for (const std::int64_t id : files.selection.tile_ids) tile_index(files.plan.ground, id, options.selection);

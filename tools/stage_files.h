@@ -36,8 +36,9 @@ void need_file(const std::string& path, const std::string& writer);
 /// The plan of a file. Throws as need_file and read_plan do.
 Mission read_stage_plan(const std::string& path);
 
-/// The scores of a table. Throws UsageError when `table` is empty, DataError when it cannot be read.
-std::vector<TileScores> read_scores(const std::string& table, const Ground& ground);
+/// The scores of a table, in the order of the tiles of the ground, which is that of the file `plan`. Throws UsageError
+/// when `table` is empty, DataError when it cannot be read or is of other tiles.
+std::vector<TileScores> read_scores(const std::string& table, const Ground& ground, const std::string& plan);
 
 /// The plan that is the command's input, its scores and its selection. Throws as read_scores, likewise for the others;
 /// DataError when the scores or the selection are of another plan.

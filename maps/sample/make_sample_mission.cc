@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 #include "cut_flight_frames.h"
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "country/synthetic_scene.h"

@@ -12,13 +12,13 @@
 
 #include <opencv2/core.hpp>
 
+#include "pilotage/camera/render_frame.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/match/match.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
-#include "pilotage/scene/render_frame.h"
 
 namespace pilotage {
 namespace {

@@ -1,8 +1,9 @@
-// Any bytes as each of minisign's three files: DataError, UsageError for a key that wants a passphrase, or a value that
-// its own file gives again.
+// Any bytes as each of minisign's three files: DataError, UsageError for a key that wants a passphrase, or a value; a
+// signature's own file gives it again.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <string>
 
 #include "pilotage/base/error.h"
@@ -10,31 +11,31 @@
 
 namespace {
 
+/// What `read` makes of the text, written by `write`; nothing when it is refused.
 template <class Read, class Write>
-void read_twice(const std::string& text, const Read& read, const Write& write) {
-  std::string written;
+std::optional<std::string> read_and_write(const std::string& text, const Read& read, const Write& write) {
   try {
-    written = write(read(text));
+    return write(read(text));
   } catch (const pilotage::DataError&) {
-    return;
   } catch (const pilotage::UsageError&) {
-    return;
   }
-  if (write(read(written)) != written) std::abort();
+  return std::nullopt;
+}
+
+std::string nothing(const auto&) {
+  return {};
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  read_twice(
-      text, [](const std::string& file) { return pilotage::parse_public_key(file, "fuzz"); },
-      pilotage::format_public_key_file);
-  read_twice(
-      text, [](const std::string& file) { return pilotage::parse_signature(file, "fuzz"); },
-      pilotage::format_signature_file);
-  read_twice(
-      text, [](const std::string& file) { return pilotage::parse_secret_key(file, {}, "fuzz"); },
-      [](const pilotage::MinisignSecretKey& key) { return pilotage::format_secret_key_file(key, {}); });
+  const auto as_public_key = [](const std::string& file) { return pilotage::parse_public_key(file, "fuzz"); };
+  const auto as_secret_key = [](const std::string& file) { return pilotage::parse_secret_key(file, {}, "fuzz"); };
+  const auto as_signature = [](const std::string& file) { return pilotage::parse_signature(file, "fuzz"); };
+  read_and_write(text, as_public_key, [](const auto& key) { return nothing(key); });
+  read_and_write(text, as_secret_key, [](const auto& key) { return nothing(key); });
+  const auto written = read_and_write(text, as_signature, pilotage::format_signature_file);
+  if (written && read_and_write(*written, as_signature, pilotage::format_signature_file) != written) std::abort();
   return 0;
 }

@@ -46,6 +46,7 @@ Scored scored(const std::vector<SomeTile>& tiles) {
     tile.level = some.level;
     tile.column = some.column;
     tile.row = some.row;
+    tile.tile_id = tile_id_of(made.ground.levels, some.level, some.column, some.row);
     made.ground.tiles.push_back(tile);
     TileScores score;
     score.valid_fraction = 0.5;

@@ -66,7 +66,8 @@ TEST(LevelScores, AreOfTheTilesOfTheirLevel) {
 
 TEST(ScoresOf, AreInTheOrderOfTheTiles) {
   const Ground ground = two_levels();
-  const std::vector<TileScores> again = scores_of(ground, tile_rows(ground, numbered_scores(ground)), "t.csv");
+  const std::vector<TileScores> again =
+      scores_of(ground, tile_rows(ground, numbered_scores(ground)), "t.csv", "plan.json");
   ASSERT_EQ(again.size(), ground.tiles.size());
   for (std::size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].gray_variance, static_cast<double>(i));
 }
@@ -75,8 +76,8 @@ TEST(ScoresOf, RefusesATableOfOtherTiles) {
   const Ground ground = two_levels();
   const std::vector<TileRow> rows = tile_rows(ground, numbered_scores(ground));
   const auto refused = [&](const std::vector<TileRow>& table) {
-    EXPECT_THAT([&] { scores_of(ground, table, "t.csv"); },
-                ThrowsMessage<DataError>(HasSubstr("t.csv: is of other tiles than the plan")));
+    EXPECT_THAT([&] { scores_of(ground, table, "t.csv", "plan.json"); },
+                ThrowsMessage<DataError>(HasSubstr("t.csv: is of other tiles than plan.json")));
   };
   std::vector<TileRow> fewer = rows;
   fewer.erase(fewer.begin() + 5);

@@ -1,10 +1,11 @@
 """clang-tidy 14 over the sources of src, tools and maps, by .clang-tidy; what passed once is not looked at again.
 
-clang_tidy.py SOURCE BUILD [--analyzer] [FILE...]
+clang_tidy.py SOURCE BUILD [--analyzer] [--seconds N] [FILE...]
 
 A source passes for good: its digest (configuration, compile command, the source and every header that its last compilation read) is
 kept in $XDG_CACHE_HOME/pilotage/clang-tidy, for all build trees and checkouts of a user. Without --analyzer the checks
-clang-analyzer-* are left out (docs/decisions/checks-in-tests.md). FILEs, relative to SOURCE, are looked at instead of all."""
+clang-analyzer-* are left out (docs/decisions/checks-in-tests.md). FILEs, relative to SOURCE, are looked at instead of all. With
+--seconds no source is begun after so many; how many are left is said, and the next run begins with them."""
 
 import argparse
 import concurrent.futures
@@ -17,6 +18,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import time
 
 FOLDERS = ("src", "tools", "maps")
 
@@ -80,6 +82,7 @@ def parsed_arguments():
     parser.add_argument("source")
     parser.add_argument("build")
     parser.add_argument("--analyzer", action="store_true")
+    parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("files", nargs="*")
     options = parser.parse_args()
     options.source, options.build = os.path.realpath(options.source), os.path.realpath(options.build)
@@ -104,10 +107,14 @@ def main():
     headers, digests = headers_by_object(options.build), Digests()
     common = [version, checks, digests.of(os.path.join(options.source, ".clang-tidy"))]
 
+    end = time.monotonic() + options.seconds
+
     def look(entry):
         key = key_of(entry, options.source, options.build, headers, digests, common)
         if key and (cache / key).exists():
             return True, ""
+        if time.monotonic() > end:
+            return None, ""
         done = subprocess.run([program, "-p", options.build, "--quiet", *checks, entry["file"]], stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True, check=False)
         if done.returncode != 0:
@@ -120,8 +127,13 @@ def main():
         results = list(pool.map(look, chosen.values()))
     problems = [text for _, text in results if text]
     print("\n".join(problems))
-    print(f"{len(results)} sources: {sum(known for known, _ in results)} passed before, {len(problems)} with problems")
-    return 1 if problems else 0
+    before, left = (sum(known is what for known, _ in results) for what in (True, None))
+    print(f"{len(results)} sources: {before} passed before, {len(problems)} with problems, {left} not looked at")
+    if problems or not left:
+        return 1 if problems else 0
+    print(f"skipped: clang-tidy has not yet looked at {left} of {len(results)} sources: "
+          f"python3 tests/lint/clang_tidy.py . {os.path.relpath(options.build, options.source)} looks at all")
+    return 77
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/vision/features.h"
 
 namespace pilotage {
 namespace {

@@ -30,7 +30,7 @@ Ground two_levels() {
   ground.crs = Crs::from_user_input("EPSG:32633");
   for (int number = 0; number < 2; ++number) {
     GridLevel level;
-    level.matrix = {number, GeoTransform::north_up(500000, 5000000, 1 + number), 1000, 1000, 100, 100};
+    level.matrix = {number, GeoTransform::north_up(500000, 5000000, 1 + number), 1000, 1000, 400, 400};
     level.gsd_m = 1 + number;
     level.min_agl_m = number == 0 ? 60 : 6000;
     level.max_agl_m = 10 * level.min_agl_m;

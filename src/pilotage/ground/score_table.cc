@@ -43,7 +43,8 @@ ScoreTable::ScoreTable(const Ground& all_tiles, const std::vector<TileScores>& o
 LevelScores::LevelScores(const ScoreTable& table, int number)
     : ground(table.ground), level(level_named(table.ground, number)), scores(table.scores) {}
 
-std::vector<TileScores> scores_of(const Ground& ground, std::vector<TileRow> rows, const std::string& name) {
+std::vector<TileScores> scores_of(const Ground& ground, std::vector<TileRow> rows, const std::string& table,
+                                  const std::string& source) {
   std::vector<TileScores> scores;
   scores.reserve(rows.size());
   for (TileRow& row : rows) {
@@ -54,7 +55,7 @@ std::vector<TileScores> scores_of(const Ground& ground, std::vector<TileRow> row
     scores.push_back(std::move(row.score));
   }
   if (scores.size() == ground.tiles.size() && scores.size() == rows.size()) return scores;
-  throw DataError(name + ": is of other tiles than the plan (" + counts(rows.size(), ground.tiles.size()) +
+  throw DataError(table + ": is of other tiles than " + source + " (" + counts(rows.size(), ground.tiles.size()) +
                   "); score the plan again");
 }
 

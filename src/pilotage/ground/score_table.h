@@ -35,8 +35,9 @@ struct LevelScores {
 };
 
 /// The scores of a ground's tiles out of the rows of a table, in the order of the tiles. Throws DataError, naming the
-/// table `name`, when its rows are not of these tiles, one for each.
-std::vector<TileScores> scores_of(const Ground& ground, std::vector<TileRow> rows, const std::string& name);
+/// table and where the ground is from, when its rows are not of these tiles, one for each.
+std::vector<TileScores> scores_of(const Ground& ground, std::vector<TileRow> rows, const std::string& table,
+                                  const std::string& source);
 
 }  // namespace pilotage
 
