@@ -37,10 +37,8 @@
 ///
 /// Order
 ///  1. MapReader opens and checks the map: MapReader::info() what it says of itself, MapReader::levels() its scales.
-///  2. Camera is the lens that took the frame. MapReader::camera() is the one the map was planned for;
-///  camera_for_size()
-///     when the frame is a smaller version of the whole picture. A map serves any camera whose frames show about as
-///     much ground.
+///  2. Camera is the lens that took the frame. MapReader::camera() is the one the map was planned for; for frames of
+///     another size ask camera_for_size(). A map serves any camera whose frames show about as much ground.
 ///  3. match() with MatchPrior and MatchOptions gives a MatchResult: a MatchStatus, a Fix exactly when the status is
 ///     kFix, a candidate that is never to be used for navigation, and MatchStats.
 ///  4. nav_sat_fix() gives the fields of ROS's sensor_msgs/NavSatFix, mavlink_global_position_sensor() those of

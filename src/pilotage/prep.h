@@ -4,7 +4,9 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/gis/report_outputs.h"
-#include "pilotage/ground/tile_table.h"
+#include "pilotage/ground/ground_of_rasters.h"
+#include "pilotage/ground/measures.h"
+#include "pilotage/ground/score_table.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/mission/input_files.h"
@@ -13,7 +15,7 @@
 #include "pilotage/prepare/prepare.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
-#include "pilotage/score/score_run.h"
+#include "pilotage/score/score_ground.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
 #include "pilotage/version.h"
@@ -38,11 +40,11 @@
 /// Order
 ///  prepare() is all of it. A program that wants something in between calls the stages; what passes between them are
 ///  values, and each value has a file:
-///  1. plan_tiles(): TileOptions → Mission. read_plan(), plan_to_json().
-///  2. open_score_run(), score_run(): rasters or a plan → ScoredRun, a TileRow for each tile, with the probability of a
-///     correct fix. tile_table_to_csv(), tile_table_from_csv(). score_part() scores a shard of them for finish_run().
-///  3. select_tiles(): Mission, the TileScores of its tiles, stored_size() → Selection. read_selection(),
-///     selection_to_json().
+///  1. plan_tiles(): TileOptions → Mission, a Ground and a Flight over it. read_plan(), plan_to_json(). Without a route
+///     ground_of_rasters() and cut_all_tiles() make a Ground.
+///  2. score_ground(): Ground → GroundScores, the TileScores of every tile with the probability of a correct fix.
+///     tile_table_to_csv(); tile_table_from_csv() and scores_of(). measures() lists what they hold.
+///  3. select_tiles(): Mission, its scores, stored_size() → Selection. read_selection(), selection_to_json().
 ///  4. build_map(): all of these and input_files() of the plan → map.gpkg.
 ///  5. make_report_input(), make_report(), write_report_outputs(): all of these → the files of the report.
 ///  6. verify_map(), require_intact(): every digest of the map, before it flies; sign_file() and verify_signature() for

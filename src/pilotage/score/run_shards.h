@@ -9,8 +9,6 @@
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/ground/ground.h"
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// A part of the tiles of a run of `score`, for one machine of several (docs/scale.md).
@@ -70,5 +68,3 @@ std::vector<ShardPart> shard_parts(const std::vector<ShardTile>& tiles);
 std::string number_list(const std::vector<std::int64_t>& numbers);
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop

@@ -12,8 +12,6 @@
 #include "pilotage/score/run_shards.h"
 #include "pilotage/score/score_ground.h"
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// The options of a run of `score`.
@@ -56,5 +54,3 @@ Ground whole_ground(const ScoreRun& run, int threads = 0);
 std::optional<SecondEpoch> register_second_epoch(const ScoreRun& run, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop
