@@ -24,6 +24,18 @@ if(PILOTAGE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
+# pilotage_compile_by_folder(<target>): the sources of a folder are compiled as one, for most of their time would go into the same
+# headers of OpenCV, Eigen and GDAL. So names in anonymous namespaces are unique within a folder. -DCMAKE_UNITY_BUILD=OFF compiles each alone.
+function(pilotage_compile_by_folder target)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    cmake_path(GET source PARENT_PATH folder)
+    cmake_path(GET folder FILENAME folder)
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${folder})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+endfunction()
+
 # pilotage_add_tests(<folder> <file>_test.cc ...): one GoogleTest program per source folder, which is the test <folder>.unit. It leaves its
 # cases in Testing/cases/<folder>.unit.xml, where tests/testing/summary.py counts them. A process per case would load 160 libraries each time.
 function(pilotage_add_tests folder)

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <optional>
 
 #include "commands.h"
 #include "stage_files.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_options.h"
@@ -21,8 +21,6 @@ namespace pilotage {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct MatchCommandOptions {
   std::string frames;

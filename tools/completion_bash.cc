@@ -9,7 +9,7 @@ namespace pilotage {
 namespace {
 
 // What does not depend on the commands. bash splits "--flag=value" at "=", and cuts what it inserts in the same way.
-constexpr const char* kFunctions = R"(
+constexpr const char* kBashFunctions = R"(
 # Answers with the words that begin with what is typed.
 _pilotage_words() {
   local word
@@ -71,7 +71,7 @@ _pilotage() {
 complete -F _pilotage pilotage
 )";
 
-std::string action_of(const CompletionFlag& flag) {
+std::string bash_action_of(const CompletionFlag& flag) {
   switch (flag.value) {
     case ValueKind::kFile:
       return "_pilotage_paths -f";
@@ -98,12 +98,12 @@ std::string values_of(const CompletionCommand& command) {
   for (const CompletionFlag& flag : command.flags) {
     if (flag.value == ValueKind::kNone) continue;
     const std::string letter = flag.letter.empty() ? "" : " | '" + command.word + " -" + flag.letter + "'";
-    lines += "    '" + command.word + " --" + flag.flag + "'" + letter + ") " + action_of(flag) + " ;;\n";
+    lines += "    '" + command.word + " --" + flag.flag + "'" + letter + ") " + bash_action_of(flag) + " ;;\n";
   }
   return lines;
 }
 
-std::string input_of(const CompletionCommand& command) {
+std::string bash_input_of(const CompletionCommand& command) {
   if (!command.takes_inputs) return ":";
   if (command.input_choices.empty()) return "_pilotage_paths -f";
   return "_pilotage_words " + join(command.input_choices, " ");
@@ -120,13 +120,14 @@ std::string bash_completion(const std::vector<Command>& commands) {
     words += (words.empty() ? "" : " ") + command.word;
     flags += "    " + command.word + ") echo '" + flags_of(command) + "' ;;\n";
     values += values_of(command);
-    inputs += "    " + command.word + ") " + input_of(command) + " ;;\n";
+    inputs += "    " + command.word + ") " + bash_input_of(command) + " ;;\n";
   }
   return "# bash completion for pilotage, written by `pilotage completion bash`.\n# shellcheck shell=bash "
          "disable=SC2046\n\n_pilotage_commands() {\n  echo '" +
          words + "'\n}\n\n_pilotage_flags() {\n  case $1 in\n" + flags +
          "  esac\n}\n\n# Fails when the flag takes no value.\n_pilotage_value() {\n  case \"$1 $2\" in\n" + values +
-         "    *) return 1 ;;\n  esac\n}\n\n_pilotage_input() {\n  case $1 in\n" + inputs + "  esac\n}\n" + kFunctions;
+         "    *) return 1 ;;\n  esac\n}\n\n_pilotage_input() {\n  case $1 in\n" + inputs + "  esac\n}\n" +
+         kBashFunctions;
 }
 
 }  // namespace pilotage

@@ -9,7 +9,7 @@
 namespace pilotage {
 namespace {
 
-constexpr const char* kFunctions = R"(# fish completion for pilotage, written by `pilotage completion fish`.
+constexpr const char* kFishFunctions = R"(# fish completion for pilotage, written by `pilotage completion fish`.
 
 function __pilotage_needs_command
     test (count (commandline -opc)) -eq 1
@@ -54,7 +54,7 @@ std::string value_of(const CompletionFlag& flag) {
 }  // namespace
 
 std::string fish_completion(const std::vector<Command>& commands) {
-  std::string script = kFunctions;
+  std::string script = kFishFunctions;
   for (const CompletionCommand& command : completion_model(commands)) {
     script += "\ncomplete -c pilotage -n __pilotage_needs_command -a " + command.word + " -d " +
               in_quotes(command.summary) + "\n";

@@ -22,7 +22,7 @@ std::string escaped(std::string_view text, std::string_view special) {
   return result;
 }
 
-std::string action_of(const CompletionFlag& flag) {
+std::string zsh_action_of(const CompletionFlag& flag) {
   switch (flag.value) {
     case ValueKind::kFile:
       return "_files";
@@ -42,13 +42,13 @@ std::string specs_of(const CompletionFlag& flag) {
   const std::string star = flag.repeated ? "*" : "";
   const std::string help = "[" + escaped(flag.help, "[]") + "]";
   const bool takes_value = flag.value != ValueKind::kNone;
-  const std::string value = takes_value ? ":" + flag.value_name + ":" + action_of(flag) : "";
+  const std::string value = takes_value ? ":" + flag.value_name + ":" + zsh_action_of(flag) : "";
   std::string specs = "'" + star + "--" + flag.flag + (takes_value ? "=" : "") + help + value + "'";
   if (!flag.letter.empty()) specs += " '" + star + "-" + flag.letter + help + value + "'";
   return specs;
 }
 
-std::string input_of(const CompletionCommand& command) {
+std::string zsh_input_of(const CompletionCommand& command) {
   if (!command.takes_inputs) return "";
   const std::string action = command.input_choices.empty() ? "_files" : "(" + join(command.input_choices, " ") + ")";
   return " \\\n        '*:" + escaped(command.input_name, ":") + ":" + action + "'";
@@ -63,7 +63,7 @@ std::string zsh_completion(const std::vector<Command>& commands) {
     described += "    '" + command.word + ":" + escaped(command.summary, ":") + "'\n";
     cases += "    " + command.word + ")\n      _arguments -S";
     for (const CompletionFlag& flag : command.flags) cases += " \\\n        " + specs_of(flag);
-    cases += input_of(command) + "\n      ;;\n";
+    cases += zsh_input_of(command) + "\n      ;;\n";
   }
   return "#compdef pilotage\n# zsh completion for pilotage, written by `pilotage completion zsh`.\n\n_pilotage() {\n"
          "  local curcontext=$curcontext\n  local -a commands\n  commands=(\n" +

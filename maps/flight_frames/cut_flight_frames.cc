@@ -27,12 +27,6 @@ constexpr int kTriesPerFrame = 2000;
 constexpr int kProbeScale = 16;    // the probe's pixels are so much larger,
 constexpr double kProbeSlack = 8;  // and all of one counts as bad where a part is
 
-/// Georeferenced imagery in 8 bits.
-struct Ground {
-  GraySource gray;
-  Crs crs;
-};
-
 /// A place on a route, and the direction of flight there.
 struct RoutePlace {
   GeodeticPoint point;
@@ -44,8 +38,8 @@ struct Setup {
   FlightFrameOptions options;
   std::uint64_t seed = 0;
   std::filesystem::path folder;
-  Ground ground;
-  std::optional<Ground> also;
+  GraySource ground;  // in 8 bits
+  std::optional<GraySource> also;
   std::vector<RoutePlace> route;  ///< One for each frame, or none: frames lie anywhere.
   Camera camera;
   double agl_m = 0;
@@ -110,12 +104,12 @@ std::vector<RoutePlace> places_along(const Route& route, int count) {
 Eigen::Vector2d route_nadir_px(const Setup& setup, const GeodeticPoint& point) {
   const auto on_map = CrsTransform(setup.ground.crs).map_from_geodetic(point);
   if (!on_map) throw DataError("the route leaves what the imagery's CRS can show");
-  return setup.ground.gray.map_from_pixel.pixel_from_map(*on_map);
+  return setup.ground.map_from_pixel.pixel_from_map(*on_map);
 }
 
 Eigen::Vector2d random_nadir_px(Random& random, const Setup& setup) {
   const auto& region = setup.options.region;
-  const GraySource& ground = setup.ground.gray;
+  const GraySource& ground = setup.ground;
   const double across = random.uniform();
   const double down = random.uniform();
   if (region.empty()) {
@@ -129,7 +123,7 @@ Eigen::Vector2d random_nadir_px(Random& random, const Setup& setup) {
 void fill_positions(Random& random, const Setup& setup, const GroundPlace& place, FrameRow& row) {
   const FlightFrameOptions& options = setup.options;
   const CrsTransform transform(setup.ground.crs);
-  const GeoTransform& map_from_pixel = setup.ground.gray.map_from_pixel;
+  const GeoTransform& map_from_pixel = setup.ground.map_from_pixel;
   row.nadir = geodetic_from_pixel(transform, map_from_pixel, place.nadir_px);
   const auto view = make_view(setup.camera, row.attitude, row.agl_m);
   const auto center_m = ground_from_pixel(*view, {setup.camera.cx_px, setup.camera.cy_px});
@@ -168,9 +162,9 @@ bool shows_ground(const GraySource& ground, const GroundPlace& place, const Setu
 
 bool also_shows_ground(const Setup& setup, const GroundPlace& place, const Attitude& attitude) {
   if (!setup.also) return true;
-  const GraySource& also = setup.also->gray;
+  const GraySource& also = *setup.also;
   const GeodeticPoint nadir =
-      geodetic_from_pixel(CrsTransform(setup.ground.crs), setup.ground.gray.map_from_pixel, place.nadir_px);
+      geodetic_from_pixel(CrsTransform(setup.ground.crs), setup.ground.map_from_pixel, place.nadir_px);
   const auto point = CrsTransform(setup.also->crs).map_from_geodetic(nadir);
   if (!point) return false;
   const Eigen::Vector2d nadir_px = also.map_from_pixel.pixel_from_map(*point);
@@ -187,7 +181,7 @@ FrameRow cut_frame(const Setup& setup, std::size_t index) {
     if (!setup.route.empty()) row.attitude.yaw_deg = wrapped_deg(setup.route[index].azimuth_deg);
     const Eigen::Vector2d nadir_px =
         setup.route.empty() ? random_nadir_px(random, setup) : route_nadir_px(setup, setup.route[index].point);
-    const GraySource& ground = setup.ground.gray;
+    const GraySource& ground = setup.ground;
     const GroundPlace place = ground_place(setup.ground.crs, ground.map_from_pixel, nadir_px);
     if (!shows_ground(ground, place, setup, row.attitude)) continue;
     if (!also_shows_ground(setup, place, row.attitude)) continue;
@@ -242,10 +236,6 @@ std::string camera_yaml(const Camera& camera) {
                   : matrix("distortion_coefficients", 5, {d[0], d[1], d[2], d[3], d[4]}));
 }
 
-Ground open_ground(const std::string& dataset, const ImageryOptions& options) {
-  return {stretch_to_8bit(open_gray(dataset, options)), inspect_imagery(dataset, options).crs};
-}
-
 Setup make_setup(const std::string& imagery, const std::filesystem::path& folder, const FlightFrameOptions& options,
                  std::uint64_t seed) {
   if (!options.region.empty() && options.region.size() != 4) throw UsageError("--region needs four numbers");
@@ -254,8 +244,8 @@ Setup make_setup(const std::string& imagery, const std::filesystem::path& folder
   setup.options = options;
   setup.seed = seed;
   setup.folder = folder;
-  setup.ground = open_ground(imagery, options.imagery);
-  if (!options.also.empty()) setup.also = open_ground(options.also, {});
+  setup.ground = stretch_to_8bit(open_gray(imagery, options.imagery));
+  if (!options.also.empty()) setup.also = stretch_to_8bit(open_gray(options.also, {}));
   if (!options.route.empty()) setup.route = places_along(read_route(options.route), options.frames);
   setup.camera = make_frame_camera(options);
   const Footprint at_1_m = footprint(setup.camera, {}, 1);

@@ -11,6 +11,11 @@ namespace pilotage::scene_detail {
 
 enum class BoxKind : std::uint8_t { kGable, kHip, kFlat, kVehicle };
 
+/// A quarter turn against the clock.
+inline Eigen::Vector2d left_of(const Eigen::Vector2d& v) {
+  return {-v.y(), v.x()};
+}
+
 /// A building or a vehicle: an upright box on a rectangle, in ground coordinates.
 struct Box {
   Eigen::Vector2d center_m;

@@ -10,10 +10,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-Vector2d left_of(const Vector2d& v) {
-  return {-v.y(), v.x()};
-}
-
 /// Coordinates in a box: along and across its middle.
 Vector2d in_box(const Box& box, const Vector2d& p) {
   const Vector2d d = p - box.center_m;

@@ -43,10 +43,6 @@ Pose on_ground(const GroundGrid& ground, const Vector2d& q, const Vector2d& dire
   return {center, (ground_from_bent(ground, q + 4 * direction) - center).normalized()};
 }
 
-Vector2d left_of(const Vector2d& v) {
-  return {-v.y(), v.x()};
-}
-
 bool overlaps_any(const std::vector<Box>& boxes, std::size_t first, const Box& box, double gap_m) {
   for (std::size_t i = first; i < boxes.size(); ++i) {
     const double reach =

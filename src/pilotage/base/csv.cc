@@ -5,11 +5,10 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 
 namespace pilotage {
 namespace {
-
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool at_line_end(std::string_view text) {
   return text.empty() || text.front() == '\n' || text.starts_with("\r\n");
@@ -17,9 +16,8 @@ bool at_line_end(std::string_view text) {
 
 }  // namespace
 
-CsvReader::CsvReader(std::string name, std::string_view text) : name_(std::move(name)), rest_(text) {
-  if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
-}
+CsvReader::CsvReader(std::string name, std::string_view text)
+    : name_(std::move(name)), rest_(without_byte_order_mark(text)) {}
 
 std::string CsvReader::where() const {
   return name_ + ": line " + std::to_string(row_line_) + ": ";

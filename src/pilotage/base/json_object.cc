@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 
 namespace pilotage {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxExactInteger = 9007199254740992;  // 2^53: above it a double no longer tells integers apart
 
 [[noreturn]] void throw_expected(const std::string& path, const std::string& expected, const Json& found) {

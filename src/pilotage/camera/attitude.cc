@@ -1,13 +1,12 @@
 #include "pilotage/camera/attitude.h"
 
-#include <numbers>
-
 #include <Eigen/Geometry>
+
+#include "pilotage/base/angle.h"
 
 namespace pilotage {
 
 Eigen::Matrix3d rotation_zyx(double yaw_deg, double pitch_deg, double roll_deg) {
-  constexpr double kRadPerDeg = std::numbers::pi / 180;
   return (Eigen::AngleAxisd(yaw_deg * kRadPerDeg, Eigen::Vector3d::UnitZ()) *
           Eigen::AngleAxisd(pitch_deg * kRadPerDeg, Eigen::Vector3d::UnitY()) *
           Eigen::AngleAxisd(roll_deg * kRadPerDeg, Eigen::Vector3d::UnitX()))

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/correlation/correlation_kernels.h"
 
 namespace pilotage {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kRivalShare = 0.8F;
 constexpr double kLargestAssumedPeak = 0.9;
 constexpr float kNoThreshold = std::numeric_limits<float>::infinity();

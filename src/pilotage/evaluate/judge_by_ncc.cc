@@ -14,7 +14,6 @@
 namespace pilotage {
 namespace {
 
-constexpr double kMinValidFraction = 0.9;
 constexpr double kMinOverlap = 0.5;
 
 struct BothDates {
@@ -31,7 +30,7 @@ cv::Mat as_float(const cv::Mat& pixels) {
 /// Correlation of the other date's tile at every position of the search area; empty when it is not covered.
 cv::Mat surface_of(const BothDates& dates, const PixelWindow& tile, const PixelWindow& area) {
   const Raster shown = dates.other.read(tile);
-  if (valid_fraction(shown.valid) < kMinValidFraction) return {};
+  if (valid_fraction(shown.valid) < kMinCoveredFraction) return {};
   const Raster region = dates.reference.read(area);
   return masked_correlation_surface(as_float(shown.pixels), shown.valid, as_float(region.pixels), region.valid,
                                     kMinOverlap);

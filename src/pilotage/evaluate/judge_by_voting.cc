@@ -22,7 +22,6 @@ namespace {
 constexpr double kHalfFieldOfView_rad = std::numbers::pi / 6;
 constexpr int kFrameOversampling = 2;  // frames are finer than maps
 constexpr int kMaxFrameSidePx = 2048;
-constexpr double kMinValidFraction = 0.9;
 constexpr double kSearchSigmas = 3;
 
 /// What the frames over all tiles share.
@@ -112,7 +111,7 @@ TileOutcome judge(const FrameSetup& setup, std::size_t index, std::uint64_t seed
   TileOutcome outcome;
   outcome.tile = index;
   const auto frame = take_frame(setup, setup.judged.ground.tiles[index], seed);
-  if (!frame || frame->picture.valid_fraction < kMinValidFraction) return outcome;
+  if (!frame || frame->picture.valid_fraction < kMinCoveredFraction) return outcome;
   const MatchResult result = match(frame->picture.gray, frame->prior, setup.camera, map, setup.match);
   outcome.status = match_status_name(result.status);
   outcome.evidence = result.stats.vote_peak;

@@ -1,13 +1,13 @@
 #include "pilotage/flightlog/match_evaluation.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 
 namespace pilotage {
@@ -15,7 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kConfidence = 0.95;
 
 /// Covariances that cannot be inverted have no NEES and are left out.

@@ -1,8 +1,8 @@
 #include "pilotage/geo/local_frame.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 
@@ -12,7 +12,6 @@ namespace {
 constexpr double kSemiMajor_m = 6378137.0;           // WGS 84
 constexpr double kFlattening = 1.0 / 298.257223563;  // WGS 84
 constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 Eigen::Vector3d ecef_from_geodetic(GeodeticPoint point, double height_m) {
   const double lat = point.lat_deg * kRadPerDeg;

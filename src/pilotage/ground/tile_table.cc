@@ -4,18 +4,16 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <optional>
 
 #include "pilotage/base/csv.h"
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A column of tiles.csv: how its cell is written, and how it is read (false = malformed).
 struct Cell {

@@ -1,13 +1,11 @@
 #include "pilotage/ins/ins_error_model.h"
 
-#include <numbers>
-
+#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 
 namespace pilotage {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kHour_s = 3600;
 constexpr double kRootHour = 60;  // √3600 s
 constexpr double kStandardGravity_mps2 = 9.80665;
@@ -53,17 +51,17 @@ InsErrorModel make_ins_error_model(const InsOptions& options) {
   const GradeFigures grade = grade_figures(options.grade);
   InsErrorModel model;
   model.accel_bias_mps2 = options.accel_bias_mg.value_or(grade.accel_bias_mg) * 1e-3 * kStandardGravity_mps2;
-  model.gyro_bias_radps = options.gyro_bias_deg_h.value_or(grade.gyro_bias_deg_h) * kDegree / kHour_s;
+  model.gyro_bias_radps = options.gyro_bias_deg_h.value_or(grade.gyro_bias_deg_h) * kRadPerDeg / kHour_s;
   model.velocity_random_walk_mps_rt_s =
       options.velocity_random_walk_mps_rt_h.value_or(grade.velocity_random_walk_mps_rt_h) / kRootHour;
   model.angle_random_walk_rad_rt_s =
-      options.angle_random_walk_deg_rt_h.value_or(grade.angle_random_walk_deg_rt_h) * kDegree / kRootHour;
+      options.angle_random_walk_deg_rt_h.value_or(grade.angle_random_walk_deg_rt_h) * kRadPerDeg / kRootHour;
   model.accel_scale = options.accel_scale_ppm.value_or(grade.accel_scale_ppm) * 1e-6;
   model.gyro_scale = options.gyro_scale_ppm.value_or(grade.gyro_scale_ppm) * 1e-6;
   model.bias_correlation_s = options.bias_correlation_s.value_or(grade.bias_correlation_s);
   model.start_velocity_sigma_mps = options.start_velocity_sigma_mps.value_or(grade.start_velocity_sigma_mps);
-  model.start_tilt_sigma_rad = options.start_tilt_sigma_deg.value_or(grade.start_tilt_sigma_deg) * kDegree;
-  model.start_heading_sigma_rad = options.start_heading_sigma_deg.value_or(grade.start_heading_sigma_deg) * kDegree;
+  model.start_tilt_sigma_rad = options.start_tilt_sigma_deg.value_or(grade.start_tilt_sigma_deg) * kRadPerDeg;
+  model.start_heading_sigma_rad = options.start_heading_sigma_deg.value_or(grade.start_heading_sigma_deg) * kRadPerDeg;
   model.odometry_drift = options.odometry_drift_percent.value_or(grade.odometry_drift_percent) * 1e-2;
   model.velocity_aid_sigma_mps = options.velocity_aid_sigma_mps.value_or(0);
   model.velocity_aid_correlation_s = options.velocity_aid_correlation_s;

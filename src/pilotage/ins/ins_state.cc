@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Dense>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kGravity_mps2 = 9.80665;
 constexpr double kEarthRadius_m = 6371000;
 /// Longest step of the series below, in seconds and in correlation times; the terms left out are then below 1e-9 of the
@@ -39,8 +38,8 @@ using Matrix = InsState::Covariance;
 
 /// Columns: forward and right of a heading, in east-north.
 Eigen::Matrix2d enu_from_body(double heading_deg) {
-  const double s = std::sin(heading_deg * kDegree);
-  const double c = std::cos(heading_deg * kDegree);
+  const double s = std::sin(heading_deg * kRadPerDeg);
+  const double c = std::cos(heading_deg * kRadPerDeg);
   return (Eigen::Matrix2d() << s, c, c, -s).finished();
 }
 
@@ -146,7 +145,7 @@ void update(Matrix& covariance, const Eigen::Matrix<double, 2, InsState::kSize>&
 
 /// A change of heading and speed at one instant: what a turn and an acceleration do to the errors.
 void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry) {
-  const double turn_rad = std::remainder(heading_deg - state.heading_deg, 360.0) * kDegree;
+  const double turn_rad = std::remainder(heading_deg - state.heading_deg, 360.0) * kRadPerDeg;
   if (turn_rad == 0 && speed_mps == state.speed_mps) return;
   Matrix jump = Matrix::Identity();
   jump(kHeading, kGyroScale) = turn_rad;

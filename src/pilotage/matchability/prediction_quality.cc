@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/random.h"
 #include "pilotage/base/text.h"
@@ -15,7 +16,6 @@
 namespace pilotage {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSurest = 1e-6;  // the least probability that log_score knows
 
 /// A prediction in ascending order of value, and how often it counts: 1, or as often as a resample drew its block.

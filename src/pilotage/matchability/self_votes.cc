@@ -15,7 +15,7 @@ namespace pilotage {
 namespace {
 
 constexpr int kTruePeak_px = 5;
-constexpr int kSide = 2 * kVoteReach_px + 1;
+constexpr int kVoteGridSide_px = 2 * kVoteReach_px + 1;
 constexpr std::size_t kQueriesPerTask = 1024;
 
 struct Displacement {
@@ -27,7 +27,7 @@ struct Displacement {
 class VoteSurface {
  public:
   void add(Displacement vote) {
-    ++votes_[static_cast<std::size_t>((vote.dy_px + kVoteReach_px) * kSide + vote.dx_px + kVoteReach_px)];
+    ++votes_[static_cast<std::size_t>((vote.dy_px + kVoteReach_px) * kVoteGridSide_px + vote.dx_px + kVoteReach_px)];
   }
 
   /// Standard deviation of the sums of 3 × 3 bins, but for the true peak; empties the surface.
@@ -36,17 +36,17 @@ class VoteSurface {
     std::int64_t sum = 0;
     std::int64_t squares = 0;
     std::int64_t count = 0;
-    for (int y = 0; y < kSide; ++y) {
-      std::array<int, kSide> column{};
-      for (int row = std::max(y - 1, 0); row <= std::min(y + 1, kSide - 1); ++row) {
-        const std::uint16_t* votes = &votes_[static_cast<std::size_t>(row * kSide)];
-        for (int x = 0; x < kSide; ++x) column[static_cast<std::size_t>(x)] += votes[x];
+    for (int y = 0; y < kVoteGridSide_px; ++y) {
+      std::array<int, kVoteGridSide_px> column{};
+      for (int row = std::max(y - 1, 0); row <= std::min(y + 1, kVoteGridSide_px - 1); ++row) {
+        const std::uint16_t* votes = &votes_[static_cast<std::size_t>(row * kVoteGridSide_px)];
+        for (int x = 0; x < kVoteGridSide_px; ++x) column[static_cast<std::size_t>(x)] += votes[x];
       }
-      for (int x = 0; x < kSide; ++x) {
+      for (int x = 0; x < kVoteGridSide_px; ++x) {
         if (std::max(std::abs(x - kVoteReach_px), std::abs(y - kVoteReach_px)) <= kTruePeak_px) continue;
         int box = column[static_cast<std::size_t>(x)];
         if (x > 0) box += column[static_cast<std::size_t>(x - 1)];
-        if (x + 1 < kSide) box += column[static_cast<std::size_t>(x + 1)];
+        if (x + 1 < kVoteGridSide_px) box += column[static_cast<std::size_t>(x + 1)];
         sum += box;
         squares += std::int64_t{box} * box;
         ++count;
@@ -58,7 +58,7 @@ class VoteSurface {
   }
 
  private:
-  std::array<std::uint16_t, static_cast<std::size_t>(kSide) * kSide> votes_{};
+  std::array<std::uint16_t, static_cast<std::size_t>(kVoteGridSide_px) * kVoteGridSide_px> votes_{};
 };
 
 std::int8_t rounded(float value_px) {

@@ -8,12 +8,12 @@
 
 #include "pilotage/base/csv.h"
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAny = std::numeric_limits<double>::max();
 
 /// The numbers of a row, in the order of kColumns.

@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <list>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/raster/gdal_gray.h"
 
 namespace pilotage {
@@ -18,13 +18,6 @@ namespace {
 
 constexpr int kBlockSide = 256;
 constexpr std::size_t kBlocksKept = 32;  // 32 × 256² doubles and masks: 19 MB
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-struct Block {
-  std::int64_t col = 0;
-  std::int64_t row = 0;
-  Raster raster;
-};
 
 /// Metres per unit of a band's unit as GDAL gives it; nothing when it is not known.
 std::optional<double> metres_of(const std::string& unit) {
@@ -47,6 +40,12 @@ ImageryOptions height_options(const std::string& crs) {
 }  // namespace
 
 struct Elevation::Impl {
+  struct Block {
+    std::int64_t col = 0;
+    std::int64_t row = 0;
+    Raster raster;
+  };
+
   ImageryInfo info;
   GraySource source;
   CrsTransform map_from_geodetic;

@@ -14,6 +14,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/raster/gdal_handle.h"
 
 namespace pilotage {
 namespace {
@@ -60,13 +61,8 @@ void check_raster(const Raster& raster, int type, const char* expected) {
   }
 }
 
-struct DatasetCloser {
-  void operator()(GDALDataset* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<GDALDataset, DatasetCloser>;
-
-Dataset create(const std::filesystem::path& path, const Raster& raster, int bands, GDALDataType type,
-               const std::string& wkt, const GeotiffOptions& options) {
+DatasetPtr create(const std::filesystem::path& path, const Raster& raster, int bands, GDALDataType type,
+                  const std::string& wkt, const GeotiffOptions& options) {
   static std::once_flag registered;
   std::call_once(registered, [] { GDALAllRegister(); });
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
@@ -85,7 +81,8 @@ Dataset create(const std::filesystem::path& path, const Raster& raster, int band
     creation.SetNameValue("PREDICTOR", type == GDT_Float32 ? "3" : "2");
   }
   if (bands == 3) creation.SetNameValue("INTERLEAVE", "PIXEL");
-  Dataset dataset(driver->Create(path.c_str(), raster.pixels.cols, raster.pixels.rows, bands, type, creation.List()));
+  DatasetPtr dataset(
+      driver->Create(path.c_str(), raster.pixels.cols, raster.pixels.rows, bands, type, creation.List()));
   if (!dataset) fail(path);
   const GeoTransform& t = raster.map_from_pixel;
   std::array<double, 6> transform = {t.origin_x, t.x_per_col, t.x_per_row, t.origin_y, t.y_per_col, t.y_per_row};
@@ -96,9 +93,9 @@ Dataset create(const std::filesystem::path& path, const Raster& raster, int band
 }
 
 /// Writes what is still in GDAL's cache; GDAL reports trouble there by its error state alone.
-void close(Dataset dataset, const std::filesystem::path& path) {
+void close(DatasetPtr dataset, const std::filesystem::path& path) {
   CPLErrorReset();
-  dataset.reset();
+  GDALClose(GDALDataset::ToHandle(dataset.release()));
   if (CPLGetLastErrorType() >= CE_Failure) fail(path);
 }
 
@@ -120,7 +117,7 @@ void write_rgb8_geotiff(const std::filesystem::path& path, const Raster& raster,
   OutputFile output(path, overwrite);
   const int width = raster.pixels.cols;
   const int height = raster.pixels.rows;
-  Dataset dataset = create(output.temporary_path(), raster, 3, GDT_Byte, wkt, options);
+  DatasetPtr dataset = create(output.temporary_path(), raster, 3, GDT_Byte, wkt, options);
   const auto stride = static_cast<GSpacing>(raster.pixels.step[0]);
   check(dataset->RasterIO(GF_Write, 0, 0, width, height, bytes_of(raster.pixels, 0), width, height, GDT_Byte, 3,
                           nullptr, 3, stride, 1, nullptr),
@@ -148,7 +145,7 @@ void write_float32_geotiff(const std::filesystem::path& path, const Raster& rast
   cv::Mat values = raster.pixels.clone();
   values.setTo(std::numeric_limits<float>::quiet_NaN(), raster.valid == 0);
   OutputFile output(path, overwrite);
-  Dataset dataset = create(output.temporary_path(), raster, 1, GDT_Float32, wkt, options);
+  DatasetPtr dataset = create(output.temporary_path(), raster, 1, GDT_Float32, wkt, options);
   GDALRasterBand* band = dataset->GetRasterBand(1);
   check(band->SetNoDataValue(std::numeric_limits<double>::quiet_NaN()), path);
   check(band->RasterIO(GF_Write, 0, 0, values.cols, values.rows, values.ptr(0), values.cols, values.rows, GDT_Float32,

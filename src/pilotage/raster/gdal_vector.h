@@ -29,7 +29,7 @@ enum class VectorShape { kNone, kLine, kPolygon };
 struct VectorStyle {
   std::string line_color = "#000000ff";
   double line_width_px = 1;
-  std::string fill_color = "";  ///< Of a polygon; "" for none.
+  std::string fill_color;  ///< Of a polygon; "" for none.
 };
 
 struct VectorFeature {

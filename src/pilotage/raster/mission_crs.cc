@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
@@ -22,7 +22,6 @@ namespace pilotage {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kStep_m = 100;
 constexpr double kNegligible = 1e-5;  // a millimetre and a half over a footprint of 150 m
 

@@ -45,19 +45,19 @@ PixelWindow grown(const PixelWindow& window, std::int64_t margin_px, const GrayS
 }
 
 /// The second date around one block, in one octave.
-struct Ground {
+struct OctaveAround {
   Octave octave;
   cv::Mat missing;  // integral of the pixels that are not valid
 };
 
-Ground ground_around(const Raster& raster, const PixelWindow& window, double scale) {
-  Ground ground{make_octave(raster.pixels, raster.valid, window.col, window.row, scale), {}};
+OctaveAround octave_around(const Raster& raster, const PixelWindow& window, double scale) {
+  OctaveAround ground{make_octave(raster.pixels, raster.valid, window.col, window.row, scale), {}};
   cv::integral((ground.octave.valid == 0) / 255, ground.missing, CV_32S);
   return ground;
 }
 
 /// Whether all pixels within `reach` of a pixel of the octave are there and valid.
-bool shown(const Ground& ground, int x, int y, int reach) {
+bool shown(const OctaveAround& ground, int x, int y, int reach) {
   const cv::Rect around(x - reach, y - reach, 2 * reach + 1, 2 * reach + 1);
   if ((around & cv::Rect({0, 0}, ground.octave.gray.size())) != around) return false;
   const cv::Mat& sums = ground.missing;
@@ -88,7 +88,7 @@ struct Search {
 };
 
 /// Where the second date is described for one feature: one place for each step, or none when one of them is not shown.
-std::vector<Corner> places_around(const Feature& feature, const Ground& ground, const Search& search) {
+std::vector<Corner> places_around(const Feature& feature, const OctaveAround& ground, const Search& search) {
   const Octave& octave = ground.octave;
   const auto place = [&](float position_px, std::int64_t first) {
     return static_cast<int>(std::llround(static_cast<double>(position_px) / octave.scale - 0.5) - first);
@@ -104,7 +104,7 @@ std::vector<Corner> places_around(const Feature& feature, const Ground& ground, 
 }
 
 /// Judges the features of a range that lie in one octave.
-void judge_octave(const FeatureSet& reference, const FeatureRange& range, int octave, const Ground& ground,
+void judge_octave(const FeatureSet& reference, const FeatureRange& range, int octave, const OctaveAround& ground,
                   const Search& search, std::vector<FeatureFate>& fates) {
   std::vector<std::size_t> judged;
   std::vector<Corner> places;  // of the judged features, one after the other
@@ -145,7 +145,7 @@ void judge_range(const FeatureSet& reference, const FeatureRange& range, const G
   const Raster raster = second.read(window);
   if (raster.pixels.type() != CV_8UC1) throw UsageError("features need a gray source of 8 bits");
   for (int octave = 0; octave < options.octaves; ++octave) {
-    judge_octave(reference, range, octave, ground_around(raster, window, search.scale_of(octave)), search, fates);
+    judge_octave(reference, range, octave, octave_around(raster, window, search.scale_of(octave)), search, fates);
   }
 }
 

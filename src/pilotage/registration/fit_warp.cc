@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Dense>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/base/options.h"
 #include "pilotage/base/statistics.h"
 #include "pilotage/registration/warp_problem.h"
@@ -14,7 +14,6 @@
 namespace pilotage {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFewestTies = 8;
 constexpr int kFewestNear = 3;  // ties that make a cell known
 constexpr double kLossScale = 2;

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+
+#include "pilotage/base/nan.h"
 
 namespace pilotage {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Where a coordinate falls: the first of its four control points, and how far into their span.
 struct Span {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -11,23 +9,23 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 
 namespace pilotage {
 namespace {
 
 constexpr double kRadius_m = 6378137;
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 // The background of the page's map (page.css): ground without imagery is not drawn.
 const cv::Scalar kNoGround(0xd9, 0xdd, 0xe1);
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 using PlaneFunction = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
 
 // Solves display_from_map(x) = target by Newton's method with a numeric Jacobian; NaN when it does not converge.
 Eigen::Vector2d invert(const PlaneFunction& display_from_map, const Eigen::Vector2d& target, Eigen::Vector2d x,
                        double tolerance_m) {
-  const Eigen::Vector2d nowhere(kNan, kNan);
+  const Eigen::Vector2d nowhere(kNaN, kNaN);
   constexpr double kStep = 1.0;
   for (int iteration = 0; iteration < 30; ++iteration) {
     const Eigen::Vector2d value = display_from_map(x);
@@ -156,7 +154,7 @@ Raster shrink(const Raster& imagery, double picture_pixel_m) {
 }  // namespace
 
 Eigen::Vector2d mercator_from_geodetic(GeodeticPoint point) {
-  if (!(std::abs(point.lat_deg) <= kMercatorMaxLat_deg) || !std::isfinite(point.lon_deg)) return {kNan, kNan};
+  if (!(std::abs(point.lat_deg) <= kMercatorMaxLat_deg) || !std::isfinite(point.lon_deg)) return {kNaN, kNaN};
   return {kRadius_m * point.lon_deg * kRadPerDeg, kRadius_m * std::asinh(std::tan(point.lat_deg * kRadPerDeg))};
 }
 
@@ -164,7 +162,7 @@ PlaneFunction mercator_from_map(std::function<GeodeticPoint(Eigen::Vector2d)> ge
                                 double reference_lon_deg) {
   return [from_map = std::move(geodetic_from_map), reference_lon_deg](const Eigen::Vector2d& xy) -> Eigen::Vector2d {
     GeodeticPoint point = from_map(xy);
-    if (!std::isfinite(point.lon_deg)) return {kNan, kNan};
+    if (!std::isfinite(point.lon_deg)) return {kNaN, kNaN};
     point.lon_deg = unwrap_lon_deg(point.lon_deg, reference_lon_deg);
     return mercator_from_geodetic(point);
   };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/route/mission_command.h"
@@ -16,7 +17,6 @@ namespace {
 
 enum class AltitudeFrame { kAmsl, kRelative, kTerrain };
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// More than any autopilot stores, and few enough to follow every jump.
 constexpr std::size_t kMaxSteps = 2'000'000;
 /// A takeoff within this distance of home happens at home.
@@ -26,7 +26,7 @@ constexpr double kAtHome_m = 1;
 struct Cursor {
   std::size_t item = 0;
   int vertex = -1;
-  double speed_mps = kUnknown;
+  double speed_mps = kNaN;
 };
 
 /// The state of following a mission; lives for one call of append_mission.
@@ -92,7 +92,7 @@ void set_height(const Follower& follower, const MissionItem& item, RouteVertex& 
       break;
     case AltitudeFrame::kRelative: {
       const double home_m =
-          follower.options.home_amsl_m.value_or(follower.mission.home ? follower.mission.home->amsl_m : kUnknown);
+          follower.options.home_amsl_m.value_or(follower.mission.home ? follower.mission.home->amsl_m : kNaN);
       if (!std::isfinite(home_m)) {
         throw DataError(
             where(follower, item) + ": its altitude " + format_number(altitude_m) +

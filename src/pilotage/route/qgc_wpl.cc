@@ -6,6 +6,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/route/mission_command.h"
 #include "pilotage/route/mission_items.h"
 #include "pilotage/route/route_builder.h"
@@ -13,7 +14,6 @@
 namespace pilotage {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
 std::vector<std::string_view> split_fields(std::string_view line) {
@@ -105,12 +105,11 @@ void take_home(Route& route, Mission& mission) {
 }  // namespace
 
 bool is_qgc_wpl(std::string_view text) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  return text.starts_with("QGC WPL");
+  return without_byte_order_mark(text).starts_with("QGC WPL");
 }
 
 Route parse_qgc_wpl(const std::string& name, std::string_view text, const RouteOptions& options) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text = without_byte_order_mark(text);
   const auto header = split_fields(text.substr(0, text.find('\n')));
   if (header.size() != 3 || header[0] != "QGC" || header[1] != "WPL" || header[2] != "110") {
     throw DataError(name + ": the first line is not \"QGC WPL 110\"; other versions are not supported");

@@ -7,14 +7,13 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/route/ogr_route.h"
 #include "pilotage/route/qgc_plan.h"
 #include "pilotage/route/qgc_wpl.h"
 
 namespace pilotage {
 namespace {
-
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_geojson(const nlohmann::ordered_json& json) {
   const auto type = json.find("type");
@@ -68,8 +67,7 @@ Route parse_route(const std::string& name, std::string_view bytes, const RouteOp
   }
   if (bytes.starts_with("PK\x03\x04")) return parse_ogr_route(name, bytes, OgrFormat::kKmz, options);
 
-  std::string_view text = bytes;
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const std::string_view text = without_byte_order_mark(bytes);
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) throw DataError(name + ": is empty");
   if (text[first] == '{' || text[first] == '[') return parse_json_route(name, text, options);

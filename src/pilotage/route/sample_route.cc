@@ -4,16 +4,15 @@
 #include <cmath>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
 
 namespace pilotage {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
 double ground_m(const TerrainHeight& terrain, GeodeticPoint point) {
-  return terrain ? terrain(point) : kUnknown;
+  return terrain ? terrain(point) : kNaN;
 }
 
 std::string place(GeodeticPoint point) {
@@ -71,7 +70,7 @@ void set_heights(const Route& route, const RouteLeg& leg, const LegHeights& heig
   const double ground = ground_m(terrain, sample.point);
   if (heights.above_ground) {
     sample.agl_m = height_m;
-    sample.amsl_m = std::isfinite(ground) ? ground + height_m : kUnknown;
+    sample.amsl_m = std::isfinite(ground) ? ground + height_m : kNaN;
   } else {
     if (!std::isfinite(ground)) throw_no_ground(route, leg, terrain, sample.point);
     sample.amsl_m = height_m;

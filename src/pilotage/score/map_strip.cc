@@ -61,11 +61,11 @@ void norm_rows(const StripIntegrals& integrals, int tile_size_px, int first, int
   }
 }
 
+}  // namespace
+
 cv::Rect rect_in(const PixelWindow& outer, const PixelWindow& part) {
   return {static_cast<int>(part.col - outer.col), static_cast<int>(part.row - outer.row), part.width, part.height};
 }
-
-}  // namespace
 
 cv::Mat MapStrip::view(const cv::Mat& image, const PixelWindow& part) const {
   return image(rect_in(window, part));

@@ -10,6 +10,9 @@
 
 namespace pilotage {
 
+/// Where a window of a grid lies in an image of another window around it.
+cv::Rect rect_in(const PixelWindow& outer, const PixelWindow& part);
+
 /// A rectangle of the map in memory, with what scoring needs of each pixel. Grid positions are those of the GraySource.
 struct MapStrip {
   PixelWindow window;

@@ -8,13 +8,14 @@
 
 #include "pilotage/base/parallel.h"
 #include "pilotage/score/gray_statistics.h"
+#include "pilotage/score/map_strip.h"
 
 namespace pilotage {
 namespace {
 
-constexpr std::size_t kTilesAtOnce = 4096;      // one piece of work
-constexpr std::int64_t kStripPixels = 8 << 20;  // of the map in memory, where a tile is not higher
-constexpr std::int64_t kUnitSide_px = 256;      // least side of what is read at a time
+constexpr std::size_t kTilesAtOnce = 4096;                // one piece of work
+constexpr std::int64_t kStatisticsStripPixels = 8 << 20;  // of the map in memory, where a tile is not higher
+constexpr std::int64_t kUnitSide_px = 256;                // least side of what is read at a time
 constexpr std::int64_t kLargestBlock_px = 4096;
 
 void set_statistics(const TileMatrix& matrix, const ScoreOptions& options, const GrayStatistics& statistics,
@@ -44,10 +45,6 @@ struct ColumnRange {
     last = std::max(last, column);
   }
 };
-
-cv::Rect rect_in(const PixelWindow& outer, const PixelWindow& part) {
-  return {static_cast<int>(part.col - outer.col), static_cast<int>(part.row - outer.row), part.width, part.height};
-}
 
 /// What is read of a source at a time: whole blocks of its file.
 struct ReadUnits {
@@ -155,7 +152,7 @@ void stream_statistics(const GraySource& source, const TileMatrix& matrix, const
                        std::span<const MeasuredTile> tiles, int threads, const Progress& progress) {
   const auto count = static_cast<std::int64_t>(tiles.size());
   const ReadUnits units(source, matrix, tiles);
-  const std::int64_t strip_rows = std::max<std::int64_t>(matrix.tile_size_px, kStripPixels / source.width_px);
+  const std::int64_t strip_rows = std::max<std::int64_t>(matrix.tile_size_px, kStatisticsStripPixels / source.width_px);
   const auto most_rows = static_cast<int>(std::min(source.height_px, strip_rows + units.height_px));
   const auto width = static_cast<int>(source.width_px);
   GrayWindow memory{{}, cv::Mat(most_rows, width, source.depth), cv::Mat(most_rows, width, CV_8U)};

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/ins/drift.h"
 
 namespace pilotage {
@@ -14,7 +14,6 @@ namespace {
 constexpr double kLeastShare = 1e-9;
 constexpr double kSameError = 0.02;
 constexpr std::size_t kMostGroups = 12;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 double total_probability(const std::vector<FlightBranch>& branches) {
   double total = 0;
@@ -175,8 +174,8 @@ RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chanc
   const std::vector<FlightSample>& samples = path.plan->flight.samples;
   const std::size_t leg_count = path.plan->flight.route.legs.size();
   RouteSurvival survival;
-  survival.leg_p_within_limit.assign(leg_count, kUnknown);
-  survival.leg_p_fix.assign(leg_count, kUnknown);
+  survival.leg_p_within_limit.assign(leg_count, kNaN);
+  survival.leg_p_fix.assign(leg_count, kNaN);
   survival.leg_entries.resize(leg_count);
   std::vector<std::pair<std::size_t, std::size_t>> losses;
   std::vector<FlightBranch> branches = first_branches(path);
