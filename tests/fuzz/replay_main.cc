@@ -1,7 +1,7 @@
 // What takes libFuzzer's place where there is none: runs a fuzz target over every file of the folders it is given, and
 // over seeded mutations of each (cut short, bytes changed, pieces doubled), the same ones every time.
 //
-//   fuzz_<name> FOLDER_OR_FILE...
+//   fuzz_<name> MUTATIONS FOLDER_OR_FILE...
 
 #include <algorithm>
 #include <cstddef>
@@ -18,8 +18,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace pilotage {
 namespace {
-
-constexpr int kMutations = 200;
 
 void run_one(const std::string& input) {
   const std::vector<std::uint8_t> bytes(input.begin(), input.end());
@@ -46,11 +44,11 @@ std::string mutate(std::string bytes, Random& random) {
   return bytes;
 }
 
-void replay(const std::filesystem::path& file) {
+void replay(const std::filesystem::path& file, int mutations) {
   const std::string content = read_file(file);
   run_one(content);
   Random random(seed_from_name(file.filename().string()));
-  for (int i = 0; i < kMutations; ++i) {
+  for (int i = 0; i < mutations; ++i) {
     std::string mutated = content;
     for (std::uint64_t changes = random.below(4); changes > 0; --changes) mutated = mutate(mutated, random);
     run_one(mutate(mutated, random));
@@ -69,10 +67,15 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& place) 
 }  // namespace pilotage
 
 int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::cerr << "usage: " << argv[0] << " MUTATIONS FOLDER_OR_FILE...\n";
+    return 2;
+  }
+  const int mutations = std::stoi(argv[1]);
   std::size_t count = 0;
-  for (int i = 1; i < argc; ++i) {
+  for (int i = 2; i < argc; ++i) {
     for (const auto& file : pilotage::files_of(argv[i])) {
-      pilotage::replay(file);
+      pilotage::replay(file, mutations);
       ++count;
     }
   }

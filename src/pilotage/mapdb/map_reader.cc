@@ -232,8 +232,8 @@ std::vector<NearTile> MapReader::tiles_near(GeodeticPoint point, double radius_m
   }
   Statement& statement = prepared(near_geodetic_, database_,
                                   join_sql({"SELECT ", kSelectTileColumns, " FROM ", kCenterIndex,
-                                            " i CROSS JOIN tiles t ON t.tile_id = i.tile_id WHERE i.max_lon >= ?1 AND "
-                                            "i.min_lon <= ?2 AND i.max_lat >= ?3 AND i.min_lat <= ?4"}),
+                                            (" i CROSS JOIN tiles t ON t.tile_id = i.tile_id WHERE i.max_lon >= ?1 AND "
+                                             "i.min_lon <= ?2 AND i.max_lat >= ?3 AND i.min_lat <= ?4")}),
                                   "tiles");
   std::vector<NearTile> result;
   for (const DegreeBox& box : boxes_around(point, reach_m)) {
@@ -260,8 +260,8 @@ std::vector<NearTile> MapReader::tiles_near(const Eigen::Vector2d& point_m, doub
   }
   Statement& statement = prepared(near_grid_, database_,
                                   join_sql({"SELECT ", kSelectTileColumns, " FROM ", kGridIndex,
-                                            " i CROSS JOIN tiles t ON t.tile_id = i.id WHERE i.maxx >= ?1 AND "
-                                            "i.minx <= ?2 AND i.maxy >= ?3 AND i.miny <= ?4"}),
+                                            (" i CROSS JOIN tiles t ON t.tile_id = i.id WHERE i.maxx >= ?1 AND "
+                                             "i.minx <= ?2 AND i.maxy >= ?3 AND i.miny <= ?4")}),
                                   "tiles");
   const StatementScope scope(statement);
   statement.bind(1, point_m.x() - radius_m).bind(2, point_m.x() + radius_m);

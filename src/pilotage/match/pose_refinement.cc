@@ -24,7 +24,7 @@ using State = Eigen::Matrix<double, kUnknowns, 1>;
 template <class T>
 Eigen::Matrix<T, 2, 1> ground_point(const Eigen::Vector3d& ray_m, double rise_m, const T* state) {
   const Eigen::Matrix<T, 3, 1> turn(state[2], state[3], state[4]);
-  const Eigen::Matrix<T, 3, 1> ray = ray_m.cast<T>();
+  const Eigen::Matrix<T, 3, 1>& ray = ray_m.cast<T>();
   const Eigen::Matrix<T, 3, 1> once = turn.cross(ray);
   const Eigen::Matrix<T, 3, 1> turned = ray + once + T(0.5) * turn.cross(once);
   using std::exp;

@@ -120,7 +120,7 @@ void draw_block(const GraySource& source, const WarpField& field, bool everywher
 
 }  // namespace
 
-GraySource warped_source(const GraySource& source, std::shared_ptr<const WarpField> field, bool everywhere) {
+GraySource warped_source(const GraySource& source, const std::shared_ptr<const WarpField>& field, bool everywhere) {
   GraySource warped = source;
   warped.read = [source, field, everywhere](const PixelWindow& window) {
     Raster result{cv::Mat(window.height, window.width, CV_MAKETYPE(source.depth, 1), cv::Scalar::all(0)),

@@ -11,6 +11,7 @@ namespace pilotage {
 /// the same grid, which must be north-up in metres of the field's CRS. Not valid where the field is not known (unless
 /// `everywhere`), or where a pixel that the interpolation needs is not. The field is evaluated every 16 px and
 /// interpolated linearly between. Values do not depend on the windows that are read.
-GraySource warped_source(const GraySource& source, std::shared_ptr<const WarpField> field, bool everywhere = false);
+GraySource warped_source(const GraySource& source, const std::shared_ptr<const WarpField>& field,
+                         bool everywhere = false);
 
 }  // namespace pilotage

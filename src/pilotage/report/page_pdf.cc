@@ -22,8 +22,6 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 
-extern char** environ;
-
 namespace pilotage {
 namespace {
 

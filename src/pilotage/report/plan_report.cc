@@ -23,7 +23,7 @@ ReportInput make_report_input(const Mission& plan, const std::vector<TileScores>
   input.imagery = read_overview(plan.ground, kOverviewSide_px);
   input.pictures = read_tile_pictures(plan, threads, progress);
   const auto transform = std::make_shared<CrsTransform>(plan.ground.crs);
-  input.geodetic_from_map = [transform](Eigen::Vector2d point) {
+  input.geodetic_from_map = [transform](const Eigen::Vector2d& point) {
     constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
     return transform->geodetic_from_map(point).value_or(GeodeticPoint{kNowhere, kNowhere});
   };

@@ -1,6 +1,7 @@
 #include "pilotage/score/add_ground_cover.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "pilotage/matchability/ground_cover.h"
@@ -38,8 +39,9 @@ void add_relief(const Ground& ground, std::span<const GroundTile> tiles, std::sp
     double lowest_m = std::numeric_limits<double>::infinity();
     double highest_m = -lowest_m;
     for (int step = 0; step < (kSteps + 1) * (kSteps + 1) && !std::isnan(highest_m); ++step) {
-      const double x_share = static_cast<double>(step % (kSteps + 1)) / kSteps;
-      const double y_share = static_cast<double>(step / (kSteps + 1)) / kSteps;
+      const auto [row, column] = std::div(step, kSteps + 1);
+      const double x_share = static_cast<double>(column) / kSteps;
+      const double y_share = static_cast<double>(row) / kSteps;
       const auto point = transform.geodetic_from_map(
           {bounds.min_x_m + x_share * bounds.width_m(), bounds.min_y_m + y_share * bounds.height_m()});
       const double height_m = point ? elevation.amsl_m(*point) : std::numeric_limits<double>::quiet_NaN();

@@ -126,7 +126,7 @@ std::vector<MapBlock> touched_blocks(const std::vector<PixelWindow>& windows) {
     std::int64_t row;
     std::int64_t col;
     std::size_t window;
-    auto operator<=>(const Touch&) const = default;
+    auto operator<=>(const Touch&) const = default;  // NOLINT(modernize-use-nullptr): takes its zero for a pointer
   };
   std::vector<Touch> touches;
   for (std::size_t i = 0; i < windows.size(); ++i) {
