@@ -40,8 +40,9 @@ function(pilotage_compile_by_folder target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# pilotage_add_tests(<folder> <file>_test.cc ...): one GoogleTest program per source folder, which is the test <folder>.unit. It leaves its
-# cases in Testing/cases/<folder>.unit.xml, where tests/testing/summary.py counts them. A process per case would load 160 libraries each time.
+# pilotage_add_tests(<folder> <file>_test.cc ...): one GoogleTest program per source folder, compiled as one, which is the test
+# <folder>.unit. It leaves its cases in Testing/cases/<folder>.unit.xml, where tests/testing/summary.py counts them. A process per case would
+# load 160 libraries each time.
 function(pilotage_add_tests folder)
   add_executable(test_${folder} ${ARGN})
   target_link_libraries(test_${folder} PRIVATE pilotage_testing pilotage_compile_options GTest::gmock_main)

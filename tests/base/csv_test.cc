@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,13 +24,8 @@ Rows rows_of(std::string_view text) {
   return rows;
 }
 
-std::string error_of(std::string_view text) {
-  try {
-    rows_of(text);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+std::string csv_error(std::string_view text) {
+  return testing::error_of<DataError>([&] { rows_of(text); });
 }
 
 TEST(CsvReader, ReadsPlainCells) {
@@ -63,9 +59,9 @@ TEST(CsvReader, LinesAreCountedThroughQuotesAndEmptyLines) {
 }
 
 TEST(CsvReader, BadQuotesAreNamedWithTheirLine) {
-  EXPECT_EQ(error_of("a\n\"b"), "t.csv: line 2: a quote is not closed");
-  EXPECT_EQ(error_of("a\n\"b\"c,d"), "t.csv: line 2: text after the closing quote of \"b\"");
-  EXPECT_EQ(error_of("ab\"c\",d"), "t.csv: line 1: a quote inside the unquoted cell \"ab…\"");
+  EXPECT_EQ(csv_error("a\n\"b"), "t.csv: line 2: a quote is not closed");
+  EXPECT_EQ(csv_error("a\n\"b\"c,d"), "t.csv: line 2: text after the closing quote of \"b\"");
+  EXPECT_EQ(csv_error("ab\"c\",d"), "t.csv: line 1: a quote inside the unquoted cell \"ab…\"");
 }
 
 TEST(CsvCell, QuotesOnlyWhatNeedsThem) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -13,15 +14,12 @@
 namespace pilotage {
 namespace {
 
-std::string error_of(const char* text, const std::function<void(JsonObject&)>& read) {
+std::string json_error(const char* text, const std::function<void(JsonObject&)>& read) {
   const auto json = parse_json("plan.json", text);
-  try {
+  return testing::error_of<DataError>([&] {
     JsonObject object(json, "plan.json");
     read(object);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 TEST(JsonObject, ReadsWhatIsThere) {
@@ -46,49 +44,50 @@ TEST(JsonObject, ReadsWhatIsThere) {
 }
 
 TEST(JsonObject, SaysWhereAndWhatIsWrong) {
-  EXPECT_EQ(error_of("{}", [](JsonObject& o) { o.number("gsd_m"); }), "plan.json.gsd_m is missing");
-  EXPECT_EQ(error_of(R"({"gsd_m": "1"})", [](JsonObject& o) { o.number("gsd_m"); }),
+  EXPECT_EQ(json_error("{}", [](JsonObject& o) { o.number("gsd_m"); }), "plan.json.gsd_m is missing");
+  EXPECT_EQ(json_error(R"({"gsd_m": "1"})", [](JsonObject& o) { o.number("gsd_m"); }),
             "plan.json.gsd_m is \"1\", expected a number");
-  EXPECT_EQ(error_of(R"({"n": 3.5})", [](JsonObject& o) { o.integer("n"); }),
+  EXPECT_EQ(json_error(R"({"n": 3.5})", [](JsonObject& o) { o.integer("n"); }),
             "plan.json.n is 3.5, expected an integer");
-  EXPECT_EQ(error_of(R"({"n": 18446744073709551615})", [](JsonObject& o) { o.integer("n"); }),
+  EXPECT_EQ(json_error(R"({"n": 18446744073709551615})", [](JsonObject& o) { o.integer("n"); }),
             "plan.json.n is 18446744073709551615, expected an integer");
-  EXPECT_EQ(error_of(R"({"n": 9})", [](JsonObject& o) { o.integer("n", 0, 8); }), "plan.json.n = 9 is outside [0, 8]");
-  EXPECT_EQ(error_of(R"({"a": [{"k": 1}, {"k": "x"}]})",
-                     [](JsonObject& o) {
-                       for (JsonObject& element : o.objects("a")) element.integer("k");
-                     }),
+  EXPECT_EQ(json_error(R"({"n": 9})", [](JsonObject& o) { o.integer("n", 0, 8); }),
+            "plan.json.n = 9 is outside [0, 8]");
+  EXPECT_EQ(json_error(R"({"a": [{"k": 1}, {"k": "x"}]})",
+                       [](JsonObject& o) {
+                         for (JsonObject& element : o.objects("a")) element.integer("k");
+                       }),
             "plan.json.a[1].k is \"x\", expected an integer");
-  EXPECT_EQ(error_of(R"({"ns": [1]})", [](JsonObject& o) { o.numbers("ns", 2); }),
+  EXPECT_EQ(json_error(R"({"ns": [1]})", [](JsonObject& o) { o.numbers("ns", 2); }),
             "plan.json.ns is [1], expected a list of 2 numbers");
-  EXPECT_EQ(error_of(R"({"known": 1, "unknown": 2})",
-                     [](JsonObject& o) {
-                       o.integer("known");
-                       o.finish();
-                     }),
+  EXPECT_EQ(json_error(R"({"known": 1, "unknown": 2})",
+                       [](JsonObject& o) {
+                         o.integer("known");
+                         o.finish();
+                       }),
             "plan.json.unknown is not known");
-  EXPECT_EQ(error_of(R"({"gap_m": null})", [](JsonObject& o) { o.number("gap_m"); }),
+  EXPECT_EQ(json_error(R"({"gap_m": null})", [](JsonObject& o) { o.number("gap_m"); }),
             "plan.json.gap_m is null, expected a number");
-  EXPECT_EQ(error_of(R"({"gsd_m": -0.5})", [](JsonObject& o) { o.positive_number("gsd_m"); }),
+  EXPECT_EQ(json_error(R"({"gsd_m": -0.5})", [](JsonObject& o) { o.positive_number("gsd_m"); }),
             "plan.json.gsd_m is -0.5, expected a number above 0");
-  EXPECT_EQ(error_of(R"({"ns": [1, null, "x"]})", [](JsonObject& o) { o.numbers_or_nan("ns"); }),
+  EXPECT_EQ(json_error(R"({"ns": [1, null, "x"]})", [](JsonObject& o) { o.numbers_or_nan("ns"); }),
             "plan.json.ns[2] is \"x\", expected a number");
-  EXPECT_EQ(error_of(R"({"ts": ["a", 1]})", [](JsonObject& o) { o.texts("ts"); }),
+  EXPECT_EQ(json_error(R"({"ts": ["a", 1]})", [](JsonObject& o) { o.texts("ts"); }),
             "plan.json.ts[1] is 1, expected a string");
-  EXPECT_EQ(error_of(R"({"list": {}})", [](JsonObject& o) { o.list("list"); }),
+  EXPECT_EQ(json_error(R"({"list": {}})", [](JsonObject& o) { o.list("list"); }),
             "plan.json.list is {}, expected a list");
-  EXPECT_EQ(error_of(R"({"asked": null, "unknown": 2})",
-                     [](JsonObject& o) {
-                       o.has_value("asked");
-                       o.finish();
-                     }),
+  EXPECT_EQ(json_error(R"({"asked": null, "unknown": 2})",
+                       [](JsonObject& o) {
+                         o.has_value("asked");
+                         o.finish();
+                       }),
             "plan.json.unknown is not known");
-  EXPECT_EQ(error_of("[]", [](JsonObject&) {}), "plan.json is [], expected an object");
+  EXPECT_EQ(json_error("[]", [](JsonObject&) {}), "plan.json is [], expected an object");
 }
 
 TEST(JsonObject, IntegersAreNeverRoundedNorWrapped) {
   const auto integer = [](const std::string& text) {
-    return error_of(("{\"n\": " + text + "}").c_str(), [](JsonObject& o) { o.small_integer("n", 0, 100); });
+    return json_error(("{\"n\": " + text + "}").c_str(), [](JsonObject& o) { o.small_integer("n", 0, 100); });
   };
   EXPECT_EQ(integer("3"), "");
   EXPECT_EQ(integer("3.0"), "") << "the same number in JSON";

@@ -1,5 +1,6 @@
 #include "pilotage/base/options.h"
 
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -49,14 +50,10 @@ struct Outer {
   }
 };
 
-std::string error_of(const char* json) {
+std::string options_error(const char* json) {
   Outer outer;
-  try {
-    set_options_from_json(list_options(outer), parse_json("m.json", json), "m.json");
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
+  return testing::error_of<std::exception>(
+      [&] { set_options_from_json(list_options(outer), parse_json("m.json", json), "m.json"); });
 }
 
 TEST(Options, FlagsAndPathsFollowTheDescription) {
@@ -87,28 +84,30 @@ TEST(Options, JsonWritesThrough) {
 }
 
 TEST(Options, JsonIsStrict) {
-  EXPECT_EQ(error_of(R"({"count": 11})"), "m.json: count = 11 is outside [0, 10]");
-  EXPECT_EQ(error_of(R"({"count": 3.7})"), "m.json: count is a number, expected an integer");
-  EXPECT_EQ(error_of(R"({"count": "3"})"), "m.json: count is a string, expected an integer");
-  EXPECT_EQ(error_of(R"({"limit": -1})"), "m.json: limit = -1 is outside [0, 4294967295]");
-  EXPECT_EQ(error_of(R"({"limit": 4294967296})"), "m.json: limit = 4294967296 is outside [0, 4294967295]");
-  EXPECT_EQ(error_of(R"({"inner": {"angel_deg": 1}})"),
+  EXPECT_EQ(options_error(R"({"count": 11})"), "m.json: count = 11 is outside [0, 10]");
+  EXPECT_EQ(options_error(R"({"count": 3.7})"), "m.json: count is a number, expected an integer");
+  EXPECT_EQ(options_error(R"({"count": "3"})"), "m.json: count is a string, expected an integer");
+  EXPECT_EQ(options_error(R"({"limit": -1})"), "m.json: limit = -1 is outside [0, 4294967295]");
+  EXPECT_EQ(options_error(R"({"limit": 4294967296})"), "m.json: limit = 4294967296 is outside [0, 4294967295]");
+  EXPECT_EQ(options_error(R"({"inner": {"angel_deg": 1}})"),
             "m.json: unknown key \"inner.angel_deg\"; did you mean \"inner.angle_deg\"?");
-  EXPECT_EQ(error_of(R"({"inner.angle_deg": 1})"),
+  EXPECT_EQ(options_error(R"({"inner.angle_deg": 1})"),
             "m.json: unknown key \"inner.angle_deg\"; nested options are written as objects");
-  EXPECT_EQ(error_of(R"({"inner": 3})"), "m.json: inner is not an object");
-  EXPECT_EQ(error_of(R"({"colour": "green"})"), "m.json: colour = \"green\" is not one of: red, blue");
-  EXPECT_EQ(error_of(R"({"steps": [0, 2]})"), "m.json: steps = 2 is outside [0, 1]");
-  EXPECT_EQ(error_of(R"({"count": null})"), "m.json: count is nothing, expected an integer");
-  EXPECT_THAT(error_of(R"({"count": 1, "count": 2})"), ::testing::HasSubstr("duplicate key \"count\""));
-  EXPECT_THAT(error_of(R"({"count": 1e999})"), ::testing::HasSubstr("m.json: not valid JSON"));  // found by fuzzing
-  EXPECT_THAT(error_of("{"), ::testing::StartsWith("m.json: not valid JSON: line 1, column 2: syntax error"));
-  EXPECT_THAT(error_of(R"({"count": 9e999})"), ::testing::HasSubstr("m.json: not valid JSON")) << "not a parse_error";
+  EXPECT_EQ(options_error(R"({"inner": 3})"), "m.json: inner is not an object");
+  EXPECT_EQ(options_error(R"({"colour": "green"})"), "m.json: colour = \"green\" is not one of: red, blue");
+  EXPECT_EQ(options_error(R"({"steps": [0, 2]})"), "m.json: steps = 2 is outside [0, 1]");
+  EXPECT_EQ(options_error(R"({"count": null})"), "m.json: count is nothing, expected an integer");
+  EXPECT_THAT(options_error(R"({"count": 1, "count": 2})"), ::testing::HasSubstr("duplicate key \"count\""));
+  EXPECT_THAT(options_error(R"({"count": 1e999})"),
+              ::testing::HasSubstr("m.json: not valid JSON"));  // found by fuzzing
+  EXPECT_THAT(options_error("{"), ::testing::StartsWith("m.json: not valid JSON: line 1, column 2: syntax error"));
+  EXPECT_THAT(options_error(R"({"count": 9e999})"), ::testing::HasSubstr("m.json: not valid JSON"))
+      << "not a parse_error";
 }
 
 TEST(Options, DeepNestingIsAnErrorNotACrash) {
   const std::string deep = R"({"steps": )" + std::string(1'000'000, '[') + std::string(1'000'000, ']') + "}";
-  EXPECT_EQ(error_of(deep.c_str()), "m.json: nested more than 100 deep");
+  EXPECT_EQ(options_error(deep.c_str()), "m.json: nested more than 100 deep");
 }
 
 TEST(Options, TextIsStrict) {

@@ -1,5 +1,6 @@
 #include "pilotage/camera/camera_file.h"
 
+#include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,13 +75,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-std::string error_of(const std::string& yaml) {
-  try {
-    parse_camera_yaml("c.yaml", yaml);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+std::string yaml_error(const std::string& yaml) {
+  return testing::error_of<DataError>([&] { parse_camera_yaml("c.yaml", yaml); });
 }
 
 TEST(CameraFile, ThreeDialectsOneCamera) {
@@ -127,32 +123,35 @@ TEST(CameraFile, LongerModelsOnlyWhenTheyAddNothing) {
                                     "cols: 8\n  data: [-0.25, 0.07, 1.5e-4, -2E-4, 0.001, 0, 0, 0]");
   EXPECT_EQ(parse_camera_yaml("c.yaml", zero), expected_camera(0.001));
   EXPECT_EQ(
-      error_of(replaced(zero, "0, 0, 0]", "0, 0.5, 0]")),
+      yaml_error(replaced(zero, "0, 0, 0]", "0, 0.5, 0]")),
       "c.yaml: distortion_coefficients has a coefficient 0.5 beyond the first 5, of a distortion model that cannot "
       "be used");
 }
 
 TEST(CameraFile, ErrorsNameTheKey) {
-  EXPECT_EQ(error_of(replaced(kRos, "image_width: 640\n", "")), "c.yaml: \"image_width\" is missing");
-  EXPECT_EQ(error_of(replaced(kRos, "640", "-640")), "c.yaml: image_width = -640 is not a whole number in [1, 100000]");
-  EXPECT_EQ(error_of(replaced(kRos, "600.5", "six")), "c.yaml: camera_matrix: data = \"six\" is not a finite number");
-  EXPECT_EQ(error_of(replaced(kRos, "600.5", ".nan")), "c.yaml: camera_matrix: data = \".nan\" is not a finite number");
-  EXPECT_EQ(error_of(replaced(kRos, "600.5", "-600.5")), "c.yaml: fx_px = -600.5 is not in [0.001, 1e9]");
-  EXPECT_EQ(error_of(replaced(kRos, "600.5, 0.", "600.5, 3")), "c.yaml: camera_matrix has skew 3, only 0 can be used");
-  EXPECT_EQ(error_of(replaced(kRos, "cols: 3", "cols: 4")),
+  EXPECT_EQ(yaml_error(replaced(kRos, "image_width: 640\n", "")), "c.yaml: \"image_width\" is missing");
+  EXPECT_EQ(yaml_error(replaced(kRos, "640", "-640")),
+            "c.yaml: image_width = -640 is not a whole number in [1, 100000]");
+  EXPECT_EQ(yaml_error(replaced(kRos, "600.5", "six")), "c.yaml: camera_matrix: data = \"six\" is not a finite number");
+  EXPECT_EQ(yaml_error(replaced(kRos, "600.5", ".nan")),
+            "c.yaml: camera_matrix: data = \".nan\" is not a finite number");
+  EXPECT_EQ(yaml_error(replaced(kRos, "600.5", "-600.5")), "c.yaml: fx_px = -600.5 is not in [0.001, 1e9]");
+  EXPECT_EQ(yaml_error(replaced(kRos, "600.5, 0.", "600.5, 3")),
+            "c.yaml: camera_matrix has skew 3, only 0 can be used");
+  EXPECT_EQ(yaml_error(replaced(kRos, "cols: 3", "cols: 4")),
             "c.yaml: camera_matrix: data has 9 numbers, rows x cols is 12");
-  EXPECT_THAT(error_of(replaced(kRos, "plumb_bob", "mei")), HasSubstr("distortion_model = \"mei\" is not one of"));
-  EXPECT_EQ(error_of(replaced(kRos, "image_height: 480\n", "image_height: 480\nimage_height: 481\n")),
+  EXPECT_THAT(yaml_error(replaced(kRos, "plumb_bob", "mei")), HasSubstr("distortion_model = \"mei\" is not one of"));
+  EXPECT_EQ(yaml_error(replaced(kRos, "image_height: 480\n", "image_height: 480\nimage_height: 481\n")),
             "c.yaml: \"image_height\" and \"image_height\" both stand there");
-  EXPECT_EQ(error_of(replaced(kKalibr, "pinhole", "omni")),
+  EXPECT_EQ(yaml_error(replaced(kKalibr, "pinhole", "omni")),
             "c.yaml: cam0: camera_model = \"omni\" cannot be used, only pinhole");
-  EXPECT_EQ(error_of(replaced(kKalibr, "[640, 480]", "[640]")), "c.yaml: cam0: resolution is not [width, height]");
-  EXPECT_EQ(error_of(kKalibr + replaced(kKalibr, "cam0:\n", "cam1:\n")),
+  EXPECT_EQ(yaml_error(replaced(kKalibr, "[640, 480]", "[640]")), "c.yaml: cam0: resolution is not [width, height]");
+  EXPECT_EQ(yaml_error(kKalibr + replaced(kKalibr, "cam0:\n", "cam1:\n")),
             "c.yaml: holds 2 cameras (cam0, cam1); keep one of them");
-  EXPECT_THAT(error_of("a: 1"), HasSubstr("not a camera calibration of ROS or OpenCV"));
-  EXPECT_THAT(error_of("[1, 2]"), HasSubstr("not a map of keys"));
-  EXPECT_THAT(error_of(""), HasSubstr("not a map of keys"));
-  EXPECT_THAT(error_of("a: [1, 2"), HasSubstr("not valid YAML"));
+  EXPECT_THAT(yaml_error("a: 1"), HasSubstr("not a camera calibration of ROS or OpenCV"));
+  EXPECT_THAT(yaml_error("[1, 2]"), HasSubstr("not a map of keys"));
+  EXPECT_THAT(yaml_error(""), HasSubstr("not a map of keys"));
+  EXPECT_THAT(yaml_error("a: [1, 2"), HasSubstr("not valid YAML"));
 }
 
 TEST(CameraFile, SurvivesTruncationAndFlippedBytes) {

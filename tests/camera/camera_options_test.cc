@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,13 +16,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string usage_error_of(const CameraOptions& options, const std::optional<RouteCamera>& route = std::nullopt) {
-  try {
-    make_camera(options, route);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+std::string camera_error(const CameraOptions& options, const std::optional<RouteCamera>& route = std::nullopt) {
+  return testing::error_of<UsageError>([&] { make_camera(options, route); });
 }
 
 CameraOptions field_of_view() {
@@ -97,42 +93,42 @@ TEST(CameraOptions, File) {
   options.file = folder / "camera.yaml";
   EXPECT_EQ(make_camera(options), (Camera{640, 480, 500, 501, 320, 240}));
   options.width_px = 640;
-  EXPECT_THAT(usage_error_of(options), HasSubstr("--camera and --camera-width-px exclude each other"));
+  EXPECT_THAT(camera_error(options), HasSubstr("--camera and --camera-width-px exclude each other"));
   options.file = folder / "none.yaml";
   options.width_px.reset();
   EXPECT_THROW(make_camera(options), DataError);
 }
 
 TEST(CameraOptions, SaysWhatIsMissing) {
-  EXPECT_THAT(usage_error_of({}), HasSubstr("no camera: give --camera FILE, or"));
+  EXPECT_THAT(camera_error({}), HasSubstr("no camera: give --camera FILE, or"));
   CameraOptions options = field_of_view();
   options.height_px.reset();
-  EXPECT_EQ(usage_error_of(options), "--camera-hfov-deg needs --camera-height-px too");
+  EXPECT_EQ(camera_error(options), "--camera-hfov-deg needs --camera-height-px too");
   options.width_px.reset();
-  EXPECT_EQ(usage_error_of(options), "--camera-hfov-deg needs --camera-width-px, --camera-height-px too");
+  EXPECT_EQ(camera_error(options), "--camera-hfov-deg needs --camera-width-px, --camera-height-px too");
   options = sensor();
   options.focal_length_mm.reset();
   options.width_px.reset();
-  EXPECT_EQ(usage_error_of(options), "--camera-sensor-width-mm needs --camera-focal-length-mm, --camera-width-px too");
+  EXPECT_EQ(camera_error(options), "--camera-sensor-width-mm needs --camera-focal-length-mm, --camera-width-px too");
   options = {};
   options.width_px = 10;
-  EXPECT_EQ(usage_error_of(options), "--camera-width-px needs --camera-height-px too");
+  EXPECT_EQ(camera_error(options), "--camera-width-px needs --camera-height-px too");
   options.height_px = 10;
-  EXPECT_THAT(usage_error_of(options), HasSubstr("needs --camera-hfov-deg too, or --camera-sensor-width-mm"));
+  EXPECT_THAT(camera_error(options), HasSubstr("needs --camera-hfov-deg too, or --camera-sensor-width-mm"));
   // A route's camera does not complete half-given options.
-  EXPECT_NE(usage_error_of(options, RouteCamera{"P4", 13.2, 8.8, 8.8, 5472, 3648}), "");
+  EXPECT_NE(camera_error(options, RouteCamera{"P4", 13.2, 8.8, 8.8, 5472, 3648}), "");
 }
 
 TEST(CameraOptions, RefusesContradictionsAndNonsense) {
   CameraOptions options = sensor();
   options.hfov_deg = 70;
-  EXPECT_THAT(usage_error_of(options), HasSubstr("--camera-hfov-deg and --camera-sensor-width-mm"));
+  EXPECT_THAT(camera_error(options), HasSubstr("--camera-hfov-deg and --camera-sensor-width-mm"));
   options = sensor();
   options.height_px = 3078;  // a 16:9 crop of the 3:2 sensor
-  EXPECT_THAT(usage_error_of(options), HasSubstr("Give the part of the sensor that the image shows"));
+  EXPECT_THAT(camera_error(options), HasSubstr("Give the part of the sensor that the image shows"));
   options = field_of_view();
   options.hfov_deg = 180;
-  EXPECT_THAT(usage_error_of(options), HasSubstr("hfov_deg = 180 is outside [0.1, 179]"));
+  EXPECT_THAT(camera_error(options), HasSubstr("hfov_deg = 180 is outside [0.1, 179]"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "pilotage/camera/camera_text.h"
 
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 namespace pilotage {
 namespace {
 
+using testing::error_of;
 using ::testing::HasSubstr;
 
 Camera odd_camera() {
@@ -19,16 +21,6 @@ Camera odd_camera() {
   camera.distortion = {0.1, -2e-9, 3, 1e8, 0};
   camera.mount = {-90, 12.5, 1e-3};
   return camera;
-}
-
-template <class Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(CameraText, ReadsBackExactly) {
@@ -42,19 +34,22 @@ TEST(CameraText, RefusesEveryDamagedPair) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     CameraText changed = text;
     changed.erase(changed.begin() + static_cast<std::ptrdiff_t>(i));
-    EXPECT_EQ(error_of([&] { camera_from_text("map", changed); }), "map: \"" + text[i].first + "\" is missing");
+    EXPECT_EQ(error_of<DataError>([&] { camera_from_text("map", changed); }),
+              "map: \"" + text[i].first + "\" is missing");
     changed = text;
     changed.push_back(text[i]);
-    EXPECT_EQ(error_of([&] { camera_from_text("map", changed); }), "map: duplicate key \"" + text[i].first + "\"");
+    EXPECT_EQ(error_of<DataError>([&] { camera_from_text("map", changed); }),
+              "map: duplicate key \"" + text[i].first + "\"");
     for (const char* bad : {"", "x", "1 ", " 1", "nan", "1e400", "0x10"}) {
       changed = text;
       changed[i].second = bad;
-      EXPECT_THAT(error_of([&] { camera_from_text("map", changed); }), HasSubstr("map: ")) << text[i].first << bad;
+      EXPECT_THAT(error_of<DataError>([&] { camera_from_text("map", changed); }), HasSubstr("map: "))
+          << text[i].first << bad;
     }
   }
   CameraText more = text;
   more.emplace_back("colour", "red");
-  EXPECT_EQ(error_of([&] { camera_from_text("map", more); }), "map: unknown key \"colour\"");
+  EXPECT_EQ(error_of<DataError>([&] { camera_from_text("map", more); }), "map: unknown key \"colour\"");
 }
 
 TEST(CameraText, FiveCoefficientsNoMoreNoLess) {
@@ -63,7 +58,7 @@ TEST(CameraText, FiveCoefficientsNoMoreNoLess) {
     for (auto& [key, value] : text) {
       if (key == "distortion") value = bad;
     }
-    EXPECT_NE(error_of([&] { camera_from_text("map", text); }), "") << bad;
+    EXPECT_NE(error_of<DataError>([&] { camera_from_text("map", text); }), "") << bad;
   }
 }
 
@@ -79,7 +74,7 @@ TEST(CameraJson, IsStrict) {
   const auto with = [](const char* key, const nlohmann::ordered_json& value) {
     auto json = camera_to_json(odd_camera());
     json[key] = value;
-    return error_of([&] { camera_from_json("plan", json); });
+    return error_of<DataError>([&] { camera_from_json("plan", json); });
   };
   EXPECT_EQ(with("width_px", "4000"), "plan.width_px is \"4000\", expected an integer");
   EXPECT_EQ(with("width_px", 3.5), "plan.width_px is 3.5, expected an integer");
@@ -94,7 +89,7 @@ TEST(CameraJson, IsStrict) {
             "plan.distortion_model is \"tilted\", expected one of: none, brown_conrady, fisheye");
   EXPECT_EQ(with("distortion", {1, 2, "x", 4, 5}), "plan.distortion[2] is \"x\", expected a number");
   EXPECT_EQ(with("distortion", {1, 2}), "plan.distortion is [1,2], expected a list of 5 numbers");
-  EXPECT_EQ(error_of([] { camera_from_json("plan", nlohmann::ordered_json::array()); }),
+  EXPECT_EQ(error_of<DataError>([] { camera_from_json("plan", nlohmann::ordered_json::array()); }),
             "plan is [], expected an object");
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "camera/smooth_ground.h"
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -15,11 +16,10 @@
 namespace pilotage {
 namespace {
 
-/// Smooth ground with structure of 7 m and more: gray as a function of east and north.
-double ground_gray(const Eigen::Vector2d& p) {
-  return 128 + 35 * std::sin(p.x() * 0.9 + 0.3) * std::cos(p.y() * 0.7) + 30 * std::sin(0.31 * p.x() - 0.53 * p.y()) +
-         25 * std::cos(0.11 * p.x() + 0.17 * p.y());
-}
+using testing::distorted;
+using testing::smooth_ground_gray;
+
+const Camera kRectifiedCamera{480, 360, 400, 405, 243.5, 176.25};
 
 /// What the camera sees of `gray`, by rays from the pixels: the other direction than the one ortho_rectify computes.
 template <class Gray>
@@ -35,13 +35,6 @@ cv::Mat render(const Camera& camera, const Attitude& attitude, double agl_m, Gra
   return frame;
 }
 
-Camera small_camera(DistortionModel model, std::array<double, 5> distortion) {
-  Camera camera{480, 360, 400, 405, 243.5, 176.25};
-  camera.distortion_model = model;
-  camera.distortion = distortion;
-  return camera;
-}
-
 /// The shift (east, north) in metres that best explains gray(p + shift) − result by least squares on the gradient.
 Eigen::Vector2d shift_from_truth(const RectifiedFrame& result) {
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
@@ -51,10 +44,10 @@ Eigen::Vector2d shift_from_truth(const RectifiedFrame& result) {
     for (int col = 0; col < result.gray.cols; ++col) {
       if (result.valid.at<std::uint8_t>(row, col) == 0) continue;
       const Eigen::Vector2d p = result.ground_from_pixel({col + 0.5, row + 0.5});
-      const Eigen::Vector2d gradient((ground_gray(p + Eigen::Vector2d(h, 0)) - ground_gray(p)) / h,
-                                     (ground_gray(p + Eigen::Vector2d(0, h)) - ground_gray(p)) / h);
+      const Eigen::Vector2d gradient((smooth_ground_gray(p + Eigen::Vector2d(h, 0)) - smooth_ground_gray(p)) / h,
+                                     (smooth_ground_gray(p + Eigen::Vector2d(0, h)) - smooth_ground_gray(p)) / h);
       normal += gradient * gradient.transpose();
-      right += gradient * (result.gray.at<std::uint8_t>(row, col) - ground_gray(p));
+      right += gradient * (result.gray.at<std::uint8_t>(row, col) - smooth_ground_gray(p));
     }
   }
   return normal.inverse() * right;
@@ -62,15 +55,15 @@ Eigen::Vector2d shift_from_truth(const RectifiedFrame& result) {
 
 TEST(OrthoRectify, GivesTheGroundBack) {
   const std::vector<Camera> cameras{
-      small_camera(DistortionModel::kNone, {}),
-      small_camera(DistortionModel::kBrownConrady, {-0.25, 0.08, 0.002, -0.001, -0.01}),
-      small_camera(DistortionModel::kFisheye, {0.02, -0.01, 0.003, 0, 0}),
+      kRectifiedCamera,
+      distorted(kRectifiedCamera, DistortionModel::kBrownConrady, {-0.25, 0.08, 0.002, -0.001, -0.01}),
+      distorted(kRectifiedCamera, DistortionModel::kFisheye, {0.02, -0.01, 0.003, 0, 0}),
   };
   const std::vector<Attitude> attitudes{{0, 0, 0}, {152, 1.5, -0.8}, {-70, 18, 12}, {35, -30, 25}};
   for (const Camera& camera : cameras) {
     for (const Attitude& attitude : attitudes) {
-      SCOPED_TRACE(testing::Message() << static_cast<int>(camera.distortion_model) << " " << attitude.yaw_deg);
-      const cv::Mat frame = render(camera, attitude, 100, ground_gray);
+      SCOPED_TRACE(::testing::Message() << static_cast<int>(camera.distortion_model) << " " << attitude.yaw_deg);
+      const cv::Mat frame = render(camera, attitude, 100, smooth_ground_gray);
       RectifyOptions options;
       options.gsd_m = 0.3;
       const RectifiedFrame result = ortho_rectify(frame, camera, attitude, 100, options);
@@ -81,7 +74,7 @@ TEST(OrthoRectify, GivesTheGroundBack) {
       for (int row = 0; row < result.gray.rows; ++row) {
         for (int col = 0; col < result.gray.cols; ++col) {
           if (result.valid.at<std::uint8_t>(row, col) == 0) continue;
-          const double truth = ground_gray(result.ground_from_pixel({col + 0.5, row + 0.5}));
+          const double truth = smooth_ground_gray(result.ground_from_pixel({col + 0.5, row + 0.5}));
           sum2 += std::pow(result.gray.at<std::uint8_t>(row, col) - truth, 2);
         }
       }
@@ -96,7 +89,7 @@ TEST(OrthoRectify, GivesTheGroundBack) {
 }
 
 TEST(OrthoRectify, OriginIsAWholeNumberOfPixels) {
-  const Camera camera = small_camera(DistortionModel::kNone, {});
+  const Camera camera = kRectifiedCamera;
   const cv::Mat frame(360, 480, CV_8UC1, cv::Scalar(100));
   const RectifiedFrame result = ortho_rectify(frame, camera, {10, 3, 4}, 77.7);
   ASSERT_EQ(result.status, RectifyStatus::kOk);
@@ -108,7 +101,7 @@ TEST(OrthoRectify, OriginIsAWholeNumberOfPixels) {
 
 TEST(OrthoRectify, FineStructureDoesNotAlias) {
   // Stripes of 0.5 m under a result of 2 m a pixel: only their mean may remain.
-  const Camera camera = small_camera(DistortionModel::kNone, {});
+  const Camera camera = kRectifiedCamera;
   const Attitude attitude{20, 4, -3};
   const auto stripes = [](const Eigen::Vector2d& p) {
     return 128 + 120 * std::sin(p.x() * 2 * std::numbers::pi / 0.53);
@@ -126,7 +119,7 @@ TEST(OrthoRectify, FineStructureDoesNotAlias) {
 }
 
 TEST(OrthoRectify, SizeIsBounded) {
-  const Camera camera = small_camera(DistortionModel::kNone, {});
+  const Camera camera = kRectifiedCamera;
   const cv::Mat frame(360, 480, CV_8UC1, cv::Scalar(100));
   RectifyOptions options;
   options.gsd_m = 0.001;
@@ -147,7 +140,8 @@ TEST(OrthoRectify, SizeIsBounded) {
 TEST(OrthoRectify, EveryInputHasAStatus) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
-  const Camera camera = small_camera(DistortionModel::kBrownConrady, {-0.25, 0.08, 0.002, -0.001, -0.01});
+  const Camera camera =
+      distorted(kRectifiedCamera, DistortionModel::kBrownConrady, {-0.25, 0.08, 0.002, -0.001, -0.01});
   const cv::Mat frame(360, 480, CV_8UC1, cv::Scalar(100));
   EXPECT_EQ(ortho_rectify(frame, camera, {nan, 0, 0}, 100).status, RectifyStatus::kBadAttitude);
   EXPECT_EQ(ortho_rectify(frame, camera, {0, inf, 0}, 100).status, RectifyStatus::kBadAttitude);

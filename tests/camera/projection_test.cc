@@ -4,19 +4,20 @@
 #include <limits>
 #include <numbers>
 
+#include "testing/pinhole_camera.h"
 #include <gtest/gtest.h>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/base/random.h"
 
 namespace pilotage {
 namespace {
 
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 const double kInf = std::numeric_limits<double>::infinity();
 
 /// 90° × 90°: at height h the footprint is 2h wide.
 Camera square_camera() {
-  return {1000, 1000, 500, 500, 500, 500};
+  return testing::pinhole_camera(1000, 1000, 500);
 }
 
 TEST(Attitude, AxesPointWhereTheyShould) {
@@ -117,7 +118,7 @@ TEST(Footprint, HorizonCutsIt) {
 }
 
 TEST(Footprint, NothingForBadInput) {
-  for (const double bad : {kNan, kInf, -kInf}) {
+  for (const double bad : {kNaN, kInf, -kInf}) {
     EXPECT_TRUE(footprint(square_camera(), {bad, 0, 0}, 100).polygon_m.empty());
     EXPECT_TRUE(footprint(square_camera(), {0, bad, 0}, 100).polygon_m.empty());
     EXPECT_TRUE(footprint(square_camera(), {0, 0, bad}, 100).polygon_m.empty());

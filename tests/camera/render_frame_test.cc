@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "camera/smooth_ground.h"
 #include "testing/grid_convergence.h"
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -21,21 +22,11 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
+using testing::distorted;
+using testing::smooth_ground_gray;
 
 constexpr double kAgl_m = 100;
-
-Camera small_camera(DistortionModel model, std::array<double, 5> distortion) {
-  Camera camera{320, 240, 270, 272, 163.5, 117.25};
-  camera.distortion_model = model;
-  camera.distortion = distortion;
-  return camera;
-}
-
-/// Smooth ground with structure of 7 m and more: gray as a function of east and north.
-double ground_gray(const Vector2d& p) {
-  return 128 + 35 * std::sin(p.x() * 0.9 + 0.3) * std::cos(p.y() * 0.7) + 30 * std::sin(0.31 * p.x() - 0.53 * p.y()) +
-         25 * std::cos(0.11 * p.x() + 0.17 * p.y());
-}
+const Camera kRenderedCamera{320, 240, 270, 272, 163.5, 117.25};
 
 /// A grid turned by `turn_deg` with pixels of `gsd_m`, the aircraft over its middle.
 GroundPlace turned_place(int size_px, double gsd_m, double turn_deg) {
@@ -60,15 +51,15 @@ GraySource make_ground(int size_px, const GroundPlace& place, Gray gray) {
 
 TEST(RenderFrame, OrthoRectifyGivesTheGroundBack) {
   const std::vector<Camera> cameras{
-      small_camera(DistortionModel::kNone, {}),
-      small_camera(DistortionModel::kBrownConrady, {-0.2, 0.05, 0.002, -0.001, -0.01}),
-      small_camera(DistortionModel::kFisheye, {0.02, -0.01, 0.003, 0, 0}),
+      kRenderedCamera,
+      distorted(kRenderedCamera, DistortionModel::kBrownConrady, {-0.2, 0.05, 0.002, -0.001, -0.01}),
+      distorted(kRenderedCamera, DistortionModel::kFisheye, {0.02, -0.01, 0.003, 0, 0}),
   };
   const std::vector<Attitude> attitudes{{0, 0, 0}, {152, 1.5, -0.8}, {-70, 12, 8}};
   for (const double gsd_m : {0.2, 0.7}) {  // finer and coarser than the frame's 0.37 m
     const int size_px = static_cast<int>(300 / gsd_m);
     const GroundPlace place = turned_place(size_px, gsd_m, 17);
-    const GraySource ground = make_ground(size_px, place, ground_gray);
+    const GraySource ground = make_ground(size_px, place, smooth_ground_gray);
     for (const Camera& camera : cameras) {
       for (const Attitude& attitude : attitudes) {
         SCOPED_TRACE(::testing::Message()
@@ -87,9 +78,9 @@ TEST(RenderFrame, OrthoRectifyGivesTheGroundBack) {
           for (int col = 0; col < back.gray.cols; ++col) {
             if (back.valid.at<std::uint8_t>(row, col) == 0) continue;
             const Vector2d p = back.ground_from_pixel({col + 0.5, row + 0.5});
-            const double error = back.gray.at<std::uint8_t>(row, col) - ground_gray(p);
-            const double by_east = ground_gray(p + Vector2d(0.5, 0)) - ground_gray(p - Vector2d(0.5, 0));
-            const double by_north = ground_gray(p + Vector2d(0, 0.5)) - ground_gray(p - Vector2d(0, 0.5));
+            const double error = back.gray.at<std::uint8_t>(row, col) - smooth_ground_gray(p);
+            const double by_east = smooth_ground_gray(p + Vector2d(0.5, 0)) - smooth_ground_gray(p - Vector2d(0.5, 0));
+            const double by_north = smooth_ground_gray(p + Vector2d(0, 0.5)) - smooth_ground_gray(p - Vector2d(0, 0.5));
             sum2 += error * error;
             sum_by_east += error * by_east;
             sum_by_north += error * by_north;
@@ -108,7 +99,7 @@ TEST(RenderFrame, OrthoRectifyGivesTheGroundBack) {
 }
 
 TEST(RenderFrame, ADotLandsWhereTheProjectionSays) {
-  const Camera camera = small_camera(DistortionModel::kBrownConrady, {-0.2, 0.05, 0.002, -0.001, -0.01});
+  const Camera camera = distorted(kRenderedCamera, DistortionModel::kBrownConrady, {-0.2, 0.05, 0.002, -0.001, -0.01});
   const double gsd_m = 0.25;
   const GroundPlace place = turned_place(1000, gsd_m, -31);
   Random random(seed_from_name("ADotLandsWhereTheProjectionSays"));
@@ -140,8 +131,7 @@ TEST(RenderFrame, FineGroundDoesNotAlias) {
   const GroundPlace place = turned_place(6000, 0.03, 5);
   const GraySource ground = make_ground(
       6000, place, [](const Vector2d& p) { return 128 + 100 * std::sin(p.x() * 2 * std::numbers::pi / 0.09); });
-  const RenderedFrame frame =
-      render_frame(ground, place, small_camera(DistortionModel::kNone, {}), {20, 3, -2}, kAgl_m);
+  const RenderedFrame frame = render_frame(ground, place, kRenderedCamera, {20, 3, -2}, kAgl_m);
   ASSERT_EQ(frame.valid_fraction, 1);
   cv::Scalar mean;
   cv::Scalar deviation;
@@ -152,7 +142,7 @@ TEST(RenderFrame, FineGroundDoesNotAlias) {
 
 TEST(RenderFrame, ReadsOnlyUnderTheFootprintAndMarksWhatIsMissing) {
   const GroundPlace place = turned_place(2000, 0.4, 0);
-  const GraySource whole = make_ground(2000, place, ground_gray);
+  const GraySource whole = make_ground(2000, place, smooth_ground_gray);
   auto windows = std::make_shared<std::vector<PixelWindow>>();
   GraySource ground = whole;
   ground.read = [whole, windows](const PixelWindow& window) {
@@ -162,7 +152,7 @@ TEST(RenderFrame, ReadsOnlyUnderTheFootprintAndMarksWhatIsMissing) {
     raster.valid.colRange(0, window.width / 2).setTo(0);
     return raster;
   };
-  const Camera camera = small_camera(DistortionModel::kNone, {});
+  const Camera camera = kRenderedCamera;
   const RenderedFrame frame = render_frame(ground, place, camera, {}, kAgl_m);
   ASSERT_EQ(windows->size(), 1U);
   EXPECT_LT(windows->front().width, 320 / 270.0 * kAgl_m / 0.4 + 12);
@@ -185,8 +175,8 @@ TEST(RenderFrame, ReadsOnlyUnderTheFootprintAndMarksWhatIsMissing) {
 
 TEST(RenderFrame, RefusesWhatItCannotRender) {
   const GroundPlace place = turned_place(100, 1, 0);
-  GraySource ground = make_ground(100, place, ground_gray);
-  const Camera camera = small_camera(DistortionModel::kNone, {});
+  GraySource ground = make_ground(100, place, smooth_ground_gray);
+  const Camera camera = kRenderedCamera;
   EXPECT_THROW(render_frame(ground, place, camera, {}, 0), UsageError);
   EXPECT_THROW(render_frame(ground, place, camera, {std::nan(""), 0, 0}, 100), UsageError);
   EXPECT_THROW(render_frame(ground, place, Camera{}, {}, 100), UsageError);

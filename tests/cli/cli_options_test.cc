@@ -1,6 +1,7 @@
 #include "cli_options.h"
 
 #include "cli/toy_command.h"
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,13 +20,8 @@ ToyOptions parsed(const std::vector<std::string>& arguments, std::vector<std::st
   return options;
 }
 
-std::string error_of(const std::vector<std::string>& arguments) {
-  try {
-    parsed(arguments);
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+std::string options_error(const std::vector<std::string>& arguments) {
+  return testing::error_of<UsageError>([&] { parsed(arguments); });
 }
 
 TEST(CliOptions, NothingGivenLeavesDefaults) {
@@ -84,27 +80,28 @@ TEST(CliOptions, InputsMayStandAnywhereAndLookLikeFlags) {
 }
 
 TEST(CliOptions, ErrorsNameTheFlagAsTyped) {
-  EXPECT_EQ(error_of({"--size-px", "3"}), "--size-px = 3 is outside [16, 4096]");
-  EXPECT_EQ(error_of({"--camera-hfov-deg=180"}), "--camera-hfov-deg = 180 is outside [1, 179]");
-  EXPECT_EQ(error_of({"--size-px", "3.7"}), "--size-px = \"3.7\" is not an integer");
-  EXPECT_EQ(error_of({"--size-px", "32", "--size-px", "64"}), "--size-px takes one value, 2 given");
-  EXPECT_EQ(error_of({"--loud=maybe"}), "--loud = \"maybe\" is not true or false");
-  EXPECT_EQ(error_of({"--fate", "gat"}),
+  EXPECT_EQ(options_error({"--size-px", "3"}), "--size-px = 3 is outside [16, 4096]");
+  EXPECT_EQ(options_error({"--camera-hfov-deg=180"}), "--camera-hfov-deg = 180 is outside [1, 179]");
+  EXPECT_EQ(options_error({"--size-px", "3.7"}), "--size-px = \"3.7\" is not an integer");
+  EXPECT_EQ(options_error({"--size-px", "32", "--size-px", "64"}), "--size-px takes one value, 2 given");
+  EXPECT_EQ(options_error({"--loud=maybe"}), "--loud = \"maybe\" is not true or false");
+  EXPECT_EQ(options_error({"--fate", "gat"}),
             "--fate = \"gat\" is not one of: done, gate, data, usage, integrity, memory, other, stopped, endless; did "
             "you mean "
             "\"gate\"?");
-  EXPECT_EQ(error_of({"--steps", "0,,1"}), "--steps = \"\" is not a number");
-  EXPECT_EQ(error_of({"--offset-m", "nan"}), "--offset-m = nan is not a finite number");
-  EXPECT_EQ(error_of({"--size-px", "99999999999999999999"}), "--size-px = \"99999999999999999999\" is not an integer");
+  EXPECT_EQ(options_error({"--steps", "0,,1"}), "--steps = \"\" is not a number");
+  EXPECT_EQ(options_error({"--offset-m", "nan"}), "--offset-m = nan is not a finite number");
+  EXPECT_EQ(options_error({"--size-px", "99999999999999999999"}),
+            "--size-px = \"99999999999999999999\" is not an integer");
 }
 
 TEST(CliOptions, WrongGrammarIsOurError) {
-  EXPECT_EQ(error_of({"--sise-px", "64"}), "unknown option --sise-px; did you mean --size-px?");
-  EXPECT_EQ(error_of({"--sise-px=64"}), "unknown option --sise-px; did you mean --size-px?");
-  EXPECT_EQ(error_of({"-z"}), "unknown option -z; --help lists them");
-  EXPECT_EQ(error_of({"--size-px=", "64"}), "--size-px= gives no value; an empty one is written --size-px ''");
-  EXPECT_EQ(error_of({"--size-px"}), "--size-px needs a value");
-  EXPECT_EQ(error_of({"--imagery"}), "--imagery needs a value");
+  EXPECT_EQ(options_error({"--sise-px", "64"}), "unknown option --sise-px; did you mean --size-px?");
+  EXPECT_EQ(options_error({"--sise-px=64"}), "unknown option --sise-px; did you mean --size-px?");
+  EXPECT_EQ(options_error({"-z"}), "unknown option -z; --help lists them");
+  EXPECT_EQ(options_error({"--size-px=", "64"}), "--size-px= gives no value; an empty one is written --size-px ''");
+  EXPECT_EQ(options_error({"--size-px"}), "--size-px needs a value");
+  EXPECT_EQ(options_error({"--imagery"}), "--imagery needs a value");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "compare/texture.h"
+#include "testing/pinhole_camera.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,16 +22,6 @@ namespace {
 constexpr double kAglM = 130;
 constexpr double kGsdM = 0.6;
 
-Camera camera() {
-  Camera camera;
-  camera.width_px = 480;
-  camera.height_px = 400;
-  camera.fx_px = camera.fy_px = 400;
-  camera.cx_px = 240;
-  camera.cy_px = 200;
-  return camera;
-}
-
 Raster gray_raster(std::uint64_t seed) {
   Raster raster;
   raster.pixels = testing::texture(640, 600, seed);
@@ -45,7 +36,7 @@ struct OneFrame {
   std::string reference = folder / "reference.tif";
   FrameRecord record;
   cv::Mat frame;
-  Camera lens = camera();
+  Camera lens = testing::pinhole_camera(480, 400, 400);
 
   explicit OneFrame(const Attitude& attitude, FrameTruth truth = FrameTruth::kCenter) {
     const Raster ground = gray_raster(11);

@@ -9,6 +9,7 @@
 #undef DLIB_USE_LAPACK
 #define DLIB_TEST_FOR_ODR_VIOLATIONS_H_
 #include "compare/texture.h"
+#include "testing/features_of_image.h"
 #include <dlib/image_keypoint/surf.h>
 #include <dlib/opencv/cv_image.h>
 #include <gtest/gtest.h>
@@ -72,7 +73,7 @@ TEST(DescriptorMethod, BriefIsThatOfTheMap) {
     const int margin = patch_radius_px(options);
     const int area_px = (gray.cols - 2 * margin) * (gray.rows - 2 * margin);
     options.features_per_mpx = 5000;
-    const FeatureSet expected = extract_features(gray, {}, options);
+    const FeatureSet expected = testing::features_of_image(gray, options);
     const DescribedImage found = describe_image(method, gray, everywhere(gray), static_cast<int>(area_px * 0.005));
     ASSERT_NEAR(static_cast<double>(found.points_px.size()), static_cast<double>(expected.size()), 10);
     // Budgets are whole numbers, so a cell may keep one corner more or less; corners of both have equal descriptors.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "evaluate/two_dates.h"
+#include "evaluate/scored_dates.h"
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "pilotage/evaluate/evaluation.h"
 
-#include "evaluate/two_dates.h"
+#include "evaluate/scored_dates.h"
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
 
@@ -9,15 +9,7 @@
 namespace pilotage {
 namespace {
 
-struct Setup {
-  testing::TemporaryFolder folder;
-  testing::TwoDates dates = testing::make_two_dates(folder.path());
-};
-
-const Setup& setup() {
-  static const Setup made;
-  return made;
-}
+using testing::scored_dates;
 
 EvaluateOptions by(const std::string& other, EvaluateMatcher matcher = EvaluateMatcher::kVoting) {
   EvaluateOptions options;
@@ -29,13 +21,13 @@ EvaluateOptions by(const std::string& other, EvaluateMatcher matcher = EvaluateM
 
 Evaluation run(const EvaluateOptions& options, int threads = 2) {
   const testing::TemporaryFolder work;
-  const Evaluation evaluation = evaluate(setup().dates.judged(), {}, options, work / "scratch.gpkg", 1, threads, {});
+  const Evaluation evaluation = evaluate(scored_dates().judged(), {}, options, work / "scratch.gpkg", 1, threads, {});
   EXPECT_TRUE(std::filesystem::is_empty(work.path())) << "the temporary map stays";
   return evaluation;
 }
 
 TEST(Evaluation, CountsOutcomesAndJudgesEveryMeasure) {
-  const Evaluation evaluation = run(by(setup().dates.other));
+  const Evaluation evaluation = run(by(scored_dates().other));
   EXPECT_EQ(evaluation.outcomes.size(), 81U);
   EXPECT_EQ(evaluation.scored_tiles, 81);
   std::int64_t sum = 0;
@@ -59,26 +51,26 @@ TEST(Evaluation, CountsOutcomesAndJudgesEveryMeasure) {
 }
 
 TEST(Evaluation, WithoutAModelThereIsNoRowForIt) {
-  std::vector<TileScores> scores = setup().dates.scores;
+  std::vector<TileScores> scores = scored_dates().scores;
   for (TileScores& score : scores) score.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
-  const LevelScores judged(ScoreTable(setup().dates.ground, scores), 0);
+  const LevelScores judged(ScoreTable(scored_dates().ground, scores), 0);
   const testing::TemporaryFolder work;
   const Evaluation evaluation =
-      evaluate(judged, {}, by(setup().dates.other, EvaluateMatcher::kNcc), work / "scratch.gpkg", 1, 2, {});
+      evaluate(judged, {}, by(scored_dates().other, EvaluateMatcher::kNcc), work / "scratch.gpkg", 1, 2, {});
   ASSERT_EQ(evaluation.predictors.size(), 4U);
   EXPECT_EQ(evaluation.predictors[0].name, "gray_variance");
 }
 
 TEST(Evaluation, SaysWhenFalseFixesAgreeWithEachOther) {
-  const Evaluation right = run(by(setup().dates.other));
-  const Evaluation moved = run(by(setup().dates.moved));
+  const Evaluation right = run(by(scored_dates().other));
+  const Evaluation moved = run(by(scored_dates().moved));
   EXPECT_LE(right.false_like_neighbours, 1);
   EXPECT_GE(moved.false_like_neighbours, 6);
   EXPECT_LE(moved.false_like_neighbours, moved.counts.at(Outcome::kFalse));
 }
 
 TEST(Evaluation, TilesThatTheOtherDateDoesNotShowAreLeftOut) {
-  EvaluateOptions options = by(setup().dates.moved, EvaluateMatcher::kNcc);
+  EvaluateOptions options = by(scored_dates().moved, EvaluateMatcher::kNcc);
   const Evaluation evaluation = run(options);
   // 7 m of 48 m at the western border: less than nine tenths of the first column's tiles.
   EXPECT_EQ(evaluation.counts.at(Outcome::kNotCovered), 9);
@@ -88,7 +80,7 @@ TEST(Evaluation, TilesThatTheOtherDateDoesNotShowAreLeftOut) {
 }
 
 TEST(Evaluation, ToleranceFollowsTheMatcherUnlessGiven) {
-  EvaluateOptions options = by(setup().dates.other, EvaluateMatcher::kNcc);
+  EvaluateOptions options = by(scored_dates().other, EvaluateMatcher::kNcc);
   options.max_tiles = 5;
   EXPECT_NEAR(run(options).tolerance_m, 0.75, 0.01);
   options.tolerance_m = 2;
@@ -98,14 +90,14 @@ TEST(Evaluation, ToleranceFollowsTheMatcherUnlessGiven) {
 
 TEST(Evaluation, RefusesOptionsAtOddsWithEachOther) {
   EXPECT_THROW(run({}), UsageError);
-  EvaluateOptions both = by(setup().dates.other);
+  EvaluateOptions both = by(scored_dates().other);
   both.frames = "frames.csv";
   EXPECT_THROW(run(both), UsageError);
   both.file.clear();
   EXPECT_THROW(run(both), DataError) << "frames without truth";
   both.matcher = EvaluateMatcher::kNcc;
   EXPECT_THROW(run(both), UsageError);
-  EXPECT_THROW(predictions_of(setup().dates.judged(), {}, "no_such_column"), UsageError);
+  EXPECT_THROW(predictions_of(scored_dates().judged(), {}, "no_such_column"), UsageError);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "evaluate/two_dates.h"
+#include "evaluate/scored_dates.h"
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
 
@@ -11,37 +11,38 @@
 namespace pilotage {
 namespace {
 
-struct Setup {
-  testing::TemporaryFolder folder;
-  testing::TwoDates dates = testing::make_two_dates(folder.path());
-  std::filesystem::path map = folder / "map.gpkg";
-  std::vector<std::size_t> tiles = choose_tiles(dates.judged(), 1, 0, 1);
+using testing::scored_dates;
 
-  Setup() { build_evaluation_map(map, dates.judged(), false, 2, {}); }
+struct JudgedMap {
+  testing::TemporaryFolder folder;
+  std::filesystem::path map = folder / "map.gpkg";
+  std::vector<std::size_t> tiles = choose_tiles(scored_dates().judged(), 1, 0, 1);
+
+  JudgedMap() { build_evaluation_map(map, scored_dates().judged(), false, 2, {}); }
 };
 
-const Setup& setup() {
-  static const Setup made;
+const JudgedMap& judged_map() {
+  static const JudgedMap made;
   return made;
 }
 
-/// Truth of testing::TwoDates::moved.
+/// Truth of testing::ScoredDates::moved.
 Eigen::Vector2d moved_back(const Eigen::Vector2d& point) {
   return {point.x() - testing::kMoved_m, point.y()};
 }
 
 std::vector<TileOutcome> vote(const std::string& other, const PlaceOnReference& place, int threads = 2,
-                              const std::vector<std::size_t>& tiles = setup().tiles) {
+                              const std::vector<std::size_t>& tiles = judged_map().tiles) {
   EvaluateOptions options;
   options.file = other;
-  return judge_by_voting(setup().dates.judged(), tiles, setup().map, place, options, 3, 1, threads, {});
+  return judge_by_voting(scored_dates().judged(), tiles, judged_map().map, place, options, 3, 1, threads, {});
 }
 
 std::vector<TileOutcome> correlate(const std::string& other, const PlaceOnReference& place, int threads = 2) {
   EvaluateOptions options;
   options.file = other;
   options.matcher = EvaluateMatcher::kNcc;
-  return judge_by_ncc(setup().dates.judged(), setup().tiles, place, options, 1.5, threads, {});
+  return judge_by_ncc(scored_dates().judged(), judged_map().tiles, place, options, 1.5, threads, {});
 }
 
 std::int64_t count(const std::vector<TileOutcome>& outcomes, Outcome outcome) {
@@ -60,7 +61,7 @@ void expect_same(const std::vector<TileOutcome>& a, const std::vector<TileOutcom
 }
 
 TEST(JudgeByVoting, FindsTheSameDateAlmostEverywhere) {
-  const auto outcomes = vote(setup().dates.reference, same_place);
+  const auto outcomes = vote(scored_dates().reference, same_place);
   EXPECT_EQ(outcomes.size(), 81U);
   // Frames of the tiles at the border may look a little beyond it; their centre is still ground.
   EXPECT_GE(count(outcomes, Outcome::kCorrect), 70);
@@ -71,9 +72,9 @@ TEST(JudgeByVoting, FindsTheSameDateAlmostEverywhere) {
 }
 
 TEST(JudgeByVoting, ATruthThatIsOffMakesFixesFalseAndItsCorrectionRightAgain) {
-  const auto unmoved = vote(setup().dates.other, same_place);
-  const auto believed = vote(setup().dates.moved, same_place);
-  const auto corrected = vote(setup().dates.moved, moved_back);
+  const auto unmoved = vote(scored_dates().other, same_place);
+  const auto believed = vote(scored_dates().moved, same_place);
+  const auto corrected = vote(scored_dates().moved, moved_back);
   EXPECT_GE(count(unmoved, Outcome::kCorrect), 20);
   EXPECT_LE(count(believed, Outcome::kCorrect), 1);
   EXPECT_GE(count(believed, Outcome::kFalse), 15);
@@ -87,14 +88,14 @@ TEST(JudgeByVoting, ATruthThatIsOffMakesFixesFalseAndItsCorrectionRightAgain) {
 }
 
 TEST(JudgeByVoting, OutcomesDependNeitherOnThreadsNorOnTheOtherTiles) {
-  const auto all = vote(setup().dates.other, same_place, 1);
-  expect_same(all, vote(setup().dates.other, same_place, 3));
+  const auto all = vote(scored_dates().other, same_place, 1);
+  expect_same(all, vote(scored_dates().other, same_place, 3));
   const std::vector<std::size_t> some{3, 20, 41};
-  expect_same({all[3], all[20], all[41]}, vote(setup().dates.other, same_place, 2, some));
+  expect_same({all[3], all[20], all[41]}, vote(scored_dates().other, same_place, 2, some));
 }
 
 TEST(JudgeByNcc, FindsTheSameDateExactly) {
-  const auto outcomes = correlate(setup().dates.reference, same_place);
+  const auto outcomes = correlate(scored_dates().reference, same_place);
   EXPECT_EQ(count(outcomes, Outcome::kCorrect), 81);
   for (const TileOutcome& outcome : outcomes) {
     EXPECT_EQ(outcome.error_m, 0);
@@ -103,21 +104,22 @@ TEST(JudgeByNcc, FindsTheSameDateExactly) {
 }
 
 TEST(JudgeByNcc, ATruthThatIsOffMakesPlacesFalseAndItsCorrectionRightAgain) {
-  const auto believed = correlate(setup().dates.moved, same_place);
-  const auto corrected = correlate(setup().dates.moved, moved_back);
+  const auto believed = correlate(scored_dates().moved, same_place);
+  const auto corrected = correlate(scored_dates().moved, moved_back);
   EXPECT_GE(count(corrected, Outcome::kCorrect), 20);
   EXPECT_LE(count(believed, Outcome::kCorrect), 2);
-  expect_same(corrected, correlate(setup().dates.moved, moved_back, 1));
+  expect_same(corrected, correlate(scored_dates().moved, moved_back, 1));
 }
 
 TEST(JudgeTiles, NeedsRoomToSearch) {
-  Ground ground = setup().dates.ground;
+  Ground ground = scored_dates().ground;
   ground.levels[0].search_radius_px = 0;
-  const LevelScores judged(ScoreTable(ground, setup().dates.scores), 0);
+  const LevelScores judged(ScoreTable(ground, scored_dates().scores), 0);
   EvaluateOptions options;
-  options.file = setup().dates.other;
-  EXPECT_THROW(judge_by_ncc(judged, setup().tiles, same_place, options, 1, 1, {}), UsageError);
-  EXPECT_THROW(judge_by_voting(judged, setup().tiles, setup().map, same_place, options, 1, 1, 1, {}), UsageError);
+  options.file = scored_dates().other;
+  EXPECT_THROW(judge_by_ncc(judged, judged_map().tiles, same_place, options, 1, 1, {}), UsageError);
+  EXPECT_THROW(judge_by_voting(judged, judged_map().tiles, judged_map().map, same_place, options, 1, 1, 1, {}),
+               UsageError);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "testing/jpeg_segments.h"
+#include "testing/pinhole_camera.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,16 +29,6 @@ std::string drone_jpeg() {
                            "drone-dji:GimbalRollDegree=\"0\" drone-dji:CalibratedFocalLength=\"37.5\"/></x:xmpmeta>");
 }
 
-Camera camera_of_focal(double focal_px) {
-  Camera camera;
-  camera.width_px = 40;
-  camera.height_px = 30;
-  camera.fx_px = camera.fy_px = focal_px;
-  camera.cx_px = 20;
-  camera.cy_px = 15;
-  return camera;
-}
-
 FrameTable table_of(const std::string& text) {
   return frame_table_from_csv("frames.csv", text, {FrameTruth::kCenter, FrameColumns::kFileOnly});
 }
@@ -47,7 +38,7 @@ TEST(CompleteFrames, TheGivenCameraComesFirstThenThePicturesThenTheMaps) {
   write_file(folder / "a.jpg", drone_jpeg(), false);
   const FrameTable table = table_of("file,prior_sigma_m\na.jpg,20\n");
   const std::string path = (folder / "frames.csv").string();
-  FrameSources sources{camera_of_focal(11), camera_of_focal(12), true, {}};
+  FrameSources sources{testing::pinhole_camera(40, 30, 11), testing::pinhole_camera(40, 30, 12), true, {}};
   EXPECT_EQ(complete_frames(path, table, sources).frames[0].camera.fx_px, 11);
   sources.given.reset();
   sources.exif_mount.yaw_deg = 90;
@@ -67,7 +58,7 @@ TEST(CompleteFrames, WhatIsNowhereIsToldOf) {
   write_file(folder / "b.jpg", "no picture", false);
   const FrameTable table = table_of("file,yaw_deg\na.jpg,7\nb.jpg,\n");
   const std::string path = (folder / "frames.csv").string();
-  const FlightFrames frames = complete_frames(path, table, {camera_of_focal(11), {}, true, {}});
+  const FlightFrames frames = complete_frames(path, table, {testing::pinhole_camera(40, 30, 11), {}, true, {}});
   ASSERT_EQ(frames.frames.size(), 2u);
   const FrameRecord& first = frames.frames[0].frame;
   EXPECT_EQ(first.prior.lat_deg, 55.5);
@@ -83,7 +74,8 @@ TEST(CompleteFrames, WithoutExifPicturesAreNotLookedAt) {
   const FrameTable table = table_of(
       "file,time_s,prior_lon_deg,prior_lat_deg,prior_sigma_m,height_agl_m,yaw_deg,pitch_deg,roll_deg\n"
       "nowhere.jpg,0,1,2,3,4,5,6,7\n");
-  const FlightFrames frames = complete_frames("frames.csv", table, {camera_of_focal(11), {}, false, {}});
+  const FlightFrames frames =
+      complete_frames("frames.csv", table, {testing::pinhole_camera(40, 30, 11), {}, false, {}});
   EXPECT_THAT(frames.taken, IsEmpty());
   EXPECT_THAT(frames.warnings, IsEmpty());
   EXPECT_EQ(frames.frames[0].frame.attitude.roll_deg, 7);

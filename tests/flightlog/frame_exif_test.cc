@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/base/random.h"
 
 namespace pilotage {
@@ -15,8 +16,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 ImageMetadata gimbal(const char* yaw, const char* pitch, const char* roll) {
   ImageMetadata metadata{4000, 3000, {}, {}};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mapdb/small_map.h"
+#include "testing/pinhole_camera.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,20 +22,10 @@ namespace {
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
-Camera ideal_camera(int width_px, int height_px) {
-  Camera camera;
-  camera.width_px = width_px;
-  camera.height_px = height_px;
-  camera.fx_px = camera.fy_px = width_px;
-  camera.cx_px = width_px / 2.0;
-  camera.cy_px = height_px / 2.0;
-  return camera;
-}
-
 /// A small map and frames beside it: good ones, one that is no picture, one of another shape.
-class Flight {
+class LoggedFlight {
  public:
-  Flight() {
+  LoggedFlight() {
     const testing::SmallMap map = testing::make_small_map();
     testing::write_map(map_path(), map);
     for (int i = 0; i < 12; ++i) {
@@ -59,7 +50,8 @@ class Flight {
   void add(const std::string& name, const cv::Mat& pixels, GeodeticPoint place, int i) {
     const std::string path = (folder_ / name).string();
     cv::imwrite(path, pixels);
-    frames_.push_back({path, {name, 1.0 * i, place, 10, 50, {10.0 * i, 0, 0}, place}, ideal_camera(80, 60)});
+    frames_.push_back(
+        {path, {name, 1.0 * i, place, 10, 50, {10.0 * i, 0, 0}, place}, testing::pinhole_camera(80, 60, 80)});
   }
 
   TemporaryFolder folder_;
@@ -67,7 +59,7 @@ class Flight {
 };
 
 TEST(MatchFlight, AnswersInOrderWhateverTheThreads) {
-  const Flight flight;
+  const LoggedFlight flight;
   const std::vector<FrameMatch> one = flight.match(1);
   ASSERT_EQ(one.size(), flight.frames().size());
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].frame.file, flight.frames()[i].frame.file);
@@ -75,7 +67,7 @@ TEST(MatchFlight, AnswersInOrderWhateverTheThreads) {
 }
 
 TEST(MatchFlight, WhatCannotBeMatchedIsARowOfItsOwn) {
-  const Flight flight;
+  const LoggedFlight flight;
   const std::vector<FrameMatch> matches = flight.match(2);
   EXPECT_TRUE(matches[0].readable());
   EXPECT_FALSE(std::isnan(matches[0].milliseconds));
@@ -87,7 +79,7 @@ TEST(MatchFlight, WhatCannotBeMatchedIsARowOfItsOwn) {
 }
 
 TEST(MatchFlight, NotOneReadableFrameIsAnError) {
-  const Flight flight;
+  const LoggedFlight flight;
   const std::vector<FlightFrame> bad(flight.frames().end() - 2, flight.frames().end());
   try {
     match_flight(flight.map_path(), bad, {}, FrameTruth::kCenter, 1, {});
@@ -100,7 +92,7 @@ TEST(MatchFlight, NotOneReadableFrameIsAnError) {
 }
 
 TEST(MatchFlight, ProgressCountsFramesAndMayStop) {
-  const Flight flight;
+  const LoggedFlight flight;
   std::int64_t last = -1;
   flight.match(3, [&](std::string_view, std::int64_t done, std::int64_t total) {
     EXPECT_EQ(done, last + 1);

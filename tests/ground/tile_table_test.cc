@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,13 +40,8 @@ std::vector<TileRow> random_rows(int count) {
   return rows;
 }
 
-std::string error_of(std::string_view csv) {
-  try {
-    tile_table_from_csv("t.csv", csv);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+std::string tile_table_error(std::string_view csv) {
+  return testing::error_of<DataError>([&] { tile_table_from_csv("t.csv", csv); });
 }
 
 TEST(TileTable, ColumnsAreThePromisedOnes) {
@@ -118,17 +114,19 @@ TEST(TileTable, RefusesDamagedTables) {
     std::string text = csv;
     return text.replace(text.find(from), from.size(), to);
   };
-  EXPECT_EQ(error_of(""), "t.csv: empty, expected a table of tiles");
-  EXPECT_EQ(error_of(replaced("frieden_entropy", "entropy")), "t.csv: line 1: column \"frieden_entropy\" is missing");
-  EXPECT_EQ(error_of(replaced("clean_rival,", "clean_peak,")), "t.csv: line 1: column \"clean_peak\" is a duplicate");
-  EXPECT_EQ(error_of(replaced("flat", "flit")), "t.csv: line 3: status = \"flit\" is not allowed");
-  EXPECT_EQ(error_of(replaced("1099511627776", "1099511627776x")),
+  EXPECT_EQ(tile_table_error(""), "t.csv: empty, expected a table of tiles");
+  EXPECT_EQ(tile_table_error(replaced("frieden_entropy", "entropy")),
+            "t.csv: line 1: column \"frieden_entropy\" is missing");
+  EXPECT_EQ(tile_table_error(replaced("clean_rival,", "clean_peak,")),
+            "t.csv: line 1: column \"clean_peak\" is a duplicate");
+  EXPECT_EQ(tile_table_error(replaced("flat", "flit")), "t.csv: line 3: status = \"flit\" is not allowed");
+  EXPECT_EQ(tile_table_error(replaced("1099511627776", "1099511627776x")),
             "t.csv: line 2: tile_id = \"1099511627776x\" is not allowed");
-  EXPECT_THAT(error_of(replaced("1099511627779", "1099511627776")),
+  EXPECT_THAT(tile_table_error(replaced("1099511627779", "1099511627776")),
               ::testing::HasSubstr("line 3: tile_id 1099511627776 does not follow 1099511627776"));
-  EXPECT_THAT(error_of(csv + "1,2\n"),
+  EXPECT_THAT(tile_table_error(csv + "1,2\n"),
               ::testing::HasSubstr("line 5: 2 cells, expected " + std::to_string(15 + measures().size())));
-  EXPECT_EQ(error_of(csv + "\n"), "") << "an empty line is no row (base/csv.h)";
+  EXPECT_EQ(tile_table_error(csv + "\n"), "") << "an empty line is no row (base/csv.h)";
 }
 
 TEST(TileTable, ReasonsAreKnownWords) {
@@ -139,7 +137,7 @@ TEST(TileTable, ReasonsAreKnownWords) {
   for (const char* bad : {"repeats;", ";water", "repeats;;water", "boring", "repeats water"}) {
     std::string text = csv;
     text.replace(text.find("repeats;water"), 13, bad);
-    EXPECT_THAT(error_of(text), ::testing::HasSubstr("reasons = ")) << bad;
+    EXPECT_THAT(tile_table_error(text), ::testing::HasSubstr("reasons = ")) << bad;
   }
 }
 
@@ -150,7 +148,7 @@ TEST(TileTable, NotANumberIsNoCell) {
   for (const char* bad : {"nan", "1e", "0x10", " 1", "1,5"}) {
     std::string text = csv;
     text.replace(text.find("123.25"), 6, bad);
-    EXPECT_NE(error_of(text), "") << bad;
+    EXPECT_NE(tile_table_error(text), "") << bad;
   }
 }
 
@@ -158,11 +156,11 @@ TEST(TileTable, NotANumberIsNoCell) {
 TEST(TileTable, SurvivesAnyBytes) {
   const std::string csv = tile_table_to_csv(random_rows(2));
   Random random(seed_from_name("SurvivesAnyBytes"));
-  for (std::size_t size = 0; size < csv.size(); size += 3) error_of(std::string_view(csv).substr(0, size));
+  for (std::size_t size = 0; size < csv.size(); size += 3) tile_table_error(std::string_view(csv).substr(0, size));
   for (int trial = 0; trial < 500; ++trial) {
     std::string text = csv;
     text[random.below(text.size())] = static_cast<char>(random.below(256));
-    error_of(text);
+    tile_table_error(text);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/mapdb/chip_codec.h"
 
 namespace pilotage {
@@ -16,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kFactor = 2;
+constexpr int kStoredFactor = 2;
 
 class ChipMosaicTest : public ::testing::Test {
  protected:
@@ -32,12 +33,12 @@ class ChipMosaicTest : public ::testing::Test {
     options.tile_size_px = 32;
     map_ = testing::make_small_map(options);
     map_.chips.clear();
-    ground_ = testing::random_ground(6 * 32 / kFactor, 4 * 32 / kFactor, seed_from_name("ChipMosaic"));
+    ground_ = testing::random_ground(6 * 32 / kStoredFactor, 4 * 32 / kStoredFactor, seed_from_name("ChipMosaic"));
     for (const MapTile& tile : map_.tiles) {
       if (tile.level != 0 || tile.tile_id == kMissing) continue;
-      const int side = 32 / kFactor;
+      const int side = 32 / kStoredFactor;
       const cv::Rect piece(static_cast<int>(tile.column) * side, static_cast<int>(tile.row) * side, side, side);
-      const ChipPicture picture{ground_(piece).clone(), cv::Mat(side, side, CV_8UC1, cv::Scalar(255)), kFactor};
+      const ChipPicture picture{ground_(piece).clone(), cv::Mat(side, side, CV_8UC1, cv::Scalar(255)), kStoredFactor};
       map_.chips.push_back(encode_chip(picture, tile.tile_id, 0, tile.column * 32, tile.row * 32, 8));
     }
   }
@@ -52,7 +53,7 @@ class ChipMosaicTest : public ::testing::Test {
 TEST_F(ChipMosaicTest, ShowsTheGroundAroundAPoint) {
   MapReader map = reader();
   const ChipMosaic mosaic = read_chip_mosaic(map, 0, {100.5, 61}, 41);  // 59.5 … 141.5 × 20 … 102
-  EXPECT_EQ(mosaic.factor, kFactor);
+  EXPECT_EQ(mosaic.factor, kStoredFactor);
   EXPECT_EQ(mosaic.first_col_px, 58);
   EXPECT_EQ(mosaic.first_row_px, 20);
   ASSERT_EQ(mosaic.gray.size(), cv::Size(42, 41));
@@ -86,14 +87,13 @@ TEST_F(ChipMosaicTest, AMapWithoutChipsGivesNothing) {
 
 TEST_F(ChipMosaicTest, RefusesWhatIsNotAPlaceOrTooLarge) {
   MapReader map = reader();
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(read_chip_mosaic(map, 7, {100, 60}, 20), UsageError);
   EXPECT_THROW(read_chip_mosaic(map, 0, {kNaN, 60}, 20), UsageError);
   EXPECT_THROW(read_chip_mosaic(map, 0, {1e300, 60}, 20), UsageError);
   EXPECT_THROW(read_chip_mosaic(map, 0, {100, 60}, 0), UsageError);
   EXPECT_THROW(read_chip_mosaic(map, 0, {100, 60}, kNaN), UsageError);
-  EXPECT_THROW(read_chip_mosaic(map, 0, {100, 60}, kMaxMosaicSidePx * kFactor), UsageError);
-  EXPECT_NO_THROW(read_chip_mosaic(map, 0, {100, 60}, kMaxMosaicSidePx / 2 * kFactor));
+  EXPECT_THROW(read_chip_mosaic(map, 0, {100, 60}, kMaxMosaicSidePx * kStoredFactor), UsageError);
+  EXPECT_NO_THROW(read_chip_mosaic(map, 0, {100, 60}, kMaxMosaicSidePx / 2 * kStoredFactor));
 }
 
 TEST_F(ChipMosaicTest, NamesDamagedAndForeignChips) {

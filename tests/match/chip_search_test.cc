@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 
 namespace pilotage {
 namespace {
@@ -136,7 +137,6 @@ TEST_F(ChipSearch, AnswersAnyInput) {
     return match.found;
   };
   const Eigen::Vector2d here = level(70, 65);
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   ASSERT_TRUE(found(good, mosaic_, here, 30, one_));
   EXPECT_FALSE(found({}, mosaic_, here, 30, one_));
   EXPECT_FALSE(found(good, {}, here, 30, one_));

@@ -5,14 +5,14 @@
 #include "match/placed_scene.h"
 #include <gtest/gtest.h>
 
+#include "pilotage/match/frame_on_grid.h"
+
 namespace pilotage {
 namespace {
 
 using testing::angle_between;
 using testing::make_placed_scene;
 using testing::PlacedScene;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 Eigen::Vector2d place_of(const Feature& feature) {
   return {static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)};

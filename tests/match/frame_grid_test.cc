@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "match/chip_scene.h"
+#include "testing/features_of_image.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
@@ -33,7 +34,7 @@ TEST(DescribeFrameGrid, DescriptorsAreThoseOfFeaturesAtTheSamePixels) {
       FeatureOptions options;
       options.descriptor_bits = bits;
       options.oriented = oriented;
-      const FeatureSet features = extract_features(frame.gray, {}, options);
+      const FeatureSet features = testing::features_of_image(frame.gray, options);
       const FrameGrid grid = describe_frame_grid(frame, options, 1);
       ASSERT_EQ(grid.points.descriptor_bytes, bits / 8);
       ASSERT_GT(features.size(), 50U);

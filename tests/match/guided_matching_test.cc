@@ -3,14 +3,14 @@
 #include "match/placed_scene.h"
 #include <gtest/gtest.h>
 
+#include "pilotage/match/frame_on_grid.h"
+
 namespace pilotage {
 namespace {
 
 using testing::angle_between;
 using testing::make_placed_scene;
 using testing::PlacedScene;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 GuidedMatch best_match(const PlacedScene& scene) {
   GuidedMatch best;

@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/base/random.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/geo/geodesic.h"
@@ -21,8 +22,6 @@ namespace {
 
 using testing::TemporaryFolder;
 using testing::TexturedGround;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// A map of texture, made once for all tests.
 struct Map {
@@ -65,8 +64,8 @@ struct Shot {
 
 struct Answer {
   MatchResult result;
-  Eigen::Vector2d error_m{kNan, kNan};         ///< Of position.
-  Eigen::Vector2d center_error_m{kNan, kNan};  ///< Of the ground under the principal point.
+  Eigen::Vector2d error_m{kNaN, kNaN};         ///< Of position.
+  Eigen::Vector2d center_error_m{kNaN, kNaN};  ///< Of the ground under the principal point.
 };
 
 MatchPrior prior_of(const Map& map, const Shot& shot) {
@@ -275,14 +274,14 @@ TEST(Match, BadInputIsAStatus) {
     EXPECT_FALSE(result.fix);
     return result.status;
   };
-  EXPECT_EQ(status([](MatchPrior& p) { p.attitude.pitch_deg = kNan; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.attitude.pitch_deg = kNaN; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.attitude.yaw_deg = 1 / 0.0; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = 0; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = -60; }), MatchStatus::kBadPrior);
-  EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = kNan; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = kNaN; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.sigma_m = 0; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = 90.5; }), MatchStatus::kBadPrior);
-  EXPECT_EQ(status([](MatchPrior& p) { p.position.lon_deg = kNan; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.position.lon_deg = kNaN; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = 90; }), MatchStatus::kNoMap);
   EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = -90; }), MatchStatus::kNoMap);
   EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg += 0.1; }), MatchStatus::kNoMap);
@@ -306,7 +305,7 @@ TEST(Match, BadInputIsAStatus) {
   broken.fx_px = 0;
   EXPECT_EQ(match(frame, prior, broken, reader).status, MatchStatus::kBadCamera);
   MatchOptions options;
-  options.search_sigmas = kNan;
+  options.search_sigmas = kNaN;
   EXPECT_EQ(match(frame, prior, camera, reader, options).status, MatchStatus::kBadOptions);
 }
 

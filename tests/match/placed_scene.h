@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "match/chip_scene.h"
+#include "testing/features_of_image.h"
 
 #include "pilotage/match/displacement_voting.h"
 #include "pilotage/vision/features.h"
@@ -30,7 +31,7 @@ inline PlacedScene make_placed_scene(const Placement& truth, const FeatureOption
   const cv::Mat ground = random_ground(420, 400, 7);
   PlacedScene scene;
   scene.truth = truth;
-  scene.map.features = extract_features(ground, {}, options);
+  scene.map.features = features_of_image(ground, options);
   const RectifiedFrame frame =
       frame_over(ground, truth.center_px, 150, 120, 20, truth.yaw_rad * kDegPerRad, truth.scale);
   scene.frame.grid = describe_frame_grid(frame, options);

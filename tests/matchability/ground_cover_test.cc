@@ -13,14 +13,14 @@
 namespace pilotage {
 namespace {
 
-constexpr int kSide = 384;
+constexpr int kGroundSide_px = 384;
 
 /// One colour with grain: independent noise of every pixel, the same in all bands.
 cv::Mat ground(const cv::Scalar& rgb, double grain, std::uint64_t seed) {
   Random random(seed);
-  cv::Mat pixels(kSide, kSide, CV_8UC3);
-  for (int row = 0; row < kSide; ++row) {
-    for (int col = 0; col < kSide; ++col) {
+  cv::Mat pixels(kGroundSide_px, kGroundSide_px, CV_8UC3);
+  for (int row = 0; row < kGroundSide_px; ++row) {
+    for (int col = 0; col < kGroundSide_px; ++col) {
       const double noise = grain * random.uniform(-1.7, 1.7);
       for (int band = 0; band < 3; ++band) {
         pixels.at<cv::Vec3b>(row, col)[band] = cv::saturate_cast<std::uint8_t>(rgb[band] + noise);
@@ -46,10 +46,10 @@ GroundCover middle(const Raster& raster) {
 }
 
 cv::Mat stripes(double period_px, double angle_deg) {
-  cv::Mat gray(kSide, kSide, CV_8U);
+  cv::Mat gray(kGroundSide_px, kGroundSide_px, CV_8U);
   const double angle = angle_deg * std::numbers::pi / 180;
-  for (int row = 0; row < kSide; ++row) {
-    for (int col = 0; col < kSide; ++col) {
+  for (int row = 0; row < kGroundSide_px; ++row) {
+    for (int col = 0; col < kGroundSide_px; ++col) {
       const double along = col * std::cos(angle) + row * std::sin(angle);
       gray.at<std::uint8_t>(row, col) =
           static_cast<std::uint8_t>(std::lround(128 + 60 * std::sin(2 * std::numbers::pi * along / period_px)));
@@ -74,7 +74,7 @@ TEST(GroundCover, TellsForestWaterAndEarth) {
 
 TEST(GroundCover, SharesAreShares) {
   cv::Mat pixels = ground({77, 90, 92}, 1.2, 5);
-  const cv::Rect left(0, 0, kSide / 2, kSide);
+  const cv::Rect left(0, 0, kGroundSide_px / 2, kGroundSide_px);
   ground({50, 72, 46}, 12, 6)(left).copyTo(pixels(left));
   const GroundCover half = middle(whole(pixels));
   EXPECT_NEAR(half.vegetation_share, 0.5, 0.03);
@@ -90,16 +90,17 @@ TEST(GroundCover, SharesAreShares) {
 
 TEST(GroundCover, SmallSmoothPlacesAreNoWater) {
   cv::Mat pixels = ground({90, 100, 110}, 15, 7);
-  for (int row = 10; row < kSide; row += 60) {
-    for (int col = 10; col < kSide; col += 60)
-      pixels(cv::Rect(col, row, 14, 14) & cv::Rect(0, 0, kSide, kSide)).setTo(cv::Scalar(80, 90, 100));
+  for (int row = 10; row < kGroundSide_px; row += 60) {
+    for (int col = 10; col < kGroundSide_px; col += 60)
+      pixels(cv::Rect(col, row, 14, 14) & cv::Rect(0, 0, kGroundSide_px, kGroundSide_px))
+          .setTo(cv::Scalar(80, 90, 100));
   }
   EXPECT_EQ(middle(whole(pixels)).water_share, 0);
 }
 
 TEST(GroundCover, GrayKnowsWaterOnly) {
-  cv::Mat dark(kSide, kSide, CV_8U, cv::Scalar(40));
-  cv::Mat bright(kSide, kSide, CV_8U, cv::Scalar(140));
+  cv::Mat dark(kGroundSide_px, kGroundSide_px, CV_8U, cv::Scalar(40));
+  cv::Mat bright(kGroundSide_px, kGroundSide_px, CV_8U, cv::Scalar(140));
   EXPECT_TRUE(std::isnan(middle(whole(dark)).vegetation_share));
   EXPECT_EQ(middle(whole(dark)).water_share, 1);
   EXPECT_EQ(middle(whole(bright)).water_share, 0);
@@ -131,8 +132,8 @@ TEST(GroundCover, ApertureIsZeroForStripesAndOneForNoise) {
 TEST(GroundCover, TheEdgeOfTheImageryIsNoEdge) {
   // Earth whose grain has no direction, cut by no data: the cut must not count as structure.
   Raster raster = whole(ground({120, 110, 100}, 8, 10));
-  raster.valid(cv::Rect(0, 0, kSide / 2 + 3, kSide)).setTo(0);
-  raster.pixels(cv::Rect(0, 0, kSide / 2 + 3, kSide)).setTo(cv::Scalar::all(0));
+  raster.valid(cv::Rect(0, 0, kGroundSide_px / 2 + 3, kGroundSide_px)).setTo(0);
+  raster.pixels(cv::Rect(0, 0, kGroundSide_px / 2 + 3, kGroundSide_px)).setTo(cv::Scalar::all(0));
   EXPECT_GT(middle(raster).aperture, 0.7);
 }
 
@@ -159,7 +160,7 @@ TEST(GroundCover, DependsNeitherOnThreadsNorOnNeighbours) {
 
 TEST(GroundCover, RefusesWhatDoesNotFit) {
   const ColorSource source = testing::color_source_from(whole(ground({1, 2, 3}, 0, 12)));
-  TileMatrix matrix = matrix_of(cv::Mat(kSide, kSide, CV_8U));
+  TileMatrix matrix = matrix_of(cv::Mat(kGroundSide_px, kGroundSide_px, CV_8U));
   EXPECT_THROW(measure_ground_cover(source, matrix, std::vector<std::int64_t>{-1}), UsageError);
   EXPECT_THROW(measure_ground_cover(source, matrix, std::vector<std::int64_t>{matrix.tile_count()}), UsageError);
   ++matrix.grid_width_px;

@@ -6,12 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/random.h"
 
 namespace pilotage {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Outcomes drawn with the promised probability, one block each.
 std::vector<JudgedPrediction> honest_predictions(std::string_view name, int count) {

@@ -17,14 +17,14 @@ JudgedPredictor inverted() {
 }
 
 // 2 tie groups of 15: 3 and 13 come true; and one that is not defined.
-JudgedPredictor good() {
+JudgedPredictor good_predictor() {
   std::vector<JudgedPrediction> predictions{{std::numeric_limits<double>::quiet_NaN(), true, 0}};
   for (int i = 0; i < 30; ++i) predictions.push_back({i < 15 ? 0.2 : 0.9, i % 15 < (i < 15 ? 3 : 13), i / 5});
   return {"p_correct_fix", "P(correct fix)", judge_predictions(predictions, true)};
 }
 
 TEST(QualityReport, ARowForEachPredictor) {
-  const std::vector<JudgedPredictor> predictors{good(), inverted()};
+  const std::vector<JudgedPredictor> predictors{good_predictor(), inverted()};
   const std::string text = quality_markdown(predictors, {});
   // AUC of 2 groups: (13 · 12 + (3 · 12 + 13 · 2) / 2) / (16 · 14).
   EXPECT_THAT(text, HasSubstr("| P(correct fix) | 30 | 53.3 % | 0.835 ("));
@@ -44,7 +44,7 @@ TEST(QualityReport, WithoutAProbabilityItsScoresAreNotExplained) {
 }
 
 TEST(QualityReport, JsonHoldsTheNumbers) {
-  const JudgedPredictor predictor = good();
+  const JudgedPredictor predictor = good_predictor();
   const auto json = to_json(predictor);
   EXPECT_EQ(json["name"], "p_correct_fix");
   EXPECT_EQ(json["count"], 30);

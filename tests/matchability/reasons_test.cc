@@ -26,7 +26,7 @@ ReasonContext context_of(int tile_size_px = 256, double gsd_m = 0.6) {
 }
 
 /// A tile that nothing speaks against but its P.
-TileScores good(double p = 0.3) {
+TileScores good_tile(double p = 0.3) {
   TileScores score;
   score.valid_fraction = 1;
   score.p_correct_fix = p;
@@ -53,33 +53,33 @@ std::string text(const TileScores& score, const ReasonContext& context = context
 }
 
 TEST(Reasons, NoneWhereNothingIsWrong) {
-  EXPECT_THAT(codes(good(0.9)), IsEmpty());
-  EXPECT_THAT(codes(good(0.7)), IsEmpty());
+  EXPECT_THAT(codes(good_tile(0.9)), IsEmpty());
+  EXPECT_THAT(codes(good_tile(0.7)), IsEmpty());
   TileScores unknown;
   unknown.valid_fraction = 1;
   EXPECT_THAT(codes(unknown), IsEmpty()) << "what was not measured is no reason";
 }
 
 TEST(Reasons, LowPAlwaysHasOne) {
-  EXPECT_THAT(codes(good()), ElementsAre(ReasonCode::kWeak));
-  EXPECT_THAT(text(good()), HasSubstr("600 features against a noise of 2.0 votes"));
+  EXPECT_THAT(codes(good_tile()), ElementsAre(ReasonCode::kWeak));
+  EXPECT_THAT(text(good_tile()), HasSubstr("600 features against a noise of 2.0 votes"));
 }
 
 TEST(Reasons, TooLittleGroundAndFlatStandAlone) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.status = TileStatus::kTooLittleGround;
   score.valid_fraction = 0.31;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kTooLittleGround));
   EXPECT_EQ(text(score), "The imagery covers only 31 % of the tile.");
   score.status = TileStatus::kFlat;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kFlat));
-  score = good();
+  score = good_tile();
   score.valid_fraction = 0.6;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kTooLittleGround));
 }
 
 TEST(Reasons, LowContrast) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.frieden_deficit = 0.05 * 0.05;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kFlat));
   EXPECT_THAT(text(score), HasSubstr("by 5 % of their mean"));
@@ -88,7 +88,7 @@ TEST(Reasons, LowContrast) {
 }
 
 TEST(Reasons, FewFeatures) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.map_features = 14;
   score.vote_noise = 0.01;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kFewFeatures));
@@ -98,7 +98,7 @@ TEST(Reasons, FewFeatures) {
 }
 
 TEST(Reasons, RepeatsSayWhere) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.clean.rival_ratio = 0.91;
   score.clean.rival_dx_px = 100;
   score.clean.rival_dy_px = -98;
@@ -118,14 +118,14 @@ TEST(Reasons, RepeatsSayWhere) {
 }
 
 TEST(Reasons, FeaturesThatLookAlike) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.vote_noise = 48;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kRepeats));
   EXPECT_THAT(text(score), HasSubstr("8.0 votes for every hundred"));
 }
 
 TEST(Reasons, VegetationWaitsForTheSecondDate) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.vegetation_share = 0.9;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kVegetation));
   EXPECT_THAT(text(score), HasSubstr("90 % of it is green"));
@@ -140,26 +140,26 @@ TEST(Reasons, VegetationWaitsForTheSecondDate) {
 }
 
 TEST(Reasons, WaterEdgesReliefAndPixels) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.water_share = 0.73;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kWater));
   EXPECT_THAT(text(score), HasSubstr("73 % of it looks like open water"));
-  score = good();
+  score = good_tile();
   score.aperture = 0.06;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kEdgeOnly));
-  score = good();
+  score = good_tile();
   score.relief_m = 31;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kRelief));
   EXPECT_THAT(text(score), HasSubstr("31 m, 31 % of the 100 m"));
   ReasonContext unknown_height = context_of();
   unknown_height.min_agl_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(codes(score, unknown_height), ElementsAre(ReasonCode::kWeak));
-  EXPECT_THAT(codes(good(), context_of(64)), ElementsAre(ReasonCode::kCoarse));
-  EXPECT_THAT(text(good(), context_of(64)), HasSubstr("64 x 64 pixels of 0.60 m of the map"));
+  EXPECT_THAT(codes(good_tile(), context_of(64)), ElementsAre(ReasonCode::kCoarse));
+  EXPECT_THAT(text(good_tile(), context_of(64)), HasSubstr("64 x 64 pixels of 0.60 m of the map"));
 }
 
 TEST(Reasons, Changed) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.epoch.survival = 0.02;
   score.epoch.margin = 0.3;
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kChanged));
@@ -167,7 +167,7 @@ TEST(Reasons, Changed) {
 }
 
 TEST(Reasons, TheHeaviestThreeInOrder) {
-  TileScores score = good();
+  TileScores score = good_tile();
   score.water_share = 0.105;     // a little over 0.1
   score.aperture = 0.01;         // far below
   score.vegetation_share = 0.9;  // a little over 0.8
@@ -181,7 +181,7 @@ TEST(Reasons, TheHeaviestThreeInOrder) {
 }
 
 TEST(Reasons, TheWatchListTellsOnlyWhatIsPlain) {
-  TileScores score = good(0.3);
+  TileScores score = good_tile(0.3);
   score.water_share = 0.087;  // 0.87 of the threshold
   EXPECT_THAT(codes(score), ElementsAre(ReasonCode::kWater));
   score.p_correct_fix = 0.7;
@@ -213,7 +213,7 @@ TEST(Reasons, ALatticeRepeats) {
   context.matrix.grid_width_px = context.matrix.grid_height_px = kSide;
   const std::vector<std::int64_t> tile{context.matrix.matrix_width() + 1};
   const SelfVotes votes = count_self_votes(gray_source_from(raster), context.matrix, tile, {}).front();
-  TileScores score = good();
+  TileScores score = good_tile();
   score.map_features = static_cast<double>(votes.features);
   score.vote_noise = votes.noise;
   score.aperture = measure_ground_cover(testing::color_source_from(raster), context.matrix, tile).front().aperture;

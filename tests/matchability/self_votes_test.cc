@@ -3,8 +3,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <numeric>
 
+#include "testing/matrix_over.h"
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -14,6 +14,9 @@
 
 namespace pilotage {
 namespace {
+
+using testing::all_tiles;
+using testing::matrix_over;
 
 /// Blobs at random: corners that differ from each other.
 cv::Mat random_ground(int width, int height, std::uint64_t seed) {
@@ -46,16 +49,6 @@ GraySource source_of(const cv::Mat& gray) {
   return gray_source_from(raster);
 }
 
-TileMatrix matrix_of(const cv::Mat& gray, int size_px, int stride_px) {
-  return {0, {}, gray.cols, gray.rows, size_px, stride_px};
-}
-
-std::vector<std::int64_t> all_tiles(const TileMatrix& matrix) {
-  std::vector<std::int64_t> indices(static_cast<std::size_t>(matrix.tile_count()));
-  std::iota(indices.begin(), indices.end(), 0);
-  return indices;
-}
-
 /// A histogram of every pair, smoothed by OpenCV.
 double plain_noise(const FeatureSet& map, const std::vector<std::size_t>& voters) {
   constexpr int kReach = kVoteReach_px;
@@ -83,7 +76,7 @@ double plain_noise(const FeatureSet& map, const std::vector<std::size_t>& voters
 
 TEST(SelfVotes, EqualTheHistogramOfEveryPair) {
   const cv::Mat gray = random_ground(700, 1200, 1);  // several bands of rows
-  const TileMatrix matrix = matrix_of(gray, 128, 96);
+  const TileMatrix matrix = matrix_over(source_of(gray), 128, 96);
   const auto indices = all_tiles(matrix);
   const FeatureOptions options;
   const GraySource source = source_of(gray);
@@ -105,7 +98,7 @@ TEST(SelfVotes, EqualTheHistogramOfEveryPair) {
 
 TEST(SelfVotes, AreTheSameForAnyThreadsAndAnyOtherTiles) {
   const cv::Mat gray = random_ground(600, 900, 2);
-  const TileMatrix matrix = matrix_of(gray, 160, 64);
+  const TileMatrix matrix = matrix_over(source_of(gray), 160, 64);
   const GraySource source = source_of(gray);
   const auto indices = all_tiles(matrix);
   const auto one = count_self_votes(source, matrix, indices, {}, 1);
@@ -125,7 +118,7 @@ TEST(SelfVotes, AreTheSameForAnyThreadsAndAnyOtherTiles) {
 TEST(SelfVotes, RepeatedGroundIsNoisier) {
   const cv::Mat unique = random_ground(500, 500, 3);
   const cv::Mat repeated = repeated_ground(500, 500, 40, 3);
-  const TileMatrix matrix = matrix_of(unique, 200, 100);
+  const TileMatrix matrix = matrix_over(source_of(unique), 200, 100);
   const std::vector<std::int64_t> middle{4};
   const SelfVotes a = count_self_votes(source_of(unique), matrix, middle, {}, 1).front();
   const SelfVotes b = count_self_votes(source_of(repeated), matrix, middle, {}, 1).front();
@@ -138,14 +131,15 @@ TEST(SelfVotes, RepeatedGroundIsNoisier) {
 TEST(SelfVotes, FlatGroundHasNoFeaturesAndNoNoise) {
   const cv::Mat flat(400, 400, CV_8U, cv::Scalar(90));
   const SelfVotes votes =
-      count_self_votes(source_of(flat), matrix_of(flat, 200, 100), std::vector<std::int64_t>{0}, {}).front();
+      count_self_votes(source_of(flat), matrix_over(source_of(flat), 200, 100), std::vector<std::int64_t>{0}, {})
+          .front();
   EXPECT_EQ(votes.features, 0);
   EXPECT_TRUE(std::isnan(votes.noise));
 }
 
 TEST(SelfVotes, RefusesATileThatIsNotThere) {
   const cv::Mat flat(400, 400, CV_8U, cv::Scalar(90));
-  const TileMatrix matrix = matrix_of(flat, 200, 100);
+  const TileMatrix matrix = matrix_over(source_of(flat), 200, 100);
   EXPECT_THROW(count_self_votes(source_of(flat), matrix, std::vector<std::int64_t>{9}, {}), UsageError);
 }
 

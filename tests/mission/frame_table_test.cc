@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,13 +23,8 @@ FrameTable read(const std::string& text, const FrameTableOptions& options = {}) 
   return frame_table_from_csv("frames.csv", text, options);
 }
 
-std::string error_of(const std::string& text, const FrameTableOptions& options = {}) {
-  try {
-    read(text, options);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+std::string frame_table_error(const std::string& text, const FrameTableOptions& options = {}) {
+  return testing::error_of<DataError>([&] { read(text, options); });
 }
 
 /// The row with one of its cells, counted from 0, replaced.
@@ -97,16 +93,16 @@ TEST(FrameTable, TruthIsOfTheCentreOrTheNadir) {
 }
 
 TEST(FrameTable, HalfATruthIsRefused) {
-  EXPECT_EQ(error_of(kNames + ",true_lon_deg,true_lat_deg\n" + kRow + ",1,\n"),
+  EXPECT_EQ(frame_table_error(kNames + ",true_lon_deg,true_lat_deg\n" + kRow + ",1,\n"),
             "frames.csv: line 2: true_lon_deg is given, true_lat_deg is not");
-  EXPECT_EQ(error_of(kNames + ",true_lat_deg\n" + kRow + ",1\n"),
+  EXPECT_EQ(frame_table_error(kNames + ",true_lat_deg\n" + kRow + ",1\n"),
             "frames.csv: line 2: true_lat_deg is given, true_lon_deg is not");
 }
 
 TEST(FrameTable, EveryColumnIsNeeded) {
-  EXPECT_EQ(error_of("file,time_s\na,1\n"),
+  EXPECT_EQ(frame_table_error("file,time_s\na,1\n"),
             "frames.csv: line 1: column \"prior_lon_deg\" is missing; the columns are file, time_s");
-  EXPECT_EQ(error_of("time_s\n1\n", {FrameTruth::kCenter, FrameColumns::kFileOnly}),
+  EXPECT_EQ(frame_table_error("time_s\n1\n", {FrameTruth::kCenter, FrameColumns::kFileOnly}),
             "frames.csv: line 1: column \"file\" is missing; the columns are time_s");
 }
 
@@ -120,7 +116,7 @@ TEST(FrameTable, FileAloneIsEnoughWhenAskedFor) {
 
 TEST(FrameTable, BadCellsAreNamedWithWhatIsAllowed) {
   const auto error_with = [](std::size_t index, const std::string& cell) {
-    return error_of(kNames + "\n" + row_with(index, cell) + "\n");
+    return frame_table_error(kNames + "\n" + row_with(index, cell) + "\n");
   };
   EXPECT_EQ(error_with(0, ""), "frames.csv: line 2: file is empty");
   EXPECT_EQ(error_with(1, "inf"), "frames.csv: line 2: time_s = \"inf\" is not a number");
@@ -135,17 +131,17 @@ TEST(FrameTable, BadCellsAreNamedWithWhatIsAllowed) {
 }
 
 TEST(FrameTable, TablesThatAreNoneAreRefused) {
-  EXPECT_EQ(error_of(""), "frames.csv: empty, expected a table of frames");
-  EXPECT_EQ(error_of(kNames + "\n"), "frames.csv: has no frame, only a line of names");
-  EXPECT_EQ(error_of(kNames + ",file\n" + kRow + ",b\n"), "frames.csv: line 1: column \"file\" stands twice");
+  EXPECT_EQ(frame_table_error(""), "frames.csv: empty, expected a table of frames");
+  EXPECT_EQ(frame_table_error(kNames + "\n"), "frames.csv: has no frame, only a line of names");
+  EXPECT_EQ(frame_table_error(kNames + ",file\n" + kRow + ",b\n"), "frames.csv: line 1: column \"file\" stands twice");
 }
 
 /// No prefix of a table, and no table with some bytes changed, may do worse than a DataError.
 TEST(FrameTable, SurvivesAnyBytes) {
   const std::string csv =
       kNames + ",true_lon_deg,true_lat_deg\r\n\"x, \"\"y\"\".jpg\",1,2,3,4,5,6,7,8,9,10\r\n" + kRow + ",,\n";
-  ASSERT_EQ(error_of(csv), "");
-  for (std::size_t size = 0; size < csv.size(); ++size) error_of(csv.substr(0, size));
+  ASSERT_EQ(frame_table_error(csv), "");
+  for (std::size_t size = 0; size < csv.size(); ++size) frame_table_error(csv.substr(0, size));
   Random random(seed_from_name("FrameTable.SurvivesAnyBytes"));
   constexpr std::string_view kNasty = ",\"\r\n\0e-x";
   for (int trial = 0; trial < 3000; ++trial) {
@@ -156,7 +152,7 @@ TEST(FrameTable, SurvivesAnyBytes) {
     }
     const FrameTableOptions options{random.below(2) == 0 ? FrameTruth::kCenter : FrameTruth::kNadir,
                                     random.below(2) == 0 ? FrameColumns::kAll : FrameColumns::kFileOnly};
-    error_of(text, options);
+    frame_table_error(text, options);
   }
 }
 

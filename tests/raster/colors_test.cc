@@ -1,5 +1,6 @@
 #include "raster/raster_maker.h"
 #include "testing/color_source_from.h"
+#include "testing/read_all.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,9 +15,9 @@ namespace {
 
 using testing::make_raster;
 using testing::RasterSpec;
+using testing::read_all;
 using testing::TemporaryFolder;
-
-const Crs kUtm = Crs::from_user_input("EPSG:32633");
+using testing::utm33;
 
 RasterSpec colors_of(GDALDataType type, double red) {
   RasterSpec spec;
@@ -25,10 +26,6 @@ RasterSpec colors_of(GDALDataType type, double red) {
   spec.creation_options = {"PHOTOMETRIC=RGB"};
   spec.value = [red](int band, int col, int row) { return red / (band + 1) + (col % 5) + (row % 3); };
   return spec;
-}
-
-Raster read_all(const ColorSource& source) {
-  return source.read({0, 0, static_cast<int>(source.width_px), static_cast<int>(source.height_px)});
 }
 
 TEST(Colors, KeepTheirDepthAndTheirRatios) {
@@ -42,7 +39,7 @@ TEST(Colors, KeepTheirDepthAndTheirRatios) {
     const RasterSpec spec = colors_of(one.type, one.red);
     const std::string path = make_raster(folder / ("c" + std::to_string(one.depth) + ".tif"), spec);
     const ColorSource own = open_colors(path);
-    const ColorSource grid = open_colors_on_grid({path}, kUtm, spec.place, 60, 40);
+    const ColorSource grid = open_colors_on_grid({path}, utm33(), spec.place, 60, 40);
     for (const ColorSource& source : {own, grid}) {
       EXPECT_EQ(source.channels, 3);
       EXPECT_EQ(source.depth, one.depth);
@@ -58,7 +55,7 @@ TEST(Colors, KeepTheirDepthAndTheirRatios) {
     }
     // The gray of colours is what the readers of gray give.
     const Raster gray = gray_source_of(grid).read({3, 4, 20, 10});
-    const Raster expected = open_gray_on_grid({path}, kUtm, spec.place, 60, 40).read({3, 4, 20, 10});
+    const Raster expected = open_gray_on_grid({path}, utm33(), spec.place, 60, 40).read({3, 4, 20, 10});
     EXPECT_EQ(cv::norm(gray.pixels, expected.pixels, cv::NORM_INF), 0);
     EXPECT_EQ(gray.pixels.type(), expected.pixels.type());
   }
@@ -73,7 +70,7 @@ TEST(Colors, OneBandHasNone) {
 
   // Among colours it shows three equal bands.
   const std::string colored = make_raster(folder / "colored.tif", colors_of(GDT_Byte, 120));
-  const ColorSource mosaic = open_colors_on_grid({colored, gray}, kUtm, spec.place, 60, 40);
+  const ColorSource mosaic = open_colors_on_grid({colored, gray}, utm33(), spec.place, 60, 40);
   EXPECT_EQ(mosaic.channels, 3);
   const auto pixel = read_all(mosaic).pixels.at<cv::Vec3b>(6, 11);
   EXPECT_EQ(pixel[0], (11 * 3 + 6 * 7) % 251);

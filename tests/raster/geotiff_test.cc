@@ -18,7 +18,7 @@
 namespace pilotage {
 namespace {
 
-Raster make_raster(int type, int width, int height) {
+Raster noise_raster(int type, int width, int height) {
   Random random(seed_from_name("geotiff"));
   Raster raster;
   raster.pixels = cv::Mat(height, width, type);
@@ -50,7 +50,7 @@ Dataset open(const std::filesystem::path& path) {
 
 TEST(Geotiff, Rgb8ComesBackExactlyThroughDeflate) {
   const testing::TemporaryFolder folder;
-  Raster raster = make_raster(CV_8UC3, 300, 270);
+  Raster raster = noise_raster(CV_8UC3, 300, 270);
   raster.valid(cv::Rect(0, 0, 20, 30)) = 0;
   GeotiffOptions options;
   options.metadata = {{"TIFFTAG_DATETIME", "2023:06:14 09:40:00"}};
@@ -75,7 +75,7 @@ TEST(Geotiff, Rgb8ComesBackExactlyThroughDeflate) {
 
 TEST(Geotiff, AWindowOfAnotherRasterIsWrittenByItsOwnRows) {
   const testing::TemporaryFolder folder;
-  const Raster whole = make_raster(CV_8UC3, 60, 50);
+  const Raster whole = noise_raster(CV_8UC3, 60, 50);
   Raster part = whole;
   part.pixels = whole.pixels(cv::Rect(7, 9, 20, 11));
   part.valid = whole.valid(cv::Rect(7, 9, 20, 11));
@@ -90,7 +90,7 @@ TEST(Geotiff, AWindowOfAnotherRasterIsWrittenByItsOwnRows) {
 
 TEST(Geotiff, FloatsComeBackExactlyAndGapsAreNoData) {
   const testing::TemporaryFolder folder;
-  Raster raster = make_raster(CV_32F, 40, 30);
+  Raster raster = noise_raster(CV_32F, 40, 30);
   raster.valid.at<unsigned char>(3, 4) = 0;
   write_float32_geotiff(folder / "f.tif", raster, "EPSG:32633");
   const Dataset dataset = open(folder / "f.tif");
@@ -108,7 +108,7 @@ TEST(Geotiff, FloatsComeBackExactlyAndGapsAreNoData) {
 
 TEST(Geotiff, JpegIsCloseAndSmallAndTheSameBytesTwice) {
   const testing::TemporaryFolder folder;
-  Raster raster = make_raster(CV_8UC3, 256, 256);
+  Raster raster = noise_raster(CV_8UC3, 256, 256);
   for (int row = 0; row < 256; ++row) {
     for (int col = 0; col < 256; ++col) {
       const auto level = static_cast<unsigned char>((row + col) / 2);
@@ -131,8 +131,8 @@ TEST(Geotiff, JpegIsCloseAndSmallAndTheSameBytesTwice) {
 
 TEST(Geotiff, WhatCannotBeWrittenIsRefusedAndLeavesNothing) {
   const testing::TemporaryFolder folder;
-  const Raster rgb = make_raster(CV_8UC3, 8, 8);
-  const Raster heights = make_raster(CV_32F, 8, 8);
+  const Raster rgb = noise_raster(CV_8UC3, 8, 8);
+  const Raster heights = noise_raster(CV_32F, 8, 8);
   GeotiffOptions jpeg;
   jpeg.compression = GeotiffCompression::kJpeg;
   EXPECT_THROW(write_rgb8_geotiff(folder / "x.tif", heights, "EPSG:32633"), UsageError);

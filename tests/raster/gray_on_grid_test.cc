@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "raster/raster_maker.h"
+#include "testing/read_all.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,13 +23,9 @@ using testing::change_raster;
 using ::testing::HasSubstr;
 using testing::make_raster;
 using testing::RasterSpec;
+using testing::read_all;
 using testing::TemporaryFolder;
-
-const Crs kUtm = Crs::from_user_input("EPSG:32633");
-
-Raster read_all(const GraySource& source) {
-  return source.read({0, 0, static_cast<int>(source.width_px), static_cast<int>(source.height_px)});
-}
+using testing::utm33;
 
 /// A ramp in the ground's own coordinates, so that its value at a place does not depend on the raster that holds it.
 double ground_value(double x, double y) {
@@ -55,7 +52,7 @@ TEST(GrayOnGrid, TheSameGridGivesTheSamePixels) {
   spec.creation_options = {"PHOTOMETRIC=RGB"};
   const std::string path = make_raster(folder / "a.tif", spec);
   const Raster own = read_all(open_gray(path));
-  const GraySource source = open_gray_on_grid({path}, kUtm, spec.place, 60, 40);
+  const GraySource source = open_gray_on_grid({path}, utm33(), spec.place, 60, 40);
   EXPECT_EQ(source.depth, CV_8U);
   const Raster grid = read_all(source);
   EXPECT_EQ(cv::norm(own.pixels, grid.pixels, cv::NORM_INF), 0);
@@ -68,7 +65,7 @@ TEST(GrayOnGrid, TheSameGridGivesTheSamePixels) {
 TEST(GrayOnGrid, PutsGroundWhereItBelongs) {
   const TemporaryFolder folder;
   // The same ramp, held by rasters in other CRSs, must come out at its place: web Mercator, degrees, a turned grid.
-  const CrsTransform utm(kUtm);
+  const CrsTransform utm(utm33());
   struct Case {
     const char* name;
     const char* srs;
@@ -98,7 +95,7 @@ TEST(GrayOnGrid, PutsGroundWhereItBelongs) {
     };
     const std::string path = make_raster(folder / c.name, spec);
     const GeoTransform grid = GeoTransform::north_up(500010, 5'000'070, 0.5);
-    const Raster raster = read_all(open_gray_on_grid({path}, kUtm, grid, 60, 60));
+    const Raster raster = read_all(open_gray_on_grid({path}, utm33(), grid, 60, 60));
     int compared = 0;
     for (int row = 0; row < 60; ++row) {
       for (int col = 0; col < 60; ++col) {
@@ -126,17 +123,17 @@ TEST(GrayOnGrid, TheLaterRasterLiesOnTop) {
   const auto at = [&](const Raster& raster, int col) {
     return raster.valid.at<std::uint8_t>(5, col) == 0 ? -1 : int{raster.pixels.at<std::uint8_t>(5, col)};
   };
-  Raster raster = read_all(open_gray_on_grid({below, above}, kUtm, grid, 100, 40));
+  Raster raster = read_all(open_gray_on_grid({below, above}, utm33(), grid, 100, 40));
   EXPECT_EQ(at(raster, 19), 50);
   EXPECT_EQ(at(raster, 25), 50);  // no data of the upper one
   EXPECT_EQ(at(raster, 35), 200);
   EXPECT_EQ(at(raster, 75), 200);
   EXPECT_EQ(at(raster, 85), -1);
-  raster = read_all(open_gray_on_grid({above, below}, kUtm, grid, 100, 40));
+  raster = read_all(open_gray_on_grid({above, below}, utm33(), grid, 100, 40));
   EXPECT_EQ(at(raster, 35), 50);
   EXPECT_EQ(at(raster, 75), 200);
   // Resampled no-data stays out of its neighbours: no value between 0 and 200.
-  raster = read_all(open_gray_on_grid({above}, kUtm, GeoTransform::north_up(500000.1, 5'000'000.1, 0.4), 120, 40));
+  raster = read_all(open_gray_on_grid({above}, utm33(), GeoTransform::north_up(500000.1, 5'000'000.1, 0.4), 120, 40));
   for (int col = 0; col < 120; ++col) EXPECT_TRUE(at(raster, col) == -1 || at(raster, col) == 200) << col;
 }
 
@@ -147,7 +144,7 @@ TEST(GrayOnGrid, NanStaysOutOfItsNeighbours) {
   spec.value = [value](int band, int col, int row) { return col == 20 && row == 20 ? NAN : value(band, col, row); };
   const std::string path = make_raster(folder / "a.tif", spec);
   const Raster raster =
-      read_all(open_gray_on_grid({path}, kUtm, GeoTransform::north_up(500000.2, 5'000'000 - 0.2, 0.5), 50, 30));
+      read_all(open_gray_on_grid({path}, utm33(), GeoTransform::north_up(500000.2, 5'000'000 - 0.2, 0.5), 50, 30));
   EXPECT_EQ(cv::countNonZero(raster.valid), 50 * 30 - 1);
 }
 
@@ -158,7 +155,7 @@ TEST(GrayOnGrid, DepthsMixToDouble) {
   spec.type = GDT_UInt16;
   const std::string words = make_raster(folder / "16.tif", spec);
   const auto depth_of = [&](const std::vector<std::string>& paths) {
-    const GraySource source = open_gray_on_grid(paths, kUtm, spec.place, 60, 40);
+    const GraySource source = open_gray_on_grid(paths, utm33(), spec.place, 60, 40);
     EXPECT_EQ(read_all(source).pixels.type(), source.depth);
     return source.depth;
   };
@@ -184,7 +181,7 @@ TEST(GrayOnGrid, UsesOverviews) {
   EXPECT_EQ(inspect_imagery(path).overviews, 2);
   const auto value_at_gsd = [&](double gsd) {
     const GeoTransform grid = GeoTransform::north_up(500000, 5'000'000, gsd);
-    return int{read_all(open_gray_on_grid({path}, kUtm, grid, 50, 50)).pixels.at<std::uint8_t>(10, 10)};
+    return int{read_all(open_gray_on_grid({path}, utm33(), grid, 50, 50)).pixels.at<std::uint8_t>(10, 10)};
   };
   EXPECT_EQ(value_at_gsd(0.5), 100);
   EXPECT_EQ(value_at_gsd(0.9), 100);
@@ -204,7 +201,8 @@ TEST(GrayOnGrid, ACoarseGridAveragesWhatItCovers) {
   spec.type = GDT_Float64;
   spec.value = [&](int, int col, int row) { return truth.at<double>(row, col); };
   const std::string path = make_raster(folder / "a.tif", spec);
-  const Raster raster = read_all(open_gray_on_grid({path}, kUtm, GeoTransform::north_up(500000, 5'000'000, 2), 16, 16));
+  const Raster raster =
+      read_all(open_gray_on_grid({path}, utm33(), GeoTransform::north_up(500000, 5'000'000, 2), 16, 16));
   for (int row = 0; row < 16; ++row) {
     for (int col = 0; col < 16; ++col) {
       ASSERT_NEAR(raster.pixels.at<double>(row, col), cv::mean(truth(cv::Rect(col * 4, row * 4, 4, 4)))[0], 1e-9);
@@ -227,9 +225,9 @@ TEST(GrayOnGrid, WindowsAndThreadsDoNotChangeValues) {
     return values[static_cast<std::size_t>((band * 500 + row) * 700 + col)];
   };
   const std::string path = make_raster(folder / "a.tif", spec);
-  const Bounds bounds = imagery_bounds(inspect_imagery(path), kUtm);
+  const Bounds bounds = imagery_bounds(inspect_imagery(path), utm33());
   const GeoTransform place = GeoTransform::north_up(bounds.min_x_m - 20, bounds.max_y_m + 10, 0.43);
-  const auto open = [&] { return open_gray_on_grid({path}, kUtm, place, 800, 700); };
+  const auto open = [&] { return open_gray_on_grid({path}, utm33(), place, 800, 700); };
   const Raster whole = read_all(open());
   EXPECT_GT(valid_fraction(whole.valid), 0.5);
   EXPECT_LT(valid_fraction(whole.valid), 0.99);
@@ -277,7 +275,7 @@ TEST(GrayOnGrid, ReadsColoursForPeople) {
   spec.bands = 3;
   spec.creation_options = {"PHOTOMETRIC=RGB"};
   spec.value = [](int band, int, int) { return 10 + 100 * band; };
-  Raster raster = read_rgb8_on_grid({make_raster(folder / "rgb.tif", spec)}, kUtm, spec.place, 70, 40);
+  Raster raster = read_rgb8_on_grid({make_raster(folder / "rgb.tif", spec)}, utm33(), spec.place, 70, 40);
   EXPECT_EQ(raster.pixels.type(), CV_8UC3);
   EXPECT_EQ(raster.pixels.at<cv::Vec3b>(3, 3), cv::Vec3b(10, 110, 210));
   EXPECT_EQ(cv::countNonZero(raster.valid), 60 * 40);
@@ -286,7 +284,7 @@ TEST(GrayOnGrid, ReadsColoursForPeople) {
     spec = {};
     spec.type = type;
     spec.value = [](int, int col, int) { return 1000 + col; };
-    raster = read_rgb8_on_grid({make_raster(folder / "deep.tif", spec)}, kUtm, spec.place, 60, 40);
+    raster = read_rgb8_on_grid({make_raster(folder / "deep.tif", spec)}, utm33(), spec.place, 60, 40);
     EXPECT_EQ(raster.pixels.at<cv::Vec3b>(3, 0), cv::Vec3b(0, 0, 0));
     EXPECT_EQ(raster.pixels.at<cv::Vec3b>(3, 59), cv::Vec3b(255, 255, 255));
     EXPECT_NEAR(raster.pixels.at<cv::Vec3b>(3, 30)[0], 128, 5);
@@ -301,7 +299,7 @@ TEST(GrayOnGrid, ReadsTheMaskAlone) {
   spec.finish = [](GDALDataset& dataset) { dataset.GetRasterBand(1)->SetNoDataValue(0); };
   const std::string path = make_raster(folder / "a.tif", spec);
   const Raster raster =
-      read_all(open_valid_on_grid({path}, kUtm, GeoTransform::north_up(500000, 5'000'000, 5), 20, 20));
+      read_all(open_valid_on_grid({path}, utm33(), GeoTransform::north_up(500000, 5'000'000, 5), 20, 20));
   EXPECT_EQ(raster.valid.type(), CV_8U);
   EXPECT_EQ(cv::norm(raster.pixels, raster.valid, cv::NORM_INF), 0);
   EXPECT_NEAR(valid_fraction(raster.valid), 0.75, 0.051);
@@ -333,8 +331,8 @@ TEST(GrayOnGrid, TheMaskAloneIsThatOfTheGrays) {
       for (const double gsd_m : {0.5, 0.73, 1.0, 1.7}) {
         const GeoTransform place = GeoTransform::north_up(500'003.1, 5'000'000 - 2.3, gsd_m);
         const int size = static_cast<int>(110 / gsd_m);
-        const cv::Mat expected = read_all(open_gray_on_grid({path}, kUtm, place, size, size, options)).valid;
-        const cv::Mat mask = read_all(open_valid_on_grid({path}, kUtm, place, size, size, options)).valid;
+        const cv::Mat expected = read_all(open_gray_on_grid({path}, utm33(), place, size, size, options)).valid;
+        const cv::Mat mask = read_all(open_valid_on_grid({path}, utm33(), place, size, size, options)).valid;
         EXPECT_EQ(cv::norm(expected, mask, cv::NORM_INF), 0)
             << GDALGetDataTypeName(type) << ", kernel " << static_cast<int>(kernel) << ", " << gsd_m << " m";
         if (kernel == Resampling::kAuto && gsd_m < 0.75 && type != GDT_Float32) {
@@ -349,7 +347,7 @@ TEST(GrayOnGrid, OutsideTheImageryIsNoGround) {
   const TemporaryFolder folder;
   const std::string path = make_raster(folder / "a.tif", {});
   const Raster raster =
-      read_all(open_gray_on_grid({path}, kUtm, GeoTransform::north_up(700000, 5'000'000, 0.5), 40, 30));
+      read_all(open_gray_on_grid({path}, utm33(), GeoTransform::north_up(700000, 5'000'000, 0.5), 40, 30));
   EXPECT_EQ(cv::countNonZero(raster.valid), 0);
 }
 
@@ -357,14 +355,14 @@ TEST(GrayOnGrid, BadGridsAreRefused) {
   const TemporaryFolder folder;
   const std::string path = make_raster(folder / "a.tif", {});
   const GeoTransform good = GeoTransform::north_up(500000, 5'000'000, 0.5);
-  EXPECT_THROW(open_gray_on_grid({}, kUtm, good, 10, 10), UsageError);
-  EXPECT_THROW(open_gray_on_grid({path}, kUtm, good, 0, 10), UsageError);
-  EXPECT_THROW(open_gray_on_grid({path}, kUtm, good, 10, std::int64_t{1} << 40), UsageError);
-  EXPECT_THROW(open_gray_on_grid({path}, kUtm, {500000, 0.5, 0.1, 5e6, 0.1, -0.5}, 10, 10), UsageError);
-  EXPECT_THROW(open_gray_on_grid({path}, kUtm, {500000, 0.5, 0, 5e6, 0, 0.5}, 10, 10), UsageError);
-  EXPECT_THROW(open_gray_on_grid({path}, kUtm, GeoTransform::north_up(NAN, 5e6, 0.5), 10, 10), UsageError);
+  EXPECT_THROW(open_gray_on_grid({}, utm33(), good, 10, 10), UsageError);
+  EXPECT_THROW(open_gray_on_grid({path}, utm33(), good, 0, 10), UsageError);
+  EXPECT_THROW(open_gray_on_grid({path}, utm33(), good, 10, std::int64_t{1} << 40), UsageError);
+  EXPECT_THROW(open_gray_on_grid({path}, utm33(), {500000, 0.5, 0.1, 5e6, 0.1, -0.5}, 10, 10), UsageError);
+  EXPECT_THROW(open_gray_on_grid({path}, utm33(), {500000, 0.5, 0, 5e6, 0, 0.5}, 10, 10), UsageError);
+  EXPECT_THROW(open_gray_on_grid({path}, utm33(), GeoTransform::north_up(NAN, 5e6, 0.5), 10, 10), UsageError);
   EXPECT_THROW(open_gray_on_grid({path}, Crs(), good, 10, 10), UsageError);
-  EXPECT_THROW(open_gray_on_grid({path, "missing.tif"}, kUtm, good, 10, 10), DataError);
+  EXPECT_THROW(open_gray_on_grid({path, "missing.tif"}, utm33(), good, 10, 10), DataError);
 }
 
 }  // namespace

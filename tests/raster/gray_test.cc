@@ -4,6 +4,8 @@
 #include <string>
 
 #include "raster/raster_maker.h"
+#include "testing/error_of.h"
+#include "testing/read_all.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,14 +21,12 @@
 namespace pilotage {
 namespace {
 
+using testing::error_of;
 using ::testing::HasSubstr;
 using testing::make_raster;
 using testing::RasterSpec;
+using testing::read_all;
 using testing::TemporaryFolder;
-
-Raster read_all(const GraySource& source) {
-  return source.read({0, 0, static_cast<int>(source.width_px), static_cast<int>(source.height_px)});
-}
 
 double gray_at(const Raster& raster, int col, int row) {
   cv::Mat wide;
@@ -36,16 +36,6 @@ double gray_at(const Raster& raster, int col, int row) {
 
 bool valid_at(const Raster& raster, int col, int row) {
   return raster.valid.at<std::uint8_t>(row, col) == 255;
-}
-
-template <class Call>
-std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 struct TypeCase {
@@ -134,9 +124,9 @@ TEST(Gray, BandsFollowTheirColors) {
   options.bands = {2, 2, 2};
   EXPECT_EQ(gray_at(read_all(open_gray(path, options)), 0, 0), 200);
   options.bands = {1, 2};
-  EXPECT_THAT(error_of([&] { open_gray(path, options); }), HasSubstr("bands has 2 values"));
+  EXPECT_THAT(error_of<std::runtime_error>([&] { open_gray(path, options); }), HasSubstr("bands has 2 values"));
   options.bands = {5};
-  EXPECT_THAT(error_of([&] { open_gray(path, options); }), HasSubstr("has bands 1 to 4"));
+  EXPECT_THAT(error_of<std::runtime_error>([&] { open_gray(path, options); }), HasSubstr("has bands 1 to 4"));
   options.bands = {1.5};
   EXPECT_THROW(open_gray(path, options), UsageError);
 }
@@ -328,14 +318,16 @@ TEST(Gray, ManyThreadsReadTheSame) {
 TEST(Gray, MissingAndBrokenFilesAreNamed) {
   const TemporaryFolder folder;
   const std::string missing = (folder / "missing.tif").string();
-  EXPECT_THAT(error_of([&] { open_gray(missing); }), HasSubstr(missing));
+  EXPECT_THAT(error_of<std::runtime_error>([&] { open_gray(missing); }), HasSubstr(missing));
 
   write_file(folder / "text.tif", "this is no raster", false);
-  EXPECT_THAT(error_of([&] { open_gray((folder / "text.tif").string()); }), HasSubstr("text.tif"));
+  EXPECT_THAT(error_of<std::runtime_error>([&] { open_gray((folder / "text.tif").string()); }), HasSubstr("text.tif"));
   write_file(folder / "empty.tif", "", false);
-  EXPECT_THAT(error_of([&] { open_gray((folder / "empty.tif").string()); }), HasSubstr("empty.tif"));
-  EXPECT_THAT(error_of([&] { open_gray(folder.path().string()); }), HasSubstr(folder.path().string()));
-  EXPECT_NE(error_of([&] { open_gray(""); }), "");
+  EXPECT_THAT(error_of<std::runtime_error>([&] { open_gray((folder / "empty.tif").string()); }),
+              HasSubstr("empty.tif"));
+  EXPECT_THAT(error_of<std::runtime_error>([&] { open_gray(folder.path().string()); }),
+              HasSubstr(folder.path().string()));
+  EXPECT_NE(error_of<std::runtime_error>([&] { open_gray(""); }), "");
 }
 
 TEST(Gray, ATruncatedRasterIsAnErrorAtAnyLength) {
@@ -349,7 +341,7 @@ TEST(Gray, ATruncatedRasterIsAnErrorAtAnyLength) {
     int refused = 0;
     for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 60) {
       write_file(folder / "cut.tif", whole.substr(0, length), true);
-      const std::string error = error_of([&] {
+      const std::string error = error_of<std::runtime_error>([&] {
         const Raster raster = read_all(open_gray((folder / "cut.tif").string()));
         // What does open must be the truth.
         EXPECT_EQ(cv::norm(raster.pixels, truth.pixels, cv::NORM_INF), 0) << compression << " " << length;
@@ -367,9 +359,9 @@ TEST(Gray, NothingIsPrinted) {
   const TemporaryFolder folder;
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
-  error_of([&] { open_gray((folder / "missing.tif").string()); });
-  error_of([&] { Crs::from_user_input("PROJCS[\"broken\""); });
-  error_of([&] { inspect_imagery(make_raster(folder / "a.tif", {.georeferenced = false})); });
+  error_of<std::runtime_error>([&] { open_gray((folder / "missing.tif").string()); });
+  error_of<std::runtime_error>([&] { Crs::from_user_input("PROJCS[\"broken\""); });
+  error_of<std::runtime_error>([&] { inspect_imagery(make_raster(folder / "a.tif", {.georeferenced = false})); });
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
 }

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "raster/raster_maker.h"
+#include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,13 +21,8 @@ using testing::make_raster;
 using testing::RasterSpec;
 using testing::TemporaryFolder;
 
-std::string error_of(const std::string& dataset, const ImageryOptions& options = {}) {
-  try {
-    inspect_imagery(dataset, options);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+std::string imagery_error(const std::string& dataset, const ImageryOptions& options = {}) {
+  return testing::error_of<std::runtime_error>([&] { inspect_imagery(dataset, options); });
 }
 
 TEST(Imagery, SaysWhatARasterIs) {
@@ -85,31 +81,32 @@ TEST(Imagery, MeasuresGroundWhateverTheUnit) {
 
 TEST(Imagery, NeedsAGeoreferenceAndACrs) {
   const TemporaryFolder folder;
-  EXPECT_THAT(error_of(make_raster(folder / "nowhere.tif", {.georeferenced = false})), HasSubstr("no georeference"));
+  EXPECT_THAT(imagery_error(make_raster(folder / "nowhere.tif", {.georeferenced = false})),
+              HasSubstr("no georeference"));
 
   const std::string bare = make_raster(folder / "bare.tif", {.srs = ""});
-  EXPECT_THAT(error_of(bare), HasSubstr("bare.tif: states no CRS; give --imagery-crs"));
+  EXPECT_THAT(imagery_error(bare), HasSubstr("bare.tif: states no CRS; give --imagery-crs"));
   ImageryOptions options;
   options.imagery_crs = "EPSG:32633";
   EXPECT_EQ(inspect_imagery(bare, options).crs.authority(), "EPSG:32633");
   EXPECT_NO_THROW(open_gray(bare, options));
   options.imagery_crs = "EPSG:nothing";
-  EXPECT_THAT(error_of(bare, options), HasSubstr("EPSG:nothing"));
+  EXPECT_THAT(imagery_error(bare, options), HasSubstr("EPSG:nothing"));
 
   const std::string own = make_raster(folder / "own.tif", {});
   options.imagery_crs = "EPSG:32634";
   EXPECT_EQ(inspect_imagery(own, options).crs.authority(), "EPSG:32633");
   EXPECT_THAT(inspect_imagery(own, options).warnings, Contains(HasSubstr("is not used")));
 
-  EXPECT_THAT(error_of(make_raster(folder / "local.tif", {.srs = "LOCAL_CS[\"site\",UNIT[\"metre\",1]]"})),
+  EXPECT_THAT(imagery_error(make_raster(folder / "local.tif", {.srs = "LOCAL_CS[\"site\",UNIT[\"metre\",1]]"})),
               HasSubstr("local.tif"));
   RasterSpec flat;
   flat.place = {500000, 0.5, 0.5, 5'000'000, 0.5, 0.5};
-  EXPECT_THAT(error_of(make_raster(folder / "flat.tif", flat)), HasSubstr("cannot be inverted"));
+  EXPECT_THAT(imagery_error(make_raster(folder / "flat.tif", flat)), HasSubstr("cannot be inverted"));
   RasterSpec off;
   off.srs = "EPSG:4326";
   off.place = GeoTransform::north_up(500000, 5'000'000, 0.5);
-  EXPECT_THAT(error_of(make_raster(folder / "off.tif", off)), HasSubstr("is its CRS right?"));
+  EXPECT_THAT(imagery_error(make_raster(folder / "off.tif", off)), HasSubstr("is its CRS right?"));
 }
 
 std::string make_with_points(const std::filesystem::path& path, bool affine) {
@@ -142,7 +139,7 @@ TEST(Imagery, GroundControlPointsMustFitOneTransform) {
   EXPECT_NEAR(info.map_from_pixel.origin_y, 5e6, 1e-6);
   EXPECT_THAT(info.warnings, Contains(HasSubstr("ground control points")));
   EXPECT_EQ(open_gray(good).map_from_pixel, info.map_from_pixel);
-  EXPECT_THAT(error_of(make_with_points(folder / "bent.tif", false)), HasSubstr("4 ground control points"));
+  EXPECT_THAT(imagery_error(make_with_points(folder / "bent.tif", false)), HasSubstr("4 ground control points"));
 }
 
 TEST(Imagery, ReadsDatesInTheirManySpellings) {

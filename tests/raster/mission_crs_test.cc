@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "testing/error_of.h"
 #include "testing/grid_convergence.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -143,20 +144,15 @@ TEST(MissionCrs, RefusesWhatNoProjectionFits) {
 TEST(MissionCrs, ChecksWhatTheUserAsksFor) {
   const Points route{{114.87, -1.07}, {114.88, -1.08}};
   EXPECT_EQ(check_mission_crs(Crs::from_user_input("EPSG:32750"), route, 500).crs.authority(), "EPSG:32750");
-  const auto error_of = [&](const char* crs, const Points& points) -> std::string {
-    try {
-      check_mission_crs(Crs::from_user_input(crs), points, 500);
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "";
+  const auto crs_error = [](const char* crs, const Points& points) {
+    return testing::error_of<UsageError>([&] { check_mission_crs(Crs::from_user_input(crs), points, 500); });
   };
-  EXPECT_THAT(error_of("EPSG:4326", route), HasSubstr("not projected"));
-  EXPECT_THAT(error_of("EPSG:2994", {{-123, 44}}), HasSubstr("0.3048"));
-  EXPECT_THAT(error_of("EPSG:3857", {{15, 45}}), HasSubstr("distorts scale by 41."));  // 1/cos 45° − 1
-  EXPECT_THAT(error_of("EPSG:32633", route), HasSubstr("distorts"));                   // another continent's zone
+  EXPECT_THAT(crs_error("EPSG:4326", route), HasSubstr("not projected"));
+  EXPECT_THAT(crs_error("EPSG:2994", {{-123, 44}}), HasSubstr("0.3048"));
+  EXPECT_THAT(crs_error("EPSG:3857", {{15, 45}}), HasSubstr("distorts scale by 41."));  // 1/cos 45° − 1
+  EXPECT_THAT(crs_error("EPSG:32633", route), HasSubstr("distorts"));                   // another continent's zone
   // Not even at the equator: its formula is a sphere's, so northwards its scale is 1 / (1 - e^2) there.
-  EXPECT_THAT(error_of("EPSG:3857", {{15, 0}}), HasSubstr("distorts scale by 0.674 %"));
+  EXPECT_THAT(crs_error("EPSG:3857", {{15, 0}}), HasSubstr("distorts scale by 0.674 %"));
 }
 
 TEST(MissionCrs, BadRoutesAreRefused) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "raster/raster_maker.h"
+#include "testing/error_of.h"
 #include "testing/jpeg_segments.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
@@ -17,6 +18,7 @@
 namespace pilotage {
 namespace {
 
+using testing::error_of;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::make_raster;
@@ -39,16 +41,6 @@ std::string small_jpeg() {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".jpg", pixels, bytes, {cv::IMWRITE_JPEG_QUALITY, 100});
   return {bytes.begin(), bytes.end()};
-}
-
-template <class Call>
-std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 // The one rule: a frame's gray is what the same picture's gray would be in a map.
@@ -107,9 +99,10 @@ TEST(ReadGray8Picture, WhatIsNoPictureIsNamed) {
   const TemporaryFolder folder;
   write_file(folder / "text.jpg", "not a picture\n", false);
   const std::string text = (folder / "text.jpg").string();
-  EXPECT_THAT(error_of([&] { read_gray8_picture(text); }), HasSubstr(text + ": cannot be opened as a raster"));
+  EXPECT_THAT(error_of<DataError>([&] { read_gray8_picture(text); }),
+              HasSubstr(text + ": cannot be opened as a raster"));
   const std::string missing = (folder / "missing.jpg").string();
-  EXPECT_THAT(error_of([&] { read_gray8_picture(missing); }), HasSubstr(missing));
+  EXPECT_THAT(error_of<DataError>([&] { read_gray8_picture(missing); }), HasSubstr(missing));
 }
 
 TEST(ReadImageMetadata, AttributesAndElementsOfXmp) {

@@ -9,6 +9,7 @@
 #include <gdal_priv.h>
 
 #include "pilotage/geo/geo_transform.h"
+#include "pilotage/raster/crs.h"
 
 namespace pilotage::testing {
 
@@ -29,6 +30,11 @@ struct RasterSpec {
   /// Whatever else the raster has: colours, masks, metadata.
   std::function<void(GDALDataset&)> finish = [](GDALDataset&) {};
 };
+
+/// The CRS that a RasterSpec has unless it says otherwise.
+inline Crs utm33() {
+  return Crs::from_user_input(RasterSpec{}.srs);
+}
 
 /// Writes it as GeoTIFF and returns the path as text.
 std::string make_raster(const std::filesystem::path& path, const RasterSpec& spec);

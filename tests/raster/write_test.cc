@@ -17,8 +17,8 @@ namespace pilotage {
 namespace {
 
 using testing::TemporaryFolder;
+using testing::utm33;
 
-const Crs kUtm = Crs::from_user_input("EPSG:32633");
 const GeoTransform kPlace = GeoTransform::north_up(500000, 5'000'000, 32);
 
 std::vector<ScoreBand> two_bands(int width, int height) {
@@ -41,7 +41,7 @@ std::size_t files_in(const TemporaryFolder& folder) {
 TEST(WriteScoreRaster, KeepsEveryBitAndSaysWhatItHolds) {
   const TemporaryFolder folder;
   const std::vector<ScoreBand> bands = two_bands(700, 600);
-  write_score_raster(folder / "scores.tif", bands, kUtm, kPlace, false);
+  write_score_raster(folder / "scores.tif", bands, utm33(), kPlace, false);
   EXPECT_EQ(files_in(folder), 1U);  // no side-car, no temporary
 
   testing::change_raster(folder / "scores.tif", [&](GDALDataset& dataset) {
@@ -90,15 +90,16 @@ TEST(WriteScoreRaster, KeepsEveryBitAndSaysWhatItHolds) {
 
 TEST(WriteScoreRaster, TheSameScoresGiveTheSameBytes) {
   const TemporaryFolder folder;
-  write_score_raster(folder / "a.tif", two_bands(300, 200), kUtm, kPlace, false);
-  write_score_raster(folder / "b.tif", two_bands(300, 200), kUtm, kPlace, false);
+  write_score_raster(folder / "a.tif", two_bands(300, 200), utm33(), kPlace, false);
+  write_score_raster(folder / "b.tif", two_bands(300, 200), utm33(), kPlace, false);
   EXPECT_EQ(read_file(folder / "a.tif"), read_file(folder / "b.tif"));
 }
 
 TEST(WriteScoreRaster, SmallAndEmptyRastersWork) {
   const TemporaryFolder folder;
-  write_score_raster(folder / "one.tif", {{"a", "", cv::Mat(1, 1, CV_64F, cv::Scalar(3))}}, kUtm, kPlace, false);
-  write_score_raster(folder / "nothing.tif", {{"a", "", cv::Mat(9, 9, CV_64F, cv::Scalar(NAN))}}, kUtm, kPlace, false);
+  write_score_raster(folder / "one.tif", {{"a", "", cv::Mat(1, 1, CV_64F, cv::Scalar(3))}}, utm33(), kPlace, false);
+  write_score_raster(folder / "nothing.tif", {{"a", "", cv::Mat(9, 9, CV_64F, cv::Scalar(NAN))}}, utm33(), kPlace,
+                     false);
   EXPECT_EQ(open_gray((folder / "one.tif").string()).read({0, 0, 1, 1}).pixels.at<double>(0, 0), 3);
   EXPECT_EQ(cv::countNonZero(open_gray((folder / "nothing.tif").string()).read({0, 0, 9, 9}).valid), 0);
 }
@@ -106,17 +107,17 @@ TEST(WriteScoreRaster, SmallAndEmptyRastersWork) {
 TEST(WriteScoreRaster, RefusesWhatIsNotRight) {
   const TemporaryFolder folder;
   const cv::Mat good(4, 5, CV_64F, cv::Scalar(1));
-  EXPECT_THROW(write_score_raster(folder / "a.tif", {}, kUtm, kPlace, false), UsageError);
-  EXPECT_THROW(write_score_raster(folder / "a.tif", {{"a", "", cv::Mat(4, 5, CV_32S)}}, kUtm, kPlace, false),
+  EXPECT_THROW(write_score_raster(folder / "a.tif", {}, utm33(), kPlace, false), UsageError);
+  EXPECT_THROW(write_score_raster(folder / "a.tif", {{"a", "", cv::Mat(4, 5, CV_32S)}}, utm33(), kPlace, false),
                UsageError);
   EXPECT_THROW(
-      write_score_raster(folder / "a.tif", {{"a", "", good}, {"b", "", cv::Mat(5, 4, CV_64F)}}, kUtm, kPlace, false),
+      write_score_raster(folder / "a.tif", {{"a", "", good}, {"b", "", cv::Mat(5, 4, CV_64F)}}, utm33(), kPlace, false),
       UsageError);
-  EXPECT_THROW(write_score_raster(folder / "none" / "a.tif", {{"a", "", good}}, kUtm, kPlace, false), DataError);
+  EXPECT_THROW(write_score_raster(folder / "none" / "a.tif", {{"a", "", good}}, utm33(), kPlace, false), DataError);
   EXPECT_EQ(files_in(folder), 0U);
-  write_score_raster(folder / "a.tif", {{"a", "", good}}, kUtm, kPlace, false);
-  EXPECT_THROW(write_score_raster(folder / "a.tif", {{"a", "", good}}, kUtm, kPlace, false), DataError);
-  EXPECT_NO_THROW(write_score_raster(folder / "a.tif", {{"a", "", good}}, kUtm, kPlace, true));
+  write_score_raster(folder / "a.tif", {{"a", "", good}}, utm33(), kPlace, false);
+  EXPECT_THROW(write_score_raster(folder / "a.tif", {{"a", "", good}}, utm33(), kPlace, false), DataError);
+  EXPECT_NO_THROW(write_score_raster(folder / "a.tif", {{"a", "", good}}, utm33(), kPlace, true));
 }
 
 /// No file may grow beyond `bytes` while it lives: what a full disk does to a writer.
@@ -144,7 +145,7 @@ TEST(WriteScoreRaster, AFullDiskIsAnErrorAndLeavesNothing) {
   const std::vector<ScoreBand> bands = two_bands(700, 600);  // about 4 MB when complete
   for (const rlim_t bytes : {rlim_t{0}, rlim_t{1000}, rlim_t{100'000}, rlim_t{2'000'000}}) {
     const FileSizeLimit limit(bytes);
-    EXPECT_THROW(write_score_raster(folder / "scores.tif", bands, kUtm, kPlace, false), DataError) << bytes;
+    EXPECT_THROW(write_score_raster(folder / "scores.tif", bands, utm33(), kPlace, false), DataError) << bytes;
     EXPECT_EQ(files_in(folder), 0U) << bytes;
   }
 }
@@ -155,8 +156,8 @@ TEST(WriteClassRaster, HoldsColoursAndNames) {
   classes.row(0).setTo(2);
   classes.col(0).setTo(kNoClass);
   const std::vector<RasterClass> names{{"go", {0, 34, 78}}, {"marginal", {124, 123, 120}}, {"no-go", {253, 234, 69}}};
-  write_class_raster(folder / "classes.tif", "verdict", classes, names, kUtm, kPlace, false);
-  write_class_raster(folder / "again.tif", "verdict", classes, names, kUtm, kPlace, false);
+  write_class_raster(folder / "classes.tif", "verdict", classes, names, utm33(), kPlace, false);
+  write_class_raster(folder / "again.tif", "verdict", classes, names, utm33(), kPlace, false);
   EXPECT_EQ(read_file(folder / "classes.tif"), read_file(folder / "again.tif"));
   EXPECT_EQ(files_in(folder), 2U);
   testing::change_raster(folder / "classes.tif", [&](GDALDataset& dataset) {
@@ -180,12 +181,13 @@ TEST(WriteClassRaster, RefusesValuesThatAreNoClass) {
   const TemporaryFolder folder;
   const std::vector<RasterClass> names{{"go", {}}, {"no-go", {}}};
   EXPECT_THROW(
-      write_class_raster(folder / "a.tif", "v", cv::Mat(3, 3, CV_8U, cv::Scalar(2)), names, kUtm, kPlace, false),
+      write_class_raster(folder / "a.tif", "v", cv::Mat(3, 3, CV_8U, cv::Scalar(2)), names, utm33(), kPlace, false),
       UsageError);
-  EXPECT_THROW(write_class_raster(folder / "a.tif", "v", cv::Mat(3, 3, CV_8U, cv::Scalar(0)), {}, kUtm, kPlace, false),
-               UsageError);
   EXPECT_THROW(
-      write_class_raster(folder / "a.tif", "v", cv::Mat(3, 3, CV_64F, cv::Scalar(0)), names, kUtm, kPlace, false),
+      write_class_raster(folder / "a.tif", "v", cv::Mat(3, 3, CV_8U, cv::Scalar(0)), {}, utm33(), kPlace, false),
+      UsageError);
+  EXPECT_THROW(
+      write_class_raster(folder / "a.tif", "v", cv::Mat(3, 3, CV_64F, cv::Scalar(0)), names, utm33(), kPlace, false),
       UsageError);
 }
 

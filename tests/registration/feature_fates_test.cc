@@ -9,18 +9,18 @@
 namespace pilotage {
 namespace {
 
-constexpr int kSide_px = 1100;  // three blocks a side
+constexpr int kFatesSide_px = 1100;  // three blocks a side
 constexpr int kChanged_px = 700;
 constexpr int kNoGround_px = 900;
-const std::vector<PixelWindow> kAll{{0, 0, kSide_px, kSide_px}};
+const std::vector<PixelWindow> kAll{{0, 0, kFatesSide_px, kFatesSide_px}};
 
 // The second date shows other ground from column 700 on, and none from row 900 on.
 testing::TwoDates dates() {
   testing::TwoDates dates = testing::make_two_dates(
-      kSide_px, [](const Eigen::Vector2d&) { return Eigen::Vector2d(0, 0); }, "fates");
-  const cv::Rect changed(kChanged_px, 0, kSide_px - kChanged_px, kSide_px);
-  testing::random_texture(kSide_px, "elsewhere")(changed).copyTo(dates.second.pixels(changed));
-  dates.second.valid.rowRange(kNoGround_px, kSide_px) = 0;
+      kFatesSide_px, [](const Eigen::Vector2d&) { return Eigen::Vector2d(0, 0); }, "fates");
+  const cv::Rect changed(kChanged_px, 0, kFatesSide_px - kChanged_px, kFatesSide_px);
+  testing::random_texture(kFatesSide_px, "elsewhere")(changed).copyTo(dates.second.pixels(changed));
+  dates.second.valid.rowRange(kNoGround_px, kFatesSide_px) = 0;
   return dates;
 }
 
@@ -49,7 +49,8 @@ TEST_F(FeatureFates, TellWhatStayedFromWhatChangedAndWhatIsNotShown) {
       EXPECT_EQ(fates[i], FeatureFate::kNotKnown) << feature.x_px << ", " << feature.y_px;
       continue;
     }
-    const double nearest_edge = static_cast<double>(std::min({feature.x_px, feature.y_px, kSide_px - feature.x_px}));
+    const double nearest_edge =
+        static_cast<double>(std::min({feature.x_px, feature.y_px, kFatesSide_px - feature.x_px}));
     if (static_cast<double>(feature.y_px) + reach > kNoGround_px - 2 || nearest_edge < reach + 2) continue;
     EXPECT_NE(fates[i], FeatureFate::kNotKnown) << feature.x_px << ", " << feature.y_px;
     if (static_cast<double>(feature.x_px) + 2 * reach < kChanged_px) {

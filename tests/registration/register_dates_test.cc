@@ -17,13 +17,13 @@ using testing::make_two_dates;
 using testing::open_in_memory;
 using testing::TwoDates;
 
-constexpr int kSide_px = 800;
-const Bounds kArea{1000, 5000 - kSide_px, 1000 + kSide_px, 5000};
+constexpr int kRegisteredSide_px = 800;
+const Bounds kArea{1000, 5000 - kRegisteredSide_px, 1000 + kRegisteredSide_px, 5000};
 
 /// 0 to 20 m, as two real georeferences disagree.
-Eigen::Vector2d field(const Eigen::Vector2d& p) {
-  const double u = (p.x() - 1000) / kSide_px;
-  const double v = (5000 - p.y()) / kSide_px;
+Eigen::Vector2d bent_field(const Eigen::Vector2d& p) {
+  const double u = (p.x() - 1000) / kRegisteredSide_px;
+  const double v = (5000 - p.y()) / kRegisteredSide_px;
   return {14 * u * u - 3 * v, 9 * u * v + 4 * std::sin(3 * v)};
 }
 
@@ -41,30 +41,31 @@ Worst compare(const WarpField& found, double margin_m) {
       const Eigen::Vector2d moved = found.displacement_m(x, y);
       if (moved.hasNaN()) continue;
       ++worst.known;
-      worst.error_m = std::max(worst.error_m, (moved - field({x, y})).norm());
+      worst.error_m = std::max(worst.error_m, (moved - bent_field({x, y})).norm());
     }
   }
   return worst;
 }
 
 TEST(RegisterDates, FindsAKnownFieldToHalfAPixel) {
-  const TwoDates dates = make_two_dates(kSide_px, field, "register");
+  const TwoDates dates = make_two_dates(kRegisteredSide_px, bent_field, "register");
   const Registration result = register_dates(open_in_memory(dates), kArea, 1, {});
   const Worst worst = compare(result.fit.field, 40);
   EXPECT_EQ(worst.known, worst.places);
   EXPECT_LT(worst.error_m, 0.5);
   EXPECT_LT(result.fit.left_out_m.median, 0.2);
   EXPECT_GT(result.finest_ties, result.places * 9 / 10);
-  EXPECT_NEAR(result.fit.disagreement_m.largest, field({1000 + kSide_px, 5000 - kSide_px}).norm(), 3);
+  EXPECT_NEAR(result.fit.disagreement_m.largest,
+              bent_field({1000 + kRegisteredSide_px, 5000 - kRegisteredSide_px}).norm(), 3);
 }
 
 /// A third of the ground has changed wholly, in squares of 50 m, the light has changed, and there is noise.
 TEST(RegisterDates, HoldsWhereMuchHasChanged) {
-  TwoDates dates = make_two_dates(kSide_px, field, "changed");
-  const cv::Mat other = testing::random_texture(kSide_px, "other ground");
+  TwoDates dates = make_two_dates(kRegisteredSide_px, bent_field, "changed");
+  const cv::Mat other = testing::random_texture(kRegisteredSide_px, "other ground");
   Random random(seed_from_name("squares"));
-  for (int row = 0; row < kSide_px; row += 50) {
-    for (int col = 0; col < kSide_px; col += 50) {
+  for (int row = 0; row < kRegisteredSide_px; row += 50) {
+    for (int col = 0; col < kRegisteredSide_px; col += 50) {
       if (random.below(3) != 0) continue;
       const cv::Rect square(col, row, 50, 50);
       other(square).copyTo(dates.second.pixels(square));
@@ -79,12 +80,12 @@ TEST(RegisterDates, HoldsWhereMuchHasChanged) {
 }
 
 TEST(RegisterDates, KnowsOnlyWhereBothHaveGround) {
-  TwoDates dates = make_two_dates(kSide_px, field, "overlap");
-  dates.second.valid(cv::Rect(0, 0, kSide_px / 2, kSide_px)) = 0;
+  TwoDates dates = make_two_dates(kRegisteredSide_px, bent_field, "overlap");
+  dates.second.valid(cv::Rect(0, 0, kRegisteredSide_px / 2, kRegisteredSide_px)) = 0;
   const Registration result = register_dates(open_in_memory(dates), kArea, 1, {});
   EXPECT_TRUE(result.fit.field.known(1600, 4600));
   EXPECT_FALSE(result.fit.field.known(1100, 4600));
-  EXPECT_LT((result.fit.field.displacement_m(1600, 4600) - field({1600, 4600})).norm(), 0.5);
+  EXPECT_LT((result.fit.field.displacement_m(1600, 4600) - bent_field({1600, 4600})).norm(), 0.5);
 
   const DisagreementRaster raster = disagreement_raster(result.fit.field, kArea);
   ASSERT_EQ(raster.bands.size(), 4U);
@@ -94,16 +95,16 @@ TEST(RegisterDates, KnowsOnlyWhereBothHaveGround) {
         raster.bands[band].values.at<float>(static_cast<int>(place.y()), static_cast<int>(place.x())));
   };
   EXPECT_EQ(raster.bands[2].name, "magnitude_m");
-  EXPECT_NEAR(at(0, pixel), field({1600, 4600}).x(), 1);
-  EXPECT_NEAR(at(1, pixel), field({1600, 4600}).y(), 1);
+  EXPECT_NEAR(at(0, pixel), bent_field({1600, 4600}).x(), 1);
+  EXPECT_NEAR(at(1, pixel), bent_field({1600, 4600}).y(), 1);
   EXPECT_NEAR(at(2, pixel), std::hypot(at(0, pixel), at(1, pixel)), 1e-4);
   EXPECT_GT(at(3, pixel), 0);
   EXPECT_TRUE(std::isnan(at(2, raster.map_from_pixel.pixel_from_map({1100, 4600}))));
 }
 
 TEST(RegisterDates, OtherGroundIsKnownNowhereAndNoGroundIsRefused) {
-  TwoDates dates = make_two_dates(kSide_px, field, "unrelated");
-  dates.second.pixels = testing::random_texture(kSide_px, "unrelated other");
+  TwoDates dates = make_two_dates(kRegisteredSide_px, bent_field, "unrelated");
+  dates.second.pixels = testing::random_texture(kRegisteredSide_px, "unrelated other");
   const Registration result = register_dates(open_in_memory(dates), kArea, 1, {});
   EXPECT_EQ(compare(result.fit.field, 0).known, 0);
   dates.second.valid = 0;
@@ -111,7 +112,7 @@ TEST(RegisterDates, OtherGroundIsKnownNowhereAndNoGroundIsRefused) {
 }
 
 TEST(RegisterDates, DoesNotDependOnThreads) {
-  const TwoDates dates = make_two_dates(kSide_px, field, "threads");
+  const TwoDates dates = make_two_dates(kRegisteredSide_px, bent_field, "threads");
   const OpenPair open = open_in_memory(dates);
   EXPECT_EQ(register_dates(open, kArea, 2, {}, {}, 1).fit.field.control_m,
             register_dates(open, kArea, 2, {}, {}, 3).fit.field.control_m);

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "registration/two_dates.h"
+#include "testing/features_of_image.h"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -23,12 +24,12 @@ FeatureSet moved(FeatureSet features, float dx_px) {
 
 TEST(SurvivingFeatures, ThoseWhoseDescriptorStandsNear) {
   const cv::Mat ground = testing::random_texture(400, "surviving");
-  const FeatureSet reference = extract_features(ground, {}, {});
+  const FeatureSet reference = testing::features_of_image(ground, {});
   ASSERT_GT(reference.size(), 500U);
   EXPECT_EQ(share_of(reference, reference), 1);
   EXPECT_EQ(share_of(reference, moved(reference, 1.5F)), 1);
   EXPECT_LT(share_of(reference, moved(reference, 1.6F)), 0.2) << "neighbours may resemble, most do not";
-  EXPECT_LT(share_of(reference, extract_features(testing::random_texture(400, "elsewhere"), {}, {})), 0.02);
+  EXPECT_LT(share_of(reference, testing::features_of_image(testing::random_texture(400, "elsewhere"), {})), 0.02);
 }
 
 TEST(SurvivingFeatures, BoundOfBitsIsInclusive) {

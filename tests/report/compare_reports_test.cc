@@ -1,6 +1,7 @@
 #include "pilotage/report/compare_reports.h"
 
 #include "report/report_scene.h"
+#include "testing/error_of.h"
 #include "testing/json_schema.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
@@ -18,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-ReportInput scene() {
+ReportInput scene_with_p() {
   testing::ReportSceneOptions options;
   options.matchable_from = 0.3;
   options.matchable_to = 0.5;
@@ -36,28 +37,23 @@ ReportComparison compared(const ReportInput& a, const ReportInput& b) {
                          {"a.json", "b.json"});
 }
 
-std::string refusal(const nlohmann::ordered_json& json) {
-  try {
-    report_from_json(json, "a.json");
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+std::string reading_error(const nlohmann::ordered_json& json) {
+  return testing::error_of<DataError>([&] { report_from_json(json, "a.json"); });
 }
 
 TEST(CompareReports, AReportDiffersInNothingFromItself) {
-  const ReportComparison comparison = compared(scene(), scene());
+  const ReportComparison comparison = compared(scene_with_p(), scene_with_p());
   EXPECT_TRUE(comparison.same);
   EXPECT_TRUE(comparison.notes.empty());
-  EXPECT_EQ(comparison.kept_areas, static_cast<std::int64_t>(scene().selection.tile_ids.size()));
+  EXPECT_EQ(comparison.kept_areas, static_cast<std::int64_t>(scene_with_p().selection.tile_ids.size()));
   EXPECT_EQ(comparison.common_legs, 4);
   EXPECT_THAT(report_comparison_text(comparison), HasSubstr("nothing differs\n"));
   EXPECT_EQ(testing::schema_violation("report-comparison.schema.json", report_comparison_json(comparison)), "");
 }
 
 TEST(CompareReports, FindsWhatChanged) {
-  const ReportInput before = scene();
-  ReportInput after = scene();
+  const ReportInput before = scene_with_p();
+  ReportInput after = scene_with_p();
   std::vector<std::int64_t>& ids = after.selection.tile_ids;
   ASSERT_GT(ids.size(), 4u);
   const std::int64_t dropped = ids[1];
@@ -112,8 +108,8 @@ TEST(CompareReports, FindsWhatChanged) {
 }
 
 TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
-  const ReportInput before = scene();
-  ReportInput after = scene();
+  const ReportInput before = scene_with_p();
+  ReportInput after = scene_with_p();
   for (GroundTile& tile : after.plan.ground.tiles) {  // a third of a stride to the east, with other numbers
     const double shift_m = tile.bounds.width_m() / 6;
     tile.bounds = {tile.bounds.min_x_m + shift_m, tile.bounds.min_y_m, tile.bounds.max_x_m + shift_m,
@@ -131,9 +127,9 @@ TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
 }
 
 TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
-  ReportInput after = scene();
+  ReportInput after = scene_with_p();
   after.plan.flight.route.vertices.back().point.lat_deg += 0.01;
-  const ReportComparison c = compared(scene(), after);
+  const ReportComparison c = compared(scene_with_p(), after);
   EXPECT_EQ(c.common_legs, 3);
   EXPECT_THAT(c.legs_of_one[0], ElementsAre(3));
   EXPECT_THAT(c.legs_of_one[1], ElementsAre(3));
@@ -141,15 +137,15 @@ TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
 }
 
 TEST(CompareReports, SaysWhenOnlyOneReportHoldsOptions) {
-  ReportInput after = scene();
+  ReportInput after = scene_with_p();
   after.parameters = nlohmann::ordered_json::object();
-  const ReportComparison c = compared(scene(), after);
+  const ReportComparison c = compared(scene_with_p(), after);
   EXPECT_TRUE(c.parameters.empty());
   EXPECT_THAT(report_comparison_text(c), HasSubstr("note: b.json holds no options"));
 }
 
 TEST(ReadReport, GivesBackWhatWasWritten) {
-  ReportInput input = scene();
+  ReportInput input = scene_with_p();
   input.selection.probability = RouteProbability{0.93, 0.9, 12.5, 0.01, WorstStretch{2, 100, 900, 0.04}};
   const nlohmann::ordered_json written = report_json(input);
   nlohmann::ordered_json again = report_json(report_from_json(written, "a.json"));
@@ -173,36 +169,37 @@ TEST(ReadReport, SaysWhatIsNoReport) {
   write_file(folder / "page.html", "<html>", false);
   EXPECT_THROW(read_report(folder / "page.html"), DataError);
   EXPECT_THROW(read_report(folder / "missing.json"), DataError);
-  EXPECT_THAT(refusal(nlohmann::ordered_json::array()), HasSubstr("a.json: is not a report"));
-  EXPECT_THAT(refusal({{"format", "pilotage-plan"}}), HasSubstr("a.json: is not a report"));
-  nlohmann::ordered_json report = report_json(scene());
-  EXPECT_EQ(refusal(report), "");
+  EXPECT_THAT(reading_error(nlohmann::ordered_json::array()), HasSubstr("a.json: is not a report"));
+  EXPECT_THAT(reading_error({{"format", "pilotage-plan"}}), HasSubstr("a.json: is not a report"));
+  nlohmann::ordered_json report = report_json(scene_with_p());
+  EXPECT_EQ(reading_error(report), "");
   report["format_version"] = 2;
-  EXPECT_THAT(refusal(report), HasSubstr("format version 2, this program knows 1; compare with the newer program"));
+  EXPECT_THAT(reading_error(report),
+              HasSubstr("format version 2, this program knows 1; compare with the newer program"));
   report["format_version"] = 0;
-  EXPECT_THAT(refusal(report), HasSubstr("write it again"));
+  EXPECT_THAT(reading_error(report), HasSubstr("write it again"));
 }
 
 TEST(ReadReport, NamesWhatIsMissingOrOfAnotherType) {
-  const nlohmann::ordered_json good = report_json(scene());
+  const nlohmann::ordered_json good = report_json(scene_with_p());
   nlohmann::ordered_json bad = good;
   bad["route"].erase("legs");
-  EXPECT_EQ(refusal(bad), "a.json.route.legs is missing");
+  EXPECT_EQ(reading_error(bad), "a.json.route.legs is missing");
   bad = good;
   bad["route"]["worst_legs"] = {99};
-  EXPECT_THAT(refusal(bad), HasSubstr("names a leg that is not there: 99"));
+  EXPECT_THAT(reading_error(bad), HasSubstr("names a leg that is not there: 99"));
   bad = good;
   bad["route"]["legs"][1]["status"] = "fine";
-  EXPECT_EQ(refusal(bad), "a.json.route.legs[1].status is \"fine\", allowed are good, marginal and bad");
+  EXPECT_EQ(reading_error(bad), "a.json.route.legs[1].status is \"fine\", allowed are good, marginal and bad");
   bad = good;
   bad["tiles"]["columns"][0] = "id";
-  EXPECT_THAT(refusal(bad), HasSubstr("lacks tile_id"));
+  EXPECT_THAT(reading_error(bad), HasSubstr("lacks tile_id"));
   bad = good;
   bad["tiles"]["rows"][2].erase(0);
-  EXPECT_THAT(refusal(bad), HasSubstr("a.json.tiles.rows[2] has not one entry"));
+  EXPECT_THAT(reading_error(bad), HasSubstr("a.json.tiles.rows[2] has not one entry"));
   bad = good;
   bad["tiles"]["rows"][2][0] = "two";
-  EXPECT_THAT(refusal(bad), HasSubstr("a.json.tiles.rows[2].tile_id is \"two\", expected an integer"));
+  EXPECT_THAT(reading_error(bad), HasSubstr("a.json.tiles.rows[2].tile_id is \"two\", expected an integer"));
 }
 
 }  // namespace

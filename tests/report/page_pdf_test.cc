@@ -2,8 +2,8 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <functional>
 
+#include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,15 +27,6 @@ std::string script(const testing::TemporaryFolder& folder, const std::string& na
              true);
   fs::permissions(path, fs::perms::owner_all);
   return path.string();
-}
-
-std::string message_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(PagePdf, PrintsThePageAndTellsNoTime) {
@@ -63,11 +54,12 @@ TEST(PagePdf, TheBrowserHasNoNetworkAndASandboxUnlessItIsRoot) {
 
 TEST(PagePdf, SaysWhatToInstall) {
   const testing::TemporaryFolder folder;
-  EXPECT_THAT(message_of([&] { find_browser((folder / "nothing").string()); }), HasSubstr("apt-get install chromium"));
+  EXPECT_THAT(testing::error_of<DataError>([&] { find_browser((folder / "nothing").string()); }),
+              HasSubstr("apt-get install chromium"));
   const char* path = std::getenv("PATH");
   const std::string before = path != nullptr ? path : "";
   ::setenv("PATH", folder.path().c_str(), 1);
-  const std::string message = message_of([] { find_browser(""); });
+  const std::string message = testing::error_of<DataError>([] { find_browser(""); });
   const std::string found = script(folder, "google-chrome", "exit 0");
   EXPECT_EQ(find_browser(""), fs::path(found));
   ::setenv("PATH", before.c_str(), 1);
@@ -80,7 +72,8 @@ TEST(PagePdf, SaysWhatTheBrowserSaidWhenItFails) {
   const testing::TemporaryFolder folder;
   const auto fails = [&](const std::string& body) {
     const std::string browser = script(folder, "browser", body);
-    return message_of([&] { print_page_to_pdf(folder / "a.html", folder / "a.pdf", {.browser = browser}); });
+    return testing::error_of<DataError>(
+        [&] { print_page_to_pdf(folder / "a.html", folder / "a.pdf", {.browser = browser}); });
   };
   EXPECT_THAT(fails("echo first; echo no display >&2; exit 3"),
               HasSubstr("ended with 3 instead of printing the page; it said: no display"));
@@ -94,7 +87,7 @@ TEST(PagePdf, EndsABrowserThatHangsAndAllThatItStarted) {
   const testing::TemporaryFolder folder;
   const std::string browser =
       script(folder, "browser", "sleep 1000 & echo $! > " + (folder / "child").string() + "; wait");
-  EXPECT_THAT(message_of([&] {
+  EXPECT_THAT(testing::error_of<DataError>([&] {
                 print_page_to_pdf(folder / "a.html", folder / "a.pdf", {.browser = browser, .timeout_s = 0.5});
               }),
               HasSubstr("within 0.5 s"));

@@ -7,14 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pilotage/base/nan.h"
+
 namespace pilotage {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // A plan that is good in every row, with one gap of 3.4 km at 28 m/s.
 ReportInput plain_input(double gap_error_m, double limit_m) {
@@ -89,8 +89,8 @@ TEST(Verdict, AWorseErrorElsewhereIsSaid) {
 }
 
 TEST(Verdict, UnknownAndUnboundedErrorsAreNoGo) {
-  EXPECT_THAT(sentence(plain_input(kNan, 50)), HasSubstr("drift there unknown > 50 m"));
-  EXPECT_THAT(sentence(plain_input(kNan, 50)), StartsWith("NO-GO: "));
+  EXPECT_THAT(sentence(plain_input(kNaN, 50)), HasSubstr("drift there unknown > 50 m"));
+  EXPECT_THAT(sentence(plain_input(kNaN, 50)), StartsWith("NO-GO: "));
   EXPECT_THAT(sentence(plain_input(std::numeric_limits<double>::infinity(), 50)), HasSubstr("unbounded > 50 m"));
   ReportInput empty = plain_input(31, 50);
   empty.selection.gaps.clear();
@@ -184,7 +184,7 @@ TEST(QualityRows, AmbiguousTilesAreCountedAmongTheSelected) {
   input.scores[1].degraded.margin = -0.1;
   input.selection.tile_ids = {1, 2, 3};
   EXPECT_EQ(row_named(input, "ambiguous_tiles").value, "1 of 3");
-  for (TileScores& score : input.scores) score.degraded.margin = kNan;
+  for (TileScores& score : input.scores) score.degraded.margin = kNaN;
   EXPECT_EQ(row_named(input, "ambiguous_tiles").value, "not judged");
 }
 

@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::ordered_json;
 
-ReportInput scene(double drift) {
+ReportInput drifting_scene(double drift) {
   testing::ReportSceneOptions options;
   options.matchable_from = 0.3;
   options.matchable_to = 0.9;
@@ -41,7 +41,7 @@ Json page_data(const std::string& html) {
 }
 
 TEST(ReportHtml, CarriesTheNumbersOfReportJson) {
-  const Report report = make_report(scene(0.04));
+  const Report report = make_report(drifting_scene(0.04));
   const Json json = report_json(report);
   const std::string html = report_html(report);
   EXPECT_EQ(page_data(html)["report"], json);
@@ -53,16 +53,16 @@ TEST(ReportHtml, CarriesTheNumbersOfReportJson) {
 }
 
 TEST(ReportHtml, TheVerdictComesFirstAndIsWordShapeAndColour) {
-  EXPECT_TRUE(contains(report_html(scene(0.04)), "<header class=\"verdict bad\">"));
-  EXPECT_TRUE(contains(report_html(scene(0.018)), "<header class=\"verdict good\">"));
-  const std::string html = report_html(scene(0.03));
+  EXPECT_TRUE(contains(report_html(drifting_scene(0.04)), "<header class=\"verdict bad\">"));
+  EXPECT_TRUE(contains(report_html(drifting_scene(0.018)), "<header class=\"verdict good\">"));
+  const std::string html = report_html(drifting_scene(0.03));
   EXPECT_TRUE(contains(html, "<header class=\"verdict marginal\">"));
   const std::string body = html.substr(html.find("<body>"));
   EXPECT_LT(body.find("MARGINAL"), body.find("<main>"));
 }
 
 TEST(ReportHtml, AnswersTheQuestionAndSaysWhereToLookFirst) {
-  const Report bad = make_report(scene(0.04));
+  const Report bad = make_report(drifting_scene(0.04));
   const std::string html = report_html(bad);
   EXPECT_EQ(between(html, "<p class=\"answer\">", "</p>"), "The route cannot be flown without GNSS as planned.");
   EXPECT_EQ(between(html, "<h2 id=\"first-heading\">", "</h2>"), "Where it cannot, why, and what to do");
@@ -70,13 +70,13 @@ TEST(ReportHtml, AnswersTheQuestionAndSaysWhereToLookFirst) {
   for (const std::string& text : {bad.weak_places[0].where, bad.weak_places[0].why, bad.weak_places[0].todo})
     EXPECT_THAT(places, HasSubstr(text));
   EXPECT_LT(html.find("<ol class=\"places\">"), html.find("id=\"map\""));
-  const std::string good = report_html(scene(0.01));
+  const std::string good = report_html(drifting_scene(0.01));
   EXPECT_EQ(between(good, "<p class=\"answer\">", "</p>"), "The route can be flown without GNSS.");
   EXPECT_EQ(between(good, "<h2 id=\"first-heading\">", "</h2>"), "Weakest places");
 }
 
 TEST(ReportHtml, CoordinatesStandAsDegreesAndAsMinutesAndSeconds) {
-  Report report = make_report(scene(0.04));
+  Report report = make_report(drifting_scene(0.04));
   report.gaps[0].from = {-7.5, 52.99999999};
   report.gaps[0].to = {179.0125, -0.25};
   const std::string gaps = between(report_html(report), "<tbody id=\"gaps\">", "</tbody>");
@@ -86,7 +86,7 @@ TEST(ReportHtml, CoordinatesStandAsDegreesAndAsMinutesAndSeconds) {
 }
 
 TEST(ReportHtml, PicturesFollowTheOrderOfTheTiles) {
-  ReportInput input = scene(0.04);
+  ReportInput input = drifting_scene(0.04);
   input.pictures.sheet.setTo(cv::Scalar::all(0));
   input.pictures.sheet(input.pictures.place(7)).setTo(cv::Scalar::all(255));
   const std::int64_t white = input.plan.ground.tiles[7].tile_id;
@@ -103,7 +103,7 @@ TEST(ReportHtml, PicturesFollowTheOrderOfTheTiles) {
 }
 
 TEST(ReportHtml, NeedsNoOtherFileAndNoNetwork) {
-  std::string html = report_html(scene(0.04));
+  std::string html = report_html(drifting_scene(0.04));
   EXPECT_TRUE(contains(html, "default-src 'none'"));
   EXPECT_FALSE(contains(html, "sourceMappingURL"));
   const std::regex outside(R"re((?:src|href)\s*=\s*"(?!data:|#)|url\((?!data:|#)|@import)re");
@@ -119,7 +119,7 @@ TEST(ReportHtml, NeedsNoOtherFileAndNoNetwork) {
 
 TEST(ReportHtml, TextIsNeverMarkup) {
   const std::string evil = "</script><img src=x onerror=alert(1)>\"'&{{data}}\xFF\x01";
-  ReportInput input = scene(0.04);
+  ReportInput input = drifting_scene(0.04);
   input.title = evil;
   input.software_version = evil;
   input.plan.flight.route.name = evil;
@@ -148,7 +148,7 @@ TEST(ReportHtml, TextIsNeverMarkup) {
 }
 
 TEST(ReportHtml, ImageryLiesUnderTheCells) {
-  ReportInput input = scene(0.04);
+  ReportInput input = drifting_scene(0.04);
   // One tile of level 0 painted white: in the picture the middle of its cell must be white.
   const GroundTile& tile = input.plan.ground.tiles[60];
   const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.min_x_m, tile.bounds.max_y_m});
@@ -179,7 +179,7 @@ TEST(ReportHtml, ImageryLiesUnderTheCells) {
 }
 
 TEST(ReportHtml, EveryTileHasAShadeOfEveryMeasure) {
-  const Report report = make_report(scene(0.04));
+  const Report report = make_report(drifting_scene(0.04));
   const Json display = page_data(report_html(report))["display"];
   ASSERT_EQ(display["shades"].size(), report.measures.size());
   for (std::size_t m = 0; m < report.measures.size(); ++m) {
@@ -194,7 +194,7 @@ TEST(ReportHtml, EveryTileHasAShadeOfEveryMeasure) {
 }
 
 TEST(ReportHtml, ControlsAreRealAndLabelled) {
-  const std::string html = report_html(scene(0.04));
+  const std::string html = report_html(drifting_scene(0.04));
   const std::regex control(R"re(<(?:input|button)[^>]*>)re");
   const std::string panel = between(html, "<main>", "<section aria-labelledby=\"quality-heading\">");
   int controls = 0;
@@ -213,7 +213,7 @@ TEST(ReportHtml, ControlsAreRealAndLabelled) {
 }
 
 TEST(ReportHtml, IsSmallAndTheSameEachTime) {
-  const ReportInput input = scene(0.04);
+  const ReportInput input = drifting_scene(0.04);
   const std::string html = report_html(input);
   EXPECT_LT(html.size(), 3U << 20);
   EXPECT_TRUE(report_html(input) == html);
@@ -221,7 +221,7 @@ TEST(ReportHtml, IsSmallAndTheSameEachTime) {
 
 // Noise is what JPEG likes least: the picture must keep its budget all the same.
 TEST(ReportHtml, NoisyImageryStaysSmall) {
-  ReportInput input = scene(0.04);
+  ReportInput input = drifting_scene(0.04);
   input.imagery.pixels.create(3000, 900, CV_8UC3);
   cv::RNG(3).fill(input.imagery.pixels, cv::RNG::UNIFORM, 0, 256);
   input.imagery.valid = cv::Mat(3000, 900, CV_8UC1, cv::Scalar(255));

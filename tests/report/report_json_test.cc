@@ -15,7 +15,7 @@ std::string violation(const nlohmann::ordered_json& report) {
   return testing::schema_violation("report.schema.json", report);
 }
 
-ReportInput scene() {
+ReportInput short_scene() {
   testing::ReportSceneOptions options;
   options.matchable_from = 0.3;
   options.matchable_to = 0.9;
@@ -24,14 +24,14 @@ ReportInput scene() {
 }
 
 TEST(ReportJson, FollowsItsSchema) {
-  EXPECT_EQ(violation(report_json(scene())), "");
+  EXPECT_EQ(violation(report_json(short_scene())), "");
   ReportInput empty;
   empty.geodetic_from_map = [](Eigen::Vector2d) { return GeodeticPoint{}; };
   EXPECT_EQ(violation(report_json(empty)), "");
 }
 
 TEST(ReportJson, CarriesProbabilitiesAndRanksLegsByThem) {
-  ReportInput input = scene();
+  ReportInput input = short_scene();
   EXPECT_TRUE(report_json(input)["route"]["probability"].is_null());
   input.selection.probability = RouteProbability{0.8, 0.9, 41.5, 0.0021, WorstStretch{2, 1000, 1500.5, 0.08}};
   for (LegStatus& leg : input.selection.legs) leg.p_within_limit = leg.leg == 3 ? 0.8 : 1;
@@ -48,7 +48,7 @@ TEST(ReportJson, CarriesProbabilitiesAndRanksLegsByThem) {
 }
 
 TEST(ReportJson, TheSchemaRefusesWhatIsWrong) {
-  const nlohmann::ordered_json good = report_json(scene());
+  const nlohmann::ordered_json good = report_json(short_scene());
   nlohmann::ordered_json bad = good;
   bad["verdict"]["status"] = "MAYBE";
   EXPECT_NE(violation(bad), "");
@@ -64,7 +64,7 @@ TEST(ReportJson, TheSchemaRefusesWhatIsWrong) {
 }
 
 TEST(ReportJson, WhatIsNotANumberIsNull) {
-  ReportInput input = scene();
+  ReportInput input = short_scene();
   input.selection.gaps[0].error_m = std::numeric_limits<double>::infinity();
   input.selection.legs[0].max_error_m = std::numeric_limits<double>::quiet_NaN();
   const auto json = report_json(input);
@@ -75,7 +75,7 @@ TEST(ReportJson, WhatIsNotANumberIsNull) {
 }
 
 TEST(ReportJson, RowsHaveOneEntryPerColumnAndTheScoresNumbers) {
-  const ReportInput input = scene();
+  const ReportInput input = short_scene();
   const auto json = report_json(input);
   const auto& columns = json["tiles"]["columns"];
   const auto index = [&](const std::string& name) {
@@ -95,7 +95,7 @@ TEST(ReportJson, RowsHaveOneEntryPerColumnAndTheScoresNumbers) {
 }
 
 TEST(ReportJson, IsTheSameEachTime) {
-  const ReportInput input = scene();
+  const ReportInput input = short_scene();
   EXPECT_EQ(report_json(input).dump(), report_json(input).dump());
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "report/report_scene.h"
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-ReportInput scene() {
+ReportInput marginal_scene() {
   testing::ReportSceneOptions options;
   options.matchable_from = 0.3;
   options.matchable_to = 0.9;
@@ -24,19 +25,14 @@ ReportInput scene() {
 }
 
 template <class Change>
-std::string refusal(Change change) {
-  ReportInput input = scene();
+std::string report_error(Change change) {
+  ReportInput input = marginal_scene();
   change(input);
-  try {
-    make_report(input);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return testing::error_of<DataError>([&] { make_report(input); });
 }
 
 TEST(Report, JoinsTilesScoresAndSelection) {
-  const ReportInput input = scene();
+  const ReportInput input = marginal_scene();
   const Report report = make_report(input);
   ASSERT_EQ(report.tiles.size(), input.plan.ground.tiles.size());
   std::int64_t selected = 0;
@@ -53,7 +49,7 @@ TEST(Report, JoinsTilesScoresAndSelection) {
 }
 
 TEST(Report, SaysWhyATileIsNotSelected) {
-  ReportInput input = scene();
+  ReportInput input = marginal_scene();
   input.selection.tile_ids.clear();
   input.scores[1].status = TileStatus::kFlat;
   input.scores[2].status = TileStatus::kScored;
@@ -73,7 +69,7 @@ TEST(Report, SaysWhyATileIsNotSelected) {
 }
 
 TEST(Report, GapsHaveTheirPlace) {
-  const ReportInput input = scene();
+  const ReportInput input = marginal_scene();
   const Report report = make_report(input);
   ASSERT_EQ(report.gaps.size(), 1U);
   const ReportGap& gap = report.gaps.front();
@@ -86,7 +82,7 @@ TEST(Report, GapsHaveTheirPlace) {
 }
 
 TEST(Report, WorstLegComesFirst) {
-  const Report report = make_report(scene());
+  const Report report = make_report(marginal_scene());
   ASSERT_EQ(report.worst_legs.size(), 4U);
   for (std::size_t i = 1; i < 4; ++i) {
     EXPECT_GE(report.legs[static_cast<std::size_t>(report.worst_legs[i - 1])].status.max_error_m,
@@ -95,7 +91,7 @@ TEST(Report, WorstLegComesFirst) {
 }
 
 TEST(Report, CellsOfNeighboursTouchAndContainTheirCentre) {
-  const Report report = make_report(scene());
+  const Report report = make_report(marginal_scene());
   ASSERT_TRUE(report.display.drawn);
   for (std::size_t i = 0; i + 1 < report.tiles.size(); ++i) {
     const auto& cell = report.display.cells_m[i];
@@ -132,27 +128,30 @@ TEST(Report, NearThePoleThereIsNoMapButAllNumbers) {
 }
 
 TEST(Report, ContradictionsAreRefused) {
-  EXPECT_THAT(refusal([](ReportInput& i) { i.scores.push_back(i.scores.front()); }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.scores.push_back(i.scores.front()); }),
               HasSubstr("the scores are not those of the ground's tiles"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.scores.pop_back(); }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.scores.pop_back(); }),
               HasSubstr("the scores are not those of the ground's tiles"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.selection.tile_ids.push_back(-4); }), HasSubstr("tile -4"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.selection.tile_ids.push_back(i.selection.tile_ids[0]); }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.selection.tile_ids.push_back(-4); }), HasSubstr("tile -4"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.selection.tile_ids.push_back(i.selection.tile_ids[0]); }),
               HasSubstr("duplicate in the selection"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.ground.tiles[1].tile_id = i.plan.ground.tiles[0].tile_id; }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.ground.tiles[1].tile_id = i.plan.ground.tiles[0].tile_id; }),
               HasSubstr("duplicate in the plan"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.ground.tiles[1].level = 7; }), HasSubstr("level 7"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.selection.legs[0].leg = 4; }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.ground.tiles[1].level = 7; }), HasSubstr("level 7"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.selection.legs[0].leg = 4; }),
               HasSubstr("names leg 4, the route has 4 legs"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.selection.gaps[0].leg = -1; }), HasSubstr("leg -1"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.flight.route.legs[0].to = 55; }), HasSubstr("vertices 0 and 55"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.flight.samples[5].distance_m = -1; }), HasSubstr("not in order"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.plan.flight.samples[5].distance_m = std::nan(""); }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.selection.gaps[0].leg = -1; }), HasSubstr("leg -1"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.flight.route.legs[0].to = 55; }),
+              HasSubstr("vertices 0 and 55"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.flight.samples[5].distance_m = -1; }),
               HasSubstr("not in order"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.imagery.pixels.convertTo(i.imagery.pixels, CV_16U); }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.flight.samples[5].distance_m = std::nan(""); }),
+              HasSubstr("not in order"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.imagery.pixels.convertTo(i.imagery.pixels, CV_16U); }),
               HasSubstr("allowed are CV_8UC3"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.imagery.valid = cv::Mat(); }), HasSubstr("mask"));
-  EXPECT_THAT(refusal([](ReportInput& i) { i.imagery.map_from_pixel.x_per_col = 0; }), HasSubstr("cannot be inverted"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.imagery.valid = cv::Mat(); }), HasSubstr("mask"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.imagery.map_from_pixel.x_per_col = 0; }),
+              HasSubstr("cannot be inverted"));
 }
 
 TEST(Report, NothingAtAllIsStillAReport) {

@@ -4,17 +4,18 @@
 
 #include <gtest/gtest.h>
 
+#include "pilotage/base/nan.h"
+
 namespace pilotage {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Wording, Lengths) {
   EXPECT_EQ(length_text(3412), "3.4 km");
   EXPECT_EQ(length_text(850.4), "850 m");
   EXPECT_EQ(length_text(999.6), "1.0 km");
-  EXPECT_EQ(length_text(kNan), "unknown");
+  EXPECT_EQ(length_text(kNaN), "unknown");
 }
 
 TEST(Wording, ErrorsAndComparisons) {
@@ -25,7 +26,7 @@ TEST(Wording, ErrorsAndComparisons) {
   EXPECT_EQ(comparison_text(61, 50), "61 m > 50 m");
   EXPECT_EQ(comparison_text(50, 50), "50 m ≤ 50 m");
   EXPECT_EQ(comparison_text(kInfinity, 50), "unbounded > 50 m");
-  EXPECT_EQ(comparison_text(kNan, 50), "unknown > 50 m");
+  EXPECT_EQ(comparison_text(kNaN, 50), "unknown > 50 m");
 }
 
 TEST(Wording, ComparisonNeverShowsEqualNumbersThatAreNot) {
@@ -43,7 +44,7 @@ TEST(Wording, DurationsSharesBytesNumbers) {
   EXPECT_EQ(percent_text(1), "100 %");
   EXPECT_EQ(bytes_text(812), "812 bytes");
   EXPECT_EQ(bytes_text(1.5 * 1024 * 1024), "1.5 MiB");
-  EXPECT_EQ(number_text(kNan, 2), "–");
+  EXPECT_EQ(number_text(kNaN, 2), "–");
   EXPECT_EQ(number_text(1.005, 1), "1.0");
 }
 

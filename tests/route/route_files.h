@@ -3,7 +3,8 @@
 #include <filesystem>
 #include <string>
 
-#include "pilotage/base/error.h"
+#include "testing/error_of.h"
+
 #include "pilotage/route/read_route.h"
 
 namespace pilotage::testing {
@@ -14,25 +15,11 @@ inline std::filesystem::path route_file(const std::string& name) {
 
 /// The message of the DataError or UsageError that reading the text throws, "" when it throws none.
 inline std::string route_error(const std::string& text, const RouteOptions& options = {}) {
-  try {
-    parse_route("r", text, options);
-  } catch (const DataError& error) {
-    return error.what();
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of<std::runtime_error>([&] { parse_route("r", text, options); });
 }
 
 inline std::string route_file_error(const std::filesystem::path& path, const RouteOptions& options = {}) {
-  try {
-    read_route(path, options);
-  } catch (const DataError& error) {
-    return error.what();
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of<std::runtime_error>([&] { read_route(path, options); });
 }
 
 }  // namespace pilotage::testing

@@ -1,6 +1,7 @@
 #include "pilotage/route/route_json.h"
 
 #include "route/route_files.h"
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -16,12 +17,7 @@ using testing::route_file;
 using Json = nlohmann::ordered_json;
 
 std::string json_error(const Json& json) {
-  try {
-    route_from_json(json, "plan.json: route");
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+  return testing::error_of<DataError>([&] { route_from_json(json, "plan.json: route"); });
 }
 
 TEST(RouteJson, ReadsBackExactly) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "route/route_files.h"
+#include "testing/error_of.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,12 +40,7 @@ RouteVertex at(double lat_deg, double lon_deg, double amsl_m, double agl_m) {
 }
 
 std::string sample_error(const Route& route, double step_m, const TerrainHeight& terrain = {}) {
-  try {
-    sample_route(route, step_m, terrain);
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
+  return testing::error_of<std::exception>([&] { sample_route(route, step_m, terrain); });
 }
 
 TEST(SampleRoute, FollowsTheGeodesicAtEvenSteps) {

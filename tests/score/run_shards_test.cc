@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 /// A matrix of width x height tiles.
-TileMatrix matrix_of(std::int64_t width, std::int64_t height, int level = 0) {
+TileMatrix matrix_of_tiles(std::int64_t width, std::int64_t height, int level = 0) {
   return {level, {}, 8 * (width - 1) + 16, 8 * (height - 1) + 16, 16, 8};
 }
 
@@ -32,7 +32,7 @@ Environment environment_of(std::map<std::string, std::string> variables) {
 TEST(RunShards, HoldEachTileOnceInTheOrderOfWork) {
   for (const auto& [width, height, count] :
        {std::tuple{1, 1, 1}, {5, 4, 3}, {64, 7, 5}, {65, 7, 6}, {200, 30, 7}, {129, 2, 258}, {3, 100, 300}}) {
-    const TileMatrix matrix = matrix_of(width, height);
+    const TileMatrix matrix = matrix_of_tiles(width, height);
     std::vector<ShardTile> all;
     std::size_t smallest = all.max_size();
     std::size_t largest = 0;
@@ -58,7 +58,7 @@ TEST(RunShards, HoldEachTileOnceInTheOrderOfWork) {
 }
 
 TEST(RunShards, CutAPlanOfAllTilesLikeTheMatrix) {
-  const TileMatrix matrix = matrix_of(150, 20);
+  const TileMatrix matrix = matrix_of_tiles(150, 20);
   std::vector<GroundTile> plan;
   for (std::int64_t row = 0; row < 20; ++row) {
     for (std::int64_t column = 0; column < 150; ++column) {
@@ -97,7 +97,7 @@ TEST(RunShards, CutAPlanLevelByLevel) {
 }
 
 TEST(RunShards, PartsAreTheRectanglesAroundTheTiles) {
-  const std::vector<ShardPart> parts = shard_parts(shard_tiles(matrix_of(100, 10), {2, 3}));  // ranks 333 … 665
+  const std::vector<ShardPart> parts = shard_parts(shard_tiles(matrix_of_tiles(100, 10), {2, 3}));  // ranks 333 … 665
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_THAT((std::vector{parts[0].first_column, parts[0].last_column, parts[0].first_row, parts[0].last_row}),
               ElementsAre(0, 63, 5, 9));
@@ -108,8 +108,8 @@ TEST(RunShards, PartsAreTheRectanglesAroundTheTiles) {
 }
 
 TEST(RunShards, HugeMatricesDoNotOverflow) {
-  const TileMatrix matrix = matrix_of(30'000'000, 30'000'000);  // 9e14 tiles
-  const std::vector<ShardTile> first = shard_tiles(matrix_of(3'000'000, 300), {1'000'000, 1'000'000});
+  const TileMatrix matrix = matrix_of_tiles(30'000'000, 30'000'000);  // 9e14 tiles
+  const std::vector<ShardTile> first = shard_tiles(matrix_of_tiles(3'000'000, 300), {1'000'000, 1'000'000});
   EXPECT_EQ(first.back().place, 3'000'000LL * 300 - 1);
   EXPECT_EQ(first.size(), 900U);
   EXPECT_EQ(matrix.tile_count(), 900'000'000'000'000LL);
@@ -118,10 +118,10 @@ TEST(RunShards, HugeMatricesDoNotOverflow) {
 TEST(RunShards, RefuseMoreShardsThanTiles) {
   EXPECT_THAT(
       [] {
-        shard_tiles(matrix_of(2, 2), {1, 5});
+        shard_tiles(matrix_of_tiles(2, 2), {1, 5});
       },
       ThrowsMessage<UsageError>(HasSubstr("5 shards of 4 tiles")));
-  EXPECT_THROW(shard_tiles(matrix_of(2, 2), {3, 2}), UsageError);
+  EXPECT_THROW(shard_tiles(matrix_of_tiles(2, 2), {3, 2}), UsageError);
   EXPECT_THROW(shard_tiles(std::vector<GroundTile>{}, {1, 1}), UsageError);
 }
 

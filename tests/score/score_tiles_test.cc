@@ -2,11 +2,11 @@
 
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <map>
-#include <numeric>
 #include <string>
 
+#include "testing/error_of.h"
+#include "testing/matrix_over.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -20,6 +20,9 @@
 
 namespace pilotage {
 namespace {
+
+using testing::all_tiles;
+using testing::error_of;
 
 /// Coarse structure and grain, around 110 gray levels.
 Raster ground(int rows, int cols, std::string_view name) {
@@ -51,13 +54,7 @@ Request options_of(int tile_size_px, int stride_px, int search_radius_px) {
 }
 
 TileMatrix matrix_of(const GraySource& source, const Request& request) {
-  return {0, source.map_from_pixel, source.width_px, source.height_px, request.tile_size_px, request.stride_px};
-}
-
-std::vector<std::int64_t> all_tiles(const TileMatrix& matrix) {
-  std::vector<std::int64_t> all(static_cast<std::size_t>(matrix.tile_count()));
-  std::iota(all.begin(), all.end(), 0);
-  return all;
+  return testing::matrix_over(source, request.tile_size_px, request.stride_px);
 }
 
 /// The tiles named; none named: all of them.
@@ -82,15 +79,6 @@ std::vector<std::uint64_t> bits_of(const std::vector<TileScores>& scores) {
     }
   }
   return bits;
-}
-
-std::string error_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
 }
 
 /// Every tile's numbers against the plain way: direct sums and cv::matchTemplate over its search area.
@@ -365,9 +353,10 @@ TEST(ScoreTiles, NotFinitePixelsAreNoGround) {
 TEST(ScoreTiles, ErrorsNameThingAndValue) {
   const Raster raster = ground(40, 50, "errors");
   const GraySource source = gray_source_from(raster);
-  EXPECT_EQ(error_of([&] { score(raster, options_of(64, 16, 8)); }),
+  EXPECT_EQ(error_of<std::exception>([&] { score(raster, options_of(64, 16, 8)); }),
             "a tile of 64 x 64 px is larger than the imagery of 50 x 40 px");
-  EXPECT_THAT(error_of([&] { score(raster, options_of(32, 16, 0)); }), ::testing::HasSubstr("search_radius_px = 0"));
+  EXPECT_THAT(error_of<std::exception>([&] { score(raster, options_of(32, 16, 0)); }),
+              ::testing::HasSubstr("search_radius_px = 0"));
   EXPECT_THROW(score(raster, options_of(32, 16, 0)), UsageError);
   Request nothing = options_of(32, 16, 8);
   nothing.measures.clear();
@@ -376,7 +365,7 @@ TEST(ScoreTiles, ErrorsNameThingAndValue) {
   EXPECT_THROW(score(raster, options_of(32, 8, 8), {1, 1}), UsageError);
   Request copies = options_of(32, 8, 8);
   copies.degraded_copies = 0;
-  EXPECT_THAT(error_of([&] { score(raster, copies); }), ::testing::HasSubstr("degraded_copies = 0"));
+  EXPECT_THAT(error_of<std::exception>([&] { score(raster, copies); }), ::testing::HasSubstr("degraded_copies = 0"));
   TileMatrix other = matrix_of(source, options_of(32, 8, 8));
   other.grid_width_px = 51;
   EXPECT_THROW(score_tiles(source, other, 8, all_tiles(other), options_of(32, 8, 8)), DataError);

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <utility>
 
+#include "testing/matrix_over.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
@@ -13,6 +14,8 @@
 namespace pilotage {
 namespace {
 
+using testing::matrix_over;
+
 Raster noise(int width, int height, std::string_view name) {
   Random random(seed_from_name(name));
   Raster raster{cv::Mat(height, width, CV_8U), cv::Mat(height, width, CV_8U, cv::Scalar(255)), {}};
@@ -21,10 +24,6 @@ Raster noise(int width, int height, std::string_view name) {
   }
   raster.valid(cv::Rect(width / 2, height / 3, 40, 30)).setTo(0);
   return raster;
-}
-
-TileMatrix matrix_of(const GraySource& source, int side, int stride) {
-  return {0, source.map_from_pixel, source.width_px, source.height_px, side, stride};
 }
 
 /// Some tiles of a matrix and their scores.
@@ -87,7 +86,7 @@ GraySource in_blocks(const Raster& raster, int width, int height, CountedReads& 
 /// Three strips of the map, the last of them short.
 TEST(TileStatistics, StreamsWhatTheOracleSaysAndReadsEachBlockOnce) {
   const Raster raster = noise(500, 36'000, "stream");
-  const TileMatrix matrix = matrix_of(gray_source_from(raster), 96, 40);
+  const TileMatrix matrix = matrix_over(gray_source_from(raster), 96, 40);
   std::vector<Tiles> results;
   for (const int threads : {1, 3}) {
     CountedReads reads;
@@ -108,7 +107,7 @@ TEST(TileStatistics, StreamsWhatTheOracleSaysAndReadsEachBlockOnce) {
 
 TEST(TileStatistics, FewTilesAreAsAmongAllAndOthersAreNotRead) {
   const Raster raster = noise(1200, 900, "few");
-  const TileMatrix matrix = matrix_of(gray_source_from(raster), 50, 25);
+  const TileMatrix matrix = matrix_over(gray_source_from(raster), 50, 25);
   Tiles all = tiles_of(matrix, 1);
   score_statistics({{0, 0, 1200, 900}, raster.pixels, raster.valid}, matrix, {}, all.measured(), 2);
   CountedReads reads;
@@ -125,7 +124,7 @@ TEST(TileStatistics, FewTilesAreAsAmongAllAndOthersAreNotRead) {
 
 TEST(TileStatistics, AreComputedInAnyWindowAndOrder) {
   const Raster raster = noise(700, 400, "window");
-  const TileMatrix matrix = matrix_of(gray_source_from(raster), 64, 16);
+  const TileMatrix matrix = matrix_over(gray_source_from(raster), 64, 16);
   Tiles tiles = tiles_of(matrix, 7);
   std::erase_if(tiles.cells, [](const TileCell& cell) { return cell.column < 3 || cell.row < 2; });
   tiles.scores.resize(tiles.cells.size());
@@ -141,7 +140,7 @@ TEST(TileStatistics, AnErrorOfReadingIsTold) {
   const Raster raster = noise(300, 300, "error");
   GraySource source = gray_source_from(raster);
   source.read = [](const PixelWindow&) -> Raster { throw DataError("broken"); };
-  const TileMatrix matrix = matrix_of(source, 64, 64);
+  const TileMatrix matrix = matrix_over(source, 64, 64);
   Tiles tiles = tiles_of(matrix, 1);
   EXPECT_THROW(stream_statistics(source, matrix, {}, tiles.measured(), 2), DataError);
 }

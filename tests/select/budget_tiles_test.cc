@@ -5,26 +5,19 @@
 #include <string>
 
 #include "select/straight_plan.h"
-#include "testing/drift_after.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/random.h"
-#include "pilotage/ins/drift.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/select/storage_count.h"
 
 namespace pilotage {
 namespace {
 
+using testing::error_after_s;
 using testing::good_scores;
+using testing::kStoredSize;
 using testing::straight_plan;
-
-constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fixed = 100000};
-
-double error_after_s(const Mission& plan, double time_s) {
-  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
-  return position_error_m(testing::drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
-}
 
 // The stretch [from_m, to_m) is flown higher: tiles of 400 m every 200 m, in pixels of the same size, so that a tile
 // takes 16 times the bytes.
@@ -71,14 +64,14 @@ std::vector<TileScores> some_scores(const Mission& plan, std::size_t step, Rando
 }
 
 // P within the limit with the stored tiles, and the bytes of them.
-struct Outcome {
+struct StoredChoice {
   double p = 0;
   double bytes = 0;
 };
-Outcome outcome_of(const FlightPath& path, const std::vector<FixAttempt>& attempts,
-                   const std::vector<double>& p_of_tile) {
+StoredChoice outcome_of(const FlightPath& path, const std::vector<FixAttempt>& attempts,
+                        const std::vector<double>& p_of_tile) {
   const Mission& plan = *path.plan;
-  StorageCount count(plan, kSize);
+  StorageCount count(plan, kStoredSize);
   for (std::size_t i = 0; i < p_of_tile.size(); ++i) {
     if (p_of_tile[i] > 0) count.add(plan.ground.tiles[i]);
   }
@@ -103,24 +96,24 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
     }
     ASSERT_GE(candidates.size(), 8U);
     ASSERT_LE(candidates.size(), 11U);
-    const double budget = kSize.bytes_fixed + 100000 + 15000 * rounds;
+    const double budget = kStoredSize.bytes_fixed + 100000 + 15000 * rounds;
     double best = 0;
     for (unsigned subset = 0; subset < 1U << candidates.size(); ++subset) {
       std::vector<double> p_of_tile(plan.ground.tiles.size(), 0.0);
-      StorageCount count(plan, kSize);
+      StorageCount count(plan, kStoredSize);
       for (std::size_t k = 0; k < candidates.size(); ++k) {
         if ((subset >> k & 1U) == 0) continue;
         p_of_tile[candidates[k]] = scores[candidates[k]].p_correct_fix;
         count.add(plan.ground.tiles[candidates[k]]);
       }
-      if (count.bytes() > budget || count.bytes() < 0.5 * (budget + kSize.bytes_fixed)) continue;
+      if (count.bytes() > budget || count.bytes() < 0.5 * (budget + kStoredSize.bytes_fixed)) continue;
       best = std::max(best, outcome_of(path, attempts, p_of_tile).p);
     }
     SelectOptions options;
     options.budget = std::to_string(static_cast<long>(budget));
     Mission limited = plan;
     limited.flight.max_error_m = limit_m;
-    const Selection selection = select_tiles(limited, scores, kSize, options);
+    const Selection selection = select_tiles(limited, scores, kStoredSize, options);
     ASSERT_TRUE(selection.probability);
     EXPECT_LE(selection.estimated_bytes, budget);
     EXPECT_GT(best, 0.05) << "the case says nothing";
@@ -141,14 +134,14 @@ TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
     const std::vector<TileScores> scores = some_scores(plan, 2, random);
     SelectOptions options;
     options.budget = std::to_string(250000 + 60000 * round);
-    const Selection found = select_tiles(plan, scores, kSize, options);
+    const Selection found = select_tiles(plan, scores, kStoredSize, options);
     // Without any P the order decides; its tiles are then judged with P.
     std::vector<TileScores> without_p = scores;
     for (TileScores& score : without_p) {
       if (score.p_correct_fix < 0.5) score.status = TileStatus::kFlat;
       score.p_correct_fix = std::nan("");
     }
-    const Selection ordered = select_tiles(plan, without_p, kSize, options);
+    const Selection ordered = select_tiles(plan, without_p, kStoredSize, options);
     EXPECT_FALSE(ordered.probability);
     std::vector<double> p_of_tile(plan.ground.tiles.size(), 0.0);
     for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
@@ -168,7 +161,7 @@ TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
 
 TEST(StorageCount, TakesAwayWhatItAdded) {
   const Mission plan = straight_plan(1000);
-  StorageCount count(plan, kSize);
+  StorageCount count(plan, kStoredSize);
   count.add(plan.ground.tiles[3]);
   const double before = count.bytes();
   EXPECT_LT(count.bytes_of(plan.ground.tiles[4]), count.bytes_of(plan.ground.tiles[9])) << "4 overlaps 3";

@@ -13,7 +13,7 @@ namespace {
 using testing::straight_plan;
 
 // Tiles of 100 m every 50 m, flown at 20 m/s.
-struct Scene {
+struct FlownPlan {
   Mission plan = straight_plan(2000);
   std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
 
@@ -21,14 +21,14 @@ struct Scene {
 };
 
 TEST(FixAttempts, OneIndependentAttemptForEachTileWidth) {
-  const Scene scene;
+  const FlownPlan scene;
   const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, std::nullopt);
   EXPECT_NEAR(static_cast<double>(attempts.size()), 2000 / 50.0, 1) << "a tile is flown over for one stride";
   EXPECT_NEAR(static_cast<double>(counted_attempts(attempts, scene.p_of_tile(0.5)).size()), 2000 / 100.0, 1);
 }
 
 TEST(FixAttempts, TheStatedDistanceAndTheFixIntervalSpaceThem) {
-  const Scene scene;
+  const FlownPlan scene;
   const auto count = [&](double interval_s, double decorrelation_m) {
     const auto attempts = fix_attempts(scene.plan, scene.tiles, interval_s, decorrelation_m);
     return static_cast<double>(counted_attempts(attempts, scene.p_of_tile(0.5)).size());
@@ -39,7 +39,7 @@ TEST(FixAttempts, TheStatedDistanceAndTheFixIntervalSpaceThem) {
 }
 
 TEST(FixAttempts, OfAWindowTheBestCounts) {
-  const Scene scene;
+  const FlownPlan scene;
   const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, 300);
   std::vector<double> p = scene.p_of_tile(0.2);
   p[*scene.tiles[100]] = 0.9;
@@ -58,7 +58,7 @@ TEST(FixAttempts, OfAWindowTheBestCounts) {
 
 // A tile more never takes a chance away, or the search for the best tiles could not be trusted.
 TEST(FixAttempts, ATileMoreNeverTakesAChanceAway) {
-  const Scene scene;
+  const FlownPlan scene;
   const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, std::nullopt);
   const auto p_none = [&](const std::vector<double>& p) {
     double none = 1;
@@ -77,7 +77,7 @@ TEST(FixAttempts, ATileMoreNeverTakesAChanceAway) {
 }
 
 TEST(ExpectedFixes, EveryTryCounts) {
-  const Scene scene;
+  const FlownPlan scene;
   const std::vector<bool> stored(scene.plan.ground.tiles.size(), true);
   const ExpectedFixes fixes = expected_fixes(scene.plan, scene.tiles, stored, scene.p_of_tile(0.75), 2, 0.001);
   EXPECT_NEAR(fixes.correct, 51 * 0.75, 1e-9) << "100 s, one try every 2 s, the first at once";

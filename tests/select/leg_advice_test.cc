@@ -3,11 +3,9 @@
 #include <cmath>
 
 #include "select/straight_plan.h"
-#include "testing/drift_after.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pilotage/ins/drift.h"
 #include "pilotage/select/select_tiles.h"
 
 namespace pilotage {
@@ -15,21 +13,18 @@ namespace {
 
 using testing::good_scores;
 using ::testing::HasSubstr;
+using testing::kStoredSize;
 using testing::straight_plan;
-
-constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fixed = 100000};
 
 // Eastward, three legs of 2 km; over the second, tiles within 60 m of the line are bad and further off P is `p_left`
 // (north) and `p_right` (south).
-struct Scene {
+struct ThreeLegs {
   Mission plan = straight_plan(6000, 150, 3);
   std::vector<TileScores> scores = good_scores(plan);
   SelectOptions options;
 
-  Scene(double p_left, double p_right) {
-    const InsErrorModel model = make_ins_error_model(plan.flight.ins);
-    plan.flight.max_error_m =
-        position_error_m(testing::drift_after(model, 40, 20, model.start_sigma_m), model.sigma_multiple);
+  ThreeLegs(double p_left, double p_right) {
+    plan.flight.max_error_m = testing::error_after_s(plan, 40);
     for (std::size_t i = 0; i < scores.size(); ++i) {
       const Eigen::Vector2d center = plan.ground.tiles[i].bounds.center_m();
       scores[i].p_correct_fix = 0.95;
@@ -41,8 +36,8 @@ struct Scene {
 };
 
 TEST(LegAdvice, NamesTheNearestLineThatIsGood) {
-  const Scene scene(0.2, 0.9);
-  const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
+  const ThreeLegs scene(0.2, 0.9);
+  const Selection selection = select_tiles(scene.plan, scene.scores, kStoredSize, scene.options);
   EXPECT_GT(selection.legs[0].p_within_limit, 0.99);
   EXPECT_LT(selection.legs[1].p_within_limit, 0.01);
   ASSERT_GE(selection.advice.size(), 1U);
@@ -57,9 +52,9 @@ TEST(LegAdvice, NamesTheNearestLineThatIsGood) {
 }
 
 TEST(LegAdvice, SaysWhereNothingIsGoodEnough) {
-  Scene scene(0.55, 0.1);
+  ThreeLegs scene(0.55, 0.1);
   scene.options.min_leg_probability = 0.99999;
-  const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
+  const Selection selection = select_tiles(scene.plan, scene.scores, kStoredSize, scene.options);
   ASSERT_GE(selection.advice.size(), 1U);
   const LegAdvice& advice = selection.advice[0];
   EXPECT_EQ(advice.leg, 1);
@@ -70,8 +65,8 @@ TEST(LegAdvice, SaysWhereNothingIsGoodEnough) {
 }
 
 TEST(LegAdvice, SaysWhereNothingIsBetter) {
-  const Scene scene(0.1, 0.1);
-  const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
+  const ThreeLegs scene(0.1, 0.1);
+  const Selection selection = select_tiles(scene.plan, scene.scores, kStoredSize, scene.options);
   ASSERT_GE(selection.advice.size(), 1U);
   EXPECT_EQ(selection.advice[0].side, AdviceSide::kNone);
   EXPECT_EQ(selection.advice[0].p_after, selection.advice[0].p_before);
@@ -80,24 +75,24 @@ TEST(LegAdvice, SaysWhereNothingIsBetter) {
 
 // The advice is what the leg is worth when the route is really drawn there.
 TEST(LegAdvice, TheLineThatIsNamedHoldsWhatItPromises) {
-  const Scene scene(0.9, 0.1);
-  const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
+  const ThreeLegs scene(0.9, 0.1);
+  const Selection selection = select_tiles(scene.plan, scene.scores, kStoredSize, scene.options);
   ASSERT_GE(selection.advice.size(), 1U);
   ASSERT_EQ(selection.advice[0].side, AdviceSide::kLeft);
   Mission moved = scene.plan;
   for (FlightSample& sample : moved.flight.samples) {
     if (sample.leg == 1) sample.point_map_m.y() += selection.advice[0].offset_m;
   }
-  const Selection again = select_tiles(moved, scene.scores, kSize, scene.options);
+  const Selection again = select_tiles(moved, scene.scores, kStoredSize, scene.options);
   EXPECT_NEAR(again.legs[1].p_within_limit, selection.advice[0].p_after, 1e-9);
 }
 
 // A small budget left the line's good tiles out: that is no reason to fly elsewhere.
 TEST(LegAdvice, TriesTheLineItselfWithAllTilesFirst) {
-  Scene scene(0.95, 0.95);
+  ThreeLegs scene(0.95, 0.95);
   for (TileScores& score : scene.scores) score.p_correct_fix = 0.95;
   scene.options.budget = "110kB";
-  const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
+  const Selection selection = select_tiles(scene.plan, scene.scores, kStoredSize, scene.options);
   ASSERT_FALSE(selection.advice.empty());
   EXPECT_EQ(selection.advice[0].side, AdviceSide::kNone);
   EXPECT_EQ(selection.advice[0].offset_m, 0);
@@ -106,9 +101,9 @@ TEST(LegAdvice, TriesTheLineItselfWithAllTilesFirst) {
 }
 
 TEST(LegAdvice, NeedsProbabilities) {
-  Scene scene(0.9, 0.9);
+  ThreeLegs scene(0.9, 0.9);
   for (TileScores& score : scene.scores) score.p_correct_fix = std::nan("");
-  const Selection selection = select_tiles(scene.plan, scene.scores, kSize, scene.options);
+  const Selection selection = select_tiles(scene.plan, scene.scores, kStoredSize, scene.options);
   EXPECT_FALSE(selection.probability);
   EXPECT_TRUE(selection.advice.empty());
   EXPECT_THAT(selection.notes, ::testing::Contains(HasSubstr("no leg can be advised on")));

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "select/straight_plan.h"
-#include "testing/drift_after.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/random.h"
@@ -16,6 +15,7 @@
 namespace pilotage {
 namespace {
 
+using testing::error_after_s;
 using testing::straight_plan;
 
 // What became of one flight: the sample at which its error exceeded the limit (the number of samples: never), and of
@@ -43,11 +43,6 @@ OneFlight fly_once(const FlightPath& path, const std::vector<double>& p_fix,
     if (i + 1 < samples.size()) state = propagate(state, path.steps[i]);
   }
   return flight;
-}
-
-double error_after_s(const Mission& plan, double time_s) {
-  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
-  return position_error_m(testing::drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
 }
 
 // Each try decided on its own.

@@ -13,9 +13,8 @@ namespace pilotage {
 namespace {
 
 using testing::good_scores;
+using testing::kStoredSize;
 using testing::straight_plan;
-
-constexpr StoredSize kSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fixed = 100000};
 
 TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
   SelectOptions options;
@@ -49,7 +48,7 @@ TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
 
 TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {
   const Mission plan = straight_plan(3000);
-  const Selection selection = select_tiles(plan, good_scores(plan), kSize, {});
+  const Selection selection = select_tiles(plan, good_scores(plan), kStoredSize, {});
   EXPECT_FALSE(selection.probability);
   EXPECT_TRUE(std::isnan(selection.legs[0].p_within_limit));
   EXPECT_TRUE(std::isnan(selection.error_profile[0].p_within_limit));
@@ -67,7 +66,7 @@ TEST(SelectTiles, ProbabilitiesOfTheFlight) {
   scores[0].p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   SelectOptions options;
   options.min_route_probability = 0.999999;
-  const Selection selection = select_tiles(plan, scores, kSize, options);
+  const Selection selection = select_tiles(plan, scores, kStoredSize, options);
   ASSERT_TRUE(selection.probability);
   const double p = selection.probability->p_within_limit;
   EXPECT_GT(p, 0);
@@ -94,7 +93,7 @@ TEST(SelectTiles, TakesEveryMatchableTileByDefault) {
   auto scores = good_scores(plan);
   std::reverse(scores.begin(), scores.end());  // any order will do
   scores[5].degraded.margin = -0.2;
-  const Selection selection = select_tiles(plan, scores, kSize, {});
+  const Selection selection = select_tiles(plan, scores, kStoredSize, {});
   EXPECT_EQ(selection.tile_ids.size(), plan.ground.tiles.size() - 1);
   EXPECT_TRUE(std::is_sorted(selection.tile_ids.begin(), selection.tile_ids.end()));
   EXPECT_FALSE(std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), plan.ground.tiles[5].tile_id));
@@ -106,7 +105,7 @@ TEST(SelectTiles, ATileWithoutScoreMakesAGap) {
   for (std::size_t i = 0; i < scores.size(); ++i) {
     if (std::abs(plan.flight.places[i].distance_m - 1500) < 200) scores[i].status = TileStatus::kFlat;
   }
-  const Selection selection = select_tiles(plan, scores, kSize, {});
+  const Selection selection = select_tiles(plan, scores, kStoredSize, {});
   ASSERT_EQ(selection.gaps.size(), 1U);
   EXPECT_NEAR(selection.gaps[0].from_distance_m, 1325, 20);
   EXPECT_NEAR(selection.gaps[0].to_distance_m, 1675, 20);
@@ -115,9 +114,9 @@ TEST(SelectTiles, ATileWithoutScoreMakesAGap) {
 TEST(SelectTiles, SparseStoresFewTilesAndHoldsTheLimit) {
   const Mission plan = straight_plan(30000);
   SelectOptions options;
-  const Selection all = select_tiles(plan, good_scores(plan), kSize, options);
+  const Selection all = select_tiles(plan, good_scores(plan), kStoredSize, options);
   options.sparse = true;
-  const Selection sparse = select_tiles(plan, good_scores(plan), kSize, options);
+  const Selection sparse = select_tiles(plan, good_scores(plan), kStoredSize, options);
   EXPECT_TRUE(sparse.within_limit);
   EXPECT_FALSE(sparse.tile_ids.empty());
   EXPECT_LT(sparse.tile_ids.size(), all.tile_ids.size() / 4);
@@ -130,12 +129,12 @@ TEST(SelectTiles, BudgetIsKeptAndSparseAreasSurviveIt) {
   const auto scores = good_scores(plan);
   SelectOptions sparse_options;
   sparse_options.sparse = true;
-  const Selection sparse = select_tiles(plan, scores, kSize, sparse_options);
-  const Selection all = select_tiles(plan, scores, kSize, {});
+  const Selection sparse = select_tiles(plan, scores, kStoredSize, sparse_options);
+  const Selection all = select_tiles(plan, scores, kStoredSize, {});
   const std::int64_t budget = (sparse.estimated_bytes + all.estimated_bytes) / 2;
   SelectOptions options;
   options.budget = std::to_string(budget);
-  const Selection selection = select_tiles(plan, scores, kSize, options);
+  const Selection selection = select_tiles(plan, scores, kStoredSize, options);
   EXPECT_LE(selection.estimated_bytes, budget);
   EXPECT_GT(selection.estimated_bytes, budget * 9 / 10);
   EXPECT_TRUE(selection.within_limit);
@@ -148,9 +147,9 @@ TEST(SelectTiles, RefusesWhatDoesNotFit) {
   auto scores = good_scores(plan);
   SelectOptions options;
   options.budget = "50kB";  // an empty map has more
-  EXPECT_THROW(select_tiles(plan, scores, kSize, options), UsageError);
+  EXPECT_THROW(select_tiles(plan, scores, kStoredSize, options), UsageError);
   scores.pop_back();
-  EXPECT_THROW(select_tiles(plan, scores, kSize, {}), DataError);
+  EXPECT_THROW(select_tiles(plan, scores, kStoredSize, {}), DataError);
 }
 
 }  // namespace

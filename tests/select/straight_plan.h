@@ -2,8 +2,12 @@
 
 #include <cmath>
 
+#include "testing/drift_after.h"
+
 #include "pilotage/ground/tile_scores.h"
+#include "pilotage/ins/drift.h"
 #include "pilotage/mission/mission.h"
+#include "pilotage/mission/stored_size.h"
 #include "pilotage/mission/tile_lookup.h"
 
 namespace pilotage::testing {
@@ -65,6 +69,15 @@ inline std::vector<TileScores> good_scores(const Mission& plan) {
     score.degraded.margin = 0.5;
   }
   return scores;
+}
+
+/// What a map of it stores.
+inline constexpr StoredSize kStoredSize{.bytes_per_px = 0.5, .bytes_per_tile = 700, .bytes_fixed = 100000};
+
+/// The position error `time_s` seconds after the loss of GNSS.
+inline double error_after_s(const Mission& plan, double time_s) {
+  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
+  return position_error_m(drift_after(model, time_s, 20, model.start_sigma_m), model.sigma_multiple);
 }
 
 }  // namespace pilotage::testing

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
 #include <gmock/gmock.h>
@@ -24,13 +25,8 @@ using testing::MissionPoint;
 using testing::TemporaryFolder;
 using testing::two_legs;
 
-std::string error_of(const TileOptions& options) {
-  try {
-    plan_tiles(options);
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "no error";
+std::string plan_error(const TileOptions& options) {
+  return testing::error_of<std::exception>([&] { plan_tiles(options); });
 }
 
 void expect_sound(const Mission& plan) {
@@ -146,14 +142,14 @@ TEST(PlanTiles, CrsIsObeyedOrRefused) {
   options.crs = "EPSG:3857";
   EXPECT_THROW(plan_tiles(options), UsageError);
   options.crs = "EPSG:4326";
-  EXPECT_THAT(error_of(options), HasSubstr("is not projected"));
+  EXPECT_THAT(plan_error(options), HasSubstr("is not projected"));
 }
 
 TEST(PlanTiles, NamesThePartOutsideTheImagery) {
   const TemporaryFolder folder;
   TileOptions options = make_small_mission(folder.path(), {MissionPoint{100, 150, 80}, {900, 150, 80}});
-  EXPECT_THAT(error_of(options), ::testing::ContainsRegex("leaves the imagery from 0\\.5[01] km to 0\\.80 km .*up to "
-                                                          "(299|300|301) m outside"));
+  EXPECT_THAT(plan_error(options), ::testing::ContainsRegex("leaves the imagery from 0\\.5[01] km to 0\\.80 km .*up to "
+                                                            "(299|300|301) m outside"));
   options.allow_uncovered = true;
   const Mission plan = plan_tiles(options);
   expect_sound(plan);
@@ -192,7 +188,7 @@ TEST(PlanTiles, RefusesTilesLargerThanTheImagery) {
   const TemporaryFolder folder;
   TileOptions options = make_small_mission(folder.path(), two_legs());
   options.tile_size_px = 450;
-  EXPECT_THAT(error_of(options), HasSubstr("larger than the imagery of 600 m x 400 m"));
+  EXPECT_THAT(plan_error(options), HasSubstr("larger than the imagery of 600 m x 400 m"));
 }
 
 TEST(PlanTiles, WorksAcrossTheAntimeridianAndNearThePole) {
@@ -220,10 +216,10 @@ TEST(PlanTiles, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   TileOptions options = make_small_mission(folder.path(), two_legs());
   options.imagery.clear();
-  EXPECT_THAT(error_of(options), HasSubstr("imagery is missing"));
+  EXPECT_THAT(plan_error(options), HasSubstr("imagery is missing"));
   options = make_small_mission(folder.path(), two_legs());
   options.route_options.speed_mps.reset();
-  EXPECT_THAT(error_of(options), HasSubstr("give --speed-mps"));
+  EXPECT_THAT(plan_error(options), HasSubstr("give --speed-mps"));
 }
 
 }  // namespace

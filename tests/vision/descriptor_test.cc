@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "testing/features_of_image.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +62,7 @@ TEST(BinaryDescriptor, IsDescribedAndSearched) {
     FeatureOptions options;
     options.descriptor_bits = descriptor.bits;
     ASSERT_NO_THROW(check_feature_options(options));
-    const FeatureSet set = extract_features(gray, {}, options);
+    const FeatureSet set = testing::features_of_image(gray, options);
     ASSERT_GT(set.size(), 50U);
     EXPECT_EQ(set.descriptor_bytes, descriptor.bytes());
     EXPECT_EQ(&descriptor_of(set), &descriptor);

@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "testing/features_of_image.h"
 #include <gtest/gtest.h>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -21,6 +22,8 @@
 
 namespace pilotage {
 namespace {
+
+using testing::features_of_image;
 
 /// Noise smoothed to blobs of a few pixels, contrast about ±60.
 cv::Mat textured(int width, int height, std::uint64_t seed) {
@@ -66,7 +69,7 @@ TEST(Features, NoPatchTouchesTheBorderOrInvalidPixels) {
   valid(cv::Rect(100, 80, 30, 1)).setTo(0);
   valid.at<std::uint8_t>(200, 250) = 0;
   for (const FeatureOptions& options : kAllKinds) {
-    const FeatureSet set = extract_features(gray, valid, options);
+    const FeatureSet set = features_of_image(gray, options, valid);
     EXPECT_GT(set.size(), 100U);
     for (const Feature& feature : set.features) {
       const double scale = std::pow(options.scale_factor, feature.octave);
@@ -91,9 +94,9 @@ TEST(Features, ValuesUnderInvalidPixelsDoNotMatter) {
   valid(hole).setTo(0);
   for (const FeatureOptions& options : kAllKinds) {
     gray(hole).setTo(0);
-    const FeatureSet dark = extract_features(gray, valid, options);
+    const FeatureSet dark = features_of_image(gray, options, valid);
     gray(hole).setTo(255);
-    EXPECT_TRUE(same(dark, extract_features(gray, valid, options)));
+    EXPECT_TRUE(same(dark, features_of_image(gray, options, valid)));
   }
 }
 
@@ -121,7 +124,7 @@ TEST(Features, SpreadEvenlyOverStrongAndFaintGround) {
   faint.convertTo(faint, CV_8U, 0.3, 90);
   FeatureOptions options;
   options.features_per_mpx = 5000;
-  const FeatureSet set = extract_features(gray, {}, options);
+  const FeatureSet set = features_of_image(gray, options);
   const auto left = std::count_if(set.features.begin(), set.features.end(),
                                   [](const Feature& feature) { return feature.x_px < 200; });
   EXPECT_LE(set.size(), 400U);
@@ -129,7 +132,7 @@ TEST(Features, SpreadEvenlyOverStrongAndFaintGround) {
   EXPECT_GT(static_cast<std::ptrdiff_t>(set.size()) - left, 130);
   // Without the fall-back the faint half has next to nothing.
   options.min_fast_threshold = options.fast_threshold = 60;
-  const FeatureSet strong = extract_features(gray, {}, options);
+  const FeatureSet strong = features_of_image(gray, options);
   EXPECT_EQ(std::count_if(strong.features.begin(), strong.features.end(),
                           [](const Feature& feature) { return feature.x_px >= 205; }),
             0);
@@ -141,7 +144,7 @@ TEST(Features, DensityIsHeld) {
     for (const double density : {100.0, 3000.0, 8000.0}) {
       FeatureOptions options = with_bits(256, false, octaves);
       options.features_per_mpx = density;
-      const auto count = static_cast<double>(extract_features(gray, {}, options).size());
+      const auto count = static_cast<double>(features_of_image(gray, options).size());
       const double most = density * 532 * 532 / 1e6;
       EXPECT_LE(count, most);
       EXPECT_GT(count, 0.7 * most - octaves) << density;  // borders are left out, more of them at coarse octaves
@@ -150,7 +153,7 @@ TEST(Features, DensityIsHeld) {
 }
 
 TEST(Features, OrderIsOctaveRowColumn) {
-  const FeatureSet set = extract_features(textured(300, 300, 3), {}, with_bits(256, false, 3));
+  const FeatureSet set = features_of_image(textured(300, 300, 3), with_bits(256, false, 3));
   const auto key = [](const Feature& f) { return std::tuple(f.octave, f.y_px, f.x_px); };
   EXPECT_TRUE(std::is_sorted(set.features.begin(), set.features.end(),
                              [&](const Feature& a, const Feature& b) { return key(a) < key(b); }));
@@ -160,18 +163,18 @@ TEST(Features, OrderIsOctaveRowColumn) {
 
 TEST(Features, SmallOrFlatImagesHaveNone) {
   for (const FeatureOptions& options : kAllKinds) {
-    EXPECT_EQ(extract_features(cv::Mat(), {}, options).size(), 0U);
-    EXPECT_EQ(extract_features(textured(1, 1, 1), {}, options).size(), 0U);
-    EXPECT_EQ(extract_features(textured(500, 5, 1), {}, options).size(), 0U);
-    EXPECT_EQ(extract_features(textured(32, 32, 1), {}, options).size(), 0U);
-    EXPECT_EQ(extract_features(cv::Mat(200, 200, CV_8UC1, cv::Scalar(77)), {}, options).size(), 0U);
-    EXPECT_EQ(extract_features(textured(200, 200, 1), cv::Mat::zeros(200, 200, CV_8UC1), options).size(), 0U);
+    EXPECT_EQ(features_of_image(cv::Mat(), options).size(), 0U);
+    EXPECT_EQ(features_of_image(textured(1, 1, 1), options).size(), 0U);
+    EXPECT_EQ(features_of_image(textured(500, 5, 1), options).size(), 0U);
+    EXPECT_EQ(features_of_image(textured(32, 32, 1), options).size(), 0U);
+    EXPECT_EQ(features_of_image(cv::Mat(200, 200, CV_8UC1, cv::Scalar(77)), options).size(), 0U);
+    EXPECT_EQ(features_of_image(textured(200, 200, 1), options, cv::Mat::zeros(200, 200, CV_8UC1)).size(), 0U);
   }
 }
 
 TEST(Features, UprightIsOrbsOwnPattern) {
   const cv::Mat gray = textured(200, 200, seed_from_name("UprightIsOrbs"));
-  const FeatureSet set = extract_features(gray, {}, with_bits(256));
+  const FeatureSet set = features_of_image(gray, with_bits(256));
   std::vector<cv::KeyPoint> keypoints;
   for (const Feature& feature : set.features) {
     EXPECT_EQ(feature.angle_deg, 0);
@@ -189,7 +192,7 @@ TEST(Features, UprightBriefComparesTheDrawnPairs) {
   cv::GaussianBlur(gray, smooth, {7, 7}, 2);
   for (const int bits : {128, 512}) {
     const FeatureOptions options = with_bits(bits);
-    const FeatureSet set = extract_features(gray, {}, options);
+    const FeatureSet set = features_of_image(gray, options);
     const auto pattern = make_brief_pattern(bits, kBriefPatternSeed);
     ASSERT_GT(set.size(), 20U);
     EXPECT_EQ(set.descriptor_bytes * 8, bits);
@@ -239,14 +242,13 @@ TEST(Features, OrientedDescriptorsTurnWithTheImage) {
 
 TEST(Features, RefusesBadOptionsAndMatrices) {
   const cv::Mat gray = textured(50, 50, 1);
-  EXPECT_THROW(extract_features(gray, {}, with_bits(200)), UsageError);
+  EXPECT_THROW(features_of_image(gray, with_bits(200)), UsageError);
   FeatureOptions options;
   options.min_fast_threshold = 30;
-  EXPECT_THROW(extract_features(gray, {}, options), UsageError);
+  EXPECT_THROW(features_of_image(gray, options), UsageError);
   options = with_bits(256, false, 12);
-  EXPECT_THROW(extract_features(gray, {}, options), UsageError);
-  EXPECT_THROW(extract_features(cv::Mat(50, 50, CV_8UC3), {}, {}), UsageError);
-  EXPECT_THROW(extract_features(gray, cv::Mat(50, 51, CV_8UC1), {}), UsageError);
+  EXPECT_THROW(features_of_image(gray, options), UsageError);
+  EXPECT_THROW(features_of_image(cv::Mat(50, 50, CV_8UC3), {}), UsageError);
 }
 
 TEST(Detector, HarrisAgreesWithOpenCv) {
@@ -381,15 +383,6 @@ TEST(MapFeatures, BlocksLeaveNoSeam) {
   for (const Feature& f : set.features) corners.push_back({static_cast<int>(f.x_px), static_cast<int>(f.y_px), 0});
   EXPECT_EQ(set.descriptors,
             describe_corners(gray, corners, std::vector<float>(corners.size(), 0.0F), descriptor_of_bits(256)));
-}
-
-TEST(MapFeatures, OneBlockIsTheWholeImage) {
-  const cv::Mat gray = textured(300, 260, 77);
-  const cv::Mat valid(gray.size(), CV_8UC1, cv::Scalar(255));
-  for (const FeatureOptions& options : kAllKinds) {
-    EXPECT_TRUE(same(extract_features(gray, valid, options),
-                     extract_features_of_map(gray_source_from({gray, valid, {}}), {{0, 0, 300, 260}}, options)));
-  }
 }
 
 TEST(MapFeatures, ErrorsAndInterruptionsComeThrough) {

@@ -27,7 +27,7 @@ std::vector<const std::uint8_t*> pointers(const std::vector<Descriptor>& descrip
   return result;
 }
 
-NearestDescriptor brute_force(const Descriptor& query, const std::vector<Descriptor>& candidates) {
+NearestDescriptor nearest_of_all(const Descriptor& query, const std::vector<Descriptor>& candidates) {
   NearestDescriptor nearest;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     std::uint32_t bits = 0;
@@ -46,7 +46,7 @@ TEST(NearestDescriptorTest, EqualsBruteForce) {
       for (int round = 0; round < 50; ++round) {
         const auto candidates = random_descriptors(random, count, bytes);
         const Descriptor query = random_descriptors(random, 1, bytes).front();
-        const NearestDescriptor expected = brute_force(query, candidates);
+        const NearestDescriptor expected = nearest_of_all(query, candidates);
         const NearestDescriptor nearest = nearest_descriptor(query.data(), pointers(candidates).data(), count, bytes);
         EXPECT_EQ(nearest.index, expected.index) << bytes << " " << count;
         EXPECT_EQ(nearest.distance, expected.distance) << bytes << " " << count;

@@ -32,7 +32,7 @@ const BinaryDescriptor& descriptor_of_method(DescriptorMethod method) {
   return *found;
 }
 
-// The detector and descriptor of extract_features() with one octave, one after the other.
+// The detector and descriptor of extract_features_of_map() with one octave, one after the other.
 DescribedImage binary_features(const BinaryDescriptor& descriptor, const cv::Mat& gray, const cv::Mat& allowed,
                                int max_features) {
   FeatureOptions options;

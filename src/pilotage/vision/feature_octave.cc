@@ -86,7 +86,9 @@ Octave make_octave(const cv::Mat& gray, const cv::Mat& valid, std::int64_t first
   octave.first_col = columns.first;
   octave.first_row = rows.first;
   octave.gray = average(gray, columns, rows);
-  if (!valid.empty()) {
+  if (octave.gray.empty()) {
+    octave.valid.release();  // less ground than one pixel of the octave
+  } else if (!valid.empty()) {
     // Any invalid pixel under an octave pixel brings its share of the mean below 255.
     octave.valid = average(valid, columns, rows) == 255;
   }

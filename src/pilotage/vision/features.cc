@@ -28,7 +28,7 @@ double corners_per_octave_px(const FeatureOptions& options) {
 /// [col_begin, col_end) × [row_begin, row_end) of the whole image.
 struct ImageBlock {
   cv::Mat gray;
-  cv::Mat valid;  ///< May be empty: all valid.
+  cv::Mat valid;
   std::int64_t first_col = 0;
   std::int64_t first_row = 0;
   double col_begin = 0;
@@ -56,7 +56,7 @@ cv::Rect feature_area(const Octave& octave, const ImageBlock& block, int patch_r
 
 /// Where a whole patch of valid pixels lies around the pixel; empty when that is everywhere.
 cv::Mat allowed_pixels(const cv::Mat& valid, int patch_radius) {
-  if (valid.empty() || cv::countNonZero(valid) == valid.rows * valid.cols) return {};
+  if (cv::countNonZero(valid) == valid.rows * valid.cols) return {};
   const int side = 2 * patch_radius + 1;
   cv::Mat allowed;
   cv::erode(valid, allowed, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
@@ -200,18 +200,6 @@ FeatureSet inside_windows(const FeatureSet& set, const MapBlock& block, const st
 }
 
 }  // namespace
-
-FeatureSet extract_features(const cv::Mat& gray, const cv::Mat& valid, const FeatureOptions& options) {
-  check_feature_options(options);
-  if (gray.dims > 2 || (!gray.empty() && gray.type() != CV_8UC1)) {
-    throw UsageError("features need a gray image of 8 bits");
-  }
-  if (!valid.empty() && (valid.type() != CV_8UC1 || valid.size() != gray.size())) {
-    throw UsageError("the mask of valid pixels has another size or type than the image");
-  }
-  return extract_from_block({gray, valid, 0, 0, 0, static_cast<double>(gray.cols), 0, static_cast<double>(gray.rows)},
-                            options);
-}
 
 FeatureSet extract_features_of_map(const GraySource& source, const std::vector<PixelWindow>& windows,
                                    const FeatureOptions& options, int threads, const Progress& progress) {

@@ -3,8 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/raster/gray_source.h"
@@ -15,7 +13,8 @@
 
 namespace pilotage {
 
-/// Features of one image.
+/// Features of a map of any size, each once, computed over fixed blocks of kFeatureBlockPx pixels with the margin that
+/// patches need; positions are pixels of the whole grid.
 ///
 /// Corners are FAST-9 (E. Rosten, T. Drummond, ECCV 2006) with 3 × 3 non-maximum suppression at `fast_threshold`, in
 /// cells of about eight features; a cell that does not fill its share is searched again at `min_fast_threshold`. In
@@ -26,17 +25,12 @@ namespace pilotage {
 /// layout G II). Upright descriptors have angle 0; oriented ones are turned by the angle of the intensity centroid (P.
 /// L. Rosin, 1999) of a disc of 15 px radius.
 ///
-/// `gray` is CV_8UC1 of any size; `valid` has its size (CV_8UC1, 0 = no data) or is empty, which means all valid. No
-/// feature's patch touches an invalid pixel or leaves the image, so small images have none. Order: octave, then y, then
-/// x. The result does not depend on the number of threads. Throws UsageError for options or matrices other than these.
-FeatureSet extract_features(const cv::Mat& gray, const cv::Mat& valid, const FeatureOptions& options);
-
-/// Features of a map of any size, each once, computed over fixed blocks of kFeatureBlockPx pixels with the margin that
-/// patches need; positions are pixels of the whole grid. Only blocks that touch one of `windows` are read, and only
-/// features inside at least one window are returned; the features of a piece of ground do not depend on the windows.
-/// `threads` = 0 uses all cores and gives the same result as 1. Order: block (row by row), then octave, y, x. Memory: a
-/// few megabytes per thread besides the result. Throws UsageError when the source is not CV_8U, when a window has a
-/// negative size, or for bad options; what the source throws; Interrupted.
+/// No feature's patch touches an invalid pixel or leaves the grid, so small grids have none. Only blocks that touch one
+/// of `windows` are read, and only features inside at least one window are returned; the features of a piece of ground
+/// do not depend on the windows. `threads` = 0 uses all cores and gives the same result as 1. Order: block (row by
+/// row), then octave, y, x. Memory: a few megabytes per thread besides the result. Throws UsageError when the source is
+/// not CV_8U of one channel, when a window has a negative size, or for bad options; what the source throws;
+/// Interrupted.
 FeatureSet extract_features_of_map(const GraySource& source, const std::vector<PixelWindow>& windows,
                                    const FeatureOptions& options, int threads = 0, const Progress& progress = {});
 

@@ -1,5 +1,6 @@
-#include "evaluate/two_dates.h"
+#include "evaluate/scored_dates.h"
 
+#include "testing/temporary_folder.h"
 #include <opencv2/core.hpp>
 
 #include "country/synthetic_scene.h"
@@ -24,13 +25,11 @@ TileScores score_of(const GraySource& source, const PixelWindow& window) {
   return score;
 }
 
-}  // namespace
-
-TwoDates make_two_dates(const std::filesystem::path& folder) {
+ScoredDates make_scored_dates(const std::filesystem::path& folder) {
   const Scene scene = make_scene({});
   const Eigen::Vector2d corner = scene.map_from_local({scene.sites.town.x(), scene.sites.town.y() + 120});
   const GeoTransform grid = GeoTransform::north_up(corner.x(), corner.y(), kGsd_m);
-  TwoDates made;
+  ScoredDates made;
   made.reference = (folder / "reference.tif").string();
   made.other = (folder / "other.tif").string();
   made.moved = (folder / "moved.tif").string();
@@ -54,6 +53,14 @@ TwoDates make_two_dates(const std::filesystem::path& folder) {
     tile.valid_fraction = 1;
     made.scores.push_back(score_of(source, made.ground.window_of(tile)));
   }
+  return made;
+}
+
+}  // namespace
+
+const ScoredDates& scored_dates() {
+  static const TemporaryFolder folder;
+  static const ScoredDates made = make_scored_dates(folder.path());
   return made;
 }
 
