@@ -4,7 +4,6 @@
 
 #include "pilotage/ground/tile_scores.h"
 #include "pilotage/mission/mission.h"
-#include "pilotage/mission/tile_lookup.h"
 
 namespace pilotage::testing {
 
