@@ -43,8 +43,11 @@ Command make_merge_command() {
     if (!merged.missing.empty()) return missing_result(merged);
     ScoreOutputs outputs(options, invocation, merged.run);
     const Ground ground = whole_ground(merged.run, invocation.threads);
-    GroundScores all{std::move(merged.scores),
-                     register_second_epoch(merged.run, invocation.threads, invocation.progress)};
+    GroundScores all{std::move(merged.scores), {}};
+    const ScoreOptions& score = merged.run.options.score;
+    if (!score.second_epoch.empty()) {
+      all.second_epoch = register_second_epoch(ground, score, invocation.threads, invocation.progress);
+    }
     explain_scores(ground, all.scores, invocation.threads);
     return outputs.write(ground, all);
   });

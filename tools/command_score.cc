@@ -131,7 +131,11 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
   }
   if (!done) {
     const Ground part = part_of_ground(run, places, invocation.threads);
-    const auto second_epoch = register_second_epoch(run, invocation.threads, invocation.progress);
+    std::optional<SecondEpoch> second_epoch;
+    if (!run.options.score.second_epoch.empty()) {  // from all tiles, whichever are scored, so that shards agree
+      second_epoch = register_second_epoch(whole_ground(run, invocation.threads), run.options.score, invocation.threads,
+                                           invocation.progress);
+    }
     result.rows = tile_rows(part, score_ground_tiles(part, run.options.score,
                                                      second_epoch ? &second_epoch->registration.fit.field : nullptr,
                                                      run.seed, invocation.threads, invocation.progress));

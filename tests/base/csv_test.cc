@@ -64,6 +64,31 @@ TEST(CsvReader, BadQuotesAreNamedWithTheirLine) {
   EXPECT_EQ(csv_error("ab\"c\",d"), "t.csv: line 1: a quote inside the unquoted cell \"ab…\"");
 }
 
+TEST(CsvTable, NamesColumnsAndGivesRows) {
+  CsvTable table("t.csv", "a,b\n1,2\n\n3,\n", "a table of letters");
+  EXPECT_THAT(table.columns(), ElementsAre("a", "b"));
+  EXPECT_THAT(*table.next(), ElementsAre("1", "2"));
+  EXPECT_THAT(*table.next(), ElementsAre("3", ""));
+  EXPECT_EQ(table.where(), "t.csv: line 4: ");
+  EXPECT_EQ(table.next(), nullptr);
+}
+
+TEST(CsvTable, WrongTablesAreNamed) {
+  const auto table_error = [](std::string_view text) -> std::string {
+    try {
+      CsvTable table("t.csv", text, "a table of letters");
+      while (table.next() != nullptr) continue;
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(table_error("\n"), "t.csv: empty, expected a table of letters");
+  EXPECT_EQ(table_error("a,b,a\n"), "t.csv: line 1: column \"a\" is a duplicate");
+  EXPECT_EQ(table_error("a,b\n1,2\n1\n"), "t.csv: line 3: 1 cells, expected 2");
+  EXPECT_EQ(table_error("a,b\n1,2,3\n"), "t.csv: line 2: 3 cells, expected 2");
+}
+
 TEST(CsvCell, QuotesOnlyWhatNeedsThem) {
   EXPECT_EQ(csv_cell("plain text"), "plain text");
   EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");

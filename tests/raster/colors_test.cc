@@ -78,6 +78,39 @@ TEST(Colors, OneBandHasNone) {
   EXPECT_EQ(pixel[1], pixel[2]);
 }
 
+// Parts that are alike share their blocks; the others must not, or the gray of 8 bits would lose its rounding.
+TEST(Colors, OpenedWithTheirGrayTheyAreTheSamePixels) {
+  const TemporaryFolder folder;
+  const RasterSpec place;
+  const std::string bytes = make_raster(folder / "bytes.tif", colors_of(GDT_Byte, 121));
+  RasterSpec other = colors_of(GDT_Byte, 76);
+  other.place.origin_x += 20 * other.place.x_per_col;
+  const std::string more_bytes = make_raster(folder / "more.tif", other);
+  const std::string floats = make_raster(folder / "floats.tif", colors_of(GDT_Float32, 0.7));
+  const std::string gray = make_raster(folder / "gray.tif", RasterSpec());
+  using Parts = std::vector<std::string>;
+  for (const Parts& parts :
+       {Parts{bytes}, Parts{bytes, more_bytes}, Parts{floats}, Parts{gray}, Parts{floats, bytes}, Parts{bytes, gray}}) {
+    const GrayAndColors both = open_gray_and_colors_on_grid(parts, kUtm, place.place, 90, 50, {}, 1 << 20);
+    const GraySource gray_alone = open_gray_on_grid(parts, kUtm, place.place, 90, 50);
+    const ColorSource colors_alone = open_colors_on_grid(parts, kUtm, place.place, 90, 50);
+    EXPECT_EQ(both.gray.block_width_px, gray_alone.block_width_px);
+    for (const PixelWindow& window : {PixelWindow{0, 0, 90, 50}, PixelWindow{7, 5, 40, 30}}) {
+      const Raster as_gray = both.gray.read(window);
+      const Raster expected_gray = gray_alone.read(window);
+      ASSERT_EQ(as_gray.pixels.type(), expected_gray.pixels.type());
+      EXPECT_EQ(cv::norm(as_gray.pixels, expected_gray.pixels, cv::NORM_INF), 0) << parts.size() << parts.front();
+      EXPECT_EQ(cv::norm(as_gray.valid, expected_gray.valid, cv::NORM_INF), 0);
+      EXPECT_EQ(as_gray.map_from_pixel.origin_x, expected_gray.map_from_pixel.origin_x);
+      const Raster as_colors = both.colors.read(window);
+      const Raster expected_colors = colors_alone.read(window);
+      ASSERT_EQ(as_colors.pixels.type(), expected_colors.pixels.type());
+      EXPECT_EQ(cv::norm(as_colors.pixels, expected_colors.pixels, cv::NORM_INF), 0) << parts.size() << parts.front();
+      EXPECT_EQ(cv::norm(as_colors.valid, expected_colors.valid, cv::NORM_INF), 0);
+    }
+  }
+}
+
 TEST(Colors, NotFiniteIsNoGroundAndWindowsStayInside) {
   const TemporaryFolder folder;
   RasterSpec spec = colors_of(GDT_Float32, 1);

@@ -67,6 +67,39 @@ TEST(SharedBlocks, OverlappingWindowsOfThreadsReadEachBlockOnce) {
   }
 }
 
+TEST(SharedBlocks, ColoursAndTheirGrayReadEachBlockOnce) {
+  ColorSource source;
+  source.width_px = 1024;
+  source.height_px = 1024;
+  source.depth = CV_8U;
+  source.block_width_px = 256;
+  source.block_height_px = 256;
+  int reads = 0;
+  source.read = [&reads](const PixelWindow& window) {
+    ++reads;
+    return Raster{cv::Mat(window.height, window.width, CV_8UC3, cv::Scalar(10, 20, 30)),
+                  cv::Mat(window.height, window.width, CV_8U, cv::Scalar(255)),
+                  {}};
+  };
+  const auto read_all = [](const auto& shared) {
+    for (std::int64_t row = 0; row < 1000; row += 100)
+      EXPECT_EQ(cv::countNonZero(shared.read({1, row, 999, 20}).valid), 999 * 20);
+  };
+  const ColorSource shared = share_blocks(source, 16 * 256 * 256 * 4);
+  read_all(shared);
+  EXPECT_EQ(reads, 16);
+  read_all(gray_source_of(shared));
+  EXPECT_EQ(reads, 16);
+  EXPECT_EQ(shared.read({3, 3, 1, 1}).pixels.at<cv::Vec3b>(0, 0), cv::Vec3b(10, 20, 30));
+  EXPECT_EQ(gray_source_of(shared).block_width_px, 256);
+
+  const ColorSource few = share_blocks(source, 256 * 256 * 4);  // three rows of blocks: one of four is dropped
+  read_all(few);
+  EXPECT_EQ(reads, 32);
+  read_all(few);
+  EXPECT_EQ(reads, 48);
+}
+
 /// More than three rows of blocks do not stay.
 TEST(SharedBlocks, WhatWasDroppedIsReadAgain) {
   const Raster raster = noise(300, 260);

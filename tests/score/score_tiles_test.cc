@@ -231,9 +231,9 @@ TEST(ScoreTiles, SameBytesForAnyThreadsAndAnyChoiceOfTiles) {
   EXPECT_EQ(bits_of(score(raster, options, {}, 5)), bits_of(all));
   std::vector<std::int64_t> some;
   std::vector<TileScores> expected;
-  for (std::int64_t i = static_cast<std::int64_t>(all.size()) - 3; i >= 0; i -= 7) {
-    some.push_back(i);
-    expected.push_back(all[static_cast<std::size_t>(i)]);
+  for (std::size_t i = (all.size() - 3) % 7; i < all.size(); i += 7) {
+    some.push_back(static_cast<std::int64_t>(i));
+    expected.push_back(all[i]);
   }
   EXPECT_EQ(bits_of(score(raster, options, some, 3)), bits_of(expected));
 }
@@ -363,6 +363,10 @@ TEST(ScoreTiles, ErrorsNameThingAndValue) {
   EXPECT_THROW(score(raster, nothing), UsageError);
   EXPECT_THROW(score(raster, options_of(32, 8, 8), {99}), UsageError);
   EXPECT_THROW(score(raster, options_of(32, 8, 8), {1, 1}), UsageError);
+  EXPECT_EQ(error_of([&] {
+              score(raster, options_of(32, 8, 8), {2, 1});
+            }),
+            "tile index 1 follows 2: indices must ascend, without duplicates");
   Request copies = options_of(32, 8, 8);
   copies.degraded_copies = 0;
   EXPECT_THAT(error_of<std::exception>([&] { score(raster, copies); }), ::testing::HasSubstr("degraded_copies = 0"));

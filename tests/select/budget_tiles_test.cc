@@ -89,7 +89,7 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
     const std::vector<TileScores> scores = some_scores(plan, 3, random);
     const double limit_m = error_after_s(plan, 46 + 2 * rounds);
     const FlightPath path = make_flight_path(plan, limit_m);
-    const auto attempts = fix_attempts(plan, tiles_under_route(plan, TileLookup(plan)), 2, std::nullopt);
+    const auto attempts = fix_attempts(plan, tiles_under_route(plan), 2, std::nullopt);
     std::vector<std::size_t> candidates;
     for (std::size_t i = 0; i < scores.size(); ++i) {
       if (scores[i].p_correct_fix >= 0.5) candidates.push_back(i);
@@ -150,7 +150,7 @@ TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
       if (stored) p_of_tile[i] = scores[i].p_correct_fix;
     }
     const FlightPath path = make_flight_path(plan, plan.flight.max_error_m);
-    const auto attempts = fix_attempts(plan, tiles_under_route(plan, TileLookup(plan)), 2, std::nullopt);
+    const auto attempts = fix_attempts(plan, tiles_under_route(plan), 2, std::nullopt);
     const double p_ordered = outcome_of(path, attempts, p_of_tile).p;
     EXPECT_GE(found.probability->p_within_limit, p_ordered) << "never worse";
     EXPECT_LE(found.estimated_bytes, std::stoll(*options.budget));

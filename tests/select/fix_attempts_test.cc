@@ -15,7 +15,7 @@ using testing::straight_plan;
 // Tiles of 100 m every 50 m, flown at 20 m/s.
 struct FlownPlan {
   Mission plan = straight_plan(2000);
-  std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
+  std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan);
 
   std::vector<double> p_of_tile(double p) const { return std::vector<double>(plan.ground.tiles.size(), p); }
 };

@@ -8,7 +8,6 @@
 #include "pilotage/ins/drift.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/stored_size.h"
-#include "pilotage/mission/tile_lookup.h"
 
 namespace pilotage::testing {
 

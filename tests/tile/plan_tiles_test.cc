@@ -13,7 +13,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/ground/ground_imagery.h"
-#include "pilotage/mission/tile_lookup.h"
+#include "pilotage/mission/tile_under.h"
 #include "pilotage/raster/gray_stretch.h"
 
 namespace pilotage {
@@ -30,10 +30,9 @@ std::string plan_error(const TileOptions& options) {
 }
 
 void expect_sound(const Mission& plan) {
-  const TileLookup lookup(plan);
   for (const FlightSample& sample : plan.flight.samples) {
     if (sample.level != FlightSample::kNoLevel) {
-      EXPECT_TRUE(lookup.tile_under(sample)) << sample.distance_m;
+      EXPECT_TRUE(tile_under(plan, sample)) << sample.distance_m;
     }
   }
   std::int64_t before = -1;

@@ -73,6 +73,20 @@ std::string CsvReader::take_bare() {
   return cell;
 }
 
+CsvTable::CsvTable(const std::string& name, std::string_view text, const std::string& expected) : reader_(name, text) {
+  if (!reader_.next(columns_)) throw DataError(name + ": empty, expected " + expected);
+  for (auto column = columns_.begin(); column != columns_.end(); ++column) {
+    if (std::find(columns_.begin(), column, *column) == column) continue;
+    throw DataError(where() + "column \"" + *column + "\" is a duplicate");
+  }
+}
+
+const std::vector<std::string>* CsvTable::next() {
+  if (!reader_.next(cells_)) return nullptr;
+  if (cells_.size() == columns_.size()) return &cells_;
+  throw DataError(where() + std::to_string(cells_.size()) + " cells, expected " + std::to_string(columns_.size()));
+}
+
 std::string csv_cell(std::string_view text) {
   const bool plain =
       text.find_first_of(",\"\r\n") == std::string_view::npos && !text.starts_with(' ') && !text.ends_with(' ');

@@ -35,6 +35,28 @@ class CsvReader {
   std::int64_t row_line_ = 0;
 };
 
+/// A table whose first row names its columns.
+class CsvTable {
+ public:
+  /// `expected` says in messages what the text should be ("a table of frames"). Throws DataError when it is empty, and
+  /// for a column that is a duplicate.
+  CsvTable(const std::string& name, std::string_view text, const std::string& expected);
+
+  const std::vector<std::string>& columns() const { return columns_; }
+
+  /// The next row, one cell for each column; nullptr at the end. Throws as CsvReader::next, and DataError for a row
+  /// with more or fewer cells.
+  const std::vector<std::string>* next();
+
+  /// "NAME: line LINE: " for messages about the last row.
+  std::string where() const { return reader_.where(); }
+
+ private:
+  CsvReader reader_;
+  std::vector<std::string> columns_;
+  std::vector<std::string> cells_;
+};
+
 /// The text as a cell: in quotes, and those inside doubled, where it holds a comma, a quote, a line break, or a blank
 /// at either end.
 std::string csv_cell(std::string_view text);

@@ -8,6 +8,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/variant_json.h"
 
 namespace pilotage {
 namespace {
@@ -57,18 +58,6 @@ OptionValue list_from_json(const Json& json, OptionType type, const std::string&
     texts.push_back(element.get<std::string>());
   }
   return texts;
-}
-
-Json value_to_json(const OptionValue& value) {
-  return std::visit(
-      [](const auto& held) -> Json {
-        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, std::monostate>) {
-          return nullptr;
-        } else {
-          return held;
-        }
-      },
-      value);
 }
 
 std::string nearest_path(const OptionList& list, std::string_view path) {
@@ -172,7 +161,7 @@ Json field_schema(const OptionField& field) {
   }
   schema["description"] = field.help;
   if (!std::holds_alternative<std::monostate>(field.default_value)) {
-    schema["default"] = value_to_json(field.default_value);
+    schema["default"] = variant_to_json(field.default_value);
   }
   return schema;
 }
@@ -214,7 +203,7 @@ Json options_to_json(const OptionList& list) {
     if (std::holds_alternative<std::monostate>(value)) continue;
     Json* at = &root;
     for (const auto& part : split_path(field.path)) at = &(*at)[part];
-    *at = value_to_json(value);
+    *at = variant_to_json(value);
   }
   return root;
 }

@@ -120,11 +120,12 @@ StoredSize stored_size(const BuildOptions& options, const Ground& ground) {
 BuildStats build_map(const std::filesystem::path& path, const Mission& plan, const std::vector<TileScores>& scores,
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads,
-                     const Progress& progress, const std::optional<SecondDate>& second_date) {
+                     const Progress& progress, const std::optional<SecondDate>& second_date,
+                     const GroundImagery* imagery) {
   const std::string description = "Reference map for visual navigation along " + plan.flight.route.name;
   MapWriter writer(path, map_header(plan.ground, description, options.chips.chips), overwrite);
   BuildStats stats = write_ground(writer, {plan.ground, scores}, selection.tile_ids, plan.flight.places, options,
-                                  threads, progress, second_date);
+                                  threads, progress, second_date, imagery);
   write_flight(writer, plan, selection, options, inputs, software_version, stats);
   return finished(writer, path, std::move(stats));
 }

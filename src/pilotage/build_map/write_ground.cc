@@ -50,7 +50,7 @@ void write_tiles(MapWriter& writer, const ScoreTable& table, std::span<const std
 class LevelBuilder {
  public:
   LevelBuilder(MapWriter& writer, const Ground& ground, const GridLevel& level, std::vector<const GroundTile*> tiles,
-               const BuildOptions& options, const std::optional<SecondDate>& second_date)
+               const BuildOptions& options, const std::optional<SecondDate>& second_date, const GroundImagery* imagery)
       : writer_(writer),
         level_(level),
         tiles_(std::move(tiles)),
@@ -59,7 +59,8 @@ class LevelBuilder {
         owner_(level.matrix, cells_of(tiles_)),
         transform_(ground.crs) {
     if (!ground.elevation.empty()) elevation_.emplace(ground.elevation);
-    source_ = stretch_to_8bit(open_gray(ground, level));
+    source_ = stretch_to_8bit(imagery == nullptr ? open_gray(ground, level)
+                                                 : imagery->levels[static_cast<std::size_t>(level.matrix.level)].gray);
     if (options.keep_features == KeepFeatures::kStable) second_ = open_second_date(*second_date, ground, level);
   }
 
@@ -215,7 +216,8 @@ MapHeader map_header(const Ground& ground, const std::string& description, bool 
 
 BuildStats write_ground(MapWriter& writer, const ScoreTable& table, std::span<const std::int64_t> tile_ids,
                         std::span<const RoutePlace> places, const BuildOptions& options, int threads,
-                        const Progress& progress, const std::optional<SecondDate>& second_date) {
+                        const Progress& progress, const std::optional<SecondDate>& second_date,
+                        const GroundImagery* imagery) {
   check_options(options);
   check_feature_options(options.features);
   const bool stable = options.keep_features == KeepFeatures::kStable;
@@ -237,7 +239,7 @@ BuildStats write_ground(MapWriter& writer, const ScoreTable& table, std::span<co
       if (table.ground.tiles[i].level == level.matrix.level) tiles.push_back(&table.ground.tiles[i]);
     }
     if (tiles.empty()) continue;
-    LevelBuilder builder(writer, table.ground, level, std::move(tiles), options, second_date);
+    LevelBuilder builder(writer, table.ground, level, std::move(tiles), options, second_date, imagery);
     builder.build(stats, threads, progress);
     if (options.chips.chips) builder.build_chips(stats, options.chips, threads, progress);
   }

@@ -29,10 +29,13 @@ MapHeader map_header(const Ground& ground, const std::string& description, bool 
 /// (feature_fates.h); a tile in whose window fewer than kLeastFeatures are left keeps the strongest others that it
 /// owns, up to so many. The levels' grids are then north-up with square pixels. Chips stay as they are.
 ///
+/// `imagery` is the ground's where it is open already, for this stage and others.
+///
 /// Throws UsageError for options out of range or keep_features without its second date, DataError when the ground has
 /// no such tile, or when reading or writing fails; Interrupted.
 BuildStats write_ground(MapWriter& writer, const ScoreTable& table, std::span<const std::int64_t> tile_ids,
                         std::span<const RoutePlace> places, const BuildOptions& options, int threads = 0,
-                        const Progress& progress = {}, const std::optional<SecondDate>& second_date = {});
+                        const Progress& progress = {}, const std::optional<SecondDate>& second_date = {},
+                        const GroundImagery* imagery = nullptr);
 
 }  // namespace pilotage

@@ -56,7 +56,7 @@ std::string conditions(const Evaluation& evaluation, const EvaluateOptions& opti
   if (options.matcher == EvaluateMatcher::kNcc) return text;
   text += std::string(" The map has ") + (options.chips ? "chips" : "no chips") + ".";
   if (!options.frames.empty()) return text;
-  return text + " Errors told to the matcher as standard deviations: " + format_number(options.attitude_sigma_deg) +
+  return text + " Standard deviations in the matcher's prior: " + format_number(options.attitude_sigma_deg) +
          "° of attitude, " + format_number(100 * options.height_sigma_fraction) + " % of height.";
 }
 

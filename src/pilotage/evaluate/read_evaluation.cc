@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "pilotage/base/csv.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
@@ -18,49 +18,20 @@
 namespace pilotage {
 namespace {
 
-/// One cell after the other of a table by the names of its columns.
-class NamedCells {
- public:
-  NamedCells(const std::string& name, std::string_view text) : reader_(name, text) {
-    std::vector<std::string> header;
-    if (!reader_.next(header)) throw DataError(name + ": empty");
-    for (std::size_t i = 0; i < header.size(); ++i) column_[header[i]] = i;
-    columns_ = header.size();
-    name_ = name;
-  }
+/// A cell of the last row by the name of its column.
+const std::string& cell_of(const CsvTable& table, const std::vector<std::string>& cells, const std::string& column) {
+  const auto found = std::find(table.columns().begin(), table.columns().end(), column);
+  if (found == table.columns().end()) throw DataError(table.where() + "column \"" + column + "\" is missing");
+  return cells[static_cast<std::size_t>(found - table.columns().begin())];
+}
 
-  bool next() {
-    if (!reader_.next(cells_)) return false;
-    if (cells_.size() != columns_) {
-      throw DataError(reader_.where() + std::to_string(cells_.size()) + " cells, not " + std::to_string(columns_));
-    }
-    return true;
-  }
-
-  const std::string& text(const std::string& column) const {
-    const auto found = column_.find(column);
-    if (found == column_.end()) throw DataError(name_ + ": column \"" + column + "\" is missing");
-    return cells_[found->second];
-  }
-
-  /// NaN where the cell is empty.
-  double number(const std::string& column) const {
-    const std::string& cell = text(column);
-    if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
-    const auto value = parse_number(cell);
-    if (!value) throw DataError(reader_.where() + column + " = \"" + cell + "\" is no number");
-    return *value;
-  }
-
-  std::string where() const { return reader_.where(); }
-
- private:
-  CsvReader reader_;
-  std::map<std::string, std::size_t> column_;
-  std::size_t columns_ = 0;
-  std::string name_;
-  std::vector<std::string> cells_;
-};
+/// NaN where the cell is empty.
+double number_of(const CsvTable& table, const std::vector<std::string>& cells, const std::string& column) {
+  const std::string& cell = cell_of(table, cells, column);
+  if (cell.empty()) return kNaN;
+  if (const auto value = parse_number(cell)) return *value;
+  throw DataError(table.where() + column + " = \"" + cell.substr(0, 40) + "\" is no number");
+}
 
 }  // namespace
 
@@ -81,17 +52,17 @@ EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::
 
   const std::string csv_name = (folder / "evaluation.csv").string();
   const std::string csv = read_file(csv_name);
-  NamedCells row(csv_name, csv);
-  while (row.next()) {
-    const std::string& outcome = row.text("outcome");
+  CsvTable table(csv_name, csv, "a table of evaluated tiles");
+  while (const auto* cells = table.next()) {
+    const std::string& outcome = cell_of(table, *cells, "outcome");
     if (outcome == outcome_name(Outcome::kNotCovered)) continue;
     TileScores score;
-    score.gray_variance = row.number("gray_variance");
-    score.frieden_deficit = row.number("frieden_deficit");
-    score.map_features = row.number("map_features");
-    score.vote_noise = row.number("vote_noise");
+    score.gray_variance = number_of(table, *cells, "gray_variance");
+    score.frieden_deficit = number_of(table, *cells, "frieden_deficit");
+    score.map_features = number_of(table, *cells, "map_features");
+    score.vote_noise = number_of(table, *cells, "vote_noise");
     if (std::isnan(score.map_features) || std::isnan(score.frieden_deficit)) {
-      throw DataError(row.where() + "no map_features or no frieden_deficit; score with the measure correct_fix");
+      throw DataError(table.where() + "no map_features or no frieden_deficit; score with the measure correct_fix");
     }
     result.set.samples.push_back(
         {matchability_inputs(score, tile_size_px), outcome == outcome_name(Outcome::kCorrect)});

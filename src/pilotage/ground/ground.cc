@@ -12,15 +12,18 @@ std::int64_t tile_id_of(const std::vector<GridLevel>& levels, int level, std::in
   return first_id + levels[static_cast<std::size_t>(level)].matrix.index_of(column, row);
 }
 
-std::size_t tile_index(const Ground& ground, std::int64_t tile_id, const std::string& what) {
+std::optional<std::size_t> find_tile(const Ground& ground, std::int64_t tile_id) {
   const auto tile =
       std::lower_bound(ground.tiles.begin(), ground.tiles.end(), tile_id,
                        [](const GroundTile& candidate, std::int64_t id) { return candidate.tile_id < id; });
-  if (tile == ground.tiles.end() || tile->tile_id != tile_id) {
-    throw DataError(what + ": tile " + std::to_string(tile_id) + " is not among the " +
-                    std::to_string(ground.tiles.size()) + " tiles of the plan");
-  }
+  if (tile == ground.tiles.end() || tile->tile_id != tile_id) return std::nullopt;
   return static_cast<std::size_t>(tile - ground.tiles.begin());
+}
+
+std::size_t tile_index(const Ground& ground, std::int64_t tile_id, const std::string& what) {
+  if (const auto index = find_tile(ground, tile_id)) return *index;
+  throw DataError(what + ": tile " + std::to_string(tile_id) + " is not among the " +
+                  std::to_string(ground.tiles.size()) + " tiles of the plan");
 }
 
 }  // namespace pilotage

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,7 +72,10 @@ struct Ground {
 /// The tile_id of a matrix cell: ids count the cells of level 0 row by row, then those of level 1, and so on.
 std::int64_t tile_id_of(const std::vector<GridLevel>& levels, int level, std::int64_t column, std::int64_t row);
 
-/// Index into ground.tiles; throws DataError, beginning with `what` ("the selection"), when it has no such tile.
+/// Index into ground.tiles; nothing when it has no such tile.
+std::optional<std::size_t> find_tile(const Ground& ground, std::int64_t tile_id);
+
+/// The same; throws DataError, beginning with `what` ("the selection"), when it has no such tile.
 std::size_t tile_index(const Ground& ground, std::int64_t tile_id, const std::string& what);
 
 }  // namespace pilotage

@@ -20,11 +20,21 @@ GraySource open_gray(const Ground& ground, const GridLevel& level) {
                            level.matrix.grid_height_px, imagery.options);
 }
 
-ColorSource open_colors(const Ground& ground, const GridLevel& level) {
+GroundImagery open_imagery(const Ground& ground) {
   const Imagery& imagery = ground.imagery;
-  if (imagery.own_grid) return open_colors(imagery.datasets.front().dataset, imagery.options);
-  return open_colors_on_grid(dataset_names(imagery), ground.crs, level.matrix.map_from_pixel,
-                             level.matrix.grid_width_px, level.matrix.grid_height_px, imagery.options);
+  GroundImagery opened;
+  for (const GridLevel& level : ground.levels) {
+    const TileMatrix& matrix = level.matrix;
+    if (imagery.own_grid) {
+      opened.levels.push_back(
+          {open_gray(ground, level), open_colors(imagery.datasets.front().dataset, imagery.options)});
+    } else {
+      opened.levels.push_back(open_gray_and_colors_on_grid(dataset_names(imagery), ground.crs, matrix.map_from_pixel,
+                                                           matrix.grid_width_px, matrix.grid_height_px, imagery.options,
+                                                           kImageryBytes / std::ssize(ground.levels)));
+    }
+  }
+  return opened;
 }
 
 Raster read_overview(const Ground& ground, int max_side_px) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,8 @@
 #include "pilotage/raster/color_source.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/raster/raster.h"
+
+#pragma GCC visibility push(default)
 
 namespace pilotage {
 
@@ -16,11 +19,20 @@ std::vector<std::string> dataset_names(const Imagery& imagery);
 /// A ground's imagery on the grid of one of its levels, in its own depth. Throws as open_gray and open_gray_on_grid.
 GraySource open_gray(const Ground& ground, const GridLevel& level);
 
-/// The same with its colours. Throws as open_colors and open_colors_on_grid.
-ColorSource open_colors(const Ground& ground, const GridLevel& level);
+/// A ground's imagery, opened once for all stages that read it: what one of them had decoded and warped the next one
+/// finds in memory, as far as kImageryBytes go (and three rows of blocks of each level, whatever their size).
+struct GroundImagery {
+  std::vector<GrayAndColors> levels;  ///< levels[i] is of ground.levels[i], in the imagery's own depth.
+};
+inline constexpr std::int64_t kImageryBytes = std::int64_t{256} << 20;  ///< For all levels together.
+
+/// Throws as open_gray and open_gray_and_colors_on_grid.
+GroundImagery open_imagery(const Ground& ground);
 
 /// A colour picture of the ground around all tiles, at most `max_side_px` on its longer side: what a person looks at.
 /// Throws as read_rgb8_on_grid.
 Raster read_overview(const Ground& ground, int max_side_px);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

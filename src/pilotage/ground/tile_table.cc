@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <optional>
 
 #include "pilotage/base/csv.h"
@@ -147,17 +146,16 @@ const std::vector<Cell>& cells() {
 }
 
 /// For each column of the file, the cell it holds, or nullptr for one this version does not know.
-std::vector<const Cell*> read_header(const CsvReader& reader, const std::vector<std::string>& names) {
+std::vector<const Cell*> read_header(const CsvTable& table) {
   std::vector<const Cell*> order;
-  std::map<std::string_view, int> seen;
-  for (const std::string& column : names) {
-    if (++seen[column] > 1) throw DataError(reader.where() + "column \"" + column + "\" is a duplicate");
+  for (const std::string& column : table.columns()) {
     const auto found =
         std::find_if(cells().begin(), cells().end(), [&](const Cell& cell) { return cell.name == column; });
     order.push_back(found == cells().end() ? nullptr : &*found);
   }
   for (const Cell& cell : cells()) {
-    if (!seen.contains(cell.name)) throw DataError(reader.where() + "column \"" + cell.name + "\" is missing");
+    if (std::find(order.begin(), order.end(), &cell) != order.end()) continue;
+    throw DataError(table.where() + "column \"" + cell.name + "\" is missing");
   }
   return order;
 }
@@ -224,23 +222,18 @@ std::string tile_table_to_csv(const Ground& ground, std::span<const TileScores> 
 }
 
 std::vector<TileRow> tile_table_from_csv(const std::string& name, std::string_view text) {
-  CsvReader reader(name, text);
-  std::vector<std::string> parts;
-  if (!reader.next(parts)) throw DataError(name + ": empty, expected a table of tiles");
-  const std::vector<const Cell*> order = read_header(reader, parts);
+  CsvTable table(name, text, "a table of tiles");
+  const std::vector<const Cell*> order = read_header(table);
   std::vector<TileRow> rows;
-  while (reader.next(parts)) {
-    const std::string where = reader.where();
-    if (parts.size() != order.size()) {
-      throw DataError(where + std::to_string(parts.size()) + " cells, expected " + std::to_string(order.size()));
-    }
+  while (const auto* parts = table.next()) {
     TileRow row;
     for (std::size_t i = 0; i < order.size(); ++i) {
-      if (order[i] == nullptr || order[i]->read(row, parts[i])) continue;
-      throw DataError(where + order[i]->name + " = \"" + parts[i].substr(0, 40) + "\" is not allowed");
+      const std::string& part = (*parts)[i];
+      if (order[i] == nullptr || order[i]->read(row, part)) continue;
+      throw DataError(table.where() + order[i]->name + " = \"" + part.substr(0, 40) + "\" is not allowed");
     }
     if (!rows.empty() && rows.back().tile.tile_id >= row.tile.tile_id) {
-      throw DataError(where + "tile_id " + std::to_string(row.tile.tile_id) + " does not follow " +
+      throw DataError(table.where() + "tile_id " + std::to_string(row.tile.tile_id) + " does not follow " +
                       std::to_string(rows.back().tile.tile_id));
     }
     rows.push_back(row);

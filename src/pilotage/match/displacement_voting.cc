@@ -101,7 +101,7 @@ std::vector<double> yaw_hypotheses_rad(const SearchSpace& space, double step_rad
   return values;
 }
 
-/// The pairs whose angles tell about this turn.
+/// The pairs whose angles differ by this turn, within `max_error_rad`.
 std::vector<Pair> pairs_turned_by(const std::vector<Pair>& pairs, double yaw_rad, double max_error_rad) {
   std::vector<Pair> turned;
   for (const Pair& pair : pairs) {

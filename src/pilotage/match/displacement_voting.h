@@ -67,7 +67,7 @@ struct SearchSpace {
   double half_width_px = 0;
   double yaw_sigma_rad = 0;
   double scale_sigma = 0;
-  bool oriented = false;  ///< Descriptors turn with the patch: a pair votes only for the turn that its angles tell.
+  bool oriented = false;  ///< Descriptors turn with the patch: a pair votes only for the turn between its angles.
 };
 
 /// A place with many votes.

@@ -9,7 +9,7 @@
 
 namespace pilotage {
 
-/// How high the aircraft is, for the messages that tell of a fix. A match knows the height above ground only: heights
+/// How high the aircraft is, for the messages that carry a fix. A match knows the height above ground only: heights
 /// of the ground come from an elevation model on board, or the altitude from a barometer. NaN = not known.
 struct FixAltitude {
   double ellipsoid_m = std::numeric_limits<double>::quiet_NaN();  ///< Above the WGS 84 ellipsoid.

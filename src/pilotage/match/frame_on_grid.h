@@ -15,7 +15,7 @@ inline constexpr double kRadPerDeg = 0.017453292519943295;
 /// Largest side of a rectified frame: about 0.5 km at 0.6 m/px. More adds time, not certainty.
 inline constexpr int kMaxRectifiedSidePx = 768;
 
-/// A frame laid on the grid of a level of the map, and where the prior puts it.
+/// A frame rectified onto the grid of a level of the map, and where the prior puts it.
 struct FrameOnGrid {
   std::optional<MatchStatus> refusal;  ///< Why the frame cannot be matched; the rest may not be filled then.
   const MapLevel* level = nullptr;
@@ -42,15 +42,15 @@ double search_half_width_m(const MatchPrior& prior, const MatchOptions& options)
 /// The attitude against the grid's up instead of true north.
 Attitude attitude_on_grid(const Attitude& attitude, const LocalGrid& grid);
 
-/// Lays `frame` on the grid of the level that serves its height. The refusal says why it cannot be: the map has
+/// Rectifies `frame` onto the grid of the level that serves its height. The refusal says why it cannot be: the map has
 /// nothing here, the window is too large, or the frame cannot be rectified. Throws DataError when the map is damaged.
-FrameOnGrid lay_frame_on_grid(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                              const MatchOptions& options);
+FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
+                          const MatchOptions& options);
 
 /// The frame described everywhere, to be turned about the ground under the principal point.
-PivotedFrame describe(const FrameOnGrid& laid, const FeatureOptions& options);
+PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options);
 
 /// What is searched on `map`.
-SearchSpace search_space(const FrameOnGrid& laid, const LocalMap& map, const MatchOptions& options, bool oriented);
+SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, const MatchOptions& options, bool oriented);
 
 }  // namespace pilotage

@@ -61,7 +61,7 @@ std::optional<LocalGrid> local_grid(MapReader& map, const MapLevel& level, Geode
   grid.origin_px = map_from_pixel.pixel_from_map(tile.bounds.center_m());
   grid.enu_from_px = tile.enu_from_grid * grid_from_px;
   if (!(grid.gsd_m() > 0) || !std::isfinite(grid.gsd_m())) {
-    throw DataError("tile " + std::to_string(tile.tile_id) + ": its grid cannot be laid on the ground");
+    throw DataError("tile " + std::to_string(tile.tile_id) + ": its grid has no finite scale above 0 on the ground");
   }
   return grid;
 }

@@ -67,17 +67,17 @@ std::optional<MatchStatus> refusal_of_best(const MatchStats& stats, const MatchO
 
 MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                            const MatchOptions& options) {
-  const FrameOnGrid laid = lay_frame_on_grid(frame, prior, camera, map, options);
+  const FrameOnGrid rectified = rectify_frame(frame, prior, camera, map, options);
   MatchStats stats;
-  if (laid.level != nullptr) stats.level = laid.level->matrix.level;
-  stats.gsd_m = laid.gsd_m;
-  if (laid.refusal) return refused(*laid.refusal, stats);
+  if (rectified.level != nullptr) stats.level = rectified.level->matrix.level;
+  stats.gsd_m = rectified.gsd_m;
+  if (rectified.refusal) return refused(*rectified.refusal, stats);
 
   const FeatureOptions& features = map.features();
-  const PivotedFrame described = describe(laid, features);
-  const Eigen::Vector2d center_px = laid.prior_px + laid.px_from_m(laid.pivot_m);
+  const PivotedFrame described = describe(rectified, features);
+  const Eigen::Vector2d center_px = rectified.prior_px + rectified.px_from_m(rectified.pivot_m);
   const LocalMap local =
-      read_local_map(map, *laid.level, laid.grid, center_px, laid.half_width_px + described.radius_px);
+      read_local_map(map, *rectified.level, rectified.grid, center_px, rectified.half_width_px + described.radius_px);
   stats.frame_features = static_cast<int>(described.grid.points.size());
   stats.map_features = static_cast<int>(local.features.size());
   if (local.features.size() == 0) return refused(MatchStatus::kNoMap, stats);
@@ -88,17 +88,17 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
     return refused(MatchStatus::kTooFewFeatures, stats);
   }
 
-  const SearchSpace space = search_space(laid, local, options, features.oriented);
+  const SearchSpace space = search_space(rectified, local, options, features.oriented);
   if (search_bins(described, space) > kMaxSearchBins) return refused(MatchStatus::kBadPrior, stats);
-  const auto chips = compare_chips(frame, prior, camera, map, options, laid, described, local);
-  const auto places = rank_places(described, local, space, chips, laid.gsd_m);
+  const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local);
+  const auto places = rank_places(described, local, space, chips, rectified.gsd_m);
   if (!places) return refused(MatchStatus::kInconsistent, stats);
   describe_ranking(*places, stats);
-  const auto refined = refine_fix(laid, described, local, prior, options, places->best.match);
+  const auto refined = refine_fix(rectified, described, local, prior, options, places->best.match);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   stats.inliers = refined->pose.inliers;
   stats.residual_m = refined->pose.residual_m;
-  const bool outside_gate = is_outside_gate(laid, local, prior, options, refined->pose);
+  const bool outside_gate = is_outside_gate(rectified, local, prior, options, refined->pose);
   if (const auto refusal = refusal_of_best(stats, options, outside_gate)) return {*refusal, {}, refined->fix, stats};
   return {MatchStatus::kFix, refined->fix, refined->fix, stats};
 }

@@ -121,9 +121,9 @@ struct MatchResult {
   MatchStats stats;
 };
 
-/// Finds the aircraft: the frame is laid on the ground with the prior attitude and height, its features are compared
-/// with the map's inside the search window, displacements vote, the best pose is refined and accepted or refused.
-/// docs/methods/match.md has the method and its measurements.
+/// Finds the aircraft: the frame is rectified onto the ground with the prior attitude and height, its features are
+/// compared with the map's inside the search window, displacements vote, the best pose is refined and accepted or
+/// refused. docs/methods/match.md has the method and its measurements.
 ///
 /// `frame` is CV_8UC1 of the camera's size. The answer is a status for any frame, prior, camera and options, and for a
 /// damaged map: nothing is thrown but std::bad_alloc. Deterministic. Re-entrant; one MapReader serves one thread at a

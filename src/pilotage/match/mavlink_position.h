@@ -54,7 +54,7 @@ struct MavlinkSending {
   std::uint64_t sending_time_us = 0;   ///< Not before the exposure.
 };
 
-/// The message that tells an autopilot of a match: the position of the aircraft (Fix::position), source VISION.
+/// The message by which an autopilot gets a match: the position of the aircraft (Fix::position), source VISION.
 ///
 /// `eph` is one number where the covariance has three: the root of its largest eigenvalue, because autopilots apply it
 /// to each axis. Latitude and longitude are rounded to the nearest 1e-7 degrees (at most 6 mm). A match without a fix,

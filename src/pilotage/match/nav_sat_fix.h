@@ -38,7 +38,7 @@ struct NavSatFix {
   std::uint8_t position_covariance_type = kNavSatCovarianceUnknown;
 };
 
-/// The message that tells a ROS system of a match: the position of the aircraft (Fix::position) at `exposure_time_ns`
+/// The message by which a ROS system gets a match: the position of the aircraft (Fix::position) at `exposure_time_ns`
 /// (since 1970, held to what stamp_sec can say: until 2038).
 ///
 /// The covariance holds the fix's east and north, and the altitude's variance; between them it is 0, since Fix has no

@@ -27,22 +27,23 @@ RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipCompari
 }  // namespace
 
 std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
-                                            MapReader& map, const MatchOptions& options, const FrameOnGrid& laid,
+                                            MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
                                             const PivotedFrame& described, const LocalMap& local) {
   if (!options.chips || !map.has_chips() || options.yaw_sigma_deg * kRadPerDeg > kUnknownYawRad) return std::nullopt;
   ChipComparison chips;
   chips.reference_px = local.reference_px;
-  chips.pivot_from_nadir_px = laid.px_from_m(laid.pivot_m);
-  const double reach_px = laid.half_width_px + chips.pivot_from_nadir_px.norm() + 1.2 * described.radius_px;
-  chips.mosaic = read_chip_mosaic(map, laid.level->matrix.level, laid.prior_px, reach_px);
+  chips.pivot_from_nadir_px = rectified.px_from_m(rectified.pivot_m);
+  const double reach_px = rectified.half_width_px + chips.pivot_from_nadir_px.norm() + 1.2 * described.radius_px;
+  chips.mosaic = read_chip_mosaic(map, rectified.level->matrix.level, rectified.prior_px, reach_px);
   if (chips.mosaic.gray.empty()) return std::nullopt;
   RectifyOptions rectify;
-  rectify.gsd_m = laid.gsd_m * chips.mosaic.factor;
+  rectify.gsd_m = rectified.gsd_m * chips.mosaic.factor;
   rectify.max_size_px = kMaxRectifiedSidePx;
-  chips.frame = ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, laid.grid), prior.height_agl_m, rectify);
+  chips.frame =
+      ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify);
   if (chips.frame.status != RectifyStatus::kOk) return std::nullopt;
   const auto hypotheses = chip_hypotheses(1.5 * options.yaw_sigma_deg, 3, 1.5 * options.height_sigma_fraction, 3);
-  chips.best = search_chips(chips.frame, chips.mosaic, laid.prior_px, laid.half_width_px, hypotheses);
+  chips.best = search_chips(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, hypotheses);
   return chips;
 }
 

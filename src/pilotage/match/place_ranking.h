@@ -37,7 +37,7 @@ struct ChipComparison {
 /// Searches the frame on the chips of the window. Nothing when they are not wanted, when the map has none here, or when
 /// the heading is unknown: chips are compared upright. Throws DataError when the map is damaged.
 std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
-                                            MapReader& map, const MatchOptions& options, const FrameOnGrid& laid,
+                                            MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
                                             const PivotedFrame& described, const LocalMap& local);
 
 /// A place and what speaks for it.

@@ -13,7 +13,7 @@ namespace {
 constexpr double kGateSigmas = 4;
 
 /// The frame's rays and the map's points of the pairs, turned by the placement's yaw where the prior has none.
-std::vector<GroundPair> ground_pairs(const FrameOnGrid& laid, const PivotedFrame& frame, const LocalMap& map,
+std::vector<GroundPair> ground_pairs(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const std::vector<GuidedPair>& pairs, double turn_rad) {
   const double cosine = std::cos(turn_rad);
   const double sine = std::sin(turn_rad);
@@ -25,12 +25,12 @@ std::vector<GroundPair> ground_pairs(const FrameOnGrid& laid, const PivotedFrame
   }
   std::vector<GroundPair> result;
   for (const GuidedPair& pair : pairs) {
-    const Eigen::Vector2d ground = laid.frame.ground_from_pixel(pair.from_pivot_px + frame.pivot_px);
+    const Eigen::Vector2d ground = rectified.frame.ground_from_pixel(pair.from_pivot_px + frame.pivot_px);
     GroundPair on_ground;
     // Clockwise, with y up.
     on_ground.ray_m = {cosine * ground.x() + sine * ground.y(), -sine * ground.x() + cosine * ground.y(),
                        -prior.height_agl_m};
-    on_ground.map_m = laid.m_from_px(pair.map_px);
+    on_ground.map_m = rectified.m_from_px(pair.map_px);
     const auto height_m = static_cast<double>(map.ground_height_m[pair.map_feature]);
     if (std::isfinite(height_m)) on_ground.rise_m = height_m - heights_m / known;
     result.push_back(on_ground);
@@ -56,37 +56,37 @@ std::int64_t tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
 
 }  // namespace
 
-std::optional<RefinedFix> refine_fix(const FrameOnGrid& laid, const PivotedFrame& frame, const LocalMap& map,
+std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place) {
   const bool yaw_unknown = options.yaw_sigma_deg * kRadPerDeg > kUnknownYawRad;
   const double base_turn_rad = yaw_unknown ? place.placement.yaw_rad : 0;
   const auto pairs = supporting_pairs(frame, map, place.placement);
-  const auto on_ground = ground_pairs(laid, frame, map, prior, pairs, base_turn_rad);
+  const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs, base_turn_rad);
   PosePrior sigmas;
   sigmas.position_sigma_m = prior.sigma_m;
   sigmas.tilt_sigma_rad = options.attitude_sigma_deg * kRadPerDeg;
   sigmas.yaw_sigma_rad = options.yaw_sigma_deg * kRadPerDeg;
   sigmas.log_height_sigma = options.height_sigma_fraction;
-  const Eigen::Vector2d prior_m = laid.m_from_px(laid.prior_px - map.reference_px);
-  const Eigen::Vector2d nadir_from_pivot = frame.grid.points.size() > 0
-                                               ? Eigen::Vector2d(laid.frame.pixel_from_ground({0, 0}) - frame.pivot_px)
-                                               : Eigen::Vector2d::Zero();
-  const Eigen::Vector2d start_m = laid.m_from_px(place.placement.map_from_frame(nadir_from_pivot));
+  const Eigen::Vector2d prior_m = rectified.m_from_px(rectified.prior_px - map.reference_px);
+  const Eigen::Vector2d nadir_from_pivot =
+      frame.grid.points.size() > 0 ? Eigen::Vector2d(rectified.frame.pixel_from_ground({0, 0}) - frame.pivot_px)
+                                   : Eigen::Vector2d::Zero();
+  const Eigen::Vector2d start_m = rectified.m_from_px(place.placement.map_from_frame(nadir_from_pivot));
   RefinedFix refined;
-  refined.pose = refine_pose(on_ground, sigmas, prior_m, start_m, 0.3 * laid.gsd_m);
+  refined.pose = refine_pose(on_ground, sigmas, prior_m, start_m, 0.3 * rectified.gsd_m);
   if (!refined.pose.converged) return std::nullopt;
 
   const PoseCorrection& pose = refined.pose;
-  const Eigen::Matrix2d enu_from_grid = laid.enu_from_grid_m();
+  const Eigen::Matrix2d enu_from_grid = rectified.enu_from_grid_m();
   const Eigen::Matrix2d map_noise = Eigen::Matrix2d::Identity() * options.map_sigma_m * options.map_sigma_m;
   const auto geodetic = [&](const Eigen::Vector2d& m) {
-    return laid.grid.geodetic_from_px(map.reference_px + laid.px_from_m(m));
+    return rectified.grid.geodetic_from_px(map.reference_px + rectified.px_from_m(m));
   };
   Fix& fix = refined.fix;
   fix.position = geodetic(pose.position_m);
   fix.covariance_en_m2 = enu_from_grid * pose.covariance.topLeftCorner<2, 2>() * enu_from_grid.transpose() + map_noise;
   const Eigen::Rotation2Dd base_turn(-base_turn_rad);
-  const Eigen::Vector2d pivot_m = base_turn * laid.pivot_m;
+  const Eigen::Vector2d pivot_m = base_turn * rectified.pivot_m;
   const Eigen::Vector3d pivot_ray(pivot_m.x(), pivot_m.y(), -prior.height_agl_m);
   fix.center = geodetic(pose.ground_from_ray(pivot_ray));
   const Eigen::Matrix<double, 2, 6> jacobian = pose.ground_jacobian(pivot_ray);
@@ -95,7 +95,7 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& laid, const PivotedFrame
   fix.yaw_deg = std::remainder(prior.attitude.yaw_deg + (base_turn_rad - pose.turn_rad) / kRadPerDeg, 360.0);
   if (fix.yaw_deg < 0) fix.yaw_deg += 360;
   // A rotation vector about right and up of the grid; nose and wing are turned from it by the heading on the grid.
-  const double heading_rad = (fix.yaw_deg - laid.grid.convergence_deg()) * kRadPerDeg;
+  const double heading_rad = (fix.yaw_deg - rectified.grid.convergence_deg()) * kRadPerDeg;
   const Eigen::Vector2d nose(std::sin(heading_rad), std::cos(heading_rad));
   const Eigen::Vector2d wing(std::cos(heading_rad), -std::sin(heading_rad));
   fix.roll_deg = prior.attitude.roll_deg + pose.tilt_rad.dot(nose) / kRadPerDeg;
@@ -108,9 +108,9 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& laid, const PivotedFrame
   return refined;
 }
 
-bool is_outside_gate(const FrameOnGrid& laid, const LocalMap& map, const MatchPrior& prior, const MatchOptions& options,
-                     const PoseCorrection& pose) {
-  const Eigen::Vector2d off_m = pose.position_m - laid.m_from_px(laid.prior_px - map.reference_px);
+bool is_outside_gate(const FrameOnGrid& rectified, const LocalMap& map, const MatchPrior& prior,
+                     const MatchOptions& options, const PoseCorrection& pose) {
+  const Eigen::Vector2d off_m = pose.position_m - rectified.m_from_px(rectified.prior_px - map.reference_px);
   if (off_m.cwiseAbs().maxCoeff() > search_half_width_m(prior, options)) return true;
   if (pose.tilt_rad.norm() > kGateSigmas * options.attitude_sigma_deg * kRadPerDeg) return true;
   if (options.yaw_sigma_deg * kRadPerDeg <= kUnknownYawRad &&

@@ -16,12 +16,12 @@ struct RefinedFix {
 
 /// Refines the pose from the supporters of `place`. Heights of the map's ground count against their mean. Nothing when
 /// the pose does not converge.
-std::optional<RefinedFix> refine_fix(const FrameOnGrid& laid, const PivotedFrame& frame, const LocalMap& map,
+std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place);
 
 /// Whether a pose lies outside the searched square, or more than four standard deviations from the prior attitude or
 /// height.
-bool is_outside_gate(const FrameOnGrid& laid, const LocalMap& map, const MatchPrior& prior, const MatchOptions& options,
-                     const PoseCorrection& pose);
+bool is_outside_gate(const FrameOnGrid& rectified, const LocalMap& map, const MatchPrior& prior,
+                     const MatchOptions& options, const PoseCorrection& pose);
 
 }  // namespace pilotage

@@ -82,19 +82,16 @@ int column_of(const std::string& name) {
   return found == kColumns.end() ? kUnknown : static_cast<int>(found - kColumns.begin());
 }
 
-Header read_header(const CsvReader& reader, const std::vector<std::string>& names, const FrameTableOptions& options) {
+Header read_header(const CsvTable& table, const FrameTableOptions& options) {
+  const std::vector<std::string>& names = table.columns();
   Header header;
   header.required = options.required;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
-        names.begin() + static_cast<std::ptrdiff_t>(i)) {
-      throw DataError(reader.where() + "column \"" + names[i] + "\" stands twice");
-    }
-    header.columns.push_back(column_of(names[i]));
+  for (const std::string& name : names) {
+    header.columns.push_back(column_of(name));
     if (header.columns.back() != kUnknown) continue;
-    const std::string nearest = nearest_word(names[i], known_names());
+    const std::string nearest = nearest_word(name, known_names());
     const bool misspelt = !nearest.empty() && std::find(names.begin(), names.end(), nearest) == names.end();
-    header.warnings.push_back(reader.where() + "column \"" + names[i] + "\" is not known and not used" +
+    header.warnings.push_back(table.where() + "column \"" + name + "\" is not known and not used" +
                               (misspelt ? "; is it \"" + nearest + "\"?" : ""));
   }
   const auto has = [&](int column) {
@@ -103,7 +100,7 @@ Header read_header(const CsvReader& reader, const std::vector<std::string>& name
   if (options.truth == FrameTruth::kNadir && (has(kNadirLon) || has(kNadirLat))) header.truth = {kNadirLon, kNadirLat};
   const auto need = [&](int column, const std::string& name) {
     if (has(column)) return;
-    throw DataError(reader.where() + "column \"" + name + "\" is missing; the columns are " + join(names, ", "));
+    throw DataError(table.where() + "column \"" + name + "\" is missing; the columns are " + join(names, ", "));
   };
   need(kFile, "file");
   for (std::size_t i = 0; i < kColumns.size() && options.required == FrameColumns::kAll; ++i) {
@@ -112,30 +109,26 @@ Header read_header(const CsvReader& reader, const std::vector<std::string>& name
   return header;
 }
 
-double read_number(const CsvReader& reader, const ColumnRule& rule, const std::string& cell, bool required) {
+double read_number(const CsvTable& table, const ColumnRule& rule, const std::string& cell, bool required) {
   if (cell.empty() && !required) return kNaN;
   const std::optional<double> value = parse_number(cell);
   if (value && *value >= rule.range.min && *value <= rule.range.max) return *value;
   const bool any = rule.range.max == kAny;
-  throw DataError(reader.where() + rule.name + " = \"" + cell.substr(0, 40) + "\" is not a number" +
+  throw DataError(table.where() + rule.name + " = \"" + cell.substr(0, 40) + "\" is not a number" +
                   (any ? "" : " in [" + format_number(rule.range.min) + ", " + format_number(rule.range.max) + "]"));
 }
 
-std::optional<GeodeticPoint> read_truth(const CsvReader& reader, const Numbers& numbers, Column lon, Column lat) {
+std::optional<GeodeticPoint> read_truth(const CsvTable& table, const Numbers& numbers, Column lon, Column lat) {
   const bool lon_given = !std::isnan(numbers[lon]);
   if (lon_given != !std::isnan(numbers[lat])) {
-    throw DataError(reader.where() + kColumns[lon_given ? lon : lat].name + " is given, " +
+    throw DataError(table.where() + kColumns[lon_given ? lon : lat].name + " is given, " +
                     kColumns[lon_given ? lat : lon].name + " is not");
   }
   if (!lon_given) return std::nullopt;
   return GeodeticPoint{wrap_lon_deg(numbers[lon]), numbers[lat]};
 }
 
-FrameRecord read_row(const CsvReader& reader, const Header& header, const std::vector<std::string>& cells) {
-  if (cells.size() != header.columns.size()) {
-    throw DataError(reader.where() + std::to_string(cells.size()) + " cells, expected " +
-                    std::to_string(header.columns.size()));
-  }
+FrameRecord read_row(const CsvTable& table, const Header& header, const std::vector<std::string>& cells) {
   FrameRecord frame;
   Numbers numbers;
   numbers.fill(kNaN);
@@ -144,30 +137,28 @@ FrameRecord read_row(const CsvReader& reader, const Header& header, const std::v
     if (header.columns[i] < 0) continue;
     const auto column = static_cast<std::size_t>(header.columns[i]);
     const bool needed = header.required == FrameColumns::kAll && !kColumns[column].is_truth;
-    numbers[column] = read_number(reader, kColumns[column], cells[i], needed);
+    numbers[column] = read_number(table, kColumns[column], cells[i], needed);
   }
-  if (frame.file.empty()) throw DataError(reader.where() + "file is empty");
+  if (frame.file.empty()) throw DataError(table.where() + "file is empty");
   frame.time_s = numbers[kTime];
   frame.prior = {std::isnan(numbers[kPriorLon]) ? kNaN : wrap_lon_deg(numbers[kPriorLon]), numbers[kPriorLat]};
   frame.prior_sigma_m = numbers[kPriorSigma];
   frame.height_agl_m = numbers[kHeight];
   frame.attitude = {numbers[kYaw], numbers[kPitch], numbers[kRoll]};
-  frame.truth = read_truth(reader, numbers, header.truth[0], header.truth[1]);
+  frame.truth = read_truth(table, numbers, header.truth[0], header.truth[1]);
   return frame;
 }
 
 }  // namespace
 
 FrameTable frame_table_from_csv(const std::string& name, std::string_view text, const FrameTableOptions& options) {
-  CsvReader reader(name, text);
-  std::vector<std::string> cells;
-  if (!reader.next(cells)) throw DataError(name + ": empty, expected a table of frames");
-  const Header header = read_header(reader, cells, options);
-  FrameTable table;
-  table.warnings = header.warnings;
-  while (reader.next(cells)) table.frames.push_back(read_row(reader, header, cells));
-  if (table.frames.empty()) throw DataError(name + ": has no frame, only a line of names");
-  return table;
+  CsvTable table(name, text, "a table of frames");
+  const Header header = read_header(table, options);
+  FrameTable result;
+  result.warnings = header.warnings;
+  while (const auto* cells = table.next()) result.frames.push_back(read_row(table, header, *cells));
+  if (result.frames.empty()) throw DataError(name + ": has no frame, only a line of names");
+  return result;
 }
 
 std::string frame_path(const std::string& table_path, const std::string& file) {

@@ -9,7 +9,6 @@
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/camera/camera_json.h"
-#include "pilotage/mission/tile_lookup.h"
 #include "pilotage/raster/gdal_crs.h"
 #include "pilotage/route/route_json.h"
 

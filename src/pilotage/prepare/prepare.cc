@@ -12,6 +12,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/gis/score_files.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/ground/tile_table.h"
 #include "pilotage/mission/plan_file.h"
@@ -106,7 +107,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
 
-  const GroundScores scored = score_ground(plan.ground, score_options, run.seed, run.threads, progress);
+  std::optional<GroundImagery> imagery = open_imagery(plan.ground);
+  const GroundScores scored = score_ground(plan.ground, score_options, run.seed, run.threads, progress, &*imagery);
   const std::vector<TileScores>& scores = scored.scores;
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
@@ -141,7 +143,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     second_date = SecondDate{options.score.second_epoch, registration.fit.field};
   }
   result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
-                         options.build, true, run.threads, progress, second_date);
+                         options.build, true, run.threads, progress, second_date, &*imagery);
+  imagery.reset();  // the report reads it at other scales
 
   ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version, run.threads, progress);
   report_progress(progress, "writing the report", 0, 0);

@@ -32,7 +32,9 @@ GraySource gray_source_of(const ColorSource& colors) {
             Raster raster = read(window);
             raster.pixels = gray_from_colors(raster.pixels);
             return raster;
-          }};
+          },
+          colors.block_width_px,
+          colors.block_height_px};
 }
 
 }  // namespace pilotage

@@ -6,6 +6,8 @@
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/raster/raster.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// A grid of colours of any size that is read window by window: the colour counterpart of GraySource.
@@ -21,6 +23,10 @@ struct ColorSource {
   /// is stretched, so ratios of bands mean something). May be called by several threads at a time. Throws DataError
   /// when the data cannot be read.
   std::function<Raster(const PixelWindow& window)> read;
+
+  /// As of GraySource.
+  int block_width_px = 1;
+  int block_height_px = 1;
 };
 
 /// BT.601 luma of one or three channels (red, green, blue); one channel is gray already. 8 and 16 bits as cv::cvtColor
@@ -30,4 +36,12 @@ cv::Mat gray_from_colors(const cv::Mat& pixels);
 /// The same grid in gray: what open_gray and open_gray_on_grid give for the same imagery.
 GraySource gray_source_of(const ColorSource& colors);
 
+/// The same imagery in gray and in colour.
+struct GrayAndColors {
+  GraySource gray;
+  ColorSource colors;
+};
+
 }  // namespace pilotage
+
+#pragma GCC visibility pop

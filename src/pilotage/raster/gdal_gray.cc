@@ -224,8 +224,9 @@ GraySource source_on_own_pixels(const ImageryInfo& info, const ImageryOptions& o
           info.block_width_px, info.block_height_px};
 }
 
-GraySource source_on_grid(Mosaic opened) {
-  auto mosaic = std::make_shared<const Mosaic>(std::move(opened));
+using SharedMosaic = std::shared_ptr<const Mosaic>;
+
+GraySource gray_on_grid(const SharedMosaic& mosaic) {
   GraySource source;
   source.width_px = mosaic->grid.width_px;
   source.height_px = mosaic->grid.height_px;
@@ -240,6 +241,29 @@ GraySource source_on_grid(Mosaic opened) {
                    [&](const RasterView& view) { return read_gray(view, window); });
   };
   return source;
+}
+
+ColorSource colors_on_grid(const SharedMosaic& mosaic) {
+  const bool colored = std::any_of(mosaic->parts.begin(), mosaic->parts.end(),
+                                   [](const MosaicPart& part) { return channels_of(part.info) == 3; });
+  const int channels = colored ? 3 : 1;
+  return {mosaic->grid.width_px,
+          mosaic->grid.height_px,
+          mosaic->grid.map_from_pixel,
+          mosaic->grid.crs,
+          channels,
+          mosaic->depth,
+          [mosaic, channels](const PixelWindow& window) {
+            check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
+            return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, channels),
+                           [&](const RasterView& view) { return read_colors(view, window, channels); });
+          },
+          RasterView::kWarpedBlockWidth_px,
+          RasterView::kWarpedBlockHeight_px};
+}
+
+SharedMosaic share(Mosaic mosaic) {
+  return std::make_shared<const Mosaic>(std::move(mosaic));
 }
 
 }  // namespace
@@ -263,14 +287,14 @@ cv::Mat read_gray8_picture(const std::string& dataset) {
 GraySource open_gray_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
                              const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
                              const ImageryOptions& options) {
-  return share_blocks(source_on_grid(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options)));
+  return share_blocks(gray_on_grid(share(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options))));
 }
 
 GraySource open_valid_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
                               const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
                               const ImageryOptions& options) {
   GraySource source =
-      source_on_grid(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options, mask_kernel_of));
+      gray_on_grid(share(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options, mask_kernel_of)));
   source.depth = CV_8U;
   source.read = [read = source.read](const PixelWindow& window) {
     Raster raster = read(window);
@@ -297,17 +321,22 @@ ColorSource open_colors(const std::string& dataset, const ImageryOptions& option
 ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
                                 const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
                                 const ImageryOptions& options) {
-  auto mosaic =
-      std::make_shared<const Mosaic>(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options));
-  const bool colored = std::any_of(mosaic->parts.begin(), mosaic->parts.end(),
-                                   [](const MosaicPart& part) { return channels_of(part.info) == 3; });
-  const int channels = colored ? 3 : 1;
-  return {
-      width_px, height_px, map_from_pixel, crs, channels, mosaic->depth, [mosaic, channels](const PixelWindow& window) {
-        check_window(window, mosaic->grid.width_px, mosaic->grid.height_px);
-        return compose(*mosaic, window, CV_MAKETYPE(mosaic->depth, channels),
-                       [&](const RasterView& view) { return read_colors(view, window, channels); });
-      }};
+  return colors_on_grid(share(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options)));
+}
+
+GrayAndColors open_gray_and_colors_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
+                                           const GeoTransform& map_from_pixel, std::int64_t width_px,
+                                           std::int64_t height_px, const ImageryOptions& options,
+                                           std::int64_t kept_bytes) {
+  const SharedMosaic mosaic = share(open_mosaic(datasets, {crs, map_from_pixel, width_px, height_px}, options));
+  const ColorSource colors = colors_on_grid(mosaic);
+  // Gray of parts that are not alike is rounded part by part, before they become one: it is not the colours' gray.
+  const bool alike = std::all_of(mosaic->parts.begin(), mosaic->parts.end(), [&](const MosaicPart& part) {
+    return part.info.depth == colors.depth && channels_of(part.info) == colors.channels;
+  });
+  if (!alike) return {share_blocks(gray_on_grid(mosaic)), colors};
+  const ColorSource shared = share_blocks(colors, kept_bytes);
+  return {gray_source_of(shared), shared};
 }
 
 Raster read_rgb8_on_grid(const std::vector<std::string>& datasets, const Crs& crs, const GeoTransform& map_from_pixel,

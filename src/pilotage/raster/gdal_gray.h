@@ -56,6 +56,14 @@ ColorSource open_colors_on_grid(const std::vector<std::string>& datasets, const 
                                 const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px,
                                 const ImageryOptions& options = {});
 
+/// What open_gray_on_grid and open_colors_on_grid give, of one mosaic whose blocks are decoded and warped once for all
+/// that read it in either way; the last `kept_bytes` of them stay in memory. Parts that differ in depth or in their
+/// number of bands are read by each for itself. Throws as open_gray_on_grid.
+GrayAndColors open_gray_and_colors_on_grid(const std::vector<std::string>& datasets, const Crs& crs,
+                                           const GeoTransform& map_from_pixel, std::int64_t width_px,
+                                           std::int64_t height_px, const ImageryOptions& options,
+                                           std::int64_t kept_bytes);
+
 /// Where open_gray_on_grid has ground, pixel for pixel: `pixels` and `valid` are both the mask, 255 or 0. Cheaper than
 /// the grays, because a mask needs no interpolation. Throws as open_gray_on_grid.
 GraySource open_valid_on_grid(const std::vector<std::string>& datasets, const Crs& crs,

@@ -19,17 +19,27 @@ std::int64_t unit_side(std::int64_t block_px, std::int64_t extent_px) {
   return std::min(extent_px, (kLeastSide_px + block_px - 1) / block_px * block_px);
 }
 
+int type_of(const GraySource& source) {
+  return CV_MAKETYPE(source.depth, 1);
+}
+
+int type_of(const ColorSource& source) {
+  return CV_MAKETYPE(source.depth, source.channels);
+}
+
+template <class Source>
 class Blocks {
  public:
-  explicit Blocks(const GraySource& source)
+  Blocks(const Source& source, std::int64_t kept_pixels)
       : source_(source),
+        kept_pixels_(kept_pixels),
         width_px_(unit_side(source.block_width_px, source.width_px)),
         height_px_(unit_side(source.block_height_px, source.height_px)) {
     const std::int64_t across = (source.width_px + width_px_ - 1) / width_px_;
-    most_ = static_cast<std::size_t>(std::max(3 * across, kKeptPixels / (width_px_ * height_px_)));
+    most_ = static_cast<std::size_t>(std::max(3 * across, kept_pixels / (width_px_ * height_px_)));
   }
 
-  bool too_large() const { return width_px_ * height_px_ > kKeptPixels; }
+  bool too_large() const { return width_px_ * height_px_ > kept_pixels_; }
 
   Raster read(const PixelWindow& window) {
     if (whole(window.col, window.width, width_px_, source_.width_px) &&
@@ -40,7 +50,7 @@ class Blocks {
         window.col + window.width > source_.width_px || window.row + window.height > source_.height_px) {
       return source_.read(window);  // refuses it
     }
-    Raster result{cv::Mat(window.height, window.width, source_.depth), cv::Mat(window.height, window.width, CV_8U),
+    Raster result{cv::Mat(window.height, window.width, type_of(source_)), cv::Mat(window.height, window.width, CV_8U),
                   source_.map_from_pixel.shifted(static_cast<double>(window.col), static_cast<double>(window.row))};
     const std::int64_t end_col = window.col + window.width;
     const std::int64_t end_row = window.row + window.height;
@@ -114,7 +124,8 @@ class Blocks {
     }
   }
 
-  GraySource source_;
+  Source source_;
+  std::int64_t kept_pixels_;
   std::int64_t width_px_;
   std::int64_t height_px_;
   std::size_t most_ = 0;
@@ -123,15 +134,25 @@ class Blocks {
   std::list<BlockIndex> used_;  // the last one used first
 };
 
+template <class Source>
+Source shared_source(const Source& source, std::int64_t kept_pixels) {
+  if (source.block_width_px <= 1 && source.block_height_px <= 1) return source;
+  auto blocks = std::make_shared<Blocks<Source>>(source, kept_pixels);
+  if (blocks->too_large()) return source;
+  Source shared = source;
+  shared.read = [blocks](const PixelWindow& window) { return blocks->read(window); };
+  return shared;
+}
+
 }  // namespace
 
 GraySource share_blocks(const GraySource& source) {
-  if (source.block_width_px <= 1 && source.block_height_px <= 1) return source;
-  auto blocks = std::make_shared<Blocks>(source);
-  if (blocks->too_large()) return source;
-  GraySource shared = source;
-  shared.read = [blocks](const PixelWindow& window) { return blocks->read(window); };
-  return shared;
+  return shared_source(source, kKeptPixels);
+}
+
+ColorSource share_blocks(const ColorSource& source, std::int64_t kept_bytes) {
+  const auto bytes_per_px = static_cast<std::int64_t>(CV_ELEM_SIZE(type_of(source)) + 1);  // and its mask
+  return shared_source(source, kept_bytes / bytes_per_px);
 }
 
 }  // namespace pilotage

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+
+#include "pilotage/raster/color_source.h"
 #include "pilotage/raster/gray_source.h"
 
 namespace pilotage {
@@ -9,5 +12,8 @@ namespace pilotage {
 /// last blocks used are kept: 16 million pixels or three rows of blocks, whichever is more. A window of whole blocks is
 /// read past them. A source whose blocks are one pixel, or larger than the cache, is returned as it is.
 GraySource share_blocks(const GraySource& source);
+
+/// The same of colours; kept are the last `kept_bytes` of blocks, or three rows of them.
+ColorSource share_blocks(const ColorSource& source, std::int64_t kept_bytes);
 
 }  // namespace pilotage

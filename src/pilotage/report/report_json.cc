@@ -9,6 +9,7 @@
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/variant_json.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/report_file.h"
 #include "pilotage/report/tile_fields.h"
@@ -21,18 +22,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using StatusName = std::string_view (*)(QualityStatus);
 
-Json json_of(const VectorValue& value) {
-  return std::visit(
-      [](const auto& held) -> Json {
-        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, std::monostate>) {
-          return nullptr;
-        } else {
-          return held;
-        }
-      },
-      value);
-}
-
 class Writer {
  public:
   template <class T>
@@ -40,8 +29,8 @@ class Writer {
 
   explicit Writer(Json& json) : json_(json) {}
 
-  void number(const char* key, double value) { json_[key] = json_of(number_value(value)); }
-  void degrees(const char* key, double value) { json_[key] = json_of(degrees_value(value)); }
+  void number(const char* key, double value) { json_[key] = variant_to_json(number_value(value)); }
+  void degrees(const char* key, double value) { json_[key] = variant_to_json(degrees_value(value)); }
   void status(const char* key, QualityStatus value, StatusName name) { json_[key] = name(value); }
   /// An integer, a text, a list of texts, true or false, or JSON.
   template <class T>
@@ -243,8 +232,8 @@ Json profile_json(const Report& report) {
   json["columns"] = {"distance_m", "error_m", "matchable"};
   json["rows"] = Json::array();
   for (const ErrorSample& sample : report.error_profile) {
-    json["rows"].push_back(Json::array(
-        {json_of(number_value(sample.distance_m)), json_of(number_value(sample.error_m)), sample.matchable}));
+    json["rows"].push_back(Json::array({variant_to_json(number_value(sample.distance_m)),
+                                        variant_to_json(number_value(sample.error_m)), sample.matchable}));
   }
   return json;
 }
@@ -277,7 +266,7 @@ void describe_grid(Io& io, typename Io::template Ref<Report> report) {
 }
 
 Json measures_json(const Report& report) {
-  const auto number = [](double value) { return json_of(number_value(value, 12)); };
+  const auto number = [](double value) { return variant_to_json(number_value(value, 12)); };
   Json measures = Json::array();
   for (const MeasureScale& scale : report.measures) {
     const HeatMap& heat = scale.measure.heat;
@@ -306,7 +295,7 @@ Json tiles_json(const Report& report) {
   json["rows"] = Json::array();
   for (const ReportTile& tile : report.tiles) {
     Json row = Json::array();
-    for (const TileField& field : tile_fields()) row.push_back(json_of(field.value(tile)));
+    for (const TileField& field : tile_fields()) row.push_back(variant_to_json(field.value(tile)));
     json["rows"].push_back(row);
   }
   return json;

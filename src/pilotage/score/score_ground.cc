@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <span>
 
 #include "pilotage/base/parallel.h"
-#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/score/add_ground_cover.h"
 
@@ -19,15 +19,15 @@ struct ByLevel {
 };
 
 /// Scores the tiles of one level.
-std::vector<TileScores> score_level(const Ground& ground, const GridLevel& level, std::span<const GroundTile> tiles,
-                                    const ScoreOptions& options, std::uint64_t seed, int threads,
-                                    const Progress& progress) {
+std::vector<TileScores> score_level(const Ground& ground, const GridLevel& level, const GrayAndColors& imagery,
+                                    std::span<const GroundTile> tiles, const ScoreOptions& options, std::uint64_t seed,
+                                    int threads, const Progress& progress) {
   std::vector<std::int64_t> indices;
   for (const GroundTile& tile : tiles) indices.push_back(level.matrix.index_of(tile.column, tile.row));
-  std::vector<TileScores> scores = score_tiles(open_gray(ground, level), level.matrix, level.search_radius_px, indices,
-                                               options, seed, threads, progress);
+  std::vector<TileScores> scores =
+      score_tiles(imagery.gray, level.matrix, level.search_radius_px, indices, options, seed, threads, progress);
   if (options.measure(ScoreMeasure::kGroundCover)) {
-    add_ground_cover(open_colors(ground, level), level.matrix, indices, scores, threads, progress);
+    add_ground_cover(imagery.colors, level.matrix, indices, scores, threads, progress);
     add_relief(ground, tiles, scores);
   }
   return scores;
@@ -37,14 +37,18 @@ std::vector<TileScores> score_level(const Ground& ground, const GridLevel& level
 
 std::vector<TileScores> score_ground_tiles(const Ground& ground, const ScoreOptions& options,
                                            const WarpField* second_epoch, std::uint64_t seed, int threads,
-                                           const Progress& progress) {
+                                           const Progress& progress, const GroundImagery* imagery) {
+  std::optional<GroundImagery> opened;
+  if (imagery == nullptr) imagery = &opened.emplace(open_imagery(ground));
   std::vector<TileScores> scores;
   scores.reserve(ground.tiles.size());
   for (const GridLevel& level : ground.levels) {
     const auto [first, last] =
         std::equal_range(ground.tiles.begin(), ground.tiles.end(), level.matrix.level, ByLevel{});
     if (first == last) continue;
-    std::vector<TileScores> of_level = score_level(ground, level, {first, last}, options, seed, threads, progress);
+    const GrayAndColors& of_imagery = imagery->levels[static_cast<std::size_t>(level.matrix.level)];
+    std::vector<TileScores> of_level =
+        score_level(ground, level, of_imagery, {first, last}, options, seed, threads, progress);
     std::move(of_level.begin(), of_level.end(), std::back_inserter(scores));
   }
   if (second_epoch == nullptr) return scores;
@@ -66,14 +70,14 @@ void explain_scores(const Ground& ground, std::vector<TileScores>& scores, int t
 }
 
 GroundScores score_ground(const Ground& ground, const ScoreOptions& options, std::uint64_t seed, int threads,
-                          const Progress& progress) {
+                          const Progress& progress, const GroundImagery* imagery) {
   GroundScores result;
   const WarpField* field = nullptr;
   if (!options.second_epoch.empty()) {
     result.second_epoch = register_second_epoch(ground, options, threads, progress);
     field = &result.second_epoch->registration.fit.field;
   }
-  result.scores = score_ground_tiles(ground, options, field, seed, threads, progress);
+  result.scores = score_ground_tiles(ground, options, field, seed, threads, progress, imagery);
   explain_scores(ground, result.scores, threads);
   return result;
 }

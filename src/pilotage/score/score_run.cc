@@ -42,9 +42,4 @@ Ground whole_ground(const ScoreRun& run, int threads) {
   return whole;
 }
 
-std::optional<SecondEpoch> register_second_epoch(const ScoreRun& run, int threads, const Progress& progress) {
-  if (run.options.score.second_epoch.empty()) return std::nullopt;
-  return register_second_epoch(whole_ground(run, threads), run.options.score, threads, progress);
-}
-
 }  // namespace pilotage

@@ -49,8 +49,4 @@ std::vector<ShardTile> shard_tiles(const ScoreRun& run, const Shard& shard);
 Ground part_of_ground(const ScoreRun& run, const std::vector<std::int64_t>& places, int threads = 0);
 Ground whole_ground(const ScoreRun& run, int threads = 0);
 
-/// The registration of the second date, nothing without one. It is found from all tiles, whichever are scored, so that
-/// parts of a run agree.
-std::optional<SecondEpoch> register_second_epoch(const ScoreRun& run, int threads = 0, const Progress& progress = {});
-
 }  // namespace pilotage

@@ -44,19 +44,19 @@ struct TileScoring {
   const GraySource& source;
   const TileMatrix& matrix;
   const ScoreOptions& options;
-  int radius_px;  // 0 when no surface is asked for
-  int margin_px;  // context of degraded copies
+  std::span<const std::int64_t> indices;  // of the tiles asked for, ascending
+  int radius_px;                          // 0 when no surface is asked for
+  int margin_px;                          // context of degraded copies
   int threads;
   double center = 0;
   int lag_step = 1;
   std::vector<Degrader> copies{};
-  std::vector<std::pair<std::int64_t, std::size_t>> order{};  // tile index and its place in the result, ascending
 
   bool clean() const { return options.measure(ScoreMeasure::kUniqueness); }
   bool degraded() const { return options.measure(ScoreMeasure::kDegraded); }
   bool surfaces() const { return clean() || degraded(); }
   std::size_t place_of(std::int64_t index) const {
-    return std::lower_bound(order.begin(), order.end(), std::pair{index, std::size_t{0}})->second;
+    return static_cast<std::size_t>(std::lower_bound(indices.begin(), indices.end(), index) - indices.begin());
   }
 };
 
@@ -81,11 +81,17 @@ void check_request(const GraySource& source, const TileMatrix& matrix, int searc
                     " px is larger than the imagery of " + std::to_string(source.width_px) + " x " +
                     std::to_string(source.height_px) + " px");
   }
+  std::int64_t before = -1;
   for (const std::int64_t index : tile_indices) {
     if (index < 0 || index >= matrix.tile_count()) {
       throw UsageError("tile index " + std::to_string(index) + " is outside [0, " +
                        std::to_string(matrix.tile_count() - 1) + "]");
     }
+    if (index <= before) {
+      throw UsageError("tile index " + std::to_string(index) + " follows " + std::to_string(before) +
+                       ": indices must ascend, without duplicates");
+    }
+    before = index;
   }
 }
 
@@ -108,7 +114,7 @@ std::vector<TileBlock> make_blocks(const TileScoring& scoring) {
   const std::int64_t rows = std::max<std::int64_t>(
       1, (kStripPixels / extent(columns) - 2 * halo - matrix.tile_size_px) / matrix.stride_px + 1);
   std::map<std::pair<std::int64_t, std::int64_t>, TileBlock> blocks;
-  for (const auto& [index, place] : scoring.order) {
+  for (const std::int64_t index : scoring.indices) {
     const auto [column, row] = matrix.cell_of(index);
     TileBlock& block = blocks[{column / columns, row / rows}];
     block.columns_of_row[row].push_back(column);
@@ -358,8 +364,13 @@ std::vector<TileScores> score_tiles(const GraySource& source, const TileMatrix& 
   check_request(source, matrix, search_radius_px, tile_indices, options);
   std::optional<MatchabilityModel> model;  // a wrong one is refused before the work is done
   if (options.measure(ScoreMeasure::kCorrectFix)) model = model_for(options);
-  TileScoring scoring{
-      source, matrix, options, options.measures_surface() ? search_radius_px : 0, 0, thread_count(threads)};
+  TileScoring scoring{source,
+                      matrix,
+                      options,
+                      tile_indices,
+                      options.measures_surface() ? search_radius_px : 0,
+                      0,
+                      thread_count(threads)};
   if (scoring.degraded()) {
     scoring.margin_px = rotation_margin_px(matrix.tile_size_px, options.degradation);
     for (int copy = 0; copy < options.degraded_copies; ++copy) {
@@ -374,19 +385,11 @@ std::vector<TileScores> score_tiles(const GraySource& source, const TileMatrix& 
   }
   std::vector<TileScores> scores(tile_indices.size());
   if (scores.empty()) return scores;
-  for (std::size_t i = 0; i < tile_indices.size(); ++i) scoring.order.emplace_back(tile_indices[i], i);
-  std::sort(scoring.order.begin(), scoring.order.end());
-  const auto duplicate = std::adjacent_find(scoring.order.begin(), scoring.order.end(),
-                                            [](const auto& a, const auto& b) { return a.first == b.first; });
-  if (duplicate != scoring.order.end()) {
-    throw UsageError("tile index " + std::to_string(duplicate->first) + " is a duplicate");
-  }
-
   if (scoring.surfaces()) {
     score_blocks(scoring, progress, scores);
   } else {
     std::vector<MeasuredTile> tiles;
-    for (const auto& [index, place] : scoring.order) tiles.push_back({matrix.cell_of(index), &scores[place]});
+    for (std::size_t i = 0; i < scores.size(); ++i) tiles.push_back({matrix.cell_of(tile_indices[i]), &scores[i]});
     stream_statistics(source, matrix, options, tiles, scoring.threads, progress);
   }
   if (model) predict_correct_fixes(source, matrix, options, *model, tile_indices, scores, threads, progress);

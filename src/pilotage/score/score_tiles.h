@@ -78,7 +78,7 @@ struct ScoreOptions {
 };
 
 /// Scores tiles of `matrix`, whose pixel grid is that of `source`. Result i belongs to `tile_indices[i]`, where index =
-/// row · matrix_width + column. Tile size and stride are the matrix's.
+/// row · matrix_width + column; indices ascend. Tile size and stride are the matrix's.
 ///
 /// What is defined for special tiles:
 ///  - valid fraction below min_valid_fraction: status kTooLittleGround, all measures NaN;
@@ -92,7 +92,8 @@ struct ScoreOptions {
 /// below 2 GiB for grids 30,000 px wide with the default options. Deterministic: the same bytes for any `threads` and
 /// any choice of tiles that holds a given tile.
 ///
-/// Throws UsageError when an option is out of range, no measure is asked for, or a surface is asked for with radius 0;
+/// Throws UsageError when an option or an index is out of range, an index does not follow the one before it, no measure
+/// is asked for, or a surface is asked for with radius 0;
 /// DataError when the tile is larger than the grid, the matrix is not that of the source, or reading fails;
 /// Interrupted.
 std::vector<TileScores> score_tiles(const GraySource& source, const TileMatrix& matrix, int search_radius_px,

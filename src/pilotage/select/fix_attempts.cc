@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pilotage/mission/tile_under.h"
+
 namespace pilotage {
 namespace {
 
@@ -31,9 +33,9 @@ std::vector<double> windows_flown(const Mission& plan, double fix_interval_s, st
 
 }  // namespace
 
-std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& plan, const TileLookup& lookup) {
+std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& plan) {
   std::vector<std::optional<std::size_t>> tiles;
-  for (const FlightSample& sample : plan.flight.samples) tiles.push_back(lookup.tile_under(sample));
+  for (const FlightSample& sample : plan.flight.samples) tiles.push_back(tile_under(plan, sample));
   return tiles;
 }
 

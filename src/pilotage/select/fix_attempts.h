@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "pilotage/mission/mission.h"
-#include "pilotage/mission/tile_lookup.h"
 
 namespace pilotage {
 
@@ -18,7 +17,7 @@ struct FixAttempt {
 };
 
 /// The tile under each sample of the route.
-std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& plan, const TileLookup& lookup);
+std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& plan);
 
 /// The places where tiles can be tried, in the order of flight. The route is cut into windows of one decorrelation
 /// distance (`decorrelation_m`, else the width of the sample's tiles) or of one fix interval, whichever is longer. A

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pilotage/base/text.h"
+#include "pilotage/mission/tile_under.h"
 
 namespace pilotage {
 namespace {
@@ -51,8 +52,7 @@ double stride_m(const Mission& plan, const LegSamples& leg) {
 std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& survival,
                                    const std::vector<double>& p_of_tile, const AdviceOptions& options) {
   const Mission& plan = *path.plan;
-  const TileLookup lookup(plan);
-  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, lookup);
+  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan);
   const std::vector<LegSamples> legs = samples_of_legs(plan);
   std::vector<LegAdvice> result;
   for (std::size_t leg = 0; leg < legs.size(); ++leg) {
@@ -65,7 +65,7 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
     const auto try_line = [&](double right_m) {
       auto moved = tiles;
       for (std::size_t i = samples.begin; i < samples.end; ++i) {
-        moved[i] = lookup.tile_under(moved_aside(plan, samples, i, right_m));
+        moved[i] = tile_under(plan, moved_aside(plan, samples, i, right_m));
       }
       const auto attempts = fix_attempts(plan, moved, options.fix_interval_s, options.decorrelation_m);
       const RouteChances chances = route_chances(attempts, p_of_tile, moved.size(), options.fix_interval_s);

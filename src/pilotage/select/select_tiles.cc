@@ -7,7 +7,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
-#include "pilotage/mission/tile_lookup.h"
 #include "pilotage/select/budget_tiles.h"
 #include "pilotage/select/byte_budget.h"
 #include "pilotage/select/fix_attempts.h"
@@ -155,7 +154,7 @@ Selection select_tiles(const Mission& plan, const std::vector<TileScores>& score
   check_options(options);
   const double max_error_m = plan.flight.max_error_m;
   ScoreTable(plan.ground, scores);  // one for each tile
-  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan, TileLookup(plan));
+  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan);
 
   std::vector<bool> matchable(plan.ground.tiles.size());
   for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(scores[i], options);

@@ -14,7 +14,6 @@
 #include "pilotage/camera/projection.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
-#include "pilotage/mission/tile_lookup.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -137,7 +136,7 @@ GridLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size
 }
 
 // How far from the route the centres of a level's tiles may lie: at least half the diagonal of a stride, so that the
-// tile nearest to a point of the route (TileLookup) is always there, however narrow the corridor.
+// tile nearest to a point of the route (tile_under) is always there, however narrow the corridor.
 double reach_of_tiles_m(const GridLevel& level, double corridor_half_width_m) {
   return std::max(corridor_half_width_m, std::sqrt(0.5) * level.matrix.stride_px * level.gsd_m);
 }

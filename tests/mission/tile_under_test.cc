@@ -1,4 +1,4 @@
-#include "pilotage/mission/tile_lookup.h"
+#include "pilotage/mission/tile_under.h"
 
 #include <cmath>
 
@@ -27,16 +27,15 @@ TEST(TileIdOf, CountsLevelByLevelRowByRow) {
 }
 
 // Against a search through all tiles of the matrix.
-TEST(TileLookup, FindsTheTileWithTheNearestCentre) {
+TEST(TileUnder, FindsTheTileWithTheNearestCentre) {
   const Mission plan = testing::straight_plan(2000, 60);
-  const TileLookup lookup(plan);
   Random random(seed_from_name("TileLookup"));
   int found = 0;
   for (int trial = 0; trial < 2000; ++trial) {
     FlightSample sample;
     sample.level = 0;
     sample.point_map_m = {random.uniform(-100, 2100), random.uniform(-120, 120)};
-    const auto index = lookup.tile_under(sample);
+    const auto index = tile_under(plan, sample);
     double nearest = 1e9;
     std::size_t nearest_index = 0;
     for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
@@ -54,16 +53,15 @@ TEST(TileLookup, FindsTheTileWithTheNearestCentre) {
   EXPECT_GT(found, 500);
 }
 
-TEST(TileLookup, NothingWithoutALevelOrOutsideTheMatrix) {
+TEST(TileUnder, NothingWithoutALevelOrOutsideTheMatrix) {
   const Mission plan = testing::straight_plan(500);
-  const TileLookup lookup(plan);
   FlightSample sample = plan.flight.samples.front();
-  EXPECT_TRUE(lookup.tile_under(sample));
+  EXPECT_TRUE(tile_under(plan, sample));
   sample.level = FlightSample::kNoLevel;
-  EXPECT_FALSE(lookup.tile_under(sample));
+  EXPECT_FALSE(tile_under(plan, sample));
   sample.level = 0;
   sample.point_map_m = {1e9, -1e9};
-  EXPECT_FALSE(lookup.tile_under(sample));
+  EXPECT_FALSE(tile_under(plan, sample));
 }
 
 }  // namespace
