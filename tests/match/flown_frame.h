@@ -34,10 +34,11 @@ struct FlownFrame {
   GeodeticPoint place(double east_m, double north_m) const {
     return LocalFrame(ground.center).geodetic_from_enu({east_m, north_m, 0});
   }
-  FrameOnGrid lay(MapReader& map) const { return lay_frame_on_grid(gray, prior, ground.camera, map, options); }
-  LocalMap local_map(MapReader& map, const FrameOnGrid& laid, const PivotedFrame& described) const {
-    return read_local_map(map, *laid.level, laid.grid, laid.prior_px + laid.px_from_m(laid.pivot_m),
-                          laid.half_width_px + described.radius_px);
+  FrameOnGrid rectify(MapReader& map) const { return rectify_frame(gray, prior, ground.camera, map, options); }
+  LocalMap local_map(MapReader& map, const FrameOnGrid& rectified, const PivotedFrame& described) const {
+    return read_local_map(map, *rectified.level, rectified.grid,
+                          rectified.prior_px + rectified.px_from_m(rectified.pivot_m),
+                          rectified.half_width_px + described.radius_px);
   }
 
   static constexpr double kEast_m = 7;

@@ -37,56 +37,56 @@ TEST(AttitudeOnGrid, IsTurnedByTheConvergenceAlone) {
 }
 
 TEST(FrameOnGrid, LengthsOfPixelsPointDown) {
-  FrameOnGrid laid;
-  laid.gsd_m = 0.5;
-  EXPECT_EQ(laid.px_from_m({3, 4}), Eigen::Vector2d(6, -8));
-  EXPECT_EQ(laid.m_from_px({6, -8}), Eigen::Vector2d(3, 4));
+  FrameOnGrid rectified;
+  rectified.gsd_m = 0.5;
+  EXPECT_EQ(rectified.px_from_m({3, 4}), Eigen::Vector2d(6, -8));
+  EXPECT_EQ(rectified.m_from_px({6, -8}), Eigen::Vector2d(3, 4));
 }
 
 TEST(FrameOnGrid, LiesWhereThePriorPutsIt) {
   const FlownFrame flown;
   MapReader map(flown.path);
-  const FrameOnGrid laid = flown.lay(map);
-  ASSERT_NE(laid.level, nullptr);
-  EXPECT_NEAR(laid.gsd_m, 0.5, 0.001);
-  EXPECT_LT(testing::metres_between(laid.grid.geodetic_from_px(laid.prior_px), flown.prior.position), 1e-3);
-  EXPECT_NEAR(laid.half_width_px, search_half_width_m(flown.prior, flown.options) / laid.gsd_m, 1e-9);
-  EXPECT_LT(laid.pivot_m.norm(), 1e-6) << "a camera that looks straight down shows the nadir in its middle";
-  EXPECT_FALSE(laid.frame.gray.empty());
+  const FrameOnGrid rectified = flown.rectify(map);
+  ASSERT_NE(rectified.level, nullptr);
+  EXPECT_NEAR(rectified.gsd_m, 0.5, 0.001);
+  EXPECT_LT(testing::metres_between(rectified.grid.geodetic_from_px(rectified.prior_px), flown.prior.position), 1e-3);
+  EXPECT_NEAR(rectified.half_width_px, search_half_width_m(flown.prior, flown.options) / rectified.gsd_m, 1e-9);
+  EXPECT_LT(rectified.pivot_m.norm(), 1e-6) << "a camera that looks straight down shows the nadir in its middle";
+  EXPECT_FALSE(rectified.frame.gray.empty());
 }
 
 TEST(FrameOnGrid, ATiltMovesThePivot) {
   const FlownFrame flown({0, 10, 0});  // nose up: what the camera looks at lies ahead, to the grid's up
   MapReader map(flown.path);
-  const FrameOnGrid laid = flown.lay(map);
+  const FrameOnGrid rectified = flown.rectify(map);
   const double ahead_m = flown.ground.agl_m * std::tan(10 * std::numbers::pi / 180);
-  EXPECT_NEAR(laid.pivot_m.norm(), ahead_m, 1e-6);
-  EXPECT_GT(laid.pivot_m.y(), 0.99 * ahead_m);
+  EXPECT_NEAR(rectified.pivot_m.norm(), ahead_m, 1e-6);
+  EXPECT_GT(rectified.pivot_m.y(), 0.99 * ahead_m);
 }
 
 TEST(FrameOnGrid, NothingIsLaidOffTheMap) {
   FlownFrame flown;
   MapReader map(flown.path);
   flown.prior.position = flown.place(20000, 0);
-  EXPECT_TRUE(flown.lay(map).frame.gray.empty());
+  EXPECT_TRUE(flown.rectify(map).frame.gray.empty());
 }
 
 TEST(FrameOnGrid, NothingIsLaidInAWindowTooLargeToSearch) {
   FlownFrame flown;
   MapReader map(flown.path);
   flown.prior.sigma_m = 900;  // 3 · 900 / 0.5 pixels, more than 4096
-  EXPECT_TRUE(flown.lay(map).frame.gray.empty());
+  EXPECT_TRUE(flown.rectify(map).frame.gray.empty());
   flown.prior.sigma_m = 600;
-  EXPECT_FALSE(flown.lay(map).frame.gray.empty());
+  EXPECT_FALSE(flown.rectify(map).frame.gray.empty());
 }
 
 TEST(FrameOnGrid, IsDescribedAboutItsPivot) {
   const FlownFrame flown({0, 6, -3});
   MapReader map(flown.path);
-  const FrameOnGrid laid = flown.lay(map);
-  const PivotedFrame described = describe(laid, {});
+  const FrameOnGrid rectified = flown.rectify(map);
+  const PivotedFrame described = describe(rectified, {});
   ASSERT_GT(described.grid.points.size(), 100);
-  EXPECT_LT((laid.frame.ground_from_pixel(described.pivot_px) - laid.pivot_m).norm(), 1e-9);
+  EXPECT_LT((rectified.frame.ground_from_pixel(described.pivot_px) - rectified.pivot_m).norm(), 1e-9);
   double farthest_px = 0;
   for (const Feature& point : described.grid.points.features) {
     farthest_px = std::max(farthest_px, std::hypot(static_cast<double>(point.x_px) - described.pivot_px.x(),
@@ -100,12 +100,12 @@ TEST(SearchSpaceOfFrame, IsCentredOnThePivot) {
   flown.options.yaw_sigma_deg = 2;
   flown.options.height_sigma_fraction = 0.05;
   MapReader map(flown.path);
-  const FrameOnGrid laid = flown.lay(map);
-  const LocalMap local = flown.local_map(map, laid, describe(laid, {}));
-  const SearchSpace space = search_space(laid, local, flown.options, true);
-  const Eigen::Vector2d pivot_px(laid.pivot_m.x() / laid.gsd_m, -laid.pivot_m.y() / laid.gsd_m);
-  EXPECT_LT((space.center_px + local.reference_px - laid.prior_px - pivot_px).norm(), 1e-9);
-  EXPECT_EQ(space.half_width_px, laid.half_width_px);
+  const FrameOnGrid rectified = flown.rectify(map);
+  const LocalMap local = flown.local_map(map, rectified, describe(rectified, {}));
+  const SearchSpace space = search_space(rectified, local, flown.options, true);
+  const Eigen::Vector2d pivot_px(rectified.pivot_m.x() / rectified.gsd_m, -rectified.pivot_m.y() / rectified.gsd_m);
+  EXPECT_LT((space.center_px + local.reference_px - rectified.prior_px - pivot_px).norm(), 1e-9);
+  EXPECT_EQ(space.half_width_px, rectified.half_width_px);
   EXPECT_NEAR(space.yaw_sigma_rad, 2 * std::numbers::pi / 180, 1e-15);
   EXPECT_EQ(space.scale_sigma, 0.05);
   EXPECT_TRUE(space.oriented);

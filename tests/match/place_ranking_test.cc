@@ -64,19 +64,20 @@ TEST(RankPlaces, APlaceWithinTheLeastDistanceIsNoRival) {
 TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {
   const FlownFrame flown;
   MapReader map(flown.path);
-  const FrameOnGrid laid = flown.lay(map);
-  const PivotedFrame described = describe(laid, {});
-  const LocalMap local = flown.local_map(map, laid, described);
+  const FrameOnGrid rectified = flown.rectify(map);
+  const PivotedFrame described = describe(rectified, {});
+  const LocalMap local = flown.local_map(map, rectified, described);
   const auto chips =
-      compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, laid, described, local);
+      compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
   ASSERT_TRUE(chips.has_value());
   ASSERT_TRUE(chips->best.found);
-  const Eigen::Vector2d truth_px = laid.grid.px_from_geodetic(flown.place(FlownFrame::kEast_m, FlownFrame::kNorth_m));
+  const Eigen::Vector2d truth_px =
+      rectified.grid.px_from_geodetic(flown.place(FlownFrame::kEast_m, FlownFrame::kNorth_m));
   EXPECT_LT((chips->best.nadir_px - truth_px).norm(), 3);
 
-  const SearchSpace space = search_space(laid, local, flown.options, false);
-  const auto with = rank_places(described, local, space, chips, laid.gsd_m);
-  const auto without = rank_places(described, local, space, std::nullopt, laid.gsd_m);
+  const SearchSpace space = search_space(rectified, local, flown.options, false);
+  const auto with = rank_places(described, local, space, chips, rectified.gsd_m);
+  const auto without = rank_places(described, local, space, std::nullopt, rectified.gsd_m);
   ASSERT_TRUE(with.has_value());
   ASSERT_TRUE(without.has_value());
   EXPECT_GT(with->best.compared_px, 1000);
@@ -87,11 +88,11 @@ TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {
 TEST(CompareChips, OnlyWhereWantedAndUpright) {
   FlownFrame flown;
   MapReader map(flown.path);
-  const FrameOnGrid laid = flown.lay(map);
-  const PivotedFrame described = describe(laid, {});
-  const LocalMap local = flown.local_map(map, laid, described);
+  const FrameOnGrid rectified = flown.rectify(map);
+  const PivotedFrame described = describe(rectified, {});
+  const LocalMap local = flown.local_map(map, rectified, described);
   const auto compare = [&] {
-    return compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, laid, described, local);
+    return compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
   };
   ASSERT_TRUE(compare().has_value());
   flown.options.yaw_sigma_deg = 180;

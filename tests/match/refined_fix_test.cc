@@ -12,20 +12,22 @@ namespace {
 
 using testing::FlownFrame;
 
-/// A frame laid, described, and its best place.
+/// A frame rectified, described, and its best place.
 struct Placed {
-  explicit Placed(const FlownFrame& flown) : map(flown.path), laid(flown.lay(map)), described(describe(laid, {})) {
-    local = flown.local_map(map, laid, described);
-    place = rank_places(described, local, search_space(laid, local, flown.options, false), std::nullopt, laid.gsd_m)
+  explicit Placed(const FlownFrame& flown)
+      : map(flown.path), rectified(flown.rectify(map)), described(describe(rectified, {})) {
+    local = flown.local_map(map, rectified, described);
+    place = rank_places(described, local, search_space(rectified, local, flown.options, false), std::nullopt,
+                        rectified.gsd_m)
                 .value()
                 .best.match;
   }
   std::optional<RefinedFix> refine(const FlownFrame& flown) const {
-    return refine_fix(laid, described, local, flown.prior, flown.options, place);
+    return refine_fix(rectified, described, local, flown.prior, flown.options, place);
   }
 
   MapReader map;
-  FrameOnGrid laid;
+  FrameOnGrid rectified;
   PivotedFrame described;
   LocalMap local;
   GuidedMatch place;
@@ -71,18 +73,18 @@ TEST(RefineFix, NothingWithoutSupporters) {
 class Gate : public ::testing::Test {
  protected:
   Gate() {
-    laid_.gsd_m = 0.5;
-    laid_.prior_px = {100, 200};
+    rectified_.gsd_m = 0.5;
+    rectified_.prior_px = {100, 200};
     prior_.sigma_m = 10;
     prior_.height_agl_m = 100;
     options_.attitude_sigma_deg = 1;
     options_.yaw_sigma_deg = 2;
     options_.height_sigma_fraction = 0.03;
-    pose_.position_m = laid_.m_from_px(laid_.prior_px);
+    pose_.position_m = rectified_.m_from_px(rectified_.prior_px);
   }
-  bool outside() const { return is_outside_gate(laid_, map_, prior_, options_, pose_); }
+  bool outside() const { return is_outside_gate(rectified_, map_, prior_, options_, pose_); }
 
-  FrameOnGrid laid_;
+  FrameOnGrid rectified_;
   LocalMap map_;
   MatchPrior prior_;
   MatchOptions options_;

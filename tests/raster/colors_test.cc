@@ -91,9 +91,9 @@ TEST(Colors, OpenedWithTheirGrayTheyAreTheSamePixels) {
   using Parts = std::vector<std::string>;
   for (const Parts& parts :
        {Parts{bytes}, Parts{bytes, more_bytes}, Parts{floats}, Parts{gray}, Parts{floats, bytes}, Parts{bytes, gray}}) {
-    const GrayAndColors both = open_gray_and_colors_on_grid(parts, kUtm, place.place, 90, 50, {}, 1 << 20);
-    const GraySource gray_alone = open_gray_on_grid(parts, kUtm, place.place, 90, 50);
-    const ColorSource colors_alone = open_colors_on_grid(parts, kUtm, place.place, 90, 50);
+    const GrayAndColors both = open_gray_and_colors_on_grid(parts, utm33(), place.place, 90, 50, {}, 1 << 20);
+    const GraySource gray_alone = open_gray_on_grid(parts, utm33(), place.place, 90, 50);
+    const ColorSource colors_alone = open_colors_on_grid(parts, utm33(), place.place, 90, 50);
     EXPECT_EQ(both.gray.block_width_px, gray_alone.block_width_px);
     for (const PixelWindow& window : {PixelWindow{0, 0, 90, 50}, PixelWindow{7, 5, 40, 30}}) {
       const Raster as_gray = both.gray.read(window);

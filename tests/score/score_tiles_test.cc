@@ -363,7 +363,7 @@ TEST(ScoreTiles, ErrorsNameThingAndValue) {
   EXPECT_THROW(score(raster, nothing), UsageError);
   EXPECT_THROW(score(raster, options_of(32, 8, 8), {99}), UsageError);
   EXPECT_THROW(score(raster, options_of(32, 8, 8), {1, 1}), UsageError);
-  EXPECT_EQ(error_of([&] {
+  EXPECT_EQ(error_of<UsageError>([&] {
               score(raster, options_of(32, 8, 8), {2, 1});
             }),
             "tile index 1 follows 2: indices must ascend, without duplicates");
