@@ -7,8 +7,6 @@
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// The worst status of the rows that decide; kBad when none does.
@@ -31,5 +29,3 @@ std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow
 std::string assumptions_line(const Flight& flight, const Selection& selection);
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop
