@@ -26,7 +26,7 @@ Command make_prepare_command() {
     const PrepareResult done = prepare(options, run, invocation.progress);
     CommandResult result;
     const std::string folder = invocation.output;
-    result.text = done.verdict + "\n" + std::to_string(done.planned_tiles) + " tiles, " +
+    result.text = done.verdict + "\n" + done.assumptions + "\n" + std::to_string(done.planned_tiles) + " tiles, " +
                   std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
                   " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
                   bytes_per_tile_text(done.map) + kept_features_text(done.map);
@@ -34,6 +34,7 @@ Command make_prepare_command() {
       result.text += "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
     }
     result.json = {{"verdict", done.verdict},
+                   {"assumptions", done.assumptions},
                    {"output", folder},
                    {"files", done.files},
                    {"tiles", done.planned_tiles},

@@ -108,8 +108,11 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (numbers) numbers->commit();  // all appear, or none
   if (pdf) pdf->commit();
   CommandResult result;
-  result.text = report.verdict_text + "\n";
-  result.json = {{"output", invocation.output}, {"files", written}, {"verdict", report.verdict_text}};
+  result.text = report.verdict_text + "\n" + report.assumptions + "\n";
+  result.json = {{"output", invocation.output},
+                 {"files", written},
+                 {"verdict", report.verdict_text},
+                 {"assumptions", report.assumptions}};
   return result;
 }
 

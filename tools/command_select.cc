@@ -8,6 +8,7 @@
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
+#include "pilotage/report/verdict.h"
 #include "pilotage/select/select_tiles.h"
 
 namespace pilotage {
@@ -76,6 +77,7 @@ Command make_select_command() {
                   " MB; matchable on " + format_fixed(100 * selection.matchable_fraction, 1) + " % of the route\n";
     for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);
     if (selection.probability) result.text += describe_probability(selection);
+    result.text += assumptions_line(plan.flight, selection) + "\n";
     if (options.select.advise) {
       // The first note counts tiles.
       for (std::size_t i = 1; i < selection.notes.size(); ++i) result.text += selection.notes[i] + "\n";
@@ -83,6 +85,7 @@ Command make_select_command() {
     result.json = selection_to_json(selection);
     result.json.erase("tile_ids");
     result.json.erase("error_profile");
+    result.json["assumptions"] = assumptions_line(plan.flight, selection);
     result.json["selected_tiles"] = selection.tile_ids.size();
     if (options.select.require && !meets_gate(selection)) result.exit_code = kExitGateNotMet;
     return result;

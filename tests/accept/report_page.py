@@ -76,9 +76,11 @@ def opens_quietly(page, path, report):
     foreign = [address for address in page.addresses()
                if not address.startswith(("file:", "data:", "chrome:", "about:"))]
     check(not foreign, f"the page asks for {foreign}")
-    word, sentence = page.run("""return ['.verdict .word', '.verdict .sentence']
-      .map((what) => document.querySelector(what).textContent)""")
-    check(f"{word}: {sentence}" == report.json["verdict"]["text"], f"verdict: {word}: {sentence}")
+    word, answer, sentence, assumed = page.run("""return ['.word', '.answer', '.sentence', '.assumes']
+      .map((what) => document.querySelector('.verdict ' + what).textContent)""")
+    verdict = report.json["verdict"]
+    check(f"{word}: {answer[:-1]}; {sentence}" == verdict["text"], f"verdict: {word}: {answer} {sentence}")
+    check(assumed == verdict["assumptions"] and assumed.startswith("assumes: "), f"assumptions: {assumed}")
     top = page.run("return document.querySelector('.verdict').getBoundingClientRect().bottom")
     check(top < 300, f"the verdict reaches down to {top} px")
 

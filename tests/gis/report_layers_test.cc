@@ -78,14 +78,47 @@ TEST(ReportLayers, LegsAndGapsHoldTheNumbersOfTheReport) {
       EXPECT_EQ(json_of(layers.legs.features[i].values[c]), json["route"]["legs"][i][layers.legs.columns[c].name]);
     }
     EXPECT_EQ(layers.legs.features[i].points.front().x(), input.plan.flight.route.vertices[i].point.lon_deg);
+    EXPECT_EQ(layers.legs.features[i].title, "Leg " + std::to_string(i + 1));
+    EXPECT_EQ(json_of(layers.legs.features[i].values[column_of(layers.legs, "leg")]), i + 1);
   }
   ASSERT_EQ(layers.gaps.features.size(), 1u);
   EXPECT_EQ(json_of(layers.gaps.features[0].values[column_of(layers.gaps, "error_m")]),
             json["route"]["gaps"][0]["error_m"]);
+  EXPECT_EQ(json_of(layers.gaps.features[0].values[column_of(layers.gaps, "leg")]), json["route"]["gaps"][0]["leg"]);
+  EXPECT_EQ(json_of(layers.gaps.features[0].values[column_of(layers.gaps, "status")]),
+            json["route"]["gaps"][0]["status"]);
   ASSERT_EQ(layers.route.features.size(), 1u);
   EXPECT_EQ(json_of(layers.route.features[0].values[column_of(layers.route, "p_within_limit")]), 0.93);
   EXPECT_EQ(json_of(layers.route.features[0].values[column_of(layers.route, "verdict_status")]),
             json["verdict"]["status"]);
+  EXPECT_EQ(json_of(layers.route.features[0].values[column_of(layers.route, "verdict_assumptions")]),
+            json["verdict"]["assumptions"]);
+}
+
+TEST(ReportLayers, LegsNameTheItemsOfThePlan) {
+  ReportInput input = testing::gis_scene();
+  EXPECT_TRUE(report_json(input)["route"]["legs"][1]["from_item"].is_null()) << "the file has no mission items";
+  Route& route = input.plan.flight.route;
+  for (int i = 0; i < 5; ++i) {
+    route.items.push_back({i, 16, "waypoint", "vertex"});
+    route.vertices[static_cast<std::size_t>(i)].source_item = i == 0 ? -1 : 10 * i;
+  }
+  const auto legs = report_json(input)["route"]["legs"];
+  EXPECT_TRUE(legs[0]["from_item"].is_null()) << "home";
+  EXPECT_EQ(legs[1]["from_item"], 10);
+  EXPECT_EQ(legs[1]["to_item"], 20);
+  EXPECT_EQ(layers_of(input).legs.features[1].title, "Leg 2 (items 10 to 20)");
+  EXPECT_THAT(report_html(input), HasSubstr("Leg 2</th><td>10 → 20</td>"));
+}
+
+TEST(ReportLayers, ALegThatLosesTheFlightIsNowhereGood) {  // 2026-11: good, and blue, with P = 0
+  ReportInput input = testing::gis_scene();
+  input.selection.legs[0].p_within_limit = 0;
+  const ReportLayers layers = layers_of(input);
+  EXPECT_EQ(json_of(layers.legs.features[0].values[column_of(layers.legs, "status")]), "bad");
+  EXPECT_THAT(layers.legs.features[0].note, ::testing::StartsWith("bad: "));
+  EXPECT_EQ(layers.legs.features[0].style.line_color, "#d5008aff");
+  EXPECT_EQ(report_json(input)["route"]["legs"][0]["status"], "bad");
 }
 
 TEST(ReportLayers, AreasJoinSelectedTilesThatTouch) {

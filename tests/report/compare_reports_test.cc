@@ -87,7 +87,7 @@ TEST(CompareReports, FindsWhatChanged) {
   EXPECT_THAT(c.changed[0].p_correct_fix, ElementsAre(0.75, 0.5));
   EXPECT_EQ(c.kept_areas, static_cast<std::int64_t>(before.selection.tile_ids.size()) - 1);
   ASSERT_EQ(c.legs.size(), 1u);
-  EXPECT_THAT(c.legs[0].legs, ElementsAre(2, 2));
+  EXPECT_THAT(c.legs[0].legs, ElementsAre(3, 3));
   EXPECT_EQ(c.legs[0].statuses[1], "marginal");
   ASSERT_EQ(c.parameters.size(), 2u);
   EXPECT_EQ(c.parameters[0].name, "camera.hfov_deg");
@@ -131,9 +131,9 @@ TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
   after.plan.flight.route.vertices.back().point.lat_deg += 0.01;
   const ReportComparison c = compared(scene_with_p(), after);
   EXPECT_EQ(c.common_legs, 3);
-  EXPECT_THAT(c.legs_of_one[0], ElementsAre(3));
-  EXPECT_THAT(c.legs_of_one[1], ElementsAre(3));
-  EXPECT_THAT(report_comparison_text(c), HasSubstr("legs of b only: 3\n"));
+  EXPECT_THAT(c.legs_of_one[0], ElementsAre(4));
+  EXPECT_THAT(c.legs_of_one[1], ElementsAre(4));
+  EXPECT_THAT(report_comparison_text(c), HasSubstr("legs of b only: 4\n"));
 }
 
 TEST(CompareReports, SaysWhenOnlyOneReportHoldsOptions) {
@@ -173,9 +173,8 @@ TEST(ReadReport, SaysWhatIsNoReport) {
   EXPECT_THAT(reading_error({{"format", "pilotage-plan"}}), HasSubstr("a.json: is not a report"));
   nlohmann::ordered_json report = report_json(scene_with_p());
   EXPECT_EQ(reading_error(report), "");
-  report["format_version"] = 2;
-  EXPECT_THAT(reading_error(report),
-              HasSubstr("format version 2, this program knows 1; compare with the newer program"));
+  report["format_version"] = 3;
+  EXPECT_THAT(reading_error(report), HasSubstr("format version 3, this program knows 2; compare with the newer program"));
   report["format_version"] = 0;
   EXPECT_THAT(reading_error(report), HasSubstr("write it again"));
 }

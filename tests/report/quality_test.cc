@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/nan.h"
+#include "pilotage/report/disagreement.h"
+#include "pilotage/report/verdict.h"
 
 namespace pilotage {
 namespace {
@@ -59,7 +61,7 @@ QualityRow row_named(const ReportInput& input, const std::string& name) {
 
 std::string sentence(const ReportInput& input) {
   const auto rows = quality_rows(input);
-  return verdict_sentence(verdict_of(rows), rows, input);
+  return verdict_sentence(verdict_of(rows), rows, input.selection);
 }
 
 TEST(Verdict, NoGoSaysWhereAndWhy) {
@@ -129,17 +131,129 @@ TEST(Verdict, TheProbabilityThatWasAskedForIsNeededForGo) {
   input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, std::nullopt};
   EXPECT_EQ(
       sentence(input),
-      "GO: matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there 31 m ≤ 50 m; within "
-      "the limit all the way with P = 0.930 ≥ 0.900");
+      "GO: 93 of 100 flights stay within 50 m all the way, if what is assumed holds (P = 0.930 ≥ 0.900); matchable on "
+      "87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there 31 m ≤ 50 m");
   input.selection.probability->p_within_limit = 0.89996;
   input.selection.probability->worst = WorstStretch{2, 1000, 4416, 0.08};
   EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
-  EXPECT_THAT(sentence(input), HasSubstr("P = 0.899 < 0.900"));
+  EXPECT_THAT(sentence(input), StartsWith("NO-GO: 89 of 100 flights stay within 50 m all the way, even if what is "
+                                          "assumed holds (P = 0.899 < 0.900); most are lost from 1.0 km to 4.4 km "
+                                          "(leg 3), where fixes fail too often; matchable on 87 %"));
+  EXPECT_THAT(sentence(input), HasSubstr("; if every fix came, drift there 31 m ≤ 50 m"))
+      << "an error within the limit beside flights that are lost is explained";
   const QualityRow row = row_named(input, "route_probability");
   EXPECT_EQ(row.status, QualityStatus::kBad);
   EXPECT_THAT(row.advice, HasSubstr("between 1.0 km and 4.4 km, from leg 3"));
   input.selection.probability.reset();
   EXPECT_THROW(row_named(input, "route_probability"), std::out_of_range);
+}
+
+TEST(Headline, SaysNoMoreFlightsThanThereAre) {
+  Selection selection;
+  selection.max_error_m = 60;
+  const auto said = [&](double p) {
+    selection.probability = RouteProbability{p, 0.9, 1, 0, std::nullopt};
+    return headline(selection);
+  };
+  EXPECT_THAT(said(0.9579), StartsWith("95 of 100 flights stay within 60 m all the way, if what is assumed holds"));
+  EXPECT_THAT(said(0.99999), StartsWith("99 of 100 flights stay"));
+  EXPECT_THAT(said(1), StartsWith("100 of 100 flights stay"));
+  EXPECT_THAT(said(0.29), StartsWith("29 of 100 flights stay within 60 m all the way, even if"));
+  EXPECT_THAT(said(0.0199), StartsWith("1 of 100 flights stays"));
+  EXPECT_THAT(said(0.0099), StartsWith("fewer than 1 of 100 flights stay"));
+  EXPECT_THAT(said(0), StartsWith("fewer than 1 of 100 flights stay"));
+  selection.probability.reset();
+  selection.error_profile = {{0, 31, true}};
+  EXPECT_EQ(headline(selection),
+            "the error is predicted up to 31 m ≤ 60 m, if what is assumed holds and every fix comes; how often fixes "
+            "come is not known");
+}
+
+TEST(Assumptions, WhatWasNotGivenIsCalledDefault) {
+  Flight flight;
+  flight.max_error_m = 50;
+  flight.max_error_assumed = true;
+  Selection selection;
+  selection.max_error_m = 50;
+  EXPECT_EQ(assumptions_line(flight, selection),
+            "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m (default)");
+  selection.max_error_m = 35;  // select --max-error-m
+  flight.ins.grade = InsGrade::kTactical;
+  EXPECT_EQ(assumptions_line(flight, selection), "assumes: tactical INS, GNSS lost at the first point, limit 35 m");
+  flight.ins.grade = InsGrade::kVisualOdometry;
+  flight.flat_ground_amsl_m = 15;
+  EXPECT_EQ(assumptions_line(flight, selection),
+            "assumes: visual-odometry INS, GNSS lost at the first point, limit 35 m, flat ground at home's height "
+            "(default)");
+}
+
+Selection with_probability(double p_within_limit) {
+  Selection selection;
+  selection.max_error_m = 50;
+  selection.probability = RouteProbability{p_within_limit, 0.9, 1, 0, WorstStretch{0, 0, 139, 1 - p_within_limit}};
+  return selection;
+}
+
+TEST(JudgeLeg, ProbabilityCountsBesideTheError) {
+  const auto judged = [](double error_m, double p, const Selection& selection) {
+    LegStatus leg;
+    leg.max_error_m = error_m;
+    leg.within_limit = error_m <= 50;
+    leg.p_within_limit = p;
+    return judge_leg(leg, selection);
+  };
+  const Selection known = with_probability(0.5);
+  EXPECT_EQ(judged(10, 0.95, known), QualityStatus::kGood);
+  EXPECT_EQ(judged(10, 0.949, known), QualityStatus::kMarginal);
+  EXPECT_EQ(judged(10, 0.9, known), QualityStatus::kMarginal);
+  EXPECT_EQ(judged(10, 0.899, known), QualityStatus::kBad);
+  EXPECT_EQ(judged(10, 0, known), QualityStatus::kBad);
+  EXPECT_EQ(judged(10, kNan, known), QualityStatus::kBad) << "no flight reaches it within the limit";
+  EXPECT_EQ(judged(45, 1, known), QualityStatus::kMarginal);
+  EXPECT_EQ(judged(51, 1, known), QualityStatus::kBad);
+  Selection unknown;
+  unknown.max_error_m = 50;
+  EXPECT_EQ(judged(10, kNan, unknown), QualityStatus::kGood);
+}
+
+TEST(JudgeGap, WhereFlightsAreLostItIsBad) {
+  RouteGap gap;
+  gap.from_distance_m = 0;
+  gap.to_distance_m = 119;
+  gap.error_m = 39;
+  gap.p_first_excess = 0;
+  EXPECT_EQ(judge_gap(gap, with_probability(0)), QualityStatus::kBad) << "in the stretch that loses the flights";
+  EXPECT_EQ(judge_gap(gap, with_probability(0.95)), QualityStatus::kGood);
+  gap.from_distance_m = 200;
+  gap.to_distance_m = 300;
+  EXPECT_EQ(judge_gap(gap, with_probability(0)), QualityStatus::kGood);
+  gap.p_first_excess = 0.07;
+  EXPECT_EQ(judge_gap(gap, with_probability(0.92)), QualityStatus::kMarginal);
+  gap.p_first_excess = 0.11;
+  EXPECT_EQ(judge_gap(gap, with_probability(0.89)), QualityStatus::kBad);
+}
+
+TEST(Disagreement, BeyondTheBudgetItDecides) {
+  ReportInput input = plain_input(20, 50);
+  EXPECT_THROW(row_named(input, "georeference_disagreement"), std::out_of_range) << "without a second date no row";
+  EXPECT_EQ(disagreement_warning(input), "");
+  input.scores[0].epoch.disagreement_m = 4;
+  input.scores[1].epoch.disagreement_m = 5.9;
+  EXPECT_EQ(row_named(input, "georeference_disagreement").status, QualityStatus::kGood) << "3 σ of a fix are 6 m";
+  EXPECT_THAT(sentence(input), StartsWith("GO: "));
+  EXPECT_EQ(disagreement_warning(input), "");
+  input.scores[1].epoch.disagreement_m = 27.3;
+  EXPECT_EQ(row_named(input, "georeference_disagreement").status, QualityStatus::kMarginal);
+  EXPECT_EQ(row_named(input, "georeference_disagreement").value,
+            "up to 27 m, median 27 m; largest error with it 47 m ≤ 50 m");
+  EXPECT_THAT(sentence(input), StartsWith("MARGINAL: "));
+  EXPECT_THAT(disagreement_warning(input),
+              StartsWith("the second date lies up to 27 m (median 27 m) from the imagery"));
+  input.scores[1].epoch.disagreement_m = 31;
+  EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
+  EXPECT_THAT(sentence(input), HasSubstr("largest error with it 51 m > 50 m"));
+  input.selection.tile_ids = {0, 2, 3};
+  EXPECT_THAT(sentence(input), StartsWith("GO: ")) << "only tiles that are stored count";
 }
 
 TEST(QualityRows, AllGoodWithoutAdvice) {

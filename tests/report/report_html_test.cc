@@ -64,14 +64,24 @@ TEST(ReportHtml, TheVerdictComesFirstAndIsWordShapeAndColour) {
 TEST(ReportHtml, AnswersTheQuestionAndSaysWhereToLookFirst) {
   const Report bad = make_report(drifting_scene(0.04));
   const std::string html = report_html(bad);
-  EXPECT_EQ(between(html, "<p class=\"answer\">", "</p>"), "The route cannot be flown without GNSS as planned.");
+  EXPECT_EQ(
+      between(html, "<p class=\"answer\">", "</p>"),
+      "The error is predicted up to 56 m &gt; 50 m, if what is assumed holds and every fix comes; how often fixes come "
+      "is not known.");
+  EXPECT_EQ(between(html, "<p class=\"assumes\">", "</p>"),
+            "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m");
   EXPECT_EQ(between(html, "<h2 id=\"first-heading\">", "</h2>"), "Where it cannot, why, and what to do");
   const std::string places = between(html, "<ol class=\"places\">", "</ol>");
   for (const std::string& text : {bad.weak_places[0].where, bad.weak_places[0].why, bad.weak_places[0].todo})
     EXPECT_THAT(places, HasSubstr(text));
   EXPECT_LT(html.find("<ol class=\"places\">"), html.find("id=\"map\""));
   const std::string good = report_html(drifting_scene(0.01));
-  EXPECT_EQ(between(good, "<p class=\"answer\">", "</p>"), "The route can be flown without GNSS.");
+  EXPECT_THAT(between(good, "<p class=\"answer\">", "</p>"), HasSubstr("how often fixes come is not known."));
+  ReportInput judged = drifting_scene(0.01);
+  judged.selection.probability = RouteProbability{0.957, 0.9, 41.5, 0.0021, std::nullopt};
+  for (LegStatus& leg : judged.selection.legs) leg.p_within_limit = 0.98;
+  EXPECT_EQ(between(report_html(judged), "<p class=\"answer\">", "</p>"),
+            "95 of 100 flights stay within 50 m all the way, if what is assumed holds (P = 0.957 ≥ 0.900).");
   EXPECT_EQ(between(good, "<h2 id=\"first-heading\">", "</h2>"), "Weakest places");
 }
 

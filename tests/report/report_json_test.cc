@@ -42,7 +42,11 @@ TEST(ReportJson, CarriesProbabilitiesAndRanksLegsByThem) {
   EXPECT_EQ(json["route"]["probability"]["worst"]["to_distance_m"], 1500.5);
   EXPECT_EQ(json["route"]["legs"][3]["p_fix"], 0.75);
   EXPECT_TRUE(json["route"]["legs"][0]["p_fix"].is_null());
-  EXPECT_EQ(json["route"]["worst_legs"][0], 3);
+  EXPECT_EQ(json["route"]["worst_legs"][0], 4) << "legs count from 1";
+  EXPECT_EQ(json["route"]["legs"][3]["leg"], 4);
+  EXPECT_EQ(json["route"]["legs"][3]["status"], "bad") << "P 0.8 is below the 0.9 asked for";
+  EXPECT_EQ(json["route"]["legs"][0]["status"], "good");
+  EXPECT_EQ(json["route"]["probability"]["worst"]["leg"], 3);
   EXPECT_EQ(json["verdict"]["status"], "NO-GO");
   EXPECT_NE(report_html(input).find("<td>0.800</td><td>0.750</td>"), std::string::npos);
 }

@@ -28,7 +28,7 @@ TEST(StripChart, ShowsLimitGapLegsAndFixes) {
   options.drift = 0.03;
   const std::string svg = strip_chart_svg(make_report(testing::report_scene(options)));
   EXPECT_THAT(svg, HasSubstr("limit 50 m"));
-  EXPECT_THAT(svg, HasSubstr("class=\"gap over\""));
+  EXPECT_THAT(svg, HasSubstr("class=\"gap bad\""));
   EXPECT_THAT(svg, HasSubstr("class=\"leg good\""));
   EXPECT_THAT(svg, HasSubstr("class=\"leg bad\""));
   EXPECT_THAT(svg, HasSubstr("class=\"fixes\""));

@@ -13,6 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 Report with_gaps(double drift) {
   testing::ReportSceneOptions options;
@@ -52,6 +53,7 @@ TEST(WeakPlaces, WorstFirstAndNoMoreThanAsked) {
   report.gaps.push_back(report.gaps[0]);
   report.gaps[1].gap.error_m = 70;
   report.gaps[1].gap.within_limit = false;
+  report.gaps[1].quality = QualityStatus::kBad;
   report.gaps[2].gap.p_first_excess = 0.1;
   const std::vector<WeakPlace> places = weak_places(report, {}, 2);
   ASSERT_EQ(places.size(), 2U);
@@ -90,6 +92,30 @@ TEST(WeakPlaces, TheSelectionsAdviceComesBeforeGeneralWords) {
                                          {3, AdviceSide::kNone, 0, 0.6, 0.6, false}};  // no better
   EXPECT_EQ(weak_places(report, advice)[0].todo,
             "Leg 3 flown 40 m to the right stays within the limit with P = 0.910 instead of 0.500.");
+}
+
+TEST(WeakPlaces, WhereChosenTilesAreTooWeakItIsNotCalledUncovered) {
+  testing::ReportSceneOptions options;
+  options.matchable_from = 0;
+  options.matchable_to = 0.01;
+  ReportInput input = testing::report_scene(options);
+  input.selection.probability = RouteProbability{0, 0.9, 0.1, 0.0001, WorstStretch{0, 0, 139, 1}};
+  input.plan.flight.ins.grade = InsGrade::kConsumer;
+  for (ErrorSample& sample : input.selection.error_profile)
+    sample.p_correct_fix = sample.distance_m < 100 ? 0.46 : 0.97;
+  input.selection.tile_ids.clear();
+  for (const GroundTile& tile : input.plan.ground.tiles) input.selection.tile_ids.push_back(tile.tile_id);
+  input.selection.legs[0].p_within_limit = 0;
+  const Report report = make_report(input);
+  const WeakPlace& place = report.weak_places.at(0);
+  EXPECT_EQ(place.status, QualityStatus::kBad);
+  EXPECT_THAT(place.why, HasSubstr("From its start the inertial system alone stays within 50 m for "));
+  EXPECT_THAT(place.why, HasSubstr("A frame over the chosen tiles there gives a fix with P 0.46 to 0.97."));
+  EXPECT_THAT(place.why, Not(HasSubstr("No tile")));
+  EXPECT_THAT(place.todo, HasSubstr("better inertial grade"));
+  for (const WeakPlace& other : report.weak_places) EXPECT_THAT(other.why, Not(HasSubstr("No tile")));
+  EXPECT_EQ(report.legs[0].quality, QualityStatus::kBad);
+  EXPECT_EQ(report.legs[1].quality, QualityStatus::kBad) << "not reached within the limit";
 }
 
 TEST(WeakPlaces, WithoutTilesItSaysSo) {

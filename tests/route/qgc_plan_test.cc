@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "route/route_files.h"
 #include <gmock/gmock.h>
@@ -14,6 +15,7 @@ namespace pilotage {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::route_error;
 using testing::route_file;
@@ -32,7 +34,11 @@ TEST(QgcPlan, ReadsSurveyCorridorAndLanding) {
   EXPECT_EQ(route.vertices[0].kind, "takeoff");
   EXPECT_EQ(route.vertices[0].amsl_m, 480);
   EXPECT_EQ(route.vertices[2].kind, "survey");
-  EXPECT_EQ(route.vertices[2].source_item, 2);
+  std::vector<int> numbers;
+  for (const RouteVertex& vertex : route.vertices) numbers.push_back(vertex.source_item);
+  EXPECT_THAT(numbers, ElementsAre(1, 2, 3, 3, 3, 8, 8, 11, 12, 12))
+      << "as QGroundControl shows them: a survey of five "
+         "commands is 3, what follows it 8";
   EXPECT_EQ(route.vertices[5].kind, "corridor scan");
   EXPECT_EQ(route.vertices[6].speed_mps, 20);
   EXPECT_EQ(route.vertices[7].speed_mps, 25) << "after the change of speed";
@@ -106,8 +112,8 @@ TEST(QgcPlan, TakeoffAwayFromHomeStartsAtHome) {
 
 TEST(QgcPlan, ErrorsNameTheItem) {
   EXPECT_THAT(route_file_error(route_file("no_home.plan")),
-              HasSubstr("item 0 (waypoint): its altitude 120 m is relative"));
-  EXPECT_THAT(route_file_error(route_file("null_position.plan")), HasSubstr("item 0 (waypoint): has no latitude"));
+              HasSubstr("item 1 (waypoint): its altitude 120 m is relative"));
+  EXPECT_THAT(route_file_error(route_file("null_position.plan")), HasSubstr("item 1 (waypoint): has no latitude"));
   EXPECT_THAT(route_file_error(route_file("local_frame.plan")), HasSubstr("coordinate frame 1 is not supported"));
   EXPECT_THAT(route_file_error(route_file("no_position.plan")), HasSubstr("has no position to fly to"));
 

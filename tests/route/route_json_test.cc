@@ -60,6 +60,8 @@ TEST(DescribeRoute, SaysEverything) {
         "structure scan: left out", "speed 20.0 to 25.0 m/s", "notes:"}) {
     EXPECT_THAT(text, HasSubstr(expected));
   }
+  EXPECT_THAT(text, HasSubstr("legs:\n      1  1 to 2, ")) << "vertices and legs count from 1";
+  EXPECT_THAT(text, HasSubstr("\n      1  takeoff: vertex\n")) << "items have QGroundControl's numbers";
 }
 
 TEST(DescribeRoute, CutsLongLists) {

@@ -159,6 +159,80 @@ TEST(PlanTiles, NamesThePartOutsideTheImagery) {
   EXPECT_TRUE(none);
 }
 
+TEST(PlanTiles, NoDataUnderTheRouteIsRefusedAsOutside) {  // 2026-11: a route over a mask passed without a word
+  const TemporaryFolder folder;
+  TileOptions options = make_small_mission(folder.path(), two_legs());
+  testing::RasterSpec spec;
+  spec.width = 600;
+  spec.height = 400;
+  spec.srs = "EPSG:32633";
+  spec.place = GeoTransform::north_up(500'000, 5'000'000, 1);
+  spec.value = [](int, int col, int row) { return col < 300 ? 0.0 : 20.0 + (col / 8 * 7 + row / 8 * 13) % 200; };
+  options.imagery = {testing::make_raster(folder.path() / "half.tif", spec)};
+  options.imagery_options.nodata = 0;
+  EXPECT_THAT(error_of(options),
+              ::testing::ContainsRegex("the route lies where the imagery has no data from 0\\.00 km to 0\\.(19|20) km "
+                                       ".*or give --allow-uncovered"));
+  options.allow_uncovered = true;
+  EXPECT_THAT(plan_tiles(options).warnings,
+              ::testing::Contains(HasSubstr("where the imagery has no data from 0.00 km")));
+  spec.value = [](int, int col, int row) {  // a hole smaller than a tile
+    return col > 180 && col < 205 && row > 130 && row < 170 ? 0.0 : 20.0 + (col / 8 * 7 + row / 8 * 13) % 200;
+  };
+  options.imagery = {testing::make_raster(folder.path() / "hole.tif", spec)};
+  options.allow_uncovered = false;
+  EXPECT_EQ(error_of(options), "no error");
+}
+
+TEST(PlanTiles, FlatGroundAtHomeWhereNoElevationIsGiven) {  // 2026-11: every plan of QGroundControl was refused
+  const TemporaryFolder folder;
+  TileOptions options = over_home(folder, 50.8);
+  EXPECT_FALSE(plan_tiles(options).flight.flat_ground_amsl_m);
+  options.elevation.clear();
+  const Mission plan = plan_tiles(options);
+  ASSERT_TRUE(plan.flight.flat_ground_amsl_m);
+  EXPECT_EQ(*plan.flight.flat_ground_amsl_m, 50.8);
+  for (const FlightSample& sample : plan.flight.samples) EXPECT_NEAR(sample.agl_m, 80, 1e-9);
+  EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("the ground is assumed flat at home's height, 50.8 m")));
+  options.route_options.home_amsl_m = 20;
+  EXPECT_EQ(plan_tiles(options).flight.flat_ground_amsl_m, 20);
+  options.route_options.home_amsl_m.reset();
+  options.route_options.agl_m = 90;
+  EXPECT_FALSE(plan_tiles(options).flight.flat_ground_amsl_m) << "heights above ground need no ground";
+}
+
+TEST(PlanTiles, NamesWhatIsHardlyMeant) {
+  const TemporaryFolder folder;
+  TileOptions options = make_small_mission(folder.path(), two_legs());
+  const auto warns = [&](const std::string& text) {
+    return ::testing::Value(plan_tiles(options).warnings, ::testing::Contains(HasSubstr(text)));
+  };
+  EXPECT_TRUE(warns("no inertial grade is given (--ins-grade): tactical is assumed"));
+  EXPECT_FALSE(plan_tiles(options).flight.ins.grade);
+  options.ins.grade = InsGrade::kTactical;
+  EXPECT_FALSE(warns("inertial grade"));
+  EXPECT_FALSE(warns("degrees wide"));
+  EXPECT_FALSE(warns("elevation model, not like imagery"));
+  options.camera.hfov_deg = 1.2;
+  options.route_options.agl_m = 2000;
+  EXPECT_TRUE(warns("camera.hfov_deg = 1.2 is a view only 1.2 degrees wide; if that is in radians, give 68.8"));
+  options = make_small_mission(folder.path(), two_legs());
+  options.imagery = {testing::make_flat_elevation(folder.path(), 50)};
+  EXPECT_TRUE(warns("elevation.tif: its one band of Float32 values looks like an elevation model"));
+}
+
+TEST(PlanTiles, AsksWhetherLatitudeAndLongitudeAreExchanged) {
+  const TemporaryFolder folder;
+  const TileOptions options = make_small_mission(folder.path(), two_legs());
+  const GeodeticPoint at = plan_tiles(options).flight.route.vertices.front().point;
+  write_file(options.route,
+             R"({"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":[[)" +
+                 format_number(at.lat_deg) + "," + format_number(at.lon_deg) + ",80],[" + format_number(at.lat_deg) +
+                 "," + format_number(at.lon_deg + 0.004) + ",80]]}}",
+             true);
+  EXPECT_THAT(error_of(options), HasSubstr("with latitude and longitude exchanged it begins inside the imagery"));
+}
+
 TEST(PlanTiles, CoverageCountsThePixelsThatScoreReads) {  // 2026-11: 30 % of random holes passed for a coverage of 1
   const TemporaryFolder folder;
   const TileOptions options = make_small_mission(folder.path(), two_legs());

@@ -200,11 +200,18 @@ std::string fixed_or_unknown(double p) {
   return std::isnan(p) ? "not known" : probability_text(p);
 }
 
+VectorValue item_value(int item) {
+  return item < 0 ? VectorValue() : VectorValue(std::int64_t{item});
+}
+
 const std::vector<LayerField<ReportLeg>>& leg_fields() {
   using Leg = const ReportLeg&;
   using Type = VectorType;
   static const std::vector<LayerField<ReportLeg>> fields = {
-      {{"leg", Type::kInteger, "Leg"}, [](Leg leg) { return VectorValue(std::int64_t{leg.status.leg}); }},
+      {{"leg", Type::kInteger, "Leg"}, [](Leg leg) { return VectorValue(std::int64_t{leg.status.leg} + 1); }},
+      {{"from_item", Type::kInteger, "Item of the plan where it begins"},
+       [](Leg leg) { return item_value(leg.from_item); }},
+      {{"to_item", Type::kInteger, "Item of the plan where it ends"}, [](Leg leg) { return item_value(leg.to_item); }},
       {{"status", Type::kText, "Status"}, [](Leg leg) { return VectorValue(std::string(status_name(leg.quality))); }},
       {{"from_distance_m", Type::kReal, "From, along the route [m]"},
        [](Leg leg) { return number_value(leg.from_distance_m); }},
@@ -237,7 +244,10 @@ VectorLayer leg_layer(const ReportInput& input, const Report& report) {
     VectorFeature feature;
     feature.points = line_of(points);
     feature.values = values_of(leg_fields(), leg);
-    feature.title = "Leg " + std::to_string(leg.status.leg);
+    feature.title = "Leg " + std::to_string(leg.status.leg + 1);
+    if (leg.from_item >= 0 && leg.to_item >= 0) {
+      feature.title += " (items " + std::to_string(leg.from_item) + " to " + std::to_string(leg.to_item) + ")";
+    }
     feature.note = std::string(status_name(leg.quality)) + ": predicted error " + error_text(leg.status.max_error_m) +
                    ", within the limit with P " + fixed_or_unknown(leg.status.p_within_limit);
     feature.style = {with_opacity(status_color(leg.quality), "ff"), 4, ""};
@@ -251,7 +261,8 @@ const std::vector<LayerField<ReportGap>>& gap_fields() {
   using Type = VectorType;
   static const std::vector<LayerField<ReportGap>> fields = {
       {{"leg", Type::kInteger, "Leg on which it starts"},
-       [](Gap gap) { return VectorValue(std::int64_t{gap.gap.leg}); }},
+       [](Gap gap) { return VectorValue(std::int64_t{gap.gap.leg} + 1); }},
+      {{"status", Type::kText, "Status"}, [](Gap gap) { return VectorValue(std::string(status_name(gap.quality))); }},
       {{"from_distance_m", Type::kReal, "From, along the route [m]"},
        [](Gap gap) { return number_value(gap.gap.from_distance_m); }},
       {{"to_distance_m", Type::kReal, "To, along the route [m]"},
@@ -271,15 +282,21 @@ const std::vector<LayerField<ReportGap>>& gap_fields() {
 VectorLayer gap_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer = line_layer("gaps", "Gaps", "Stretches of the route without a fix.");
   layer.columns = columns_of(gap_fields());
-  layer.qml = qgis_line_style("", {{"", "gap", status_color(QualityStatus::kBad), 3, false}});
+  std::vector<LineClass> classes;
+  for (const QualityStatus status : {QualityStatus::kGood, QualityStatus::kMarginal, QualityStatus::kBad}) {
+    const std::string value(status_name(status));
+    classes.push_back({value, "without a fix, " + value, status_color(status), 3, false});
+  }
+  layer.qml = qgis_line_style("status", classes);
   for (const ReportGap& gap : report.gaps) {
     VectorFeature feature;
     feature.points = line_of(
         route_line_between(input.plan.flight.samples, gap.gap.from_distance_m, gap.gap.to_distance_m, kMaxLinePoints));
     feature.values = values_of(gap_fields(), gap);
     feature.title = "Gap of " + length_text(gap.length_m);
-    feature.note = duration_text(gap.gap.duration_s) + "; " + comparison_text(gap.gap.error_m, report.max_error_m);
-    feature.style = {with_opacity(status_color(QualityStatus::kBad), "80"), 9, ""};  // around the leg
+    feature.note = std::string(status_name(gap.quality)) + ": " + duration_text(gap.gap.duration_s) + "; " +
+                   comparison_text(gap.gap.error_m, report.max_error_m);
+    feature.style = {with_opacity(status_color(gap.quality), "80"), 9, ""};  // around the leg
     if (feature.points.size() >= 2) layer.features.push_back(std::move(feature));
   }
   return layer;
@@ -304,7 +321,9 @@ const std::vector<LayerField<Report>>& route_fields() {
       {{"verdict_status", Type::kText, "Verdict: status"},
        [](const Report& report) { return VectorValue(std::string(verdict_name(report.verdict))); }},
       {{"verdict_text", Type::kText, "Verdict: text"},
-       [](const Report& report) { return VectorValue(report.verdict_text); }}};
+       [](const Report& report) { return VectorValue(report.verdict_text); }},
+      {{"verdict_assumptions", Type::kText, "Verdict: what it assumes"},
+       [](const Report& report) { return VectorValue(report.assumptions); }}};
   return fields;
 }
 
@@ -319,7 +338,7 @@ VectorLayer route_layer(const ReportInput& input, const Report& report) {
   feature.points = line_of(points);
   if (feature.points.empty()) return layer;
   feature.title = report.route_name.empty() ? "Route" : report.route_name;
-  feature.note = report.verdict_text;
+  feature.note = report.verdict_text + "; " + report.assumptions;
   feature.style = {with_opacity(kRouteColor, "ff"), 2, ""};
   layer.features.push_back(std::move(feature));
   return layer;
@@ -340,6 +359,7 @@ VectorLayer key_value_layer(const Report& report) {
   add("software_version", report.software_version);
   add("verdict.status", std::string(verdict_name(report.verdict)));
   add("verdict.text", report.verdict_text);
+  add("verdict.assumptions", report.assumptions);
   for (const QualityRow& row : report.quality) add("quality." + row.name, row.value);
   add("selection.selected_tiles", std::to_string(report.selected_tiles));
   add("selection.all_tiles", std::to_string(report.tiles.size()));

@@ -48,7 +48,7 @@ GradeFigures grade_figures(InsGrade grade) {
 
 InsErrorModel make_ins_error_model(const InsOptions& options) {
   check_options(options);
-  const GradeFigures grade = grade_figures(options.grade);
+  const GradeFigures grade = grade_figures(options.grade.value_or(kAssumedInsGrade));
   InsErrorModel model;
   model.accel_bias_mps2 = options.accel_bias_mg.value_or(grade.accel_bias_mg) * 1e-3 * kStandardGravity_mps2;
   model.gyro_bias_radps = options.gyro_bias_deg_h.value_or(grade.gyro_bias_deg_h) * kRadPerDeg / kHour_s;

@@ -19,10 +19,13 @@ inline EnumNames<InsGrade> enum_names(InsGrade) {
           {InsGrade::kCustom, "custom"}};
 }
 
+/// What is assumed where no grade is given.
+inline constexpr InsGrade kAssumedInsGrade = InsGrade::kTactical;
+
 /// How the position error grows without fixes: a grade, and figures that replace those of the grade. Units are those of
 /// datasheets; every figure is one standard deviation of one axis. With grade `custom` a figure not given is 0.
 struct InsOptions {
-  InsGrade grade = InsGrade::kTactical;
+  std::optional<InsGrade> grade;
   double sigma_multiple = 3;
   double fix_sigma_m = 2;
   double start_sigma_m = 3;
@@ -42,7 +45,10 @@ struct InsOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.field("grade", self.grade, "Class of the inertial system, which sets every figure below that is not given.");
+    fields.field(
+        "grade", self.grade,
+        "Class of the inertial system, which sets every figure below that is not given; tactical is assumed, with a "
+        "warning, if not given.");
     fields.field("sigma_multiple", self.sigma_multiple, "k: errors are stated as k standard deviations.",
                  Range{0.5, 10});
     fields.field("fix_sigma_m", self.fix_sigma_m, "Error of a position fix by sight, each axis.", Range{0.01, 1000});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,10 @@ struct Flight {
   Camera camera;
   InsOptions ins;
   double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.
+  /// Height above sea level of the flat ground that is assumed where no elevation model is given; nothing where none
+  /// is needed.
+  std::optional<double> flat_ground_amsl_m;
+  bool max_error_assumed = false;  ///< The planner named none.
   double corridor_half_width_m = 0;
   double footprint_width_m = 0;  ///< At the route's typical height above ground.
   double footprint_height_m = 0;

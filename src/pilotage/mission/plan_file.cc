@@ -178,6 +178,8 @@ Json plan_to_json(const Mission& plan) {
                {"route", route_to_json(plan.flight.route)},
                {"route_samples", Json::array()},
                {"tiles", Json::array()}};
+  if (plan.flight.max_error_assumed) json["max_error_assumed"] = true;
+  if (plan.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *plan.flight.flat_ground_amsl_m;
   for (const ImageryDataset& image : plan.ground.imagery.datasets) {
     json["imagery"].push_back({{"dataset", image.dataset},
                                {"gsd_m", image.gsd_m},
@@ -213,6 +215,8 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   plan.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
   plan.flight.ins = options_of<InsOptions>(object, "ins");
   plan.flight.max_error_m = object.number("max_error_m");
+  plan.flight.max_error_assumed = object.has("max_error_assumed") && object.boolean("max_error_assumed");
+  if (object.has("flat_ground_amsl_m")) plan.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");
   plan.flight.min_agl_m = object.number("min_agl_m");
   plan.flight.corridor_half_width_m = object.number("corridor_half_width_m");
   plan.flight.footprint_width_m = object.number("footprint_width_m");

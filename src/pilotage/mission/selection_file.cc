@@ -17,8 +17,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kSelectionVersion = 1;
+constexpr int kSelectionVersion = 2;
 constexpr int kMaxLeg = 1'000'000;
+
+// The file counts legs from 1, as people do.
+int leg_index(JsonObject& object) {
+  return object.small_integer("leg", 1, kMaxLeg) - 1;
+}
 
 std::string side_name(AdviceSide side) {
   if (side == AdviceSide::kNone) return "none";
@@ -40,7 +45,7 @@ Json probability_to_json(const std::optional<RouteProbability>& probability) {
                {"expected_false_fixes", probability->expected_false_fixes},
                {"worst", nullptr}};
   if (const auto& worst = probability->worst) {
-    json["worst"] = {{"leg", worst->leg},
+    json["worst"] = {{"leg", worst->leg + 1},
                      {"from_distance_m", worst->from_distance_m},
                      {"to_distance_m", worst->to_distance_m},
                      {"p_first_excess", worst->p_first_excess}};
@@ -56,8 +61,8 @@ RouteProbability probability_from_json(JsonObject object) {
   probability.expected_false_fixes = object.number("expected_false_fixes");
   if (!object.value("worst").is_null()) {
     JsonObject worst = object.object("worst");
-    probability.worst = WorstStretch{worst.small_integer("leg", 0, kMaxLeg), worst.number("from_distance_m"),
-                                     worst.number("to_distance_m"), worst.number("p_first_excess")};
+    probability.worst = WorstStretch{leg_index(worst), worst.number("from_distance_m"), worst.number("to_distance_m"),
+                                     worst.number("p_first_excess")};
     worst.finish();
   }
   object.finish();
@@ -85,7 +90,7 @@ Json selection_to_json(const Selection& selection) {
                {"error_profile", Json::array()},
                {"tile_ids", selection.tile_ids}};
   for (const LegAdvice& advice : selection.advice) {
-    json["advice"].push_back({{"leg", advice.leg},
+    json["advice"].push_back({{"leg", advice.leg + 1},
                               {"side", side_name(advice.side)},
                               {"offset_m", advice.offset_m},
                               {"p_before", advice.p_before},
@@ -93,7 +98,7 @@ Json selection_to_json(const Selection& selection) {
                               {"good", advice.good}});
   }
   for (const RouteGap& gap : selection.gaps) {
-    json["gaps"].push_back({{"leg", gap.leg},
+    json["gaps"].push_back({{"leg", gap.leg + 1},
                             {"from_distance_m", gap.from_distance_m},
                             {"to_distance_m", gap.to_distance_m},
                             {"duration_s", gap.duration_s},
@@ -102,7 +107,7 @@ Json selection_to_json(const Selection& selection) {
                             {"p_first_excess", json_number(gap.p_first_excess)}});
   }
   for (const LegStatus& leg : selection.legs) {
-    json["legs"].push_back({{"leg", leg.leg},
+    json["legs"].push_back({{"leg", leg.leg + 1},
                             {"length_m", leg.length_m},
                             {"matchable_fraction", leg.matchable_fraction},
                             {"max_error_m", leg.max_error_m},
@@ -124,7 +129,10 @@ Selection selection_from_json(const Json& json, const std::string& name) {
   JsonObject object(json, name);
   Selection selection;
   if (!object.has("pilotage_selection")) throw DataError(name + ": is not a selection; `pilotage select` makes one");
-  object.integer("pilotage_selection", 1, kSelectionVersion);
+  if (const std::int64_t version = object.integer("pilotage_selection", 1); version != kSelectionVersion) {
+    throw DataError(name + ": is a selection of version " + std::to_string(version) + ", this program reads " +
+                    std::to_string(kSelectionVersion) + "; make it again with `pilotage select`");
+  }
   selection.max_error_m = object.number("max_error_m");
   selection.sigma_multiple = object.number("sigma_multiple");
   selection.within_limit = object.boolean("within_limit");
@@ -134,7 +142,7 @@ Selection selection_from_json(const Json& json, const std::string& name) {
     selection.probability = probability_from_json(object.object("probability"));
   }
   for (JsonObject& advice : object.objects("advice")) {
-    const int leg = advice.small_integer("leg", 0, kMaxLeg);
+    const int leg = leg_index(advice);
     const AdviceSide side = side_of(advice.text("side"), advice.path("side"));
     selection.advice.push_back({leg, side, advice.number("offset_m"), advice.number("p_before"),
                                 advice.number("p_after"), advice.boolean("good")});
@@ -142,14 +150,14 @@ Selection selection_from_json(const Json& json, const std::string& name) {
   }
   selection.notes = object.texts("notes");
   for (JsonObject& gap : object.objects("gaps")) {
-    selection.gaps.push_back({gap.small_integer("leg", 0, kMaxLeg), gap.number("from_distance_m"),
-                              gap.number("to_distance_m"), gap.number("duration_s"), gap.number("error_m"),
-                              gap.boolean("within_limit"), gap.number_or_nan("p_first_excess")});
+    selection.gaps.push_back({leg_index(gap), gap.number("from_distance_m"), gap.number("to_distance_m"),
+                              gap.number("duration_s"), gap.number("error_m"), gap.boolean("within_limit"),
+                              gap.number_or_nan("p_first_excess")});
     gap.finish();
   }
   for (JsonObject& leg : object.objects("legs")) {
-    selection.legs.push_back({leg.small_integer("leg", 0, kMaxLeg), leg.number("length_m"),
-                              leg.number("matchable_fraction"), leg.number("max_error_m"), leg.boolean("within_limit"),
+    selection.legs.push_back({leg_index(leg), leg.number("length_m"), leg.number("matchable_fraction"),
+                              leg.number("max_error_m"), leg.boolean("within_limit"),
                               leg.number_or_nan("p_within_limit"), leg.number_or_nan("p_fix")});
     leg.finish();
   }

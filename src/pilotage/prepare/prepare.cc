@@ -158,12 +158,13 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   remove_stale(run.output_folder, result.files);
 
   result.verdict = report.verdict_text;
+  result.assumptions = report.assumptions;
   result.planned_tiles = static_cast<std::int64_t>(plan.ground.tiles.size());
   result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   result.matchable_fraction = selection.matchable_fraction;
   result.within_limit = selection.within_limit;
   result.meets_gate = meets_gate(selection);
-  result.warnings = plan.warnings;
+  result.warnings = report.warnings;
   if (options.build.keep_features != KeepFeatures::kAll && score_options.measure(ScoreMeasure::kCorrectFix)) {
     result.warnings.emplace_back(
         "keep_features = stable: P(correct fix), the selection and the verdict are those of a map with all its "

@@ -47,7 +47,8 @@ struct PrepareRun {
 };
 
 struct PrepareResult {
-  std::string verdict;  ///< The report's first sentence.
+  std::string verdict;      ///< The report's first sentence.
+  std::string assumptions;  ///< What it takes for granted, as the report says it.
   BuildStats map;
   std::int64_t planned_tiles = 0;
   std::int64_t selected_tiles = 0;

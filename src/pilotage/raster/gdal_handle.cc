@@ -1,7 +1,9 @@
 #include "pilotage/raster/gdal_handle.h"
 
+#include <filesystem>
 #include <mutex>
 #include <string>
+#include <system_error>
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
@@ -26,6 +28,18 @@ void register_gdal() {
     if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(kBlockCacheBytes);
     GDALAllRegister();
   });
+}
+
+// What to do with the tiles of a web map, which GDAL does not open by their folder or address; "" for anything else.
+std::string tiles_remedy(const std::string& dataset) {
+  if (dataset.find("{z}") != std::string::npos) {
+    return "is the address of a web map's tiles; describe it in an XML file for GDAL's WMS driver "
+           "(gdal.org/drivers/raster/wms.html, service TMS) and give that, or save the area as MBTiles or GeoTIFF";
+  }
+  std::error_code error;
+  if (!std::filesystem::is_directory(dataset, error)) return "";
+  return "is a folder; of tiles with a place of their own make one raster (gdalbuildvrt all.vrt FOLDER/*.tif), of "
+         "tiles named z/x/y make MBTiles, or describe them for GDAL's WMS driver (service TMS, file:// address)";
 }
 
 }  // namespace
@@ -59,7 +73,10 @@ void DatasetCloser::operator()(GDALDataset* dataset) const {
 DatasetPtr open_raster(const std::string& dataset) {
   const GdalErrors errors;
   DatasetPtr opened(GDALDataset::Open(dataset.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
-  if (opened == nullptr) errors.throw_data_error(dataset + ": cannot be opened as a raster");
+  if (opened == nullptr) {
+    if (const std::string remedy = tiles_remedy(dataset); !remedy.empty()) throw DataError(dataset + ": " + remedy);
+    errors.throw_data_error(dataset + ": cannot be opened as a raster");
+  }
   return opened;
 }
 

@@ -113,7 +113,7 @@ void compare_legs(const Report& a, const Report& b, ReportComparison& comparison
     const ReportLeg& after = b.legs[i];
     const auto found = of_a.extract(keys_b[i]);
     if (found.empty()) {
-      comparison.legs_of_one[1].push_back(after.status.leg);
+      comparison.legs_of_one[1].push_back(after.status.leg + 1);
       continue;
     }
     const ReportLeg& before = a.legs[found.mapped()];
@@ -122,7 +122,7 @@ void compare_legs(const Report& a, const Report& b, ReportComparison& comparison
         same_number(before.status.p_within_limit, after.status.p_within_limit)) {
       continue;
     }
-    comparison.legs.push_back({{before.status.leg, after.status.leg},
+    comparison.legs.push_back({{before.status.leg + 1, after.status.leg + 1},
                                after.from,
                                after.to,
                                {std::string(status_name(before.quality)), std::string(status_name(after.quality))},
@@ -130,7 +130,7 @@ void compare_legs(const Report& a, const Report& b, ReportComparison& comparison
                                {before.status.max_error_m, after.status.max_error_m},
                                {is_worst(a, found.mapped()), is_worst(b, i)}});
   }
-  for (const auto& [key, index] : of_a) comparison.legs_of_one[0].push_back(a.legs[index].status.leg);
+  for (const auto& [key, index] : of_a) comparison.legs_of_one[0].push_back(a.legs[index].status.leg + 1);
   std::sort(comparison.legs_of_one[0].begin(), comparison.legs_of_one[0].end());
   const auto badness = [](const ComparedLeg& leg) {
     const double p_excess = std::isnan(leg.p_within_limit[1]) ? 1 : 1 - leg.p_within_limit[1];

@@ -36,7 +36,7 @@ struct ComparedQuality {
 /// A leg that both routes have: from and to agree in five decimals of a degree, about a metre; of legs that a route has
 /// several times the first goes with the first.
 struct ComparedLeg {
-  Both<int> legs{};
+  Both<int> legs{};  ///< Numbers, from 1.
   GeodeticPoint from;
   GeodeticPoint to;
   Both<std::string> statuses;

@@ -166,7 +166,7 @@ std::string legs_of_one_text(const std::vector<int>& legs, const char* which) {
 Json report_comparison_json(const ReportComparison& comparison) {
   Json json;
   json["format"] = "pilotage-report-comparison";
-  json["format_version"] = 1;
+  json["format_version"] = 2;
   json["files"] = both_json(comparison.files);
   json["titles"] = both_json(comparison.titles);
   json["software_versions"] = both_json(comparison.software_versions);

@@ -10,7 +10,7 @@ function alongText(distance, error) {
   const parts = [(distance / 1000).toFixed(2) + ' km'];
   const leg = report.route.legs.find((entry) => entry.from_distance_m !== null && distance >= entry.from_distance_m &&
     distance <= entry.from_distance_m + entry.length_m);
-  if (leg) parts.push('leg ' + (leg.leg + 1));
+  if (leg) parts.push('leg ' + leg.leg);
   parts.push(error === null ? 'error unknown' : 'error ' + error.toFixed(1) + ' m of ' + report.route.max_error_m + ' m');
   const p = rows.length ? display.profile_p[lastBefore(rows, distance)] : [null, null];
   const fix = report.route.fixes.some((stretch) => distance >= stretch.from_distance_m && distance <= stretch.to_distance_m);

@@ -9,11 +9,11 @@ const legStyles = {
 };
 function drawGaps(context, view) {
   display.gap_lines_m.forEach((flat, i) => {
-    const within = report.route.gaps[i].within_limit;
     context.lineWidth = 18;
     context.globalAlpha = 0.6;
-    context.strokeStyle = within ? '#e69f00' : '#d5008a';
-    strokeLine(context, view, flat, within ? [] : [7, 4]);
+    const status = report.route.gaps[i].status;
+    context.strokeStyle = legStyles[status].color;
+    strokeLine(context, view, flat, status === 'bad' ? [7, 4] : []);
   });
   context.globalAlpha = 1;
 }
@@ -53,7 +53,7 @@ function labelLegs(context, view) {
     const length = Math.hypot(view.x(flat[flat.length - 2]) - view.x(flat[0]), view.y(flat[flat.length - 1]) - view.y(flat[1]));
     if (length < 48 || leg.from_distance_m === null) return;
     const [x, y] = placeAlong(leg.from_distance_m + leg.length_m / 2);
-    disc(context, view.x(x), view.y(y), String(leg.leg + 1), '#fff', '#000');
+    disc(context, view.x(x), view.y(y), String(leg.leg), '#fff', '#000');
   });
   if (!display.places_m.length) return;
   const first = display.places_m[0];

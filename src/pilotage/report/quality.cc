@@ -5,6 +5,7 @@
 #include <set>
 
 #include "pilotage/base/text.h"
+#include "pilotage/report/disagreement.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -12,33 +13,10 @@ namespace {
 
 using Limits = QualityThresholds;
 
-QualityStatus worse(QualityStatus a, QualityStatus b) {
-  return std::max(a, b);
-}
-
 // Judges a number of which more is better; NaN is bad.
 QualityStatus judge_at_least(double number, double good, double marginal) {
   if (number >= good) return QualityStatus::kGood;
   return number >= marginal ? QualityStatus::kMarginal : QualityStatus::kBad;
-}
-
-const RouteGap* longest_gap(const Selection& selection) {
-  const RouteGap* longest = nullptr;
-  for (const RouteGap& gap : selection.gaps) {
-    const double length_m = gap.to_distance_m - gap.from_distance_m;
-    if (longest == nullptr || length_m > longest->to_distance_m - longest->from_distance_m) longest = &gap;
-  }
-  return longest;
-}
-
-// "3.4 km = 122 s at 28 m/s"
-std::string gap_text(const RouteGap& gap) {
-  const double length_m = gap.to_distance_m - gap.from_distance_m;
-  std::string text = length_text(length_m);
-  if (!(gap.duration_s > 0) || !std::isfinite(gap.duration_s)) return text;
-  const double speed_mps = length_m / gap.duration_s;
-  text += " = " + duration_text(gap.duration_s);
-  return text + " at " + format_fixed(speed_mps, speed_mps < 9.95 ? 1 : 0) + " m/s";
 }
 
 QualityRow largest_error_row(const Selection& selection) {
@@ -88,12 +66,6 @@ QualityRow longest_gap_row(const Selection& selection) {
   return row;
 }
 
-// "0.982 ≥ 0.900" or "0.873 < 0.900"
-std::string probability_comparison(const RouteProbability& route) {
-  return probability_text(route.p_within_limit) + (route.p_within_limit >= route.min_p_within_limit ? " ≥ " : " < ") +
-         probability_text(route.min_p_within_limit);
-}
-
 QualityRow probability_row(const RouteProbability& route) {
   QualityRow row;
   row.name = "route_probability";
@@ -106,7 +78,8 @@ QualityRow probability_row(const RouteProbability& route) {
   row.decides = true;
   if (route.p_within_limit >= route.min_p_within_limit) return row;
   row.status = QualityStatus::kBad;
-  row.advice = "Lead the route over ground with a larger probability of a correct fix (select --advise).";
+  row.advice =
+      "Lead the route over ground with a larger probability of a correct fix (--advise looks for a line beside it).";
   if (route.worst) {
     row.advice += " Most flights are lost between " + length_text(route.worst->from_distance_m) + " and " +
                   length_text(route.worst->to_distance_m) + ", from leg " + std::to_string(route.worst->leg + 1) + ".";
@@ -317,6 +290,35 @@ QualityStatus judge_error(double error_m, double limit_m) {
   return error_m <= limit_m ? QualityStatus::kMarginal : QualityStatus::kBad;
 }
 
+bool too_often_lost(const Selection& selection) {
+  return selection.probability && selection.probability->p_within_limit < selection.probability->min_p_within_limit;
+}
+
+QualityStatus judge_probability(double p_within_limit, const Selection& selection) {
+  if (!selection.probability) return QualityStatus::kGood;
+  const double asked = selection.probability->min_p_within_limit;
+  return judge_at_least(p_within_limit, (1 + asked) / 2, asked);
+}
+
+QualityStatus judge_leg(const LegStatus& leg, const Selection& selection) {
+  if (!leg.within_limit) return QualityStatus::kBad;
+  return std::max(judge_error(leg.max_error_m, selection.max_error_m),
+                  judge_probability(leg.p_within_limit, selection));
+}
+
+QualityStatus judge_gap(const RouteGap& gap, const Selection& selection) {
+  if (!gap.within_limit) return QualityStatus::kBad;
+  QualityStatus status = judge_error(gap.error_m, selection.max_error_m);
+  if (!selection.probability) return status;
+  if (!std::isnan(gap.p_first_excess)) {
+    status = std::max(status, judge_probability(1 - gap.p_first_excess, selection));
+  }
+  const auto& worst = selection.probability->worst;
+  const bool in_worst =
+      worst && gap.from_distance_m < worst->to_distance_m && gap.to_distance_m > worst->from_distance_m;
+  return too_often_lost(selection) && in_worst ? QualityStatus::kBad : status;
+}
+
 double largest_error_m(const Selection& selection) {
   std::vector<double> errors;
   for (const ErrorSample& sample : selection.error_profile) errors.push_back(sample.error_m);
@@ -325,6 +327,29 @@ double largest_error_m(const Selection& selection) {
   const bool unknown = std::any_of(errors.begin(), errors.end(), [](double error_m) { return std::isnan(error_m); });
   if (errors.empty() || unknown) return std::numeric_limits<double>::quiet_NaN();
   return *std::max_element(errors.begin(), errors.end());
+}
+
+const RouteGap* longest_gap(const Selection& selection) {
+  const RouteGap* longest = nullptr;
+  for (const RouteGap& gap : selection.gaps) {
+    const double length_m = gap.to_distance_m - gap.from_distance_m;
+    if (longest == nullptr || length_m > longest->to_distance_m - longest->from_distance_m) longest = &gap;
+  }
+  return longest;
+}
+
+std::string gap_text(const RouteGap& gap) {
+  const double length_m = gap.to_distance_m - gap.from_distance_m;
+  std::string text = length_text(length_m);
+  if (!(gap.duration_s > 0) || !std::isfinite(gap.duration_s)) return text;
+  const double speed_mps = length_m / gap.duration_s;
+  text += " = " + duration_text(gap.duration_s);
+  return text + " at " + format_fixed(speed_mps, speed_mps < 9.95 ? 1 : 0) + " m/s";
+}
+
+std::string probability_comparison(const RouteProbability& route) {
+  return probability_text(route.p_within_limit) + (route.p_within_limit >= route.min_p_within_limit ? " ≥ " : " < ") +
+         probability_text(route.min_p_within_limit);
 }
 
 std::vector<QualityRow> quality_rows(const ReportInput& input) {
@@ -339,45 +364,13 @@ std::vector<QualityRow> quality_rows(const ReportInput& input) {
                                   footprint_row(input.plan),
                                   distortion_row(input.plan),
                                   imagery_date_row(input.plan)};
+  if (const auto found = georeference_disagreement(input)) {
+    rows.insert(rows.begin() + 2, disagreement_row(*found, input.selection));
+  }
   if (const auto& probability = input.selection.probability) {
     rows.insert(rows.begin() + 2, probability_row(*probability));
   }
   return rows;
-}
-
-QualityStatus verdict_of(const std::vector<QualityRow>& rows) {
-  QualityStatus verdict = QualityStatus::kGood;
-  bool decided = false;
-  for (const QualityRow& row : rows) {
-    if (!row.decides) continue;
-    decided = true;
-    verdict = worse(verdict, row.status);
-  }
-  return decided ? verdict : QualityStatus::kBad;
-}
-
-std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const ReportInput& input) {
-  const Selection& selection = input.selection;
-  std::string text = std::string(verdict_name(verdict)) + ": matchable on " +
-                     percent_text(selection.matchable_fraction) + " of its length";
-  const RouteGap* gap = longest_gap(selection);
-  const double error_m = largest_error_m(selection);
-  if (gap != nullptr) {
-    text += "; longest gap " + gap_text(*gap) + "; drift there " + comparison_text(gap->error_m, selection.max_error_m);
-  } else {
-    text += "; no gap";
-  }
-  const bool said = gap != nullptr && error_text(gap->error_m) == error_text(error_m);
-  if (!said) text += "; largest error " + comparison_text(error_m, selection.max_error_m);
-  if (selection.probability) {
-    text += "; within the limit all the way with P = " + probability_comparison(*selection.probability);
-  }
-  for (const QualityRow& row : rows) {
-    if (!row.decides || row.status != verdict || verdict == QualityStatus::kGood) continue;
-    if (row.name == "largest_error" || row.name == "longest_gap" || row.name == "route_probability") continue;
-    text += "; " + row.label + ": " + row.value;
-  }
-  return text;
 }
 
 }  // namespace pilotage

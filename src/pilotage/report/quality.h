@@ -51,16 +51,33 @@ struct QualityThresholds {
 /// Judges a predicted error against the limit: good up to 80 % of it, marginal up to it, bad beyond or when NaN.
 QualityStatus judge_error(double error_m, double limit_m);
 
+/// Judges the probability of staying within the limit against the one that was asked for: bad below it, marginal below
+/// the middle between it and 1. Good when none was asked for; bad when NaN, which no flight reaches within the limit.
+QualityStatus judge_probability(double p_within_limit, const Selection& selection);
+
+/// How good a leg is: the worse of its largest error and of its probability of staying within the limit.
+QualityStatus judge_leg(const LegStatus& leg, const Selection& selection);
+
+/// How good a stretch without a fix is: the worst of the error at its end, of its probability of being lost in it, and
+/// bad where it lies in the stretch that loses most flights of a route that too few survive.
+QualityStatus judge_gap(const RouteGap& gap, const Selection& selection);
+
+/// Whether fewer flights stay within the limit than were asked for.
+bool too_often_lost(const Selection& selection);
+
 /// Largest predicted error of the profile, the gaps and the legs; NaN when one of them is NaN or there is none.
 double largest_error_m(const Selection& selection);
 
+/// The longest gap, the first of equal ones; nullptr without one.
+const RouteGap* longest_gap(const Selection& selection);
+
+/// "3.4 km = 122 s at 28 m/s"
+std::string gap_text(const RouteGap& gap);
+
+/// "0.982 ≥ 0.900" or "0.873 < 0.900"
+std::string probability_comparison(const RouteProbability& route);
+
 std::vector<QualityRow> quality_rows(const ReportInput& input);
-
-/// The worst status of the rows that decide; kBad when none does.
-QualityStatus verdict_of(const std::vector<QualityRow>& rows);
-
-/// "NO-GO: matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there 61 m > 50 m"
-std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const ReportInput& input);
 
 }  // namespace pilotage
 

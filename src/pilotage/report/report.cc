@@ -9,11 +9,15 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/ground/score_table.h"
+#include "pilotage/ins/drift.h"
+#include "pilotage/ins/ins_error_model.h"
 #include "pilotage/matchability/reasons.h"
+#include "pilotage/report/disagreement.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/sampled_route.h"
+#include "pilotage/report/verdict.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -124,6 +128,7 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
     placed.speed_mps = gap.duration_s > 0 ? placed.length_m / gap.duration_s : std::numeric_limits<double>::quiet_NaN();
     placed.from = route_point_at(input.plan.flight.samples, gap.from_distance_m);
     placed.to = route_point_at(input.plan.flight.samples, gap.to_distance_m);
+    placed.quality = judge_gap(gap, input.selection);
     gaps.push_back(placed);
   }
   return gaps;
@@ -131,6 +136,9 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
 
 std::vector<ReportLeg> place_legs(const ReportInput& input) {
   const Route& route = input.plan.flight.route;
+  // Items of mission files have commands, and numbers that QGroundControl shows.
+  const bool numbered =
+      std::any_of(route.items.begin(), route.items.end(), [](const RouteItem& item) { return item.command >= 0; });
   std::map<int, double> starts_m;
   for (const FlightSample& sample : input.plan.flight.samples) starts_m.try_emplace(sample.leg, sample.distance_m);
   std::vector<ReportLeg> legs;
@@ -142,8 +150,11 @@ std::vector<ReportLeg> place_legs(const ReportInput& input) {
     placed.from_distance_m = start != starts_m.end() ? start->second : std::numeric_limits<double>::quiet_NaN();
     placed.from = route.vertices[static_cast<std::size_t>(leg.from)].point;
     placed.to = route.vertices[static_cast<std::size_t>(leg.to)].point;
-    placed.quality = judge_error(status.max_error_m, input.selection.max_error_m);
-    if (!status.within_limit) placed.quality = QualityStatus::kBad;
+    if (numbered) {
+      placed.from_item = route.vertices[static_cast<std::size_t>(leg.from)].source_item;
+      placed.to_item = route.vertices[static_cast<std::size_t>(leg.to)].source_item;
+    }
+    placed.quality = judge_leg(status, input.selection);
     legs.push_back(placed);
   }
   return legs;
@@ -156,13 +167,29 @@ std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
   for (std::size_t i = 0; i < legs.size(); ++i) order.push_back(static_cast<int>(i));
   const auto badness = [&](int i) {
     const LegStatus& status = legs[static_cast<std::size_t>(i)].status;
-    const double p_excess = std::isnan(status.p_within_limit) ? 1 : 1 - status.p_within_limit;
+    // What no flight reaches within the limit is not where flights are lost.
+    const double p_excess = std::isnan(status.p_within_limit) ? 0 : 1 - status.p_within_limit;
     return std::pair(p_excess,
                      std::isnan(status.max_error_m) ? std::numeric_limits<double>::infinity() : status.max_error_m);
   };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return badness(a) > badness(b); });
   order.resize(std::min<std::size_t>(order.size(), 10));
   return order;
+}
+
+InertialReach inertial_reach(const ReportInput& input) {
+  InertialReach reach;
+  const Flight& flight = input.plan.flight;
+  const double limit_m = input.selection.max_error_m;
+  if (flight.samples.empty() || !(flight.samples.front().speed_mps > 0) || !(limit_m > 0)) return reach;
+  const InsErrorModel model = make_ins_error_model(flight.ins);
+  reach.speed_mps = flight.samples.front().speed_mps;
+  const auto reach_s = [&](double start_sigma_m) {
+    return longest_bridgeable_gap_s(model, reach.speed_mps, limit_m, model.sigma_multiple, start_sigma_m);
+  };
+  reach.from_start_s = reach_s(model.start_sigma_m);
+  reach.after_fix_s = reach_s(model.fix_sigma_m);
+  return reach;
 }
 
 }  // namespace
@@ -177,7 +204,10 @@ Report make_report(const ReportInput& input) {
   report.tiles = report_tiles(input);
   report.quality = quality_rows(input);
   report.verdict = verdict_of(report.quality);
-  report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, input));
+  report.headline = valid_utf8(headline(selection));
+  report.verdict_detail = valid_utf8(verdict_detail(report.verdict, report.quality, selection));
+  report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, selection));
+  report.assumptions = assumptions_line(plan.flight, selection);
   for (QualityRow& row : report.quality) row.value = valid_utf8(row.value);
 
   report.route_name = valid_utf8(plan.flight.route.name);
@@ -193,6 +223,7 @@ Report make_report(const ReportInput& input) {
   report.worst_legs = rank_legs(report.legs);
   report.gaps = place_gaps(input);
   report.probability = selection.probability;
+  report.inertial_reach = inertial_reach(input);
   report.fixes = fix_stretches(selection.error_profile);
   report.error_profile = thin_profile(selection.error_profile, 2000);
 
@@ -219,6 +250,7 @@ Report make_report(const ReportInput& input) {
   }
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(plan.warnings);
+  if (const std::string warning = disagreement_warning(input); !warning.empty()) report.warnings.push_back(warning);
   report.notes = valid_texts(plan.flight.route.notes);
   for (const auto* more : {&selection.notes, &input.assumptions}) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,14 +30,17 @@ struct ReportGap {
   double speed_mps = 0;  ///< Mean over the gap: length / duration; NaN when it has no duration.
   GeodeticPoint from;
   GeodeticPoint to;
+  QualityStatus quality = QualityStatus::kGood;  ///< judge_gap.
 };
 
-/// A leg of the route with its place and its judgement: kGood up to 80 % of the limit, kMarginal up to it, kBad beyond.
+/// A leg of the route with its place and its judgement (judge_leg).
 struct ReportLeg {
   LegStatus status;
   double from_distance_m = 0;  ///< Along the route.
   GeodeticPoint from;
   GeodeticPoint to;
+  int from_item = -1;  ///< Number by which QGroundControl shows the item where it begins; -1 where the file has none.
+  int to_item = -1;
   QualityStatus quality = QualityStatus::kGood;
 };
 
@@ -75,11 +79,22 @@ struct ReportDisplay {
   std::vector<std::pair<double, Eigen::Vector2d>> places_m;  ///< Points by distance along the route, ascending.
 };
 
+/// How long the inertial system alone stays within the limit in straight flight (ins/drift.h); NaN where that is not
+/// known.
+struct InertialReach {
+  double from_start_s = std::numeric_limits<double>::quiet_NaN();
+  double after_fix_s = std::numeric_limits<double>::quiet_NaN();
+  double speed_mps = std::numeric_limits<double>::quiet_NaN();  ///< At which it was computed, that of the first sample.
+};
+
 struct Report {
   std::string title;
   std::string software_version;
   QualityStatus verdict = QualityStatus::kBad;  ///< Worst of the quality rows that decide; said as GO, MARGINAL, NO-GO.
   std::string verdict_text;                     ///< "NO-GO: matchable on 87 % of its length; longest gap 3.4 km = …".
+  std::string headline;  ///< "95 of 100 flights stay within 60 m …". Like the detail, part of the text.
+  std::string verdict_detail;
+  std::string assumptions;  ///< "assumes: tactical INS (default), …": what the verdict takes for granted.
   std::vector<QualityRow> quality;
   std::vector<WeakPlace> weak_places;  ///< Where to look first. Not part of report.json, which has the gaps and legs.
 
@@ -94,6 +109,7 @@ struct Report {
   std::vector<int> worst_legs;  ///< Indices into `legs`, at most ten: smallest probability, then largest error first.
   std::vector<ReportGap> gaps;
   std::optional<RouteProbability> probability;  ///< As the selection's.
+  InertialReach inertial_reach;                 ///< Not part of report.json.
   std::vector<FixStretch> fixes;
   std::vector<ErrorSample> error_profile;  ///< Thinned to at most 2,000 samples; extremes are kept.
 

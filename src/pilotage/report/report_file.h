@@ -10,7 +10,7 @@
 namespace pilotage {
 
 /// The version of report.json that this program writes and reads.
-inline constexpr int kReportFormatVersion = 1;
+inline constexpr int kReportFormatVersion = 2;
 
 /// Reads a report.json: what report_json() wrote, but for the columns of tiles beyond place, selection and
 /// P(correct fix), the measures, the error profile, weak places and pictures. Throws DataError, beginning with the

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <regex>
 
@@ -62,10 +63,10 @@ std::string copy_cell(GeodeticPoint from, GeodeticPoint to, const std::string& s
 }
 
 // The question the page answers, in one sentence.
-std::string answer_text(QualityStatus verdict) {
-  if (verdict == QualityStatus::kGood) return "The route can be flown without GNSS.";
-  if (verdict == QualityStatus::kMarginal) return "The route can be flown without GNSS only with little reserve.";
-  return "The route cannot be flown without GNSS as planned.";
+std::string answer_text(const Report& report) {
+  std::string text = report.headline + ".";
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
 }
 
 std::string places_heading(const Report& report) {
@@ -125,31 +126,41 @@ std::string quality_html(const Report& report) {
   return html;
 }
 
+// "–" where nothing is known, words where the number does not exist.
+std::string leg_probability_text(const Report& report, double p) {
+  return std::isnan(p) && report.probability ? "not reached within the limit" : probability_text(p);
+}
+
+// The plan's own numbers: "2 → 3"; "–" where the file has none, as for home.
+std::string items_text(const ReportLeg& leg) {
+  const auto number = [](int item) { return item < 0 ? std::string("–") : std::to_string(item); };
+  return leg.from_item < 0 && leg.to_item < 0 ? "–" : number(leg.from_item) + " → " + number(leg.to_item);
+}
+
 std::string legs_html(const Report& report) {
   std::string html;
   for (const int index : report.worst_legs) {
     const ReportLeg& leg = report.legs[static_cast<std::size_t>(index)];
-    html += "<tr>" + heading("Leg " + std::to_string(leg.status.leg + 1)) + "<td>" + badge(status_name(leg.quality)) +
-            "</td>" + cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
-            cell(probability_text(leg.status.p_within_limit)) + cell(probability_text(leg.status.p_fix)) +
-            cell(percent_text(leg.status.matchable_fraction)) + cell(length_text(leg.status.length_m)) +
+    html += "<tr>" + heading("Leg " + std::to_string(leg.status.leg + 1)) + cell(items_text(leg)) + "<td>" +
+            badge(status_name(leg.quality)) + "</td>" +
+            cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
+            cell(leg_probability_text(report, leg.status.p_within_limit)) +
+            cell(leg_probability_text(report, leg.status.p_fix)) + cell(percent_text(leg.status.matchable_fraction)) +
+            cell(length_text(leg.status.length_m)) +
             copy_cell(leg.from, leg.to,
                       show_button(leg.from_distance_m, leg.from_distance_m + leg.status.length_m,
                                   "leg " + std::to_string(leg.status.leg + 1))) +
             "</tr>\n";
   }
-  return html.empty() ? "<tr><td colspan=\"8\">The route has no leg.</td></tr>" : html;
+  return html.empty() ? "<tr><td colspan=\"9\">The route has no leg.</td></tr>" : html;
 }
 
 std::string gaps_html(const Report& report) {
   std::string html;
   for (const ReportGap& gap : report.gaps) {
     html += "<tr>" + heading(length_text(gap.gap.from_distance_m) + " – " + length_text(gap.gap.to_distance_m)) +
-            "<td>" +
-            badge(status_name(gap.gap.within_limit ? judge_error(gap.gap.error_m, report.max_error_m)
-                                                   : QualityStatus::kBad)) +
-            "</td>" + cell(length_text(gap.length_m)) + cell(duration_text(gap.gap.duration_s)) +
-            cell(comparison_text(gap.gap.error_m, report.max_error_m)) +
+            "<td>" + badge(status_name(gap.quality)) + "</td>" + cell(length_text(gap.length_m)) +
+            cell(duration_text(gap.gap.duration_s)) + cell(comparison_text(gap.gap.error_m, report.max_error_m)) +
             copy_cell(gap.from, gap.to,
                       show_button(gap.gap.from_distance_m, gap.gap.to_distance_m,
                                   "the gap at " + length_text(gap.gap.from_distance_m))) +
@@ -305,8 +316,9 @@ std::string report_html(const Report& report) {
                         {"data", script_json(data)},
                         {"verdict_status", std::string(status_name(report.verdict))},
                         {"verdict_word", verdict},
-                        {"verdict_rest", html_escape(report.verdict_text.substr(verdict.size() + 2))},
-                        {"answer", answer_text(report.verdict)},
+                        {"verdict_rest", html_escape(report.verdict_detail)},
+                        {"answer", html_escape(answer_text(report))},
+                        {"assumptions", html_escape(report.assumptions)},
                         {"places_heading", places_heading(report)},
                         {"places", places_html(report)},
                         {"evaluation", evaluation_html(report)},

@@ -32,6 +32,10 @@ class Writer {
   void number(const char* key, double value) { json_[key] = variant_to_json(number_value(value)); }
   void degrees(const char* key, double value) { json_[key] = variant_to_json(degrees_value(value)); }
   void status(const char* key, QualityStatus value, StatusName name) { json_[key] = name(value); }
+  /// The number of a leg: people and files count from 1.
+  void leg(const char* key, int index) { json_[key] = index + 1; }
+  /// The number of an item of the plan; null for none.
+  void item(const char* key, int number) { json_[key] = number < 0 ? Json() : Json(number); }
   /// An integer, a text, a list of texts, true or false, or JSON.
   template <class T>
   void value(const char* key, const T& value) {
@@ -91,6 +95,12 @@ class Reader {
                     std::string(name(QualityStatus::kGood)) + ", " + std::string(name(QualityStatus::kMarginal)) +
                     " and " + std::string(name(QualityStatus::kBad)));
   }
+  void leg(const char* key, int& index) {
+    index = static_cast<int>(object_.integer(key, 1, std::numeric_limits<int>::max())) - 1;
+  }
+  void item(const char* key, int& number) {
+    number = object_.has_value(key) ? static_cast<int>(object_.integer(key, 0, std::numeric_limits<int>::max())) : -1;
+  }
   template <std::integral Int>
   void value(const char* key, Int& value) {
     value = static_cast<Int>(object_.integer(key, 0, std::numeric_limits<Int>::max()));
@@ -147,7 +157,9 @@ void describe(Io& io, typename Io::template Ref<QualityRow> row) {
 
 template <class Io>
 void describe(Io& io, typename Io::template Ref<ReportLeg> leg) {
-  io.value("leg", leg.status.leg);
+  io.leg("leg", leg.status.leg);
+  io.item("from_item", leg.from_item);
+  io.item("to_item", leg.to_item);
   io.record("from", leg.from);
   io.record("to", leg.to);
   io.number("from_distance_m", leg.from_distance_m);
@@ -162,7 +174,7 @@ void describe(Io& io, typename Io::template Ref<ReportLeg> leg) {
 
 template <class Io>
 void describe(Io& io, typename Io::template Ref<ReportGap> gap) {
-  io.value("leg", gap.gap.leg);
+  io.leg("leg", gap.gap.leg);
   io.record("from", gap.from);
   io.record("to", gap.to);
   io.number("from_distance_m", gap.gap.from_distance_m);
@@ -173,11 +185,12 @@ void describe(Io& io, typename Io::template Ref<ReportGap> gap) {
   io.number("error_m", gap.gap.error_m);
   io.value("within_limit", gap.gap.within_limit);
   io.number("p_first_excess", gap.gap.p_first_excess);
+  io.status("status", gap.quality, status_name);
 }
 
 template <class Io>
 void describe(Io& io, typename Io::template Ref<WorstStretch> worst) {
-  io.value("leg", worst.leg);
+  io.leg("leg", worst.leg);
   io.number("from_distance_m", worst.from_distance_m);
   io.number("to_distance_m", worst.to_distance_m);
   io.number("p_first_excess", worst.p_first_excess);
@@ -249,7 +262,11 @@ void describe_route(Io& io, typename Io::template Ref<Report> report) {
   io.number("sigma_multiple", report.sigma_multiple);
   io.record("probability", report.probability);
   io.records("legs", report.legs);
-  io.only_written("worst_legs", [&] { return report.worst_legs; });
+  io.only_written("worst_legs", [&] {
+    std::vector<int> numbers;
+    for (const int index : report.worst_legs) numbers.push_back(index + 1);
+    return numbers;
+  });
   io.records("gaps", report.gaps);
   io.records("fixes", report.fixes);
   io.only_written("error_profile", [&] { return profile_json(report); });
@@ -309,6 +326,7 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
   io.object("verdict", [&](Io& verdict) {
     verdict.status("status", report.verdict, verdict_name);
     verdict.value("text", report.verdict_text);
+    verdict.value("assumptions", report.assumptions);
   });
   io.records("quality", report.quality);
   io.object("route", [&](Io& route) { describe_route(route, report); });
@@ -345,10 +363,10 @@ void check_format(const Json& json, const std::string& file) {
 std::vector<int> read_worst_legs(JsonObject route, std::size_t legs) {
   std::vector<int> worst;
   for (const Json& index : route.value("worst_legs")) {
-    if (!index.is_number_integer() || index < 0 || index >= legs) {
+    if (!index.is_number_integer() || index < 1 || index > legs) {
       throw DataError(route.path("worst_legs") + " names a leg that is not there: " + index.dump());
     }
-    worst.push_back(index.get<int>());
+    worst.push_back(index.get<int>() - 1);
   }
   return worst;
 }

@@ -127,7 +127,10 @@ std::string ribbons(const Report& report, const Axes& axes) {
     const double x2 = axes.x(leg.from_distance_m + leg.status.length_m);
     const std::string number = std::to_string(leg.status.leg + 1);
     svg += band("leg " + std::string(status_name(leg.quality)), x1, leg_top, x2, leg_top + 16,
-                "Leg " + number + ": largest error " + comparison_text(leg.status.max_error_m, report.max_error_m));
+                "Leg " + number + ": largest error " + comparison_text(leg.status.max_error_m, report.max_error_m) +
+                    (std::isnan(leg.status.p_within_limit)
+                         ? ""
+                         : ", within the limit with P = " + probability_text(leg.status.p_within_limit)));
     if (x2 - x1 >= 26) svg += kSvg.text("leg-number", (x1 + x2) / 2, leg_top + 12.5, number);
   }
   svg += kSvg.text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
@@ -144,7 +147,7 @@ std::string ribbons(const Report& report, const Axes& axes) {
   return svg + probability_ribbon(report, axes, fix_top + 21);
 }
 
-// Those over the limit are hatched too, so that colour is not alone. Wide ones say how long they are.
+// Bad ones are hatched too, so that colour is not alone. Wide ones say how long they are.
 std::string gap_bands(const Report& report, const Axes& axes) {
   std::string svg =
       "<defs><pattern id=\"chart-hatch\" width=\"9\" height=\"9\" patternUnits=\"userSpaceOnUse\" "
@@ -154,8 +157,8 @@ std::string gap_bands(const Report& report, const Axes& axes) {
     const double x2 = axes.x(gap.gap.to_distance_m);
     const std::string title = "Gap of " + length_text(gap.length_m) + ", error at its end " +
                               comparison_text(gap.gap.error_m, report.max_error_m);
-    svg += band(gap.gap.within_limit ? "gap" : "gap over", x1, kTop, x2, kBottom, title);
-    if (!gap.gap.within_limit) svg += band("hatch", x1, kTop, x2, kBottom, title);
+    svg += band("gap " + std::string(status_name(gap.quality)), x1, kTop, x2, kBottom, title);
+    if (gap.quality == QualityStatus::kBad) svg += band("hatch", x1, kTop, x2, kBottom, title);
   }
   return svg;
 }
@@ -167,7 +170,7 @@ std::string gap_labels(const Report& report, const Axes& axes) {
     const double x2 = axes.x(gap.gap.to_distance_m);
     if (x2 - x1 < 70) continue;
     svg += kSvg.text("gap-label", (x1 + x2) / 2, kBottom - 8,
-                     (gap.gap.within_limit ? "" : "✕ ") + length_text(gap.length_m));
+                     (gap.quality == QualityStatus::kBad ? "✕ " : "") + length_text(gap.length_m));
   }
   return svg;
 }

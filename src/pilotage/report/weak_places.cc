@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -51,17 +52,25 @@ const ReasonWords& words_of(ReasonCode code) {
                        [&](const ReasonWords& words) { return words.code == code; });
 }
 
+constexpr const char* kLessDrift = "Fly with a better inertial grade or a velocity aid, or allow a larger error.";
+constexpr const char* kMoreStructure = "Lead the route over ground with structure: roads, buildings, edges of fields.";
+constexpr double kSurelyFound = 0.5;  // a convention: found more often than not
+
 struct Explanation {
   std::string why;
   std::string todo;
 };
 
+bool lies_between(const ReportTile& tile, double from_m, double to_m) {
+  return tile.place.distance_m >= from_m && tile.place.distance_m <= to_m;
+}
+
 // The commonest reasons of the tiles that are not selected there, at most three, causes before what follows from them.
-Explanation explain(const Report& report, double from_m, double to_m) {
+Explanation explain_refused(const Report& report, double from_m, double to_m) {
   std::map<ReasonCode, int> counts;
   int tiles = 0;
   for (const ReportTile& tile : report.tiles) {
-    if (tile.selected || tile.place.distance_m < from_m || tile.place.distance_m > to_m) continue;
+    if (tile.selected || !lies_between(tile, from_m, to_m)) continue;
     ++tiles;
     if (tile.score.status == TileStatus::kTooLittleGround) {
       ++counts[ReasonCode::kTooLittleGround];
@@ -71,7 +80,7 @@ Explanation explain(const Report& report, double from_m, double to_m) {
       for (const ReasonCode code : tile.score.reasons) ++counts[code];
     }
   }
-  if (tiles == 0) return {"No tile of the plan lies there.", "Let the plan cover it: imagery or heights are missing."};
+  if (tiles == 0) return {};
   if (counts.empty()) {
     return {"Its " + std::to_string(tiles) + " tiles show no single reason; click them on the map.", ""};
   }
@@ -89,6 +98,71 @@ Explanation explain(const Report& report, double from_m, double to_m) {
   std::string why = join(parts, ", ") + ".";
   why[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(why[0])));
   return {why, std::string(words_of(order.front().first).todo)};
+}
+
+// "From its start the inertial system alone stays within 50 m for 8 s = 119 m at 15 m/s." ; "" when it is not known.
+std::string reach_text(const Report& report, double from_m) {
+  const InertialReach& reach = report.inertial_reach;
+  const bool at_start = from_m <= 0;
+  const double time_s = at_start ? reach.from_start_s : reach.after_fix_s;
+  if (!std::isfinite(time_s)) return "";
+  return std::string(at_start ? "From its start" : "After a fix") + " the inertial system alone stays within " +
+         error_text(report.max_error_m) + " for " + duration_text(time_s) + " = " +
+         length_text(time_s * reach.speed_mps) + " at " + format_fixed(reach.speed_mps, 1) + " m/s.";
+}
+
+// With what probability frames along the stretch give a fix, the least and the largest over chosen tiles; nothing where
+// there is no such tile, or where it is not known.
+std::optional<std::pair<double, double>> fix_range(const Report& report, double from_m, double to_m) {
+  std::optional<std::pair<double, double>> range;
+  for (const ErrorSample& sample : report.error_profile) {
+    const double p = sample.p_correct_fix;
+    if (sample.distance_m < from_m || sample.distance_m > to_m || !(p > 0)) continue;
+    range = range ? std::pair(std::min(range->first, p), std::max(range->second, p)) : std::pair(p, p);
+  }
+  return range;
+}
+
+std::string fix_text(const std::optional<std::pair<double, double>>& range) {
+  if (!range) return "";
+  const std::string low = number_text(range->first, 2);
+  const std::string high = number_text(range->second, 2);
+  return "A frame over the chosen tiles there gives a fix with P " + low + (low == high ? "" : " to " + high) + ".";
+}
+
+std::string sentences(const std::vector<std::string>& texts) {
+  std::vector<std::string> said;
+  for (const std::string& text : texts) {
+    if (!text.empty()) said.push_back(text);
+  }
+  return join(said, " ");
+}
+
+// Why flights are lost where tiles are chosen: how soon the inertial system drifts off, how surely a fix comes before,
+// and what is wrong with the tiles that are not chosen.
+Explanation explain_lost(const Report& report, double from_m, double to_m) {
+  const Explanation refused = explain_refused(report, from_m, to_m);
+  const auto range = fix_range(report, from_m, to_m);
+  const std::string fix = fix_text(range);
+  const std::string not_chosen = refused.why.empty() || fix.empty() ? refused.why : "Not chosen: " + refused.why;
+  return {sentences({reach_text(report, from_m), fix, not_chosen}),
+          sentences({kLessDrift, range && range->second < kSurelyFound ? kMoreStructure : refused.todo})};
+}
+
+Explanation explain(const Report& report, double from_m, double to_m, bool lost) {
+  if (lost) {
+    Explanation explanation = explain_lost(report, from_m, to_m);
+    if (!explanation.why.empty()) return explanation;
+  }
+  Explanation explanation = explain_refused(report, from_m, to_m);
+  if (!explanation.why.empty()) return explanation;
+  const auto chosen = std::count_if(report.tiles.begin(), report.tiles.end(), [&](const ReportTile& tile) {
+    return tile.selected && lies_between(tile, from_m, to_m);
+  });
+  if (chosen == 0) return {"No tile of the plan lies there.", "Let the plan cover it: imagery or heights are missing."};
+  return {sentences({"All " + std::to_string(chosen) + " tiles there are chosen.",
+                     fix_text(fix_range(report, from_m, to_m)), reach_text(report, from_m)}),
+          kLessDrift};
 }
 
 // "Leg 5 flown 80 m to the left stays within the limit with P = 0.971 instead of 0.812." of the legs in the place.
@@ -126,6 +200,7 @@ struct Ranked {
   WeakPlace place;
   double p_lost = 0;
   double error_m = 0;
+  bool lost = false;  // by probability, not by the error where every fix comes
 };
 
 Ranked gap_place(const Report& report, const ReportGap& entry) {
@@ -133,10 +208,12 @@ Ranked gap_place(const Report& report, const ReportGap& entry) {
   Ranked ranked;
   ranked.place.from_distance_m = gap.from_distance_m;
   ranked.place.to_distance_m = gap.to_distance_m;
-  ranked.place.status = gap.within_limit ? judge_error(gap.error_m, report.max_error_m) : QualityStatus::kBad;
+  ranked.place.status = entry.quality;
+  ranked.lost = gap.within_limit && judge_error(gap.error_m, report.max_error_m) != entry.quality;
   ranked.place.where = where_text(report, gap.from_distance_m, gap.to_distance_m, gap.leg);
   ranked.place.what = length_text(entry.length_m) + " = " + duration_text(gap.duration_s) +
-                      " without a fix; error at its end " + comparison_text(gap.error_m, report.max_error_m) + ".";
+                      " without a fix; error at its end " + comparison_text(gap.error_m, report.max_error_m) +
+                      (ranked.lost ? " if the fix before it came." : ".");
   ranked.p_lost = std::isnan(gap.p_first_excess) ? 0 : gap.p_first_excess;
   ranked.error_m = gap.error_m;
   return ranked;
@@ -156,6 +233,12 @@ void add_worst_stretch(const Report& report, std::vector<Ranked>& places) {
                       " the error first exceeds its limit on this stretch.";
   ranked.p_lost = worst.p_first_excess;
   ranked.error_m = report.max_error_m;
+  ranked.lost = true;
+  // A gap that is bad only for lying here is this place.
+  std::erase_if(places, [&](const Ranked& gap) {
+    return gap.lost && gap.place.from_distance_m < worst.to_distance_m &&
+           gap.place.to_distance_m > worst.from_distance_m;
+  });
   places.push_back(ranked);
 }
 
@@ -163,6 +246,8 @@ void add_legs(const Report& report, std::vector<Ranked>& places) {
   const std::size_t gaps = places.size();
   for (const ReportLeg& leg : report.legs) {
     if (leg.quality == QualityStatus::kGood || !std::isfinite(leg.from_distance_m)) continue;
+    const double p = leg.status.p_within_limit;
+    if (std::isnan(p) && report.probability && leg.status.within_limit) continue;  // flights are lost before it
     const double to_m = leg.from_distance_m + leg.status.length_m;
     const bool explained =
         std::any_of(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(gaps), [&](const Ranked& gap) {
@@ -175,7 +260,12 @@ void add_legs(const Report& report, std::vector<Ranked>& places) {
     ranked.place.to_distance_m = to_m;
     ranked.place.status = leg.quality;
     ranked.place.where = where_text(report, leg.from_distance_m, to_m, leg.status.leg);
-    ranked.place.what = "Largest error " + comparison_text(leg.status.max_error_m, report.max_error_m) + ".";
+    ranked.lost = leg.status.within_limit && judge_error(leg.status.max_error_m, report.max_error_m) != leg.quality;
+    ranked.place.what = "Largest error " + comparison_text(leg.status.max_error_m, report.max_error_m) +
+                        (ranked.lost ? " if every fix came; of the flights that reach it within the limit a share of " +
+                                           probability_text(p) + " stays within."
+                                     : ".");
+    ranked.p_lost = ranked.lost ? 1 - p : 0;
     ranked.error_m = leg.status.max_error_m;
     places.push_back(ranked);
   }
@@ -186,8 +276,8 @@ void add_legs(const Report& report, std::vector<Ranked>& places) {
 std::vector<WeakPlace> weak_places(const Report& report, const std::vector<LegAdvice>& advice, std::size_t most) {
   std::vector<Ranked> ranked;
   for (const ReportGap& gap : report.gaps) ranked.push_back(gap_place(report, gap));
-  add_legs(report, ranked);
   add_worst_stretch(report, ranked);
+  add_legs(report, ranked);
   const auto key = [](const Ranked& entry) {
     return std::tuple(static_cast<int>(entry.place.status), entry.p_lost,
                       std::isnan(entry.error_m) ? std::numeric_limits<double>::infinity() : entry.error_m);
@@ -197,7 +287,7 @@ std::vector<WeakPlace> weak_places(const Report& report, const std::vector<LegAd
   std::vector<WeakPlace> places;
   for (Ranked& entry : ranked) {
     WeakPlace& place = entry.place;
-    const Explanation explanation = explain(report, place.from_distance_m, place.to_distance_m);
+    const Explanation explanation = explain(report, place.from_distance_m, place.to_distance_m, entry.lost);
     place.why = explanation.why;
     place.todo = advice_text(report, advice, place.from_distance_m, place.to_distance_m);
     if (place.todo.empty()) place.todo = explanation.todo;

@@ -26,7 +26,8 @@ struct WeakPlace {
 /// Where it cannot be flown, or first could not: the gaps, and the legs beyond 80 % of the limit that no gap explains.
 /// Bad ones first, then by the probability of being lost there, then by the error; at most `most`. `report` has its
 /// legs, gaps and tiles. "Why" counts the reasons (matchability/reasons.h) of the tiles that are not selected and whose
-/// nearest point of the route lies in the place.
+/// nearest point of the route lies in the place; where flights are lost though tiles are chosen, it says how soon the
+/// inertial system drifts beyond the limit and how surely a fix comes before.
 std::vector<WeakPlace> weak_places(const Report& report, const std::vector<LegAdvice>& advice, std::size_t most = 3);
 
 }  // namespace pilotage

@@ -86,7 +86,7 @@ std::string describe_route_text(const Route& route, std::size_t max_rows) {
   text += "vertices:\n      #      latitude     longitude     AMSL m      AGL m      m/s  item  kind\n";
   append_rows(text, route.vertices.size(), max_rows, [&](std::size_t i) {
     const RouteVertex& vertex = route.vertices[i];
-    return pad_left(std::to_string(i), 7) + pad_left(format_fixed(vertex.point.lat_deg, 7), 14) +
+    return pad_left(std::to_string(i + 1), 7) + pad_left(format_fixed(vertex.point.lat_deg, 7), 14) +
            pad_left(format_fixed(vertex.point.lon_deg, 7), 14) + pad_left(number_or_dash(vertex.amsl_m, 1), 11) +
            pad_left(number_or_dash(vertex.agl_m, 1), 11) + pad_left(number_or_dash(vertex.speed_mps, 1), 9) +
            pad_left(vertex.source_item < 0 ? "-" : std::to_string(vertex.source_item), 6) + "  " + vertex.kind;
@@ -94,8 +94,8 @@ std::string describe_route_text(const Route& route, std::size_t max_rows) {
   text += "legs:\n";
   append_rows(text, route.legs.size(), max_rows, [&](std::size_t i) {
     const RouteLeg& leg = route.legs[i];
-    return pad_left(std::to_string(i), 7) + "  " + std::to_string(leg.from) + " to " + std::to_string(leg.to) + ", " +
-           format_fixed(leg.length_m, 1) + " m";
+    return pad_left(std::to_string(i + 1), 7) + "  " + std::to_string(leg.from + 1) + " to " +
+           std::to_string(leg.to + 1) + ", " + format_fixed(leg.length_m, 1) + " m";
   });
   text += "items of the file:\n";
   append_rows(text, route.items.size(), max_rows, [&](std::size_t i) {

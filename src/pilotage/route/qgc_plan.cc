@@ -39,6 +39,14 @@ MissionItem parse_simple_item(JsonObject& json, int index) {
   return item;
 }
 
+/// The number by which QGroundControl shows an item: its own where that goes on from the items before, else `next`.
+int number_of(JsonObject& json, const Mission& mission, int next) {
+  constexpr int kMost = 1'000'000;  // more than any autopilot stores
+  const int last = mission.items.empty() ? 0 : mission.items.back().index;
+  const int own = json.has_value("doJumpId") ? std::min(json.small_integer("doJumpId"), kMost) : 0;
+  return own > last ? own : std::max(next, last + 1);
+}
+
 /// `key` is [latitude, longitude, altitude]; it becomes an item of `command`.
 MissionItem parse_coordinate(JsonObject& json, const std::string& key, int index, int command, bool relative,
                              const std::string& kind) {
@@ -78,19 +86,22 @@ std::optional<RouteCamera> parse_camera(Route& route, JsonObject calc) {
   return camera;
 }
 
-void append_transects(Route& route, Mission& mission, JsonObject& json, int index, const std::string& kind) {
+// Returns the number of its last command.
+int append_transects(Route& route, Mission& mission, JsonObject& json, int number, const std::string& kind) {
   JsonObject transects = json.object("TransectStyleComplexItem");
   require_version(transects, {1, 2});
   std::vector<JsonObject> items = transects.objects("Items");
   if (items.empty()) throw DataError(transects.path("Items") + ": the " + kind + " holds no mission items");
+  const int first = number_of(items.front(), mission, number);
   for (JsonObject& one : items) {
-    MissionItem item = parse_simple_item(one, index);
+    MissionItem item = parse_simple_item(one, first);
     item.kind = kind;
     mission.items.push_back(item);
   }
-  if (!transects.has_value("CameraCalc")) return;
+  const int last = first + static_cast<int>(items.size()) - 1;
+  if (!transects.has_value("CameraCalc")) return last;
   const auto camera = parse_camera(route, transects.object("CameraCalc"));
-  if (!camera) return;
+  if (!camera) return last;
   if (!route.camera) {
     route.camera = camera;
   } else if (route.camera->name != camera->name || route.camera->image_width_px != camera->image_width_px ||
@@ -98,6 +109,7 @@ void append_transects(Route& route, Mission& mission, JsonObject& json, int inde
     add_note(route,
              "The plan names several cameras; \"" + route.camera->name + "\" is taken, not \"" + camera->name + "\".");
   }
+  return last;
 }
 
 void append_landing_pattern(Mission& mission, JsonObject& json, int index, const std::string& type) {
@@ -109,14 +121,15 @@ void append_landing_pattern(Mission& mission, JsonObject& json, int index, const
   mission.items.push_back(parse_coordinate(json, "landCoordinate", index, 21, relative, kind));
 }
 
-void append_complex_item(Route& route, Mission& mission, JsonObject& json, int index) {
+// Returns the number of its last command; of patterns whose commands are not in the file that is its own.
+int append_complex_item(Route& route, Mission& mission, JsonObject& json, int index) {
   const std::string type = json.text("complexItemType");
   if (type == "survey") {
     require_version(json, {4, 5});
-    append_transects(route, mission, json, index, "survey");
+    return append_transects(route, mission, json, index, "survey");
   } else if (type == "CorridorScan") {
     require_version(json, {2});
-    append_transects(route, mission, json, index, "corridor scan");
+    return append_transects(route, mission, json, index, "corridor scan");
   } else if (type == "fwLandingPattern" || type == "vtolLandingPattern") {
     append_landing_pattern(mission, json, index, type);
   } else if (type == "StructureScan") {
@@ -130,6 +143,7 @@ void append_complex_item(Route& route, Mission& mission, JsonObject& json, int i
                     "\" is not supported; allowed: survey, CorridorScan, StructureScan, fwLandingPattern, "
                     "vtolLandingPattern");
   }
+  return index;
 }
 
 std::optional<RouteHome> parse_home(JsonObject& mission) {
@@ -185,17 +199,18 @@ Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json
   Mission mission;
   mission.home = parse_home(mission_json);
   mission.speed_mps = planned_speed_mps(mission_json);
-  int index = 0;
+  int number = 1;  // QGroundControl counts home as 0; of a survey it counts every command
   for (JsonObject& item : mission_json.objects("items")) {
     const std::string type = item.text("type");
     if (type == "SimpleItem") {
-      mission.items.push_back(parse_simple_item(item, index));
+      number = number_of(item, mission, number);
+      mission.items.push_back(parse_simple_item(item, number));
     } else if (type == "ComplexItem") {
-      append_complex_item(route, mission, item, index);
+      number = append_complex_item(route, mission, item, number);
     } else {
       throw DataError(item.path("type") + " = \"" + type + "\" is neither SimpleItem nor ComplexItem");
     }
-    ++index;
+    ++number;
   }
   append_mission(route, mission, options);
   std::stable_sort(route.items.begin(), route.items.end(),

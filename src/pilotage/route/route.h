@@ -36,7 +36,9 @@ struct RouteLeg {
 
 /// What became of one item (mission command, feature) of the file.
 struct RouteItem {
-  int index = 0;       ///< Counted from 0 in the order of the file (WPL: the row's own number).
+  /// In mission files the number by which QGroundControl shows it (WPL: the row's own; home is 0); elsewhere counted
+  /// from 0 in the order of the file.
+  int index = 0;
   int command = -1;    ///< MAV_CMD, -1 where the file has no such thing.
   std::string what;    ///< "waypoint", "survey", "camera trigger distance", "track \"north\"", …
   std::string became;  ///< "2 vertices", "left out: a region of interest is not flown to", …

@@ -24,8 +24,8 @@ std::string leg_text(const Route& route, const RouteLeg& leg) {
     const RouteVertex& vertex = route.vertices[static_cast<std::size_t>(index)];
     return vertex.kind + (vertex.source_item >= 0 ? " (item " + std::to_string(vertex.source_item) + ")" : "");
   };
-  return "the leg from vertex " + std::to_string(leg.from) + ", " + end(leg.from) + ", to vertex " +
-         std::to_string(leg.to) + ", " + end(leg.to);
+  return "the leg from vertex " + std::to_string(leg.from + 1) + ", " + end(leg.from) + ", to vertex " +
+         std::to_string(leg.to + 1) + ", " + end(leg.to);
 }
 
 /// Heights at the two ends, both of one kind.

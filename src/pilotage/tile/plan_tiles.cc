@@ -4,12 +4,16 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/ins/drift.h"
@@ -22,6 +26,7 @@
 #include "pilotage/route/sample_route.h"
 #include "pilotage/tile/corridor.h"
 #include "pilotage/tile/plan_levels.h"
+#include "pilotage/tile/route_cover.h"
 #include "pilotage/tile/working_gsd.h"
 
 namespace pilotage {
@@ -45,15 +50,32 @@ double coarsest_gsd_m(const std::vector<ImageryInfo>& infos) {
   return gsd_m;
 }
 
-TerrainHeight open_terrain(const std::string& elevation) {
+// The ground's height above sea level: of the elevation model, or flat at home where the route's heights need one and
+// only home's is known.
+TerrainHeight open_terrain(const std::string& elevation, const std::optional<double>& flat_ground_amsl_m) {
+  if (flat_ground_amsl_m) return [amsl_m = *flat_ground_amsl_m](GeodeticPoint) { return amsl_m; };
   if (elevation.empty()) return {};
   const auto model = std::make_shared<const Elevation>(elevation);
   return [model](GeodeticPoint point) { return model->amsl_m(point); };
 }
 
+// Heights above home say nothing of the ground elsewhere; without an elevation model it is taken to be flat.
+void assume_flat_ground(const RouteOptions& options, Mission& plan) {
+  const Route& route = plan.flight.route;
+  const bool needs_ground = std::any_of(route.vertices.begin(), route.vertices.end(),
+                                        [](const RouteVertex& vertex) { return !std::isfinite(vertex.agl_m); });
+  const double home_amsl_m = options.home_amsl_m.value_or(route.home ? route.home->amsl_m : kNaN);
+  if (!plan.ground.elevation.empty() || !needs_ground || !std::isfinite(home_amsl_m)) return;
+  plan.flight.flat_ground_amsl_m = home_amsl_m;
+  plan.warnings.push_back("no elevation model is given: the ground is assumed flat at home's height, " +
+                          format_fixed(home_amsl_m, 1) +
+                          " m above sea level; where it is higher or lower, frames show less or more than planned; "
+                          "give --elevation");
+}
+
 // The samples of the plan's route, and what a planner should look at again in its heights.
 void sample_plan_route(Mission& plan) {
-  const TerrainHeight terrain = open_terrain(plan.ground.elevation);
+  const TerrainHeight terrain = open_terrain(plan.ground.elevation, plan.flight.flat_ground_amsl_m);
   const std::vector<RouteSample> samples = sample_route(plan.flight.route, kSampleStep_m, terrain);
   for (const RouteSample& sample : samples) {
     plan.flight.samples.push_back(FlightSample{sample});
@@ -201,10 +223,8 @@ void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& info
 }
 
 // Coverage of each tile: the share of its pixels that `score` will find valid.
-void measure_coverage(const TileOptions& options, const Crs& crs, const TileMatrix& matrix, std::span<GroundTile> tiles,
+void measure_coverage(const GraySource& source, const TileMatrix& matrix, std::span<GroundTile> tiles,
                       const Progress& progress) {
-  const GraySource source = open_valid_on_grid(options.imagery, crs, matrix.map_from_pixel, matrix.grid_width_px,
-                                               matrix.grid_height_px, options.imagery_options);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     tiles[i].valid_fraction = valid_fraction(source, matrix.tile_window(tiles[i].column, tiles[i].row));
     report_progress(progress, "coverage", static_cast<std::int64_t>(i + 1), static_cast<std::int64_t>(tiles.size()));
@@ -231,38 +251,12 @@ void cut_tiles(int level, Mission& plan) {
   }
 }
 
-double distance_outside_m(const Bounds& bounds, const Eigen::Vector2d& point_m) {
-  const double dx = std::max({bounds.min_x_m - point_m.x(), 0.0, point_m.x() - bounds.max_x_m});
-  const double dy = std::max({bounds.min_y_m - point_m.y(), 0.0, point_m.y() - bounds.max_y_m});
-  return std::hypot(dx, dy);
-}
-
-// Names the stretches of the route that lie outside the rectangle of every raster; "" when there are none.
-std::string uncovered_route(const std::vector<FlightSample>& samples, const std::vector<ImageryInfo>& infos,
-                            const Crs& crs) {
-  std::vector<Bounds> extents;
-  for (const auto& info : infos) extents.push_back(imagery_bounds(info, crs));
-  std::vector<std::string> parts;
-  for (std::size_t i = 0; i < samples.size();) {
-    const std::size_t first = i;
-    double farthest_m = 0;
-    for (; i < samples.size(); ++i) {
-      double nearest_m = std::numeric_limits<double>::infinity();
-      for (const Bounds& extent : extents)
-        nearest_m = std::min(nearest_m, distance_outside_m(extent, samples[i].point_map_m));
-      if (nearest_m <= 0) break;
-      farthest_m = std::max(farthest_m, nearest_m);
-    }
-    if (i > first) {
-      parts.push_back("from " + format_fixed(samples[first].distance_m / 1000, 2) + " km to " +
-                      format_fixed(samples[i - 1].distance_m / 1000, 2) + " km (lon " +
-                      format_fixed(samples[first].point.lon_deg, 6) + ", lat " +
-                      format_fixed(samples[first].point.lat_deg, 6) + "), up to " + format_fixed(farthest_m, 0) +
-                      " m outside");
-    }
-    if (i == first) ++i;
-  }
-  return join(parts, "; ");
+// Refuses a route that leaves the imagery, or says so where that is allowed.
+void judge_cover(const std::string& stretches, const std::string& sentence, bool allow_uncovered, Mission& plan) {
+  if (stretches.empty()) return;
+  const std::string text = plan.flight.route.name + ": " + sentence + " " + stretches;
+  if (!allow_uncovered) throw DataError(text + "; add imagery, or give --allow-uncovered to plan with a gap there");
+  plan.warnings.push_back(text);
 }
 
 // Names the first level whose tiles are wider or higher than all imagery together; "" when there is none.
@@ -286,6 +280,22 @@ std::string tile_larger_than_imagery(const Mission& plan, const std::vector<Imag
   return "";
 }
 
+// Input that can be used, but is hardly what was meant.
+void warn_of_mistakes(const TileOptions& options, const std::vector<ImageryInfo>& infos, Mission& plan) {
+  for (const ImageryInfo& info : infos) {
+    const bool heights = info.gray_bands.size() == 1 && (info.band_type == "Float32" || info.band_type == "Float64" ||
+                                                         info.band_type == "Int16" || info.band_type == "Int32");
+    if (!heights) continue;
+    plan.warnings.push_back(info.dataset + ": its one band of " + info.band_type +
+                            " values looks like an elevation model, not like imagery; give it as --elevation");
+  }
+  constexpr double kWidestInRadians = std::numbers::pi;
+  if (const auto& hfov = options.camera.hfov_deg; hfov && *hfov < kWidestInRadians) {
+    plan.warnings.push_back("camera.hfov_deg = " + format_number(*hfov) + " is a view only " + format_number(*hfov) +
+                            " degrees wide; if that is in radians, give " + format_fixed(*hfov / kRadPerDeg, 1));
+  }
+}
+
 void add_imagery(Mission& plan, const std::vector<ImageryInfo>& infos) {
   for (const auto& info : infos) {
     plan.ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
@@ -303,15 +313,23 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   Mission plan;
   const auto infos = inspect_all(options);
   add_imagery(plan, infos);
+  warn_of_mistakes(options, infos, plan);
   plan.ground.elevation = options.elevation;
   plan.flight.route_file = options.route;
   plan.ground.imagery.options = options.imagery_options;
   plan.flight.route = read_route(options.route, options.route_options);
   plan.flight.camera = make_camera(options.camera, plan.flight.route.camera);
   plan.flight.ins = options.ins;
-  plan.flight.max_error_m = options.max_error_m;
+  if (!options.ins.grade) {
+    plan.warnings.emplace_back(
+        "no inertial grade is given (--ins-grade): tactical is assumed; with a lower grade the aircraft drifts "
+        "faster, and the same flight may be lost");
+  }
+  plan.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
+  plan.flight.max_error_assumed = !options.max_error_m;
   plan.flight.min_agl_m = options.min_agl_m;
-  plan.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(options.max_error_m);
+  plan.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(plan.flight.max_error_m);
+  assume_flat_ground(options.route_options, plan);
   sample_plan_route(plan);
 
   const MissionCrs grid = mission_crs(options, plan.flight.route, plan.flight.corridor_half_width_m);
@@ -320,13 +338,9 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   plan.notes.push_back("Mission grid: " + grid.reason);
   place_samples(plan.flight.samples, grid.crs);
 
-  const std::string uncovered = uncovered_route(plan.flight.samples, infos, grid.crs);
-  if (!uncovered.empty()) {
-    const std::string sentence = plan.flight.route.name + ": the route leaves the imagery " + uncovered;
-    if (!options.allow_uncovered)
-      throw DataError(sentence + "; add imagery, or give --allow-uncovered to plan with a gap there");
-    plan.warnings.push_back(sentence);
-  }
+  std::string outside = outside_imagery(plan.flight.samples, infos, grid.crs);
+  if (!outside.empty()) outside += swapped_axes_hint(plan.flight.samples.front().point, infos);
+  judge_cover(outside, "the route leaves the imagery", options.allow_uncovered, plan);
 
   const std::vector<AglBand> bands = serve_heights(plan);
   cut_levels(options, infos, bands, plan);
@@ -338,8 +352,13 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   for (std::size_t level = 0; level < plan.ground.levels.size(); ++level) {
     const std::size_t first = plan.ground.tiles.size();
     cut_tiles(static_cast<int>(level), plan);
-    measure_coverage(options, grid.crs, plan.ground.levels[level].matrix, std::span(plan.ground.tiles).subspan(first),
-                     progress);
+    const GridLevel& cut = plan.ground.levels[level];
+    const GraySource valid =
+        open_valid_on_grid(options.imagery, grid.crs, cut.matrix.map_from_pixel, cut.matrix.grid_width_px,
+                           cut.matrix.grid_height_px, options.imagery_options);
+    judge_cover(over_no_data(plan.flight.samples, cut, valid, infos, grid.crs),
+                "the route lies where the imagery has no data", options.allow_uncovered, plan);
+    measure_coverage(valid, cut.matrix, std::span(plan.ground.tiles).subspan(first), progress);
   }
   if (plan.ground.tiles.empty())
     throw DataError("the corridor holds no tile; look at corridor_half_width_m and tile_size_px");

@@ -14,6 +14,9 @@
 
 namespace pilotage {
 
+/// The position error that is allowed where the planner names none.
+inline constexpr double kAssumedMaxError_m = 50;
+
 /// The mission as a planner states it: imagery, route, camera, inertial system.
 struct TileOptions {
   std::vector<std::string> imagery;
@@ -23,7 +26,7 @@ struct TileOptions {
   RouteOptions route_options;
   CameraOptions camera;
   InsOptions ins;
-  double max_error_m = 50;
+  std::optional<double> max_error_m;
   std::string crs;
   std::optional<double> gsd_m;
   std::optional<int> tile_size_px;
@@ -42,7 +45,8 @@ struct TileOptions {
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("camera", self.camera, "How the aircraft sees the ground.");
     fields.group("ins", self.ins, "How the position error grows without GNSS.");
-    fields.field("max_error_m", self.max_error_m, "Position error (k sigma) that the mission allows.", Range{1, 10000});
+    fields.field("max_error_m", self.max_error_m, "Position error (k sigma) that the mission allows; 50 if not given.",
+                 Range{1, 10000});
     fields.field("crs", self.crs,
                  "CRS of the mission grid, projected in metres; chosen with the least distortion if not given.");
     fields.field("gsd_m", self.gsd_m,
@@ -57,7 +61,7 @@ struct TileOptions {
     fields.field("min_agl_m", self.min_agl_m, "Lower than this above the ground no matching is expected.",
                  Range{1, 30000});
     fields.field("allow_uncovered", self.allow_uncovered,
-                 "Plan on where a part of the route lies outside the imagery: it becomes a gap.");
+                 "Plan on where a part of the route lies outside the imagery or over no data: it becomes a gap.");
   }
 };
 

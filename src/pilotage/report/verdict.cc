@@ -1,0 +1,87 @@
+#include "pilotage/report/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotage/base/options.h"
+#include "pilotage/base/text.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+// "95 of 100 flights stay", "fewer than 1 of 100 flights stay", "1 of 100 flights stays"
+std::string flights_text(double p) {
+  const double of_hundred = std::floor(p * 100 + 1e-9);
+  if (!(of_hundred >= 1)) return "fewer than 1 of 100 flights stay";
+  return format_fixed(of_hundred, 0) + " of 100 flights " + (of_hundred == 1 ? "stays" : "stay");
+}
+
+}  // namespace
+
+QualityStatus verdict_of(const std::vector<QualityRow>& rows) {
+  QualityStatus verdict = QualityStatus::kGood;
+  bool decided = false;
+  for (const QualityRow& row : rows) {
+    if (!row.decides) continue;
+    decided = true;
+    verdict = std::max(verdict, row.status);
+  }
+  return decided ? verdict : QualityStatus::kBad;
+}
+
+std::string headline(const Selection& selection) {
+  if (!selection.probability) {
+    return "the error is predicted up to " + comparison_text(largest_error_m(selection), selection.max_error_m) +
+           ", if what is assumed holds and every fix comes; how often fixes come is not known";
+  }
+  const RouteProbability& route = *selection.probability;
+  return flights_text(route.p_within_limit) + " within " + error_text(selection.max_error_m) + " all the way, " +
+         (too_often_lost(selection) ? "even " : "") + "if what is assumed holds (P = " + probability_comparison(route) +
+         ")";
+}
+
+std::string verdict_detail(QualityStatus verdict, const std::vector<QualityRow>& rows, const Selection& selection) {
+  std::string text;
+  const bool lost = too_often_lost(selection);
+  if (lost && selection.probability->worst) {
+    const WorstStretch& worst = *selection.probability->worst;
+    text = "most are lost from " + length_text(worst.from_distance_m) + " to " + length_text(worst.to_distance_m) +
+           " (leg " + std::to_string(worst.leg + 1) + "), where fixes fail too often; ";
+  }
+  text += "matchable on " + percent_text(selection.matchable_fraction) + " of its length";
+  const RouteGap* gap = longest_gap(selection);
+  const double error_m = largest_error_m(selection);
+  // The errors along the route are those of a flight whose every try over a chosen tile gives a fix.
+  const std::string where = lost ? "if every fix came, " : "";
+  if (gap != nullptr) {
+    text += "; longest gap " + gap_text(*gap) + "; " + where + "drift there " +
+            comparison_text(gap->error_m, selection.max_error_m);
+  } else {
+    text += "; no gap";
+  }
+  const bool said = gap != nullptr && error_text(gap->error_m) == error_text(error_m);
+  if (!said) text += "; " + where + "largest error " + comparison_text(error_m, selection.max_error_m);
+  for (const QualityRow& row : rows) {
+    if (!row.decides || row.status != verdict || verdict == QualityStatus::kGood) continue;
+    if (row.name == "largest_error" || row.name == "longest_gap" || row.name == "route_probability") continue;
+    text += "; " + row.label + ": " + row.value;
+  }
+  return text;
+}
+
+std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const Selection& selection) {
+  return std::string(verdict_name(verdict)) + ": " + (selection.probability ? headline(selection) + "; " : "") +
+         verdict_detail(verdict, rows, selection);
+}
+
+std::string assumptions_line(const Flight& flight, const Selection& selection) {
+  const auto mark = [](bool assumed) { return std::string(assumed ? " (default)" : ""); };
+  const InsGrade grade = flight.ins.grade.value_or(kAssumedInsGrade);
+  const bool limit_assumed = flight.max_error_assumed && selection.max_error_m == flight.max_error_m;
+  return "assumes: " + options_detail::enum_to_name(grade) + " INS" + mark(!flight.ins.grade) +
+         ", GNSS lost at the first point, limit " + error_text(selection.max_error_m) + mark(limit_assumed) +
+         (flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "");
+}
+
+}  // namespace pilotage

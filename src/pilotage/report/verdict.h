@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pilotage/mission/mission.h"
+#include "pilotage/report/quality.h"
+#include "pilotage/report/report_input.h"
+
+namespace pilotage {
+
+/// The worst status of the rows that decide; kBad when none does.
+QualityStatus verdict_of(const std::vector<QualityRow>& rows);
+
+/// How many flights of a hundred stay within the limit, and on what that rests: "95 of 100 flights stay within 60 m all
+/// the way, if what is assumed holds (P = 0.957 ≥ 0.900)". The number is P rounded down, so that it is never said
+/// larger than it is. Without probabilities it is the predicted error, and that how often fixes come is not known.
+std::string headline(const Selection& selection);
+
+/// What the headline does not say: "matchable on 87 % of its length; longest gap 3.4 km = 122 s at 28 m/s; drift there
+/// 31 m ≤ 50 m", where flights are lost, and the rows that make the verdict what it is.
+std::string verdict_detail(QualityStatus verdict, const std::vector<QualityRow>& rows, const Selection& selection);
+
+/// The verdict in one line: its name, the headline where there are probabilities, and the detail.
+std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const Selection& selection);
+
+/// What the verdict takes for granted: "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m
+/// (default)". "(default)" stands after what the planner did not give.
+std::string assumptions_line(const Flight& flight, const Selection& selection);
+
+}  // namespace pilotage
