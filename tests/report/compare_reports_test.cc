@@ -174,7 +174,8 @@ TEST(ReadReport, SaysWhatIsNoReport) {
   nlohmann::ordered_json report = report_json(scene_with_p());
   EXPECT_EQ(reading_error(report), "");
   report["format_version"] = 3;
-  EXPECT_THAT(reading_error(report), HasSubstr("format version 3, this program knows 2; compare with the newer program"));
+  EXPECT_THAT(reading_error(report),
+              HasSubstr("format version 3, this program knows 2; compare with the newer program"));
   report["format_version"] = 0;
   EXPECT_THAT(reading_error(report), HasSubstr("write it again"));
 }
