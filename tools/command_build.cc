@@ -9,7 +9,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
-#include "pilotage/mapdb/map_signature.h"
+#include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/raster/gdal_io.h"
 
@@ -18,7 +18,7 @@ namespace {
 
 struct BuildCommandOptions {
   StageFileOptions files;
-  std::string sign_key;
+  std::optional<std::string> sign_key;
   std::vector<std::string> second_epoch;
   RegistrationOptions registration;
   BuildOptions build;
@@ -70,6 +70,7 @@ Command make_build_command() {
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile, .help = "The map database (GeoPackage)."};
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
+    refuse_empty("--sign-key", options.sign_key);
     const StageFiles files = read_stage_files(options.files, invocation);
     OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
     const BuildStats stats =
@@ -77,13 +78,13 @@ Command make_build_command() {
                   inputs_of(files.plan, options.second_epoch), version_line(), options.build, true, invocation.threads,
                   invocation.progress, second_date_of(options, files.plan, invocation));
     std::string signature;
-    if (!options.sign_key.empty()) {
+    if (options.sign_key) {
       SignOptions sign;
       sign.overwrite = invocation.overwrite;
       sign.signature_path = invocation.output + ".minisig";
       sign.trusted_comment = "file:" + map.destination().filename().string() + "\thashed";
       if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
-      signature = sign_file(map.temporary_path(), options.sign_key, sign).string();
+      signature = sign_file(map.temporary_path(), *options.sign_key, sign).string();
     }
     map.commit();
     CommandResult result;

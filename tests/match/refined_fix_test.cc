@@ -14,7 +14,8 @@ using testing::FlownFrame;
 
 /// A frame laid, described, and its best place.
 struct Placed {
-  explicit Placed(const FlownFrame& flown) : map(flown.path), laid(flown.lay(map)), described(describe(laid, {})) {
+  explicit Placed(const FlownFrame& flown)
+      : map(MapReader::open_unverified(flown.path)), laid(flown.lay(map)), described(describe(laid, {})) {
     local = flown.local_map(map, laid, described);
     place = rank_places(described, local, search_space(laid, local, flown.options, false), std::nullopt, laid.gsd_m)
                 .value()

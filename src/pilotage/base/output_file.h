@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "pilotage/base/read_file.h"
+
 #pragma GCC visibility push(default)
 
 namespace pilotage {
@@ -35,9 +37,6 @@ class OutputFile {
 
 /// Writes `content` to `destination` through an OutputFile. Throws DataError.
 void write_file(const std::filesystem::path& destination, std::string_view content, bool overwrite);
-
-/// All bytes of a file. Throws DataError when it cannot be read or is larger than `max_bytes`.
-std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = std::uintmax_t{1} << 30);
 
 }  // namespace pilotage
 
