@@ -39,7 +39,7 @@ struct BuildCommandOptions {
 std::vector<InputFile> inputs_of(const Mission& plan, const std::vector<std::string>& second_epoch) {
   std::vector<InputFile> inputs = input_files(plan);
   for (const std::string& dataset : second_epoch) {
-    inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
+    inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
   }
   return inputs;
 }

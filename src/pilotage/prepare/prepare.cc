@@ -133,7 +133,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
 
   std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
   for (const std::string& dataset : options.score.second_epoch) {
-    inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
+    inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
   }
   std::optional<SecondDate> second_date;
   if (scored.second_epoch) {

@@ -1,7 +1,9 @@
 #include "pilotage/raster/gdal_handle.h"
 
+#include <filesystem>
 #include <mutex>
 #include <string>
+#include <system_error>
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
@@ -56,10 +58,26 @@ void DatasetCloser::operator()(GDALDataset* dataset) const {
   GDALClose(GDALDataset::ToHandle(dataset));
 }
 
+namespace {
+
+/// An overview or mask of a damaged medium is not missing, it is unread.
+void require_mask(GDALDataset& opened, const std::string& dataset) {
+  const std::string mask = dataset + ".msk";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(mask, ignored) || opened.GetRasterCount() == 0) return;
+  const GdalErrors errors;
+  if ((opened.GetRasterBand(1)->GetMaskFlags() & GMF_ALL_VALID) != 0) {
+    errors.throw_data_error(mask + ": lies beside the raster as its mask, but cannot be opened");
+  }
+}
+
+}  // namespace
+
 DatasetPtr open_raster(const std::string& dataset) {
   const GdalErrors errors;
   DatasetPtr opened(GDALDataset::Open(dataset.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
   if (opened == nullptr) errors.throw_data_error(dataset + ": cannot be opened as a raster");
+  require_mask(*opened, dataset);
   return opened;
 }
 
