@@ -143,10 +143,6 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& 
   for (const auto& [field, value] : fields_of_one_frame(options)) {
     if (value) throw UsageError(flag_of(field) + " and --frames exclude each other: the table says it of each frame");
   }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.frames, invocation.output, ignored)) {
-    throw UsageError("--output = \"" + invocation.output + "\" is also an input");
-  }
   const FrameColumns required = options.from_exif ? FrameColumns::kFileOnly : FrameColumns::kAll;
   const FrameTable table = frame_table_from_csv(options.frames, read_file(options.frames), {options.truth, required});
   const bool has_truth = std::any_of(table.frames.begin(), table.frames.end(),
