@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -45,6 +46,9 @@ struct OutputSpec {
   OutputKind kind = OutputKind::kNone;
   std::string help;
   bool required = true;
+  std::vector<std::string> flags = {};  ///< Of options that name further outputs: "table".
+  /// All files that are written or replaced when this is given for -o; with kFile and without a function that file.
+  std::function<std::vector<std::filesystem::path>(const std::string& output)> files = {};
 };
 
 struct Command;

@@ -10,6 +10,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/mapdb/map_signature.h"
+#include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/raster/gdal_io.h"
 
@@ -18,7 +19,7 @@ namespace {
 
 struct BuildCommandOptions {
   StageFileOptions files;
-  std::string sign_key;
+  std::optional<std::string> sign_key;
   std::vector<std::string> second_epoch;
   RegistrationOptions registration;
   BuildOptions build;
@@ -39,7 +40,7 @@ struct BuildCommandOptions {
 std::vector<InputFile> inputs_of(const Mission& plan, const std::vector<std::string>& second_epoch) {
   std::vector<InputFile> inputs = input_files(plan);
   for (const std::string& dataset : second_epoch) {
-    inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
+    inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
   }
   return inputs;
 }
@@ -68,24 +69,31 @@ Command make_build_command() {
        "pilotage build plan.json --table tiles.csv --selection selection.json --second-epoch other.tif "
        "--keep-features stable -o map.gpkg"}};
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
-  command.output = {.kind = OutputKind::kFile, .help = "The map database (GeoPackage)."};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "The map database (GeoPackage).",
+                    .files = [](const std::string& output) -> std::vector<std::filesystem::path> {
+                      return {output, signature_path_of(output)};
+                    }};
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
+    refuse_empty("--sign-key", options.sign_key);
     const StageFiles files = read_stage_files(options.files, invocation);
     OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
+    // An old signature must not stand beside a new map, so it is an output even when nothing is signed.
+    OutputFile signature(signature_path_of(invocation.output), invocation.overwrite);
     const BuildStats stats =
         build_map(map.temporary_path(), files.plan, files.scores, files.selection,
                   inputs_of(files.plan, options.second_epoch), version_line(), options.build, true, invocation.threads,
                   invocation.progress, second_date_of(options, files.plan, invocation));
-    std::string signature;
-    if (!options.sign_key.empty()) {
+    if (options.sign_key) {
       SignOptions sign;
-      sign.overwrite = invocation.overwrite;
-      sign.signature_path = invocation.output + ".minisig";
+      sign.signature_path = signature.temporary_path();
       sign.trusted_comment = "file:" + map.destination().filename().string() + "\thashed";
       if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
-      signature = sign_file(map.temporary_path(), options.sign_key, sign).string();
+      sign_file(map.temporary_path(), *options.sign_key, sign);
+      OutputFile::commit({&map, &signature}, {});
+    } else {
+      OutputFile::commit({&map}, {signature.destination()});
     }
-    map.commit();
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
                   format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(stats) +
@@ -100,9 +108,9 @@ Command make_build_command() {
     if (!options.second_epoch.empty() && !stats.stable) {
       result.warnings.push_back("--second-epoch changes no feature without --keep-features stable");
     }
-    if (!signature.empty()) {
-      result.text += "signed: " + signature + "\n";
-      result.json["signature"] = signature;
+    if (options.sign_key) {
+      result.text += "signed: " + signature.destination().string() + "\n";
+      result.json["signature"] = signature.destination().string();
     }
     return result;
   });

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "commands.h"
-#include "stage_files.h"
+#include "signed_input.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
@@ -24,6 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct MatchCommandOptions {
   std::string frames;
+  SignatureOptions signature;
   std::optional<double> prior_lon_deg;
   std::optional<double> prior_lat_deg;
   std::optional<double> prior_sigma_m;
@@ -46,6 +47,7 @@ struct MatchCommandOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("frames", self.frames, "A logged flight instead of one frame: frames.csv.");
+    SignatureOptions::describe(self.signature, fields);
     fields.field("prior_lon_deg", self.prior_lon_deg, "Where the aircraft believes to be.", Range{-180, 360});
     fields.field("prior_lat_deg", self.prior_lat_deg, "Where the aircraft believes to be.", Range{-90, 90});
     fields.field("prior_sigma_m", self.prior_sigma_m,
@@ -113,22 +115,22 @@ FrameRecord record_of_options(const MatchCommandOptions& options, const std::str
   return frame;
 }
 
-FrameSources sources_of(const MatchCommandOptions& options, const std::string& map_path) {
+FrameSources sources_of(const MatchCommandOptions& options, const MapReader& map) {
   const CameraOptions& camera = options.camera;
   const CameraMount mount{camera.mount_yaw_deg, camera.mount_pitch_deg, camera.mount_roll_deg};
   FrameSources sources;
   sources.from_exif = options.from_exif;
   sources.exif_mount = mount;
   if (names_camera(camera)) sources.given = make_camera(camera);
-  sources.of_map = MapReader(map_path).camera();
+  sources.of_map = map.camera();
   if (sources.of_map && !(mount == CameraMount{})) sources.of_map->mount = mount;
   return sources;
 }
 
-FlightFrames one_frame(const MatchCommandOptions& options, const Invocation& invocation) {
+FlightFrames one_frame(const MatchCommandOptions& options, const Invocation& invocation, const MapReader& map) {
   const std::string& path = invocation.inputs[1];
   const FrameRecord record = record_of_options(options, path);
-  FlightFrames frames = complete_frame(path, record, sources_of(options, invocation.inputs.front()));
+  FlightFrames frames = complete_frame(path, record, sources_of(options, map));
   std::vector<std::string> missing = missing_fields(frames.frames.front().frame);
   if (missing.empty()) return frames;
   for (std::string& field : missing) field = flag_of(field);
@@ -137,13 +139,9 @@ FlightFrames one_frame(const MatchCommandOptions& options, const Invocation& inv
                                       : "; --from-exif takes what a drone's picture says of itself"));
 }
 
-FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& invocation) {
+FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& invocation, const MapReader& map) {
   for (const auto& [field, value] : fields_of_one_frame(options)) {
     if (value) throw UsageError(flag_of(field) + " and --frames exclude each other: the table says it of each frame");
-  }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.frames, invocation.output, ignored)) {
-    throw UsageError("--output = \"" + invocation.output + "\" is also an input");
   }
   const FrameColumns required = options.from_exif ? FrameColumns::kFileOnly : FrameColumns::kAll;
   const FrameTable table = frame_table_from_csv(options.frames, read_file(options.frames), {options.truth, required});
@@ -153,7 +151,7 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& 
     throw UsageError(std::string(options.require_correct_rate ? "--require-correct-rate" : "--require-false-rate") +
                      " needs the truth, which " + options.frames + " does not have (true_lon_deg, true_lat_deg)");
   }
-  return complete_frames(options.frames, table, sources_of(options, invocation.inputs.front()));
+  return complete_frames(options.frames, table, sources_of(options, map));
 }
 
 CommandResult frame_result(const MatchCommandOptions& options, const FrameMatch& match, const FlightFrames& frames) {
@@ -193,7 +191,9 @@ Command make_match_command() {
                        "pilotage match map.gpkg frame.jpg --prior-lon-deg 16.5 --prior-lat-deg 55.5 --prior-sigma-m 25 "
                        "--height-agl-m 120 --yaw-deg 152 --pitch-deg 1.5 --roll-deg -0.8 --camera camera.yaml"},
                       {"A logged flight; judged where the truth is in the table.",
-                       "pilotage match map.gpkg --frames frames.csv --camera camera.yaml -o fixes.csv"}};
+                       "pilotage match map.gpkg --frames frames.csv --camera camera.yaml -o fixes.csv"},
+                      {"Only on a map that this key signed.",
+                       "pilotage match map.gpkg --public-key key.pub --frames frames.csv -o fixes.csv"}};
   command.inputs = {
       .name = "MAP [FRAME]", .help = "The map database, and the picture unless --frames is given.", .min = 1, .max = 2};
   command.output = {.kind = OutputKind::kFile, .help = "A table (CSV), one line for each frame.", .required = false};
@@ -202,10 +202,13 @@ Command make_match_command() {
     if (single == !options.frames.empty()) {
       throw UsageError(single ? "FRAME and --frames exclude each other" : "FRAME is missing: a picture, or --frames");
     }
-    need_file(invocation.inputs.front(), "build` or `pilotage prepare");
-    const FlightFrames frames = single ? one_frame(options, invocation) : whole_flight(options, invocation);
-    const std::vector<FrameMatch> matches = match_flight(invocation.inputs.front(), frames.frames, options.match,
-                                                         options.truth, invocation.threads, invocation.progress);
+    const std::string& path = invocation.inputs.front();
+    const std::optional<SignedMap> signed_map = read_signed_input(options.signature, path);
+    const auto open_map = [&] { return signed_map ? MapReader::open(*signed_map) : MapReader::open_unverified(path); };
+    const FlightFrames frames =
+        single ? one_frame(options, invocation, open_map()) : whole_flight(options, invocation, open_map());
+    const std::vector<FrameMatch> matches =
+        match_flight(open_map, frames.frames, options.match, options.truth, invocation.threads, invocation.progress);
     if (!invocation.output.empty()) {
       write_file(invocation.output, fix_table_to_csv(matches, options.timings), invocation.overwrite);
     }

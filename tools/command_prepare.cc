@@ -20,7 +20,14 @@ Command make_prepare_command() {
   command.output = {.kind = OutputKind::kFolder,
                     .help =
                         "Folder for map.gpkg, scores.tif, tiles.csv, the files of the report (--outputs), and "
-                        "plan.json and selection.json, from which the stages can be run again."};
+                        "plan.json and selection.json, from which the stages can be run again.",
+                    .files = [](const std::string& folder) {
+                      std::vector<std::filesystem::path> files;
+                      for (const std::string& name : earlier_outputs(folder)) {
+                        files.push_back(std::filesystem::path(folder) / name);
+                      }
+                      return files;
+                    }};
   bind_options<PrepareOptions>(command, [](const PrepareOptions& options, const Invocation& invocation) {
     const PrepareRun run{invocation.output, invocation.overwrite, invocation.seed, invocation.threads, version_line()};
     const PrepareResult done = prepare(options, run, invocation.progress);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "input_guard.h"
 #include "stage_files.h"
 #include "version.h"
 
@@ -57,8 +58,16 @@ OutputPlace place_of(const std::string& output) {
   return {path.has_parent_path() ? path.parent_path() : ".", path.filename().string(), path.stem().string()};
 }
 
-void refuse_existing(const OutputPlace& place, const std::vector<std::string>& names, bool overwrite) {
-  for (const std::string& name : names) const OutputFile refused(place.folder / name, overwrite);
+void check_outputs(const OutputPlace& place, const std::vector<std::string>& names, const ReportCommandOptions& options,
+                   const Invocation& invocation) {
+  std::vector<NamedFile> outputs;
+  for (const std::string& name : names) outputs.push_back({"--outputs", place.folder / name});
+  refuse_shared_files({{"INPUT", invocation.inputs.front()},
+                       {"--table", options.files.table},
+                       {"--selection", options.files.selection},
+                       {"--evaluation", options.evaluation}},
+                      outputs);
+  for (const NamedFile& output : outputs) const OutputFile refused(output.path, invocation.overwrite);
 }
 
 ReportInput read_report_input(const ReportCommandOptions& options, const StageFiles& files,
@@ -81,8 +90,8 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const StageFiles files = read_stage_files(options.files, invocation);
-  refuse_existing(place, report_output_names(place.stem, options.outputs, files.plan.ground.levels, true),
-                  invocation.overwrite);
+  check_outputs(place, report_output_names(place.stem, options.outputs, files.plan.ground.levels, true), options,
+                invocation);
   const ReportInput input = read_report_input(options, files, invocation);
   const Report report = make_report(input);
   std::optional<OutputFile> numbers;
@@ -104,7 +113,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
     print_page_to_pdf(staging / place.page, pdf->temporary_path(), {.browser = options.pdf_browser},
                       invocation.progress);
   }
-  staging.publish(written);
+  staging.publish(written, {});
   if (numbers) numbers->commit();  // all appear, or none
   if (pdf) pdf->commit();
   CommandResult result;
@@ -159,7 +168,8 @@ Command make_report_command() {
                     .max = 2};
   command.output = {.kind = OutputKind::kFile,
                     .help = "The page (one self-contained HTML file); other outputs stand beside it with its name.",
-                    .required = false};
+                    .required = false,
+                    .flags = {"report-json", "pdf"}};
   bind_options<ReportCommandOptions>(command, run_report);
   return command;
 }

@@ -1,21 +1,22 @@
-#include "commands.h"
-#include "stage_files.h"
+#include <optional>
 
-#include "pilotage/base/text.h"
-#include "pilotage/mapdb/map_signature.h"
+#include "commands.h"
+#include "signed_input.h"
+
+#include "pilotage/base/error.h"
 #include "pilotage/mapdb/map_verify.h"
 
 namespace pilotage {
 namespace {
 
 struct VerifyOptions {
-  std::string public_key;
-  std::string signature;
+  SignatureOptions signature;
+  bool require_signature = false;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.path("public_key", self.public_key, "Also check the signature: a minisign public key, or its file.");
-    fields.path("signature", self.signature, "Signature file; the map's name with .minisig appended if not given.");
+    SignatureOptions::describe(self.signature, fields);
+    fields.field("require_signature", self.require_signature, "Refuse to check a map without --public-key.");
   }
 };
 
@@ -32,8 +33,12 @@ Command make_verify_command() {
   command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
   bind_options<VerifyOptions>(command, [](const VerifyOptions& options, const Invocation& invocation) {
     const std::string& path = invocation.inputs.front();
-    need_file(path, "build` or `pilotage prepare");
-    const VerifyReport report = verify_map(path, invocation.progress);
+    if (options.require_signature && !options.signature.public_key) {
+      throw UsageError("--require-signature needs --public-key: a signature is checked with a key");
+    }
+    const std::optional<SignedMap> signed_map = read_signed_input(options.signature, path);
+    const VerifyReport report =
+        signed_map ? verify_map(*signed_map, invocation.progress) : verify_map(path, invocation.progress);
     CommandResult result;
     result.json = {{"map", path},
                    {"intact", report.ok()},
@@ -56,10 +61,8 @@ Command make_verify_command() {
     result.text = path + ": intact; " + std::to_string(report.tiles) + " tiles, " + std::to_string(report.descriptors) +
                   " descriptors, " + (report.chips > 0 ? std::to_string(report.chips) + " chips, " : "") + "digest " +
                   report.content_digest + "\n";
-    if (!options.public_key.empty()) {
-      const SignatureInfo signature = verify_signature(
-          path, options.public_key,
-          options.signature.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.signature));
+    if (signed_map) {
+      const SignatureInfo& signature = signed_map->signature();
       result.text += "signed by key " + signature.key_id + ", " + signature.trusted_comment + "\n";
       result.json["signature"] = {{"key_id", signature.key_id}, {"trusted_comment", signature.trusted_comment}};
     }

@@ -18,10 +18,15 @@ void remember(int /*signal*/) {
 void watch_for_interruption() {
   struct sigaction action {};
   action.sa_handler = remember;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   ::sigemptyset(&action.sa_mask);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU, SIGPIPE}) {
+    struct sigaction before {};
+    const bool ignored = ::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;
+    if (ignored && signal == SIGHUP) continue;  // nohup: the work outlives the terminal
+    // Every line that is written into a closed pipe sends one more: not a wish to end without cleaning up.
+    action.sa_flags = signal == SIGPIPE ? 0 : static_cast<int>(SA_RESETHAND);
+    ::sigaction(signal, &action, nullptr);
+  }
   ::signal(SIGXFSZ, SIG_IGN);  // a file size limit fails the write, which is told like a full disk
 }
 

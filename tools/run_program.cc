@@ -4,22 +4,27 @@
 #include <exception>
 #include <filesystem>
 #include <ostream>
+#include <regex>
 #include <sstream>
 
 #include "cli_options.h"
 #include "common_options.h"
 #include "help.h"
+#include "input_guard.h"
 #include "interruption.h"
 #include "option_text.h"
 #include "terminal.h"
 #include "version.h"
 #include <nlohmann/json.hpp>
+#include <opencv2/core/base.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "pilotage/base/config_file.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/raster/gdal_config.h"
 
 namespace pilotage {
@@ -35,6 +40,34 @@ int print(std::ostream& out, const std::string& text) {
 /// `code`: of ECMA-48's "select graphic rendition", 31 for red.
 std::string in_colour(const std::ostream& stream, const char* code, const std::string& text) {
   return wants_colour(stream) ? "\x1b[" + std::string(code) + "m" + text + "\x1b[0m" : text;
+}
+
+/// Text that comes from files is shown, not obeyed: control characters (but line ends and tabs) as \xHH, so that no map
+/// or route moves the cursor of a terminal or changes its colours; bytes that are no UTF-8 as U+FFFD.
+std::string shown(const std::string& text) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string safe;
+  const std::string utf8 = valid_utf8(text);
+  for (std::size_t i = 0; i < utf8.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(utf8[i]);
+    const unsigned char next = i + 1 < utf8.size() ? static_cast<unsigned char>(utf8[i + 1]) : 0;
+    const bool c1 = byte == 0xC2 && next >= 0x80 && next < 0xA0;  // U+0080 … U+009F, which some terminals obey, too
+    if ((byte >= 0x20 && byte != 0x7F && !c1) || byte == '\n' || byte == '\t') {
+      safe += utf8[i];
+    } else {
+      const unsigned char control = c1 ? next : byte;
+      safe += {'\\', 'x', kHex[control >> 4], kHex[control & 15]};
+      i += c1 ? 1 : 0;
+    }
+  }
+  return safe;
+}
+
+/// A message about an unfinished output, whose place is a hidden folder (base/work_folder.h), names where it would
+/// stand.
+std::string of_outputs(const std::string& message) {
+  static const std::regex work_folder("\\.pilotage-[0-9a-f]{8}-[A-Za-z0-9]{6}/");
+  return std::regex_replace(message, work_folder, "");
 }
 
 /// On a terminal the headings stand out: the lines at the margin that end with a colon.
@@ -84,17 +117,46 @@ void check_inputs(const Command& command, const std::vector<std::string>& inputs
   }
 }
 
-void check_output(const Command& command, const CommonOptions& common, const std::vector<std::string>& inputs) {
+/// The strings of an option that holds paths.
+std::vector<std::string> paths_of(const OptionField& field) {
+  const OptionValue value = field.get();
+  if (const auto* text = std::get_if<std::string>(&value)) return {*text};
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) return *texts;
+  return {};
+}
+
+/// Everything that the command line and the configuration name, before anything is opened.
+void check_shared_files(const Command& command, const CommonOptions& common,
+                        const std::vector<std::string>& arguments) {
+  std::vector<NamedFile> inputs;
+  std::vector<NamedFile> outputs;
+  for (const std::string& argument : arguments) inputs.push_back({command.inputs.name, argument});
+  if (!common.config.empty()) inputs.push_back({"--config", common.config});
+  for (const OptionField& field : command.options.fields) {
+    if (!field.is_path) continue;
+    const std::vector<std::string>& flags = command.output.flags;
+    const bool is_output = std::find(flags.begin(), flags.end(), field.flag) != flags.end();
+    for (const std::string& path : paths_of(field)) {
+      if (!path.empty()) (is_output ? outputs : inputs).push_back({"--" + field.flag, path});
+    }
+  }
+  if (!common.output.empty() && command.output.files) {
+    for (const auto& path : command.output.files(common.output)) outputs.push_back({"--output", path});
+  } else if (!common.output.empty() && command.output.kind == OutputKind::kFile) {
+    outputs.push_back({"--output", common.output});
+  }
+  refuse_shared_files(inputs, outputs);
+}
+
+void check_output(const Command& command, const CommonOptions& common) {
   if (command.output.kind == OutputKind::kNone) return;
   if (common.output.empty()) {
     if (command.output.required) throw UsageError("-o OUTPUT is missing: " + command.output.help);
     return;
   }
   std::error_code ignored;
-  for (const std::string& input : inputs) {
-    if (std::filesystem::equivalent(input, common.output, ignored)) {
-      throw UsageError("--output = \"" + common.output + "\" is also an input");
-    }
+  if (command.output.kind == OutputKind::kFile && !std::filesystem::is_directory(common.output, ignored)) {
+    refuse_special_file(common.output);
   }
   if (!std::filesystem::exists(common.output, ignored)) return;
   const bool is_folder = std::filesystem::is_directory(common.output, ignored);
@@ -146,7 +208,7 @@ void print_result(const Command& command, const CommonOptions& common, const Com
                   std::ostream& err) {
   if (!common.quiet) {
     for (const std::string& warning : result.warnings) {
-      err << "pilotage " << command.word << ": " << in_colour(err, "33", "warning:") << " " << warning << "\n";
+      err << "pilotage " << command.word << ": " << in_colour(err, "33", "warning:") << " " << shown(warning) << "\n";
     }
   }
   if (common.json) {
@@ -154,7 +216,8 @@ void print_result(const Command& command, const CommonOptions& common, const Com
     if (!json.contains("warnings")) json["warnings"] = result.warnings;
     out << dump(json);
   } else {
-    out << result.text;
+    // What the program says of itself is for shells and for man, byte by byte.
+    out << (command.group == CommandGroup::kHelp ? result.text : shown(result.text));
   }
 }
 
@@ -173,7 +236,8 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   fill_options(command, common, line);
   if (common.print_config) return print(out, dump(options_to_json(command.options)));
 
-  check_output(command, common, line.inputs);
+  check_shared_files(command, common, line.inputs);
+  check_output(command, common);
   for (const std::string& key_value : common.gdal_config) set_gdal_config(key_value);
   watch_for_interruption();
   ProgressMeter meter = make_progress_meter(common.quiet ? ProgressMode::kNone : common.progress, err);
@@ -229,6 +293,13 @@ Failure describe_current_exception() {
     return {kExitFailed, "data", error.what()};
   } catch (const std::bad_alloc&) {
     return {kExitFailed, "memory", "not enough memory"};
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) return {kExitFailed, "memory", "not enough memory"};
+    return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
+  } catch (const Json::type_error& error) {
+    constexpr int kNotUtf8 = 316;  // nlohmann's number
+    if (error.id != kNotUtf8) return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
+    return {kExitFailed, "data", "a name or text is not UTF-8, which JSON files must be: give files other names"};
   } catch (const std::exception& error) {
     return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
   } catch (...) {
@@ -249,9 +320,10 @@ void print_failure(const Failure& failure, const std::vector<std::string>& argum
   const bool has_word = !arguments.empty() && !arguments.front().starts_with("-");
   const std::string who =
       "pilotage" + (has_word && failure.message.find("unknown command") != 0 ? " " + arguments.front() : std::string());
-  err << in_colour(err, "31", who + ":") << " " << failure.message << std::endl;
+  const std::string message = of_outputs(failure.message);
+  err << in_colour(err, "31", shown(who) + ":") << " " << shown(message) << std::endl;
   if (wants_json(arguments)) {
-    out << dump({{"error", {{"kind", failure.kind}, {"message", failure.message}, {"exit_code", failure.exit_code}}}});
+    out << dump({{"error", {{"kind", failure.kind}, {"message", message}, {"exit_code", failure.exit_code}}}});
   }
 }
 

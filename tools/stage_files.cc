@@ -18,6 +18,10 @@ void need_file(const std::string& path, const std::string& writer) {
   throw DataError(path + ": does not exist; `pilotage " + writer + "` writes it");
 }
 
+void refuse_empty(const std::string& flag, const std::optional<std::string>& value) {
+  if (value && value->empty()) throw UsageError(flag + " = \"\" is empty: give a value, or leave the option out");
+}
+
 Mission read_stage_plan(const std::string& path) {
   need_file(path, "tile");
   return read_plan(path);

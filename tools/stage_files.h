@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,10 @@ struct StageFiles {
 /// Throws DataError "plan.json: does not exist; `pilotage tile` writes it" when there is no file of this name; `writer`
 /// is the command to run first.
 void need_file(const std::string& path, const std::string& writer);
+
+/// Throws UsageError when an option was given, but as "": a script whose variable is not set must not switch a check
+/// off.
+void refuse_empty(const std::string& flag, const std::optional<std::string>& value);
 
 /// The plan of a file. Throws as need_file and read_plan do.
 Mission read_stage_plan(const std::string& path);

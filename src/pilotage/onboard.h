@@ -14,10 +14,9 @@
 /// docs/examples/onboard is such a program. Link `pilotage::onboard`.
 ///
 /// @code
-/// // Before the flight. The file was verified on the ground (`pilotage verify`, or verify_map of pilotage/prep.h): the
-/// // reader survives any bytes, but computes no digests.
+/// // Before the flight. Read once; the signature (map.gpkg.minisig) is checked over the bytes that are then flown.
 /// cv::setNumThreads(1);                          // see Threads
-/// pilotage::MapReader map("map.gpkg");           // DataError when the file is not a whole map of this version
+/// auto map = pilotage::MapReader::open("map.gpkg", {public_key});
 ///
 /// // For each frame: 8-bit gray pixels of the camera's size, and what the navigation filter believes.
 /// pilotage::MatchPrior prior;
@@ -36,7 +35,10 @@
 /// @endcode
 ///
 /// Order
-///  1. MapReader opens and checks the map: MapReader::info() what it says of itself, MapReader::levels() its scales.
+///  1. MapReader::open() takes a map that a trusted key signed, MapReader::open_unverified() any file that was looked
+///  at
+///     on the ground (verify_map of pilotage/prep.h): MapReader::info() what it says of itself, MapReader::levels() its
+///     scales.
 ///  2. Camera is the lens that took the frame. MapReader::camera() is the one the map was planned for; for frames of
 ///     another size ask camera_for_size(). A map serves any camera whose frames show about as much ground.
 ///  3. match() with MatchPrior and MatchOptions gives a MatchResult: a MatchStatus, a Fix exactly when the status is
@@ -45,14 +47,15 @@
 ///     MAVLink's GLOBAL_POSITION_SENSOR. Neither ROS nor MAVLink is needed to build them.
 ///
 /// Errors
-///  - MapReader throws DataError: a file that cannot be read, is damaged, or of another version.
+///  - MapReader throws IntegrityError: the signature is wrong or of another key; DataError: a file that cannot be read,
+///    is damaged, or of another version; UsageError: no key, or one that cannot be read.
 ///  - MapReader::tiles_near() throws UsageError for a point that is not on Earth.
 ///  - match() throws nothing but std::bad_alloc. Bad pixels, priors, cameras and options have a status each, and so has
 ///    a map that is damaged under way. The messages throw nothing but std::bad_alloc.
 ///
 /// Threads
-///  - One MapReader serves one thread at a time, and keeps lately used tiles decoded (its constructor bounds how many
-///    bytes); open one for each thread, on the same file. match() has no other
+///  - One MapReader serves one thread at a time, and keeps lately used tiles decoded (open() bounds how many
+///    bytes); open one for each thread, on the same file or SignedMap. match() has no other
 ///    state, starts no threads of its own, and gives the same answer to the last bit whatever runs beside it.
 ///  - OpenCV, below it, may share one picture out among all cores. The answer does not depend on that. A program whose
 ///    cores have other work turns it off with cv::setNumThreads(1), which holds for the process and is therefore the

@@ -7,7 +7,7 @@
 #include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/ground/measures.h"
 #include "pilotage/ground/score_table.h"
-#include "pilotage/mapdb/map_signature.h"
+#include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/mission/plan_file.h"
@@ -47,8 +47,8 @@
 ///  3. select_tiles(): Mission, its scores, stored_size() → Selection. read_selection(), selection_to_json().
 ///  4. build_map(): all of these and input_files() of the plan → map.gpkg.
 ///  5. make_report_input(), make_report(), write_report_outputs(): all of these → the files of the report.
-///  6. verify_map(), require_intact(): every digest of the map, before it flies; sign_file() and verify_signature() for
-///     those to whom it is handed on. What flies (pilotage/onboard.h) computes no digests.
+///  6. verify_map(), require_intact(): every digest of the map, before it flies; sign_file() for those
+///     to whom it is handed on, who open it with the key (pilotage/onboard.h).
 ///
 /// Errors
 ///  - UsageError: an option is missing, outside its range, or excludes another.

@@ -88,6 +88,8 @@ def test(pilotage, source, work, rest):
     short.write_bytes(b"P5\n800 450\n255\n" + bytes(100))
     code, words = run(example, map_path, short, *[0] * 7, "nan", expect=None)
     check(code == 1 and "short.pgm" in words, words)
+    code, words = run(example, map_path, rows[0]["file"], *[0] * 7, "nan", "", expect=None)
+    check(code == 1 and "public_key is empty" in words, words)
     run(example, expect=2)
     print(f"{fixes} of {len(rows)} fixes")
 

@@ -10,7 +10,7 @@ import sys
 
 from acceptance import Failed, check, run
 
-GROUND = ("gdal", "GeographicLib", "ceres", "fftw", "sodium", "yaml-cpp", "opencv_imgcodecs")
+GROUND = ("gdal", "GeographicLib", "ceres", "fftw", "yaml-cpp", "opencv_imgcodecs")
 
 
 def dynamic(library, tag):

@@ -1,6 +1,10 @@
 #include "pilotage/base/file_digest.h"
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <system_error>
 
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
@@ -10,6 +14,11 @@
 
 namespace pilotage {
 namespace {
+
+std::string read_whole(const char* file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 // Independent values: b2sum --length=256 of GNU coreutils.
 TEST(FileDigest, IsBlake2b256) {
@@ -27,6 +36,14 @@ TEST(FileDigest, DoesNotDependOnThePiecesItReads) {
   content.back() = 'y';
   write_file(folder / "b", content, false);
   EXPECT_NE(file_digest(folder / "a"), file_digest(folder / "b"));
+}
+
+// A file of the kernel tells a size of one page and ends before: what a short read of a failing medium looks like.
+TEST(FileDigest, RefusesAFileThatEndsEarly) {
+  const char* const file = "/sys/devices/system/cpu/online";
+  std::error_code error;
+  if (std::filesystem::file_size(file, error) <= read_whole(file).size() || error) GTEST_SKIP() << "no such file here";
+  EXPECT_THROW(file_digest(file), DataError);
 }
 
 TEST(FileDigest, NamesTheFileThatCannotBeRead) {

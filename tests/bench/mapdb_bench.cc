@@ -109,14 +109,14 @@ std::size_t read_near(MapReader& reader, GeodeticPoint place, double radius_m) {
 
 void BM_TilesNear(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0));
-  MapReader reader(map_of_side(side), 0);  // decodes each time
+  MapReader reader = MapReader::open_unverified(map_of_side(side), 0);  // decodes each time
   Random random(1);
   for (auto _ : state) benchmark::DoNotOptimize(reader.tiles_near(random_place(random, side), 60, 0));
 }
 
 void BM_TilesNearAndDescriptors(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0));
-  MapReader reader(map_of_side(side), 0);  // decodes each time
+  MapReader reader = MapReader::open_unverified(map_of_side(side), 0);  // decodes each time
   Random random(2);
   std::size_t features = 0;
   for (auto _ : state) features += read_near(reader, random_place(random, side), 60);
@@ -144,7 +144,7 @@ void BM_ColdOpenNearDescriptors(benchmark::State& state) {
     ::close(descriptor);
     const GeodeticPoint place = random_place(random, side);
     state.ResumeTiming();
-    MapReader reader(path);
+    MapReader reader = MapReader::open_unverified(path);
     benchmark::DoNotOptimize(read_near(reader, place, 60));
   }
   state.counters["read_KiB"] =
@@ -156,7 +156,7 @@ void BM_OpenNearDescriptors(benchmark::State& state) {
   const int side = static_cast<int>(state.range(0));
   Random random(4);
   for (auto _ : state) {
-    MapReader reader(map_of_side(side), 0);  // decodes each time
+    MapReader reader = MapReader::open_unverified(map_of_side(side), 0);  // decodes each time
     benchmark::DoNotOptimize(read_near(reader, random_place(random, side), 60));
   }
 }

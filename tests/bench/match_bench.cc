@@ -31,8 +31,8 @@ struct Scene {
     FeatureOptions features;
     features.features_per_mpx = 25000;
     testing::write_textured_map(folder / "map.gpkg", ground, features);
-    reader.emplace(folder / "map.gpkg", 0);  // tiles are decoded for each frame
-    keeping.emplace(folder / "map.gpkg");
+    reader = MapReader::open_unverified(folder / "map.gpkg", 0);  // tiles are decoded for each frame
+    keeping = MapReader::open_unverified(folder / "map.gpkg");
     const Attitude attitude{33, 2, -1};
     frame = testing::frame_over(ground, 3, -4, attitude, ground.agl_m).gray;
     prior = {ground.center, 25, ground.agl_m * 1.01, {33.5, 1.5, -0.6}};

@@ -124,7 +124,7 @@ class StableFeatures : public ::testing::Test {
   }
 
   std::vector<Point> stored(const std::string& name) {
-    MapReader reader(folder_ / name);
+    MapReader reader = MapReader::open_unverified(folder_ / name);
     const GeoTransform place = plan_.ground.levels[0].matrix.map_from_pixel;
     std::vector<Point> points;
     for (const MapTile& tile : reader.tiles()) {
@@ -171,11 +171,11 @@ TEST_F(StableFeatures, DropsThoseOfTheChangedPartAndKeepsTheOthers) {
 TEST_F(StableFeatures, TheMapSaysSo) {
   build("all.gpkg", KeepFeatures::kAll);
   const StableStats stable = build("stable.gpkg", KeepFeatures::kStable).stable.value();
-  const MapReader reader(folder_ / "stable.gpkg");
+  const MapReader reader = MapReader::open_unverified(folder_ / "stable.gpkg");
   EXPECT_EQ(reader.info().find("keep_features"), "stable");
   EXPECT_EQ(reader.info().find("keep_features.dropped"), std::to_string(stable.dropped));
   EXPECT_EQ(reader.info().find("keep_features.not_known"), std::to_string(stable.not_known));
-  EXPECT_FALSE(MapReader(folder_ / "all.gpkg").info().find("keep_features").has_value());
+  EXPECT_FALSE(MapReader::open_unverified(folder_ / "all.gpkg").info().find("keep_features").has_value());
 }
 
 TEST_F(StableFeatures, SameBytesForAnyNumberOfThreads) {

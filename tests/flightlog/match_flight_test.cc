@@ -41,9 +41,12 @@ class LoggedFlight {
   }
 
   std::filesystem::path map_path() const { return folder_ / "map.gpkg"; }
+  auto open_map() const {
+    return [path = map_path()] { return MapReader::open_unverified(path); };
+  }
   const std::vector<FlightFrame>& frames() const { return frames_; }
   std::vector<FrameMatch> match(int threads, const Progress& progress = {}) const {
-    return match_flight(map_path(), frames_, {}, FrameTruth::kCenter, threads, progress);
+    return match_flight(open_map(), frames_, {}, FrameTruth::kCenter, threads, progress);
   }
 
  private:
@@ -82,13 +85,15 @@ TEST(MatchFlight, NotOneReadableFrameIsAnError) {
   const LoggedFlight flight;
   const std::vector<FlightFrame> bad(flight.frames().end() - 2, flight.frames().end());
   try {
-    match_flight(flight.map_path(), bad, {}, FrameTruth::kCenter, 1, {});
+    match_flight(flight.open_map(), bad, {}, FrameTruth::kCenter, 1, {});
     FAIL();
   } catch (const DataError& error) {
     EXPECT_THAT(error.what(), HasSubstr("not one of 2 frames can be read; the first: "));
     EXPECT_THAT(error.what(), HasSubstr("tall.png: has 60 x 80 px"));
   }
-  EXPECT_THROW(match_flight(flight.map_path() / "x", flight.frames(), {}, FrameTruth::kCenter, 2, {}), DataError);
+  EXPECT_THROW(match_flight([&] { return MapReader::open_unverified(flight.map_path() / "x"); }, flight.frames(), {},
+                            FrameTruth::kCenter, 2, {}),
+               DataError);
 }
 
 TEST(MatchFlight, ProgressCountsFramesAndMayStop) {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "pilotage/base/error.h"
-#include "pilotage/mapdb/minisign_files.h"
+#include "pilotage/mapdb/minisign_secret_key.h"
 
 namespace {
 

@@ -1,10 +1,10 @@
-# What flies loads SQLite, zstd and four OpenCV modules, and none of the libraries of the ground. Input: PROGRAM.
+# What flies loads SQLite, zstd, libsodium and four OpenCV modules, and none of the libraries of the ground. Input: PROGRAM.
 include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
 execute_process(COMMAND ldd ${PROGRAM} OUTPUT_VARIABLE libraries RESULT_VARIABLE result ERROR_VARIABLE error)
 if(NOT result EQUAL 0)
   problem("ldd ${PROGRAM}: ${error}")
 endif()
-foreach(forbidden gdal GeographicLib ceres fftw sodium yaml-cpp opencv_imgcodecs opencv_highgui opencv_dnn proj geos
+foreach(forbidden gdal GeographicLib ceres fftw yaml-cpp opencv_imgcodecs opencv_highgui opencv_dnn proj geos
                   curl "not found")
   if(libraries MATCHES "[^\n]*${forbidden}[^\n]*")
     problem("loads${CMAKE_MATCH_0}")
@@ -16,4 +16,7 @@ endif()
 if(NOT libraries MATCHES "libopencv_core")
   problem("loads no OpenCV: the program does not hold the library")
 endif()
-finish("pilotage::onboard links SQLite, zstd, Eigen and OpenCV core, imgproc, features2d, calib3d")
+if(NOT libraries MATCHES "libsodium")
+  problem("loads no libsodium: the program does not check signatures")
+endif()
+finish("pilotage::onboard links SQLite, zstd, libsodium, Eigen and OpenCV core, imgproc, features2d, calib3d")

@@ -36,7 +36,7 @@ TEST(MapCorpus, SeedsAreWholeMaps) {
   std::uintmax_t bytes = 0;
   for (const auto& [name, options] : {std::pair{"one_tile", tiny}, {"two_levels", small}}) {
     EXPECT_TRUE(verify_map(folder / name).ok()) << name;
-    EXPECT_EQ(MapReader(folder / name).tiles().size(), testing::make_small_map(options).tiles.size());
+    EXPECT_EQ(MapReader::open_unverified(folder / name).tiles().size(), testing::make_small_map(options).tiles.size());
     bytes += std::filesystem::file_size(folder / name);
   }
   EXPECT_LE(bytes, 100000U);

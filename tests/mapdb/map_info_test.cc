@@ -64,6 +64,15 @@ TEST(MapInfo, GivesBackTheCameraThatWasWritten) {
   EXPECT_EQ(camera_of_info(info_of(camera_entries()), "map.gpkg"), some_camera());
 }
 
+TEST(MapInfo, RefusesACameraWhoseNumbersAreNone) {
+  for (const char* value : {"nan", "inf", "-inf"}) {
+    EXPECT_THAT([&] { camera_of_info(info_of(changed(camera_entries(), "camera.fx_px", value)), "map.gpkg"); },
+                ThrowsMessage<DataError>(HasSubstr("map.gpkg: map_info: camera: fx_px = \"" + std::string(value))));
+    EXPECT_THROW(camera_of_info(info_of(changed(camera_entries(), "camera.mount_yaw_deg", value)), "map.gpkg"),
+                 DataError);
+  }
+}
+
 TEST(MapInfo, GivesBackTheFeatureOptionsThatWereWritten) {
   const FeatureOptions read = features_of_info(info_of(feature_entries()), "map.gpkg");
   EXPECT_EQ(read.descriptor_bits, 512);
@@ -111,13 +120,13 @@ TEST(MapInfo, IsReadOnceWhenTheMapIsOpened) {
     testing::write_map(folder / "map.gpkg", map, true);
     return folder / "map.gpkg";
   };
-  const MapReader reader(write(camera_entries(), feature_entries()));
+  const MapReader reader = MapReader::open_unverified(write(camera_entries(), feature_entries()));
   EXPECT_EQ(reader.camera(), some_camera());
   EXPECT_EQ(reader.features().descriptor_bits, 512);
-  EXPECT_FALSE(MapReader(write({}, {})).camera());
-  EXPECT_THAT([&] { MapReader(write(changed(camera_entries(), "camera.fx_px", "x"), {})); },
+  EXPECT_FALSE(MapReader::open_unverified(write({}, {})).camera());
+  EXPECT_THAT([&] { MapReader::open_unverified(write(changed(camera_entries(), "camera.fx_px", "x"), {})); },
               ThrowsMessage<DataError>(HasSubstr("map.gpkg: map_info: camera: fx_px = \"x\" is not a number")));
-  EXPECT_THAT([&] { MapReader(write({}, changed(feature_entries(), "features.octaves", "0"))); },
+  EXPECT_THAT([&] { MapReader::open_unverified(write({}, changed(feature_entries(), "features.octaves", "0"))); },
               ThrowsMessage<DataError>(HasSubstr("map.gpkg: map_info: features: octaves = 0 is outside")));
 }
 

@@ -3,11 +3,14 @@
 #include <cmath>
 
 #include "mapdb/small_map.h"
+#include "testing/key_pair.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/map_signing.h"
 
 namespace pilotage {
 namespace {
@@ -51,7 +54,7 @@ class MapReaderTest : public ::testing::Test {
 };
 
 TEST_F(MapReaderTest, GivesBackTilesAndTheirValues) {
-  MapReader reader(path_);
+  MapReader reader = MapReader::open_unverified(path_);
   const std::vector<MapTile> tiles = reader.tiles();
   ASSERT_EQ(tiles.size(), map_.tiles.size());
   EXPECT_EQ(reader.tiles(1).size(), map_.tiles.size() / 2);
@@ -80,7 +83,7 @@ TEST_F(MapReaderTest, GivesBackTilesAndTheirValues) {
 }
 
 TEST_F(MapReaderTest, GivesBackDescriptorsAndChips) {
-  MapReader reader(path_);
+  MapReader reader = MapReader::open_unverified(path_);
   for (const TileDescriptors& want : map_.descriptors) {
     const auto got = reader.descriptors(want.tile_id, want.level);
     ASSERT_NE(got, nullptr);
@@ -98,7 +101,7 @@ TEST_F(MapReaderTest, GivesBackDescriptorsAndChips) {
 }
 
 TEST_F(MapReaderTest, GivesBackInfoAndLevels) {
-  const MapReader reader(path_);
+  const MapReader reader = MapReader::open_unverified(path_);
   EXPECT_EQ(reader.info().crs.name, map_.header.crs.name);
   EXPECT_EQ(reader.info().crs.wkt, map_.header.crs.wkt);
   EXPECT_EQ(reader.info().crs.authority, "EPSG:32750");
@@ -120,26 +123,51 @@ TEST_F(MapReaderTest, GivesBackInfoAndLevels) {
 TEST_F(MapReaderTest, SeveralReadersShareAFileAndAnyName) {
   const auto odd = folder_ / "a b%20?#ü.gpkg";
   std::filesystem::copy(path_, odd);
-  MapReader first(odd);
-  MapReader second(odd);
+  MapReader first = MapReader::open_unverified(odd);
+  MapReader second = MapReader::open_unverified(odd);
   EXPECT_EQ(first.tiles().size(), second.tiles().size());
 }
 
 TEST_F(MapReaderTest, LeavesNothingBesideTheFile) {
   {
-    MapReader reader(path_);
+    MapReader reader = MapReader::open_unverified(path_);
     static_cast<void>(reader.descriptors(0, 0));
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
 }
 
+TEST_F(MapReaderTest, ReadsTheBytesThatWereSigned) {
+  const std::string key = testing::generate_key_pair(folder_ / "a.key", folder_ / "a.pub");
+  EXPECT_THROW(MapReader::open(path_, {key}), DataError) << "there is no signature";
+  sign_file(path_, folder_ / "a.key");
+  const SignedMap checked = read_signed_map(path_, {key});
+  MapReader reader = MapReader::open(path_, {key});
+  write_file(path_, std::string(read_file(path_).size(), 'x'), true);  // what another program does after the check
+  MapReader other = MapReader::open(checked);
+  for (const MapTile& tile : map_.tiles) {
+    ASSERT_NE(reader.descriptors(tile.tile_id, tile.level), nullptr);
+    EXPECT_EQ(reader.descriptors(tile.tile_id, tile.level)->features.descriptors,
+              other.descriptors(tile.tile_id, tile.level)->features.descriptors);
+  }
+  EXPECT_THROW(MapReader::open(path_, {key}), IntegrityError);
+}
+
+TEST_F(MapReaderTest, RefusesAForeignMapBeforeItIsParsed) {
+  const std::string key = testing::generate_key_pair(folder_ / "a.key", folder_ / "a.pub");
+  sign_file(path_, folder_ / "a.key");
+  write_file(path_, "no map at all", true);
+  EXPECT_THROW(MapReader::open(path_, {key}), IntegrityError);
+  EXPECT_THROW(MapReader::open(path_, {}), UsageError);
+}
+
 TEST(MapReader, SaysWhatIsNotAMap) {
   const testing::TemporaryFolder folder;
-  EXPECT_THAT([&] { MapReader(folder / "none.gpkg"); },
+  EXPECT_THAT([&] { MapReader::open_unverified(folder / "none.gpkg"); },
               ThrowsMessage<DataError>(HasSubstr("none.gpkg: cannot be read")));
-  EXPECT_THAT([&] { MapReader{folder.path()}; }, ThrowsMessage<DataError>(HasSubstr("is a folder")));
+  EXPECT_THAT([&] { MapReader::open_unverified(folder.path()); }, ThrowsMessage<DataError>(HasSubstr("is a folder")));
   { Database::create(folder / "other.gpkg", "other").execute("CREATE TABLE a (b)"); }
-  EXPECT_THAT([&] { MapReader(folder / "other.gpkg"); }, ThrowsMessage<DataError>(HasSubstr("is not a GeoPackage")));
+  EXPECT_THAT([&] { MapReader::open_unverified(folder / "other.gpkg"); },
+              ThrowsMessage<DataError>(HasSubstr("is not a GeoPackage")));
 }
 
 // A map of tomorrow may hold other tables; the version must be the first thing it is judged by.
@@ -148,7 +176,7 @@ TEST_F(MapReaderTest, RefusesANewerSchema) {
       .execute(
           "UPDATE map_info SET value = '2' WHERE key = 'schema_version'; ALTER TABLE pilotage_levels RENAME COLUMN "
           "gsd_m TO g");
-  EXPECT_THAT([&] { MapReader{path_}; },
+  EXPECT_THAT([&] { MapReader::open_unverified(path_); },
               ThrowsMessage<DataError>(HasSubstr("schema version 2; this program reads up to")));
 }
 
@@ -160,7 +188,7 @@ TEST_F(MapReaderTest, NamesFileTableAndTileOfDamage) {
         .execute(std::string("DROP TRIGGER rtree_tiles_geom_update3;"
                              "DROP TRIGGER rtree_tiles_geom_update4;") +
                  sql);
-    MapReader reader(copy);
+    MapReader reader = MapReader::open_unverified(copy);
     EXPECT_THAT([&] { read(reader); }, ThrowsMessage<DataError>(HasSubstr(message))) << sql;
   };
   const auto descriptors = [](MapReader& reader) { static_cast<void>(reader.descriptors(3, 0)); };
@@ -196,9 +224,12 @@ TEST_F(MapReaderTest, DoesNotRunWhatTheFileDefines) {
     return copy;
   };
   EXPECT_THAT(
-      [&] { MapReader(replace_tiles("DROP TABLE map_info; CREATE VIEW map_info AS SELECT 1 id, 2 key, 3 value")); },
+      [&] {
+        MapReader::open_unverified(
+            replace_tiles("DROP TABLE map_info; CREATE VIEW map_info AS SELECT 1 id, 2 key, 3 value"));
+      },
       ThrowsMessage<DataError>(HasSubstr("has no table map_info")));
-  EXPECT_THAT([&] { MapReader(replace_tiles("DROP TABLE pilotage_tile_centers")); },
+  EXPECT_THAT([&] { MapReader::open_unverified(replace_tiles("DROP TABLE pilotage_tile_centers")); },
               ThrowsMessage<DataError>(HasSubstr("has no R-tree pilotage_tile_centers")));
 }
 

@@ -10,7 +10,8 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/mapdb/minisign_files.h"
+#include "pilotage/mapdb/map_signing.h"
+#include "pilotage/mapdb/minisign_secret_key.h"
 
 namespace pilotage {
 namespace {
@@ -43,17 +44,17 @@ class MapSignature : public ::testing::Test {
 
 TEST_F(MapSignature, SignsAndVerifies) {
   EXPECT_EQ(sign_file(file_, secret_), folder_ / "map.gpkg.minisig");
-  const SignatureInfo info = verify_signature(file_, public_.string());
+  const SignatureInfo info = read_signed_map(file_, {public_.string()}).signature();
   EXPECT_TRUE(info.prehashed);
   EXPECT_EQ(info.trusted_comment, "file:map.gpkg\thashed");
-  EXPECT_EQ(verify_signature(file_, key_).key_id, info.key_id);
+  EXPECT_EQ(read_signed_map(file_, {key_}).signature().key_id, info.key_id);
   EXPECT_THROW(sign_file(file_, secret_), DataError) << "a signature is not replaced unless told";
   SignOptions options;
   options.overwrite = true;
   options.trusted_comment = "mission 7";
   const std::string first = read_file(sign_file(file_, secret_, options));
   EXPECT_EQ(read_file(sign_file(file_, secret_, options)), first);
-  EXPECT_EQ(verify_signature(file_, key_).trusted_comment, "mission 7");
+  EXPECT_EQ(read_signed_map(file_, {key_}).signature().trusted_comment, "mission 7");
 }
 
 TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
@@ -63,7 +64,7 @@ TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
     std::string flipped = content;
     flipped[i] = static_cast<char>(flipped[i] ^ (1 << (i % 8)));
     write_file(file_, flipped, true);
-    EXPECT_THROW(verify_signature(file_, key_), IntegrityError) << i;
+    EXPECT_THROW(read_signed_map(file_, {key_}), IntegrityError) << i;
   }
   write_file(file_, content, true);
   const auto signature_path = folder_ / "map.gpkg.minisig";
@@ -74,18 +75,19 @@ TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
     flipped[i] = static_cast<char>(flipped[i] ^ (1 << (i % 7)));
     write_file(signature_path, flipped, true);
     if (i > 18 && i < first_line) continue;  // the text of the untrusted comment
-    EXPECT_THROW(verify_signature(file_, key_), DataError) << i;
+    EXPECT_THROW(read_signed_map(file_, {key_}), DataError) << i;
   }
   for (std::size_t size = 0; size + 1 < signature.size(); ++size) {
     write_file(signature_path, signature.substr(0, size), true);
-    EXPECT_THROW(verify_signature(file_, key_), DataError) << size;
+    EXPECT_THROW(read_signed_map(file_, {key_}), DataError) << size;
   }
 }
 
 TEST_F(MapSignature, RefusesAnotherKey) {
   sign_file(file_, secret_);
   const std::string other = testing::generate_key_pair(folder_ / "b.key", folder_ / "b.pub");
-  EXPECT_THAT([&] { verify_signature(file_, other); }, ThrowsMessage<IntegrityError>(HasSubstr("was made with key")));
+  EXPECT_THAT([&] { read_signed_map(file_, {other}); }, ThrowsMessage<IntegrityError>(HasSubstr("was made with key")));
+  EXPECT_EQ(read_signed_map(file_, {other, key_}).signature().trusted_comment, "file:map.gpkg\thashed");
 }
 
 TEST_F(MapSignature, AcceptsTheLegacyForm) {
@@ -100,9 +102,9 @@ TEST_F(MapSignature, AcceptsTheLegacyForm) {
   const std::string global = std::string(signature.signature.begin(), signature.signature.end()) + "old";
   crypto_sign_detached(signature.global_signature.data(), nullptr, bytes(global), global.size(), secret.key.data());
   write_file(folder_ / "map.gpkg.minisig", format_signature_file(signature), false);
-  EXPECT_FALSE(verify_signature(file_, key_).prehashed);
+  EXPECT_FALSE(read_signed_map(file_, {key_}).signature().prehashed);
   write_file(file_, content + "x", true);
-  EXPECT_THROW(verify_signature(file_, key_), IntegrityError);
+  EXPECT_THROW(read_signed_map(file_, {key_}), IntegrityError);
 }
 
 TEST_F(MapSignature, EncryptedKeysNeedTheirPassphrase) {
@@ -115,7 +117,7 @@ TEST_F(MapSignature, EncryptedKeysNeedTheirPassphrase) {
   EXPECT_THAT([&] { sign_file(file_, locked, options); }, ThrowsMessage<UsageError>(HasSubstr("passphrase is wrong")));
   options.passphrase = "open sesame";
   sign_file(file_, locked, options);
-  verify_signature(file_, key_);
+  read_signed_map(file_, {key_});
 }
 
 TEST_F(MapSignature, SaysWhatIsNotAKey) {
@@ -125,9 +127,13 @@ TEST_F(MapSignature, SaysWhatIsNotAKey) {
   EXPECT_THROW(sign_file(file_, folder_ / "none"), DataError);
   EXPECT_THROW(sign_file(folder_ / "none", secret_), DataError);
   sign_file(file_, secret_);
-  EXPECT_THROW(verify_signature(file_, secret_.string()), DataError);
-  EXPECT_THROW(verify_signature(file_, "RWQnonsense"), DataError);
-  EXPECT_THROW(verify_signature(folder_ / "none", key_), DataError);
+  for (const std::string& bad :
+       {secret_.string(), std::string("RWQnonsense"), (folder_ / "none.pub").string(), std::string()}) {
+    EXPECT_THROW(read_signed_map(file_, {bad}), UsageError) << bad;
+    EXPECT_THROW(read_signed_map(file_, {key_, bad}), UsageError) << bad << " beside a good key";
+  }
+  EXPECT_THROW(read_signed_map(file_, {}), UsageError);
+  EXPECT_THROW(read_signed_map(folder_ / "none", {key_}), DataError);
   SignOptions options;
   options.overwrite = true;
   options.trusted_comment = "two\nlines";
@@ -147,16 +153,16 @@ TEST_F(MapSignature, WeVerifyMinisignsSignatures) {
   if (!has_minisign()) GTEST_SKIP() << "minisign is not installed: apt-get install minisign";
   ASSERT_TRUE(minisign("-G -W -p m.pub -s m.key"));
   ASSERT_TRUE(minisign("-S -s m.key -m map.gpkg"));
-  EXPECT_TRUE(verify_signature(file_, (folder_ / "m.pub").string()).prehashed);
+  EXPECT_TRUE(read_signed_map(file_, {(folder_ / "m.pub").string()}).signature().prehashed);
   ASSERT_TRUE(minisign("-S -l -s m.key -m map.gpkg"));
-  EXPECT_FALSE(verify_signature(file_, (folder_ / "m.pub").string()).prehashed);
+  EXPECT_FALSE(read_signed_map(file_, {(folder_ / "m.pub").string()}).signature().prehashed);
   SignOptions options;
   options.overwrite = true;
   sign_file(file_, folder_ / "m.key", options);
   EXPECT_TRUE(minisign("-V -p m.pub -m map.gpkg"));
   // and its program signs with a key of ours
   ASSERT_TRUE(minisign("-S -s a.key -m map.gpkg"));
-  verify_signature(file_, key_);
+  read_signed_map(file_, {key_});
 }
 
 }  // namespace

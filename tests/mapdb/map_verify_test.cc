@@ -1,12 +1,14 @@
 #include "pilotage/mapdb/map_verify.h"
 
 #include "mapdb/small_map.h"
+#include "testing/key_pair.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mapdb/sqlite.h"
 
 namespace pilotage {
@@ -49,6 +51,62 @@ TEST_F(MapVerify, FindsNothingInAWholeMap) {
   EXPECT_EQ(report.chips, 12);
   EXPECT_EQ(report.content_digest, map_.content_digest);
   EXPECT_NO_THROW(require_intact(report));
+}
+
+// The root of an R-tree whose two cells name the root itself, below 40 levels: 2^40 visits for who walks it.
+const char* const kTreeInCircles =
+    "UPDATE pilotage_tile_centers_node SET data = CAST(x'00280002"
+    "0000000000000001C334000043340000C2B4000042B40000"
+    "0000000000000001C334000043340000C2B4000042B40000' || substr(data, 53) AS BLOB) WHERE nodeno = 1";
+
+TEST_F(MapVerify, EndsOnATreeThatLeadsInCircles) {
+  const VerifyReport report = after(kTreeInCircles);
+  EXPECT_THROW(require_intact(report), IntegrityError) << "the digest is checked before the structure";
+  EXPECT_NE(find_problem(report, "its indices lead in circles"), nullptr);
+}
+
+TEST_F(MapVerify, HearsTheWishToStopWhileSqliteWorks) {
+  int calls = 0;
+  const auto copy = folder_ / "copy.gpkg";
+  std::filesystem::copy_file(path_, copy);
+  Database::create(copy, "map").execute(kTreeInCircles);
+  const auto stop_late = [&](std::string_view what, std::int64_t, std::int64_t) {
+    return !(what == "checking the file" && ++calls > 20);
+  };
+  EXPECT_THROW(verify_map(copy, stop_late), Interrupted);
+  EXPECT_EQ(calls, 21);
+}
+
+TEST_F(MapVerify, BytesInMemoryAreCheckedLikeAFile) {
+  const std::string key = testing::generate_key_pair(folder_ / "a.key", folder_ / "a.pub");
+  sign_file(path_, folder_ / "a.key");
+  const SignedMap map = read_signed_map(path_, {key});
+  write_file(path_, "what came after the check", true);
+  const VerifyReport report = verify_map(map);
+  EXPECT_TRUE(report.ok());
+  EXPECT_EQ(report.content_digest, map_.content_digest);
+}
+
+TEST_F(MapVerify, SaysThatAJournalLiesBesideTheMap) {
+  for (const char* suffix : {"-journal", "-wal"}) {
+    const auto journal = folder_ / ("map.gpkg" + std::string(suffix));
+    write_file(journal, "", false);
+    EXPECT_TRUE(verify_map(path_).ok()) << "an empty one changes nothing";
+    write_file(journal, "pages", true);
+    EXPECT_NE(find_problem(verify_map(path_), "map.gpkg" + std::string(suffix) + ": lies beside the map"), nullptr);
+    std::filesystem::remove(journal);
+  }
+}
+
+// What an unkeyed program could have computed digests for: the numbers themselves make no sense.
+TEST_F(MapVerify, RefusesNumbersThatMakeNoSense) {
+  EXPECT_NE(find_problem(after("UPDATE pilotage_levels SET gsd_m = 1e5"), "is not that of its transform"), nullptr);
+  EXPECT_NE(find_problem(after("INSERT INTO map_info (key, value) VALUES ('features.features_per_mpx', '20000'), "
+                               "('features.descriptor_bits', '512'), ('features.oriented', 'false'), "
+                               "('features.fast_threshold', '20'), ('features.min_fast_threshold', '5'), "
+                               "('features.octaves', '1'), ('features.scale_factor', '1.5')"),
+                         "map_info says features.descriptor_bits = 512"),
+            nullptr);
 }
 
 TEST_F(MapVerify, OneFlippedByteInADescriptorIsAWrongDigest) {

@@ -107,7 +107,7 @@ TEST(MapWriter, EmptyMapIsAMap) {
   header.tile_columns.clear();
   header.chips = false;
   MapWriter(folder / "a.gpkg", header, false).finish();
-  MapReader reader(folder / "a.gpkg");
+  MapReader reader = MapReader::open_unverified(folder / "a.gpkg");
   EXPECT_TRUE(reader.tiles().empty());
   EXPECT_FALSE(reader.has_chips());
   EXPECT_TRUE(verify_map(folder / "a.gpkg").ok());
@@ -118,8 +118,8 @@ TEST(MapWriter, CrsWithoutAuthorityAndInWkt2) {
   testing::SmallMap map = testing::make_small_map();
   map.header.crs = {"Corridor", "PROJCRS[\"Corridor\",BASEGEOGCRS[\"WGS 84\"]]", ""};
   testing::write_map(folder / "a.gpkg", map);
-  EXPECT_EQ(MapReader(folder / "a.gpkg").info().crs.wkt, map.header.crs.wkt);
-  EXPECT_EQ(MapReader(folder / "a.gpkg").info().crs.authority, "");
+  EXPECT_EQ(MapReader::open_unverified(folder / "a.gpkg").info().crs.wkt, map.header.crs.wkt);
+  EXPECT_EQ(MapReader::open_unverified(folder / "a.gpkg").info().crs.authority, "");
   EXPECT_TRUE(verify_map(folder / "a.gpkg").ok());
 }
 

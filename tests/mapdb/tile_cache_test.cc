@@ -115,9 +115,9 @@ TEST(TileCache, IsTheReadersOwn) {
   const testing::TemporaryFolder folder;
   const testing::SmallMap map = testing::make_small_map();
   testing::write_map(folder / "map.gpkg", map);
-  MapReader reader(folder / "map.gpkg");
-  MapReader other(folder / "map.gpkg");
-  MapReader without(folder / "map.gpkg", 0);
+  MapReader reader = MapReader::open_unverified(folder / "map.gpkg");
+  MapReader other = MapReader::open_unverified(folder / "map.gpkg");
+  MapReader without = MapReader::open_unverified(folder / "map.gpkg", 0);
   const std::int64_t id = map.descriptors.front().tile_id;
   const int level = map.descriptors.front().level;
   const auto row = reader.descriptors(id, level);

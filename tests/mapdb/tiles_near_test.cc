@@ -44,7 +44,7 @@ class TilesNear : public ::testing::Test {
 };
 
 TEST_F(TilesNear, GridPointAgreesWithBruteForce) {
-  MapReader reader(folder_ / "map.gpkg");
+  MapReader reader = MapReader::open_unverified(folder_ / "map.gpkg");
   Random random(seed_from_name("TilesNear.GridPointAgreesWithBruteForce"));
   for (int trial = 0; trial < 300; ++trial) {
     const Eigen::Vector2d p(random.uniform(379900, 380900), random.uniform(6439900, 6440700));
@@ -62,7 +62,7 @@ TEST_F(TilesNear, GridPointAgreesWithBruteForce) {
 
 // The oracle projects the point with GeographicLib and measures in the grid, corrected by the scale there.
 TEST_F(TilesNear, GeodeticPointAgreesWithProjection) {
-  MapReader reader(folder_ / "map.gpkg");
+  MapReader reader = MapReader::open_unverified(folder_ / "map.gpkg");
   Random random(seed_from_name("TilesNear.GeodeticPointAgreesWithProjection"));
   int found = 0;
   for (int trial = 0; trial < 300; ++trial) {
@@ -93,7 +93,7 @@ TEST_F(TilesNear, GeodeticPointAgreesWithProjection) {
 }
 
 TEST_F(TilesNear, NearestComesFirstAndIsTheOneAroundThePoint) {
-  MapReader reader(folder_ / "map.gpkg");
+  MapReader reader = MapReader::open_unverified(folder_ / "map.gpkg");
   for (const MapTile& tile : map_.tiles) {
     const auto got = reader.tiles_near(tile.center, 50, tile.level);
     ASSERT_FALSE(got.empty());
@@ -103,7 +103,7 @@ TEST_F(TilesNear, NearestComesFirstAndIsTheOneAroundThePoint) {
 }
 
 TEST_F(TilesNear, RefusesWhatIsNotAPlace) {
-  MapReader reader(folder_ / "map.gpkg");
+  MapReader reader = MapReader::open_unverified(folder_ / "map.gpkg");
   EXPECT_THROW(reader.tiles_near(GeodeticPoint{0, 91}, 10), UsageError);
   EXPECT_THROW(reader.tiles_near(GeodeticPoint{std::nan(""), 0}, 10), UsageError);
   EXPECT_THROW(reader.tiles_near(GeodeticPoint{0, 0}, -1), UsageError);
@@ -139,7 +139,7 @@ void check_around_origin(const Inverse& geodetic_from_map, int half_count) {
   map.descriptors.clear();
   map.chips.clear();
   testing::write_map(folder / "map.gpkg", map);
-  MapReader reader(folder / "map.gpkg");
+  MapReader reader = MapReader::open_unverified(folder / "map.gpkg");
   Random random(seed_from_name("TilesNear.check_around_origin"));
   for (int trial = 0; trial < 200; ++trial) {
     const Eigen::Vector2d p(random.uniform(-60 * half_count, 60 * half_count),

@@ -45,7 +45,7 @@ TEST(FrameOnGrid, LengthsOfPixelsPointDown) {
 
 TEST(FrameOnGrid, LiesWhereThePriorPutsIt) {
   const FlownFrame flown;
-  MapReader map(flown.path);
+  MapReader map = MapReader::open_unverified(flown.path);
   const FrameOnGrid rectified = flown.rectify(map);
   ASSERT_NE(rectified.level, nullptr);
   EXPECT_NEAR(rectified.gsd_m, 0.5, 0.001);
@@ -57,7 +57,7 @@ TEST(FrameOnGrid, LiesWhereThePriorPutsIt) {
 
 TEST(FrameOnGrid, ATiltMovesThePivot) {
   const FlownFrame flown({0, 10, 0});  // nose up: what the camera looks at lies ahead, to the grid's up
-  MapReader map(flown.path);
+  MapReader map = MapReader::open_unverified(flown.path);
   const FrameOnGrid rectified = flown.rectify(map);
   const double ahead_m = flown.ground.agl_m * std::tan(10 * std::numbers::pi / 180);
   EXPECT_NEAR(rectified.pivot_m.norm(), ahead_m, 1e-6);
@@ -66,14 +66,14 @@ TEST(FrameOnGrid, ATiltMovesThePivot) {
 
 TEST(FrameOnGrid, NothingIsLaidOffTheMap) {
   FlownFrame flown;
-  MapReader map(flown.path);
+  MapReader map = MapReader::open_unverified(flown.path);
   flown.prior.position = flown.place(20000, 0);
   EXPECT_TRUE(flown.rectify(map).frame.gray.empty());
 }
 
 TEST(FrameOnGrid, NothingIsLaidInAWindowTooLargeToSearch) {
   FlownFrame flown;
-  MapReader map(flown.path);
+  MapReader map = MapReader::open_unverified(flown.path);
   flown.prior.sigma_m = 900;  // 3 · 900 / 0.5 pixels, more than 4096
   EXPECT_TRUE(flown.rectify(map).frame.gray.empty());
   flown.prior.sigma_m = 600;
@@ -82,7 +82,7 @@ TEST(FrameOnGrid, NothingIsLaidInAWindowTooLargeToSearch) {
 
 TEST(FrameOnGrid, IsDescribedAboutItsPivot) {
   const FlownFrame flown({0, 6, -3});
-  MapReader map(flown.path);
+  MapReader map = MapReader::open_unverified(flown.path);
   const FrameOnGrid rectified = flown.rectify(map);
   const PivotedFrame described = describe(rectified, {});
   ASSERT_GT(described.grid.points.size(), 100);
@@ -99,7 +99,7 @@ TEST(SearchSpaceOfFrame, IsCentredOnThePivot) {
   FlownFrame flown({0, 6, -3});
   flown.options.yaw_sigma_deg = 2;
   flown.options.height_sigma_fraction = 0.05;
-  MapReader map(flown.path);
+  MapReader map = MapReader::open_unverified(flown.path);
   const FrameOnGrid rectified = flown.rectify(map);
   const LocalMap local = flown.local_map(map, rectified, describe(rectified, {}));
   const SearchSpace space = search_space(rectified, local, flown.options, true);

@@ -25,7 +25,7 @@ struct OpenMap {
   explicit OpenMap(SmallMap contents) : map(std::move(contents)) {
     path = folder / "map.gpkg";
     testing::write_map(path, map);
-    reader.emplace(path);
+    reader = MapReader::open_unverified(path);
   }
 
   LocalGrid grid(int level = 0) { return *local_grid(*reader, *reader->find_level(level), map.tiles[0].center, 1000); }

@@ -84,7 +84,7 @@ Answer match_shot(const Map& map, const Shot& shot, const MatchOptions& options 
   ground.camera.mount = shot.mount;
   ground.camera.fx_px = ground.camera.fy_px = shot.focal_px;
   const cv::Mat frame = testing::frame_over(ground, shot.east_m, shot.north_m, shot.attitude, shot.height_m).gray;
-  MapReader reader(map.path);
+  MapReader reader = MapReader::open_unverified(map.path);
   Answer answer;
   answer.result = match(frame, prior_of(map, shot), ground.camera, reader, options);
   if (!answer.result.fix) return answer;
@@ -246,7 +246,7 @@ TEST(Match, FramesOfOtherGroundGiveNoFix) {
   cv::flip(whole.pixels, mirrored.pixels, 0);
   mirrored.valid = cv::Mat(mirrored.pixels.size(), CV_8U, cv::Scalar(255));
   other.gray = gray_source_from(mirrored);
-  MapReader reader(map.path);
+  MapReader reader = MapReader::open_unverified(map.path);
   for (int i = 0; i < 8; ++i) {
     Shot shot;
     shot.east_m = 5 * i - 20;
@@ -261,7 +261,7 @@ TEST(Match, FramesOfOtherGroundGiveNoFix) {
 
 TEST(Match, BadInputIsAStatus) {
   const Map& map = upright_map();
-  MapReader reader(map.path);
+  MapReader reader = MapReader::open_unverified(map.path);
   const Shot shot;
   const Camera& camera = map.ground.camera;
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
@@ -340,16 +340,16 @@ std::vector<double> numbers_of(const MatchResult& result) {
 // Frames that overlap, with a reader for each frame, with readers that keep all tiles, some and none.
 TEST(Match, TheCacheOfTilesChangesNoResult) {
   const Map& map = upright_map();
-  MapReader keeps_all(map.path);
-  MapReader keeps_some(map.path, 400'000);
-  MapReader keeps_none(map.path, 0);
+  MapReader keeps_all = MapReader::open_unverified(map.path);
+  MapReader keeps_some = MapReader::open_unverified(map.path, 400'000);
+  MapReader keeps_none = MapReader::open_unverified(map.path, 0);
   int fixes = 0;
   for (int i = 0; i < 8; ++i) {
     Shot shot;
     shot.east_m = -21 + 6 * i;
     shot.north_m = 3 * i - 10;
     const cv::Mat frame = testing::frame_over(map.ground, shot.east_m, shot.north_m, shot.attitude, shot.height_m).gray;
-    MapReader fresh(map.path);
+    MapReader fresh = MapReader::open_unverified(map.path);
     const MatchResult result = match(frame, prior_of(map, shot), map.ground.camera, fresh);
     const auto expected = numbers_of(result);
     fixes += result.fix ? 1 : 0;
@@ -368,7 +368,7 @@ TEST(Match, TheSameWheneverAndFromWhicheverThread) {
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, shot.attitude, 60).gray;
   const MatchPrior prior = prior_of(map, shot);
   const auto answer = [&] {
-    MapReader reader(map.path);
+    MapReader reader = MapReader::open_unverified(map.path);
     match(cv::Mat(frame.size(), CV_8U, cv::Scalar(0)), prior, map.ground.camera, reader);
     return numbers_of(match(frame, prior, map.ground.camera, reader));
   };

@@ -15,7 +15,7 @@ using testing::FlownFrame;
 /// A frame rectified, described, and its best place.
 struct Placed {
   explicit Placed(const FlownFrame& flown)
-      : map(flown.path), rectified(flown.rectify(map)), described(describe(rectified, {})) {
+      : map(MapReader::open_unverified(flown.path)), rectified(flown.rectify(map)), described(describe(rectified, {})) {
     local = flown.local_map(map, rectified, described);
     place = rank_places(described, local, search_space(rectified, local, flown.options, false), std::nullopt,
                         rectified.gsd_m)

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "pilotage/mapdb/minisign_files.h"
+#include "pilotage/mapdb/minisign_secret_key.h"
 
 namespace pilotage::testing {
 

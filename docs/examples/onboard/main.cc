@@ -66,7 +66,8 @@ int run(const std::vector<std::string>& arguments) {
   const auto [lon_deg, lat_deg, sigma_m, height_agl_m, yaw_deg, pitch_deg, roll_deg, ground_ellipsoid_m] = numbers;
 
   // Once, before the flight: the map, and the camera that it was prepared for, with as many pixels as its frames have.
-  pilotage::MapReader map(arguments[0]);
+  pilotage::MapReader map = arguments.size() > 10 ? pilotage::MapReader::open(arguments[0], {arguments[10]})
+                                                  : pilotage::MapReader::open_unverified(arguments[0]);
   if (!map.camera()) throw std::runtime_error(arguments[0] + ": does not say for which camera it was prepared");
   const cv::Mat frame = read_pgm(arguments[1]);
   const pilotage::Camera camera = pilotage::camera_for_size(arguments[1], *map.camera(), frame.cols, frame.rows);
@@ -93,10 +94,10 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
-  if (arguments.size() != 10) {
+  if (arguments.size() != 10 && arguments.size() != 11) {
     std::fprintf(stderr,
                  "usage: %s MAP.gpkg FRAME.pgm LON_DEG LAT_DEG SIGMA_M HEIGHT_AGL_M YAW_DEG PITCH_DEG ROLL_DEG "
-                 "GROUND_ELLIPSOID_M|nan\n",
+                 "GROUND_ELLIPSOID_M|nan [PUBLIC_KEY]\n",
                  argv[0]);
     return 2;
   }

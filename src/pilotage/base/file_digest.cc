@@ -1,10 +1,16 @@
 #include "pilotage/base/file_digest.h"
 
 #include <array>
-#include <fstream>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <memory>
 #include <vector>
 
+#include <fcntl.h>
 #include <sodium.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "pilotage/base/error.h"
 
@@ -31,17 +37,29 @@ std::string bytes_digest(std::string_view bytes) {
 
 std::string file_digest(const std::filesystem::path& path) {
   if (sodium_init() < 0) throw DataError("libsodium cannot be initialised");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw DataError(path.string() + ": cannot be read");
+  const auto fail = [&](const std::string& why) { throw DataError(path.string() + ": cannot be read: " + why); };
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail(std::strerror(errno));
+  const std::unique_ptr<const int, void (*)(const int*)> closed(&descriptor, [](const int* file) { ::close(*file); });
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) fail(std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) fail("it is no regular file");
   crypto_generichash_state state;
   crypto_generichash_init(&state, nullptr, 0, 32);
-  std::vector<char> piece(std::size_t{1} << 20);
-  while (stream) {
-    stream.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(piece.data()),
-                              static_cast<unsigned long long>(stream.gcount()));
+  std::vector<unsigned char> piece(std::size_t{1} << 20);
+  std::int64_t total = 0;
+  while (true) {
+    const ssize_t got = ::read(descriptor, piece.data(), piece.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(std::strerror(errno));
+    if (got == 0) break;
+    crypto_generichash_update(&state, piece.data(), static_cast<unsigned long long>(got));
+    total += got;
   }
-  if (stream.bad()) throw DataError(path.string() + ": cannot be read");
+  // Some media end a file early without an error.
+  if (total != status.st_size) {
+    fail("it ends after " + std::to_string(total) + " of " + std::to_string(status.st_size) + " bytes");
+  }
   DigestBytes digest{};
   crypto_generichash_final(&state, digest.data(), digest.size());
   return to_hex(digest);

@@ -1,9 +1,9 @@
 #include "pilotage/base/output_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <random>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -18,44 +18,131 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void sync_to_disk(const fs::path& path) {
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+/// `path`: a file or a folder; `named`: what a message calls it.
+void sync_to_disk(const fs::path& path, const fs::path& named) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) throw DataError(path.string() + ": cannot be opened: " + std::strerror(errno));
+  if (descriptor < 0) throw DataError(named.string() + ": cannot be opened: " + std::strerror(errno));
   const int result = ::fsync(descriptor);
   const int error = errno;
   ::close(descriptor);
-  if (result != 0) throw DataError(path.string() + ": cannot be written to disk: " + std::strerror(error));
+  // Some file systems sync no folders; they say so with EINVAL.
+  if (result != 0 && error != EINVAL) {
+    throw DataError(named.string() + ": cannot be written to disk: " + std::strerror(error));
+  }
 }
+
+void sync_folders(const std::vector<fs::path>& files) {
+  std::vector<fs::path> folders;
+  for (const fs::path& file : files) folders.push_back(folder_of(file));
+  std::sort(folders.begin(), folders.end());
+  folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
+  for (const fs::path& folder : folders) sync_to_disk(folder, folder);
+}
+
+void keep_mode(const fs::path& destination, const fs::path& replacement) {
+  std::error_code error;
+  const fs::file_status old = fs::symlink_status(destination, error);
+  if (fs::is_regular_file(old)) fs::permissions(replacement, old.permissions(), error);
+}
+
+/// The checks before anything is made.
+fs::path checked_destination(fs::path destination, bool overwrite) {
+  std::error_code ignored;
+  const fs::path folder = folder_of(destination);
+  if (!fs::is_directory(folder, ignored)) {
+    throw DataError(destination.string() + ": the folder " + folder.string() + " does not exist");
+  }
+  if (fs::is_directory(destination, ignored)) throw DataError(destination.string() + ": is a folder");
+  refuse_special_file(destination);
+  if (!overwrite && fs::exists(destination, ignored)) {
+    throw DataError(destination.string() + ": exists already; give --overwrite to replace it");
+  }
+  return destination;
+}
+
+/// Renames that can be taken back.
+class Renames {
+ public:
+  void rename(const fs::path& from, const fs::path& to) {
+    std::error_code error;
+    fs::rename(from, to, error);
+    if (!error) return done_.push_back({from, to});
+    take_back();
+    throw DataError(to.string() + ": cannot be created: " + error.message());
+  }
+  void take_back() {
+    std::error_code ignored;
+    for (auto move = done_.rbegin(); move != done_.rend(); ++move) fs::rename(move->to, move->from, ignored);
+    done_.clear();
+  }
+
+ private:
+  std::vector<FileMove> done_;
+};
 
 }  // namespace
 
-OutputFile::OutputFile(fs::path destination, bool overwrite) : destination_(std::move(destination)) {
-  std::error_code ignored;
-  const fs::path folder = destination_.has_parent_path() ? destination_.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored)) {
-    throw DataError(destination_.string() + ": the folder " + folder.string() + " does not exist");
-  }
-  if (fs::is_directory(destination_, ignored)) throw DataError(destination_.string() + ": is a folder");
-  if (!overwrite && fs::exists(destination_, ignored)) {
-    throw DataError(destination_.string() + ": exists already; give --overwrite to replace it");
-  }
-  // Two machines that share the folder may write the same file with the same process number.
-  temporary_ = folder / ("." + destination_.stem().string() + ".partial-" + std::to_string(::getpid()) + "-" +
-                         std::to_string(std::random_device()()) + destination_.extension().string());
+void refuse_special_file(const fs::path& destination) {
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(destination, error);
+  if (!fs::exists(status) || fs::is_regular_file(status)) return;
+  throw DataError(destination.string() + ": is " +
+                  (fs::is_symlink(status) ? "a symbolic link" : "a device, pipe or folder") +
+                  ", which is not replaced by a file; name a regular file");
 }
 
-OutputFile::~OutputFile() {
-  if (committed_) return;
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
-}
+OutputFile::OutputFile(fs::path destination, bool overwrite)
+    : destination_(checked_destination(std::move(destination), overwrite)),
+      work_(folder_of(destination_)),
+      temporary_(work_.path() / destination_.filename()) {}
 
 void OutputFile::commit() {
-  sync_to_disk(temporary_);
+  sync_to_disk(temporary_, destination_);
+  keep_mode(destination_, temporary_);
   std::error_code error;
   fs::rename(temporary_, destination_, error);
   if (error) throw DataError(destination_.string() + ": cannot be created: " + error.message());
-  committed_ = true;
+  sync_folders({destination_});
+}
+
+void OutputFile::commit(const std::vector<const OutputFile*>& outputs, const std::vector<fs::path>& stale) {
+  std::vector<FileMove> moves;
+  for (const OutputFile* output : outputs) {
+    sync_to_disk(output->temporary_, output->destination_);
+    moves.push_back({output->temporary_, output->destination_});
+  }
+  const WorkFolder aside(folder_of(outputs.front()->destination_));
+  replace_together(moves, stale, aside.path());
+}
+
+void replace_together(const std::vector<FileMove>& moves, const std::vector<fs::path>& stale, const fs::path& aside) {
+  std::vector<fs::path> old;
+  std::vector<fs::path> all = stale;
+  for (const FileMove& move : moves) {
+    refuse_special_file(move.to);
+    keep_mode(move.to, move.from);
+    all.push_back(move.to);
+  }
+  for (const fs::path& path : all) {
+    std::error_code ignored;
+    if (fs::exists(fs::symlink_status(path, ignored)) && std::find(old.begin(), old.end(), path) == old.end()) {
+      old.push_back(path);
+    }
+  }
+  Renames renames;
+  std::size_t number = 0;
+  for (const fs::path& path : old) renames.rename(path, aside / ("old-" + std::to_string(number++)));
+  for (const FileMove& move : moves) renames.rename(move.from, move.to);
+  try {
+    sync_folders(all);
+  } catch (const DataError&) {
+    renames.take_back();
+    throw;
+  }
 }
 
 void OutputFile::write(std::string_view content) {
@@ -69,22 +156,6 @@ void write_file(const fs::path& destination, std::string_view content, bool over
   OutputFile output(destination, overwrite);
   output.write(content);
   output.commit();
-}
-
-std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) throw DataError(path.string() + ": is a folder, not a file");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
-  if (size > max_bytes) {
-    throw DataError(path.string() + ": has " + std::to_string(size) + " bytes, at most " + std::to_string(max_bytes) +
-                    " are allowed");
-  }
-  std::string content(size, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(content.data(), static_cast<std::streamsize>(size));
-  if (!stream) throw DataError(path.string() + ": cannot be read");
-  return content;
 }
 
 }  // namespace pilotage

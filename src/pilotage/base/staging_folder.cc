@@ -2,35 +2,38 @@
 
 #include <system_error>
 
-#include <unistd.h>
-
 #include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
 
 namespace pilotage {
 
-namespace fs = std::filesystem;
+StagingFolder::StagingFolder(const std::filesystem::path& output_folder)
+    : output_folder_(output_folder), made_output_folder_(make_folder(output_folder)), work_(output_folder) {}
 
-StagingFolder::StagingFolder(const fs::path& output_folder)
-    : output_folder_(output_folder), path_(output_folder / (".partial-" + std::to_string(::getpid()))) {
+bool StagingFolder::make_folder(const std::filesystem::path& folder) {
   std::error_code error;
-  made_output_folder_ = fs::create_directories(output_folder_, error);
-  if (!error) fs::remove_all(path_, error);
-  if (!error) fs::create_directory(path_, error);
-  if (error) throw DataError(output_folder_.string() + ": the folder cannot be made: " + error.message());
+  const bool made = std::filesystem::create_directories(folder, error);
+  if (error) throw DataError(folder.string() + ": the folder cannot be made: " + error.message());
+  return made;
 }
 
 StagingFolder::~StagingFolder() {
   std::error_code ignored;
-  fs::remove_all(path_, ignored);
-  if (made_output_folder_) fs::remove(output_folder_, ignored);  // only when it is empty
+  work_.reset();
+  if (made_output_folder_) std::filesystem::remove(output_folder_, ignored);  // only when it is empty
 }
 
-void StagingFolder::publish(const std::vector<std::string>& names) const {
-  for (const std::string& name : names) {
-    std::error_code error;
-    fs::rename(path_ / name, output_folder_ / name, error);
-    if (error) throw DataError((output_folder_ / name).string() + ": cannot be created: " + error.message());
-  }
+std::filesystem::path StagingFolder::operator/(const std::string& name) const {
+  return work_->path() / name;
+}
+
+void StagingFolder::publish(const std::vector<std::string>& names, const std::vector<std::string>& stale) const {
+  std::vector<FileMove> moves;
+  for (const std::string& name : names) moves.push_back({*this / name, output_folder_ / name});
+  std::vector<std::filesystem::path> old;
+  for (const std::string& name : stale) old.push_back(output_folder_ / name);
+  const WorkFolder aside(output_folder_);
+  replace_together(moves, old, aside.path());
 }
 
 }  // namespace pilotage

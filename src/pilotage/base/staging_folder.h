@@ -1,13 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "pilotage/base/work_folder.h"
+
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
-/// Several outputs that appear together or not at all: they grow in a hidden folder inside the output folder and move
-/// out at the end. What has not moved when the object dies is removed.
+/// Several outputs that belong together: they grow in a hidden folder inside the output folder and move out at the end.
+/// What has not moved when the object dies is removed.
 class StagingFolder {
  public:
   /// Makes the output folder when it does not exist; one that stays empty goes again. Throws DataError.
@@ -17,15 +22,21 @@ class StagingFolder {
   StagingFolder& operator=(const StagingFolder&) = delete;
 
   /// Where to write the output of this name until publish().
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::filesystem::path operator/(const std::string& name) const;
 
-  /// Moves the outputs into the output folder, over what stands there. Throws DataError.
-  void publish(const std::vector<std::string>& names) const;
+  /// Moves the outputs into the output folder in this order, in place of those of the same names and of `stale`, names
+  /// of an earlier run's outputs: at no moment an old output stands beside a new one (replace_together). Throws
+  /// DataError; the earlier outputs then stand there again.
+  void publish(const std::vector<std::string>& names, const std::vector<std::string>& stale) const;
 
  private:
+  static bool make_folder(const std::filesystem::path& folder);
+
   std::filesystem::path output_folder_;
-  std::filesystem::path path_;
-  bool made_output_folder_ = false;
+  bool made_output_folder_;
+  std::optional<WorkFolder> work_;
 };
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

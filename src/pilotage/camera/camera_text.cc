@@ -74,7 +74,9 @@ class TextFields {
  private:
   double number(const std::string& key, std::string_view text) const {
     const std::optional<double> value = parse_number(text);
-    if (!value) throw DataError(name_ + ": " + key + " = \"" + std::string(text) + "\" is not a number");
+    if (!value || !std::isfinite(*value)) {
+      throw DataError(name_ + ": " + key + " = \"" + std::string(text) + "\" is not a number");
+    }
     return *value;
   }
 

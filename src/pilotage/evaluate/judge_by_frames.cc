@@ -44,7 +44,8 @@ std::vector<TileOutcome> judge_by_frames(const LevelScores& judged, const std::f
   match.chips = options.chips;
   const CrsTransform transform(judged.ground.crs);
   std::vector<TileOutcome> outcomes;
-  for (const FrameMatch& matched : match_flight(map, with_truth, match, options.frames_truth, threads, progress)) {
+  const auto open_map = [&] { return MapReader::open_unverified(map); };
+  for (const FrameMatch& matched : match_flight(open_map, with_truth, match, options.frames_truth, threads, progress)) {
     TileOutcome outcome;
     outcome.frame = matched.frame.file;
     outcome.status = frame_status_name(matched);

@@ -135,7 +135,7 @@ std::vector<TileOutcome> judge_by_voting(const LevelScores& judged, std::span<co
                                          int threads, const Progress& progress) {
   const FrameSetup setup = make_setup(judged, place, options, tolerance_m);
   std::vector<TileOutcome> outcomes(tiles.size());
-  for_each_with_reader(map, tiles.size(), threads, "evaluating", progress,
+  for_each_with_reader([&] { return MapReader::open_unverified(map); }, tiles.size(), threads, "evaluating", progress,
                        [&](std::size_t i, MapReader& reader) { outcomes[i] = judge(setup, tiles[i], seed, reader); });
   return outcomes;
 }

@@ -81,7 +81,7 @@ MapLevelSummary summarize_level(const MapLevel& level, const Database& database,
 }  // namespace
 
 MapSummary inspect_map(const std::filesystem::path& path) {
-  const MapReader reader(path);
+  const MapReader reader = MapReader::open_unverified(path);
   const Database database = Database::open_untrusted(path, kMaxMapBlobBytes);
   MapSummary summary;
   summary.file = path.filename().string();

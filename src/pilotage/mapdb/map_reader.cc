@@ -1,12 +1,12 @@
 #include "pilotage/mapdb/map_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <numbers>
 #include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -23,9 +23,37 @@ namespace {
 
 constexpr double kMaxSearchRadius_m = 100000;
 
-std::uint32_t big_endian_32(const std::array<unsigned char, 100>& header, std::size_t at) {
-  return (std::uint32_t{header[at]} << 24) | (std::uint32_t{header[at + 1]} << 16) |
-         (std::uint32_t{header[at + 2]} << 8) | std::uint32_t{header[at + 3]};
+constexpr std::size_t kSqliteHeaderBytes = 100;  // of an SQLite file
+
+std::uint32_t byte_at(std::string_view header, std::size_t at) {
+  return static_cast<unsigned char>(header[at]);
+}
+
+std::uint32_t big_endian_32(std::string_view header, std::size_t at) {
+  return (byte_at(header, at) << 24) | (byte_at(header, at + 1) << 16) | (byte_at(header, at + 2) << 8) |
+         byte_at(header, at + 3);
+}
+
+/// `begin`: the file's bytes, at least kSqliteHeaderBytes when it has as many; `size`: how many it has. SQLite would
+/// find a short file or a foreign one too, but later and with fewer words.
+void check_header(const std::string& file, std::string_view begin, std::uintmax_t size) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  if (begin.size() < kSqliteHeaderBytes || !begin.starts_with(kMagic)) {
+    throw DataError(file + ": is not a map database (its first bytes are not SQLite's)");
+  }
+  const std::uint32_t stored_page_size = byte_at(begin, 16) * 256 + byte_at(begin, 17);
+  const std::uintmax_t page_size = stored_page_size == 1 ? 65536 : stored_page_size;
+  const std::uintmax_t pages = big_endian_32(begin, 28);
+  if (size != page_size * pages) {
+    throw DataError(file + ": has " + std::to_string(size) + " bytes, its header says " + std::to_string(pages) +
+                    " pages of " + std::to_string(page_size));
+  }
+  if (byte_at(begin, 18) != 1 || byte_at(begin, 19) != 1) {
+    throw DataError(file + ": is in write-ahead mode: another program opened it for writing; use an untouched copy");
+  }
+  if (big_endian_32(begin, 68) != kGeoPackageId || big_endian_32(begin, 60) != kGeoPackageVersion) {
+    throw DataError(file + ": is not a GeoPackage 1.3 (application_id or user_version differ)");
+  }
 }
 
 /// Longitudes and latitudes that hold everything within a distance of a point; one or two boxes (antimeridian).
@@ -96,45 +124,34 @@ MapValue read_value(const Statement& statement, int column, MapColumnType type) 
 
 }  // namespace
 
-MapReader::MapReader(const std::filesystem::path& path, std::size_t cache_bytes)
-    : database_((check_header(path), Database::open_untrusted(path, kMaxMapBlobBytes))), cache_(cache_bytes) {
+MapReader::MapReader(Database database, std::size_t cache_bytes) : database_(std::move(database)), cache_(cache_bytes) {
   check_tables();
   read_info();
   read_levels();
   read_tile_columns();
 }
 
-// SQLite would find a short file or a foreign one too, but later and with fewer words.
-void MapReader::check_header(const std::filesystem::path& path) {
-  const std::string file = path.string();
+MapReader MapReader::open(const SignedMap& map, std::size_t cache_bytes) {
+  check_header(map.name(), *map.bytes(), map.bytes()->size());
+  return {Database::open_untrusted(map.name(), map.bytes(), kMaxMapBlobBytes), cache_bytes};
+}
+
+MapReader MapReader::open(const std::filesystem::path& path, const std::vector<std::string>& trusted_keys,
+                          std::size_t cache_bytes) {
+  return open(read_signed_map(path, trusted_keys), cache_bytes);
+}
+
+MapReader MapReader::open_unverified(const std::filesystem::path& path, std::size_t cache_bytes) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw DataError(file + ": is a folder, not a map");
+  if (std::filesystem::is_directory(path, error)) throw DataError(path.string() + ": is a folder, not a map");
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) throw DataError(file + ": cannot be read: " + error.message());
-  std::array<unsigned char, 100> header{};
-  {
-    std::ifstream stream(path, std::ios::binary);
-    std::array<char, 100> bytes{};
-    stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    const auto got = static_cast<std::size_t>(stream.gcount());
-    std::copy_n(bytes.begin(), got, header.begin());
-    constexpr std::string_view kMagic("SQLite format 3\0", 16);
-    if (got < header.size() || std::string_view(bytes.data(), kMagic.size()) != kMagic) {
-      throw DataError(file + ": is not a map database (its first bytes are not SQLite's)");
-    }
-  }
-  const std::uintmax_t page_size = header[16] == 0 && header[17] == 1 ? 65536 : header[16] * 256U + header[17];
-  const std::uintmax_t pages = big_endian_32(header, 28);
-  if (size != page_size * pages) {
-    throw DataError(file + ": has " + std::to_string(size) + " bytes, its header says " + std::to_string(pages) +
-                    " pages of " + std::to_string(page_size));
-  }
-  if (header[18] != 1 || header[19] != 1) {
-    throw DataError(file + ": is in write-ahead mode: another program opened it for writing; use an untouched copy");
-  }
-  if (big_endian_32(header, 68) != kGeoPackageId || big_endian_32(header, 60) != kGeoPackageVersion) {
-    throw DataError(file + ": is not a GeoPackage 1.3 (application_id or user_version differ)");
-  }
+  if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
+  std::string header(kSqliteHeaderBytes, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(header.data(), static_cast<std::streamsize>(header.size()));
+  header.resize(static_cast<std::size_t>(stream.gcount()));
+  check_header(path.string(), header, size);
+  return {Database::open_untrusted(path, kMaxMapBlobBytes), cache_bytes};
 }
 
 void MapReader::check_tables() {
@@ -324,7 +341,9 @@ std::shared_ptr<const TileDescriptors> MapReader::descriptors(std::int64_t tile_
     const StatementScope scope(statement);
     statement.bind(1, tile_id).bind(2, std::int64_t{level});
     if (!statement.step()) return std::nullopt;
-    return decode_descriptors(read_descriptor_row(statement, database_.name()), database_.name());
+    const DescriptorRow row = read_descriptor_row(statement, database_.name());
+    check_descriptor_length(row, info_, database_.name());
+    return decode_descriptors(row, database_.name());
   });
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pilotage/mapdb/map_info.h"
+#include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/mapdb/sqlite.h"
 #include "pilotage/mapdb/tile_cache.h"
@@ -21,18 +22,29 @@ inline constexpr std::size_t kDefaultTileCacheBytes = std::size_t{64} << 20;
 
 /// Reads an onboard map database (schemas/map-database.md) in flight: SQLite only, read-only, no locks, no writes
 /// beside the file. Safe on any bytes: whatever the file holds, a function returns a value or throws DataError that
-/// names file, table and tile. It does not compute digests: check the file with verify_map and verify_signature before
-/// the flight.
+/// names file, table and tile. It does not compute digests.
+///
+/// What flies opens its map with keys: the file is read once, its signature checked over these bytes, and SQLite reads
+/// these bytes and never the file again, so nothing lies between check and use. This takes memory of the file's size.
 ///
 /// A reader keeps lately used tiles as decoded, which changes no result (mapdb/tile_cache.h).
 ///
-/// One reader serves one thread at a time; several readers may open the same file, each with a cache of its own. The
-/// file must not change while it is open.
+/// One reader serves one thread at a time; several readers may open the same SignedMap, which they share, or the same
+/// file, each with a cache of its own. A file that was opened unverified must not change while it is open.
 class MapReader {
  public:
-  /// Opens and checks the file: size, format, version, tables, levels, camera, features. `cache_bytes` bounds
-  /// the memory for decoded tiles; 0 decodes a tile each time. Throws DataError.
-  explicit MapReader(const std::filesystem::path& path, std::size_t cache_bytes = kDefaultTileCacheBytes);
+  /// Opens a map that one of the keys signed (read_signed_map), then checks size, format, version, tables, levels,
+  /// camera, features. `cache_bytes` bounds the memory for decoded tiles; 0 decodes a tile each time. Throws
+  /// UsageError, IntegrityError and DataError as read_signed_map does; DataError.
+  static MapReader open(const std::filesystem::path& path, const std::vector<std::string>& trusted_keys,
+                        std::size_t cache_bytes = kDefaultTileCacheBytes);
+
+  /// The same of bytes whose signature was checked before: for the readers of several threads. Throws DataError.
+  static MapReader open(const SignedMap& map, std::size_t cache_bytes = kDefaultTileCacheBytes);
+
+  /// Opens whatever the file holds: nobody says who wrote it, or that its digests are right. For the ground, and for
+  /// maps that verify_map has looked at. The file is read page by page as it is needed. Throws DataError.
+  static MapReader open_unverified(const std::filesystem::path& path, std::size_t cache_bytes = kDefaultTileCacheBytes);
 
   const std::string& name() const { return database_.name(); }  ///< Of the file, as messages begin.
   const MapInfo& info() const { return info_; }
@@ -74,7 +86,7 @@ class MapReader {
   std::shared_ptr<const DecodedChip> decoded_chip(std::int64_t tile_id, int level);
 
  private:
-  static void check_header(const std::filesystem::path& path);
+  MapReader(Database database, std::size_t cache_bytes);
   void check_tables();
   void read_info();
   void read_levels();

@@ -1,31 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #pragma GCC visibility push(default)
 
 namespace pilotage {
 
 // Detached Ed25519 signatures in the format of minisign (F. Denis, https://jedisct1.github.io/minisign), so that maps
-// can be signed and checked with either program. The signature of map.gpkg stands in map.gpkg.minisig.
-
-struct SignOptions {
-  /// Where the signature goes; by default beside the file, with ".minisig" appended.
-  std::optional<std::filesystem::path> signature_path;
-  /// Signed together with the signature; one line. By default "file:NAME\thashed": no date, so that the bytes repeat.
-  std::optional<std::string> trusted_comment;
-  /// Needed when the secret key is encrypted.
-  std::optional<std::string> passphrase;
-  bool overwrite = false;
-};
-
-/// Signs a file (prehashed: Ed25519 over BLAKE2b-512) with a minisign secret key file, encrypted with a passphrase
-/// (`minisign -G`) or not (`minisign -G -W`). Returns the path of the signature. Throws DataError when a file cannot be
-/// read or is not a secret key, UsageError when a passphrase is missing or wrong.
-std::filesystem::path sign_file(const std::filesystem::path& path, const std::filesystem::path& secret_key_path,
-                                const SignOptions& options = {});
+// can be signed and checked with either program. The signature of map.gpkg stands in map.gpkg.minisig. Signing, which
+// the ground does, is mapdb/map_signing.h.
 
 struct SignatureInfo {
   std::string trusted_comment;
@@ -33,12 +20,37 @@ struct SignatureInfo {
   bool prehashed = false;  ///< False for the legacy form over the whole file.
 };
 
-/// Checks a file against its signature. `public_key` is the path of a minisign public key file, or the key itself (56
-/// base64 characters). `signature_path` is `path` with ".minisig" appended unless given. Throws IntegrityError when the
-/// signature, the trusted comment or the key does not match, DataError when a file cannot be read or is not what it
-/// should be.
-SignatureInfo verify_signature(const std::filesystem::path& path, const std::string& public_key,
-                               const std::optional<std::filesystem::path>& signature_path = {});
+/// The bytes of a file whose signature was checked. Only read_signed_map makes one, so whoever reads a map from it
+/// reads what was checked, whatever happened to the file since. Copies share the bytes; any number of threads may read.
+class SignedMap {
+ public:
+  const std::string& name() const { return name_; }  ///< The path, as messages begin.
+  const SignatureInfo& signature() const { return signature_; }
+  const std::shared_ptr<const std::string>& bytes() const { return bytes_; }
+
+ private:
+  friend SignedMap read_signed_map(const std::filesystem::path& path, const std::vector<std::string>& trusted_keys,
+                                   const std::optional<std::filesystem::path>& signature_path);
+  SignedMap(std::string name, std::shared_ptr<const std::string> bytes, SignatureInfo signature)
+      : name_(std::move(name)), bytes_(std::move(bytes)), signature_(std::move(signature)) {}
+
+  std::string name_;
+  std::shared_ptr<const std::string> bytes_;
+  SignatureInfo signature_;
+};
+
+/// Reads the file once, whole, into memory, and checks the signature over these bytes before anything of them is
+/// parsed. Each of `trusted_keys` is the path of a minisign public key file, or the key itself (56 base64 characters);
+/// one of them must have made the signature. `signature_path` is `path` with ".minisig" appended unless given.
+///
+/// Throws UsageError when there is no key, or one is empty, cannot be read or is no key: a key that is not there must
+/// not pass for a check. IntegrityError when signature, trusted comment or key does not match; DataError when the file
+/// or its signature cannot be read. std::bad_alloc when the file does not fit into memory.
+SignedMap read_signed_map(const std::filesystem::path& path, const std::vector<std::string>& trusted_keys,
+                          const std::optional<std::filesystem::path>& signature_path = {});
+
+/// Where the signature of a file stands unless something else is said: ".minisig" appended.
+std::filesystem::path signature_path_of(const std::filesystem::path& path);
 
 }  // namespace pilotage
 

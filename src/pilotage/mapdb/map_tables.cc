@@ -73,6 +73,12 @@ std::string level_problem(const MapLevel& level) {
   if (!(level.gsd_m > 0 && level.gsd_m <= kMaxTileRadius_m)) {
     return "gsd_m = " + format_number(level.gsd_m) + " is outside (0, " + format_number(kMaxTileRadius_m) + "]";
   }
+  // The same bound as for the matrix of a tile: a grid in metres stretches or squeezes the ground by less than ten.
+  const double grid_gsd_m = std::sqrt(std::abs(t.determinant()));
+  if (!(level.gsd_m <= 10 * grid_gsd_m && grid_gsd_m <= 10 * level.gsd_m)) {
+    return "gsd_m = " + format_number(level.gsd_m) + " is not that of its transform, whose pixels are " +
+           format_number(grid_gsd_m) + " m of the grid";
+  }
   if (m.tile_size_px < 1 || m.stride_px < 1 || m.tile_size_px > kMaxMapWindowPx || m.stride_px > kMaxMapWindowPx) {
     return "tile_size_px = " + std::to_string(m.tile_size_px) + " or stride_px = " + std::to_string(m.stride_px) +
            " is outside [1, " + std::to_string(kMaxMapWindowPx) + "]";

@@ -21,6 +21,25 @@ namespace {
 
 constexpr std::size_t kMaxProblems = 100;
 
+/// Steps of SQLite's virtual machine that a check may take: a fixed part, and some for each byte. Sound maps need
+/// less than 2 for a byte (tests/mapdb/map_verify_test.cc holds them to a tenth of this).
+constexpr std::int64_t kMinStepBudget = 2'000'000;
+constexpr std::int64_t kStepsPerByte = 20;
+
+/// Watches the steps of a connection: asks whether to go on, and ends what never ends.
+struct StepWatch {
+  const Progress& progress;
+  std::int64_t left;
+  bool interrupted = false;
+
+  bool go_on() {
+    if (progress && !progress("checking the file", 0, 0)) interrupted = true;
+    left -= Database::kStepsBetweenCalls;
+    return !interrupted && left > 0;
+  }
+  bool stopped() const { return interrupted || left <= 0; }
+};
+
 /// A file under examination; each check adds what it finds to the report.
 struct Examination {
   std::string file;
@@ -28,6 +47,7 @@ struct Examination {
   Database database;
   VerifyReport& report;
   const Progress& progress;
+  StepWatch& watch;
   std::set<std::int64_t> tile_ids = {};
 
   void add(MapProblem::Kind kind, std::string_view table, std::optional<std::int64_t> tile_id, std::string message) {
@@ -45,11 +65,13 @@ struct Examination {
   void wrong_digest(std::string_view table, std::optional<std::int64_t> tile_id, std::string message) {
     add(MapProblem::Kind::kDigest, table, tile_id, std::move(message));
   }
-  /// Runs a check; what it throws becomes damage of `table`, so that the other checks still run.
+  /// Runs a check; what it throws becomes damage of `table`, so that the other checks still run, unless the watch
+  /// stopped it.
   void guard(std::string_view table, std::optional<std::int64_t> tile_id, const std::function<void()>& check) {
     try {
       check();
     } catch (const DataError& error) {
+      if (watch.stopped()) throw;
       damaged(table, tile_id, error.what());
     }
   }
@@ -77,7 +99,12 @@ void check_index(Examination& e, std::string_view index, const std::string& sele
                  const std::function<std::array<double, 4>(const MapTile&)>& box_of) {
   Statement check = e.database.prepare("SELECT rtreecheck('main', ?)", index);
   check.bind(1, index);
-  if (check.step() && check.text(0) != "ok") e.damaged(index, std::nullopt, std::string(check.text(0)));
+  const std::string found = check.step() ? std::string(check.text(0)) : "cannot be checked";
+  if (e.watch.stopped()) throw DataError("stopped");  // rtreecheck hands the interruption on as its finding
+  if (found != "ok") {
+    e.damaged(index, std::nullopt, found);
+    return;  // to walk through a tree that is none may take for ever
+  }
   const std::int64_t count = e.database.query_integer("SELECT count(*) FROM " + std::string(index), index);
   if (count != static_cast<std::int64_t>(tiles.size())) {
     e.damaged(index, std::nullopt,
@@ -167,6 +194,7 @@ void check_descriptors(Examination& e) {
         const DescriptorRow row = read_descriptor_row(statement, e.file);
         e.report.descriptors += row.count;
         check_owner(e, kTable, row.tile_id, row.level);
+        e.guard(kTable, tile_id, [&] { check_descriptor_length(row, e.reader.info(), e.file); });
         const Digest digest = descriptor_digest(row);
         if (!std::equal(digest.begin(), digest.end(), row.digest.begin(), row.digest.end())) {
           e.wrong_digest(kTable, tile_id, "level " + std::to_string(row.level) + ": the digest does not match");
@@ -212,7 +240,10 @@ void check_content(Examination& e) {
   }
 }
 
+/// From what trusts the file least to what walks its structure.
 void examine(Examination& e) {
+  report_progress(e.progress, "digest of all rows", 0, 0);
+  e.guard("map_info", std::nullopt, [&] { check_content(e); });
   report_progress(e.progress, "checking the file", 0, 0);
   e.guard("", std::nullopt, [&] { check_structure(e); });
   std::vector<MapTile> tiles;
@@ -226,26 +257,59 @@ void examine(Examination& e) {
   }
   e.guard("pilotage_descriptors", std::nullopt, [&] { check_descriptors(e); });
   if (e.reader.has_chips()) e.guard("pilotage_chips", std::nullopt, [&] { check_chips(e); });
-  report_progress(e.progress, "digest of all rows", 0, 0);
-  e.guard("map_info", std::nullopt, [&] { check_content(e); });
+}
+
+/// What SQLite would roll into the file when another program opens it: the file is then no longer what was checked.
+void check_journals(const std::string& file, VerifyReport& report) {
+  for (const char* suffix : {"-journal", "-wal"}) {
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(file + suffix, error);
+    if (error || bytes == 0) continue;
+    report.problems.push_back({MapProblem::Kind::kDamaged, "", std::nullopt,
+                               file + suffix +
+                                   ": lies beside the map: a program did not finish a change, and the next "
+                                   "that opens the map for writing changes it"});
+  }
+}
+
+/// `open_reader` and `open_database` give two connections to the same bytes.
+VerifyReport verify(const std::string& file, std::uintmax_t bytes, const std::function<MapReader()>& open_reader,
+                    const std::function<Database()>& open_database, const Progress& progress) {
+  VerifyReport report;
+  report.bytes = static_cast<std::int64_t>(bytes);
+  check_journals(file, report);
+  StepWatch watch{progress, kMinStepBudget + kStepsPerByte * report.bytes};
+  try {
+    Examination examination{file, open_reader(), open_database(), report, progress, watch};
+    examination.database.watch_steps([&watch] { return watch.go_on(); });
+    examine(examination);
+  } catch (const DataError& damage) {
+    if (watch.interrupted) throw Interrupted{};
+    // The budget is spent, or the file cannot even be opened as a map.
+    report.problems.push_back(
+        {MapProblem::Kind::kDamaged, "", std::nullopt,
+         watch.stopped() ? file + ": to check it takes more steps than a sound map of its size can need: its indices "
+                                  "lead in circles"
+                         : std::string(damage.what())});
+  }
+  return report;
 }
 
 }  // namespace
 
 VerifyReport verify_map(const std::filesystem::path& path, const Progress& progress) {
-  VerifyReport report;
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
-  report.bytes = static_cast<std::int64_t>(bytes);
-  try {
-    Examination examination{path.string(), MapReader(path), Database::open_untrusted(path, kMaxMapBlobBytes), report,
-                            progress};
-    examine(examination);
-  } catch (const DataError& damage) {  // it cannot even be opened as a map
-    report.problems.push_back({MapProblem::Kind::kDamaged, "", std::nullopt, damage.what()});
-  }
-  return report;
+  return verify(
+      path.string(), bytes, [&] { return MapReader::open_unverified(path); },
+      [&] { return Database::open_untrusted(path, kMaxMapBlobBytes); }, progress);
+}
+
+VerifyReport verify_map(const SignedMap& map, const Progress& progress) {
+  return verify(
+      map.name(), map.bytes()->size(), [&] { return MapReader::open(map); },
+      [&] { return Database::open_untrusted(map.name(), map.bytes(), kMaxMapBlobBytes); }, progress);
 }
 
 bool VerifyReport::any_wrong_digest() const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pilotage/base/progress.h"
+#include "pilotage/mapdb/map_signature.h"
 
 #pragma GCC visibility push(default)
 
@@ -38,11 +39,18 @@ struct VerifyReport {
   bool any_wrong_digest() const;
 };
 
-/// Checks everything that can be checked without a key: file size and header, version, SQLite's integrity_check, both
-/// R-trees against the tiles, geometry against bounds, rows that refer to nothing, lengths and values in blobs, the
-/// digest of every descriptor row and chip, and the digest over all rows of all tables. Damage is reported, not thrown;
-/// throws DataError only when there is no file to read.
+/// Checks everything that can be checked without a key: file size and header, version, the digest over all rows of all
+/// tables, SQLite's integrity_check, both R-trees against the tiles, geometry against bounds, rows that refer to
+/// nothing, lengths and values in blobs, the digest of every descriptor row and chip; and that no journal of another
+/// program lies beside the file. Damage is reported, not thrown; throws DataError only when there is no file to read,
+/// Interrupted.
+///
+/// Work is bounded by the file's size: a file whose indices lead in circles is reported as damaged when the steps that
+/// a sound one of its size can need are spent.
 VerifyReport verify_map(const std::filesystem::path& path, const Progress& progress = {});
+
+/// The same of bytes whose signature was checked before (read_signed_map): what a stranger made never gets here.
+VerifyReport verify_map(const SignedMap& map, const Progress& progress = {});
 
 /// What a ground program calls before a map flies: throws IntegrityError with the first wrong digest, else DataError
 /// with the first damage, else nothing.

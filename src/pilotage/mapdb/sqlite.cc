@@ -1,6 +1,7 @@
 #include "pilotage/mapdb/sqlite.h"
 
 #include <cmath>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -39,10 +40,12 @@ Statement::Statement(sqlite3* database, std::string name, std::string_view sql) 
   const int code = sqlite3_prepare_v3(database, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
                                       &statement, nullptr);
   statement_.reset(statement);
+  if (code == SQLITE_NOMEM) throw std::bad_alloc();
   if (code != SQLITE_OK || statement == nullptr) throw DataError(name_ + ": " + sqlite3_errmsg(database));
 }
 
 void Statement::check(int code) const {
+  if (code == SQLITE_NOMEM) throw std::bad_alloc();
   if (code != SQLITE_OK) throw DataError(name_ + ": " + sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
 }
 
@@ -88,6 +91,7 @@ bool Statement::step() {
   const int code = sqlite3_step(statement_.get());
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
+  if (code == SQLITE_NOMEM) throw std::bad_alloc();
   throw DataError(name_ + ": " + sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
 }
 
@@ -149,7 +153,7 @@ double Statement::real(int column) const {
 std::string_view Statement::text(int column) const {
   if (type(column) != Type::kText) throw_wrong_type(column, "text");
   const void* data = sqlite3_column_text(statement_.get(), column);
-  if (data == nullptr) throw DataError(name_ + ": out of memory");
+  if (data == nullptr) throw std::bad_alloc();
   return {static_cast<const char*>(data), static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
 }
 
@@ -157,7 +161,7 @@ std::span<const std::uint8_t> Statement::blob(int column) const {
   if (type(column) != Type::kBlob) throw_wrong_type(column, "a blob");
   const void* data = sqlite3_column_blob(statement_.get(), column);
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
-  if (data == nullptr && size > 0) throw DataError(name_ + ": out of memory");
+  if (data == nullptr && size > 0) throw std::bad_alloc();
   return {static_cast<const std::uint8_t*>(data), size};
 }
 
@@ -188,7 +192,30 @@ Database Database::create(const std::filesystem::path& path, std::string name) {
 
 Database Database::open_untrusted(const std::filesystem::path& path, int max_value_bytes) {
   Database result(path, path.string(), uri_of(path, "?mode=ro&immutable=1"), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-  sqlite3* database = result.database_.get();
+  result.distrust(max_value_bytes);
+  return result;
+}
+
+Database Database::open_untrusted(std::string name, std::shared_ptr<const std::string> bytes, int max_value_bytes) {
+  Database result({}, std::move(name), ":memory:", SQLITE_OPEN_READWRITE);
+  result.bytes_ = std::move(bytes);
+  const auto size = static_cast<sqlite3_int64>(result.bytes_->size());
+  // SQLite takes a pointer to what it may write to; told that it is read-only, it does not.
+  auto* data = reinterpret_cast<unsigned char*>(const_cast<char*>(result.bytes_->data()));
+  const int code = sqlite3_deserialize(result.database_.get(), "main", data, size, size, SQLITE_DESERIALIZE_READONLY);
+  if (code != SQLITE_OK) throw DataError(result.name_ + ": cannot be opened: " + sqlite3_errstr(code));
+  result.distrust(max_value_bytes);
+  return result;
+}
+
+void Database::watch_steps(std::function<bool()> go_on) {
+  go_on_ = std::make_unique<std::function<bool()>>(std::move(go_on));
+  const auto call = [](void* watch) -> int { return (*static_cast<std::function<bool()>*>(watch))() ? 0 : 1; };
+  sqlite3_progress_handler(database_.get(), kStepsBetweenCalls, call, go_on_.get());
+}
+
+void Database::distrust(int max_value_bytes) {
+  sqlite3* database = database_.get();
   for (const auto& [option, value] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1},
                                       {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
                                       {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0},
@@ -198,7 +225,7 @@ Database Database::open_untrusted(const std::filesystem::path& path, int max_val
                                       {SQLITE_DBCONFIG_DQS_DML, 0},
                                       {SQLITE_DBCONFIG_DQS_DDL, 0}}) {
     if (sqlite3_db_config(database, option, value, nullptr) != SQLITE_OK) {
-      throw DataError(result.name_ + ": this SQLite library lacks the protection " + std::to_string(option));
+      throw DataError(name_ + ": this SQLite library lacks the protection " + std::to_string(option));
     }
   }
   sqlite3_limit(database, SQLITE_LIMIT_LENGTH, max_value_bytes);
@@ -206,8 +233,7 @@ Database Database::open_untrusted(const std::filesystem::path& path, int max_val
   sqlite3_limit(database, SQLITE_LIMIT_EXPR_DEPTH, 50);
   sqlite3_limit(database, SQLITE_LIMIT_ATTACHED, 0);
   sqlite3_limit(database, SQLITE_LIMIT_WORKER_THREADS, 0);
-  result.execute("PRAGMA cell_size_check=ON; PRAGMA temp_store=MEMORY; PRAGMA mmap_size=0;");
-  return result;
+  execute("PRAGMA cell_size_check=ON; PRAGMA temp_store=MEMORY; PRAGMA mmap_size=0;");
 }
 
 void Database::close() {

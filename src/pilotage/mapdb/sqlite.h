@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -81,6 +82,14 @@ class Database {
   /// `max_value_bytes`.
   static Database open_untrusted(const std::filesystem::path& path, int max_value_bytes);
 
+  /// The same of a database that is in memory, called `name` in messages; the bytes are neither copied nor written.
+  static Database open_untrusted(std::string name, std::shared_ptr<const std::string> bytes, int max_value_bytes);
+
+  /// Calls `go_on` every few thousand steps of the statements that run; once it returns false, they throw DataError
+  /// "…: interrupted". It must not throw, nor use this connection.
+  void watch_steps(std::function<bool()> go_on);
+  static constexpr int kStepsBetweenCalls = 10000;  ///< Of watch_steps: steps of SQLite's virtual machine.
+
   /// Ends the connection; every statement must be gone. Throws DataError.
   void close();
 
@@ -94,10 +103,14 @@ class Database {
  private:
   Database(const std::filesystem::path& path, std::string name, const std::string& file, int flags);
 
+  void distrust(int max_value_bytes);
+
   struct Close {
     void operator()(sqlite3* database) const;
   };
   std::string name_;
+  std::shared_ptr<const std::string> bytes_;      // of a database in memory
+  std::unique_ptr<std::function<bool()>> go_on_;  // of watch_steps: where SQLite keeps a pointer to it
   std::unique_ptr<sqlite3, Close> database_;
 };
 

@@ -115,7 +115,9 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
     return refused(MatchStatus::kMapUnreadable, {});
   } catch (const UsageError&) {
     return refused(MatchStatus::kBadPrior, {});
-  } catch (const cv::Exception&) {  // OpenCV refuses a picture in its own way
+  } catch (
+      const cv::Exception& error) {  // OpenCV refuses a picture in its own way, and says so, too, that memory is out
+    if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
     return refused(MatchStatus::kBadFrame, {});
   }
 }

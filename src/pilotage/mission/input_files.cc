@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "pilotage/base/file_digest.h"
+#include "pilotage/raster/gdal_files.h"
 
 namespace pilotage {
 
@@ -13,12 +14,16 @@ InputFile input_file(const std::string& role, const std::string& name, const std
   return {role, name, date, is_file ? "blake2b-256:" + file_digest(name) : ""};
 }
 
+InputFile input_dataset(const std::string& role, const std::string& name, const std::string& date) {
+  return {role, name, date, dataset_digest(name)};
+}
+
 std::vector<InputFile> input_files(const Mission& plan) {
   std::vector<InputFile> files;
   for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
-    files.push_back(input_file("imagery", imagery.dataset, imagery.acquired));
+    files.push_back(input_dataset("imagery", imagery.dataset, imagery.acquired));
   }
-  if (!plan.ground.elevation.empty()) files.push_back(input_file("elevation", plan.ground.elevation, ""));
+  if (!plan.ground.elevation.empty()) files.push_back(input_dataset("elevation", plan.ground.elevation, ""));
   if (!plan.flight.route_file.empty()) files.push_back(input_file("route", plan.flight.route_file, ""));
   return files;
 }

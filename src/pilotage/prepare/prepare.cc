@@ -35,17 +35,19 @@ std::string score_raster_name(int level) {
   return level == 0 ? "scores.tif" : "scores_level" + std::to_string(level) + ".tif";
 }
 
+constexpr const char* kMap = "map.gpkg";
 constexpr const char* kDisagreement = "disagreement.tif";
 constexpr const char* kReport = "report";  // what the names of its files begin with
 
-// Names of outputs of an earlier run, sorted.
-std::vector<std::string> existing_outputs(const fs::path& folder) {
+}  // namespace
+
+std::vector<std::string> earlier_outputs(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" ||
-                             name == "map.gpkg" || name == kDisagreement || name == score_raster_name(0) ||
+    const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" || name == kMap ||
+                             name == "map.gpkg.minisig" || name == kDisagreement || name == score_raster_name(0) ||
                              name == "scores.qml" || is_report_output(kReport, name);
     const bool further_level = name.starts_with("scores_level") && (name.ends_with(".tif") || name.ends_with(".qml"));
     if (one_of_ours || further_level) names.push_back(name);
@@ -54,20 +56,12 @@ std::vector<std::string> existing_outputs(const fs::path& folder) {
   return names;
 }
 
+namespace {
+
 void refuse_existing(const fs::path& folder, bool overwrite) {
   if (overwrite) return;
-  for (const std::string& name : existing_outputs(folder)) {
+  for (const std::string& name : earlier_outputs(folder)) {
     throw DataError((folder / name).string() + ": exists already; give --overwrite to replace it");
-  }
-}
-
-// An earlier run with more levels leaves rasters that do not belong to this run's map.
-void remove_stale(const fs::path& folder, const std::vector<std::string>& written) {
-  for (const std::string& name : existing_outputs(folder)) {
-    if (std::find(written.begin(), written.end(), name) != written.end()) continue;
-    std::error_code error;
-    fs::remove(folder / name, error);
-    if (error) throw DataError((folder / name).string() + ": cannot be removed: " + error.message());
   }
 }
 
@@ -135,15 +129,15 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
 
   std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
   for (const std::string& dataset : options.score.second_epoch) {
-    inputs.push_back(input_file("second_epoch", dataset, inspect_imagery(dataset).acquired));
+    inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
   }
   std::optional<SecondDate> second_date;
   if (scored.second_epoch) {
     const Registration& registration = scored.second_epoch->registration;
     second_date = SecondDate{options.score.second_epoch, registration.fit.field};
   }
-  result.map = build_map(publish_later("map.gpkg"), plan, scores, selection, inputs, run.software_version,
-                         options.build, true, run.threads, progress, second_date, &*imagery);
+  result.map = build_map(publish_later(kMap), plan, scores, selection, inputs, run.software_version, options.build,
+                         true, run.threads, progress, second_date, &*imagery);
   imagery.reset();  // the report reads it at other scales
 
   ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version, run.threads, progress);
@@ -154,8 +148,9 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   const std::vector<std::string> written =
       write_report_outputs(staging / "", kReport, input, report, options.outputs, false, progress);
   result.files.insert(result.files.end(), written.begin(), written.end());
-  staging.publish(result.files);
-  remove_stale(run.output_folder, result.files);
+  std::vector<std::string> in_order = result.files;
+  std::stable_partition(in_order.begin(), in_order.end(), [](const std::string& name) { return name != kMap; });
+  staging.publish(in_order, earlier_outputs(run.output_folder));  // the map last: with it the output is whole
 
   result.verdict = report.verdict_text;
   result.assumptions = report.assumptions;

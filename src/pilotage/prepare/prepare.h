@@ -59,11 +59,17 @@ struct PrepareResult {
   std::vector<std::string> warnings;  ///< For the planner.
 };
 
+/// Names of the outputs of an earlier run in a folder, sorted: what prepare() replaces there, and a signature of the
+/// map.
+std::vector<std::string> earlier_outputs(const std::filesystem::path& folder);
+
 /// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …
 /// for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif (with
 /// score.second_epoch), selection.json, map.gpkg and the files of the report that `outputs` ask for, "report.html" and
-/// so on, into the output folder, which is made when it does not exist. All of them appear at the end, together; when
-/// anything fails before, none does. Throws as the stages; DataError when an output exists and overwrite is not set.
+/// so on, into the output folder, which is made when it does not exist. All of them appear at the end, in place of
+/// those of an earlier run, the map last: at no moment an output of the one stands beside one of the other
+/// (base/output_file.h, replace_together). When anything fails, those of the earlier run stand there as before. Throws
+/// as the stages; DataError when an output exists and overwrite is not set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -70,6 +70,21 @@ void DatasetCloser::operator()(GDALDataset* dataset) const {
   GDALClose(GDALDataset::ToHandle(dataset));
 }
 
+namespace {
+
+/// An overview or mask of a damaged medium is not missing, it is unread.
+void require_mask(GDALDataset& opened, const std::string& dataset) {
+  const std::string mask = dataset + ".msk";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(mask, ignored) || opened.GetRasterCount() == 0) return;
+  const GdalErrors errors;
+  if ((opened.GetRasterBand(1)->GetMaskFlags() & GMF_ALL_VALID) != 0) {
+    errors.throw_data_error(mask + ": lies beside the raster as its mask, but cannot be opened");
+  }
+}
+
+}  // namespace
+
 DatasetPtr open_raster(const std::string& dataset) {
   const GdalErrors errors;
   DatasetPtr opened(GDALDataset::Open(dataset.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
@@ -77,6 +92,7 @@ DatasetPtr open_raster(const std::string& dataset) {
     if (const std::string remedy = tiles_remedy(dataset); !remedy.empty()) throw DataError(dataset + ": " + remedy);
     errors.throw_data_error(dataset + ": cannot be opened as a raster");
   }
+  require_mask(*opened, dataset);
   return opened;
 }
 

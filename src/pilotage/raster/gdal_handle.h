@@ -35,7 +35,8 @@ struct DatasetCloser {
 };
 using DatasetPtr = std::unique_ptr<GDALDataset, DatasetCloser>;
 
-/// Opens a raster to read; throws DataError with the dataset's name.
+/// Opens a raster to read; throws DataError with the dataset's name. A mask that lies beside it (.msk) and is not
+/// opened is an error, too: GDAL would take every pixel for ground.
 DatasetPtr open_raster(const std::string& dataset);
 
 }  // namespace pilotage

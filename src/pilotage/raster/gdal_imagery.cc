@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <cpl_string.h>
 #include <gdal_priv.h>
 #include <opencv2/core/mat.hpp>
 
@@ -58,6 +59,53 @@ Georeference find_georeference(GDALDataset& dataset, const std::string& name) {
   }
   if (!usable(result.map_from_pixel)) throw DataError(name + ": its geotransform cannot be inverted");
   return result;
+}
+
+/// Metres (or degrees, as the CRS has) by which two transforms place the corners of a raster apart, at most.
+double moved_by(const GeoTransform& a, const GeoTransform& b, int width_px, int height_px) {
+  double moved = 0;
+  for (const double col : {0.0, static_cast<double>(width_px)}) {
+    for (const double row : {0.0, static_cast<double>(height_px)}) {
+      moved = std::max(moved, (a.map_from_pixel({col, row}) - b.map_from_pixel({col, row})).norm());
+    }
+  }
+  return moved;
+}
+
+/// The files beside a raster that may say where it lies, as GDAL lists them.
+std::string georeference_sidecars(GDALDataset& dataset) {
+  const CPLStringList files(dataset.GetFileList());
+  std::vector<std::string> names;
+  for (int i = 1; i < files.size(); ++i) {
+    const std::string name = files[i];
+    if (!name.ends_with(".msk") && !name.ends_with(".ovr")) names.push_back(name);
+  }
+  return names.empty() ? "a file beside it" : join(names, ", ");
+}
+
+/// Says when a file beside the raster (.aux.xml, world file) puts it elsewhere, or on another CRS, than the raster
+/// itself. Formats whose driver can be told to look at nothing else (GeoTIFF, JPEG 2000) are looked at.
+void warn_of_moved_place(GDALDataset& dataset, const Georeference& used, ImageryInfo& info) {
+  const char* known =
+      dataset.GetDriver() != nullptr ? dataset.GetDriver()->GetMetadataItem(GDAL_DMD_OPENOPTIONLIST) : nullptr;
+  if (known == nullptr || std::string_view(known).find("GEOREF_SOURCES") == std::string_view::npos) return;
+  const char* const open_options[] = {"GEOREF_SOURCES=INTERNAL", nullptr};
+  const GdalErrors errors;
+  const DatasetPtr alone(
+      GDALDataset::Open(info.dataset.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, open_options));
+  std::array<double, 6> numbers{};
+  if (alone == nullptr || alone->GetGeoTransform(numbers.data()) != CE_None) return;
+  const double moved = moved_by(used.map_from_pixel, from_gdal(numbers), info.width_px, info.height_px);
+  if (moved > 0) {
+    info.warnings.push_back(info.dataset + ": " + georeference_sidecars(dataset) + " puts it up to " +
+                            format_number(moved) + " units of its CRS from where the file itself lies");
+  }
+  const OGRSpatialReference* const own = alone->GetSpatialRef();
+  if (own != nullptr && used.reference != nullptr && own->IsSame(used.reference) == 0) {
+    info.warnings.push_back(info.dataset + ": " + georeference_sidecars(dataset) +
+                            " gives it another CRS than the file's own \"" +
+                            std::string(own->GetName() != nullptr ? own->GetName() : "") + "\"");
+  }
 }
 
 Crs crs_of(const OGRSpatialReference& reference) {
@@ -281,6 +329,7 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
   ImageryInfo info = start_info(*opened, dataset);
   const Georeference georeference = find_georeference(*opened, dataset);
   info.map_from_pixel = georeference.map_from_pixel;
+  if (!georeference.from_points) warn_of_moved_place(*opened, georeference, info);
   info.crs = find_crs(georeference.reference, dataset, options.imagery_crs, info.warnings);
   read_bands(*opened, options, info);
   info.acquired = find_acquisition_date(*opened);

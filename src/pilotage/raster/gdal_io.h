@@ -5,6 +5,7 @@
 
 #include "pilotage/raster/gdal_config.h"          // IWYU pragma: export
 #include "pilotage/raster/gdal_crs.h"             // IWYU pragma: export
+#include "pilotage/raster/gdal_files.h"           // IWYU pragma: export
 #include "pilotage/raster/gdal_geotiff.h"         // IWYU pragma: export
 #include "pilotage/raster/gdal_gray.h"            // IWYU pragma: export
 #include "pilotage/raster/gdal_image_metadata.h"  // IWYU pragma: export

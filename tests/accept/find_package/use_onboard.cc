@@ -6,7 +6,7 @@
 // use_onboard MAP NOT_A_MAP: reads every descriptor of a map, asks for a fix on ground it does not hold, and is told
 // what is wrong with a file that is no map.
 int main(int, char** argv) {
-  pilotage::MapReader map(argv[1]);
+  pilotage::MapReader map = pilotage::MapReader::open_unverified(argv[1]);
   std::size_t descriptors = 0;
   for (const pilotage::MapTile& tile : map.tiles()) {
     if (const auto found = map.descriptors(tile.tile_id, tile.level)) descriptors += found->features.size();
@@ -23,7 +23,7 @@ int main(int, char** argv) {
   std::printf("Pilotage %s: %zu descriptors, %s\n", PILOTAGE_VERSION, descriptors,
               std::string(pilotage::match_status_name(result.status)).c_str());
   try {
-    pilotage::MapReader none(argv[2]);
+    pilotage::MapReader none = pilotage::MapReader::open_unverified(argv[2]);
     return 1;
   } catch (const pilotage::DataError& error) {
     std::puts(error.what());

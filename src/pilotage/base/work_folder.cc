@@ -1,0 +1,105 @@
+#include "pilotage/base/work_folder.h"
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "pilotage/base/error.h"
+
+namespace pilotage {
+namespace {
+
+constexpr std::string_view kWorkPrefix = ".pilotage-";
+constexpr std::size_t kBootDigits = 8;
+constexpr std::size_t kWorkNameLength = kWorkPrefix.size() + kBootDigits + 1 + 6;  // and mkdtemp's six characters
+
+/// The locks of a folder on a network may be seen by the machines that share it, or not. What another machine (or this
+/// one before it was started again) left is taken for dead after a time in which no run goes without writing.
+constexpr auto kForeignLifetime = std::chrono::hours(7 * 24);
+
+/// The same for all containers of a machine, another after each start of a machine.
+std::string boot_digits() {
+  std::string id(kBootDigits, '0');
+  std::ifstream stream("/proc/sys/kernel/random/boot_id");
+  stream.read(id.data(), static_cast<std::streamsize>(id.size()));
+  return stream ? id : std::string(kBootDigits, '0');
+}
+
+bool may_be_dead(const std::filesystem::path& folder, const std::string& name) {
+  if (name.substr(kWorkPrefix.size(), kBootDigits) == boot_digits()) return true;  // then its lock tells
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(folder, error);
+  return !error && std::filesystem::file_time_type::clock::now() - written > kForeignLifetime;
+}
+
+/// The folder, open and locked, or -1 with errno: EWOULDBLOCK when another process holds it, others when there are no
+/// locks.
+int lock_folder(const std::filesystem::path& path) {
+  const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (folder < 0) return -1;
+  if (::flock(folder, LOCK_EX | LOCK_NB) == 0) return folder;
+  const int error = errno;
+  ::close(folder);
+  errno = error;
+  return -1;
+}
+
+void remove_leftovers(const std::filesystem::path& parent) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(parent, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() != kWorkNameLength || !name.starts_with(kWorkPrefix)) continue;
+    if (!may_be_dead(entry.path(), name)) continue;
+    const int folder = lock_folder(entry.path());
+    if (folder < 0) continue;
+    std::error_code ignored;
+    std::filesystem::remove_all(entry.path(), ignored);
+    ::close(folder);
+  }
+}
+
+/// Whether the open folder still stands at its path: another process may have taken it for a leftover before it was
+/// locked.
+bool stands(int folder, const std::filesystem::path& path) {
+  struct stat opened {};
+  struct stat found {};
+  return ::fstat(folder, &opened) == 0 && ::stat(path.c_str(), &found) == 0 && opened.st_ino == found.st_ino &&
+         opened.st_dev == found.st_dev;
+}
+
+}  // namespace
+
+WorkFolder::WorkFolder(const std::filesystem::path& parent) {
+  constexpr int kAttempts = 10;
+  remove_leftovers(parent);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    std::string name = (parent / (std::string(kWorkPrefix) + boot_digits() + "-XXXXXX")).string();
+    if (::mkdtemp(name.data()) == nullptr) {
+      throw DataError(parent.string() + ": nothing can be written there: " + std::strerror(errno));
+    }
+    path_ = name;
+    lock_ = lock_folder(path_);
+    const bool taken = lock_ < 0 ? errno == EWOULDBLOCK || errno == ENOENT : !stands(lock_, path_);
+    if (!taken) return;
+    if (lock_ >= 0) ::close(lock_);
+  }
+  throw DataError(parent.string() + ": no folder for unfinished outputs can be kept there");
+}
+
+WorkFolder::~WorkFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+}  // namespace pilotage

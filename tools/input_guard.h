@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pilotage {
+
+/// A file that a command reads or writes, and what named it.
+struct NamedFile {
+  std::string flag;  ///< "--table", or the name of an argument.
+  std::filesystem::path path;
+};
+
+/// Throws UsageError when a file that would be written is one that is read, by whatever name (the same inode), or when
+/// two outputs are the same file. Before any work: --overwrite is meant for outputs of an earlier run, never for
+/// inputs.
+void refuse_shared_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
+
+}  // namespace pilotage
