@@ -21,8 +21,7 @@ namespace {
 
 constexpr std::size_t kMaxProblems = 100;
 
-/// Steps of SQLite's virtual machine that a check may take: a fixed part, and some for each byte. Sound maps need
-/// less than 2 for a byte (tests/mapdb/map_verify_test.cc holds them to a tenth of this).
+/// Steps of SQLite's virtual machine that a check may take: a fixed part, and some for each byte of the file.
 constexpr std::int64_t kMinStepBudget = 2'000'000;
 constexpr std::int64_t kStepsPerByte = 20;
 
