@@ -21,6 +21,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/base/work_folder.h"
 
 namespace pilotage {
 namespace {
@@ -61,28 +62,6 @@ std::string file_url(const fs::path& path) {
   }
   return url;
 }
-
-// The browser's profile and what it says; both go when the work is done.
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::string pattern = (fs::temp_directory_path() / "pilotage_pdf_XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) {
-      throw DataError(pattern + ": the folder cannot be made: " + std::strerror(errno));
-    }
-    path_ = pattern;
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 // A child in a process group of its own, so that all that the browser starts can be ended with it.
 class Child {
@@ -195,7 +174,7 @@ std::vector<std::string> print_arguments(const fs::path& html, const fs::path& p
 void print_page_to_pdf(const fs::path& html, const fs::path& pdf, const PagePdfOptions& options,
                        const Progress& progress) {
   const fs::path program = find_browser(options.browser);
-  const WorkFolder work;
+  const WorkFolder work(fs::temp_directory_path());  // for the browser's profile and what it says
   const fs::path log = work.path() / "log.txt";
   const fs::path printed = work.path() / "page.pdf";
   {
