@@ -139,7 +139,7 @@ FlightFrames one_frame(const MatchCommandOptions& options, const Invocation& inv
                                       : "; --from-exif takes what a drone's picture says of itself"));
 }
 
-FlightFrames whole_flight(const MatchCommandOptions& options, const Invocation& invocation, const MapReader& map) {
+FlightFrames whole_flight(const MatchCommandOptions& options, const MapReader& map) {
   for (const auto& [field, value] : fields_of_one_frame(options)) {
     if (value) throw UsageError(flag_of(field) + " and --frames exclude each other: the table says it of each frame");
   }
@@ -205,8 +205,7 @@ Command make_match_command() {
     const std::string& path = invocation.inputs.front();
     const std::optional<SignedMap> signed_map = read_signed_input(options.signature, path);
     const auto open_map = [&] { return signed_map ? MapReader::open(*signed_map) : MapReader::open_unverified(path); };
-    const FlightFrames frames =
-        single ? one_frame(options, invocation, open_map()) : whole_flight(options, invocation, open_map());
+    const FlightFrames frames = single ? one_frame(options, invocation, open_map()) : whole_flight(options, open_map());
     const std::vector<FrameMatch> matches =
         match_flight(open_map, frames.frames, options.match, options.truth, invocation.threads, invocation.progress);
     if (!invocation.output.empty()) {

@@ -208,12 +208,12 @@ TEST(JudgeLeg, ProbabilityCountsBesideTheError) {
   EXPECT_EQ(judged(10, 0.9, known), QualityStatus::kMarginal);
   EXPECT_EQ(judged(10, 0.899, known), QualityStatus::kBad);
   EXPECT_EQ(judged(10, 0, known), QualityStatus::kBad);
-  EXPECT_EQ(judged(10, kNan, known), QualityStatus::kBad) << "no flight reaches it within the limit";
+  EXPECT_EQ(judged(10, kNaN, known), QualityStatus::kBad) << "no flight reaches it within the limit";
   EXPECT_EQ(judged(45, 1, known), QualityStatus::kMarginal);
   EXPECT_EQ(judged(51, 1, known), QualityStatus::kBad);
   Selection unknown;
   unknown.max_error_m = 50;
-  EXPECT_EQ(judged(10, kNan, unknown), QualityStatus::kGood);
+  EXPECT_EQ(judged(10, kNaN, unknown), QualityStatus::kGood);
 }
 
 TEST(JudgeGap, WhereFlightsAreLostItIsBad) {

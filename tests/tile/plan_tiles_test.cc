@@ -170,7 +170,7 @@ TEST(PlanTiles, NoDataUnderTheRouteIsRefusedAsOutside) {  // 2026-11: a route ov
   spec.value = [](int, int col, int row) { return col < 300 ? 0.0 : 20.0 + (col / 8 * 7 + row / 8 * 13) % 200; };
   options.imagery = {testing::make_raster(folder.path() / "half.tif", spec)};
   options.imagery_options.nodata = 0;
-  EXPECT_THAT(error_of(options),
+  EXPECT_THAT(plan_error(options),
               ::testing::ContainsRegex("the route lies where the imagery has no data from 0\\.00 km to 0\\.(19|20) km "
                                        ".*or give --allow-uncovered"));
   options.allow_uncovered = true;
@@ -181,7 +181,7 @@ TEST(PlanTiles, NoDataUnderTheRouteIsRefusedAsOutside) {  // 2026-11: a route ov
   };
   options.imagery = {testing::make_raster(folder.path() / "hole.tif", spec)};
   options.allow_uncovered = false;
-  EXPECT_EQ(error_of(options), "no error");
+  EXPECT_EQ(plan_error(options), "");
 }
 
 TEST(PlanTiles, FlatGroundAtHomeWhereNoElevationIsGiven) {  // 2026-11: every plan of QGroundControl was refused
@@ -230,7 +230,7 @@ TEST(PlanTiles, AsksWhetherLatitudeAndLongitudeAreExchanged) {
                  format_number(at.lat_deg) + "," + format_number(at.lon_deg) + ",80],[" + format_number(at.lat_deg) +
                  "," + format_number(at.lon_deg + 0.004) + ",80]]}}",
              true);
-  EXPECT_THAT(error_of(options), HasSubstr("with latitude and longitude exchanged it begins inside the imagery"));
+  EXPECT_THAT(plan_error(options), HasSubstr("with latitude and longitude exchanged it begins inside the imagery"));
 }
 
 TEST(PlanTiles, CoverageCountsThePixelsThatScoreReads) {  // 2026-11: 30 % of random holes passed for a coverage of 1
