@@ -13,7 +13,7 @@
 namespace {
 
 void read_everything(const std::filesystem::path& path) {
-  pilotage::MapReader reader = MapReader::open_unverified(path);
+  pilotage::MapReader reader = pilotage::MapReader::open_unverified(path);
   std::size_t left = 2000;  // a damaged R-tree may name the same tile often
   for (const pilotage::MapTile& tile : reader.tiles()) {
     if (left-- == 0) break;
