@@ -37,7 +37,9 @@ Command make_merge_command() {
                     .help = "The folder of `score --shards`, or the shards' files.",
                     .min = 1,
                     .max = InputSpec::kMany};
-  command.output = {.kind = OutputKind::kFile, .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure."};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure.",
+                    .flags = {"table", "second-epoch-output"}};
   bind_options<ScoreOutputOptions>(command, [](const ScoreOutputOptions& options, const Invocation& invocation) {
     MergedShards merged = read_shards(shard_files(invocation.inputs), version_line(), invocation.progress);
     if (!merged.missing.empty()) return missing_result(merged);

@@ -185,7 +185,8 @@ Command make_score_command() {
       .name = "RASTER", .help = "GDAL datasets, or one tile plan (plan.json).", .min = 1, .max = InputSpec::kMany};
   command.output = {.kind = OutputKind::kFile,
                     .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure; not with --shard.",
-                    .required = false};
+                    .required = false,
+                    .flags = {"table", "second-epoch-output"}};
   bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
     if (options.plan_shards > 0 && !options.shard.empty()) throw UsageError("--plan-shards or --shard, not both");
     if (options.plan_shards > 0) return plan_shards(options, invocation);
