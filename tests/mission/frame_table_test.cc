@@ -133,7 +133,8 @@ TEST(FrameTable, BadCellsAreNamedWithWhatIsAllowed) {
 TEST(FrameTable, TablesThatAreNoneAreRefused) {
   EXPECT_EQ(frame_table_error(""), "frames.csv: empty, expected a table of frames");
   EXPECT_EQ(frame_table_error(kNames + "\n"), "frames.csv: has no frame, only a line of names");
-  EXPECT_EQ(frame_table_error(kNames + ",file\n" + kRow + ",b\n"), "frames.csv: line 1: column \"file\" is a duplicate");
+  EXPECT_EQ(frame_table_error(kNames + ",file\n" + kRow + ",b\n"),
+            "frames.csv: line 1: column \"file\" is a duplicate");
 }
 
 /// No prefix of a table, and no table with some bytes changed, may do worse than a DataError.

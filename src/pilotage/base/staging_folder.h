@@ -7,8 +7,6 @@
 
 #include "pilotage/base/work_folder.h"
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// Several outputs that belong together: they grow in a hidden folder inside the output folder and move out at the end.
@@ -38,5 +36,3 @@ class StagingFolder {
 };
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop
