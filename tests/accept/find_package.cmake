@@ -18,7 +18,7 @@ set(common -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_COMPILER_LAUN
 if(WHAT STREQUAL "onboard_only")
   set(component onboard)
   set(prefix ${work}/prefix)
-  foreach(package GDAL nlohmann_json PkgConfig)
+  foreach(package GDAL nlohmann_json Ceres CLI11 GTest)
     list(APPEND common -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
   run(${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build ${common} -DPILOTAGE_ONBOARD_ONLY=ON -DPILOTAGE_SANITIZE=${SANITIZE})
