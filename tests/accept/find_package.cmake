@@ -12,7 +12,7 @@ function(run)
 endfunction()
 
 set(work ${BUILD}/accept/find_package_${WHAT})
-file(REMOVE_RECURSE ${work}/prefix ${work}/consumer)
+file(REMOVE_RECURSE ${work}/prefix ${work}/consumer ${work}/build/CMakeCache.txt)  # what an earlier run disabled stays in the cache
 set(common -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 
 if(WHAT STREQUAL "onboard_only")
