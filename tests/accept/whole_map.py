@@ -88,7 +88,7 @@ def make_whole_map(pilotage, raster, output, footprints_m=(154,), camera=(60, 64
         said = run(pilotage, "tile", "--imagery", raster, "--route", work / "route.geojson", "--height-reference", "agl",
                    "--speed-mps", SPEED_MPS, "--camera-hfov-deg", hfov_deg, "--camera-width-px", width_px,
                    "--camera-height-px", height_px, "--max-error-m", 60, "--min-agl-m", 1, "--corridor-half-width-m",
-                   math.ceil(half_diagonal_m), *tile_args, "--overwrite",
+                   math.ceil(half_diagonal_m), "--allow-uncovered", *tile_args, "--overwrite",
                    "-o", work / "plan.json")
         said += run(pilotage, "score", work / "plan.json", "--measures", "gray_variance", "--min-valid-fraction", 0.01,
                     "--overwrite", "-o", work / "scores.tif", "--table", work / "tiles.csv")
