@@ -15,6 +15,7 @@
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/ground/tile_table.h"
+#include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/raster/gdal_io.h"
@@ -47,7 +48,7 @@ std::vector<std::string> earlier_outputs(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" || name == kMap ||
-                             name == "map.gpkg.minisig" || name == kDisagreement || name == score_raster_name(0) ||
+                             name == signature_path_of(kMap) || name == kDisagreement || name == score_raster_name(0) ||
                              name == "scores.qml" || is_report_output(kReport, name);
     const bool further_level = name.starts_with("scores_level") && (name.ends_with(".tif") || name.ends_with(".qml"));
     if (one_of_ours || further_level) names.push_back(name);
