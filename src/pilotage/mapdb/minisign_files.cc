@@ -32,9 +32,11 @@ std::vector<std::uint8_t> minisign_bytes(std::string_view base64, std::size_t si
                                          const char* what) {
   std::vector<std::uint8_t> bytes(size);
   std::size_t length = 0;
+  // libsodium takes bytes above 127 for "/".
+  const bool is_ascii = std::all_of(base64.begin(), base64.end(), [](char c) { return c > 0; });
   const int result = sodium_base642bin(bytes.data(), bytes.size(), base64.data(), base64.size(), nullptr, &length,
                                        nullptr, sodium_base64_VARIANT_ORIGINAL);
-  if (result != 0 || length != size) throw DataError(name + ": is not a minisign " + what);
+  if (!is_ascii || result != 0 || length != size) throw DataError(name + ": is not a minisign " + what);
   return bytes;
 }
 
