@@ -60,6 +60,9 @@ void GdalErrors::throw_data_error(const std::string& what) const {
 void GdalErrors::add(bool is_failure, const char* text) {
   if (!is_failure) {
     warning_ = text;
+    for (const char* words : {"IO error during reading", "Premature end of JPEG file"}) {
+      read_in_part_ = read_in_part_ || warning_.find(words) != std::string::npos;
+    }
   } else if (failure_.empty()) {
     failure_ = text;
   }

@@ -20,6 +20,9 @@ class GdalErrors {
   /// The first failure, else the last warning, else "".
   const std::string& message() const { return failure_.empty() ? warning_ : failure_; }
   bool failed() const { return !failure_.empty(); }
+  /// A read that GDAL calls done was not whole: libjpeg fills what is missing with gray, libtiff leaves what it could
+  /// not read as it was, and both only warn.
+  bool read_in_part() const { return failed() || read_in_part_; }
   /// DataError "`what`: `message()`".
   [[noreturn]] void throw_data_error(const std::string& what) const;
 
@@ -28,6 +31,7 @@ class GdalErrors {
  private:
   std::string failure_;
   std::string warning_;
+  bool read_in_part_ = false;
 };
 
 struct DatasetCloser {

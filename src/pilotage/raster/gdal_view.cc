@@ -198,7 +198,7 @@ cv::Mat RasterView::read_pixels(const PixelWindow& window) const {
       top().RasterIO(GF_Read, static_cast<int>(window.col), static_cast<int>(window.row), window.width, window.height,
                      pixels.data, window.width, window.height, gdal_type(info_.depth), channels_, bands.data(),
                      element * channels_, static_cast<GSpacing>(pixels.step[0]), element, nullptr);
-  if (result != CE_None) fail(errors, "cannot be read");
+  if (result != CE_None || errors.read_in_part()) fail(errors, "cannot be read");
   return pixels;
 }
 
