@@ -1,13 +1,18 @@
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <initializer_list>
+#include <string>
+#include <system_error>
 
 #include "commands.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mapdb/map_inspect.h"
+#include "pilotage/mapdb/map_verify.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/report/report_file.h"
 #include "pilotage/route/describe_route.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_json.h"
@@ -15,12 +20,13 @@
 namespace pilotage {
 namespace {
 
-enum class InspectKind { kAuto, kMap, kRoute, kImagery };
+enum class InspectKind { kAuto, kMap, kRoute, kImagery, kOutputs };
 EnumNames<InspectKind> enum_names(InspectKind) {
   return {{InspectKind::kAuto, "auto"},
           {InspectKind::kMap, "map"},
           {InspectKind::kRoute, "route"},
-          {InspectKind::kImagery, "imagery"}};
+          {InspectKind::kImagery, "imagery"},
+          {InspectKind::kOutputs, "outputs"}};
 }
 
 struct InspectOptions {
@@ -99,6 +105,40 @@ CommandResult inspect_imagery_dataset(const std::string& dataset) {
   return result;
 }
 
+/// The outputs of one run of `prepare`: the report must speak of the map that lies beside it.
+CommandResult inspect_outputs(const std::filesystem::path& folder, const Progress& progress) {
+  const std::filesystem::path page = folder / "report.json";
+  const std::filesystem::path map = folder / "map.gpkg";
+  std::error_code ignored;
+  for (const std::filesystem::path& path : {page, map}) {
+    if (std::filesystem::exists(path, ignored)) continue;
+    throw DataError(folder.string() + ": has no " + path.filename().string() +
+                    ": give the output folder of `pilotage prepare`, or a file; what a killed run left is made whole "
+                    "by running it again");
+  }
+  const Report report = read_report(page);
+  const auto of_map = std::find_if(report.inputs.begin(), report.inputs.end(),
+                                   [](const InputFile& input) { return input.role == "map"; });
+  if (of_map == report.inputs.end()) {
+    throw DataError(page.string() + ": names no map: it is of `pilotage report`, and `prepare` writes those that do");
+  }
+  const VerifyReport verified = verify_map(map, progress);
+  require_intact(verified);
+  const std::string digest = "blake2b-256:" + verified.content_digest;
+  if (of_map->digest != digest) {
+    throw IntegrityError(map.string() + ": is not the map that report.json speaks of: its digest is " + digest +
+                         ", the report's " + of_map->digest + "; run `pilotage prepare` again");
+  }
+  CommandResult result;
+  result.text = folder.string() + ": the report speaks of the map beside it, which is intact; digest " +
+                verified.content_digest + "\n" + report.verdict_text + "\n" + report.assumptions + "\n";
+  result.json = {{"folder", folder.string()},
+                 {"map_digest", digest},
+                 {"verdict", report.verdict_text},
+                 {"assumptions", report.assumptions}};
+  return result;
+}
+
 // A GeoPackage may be a map of ours, a route or imagery: ours has the application's table of information.
 bool looks_like_map(const std::string& path) {
   try {
@@ -115,6 +155,8 @@ bool ends_with_any(std::string path, std::initializer_list<std::string_view> end
 }
 
 InspectKind kind_of(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(std::filesystem::path(path) / "report.json", ignored)) return InspectKind::kOutputs;
   if (ends_with_any(path, {".gpkg"}) && looks_like_map(path)) return InspectKind::kMap;
   if (ends_with_any(path, {".plan", ".waypoints", ".txt", ".kml", ".kmz", ".gpx", ".geojson", ".json"})) {
     return InspectKind::kRoute;
@@ -136,10 +178,14 @@ Command make_inspect_command() {
   Command command;
   command.word = "inspect";
   command.group = CommandGroup::kInspect;
-  command.summary = "Say what a map, a route or a raster holds";
+  command.summary = "Say what a map, a route, a raster or an output folder holds";
   command.examples = {{"A map database.", "pilotage inspect map.gpkg --json"},
-                      {"A route, and what became of each of its items.", "pilotage inspect route.plan"}};
-  command.inputs = {.name = "FILE", .help = "Map database, route file or GDAL dataset.", .min = 1, .max = 1};
+                      {"A route, and what became of each of its items.", "pilotage inspect route.plan"},
+                      {"Whether report and map are of one run.", "pilotage inspect out/"}};
+  command.inputs = {.name = "FILE",
+                    .help = "Map database, route file, GDAL dataset, or output folder of prepare.",
+                    .min = 1,
+                    .max = 1};
   command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
   bind_options<InspectOptions>(command, [](const InspectOptions& options, const Invocation& invocation) {
     const std::string& path = invocation.inputs.front();
@@ -148,6 +194,8 @@ Command make_inspect_command() {
         return inspect_map_file(path);
       case InspectKind::kRoute:
         return inspect_route_file(path, options.route);
+      case InspectKind::kOutputs:
+        return inspect_outputs(path, invocation.progress);
       default:
         return inspect_imagery_dataset(path);
     }
