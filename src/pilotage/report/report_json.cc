@@ -12,129 +12,66 @@
 #include "pilotage/base/variant_json.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/report_file.h"
+#include "pilotage/report/report_records.h"
 #include "pilotage/report/tile_fields.h"
 
 // report.json is described once: each describe() names the keys of a record, and writing and reading follow from it.
 
 namespace pilotage {
-namespace {
 
 using Json = nlohmann::ordered_json;
-using StatusName = std::string_view (*)(QualityStatus);
 
-class Writer {
- public:
-  template <class T>
-  using Ref = const T&;
+namespace report_records {
+namespace {
 
-  explicit Writer(Json& json) : json_(json) {}
+Json profile_json(const Report& report) {
+  Json json;
+  json["columns"] = {"distance_m", "error_m", "matchable"};
+  json["rows"] = Json::array();
+  for (const ErrorSample& sample : report.error_profile) {
+    json["rows"].push_back(Json::array({variant_to_json(number_value(sample.distance_m)),
+                                        variant_to_json(number_value(sample.error_m)), sample.matchable}));
+  }
+  return json;
+}
 
-  void number(const char* key, double value) { json_[key] = variant_to_json(number_value(value)); }
-  void degrees(const char* key, double value) { json_[key] = variant_to_json(degrees_value(value)); }
-  void status(const char* key, QualityStatus value, StatusName name) { json_[key] = name(value); }
-  /// The number of a leg: people and files count from 1.
-  void leg(const char* key, int index) { json_[key] = index + 1; }
-  /// The number of an item of the plan; null for none.
-  void item(const char* key, int number) { json_[key] = number < 0 ? Json() : Json(number); }
-  /// An integer, a text, a list of texts, true or false, or JSON.
-  template <class T>
-  void value(const char* key, const T& value) {
-    json_[key] = value;
+Json measures_json(const Report& report) {
+  const auto number = [](double value) { return variant_to_json(number_value(value, 12)); };
+  Json measures = Json::array();
+  for (const MeasureScale& scale : report.measures) {
+    const HeatMap& heat = scale.measure.heat;
+    measures.push_back({{"name", scale.measure.name},
+                        {"label", heat.title},
+                        {"unit", heat.unit},
+                        {"meaning", heat.meaning},
+                        {"low", number(scale.low)},
+                        {"high", number(scale.high)},
+                        {"least", number(scale.least)},
+                        {"most", number(scale.most)}});
   }
-  template <class Describe>
-  void object(const char* key, Describe describe_members) {
-    json_[key] = Json::object();
-    Writer members(json_[key]);
-    describe_members(members);
-  }
-  template <class T>
-  void record(const char* key, const T& value) {
-    object(key, [&](Writer& members) { describe(members, value); });
-  }
-  template <class T>
-  void record(const char* key, const std::optional<T>& value) {
-    json_[key] = nullptr;
-    if (value) record(key, *value);
-  }
-  template <class T>
-  void records(const char* key, const std::vector<T>& values) {
-    json_[key] = Json::array();
-    for (const T& value : values) {
-      Json& next = json_[key].emplace_back(Json::object());
-      Writer members(next);
-      describe(members, value);
-    }
-  }
-  /// What a reader does not need.
-  template <class Make>
-  void only_written(const char* key, Make make) {
-    json_[key] = make();
-  }
+  return measures;
+}
 
- private:
-  Json& json_;
-};
+Json tiles_json(const Report& report) {
+  Json json;
+  json["columns"] = Json::array();
+  json["labels"] = Json::array();
+  json["units"] = Json::array();
+  for (const TileField& field : tile_fields()) {
+    json["columns"].push_back(field.name);
+    json["labels"].push_back(field.label);
+    json["units"].push_back(field.unit);
+  }
+  json["rows"] = Json::array();
+  for (const ReportTile& tile : report.tiles) {
+    Json row = Json::array();
+    for (const TileField& field : tile_fields()) row.push_back(variant_to_json(field.value(tile)));
+    json["rows"].push_back(row);
+  }
+  return json;
+}
 
-class Reader {
- public:
-  template <class T>
-  using Ref = T&;
-
-  explicit Reader(JsonObject object) : object_(std::move(object)) {}
-
-  void number(const char* key, double& value) { value = object_.number_or_nan(key); }
-  void degrees(const char* key, double& value) { value = object_.number_or_nan(key); }
-  void status(const char* key, QualityStatus& value, StatusName name) {
-    const std::string text = object_.text(key);
-    for (const QualityStatus known : {QualityStatus::kGood, QualityStatus::kMarginal, QualityStatus::kBad}) {
-      if (name(known) != text) continue;
-      value = known;
-      return;
-    }
-    throw DataError(object_.path(key) + " is \"" + text.substr(0, 40) + "\", allowed are " +
-                    std::string(name(QualityStatus::kGood)) + ", " + std::string(name(QualityStatus::kMarginal)) +
-                    " and " + std::string(name(QualityStatus::kBad)));
-  }
-  void leg(const char* key, int& index) {
-    index = static_cast<int>(object_.integer(key, 1, std::numeric_limits<int>::max())) - 1;
-  }
-  void item(const char* key, int& number) {
-    number = object_.has_value(key) ? static_cast<int>(object_.integer(key, 0, std::numeric_limits<int>::max())) : -1;
-  }
-  template <std::integral Int>
-  void value(const char* key, Int& value) {
-    value = static_cast<Int>(object_.integer(key, 0, std::numeric_limits<Int>::max()));
-  }
-  void value(const char* key, bool& value) { value = object_.boolean(key); }
-  void value(const char* key, std::string& value) { value = object_.text(key); }
-  void value(const char* key, std::vector<std::string>& value) { value = object_.texts(key); }
-  void value(const char* key, Json& value) { value = object_.value(key); }
-  template <class Describe>
-  void object(const char* key, Describe describe_members) {
-    Reader members(object_.object(key));
-    describe_members(members);
-  }
-  template <class T>
-  void record(const char* key, T& value) {
-    object(key, [&](Reader& members) { describe(members, value); });
-  }
-  template <class T>
-  void record(const char* key, std::optional<T>& value) {
-    if (!object_.value(key).is_null()) record(key, value.emplace());
-  }
-  template <class T>
-  void records(const char* key, std::vector<T>& values) {
-    for (JsonObject& object : object_.objects(key)) {
-      Reader members(std::move(object));
-      describe(members, values.emplace_back());
-    }
-  }
-  template <class Make>
-  void only_written(const char*, Make) {}
-
- private:
-  JsonObject object_;
-};
+}  // namespace
 
 template <class Io>
 void describe(Io& io, typename Io::template Ref<GeodeticPoint> point) {
@@ -240,17 +177,6 @@ void describe(Io& io, typename Io::template Ref<InputFile> file) {
   io.value("digest", file.digest);
 }
 
-Json profile_json(const Report& report) {
-  Json json;
-  json["columns"] = {"distance_m", "error_m", "matchable"};
-  json["rows"] = Json::array();
-  for (const ErrorSample& sample : report.error_profile) {
-    json["rows"].push_back(Json::array({variant_to_json(number_value(sample.distance_m)),
-                                        variant_to_json(number_value(sample.error_m)), sample.matchable}));
-  }
-  return json;
-}
-
 template <class Io>
 void describe_route(Io& io, typename Io::template Ref<Report> report) {
   io.value("name", report.route_name);
@@ -282,42 +208,6 @@ void describe_grid(Io& io, typename Io::template Ref<Report> report) {
   io.records("levels", report.levels);
 }
 
-Json measures_json(const Report& report) {
-  const auto number = [](double value) { return variant_to_json(number_value(value, 12)); };
-  Json measures = Json::array();
-  for (const MeasureScale& scale : report.measures) {
-    const HeatMap& heat = scale.measure.heat;
-    measures.push_back({{"name", scale.measure.name},
-                        {"label", heat.title},
-                        {"unit", heat.unit},
-                        {"meaning", heat.meaning},
-                        {"low", number(scale.low)},
-                        {"high", number(scale.high)},
-                        {"least", number(scale.least)},
-                        {"most", number(scale.most)}});
-  }
-  return measures;
-}
-
-Json tiles_json(const Report& report) {
-  Json json;
-  json["columns"] = Json::array();
-  json["labels"] = Json::array();
-  json["units"] = Json::array();
-  for (const TileField& field : tile_fields()) {
-    json["columns"].push_back(field.name);
-    json["labels"].push_back(field.label);
-    json["units"].push_back(field.unit);
-  }
-  json["rows"] = Json::array();
-  for (const ReportTile& tile : report.tiles) {
-    Json row = Json::array();
-    for (const TileField& field : tile_fields()) row.push_back(variant_to_json(field.value(tile)));
-    json["rows"].push_back(row);
-  }
-  return json;
-}
-
 /// All of the report behind its format and version.
 template <class Io>
 void describe(Io& io, typename Io::template Ref<Report> report) {
@@ -345,6 +235,10 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
   io.value("notes", report.notes);
   io.only_written("tiles", [&] { return tiles_json(report); });
 }
+
+}  // namespace report_records
+
+namespace {
 
 void check_format(const Json& json, const std::string& file) {
   const auto format = json.is_object() ? json.find("format") : json.end();
@@ -406,14 +300,14 @@ std::vector<ReportTile> read_tiles(JsonObject table) {
 
 Json grid_json(const Report& report) {
   Json json;
-  Writer writer(json);
+  report_records::Writer writer(json);
   describe_grid(writer, report);
   return json;
 }
 
 Json report_json(const Report& report) {
   Json json{{"format", "pilotage-report"}, {"format_version", kReportFormatVersion}};
-  Writer writer(json);
+  report_records::Writer writer(json);
   describe(writer, report);
   return json;
 }
@@ -421,7 +315,7 @@ Json report_json(const Report& report) {
 Report report_from_json(const Json& json, const std::string& file) {
   check_format(json, file);
   Report report;
-  Reader reader(JsonObject(json, file));
+  report_records::Reader reader(JsonObject(json, file));
   describe(reader, report);
   JsonObject object(json, file);
   report.worst_legs = read_worst_legs(object.object("route"), report.legs.size());
