@@ -1,0 +1,354 @@
+"""Faults, kills and power cuts in every stage: whatever breaks, what stands in the end is the old outputs or the new ones, whole.
+
+    campaign.py PILOTAGE SOURCE SHIM [--faults N --kills N --cuts N] [--seed S] [--jobs J] [--only COMMAND]
+
+Each command runs once under SHIM (fault_shim.cc), which numbers its calls on files below the working folder: open, read, write, sync,
+rename, remove, and large allocations. Then it runs again over the outputs of an earlier run, and one of these calls fails (an error, a
+short read or write, no memory) or the process is killed in it. In the short form the calls are taken evenly, up to a limit for each
+command and kind of call; with --faults and --kills as many as named are drawn at random, half of the kills at any moment. A power cut
+is not played but computed: the shim keeps what is synced, and for each prefix of the calls two disks are made, one on which nothing else
+survived, one on which the names survived and what was never synced is empty.
+
+What must hold of the outputs:
+  exit 0        they are byte for byte those of a run without faults
+  another exit  they are those of the earlier run, or those of a run without faults; one message, and none that says "unexpected"
+  killed, cut   each is of the earlier run or of the new one, never some of both; where the map stands, or there is one output alone,
+                nothing is missing; after a kill the next run ends well
+and nothing else is left in the folder, but by a kill, and then until the next run.
+"""
+
+import argparse
+import collections
+import concurrent.futures
+import hashlib
+import os
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "accept"))
+from acceptance import SKIP  # noqa: E402
+
+Case = collections.namedtuple("Case", "name earlier command main")
+Fault = collections.namedtuple("Fault", "call action lasts")
+Run = collections.namedtuple("Run", "code text files leftovers")
+
+#: What is done to each kind of call, and to how many calls of a command in the short form. The last fill the disk for good.
+FAULTS = ((Fault("open", "EACCES", False), 30), (Fault("open", "EMFILE", False), 8), (Fault("read", "EIO", False), 25),
+          (Fault("read", "SHORT", False), 15), (Fault("write", "ENOSPC", False), 25), (Fault("write", "SHORT", False), 12),
+          (Fault("sync", "EIO", False), 40), (Fault("rename", "EIO", False), 40), (Fault("remove", "EACCES", False), 10),
+          (Fault("alloc", "ENOMEM", False), 12), (Fault("write", "ENOSPC", True), 8))
+KILLS = ((Fault("write", "KILL", False), 15), (Fault("sync", "KILL", False), 25), (Fault("rename", "KILL", False), 40),
+         (Fault("remove", "KILL", False), 10))
+STAGE = ("out/plan.json", "--table", "out/tiles.csv", "--selection", "out/selection.json")
+#: Deaths by a signal that are answers to a failed allocation: GDAL and PROJ end the process.
+SIGABRT = 6
+
+
+def cases():
+    fresh = ["--overwrite", "-q"]
+    prepare = ["prepare", "mission.json", "-o", "new"]
+    frame = ["frame1.jpg", "--prior-lon-deg", "16.4991", "--prior-lat-deg", "55.5012", "--prior-sigma-m", "10", "--height-agl-m", "60",
+             "--yaw-deg", "0", "--pitch-deg", "0", "--roll-deg", "0", "--no-timings"]
+    return (
+        Case("prepare", [*prepare, "--speed-mps", "17"], [*prepare, *fresh], "map.gpkg"),
+        Case("prepare_new_folder", None, ["prepare", "mission.json", "-q", "-o", "new"], "map.gpkg"),
+        Case("tile", ["tile", "tile.json", "--tile-overlap", "0.4", "-o", "new/plan.json"],
+             ["tile", "tile.json", "-o", "new/plan.json", *fresh], None),
+        Case("score", ["score", "out/plan.json", "--measures", "uniqueness", "-o", "new/scores.tif", "--table", "new/tiles.csv"],
+             ["score", "out/plan.json", "-o", "new/scores.tif", "--table", "new/tiles.csv", *fresh], None),
+        Case("select", ["select", "out/plan.json", "--table", "out/tiles.csv", "--sparse", "-o", "new/selection.json"],
+             ["select", "out/plan.json", "--table", "out/tiles.csv", "-o", "new/selection.json", *fresh], None),
+        Case("build", ["build", *STAGE, "--descriptor-bits", "128", "-o", "new/map.gpkg", "--sign-key", "key.sec"],
+             ["build", *STAGE, "-o", "new/map.gpkg", "--sign-key", "key.sec", *fresh], "map.gpkg"),
+        Case("report", ["report", *STAGE, "--title", "Earlier", "--outputs", "html,json,gpkg,cog", "-o", "new/report.html"],
+             ["report", *STAGE, "--outputs", "html,json,gpkg,cog,kml", "-o", "new/report.html", *fresh], None),
+        Case("verify", None, ["verify", "out/map.gpkg", "--public-key", "key.pub"], None),
+        Case("match", ["match", "out/map.gpkg", *frame, "--max-false-fix-rate", "0.01", "-o", "new/fix.csv"],
+             ["match", "out/map.gpkg", "--public-key", "key.pub", *frame, "-o", "new/fix.csv", "--overwrite"], None),
+    )
+
+
+class Campaign:
+    def __init__(self, pilotage, source, shim, work, seed):
+        self.pilotage, self.source, self.shim, self.work = pilotage, source, shim, work
+        self.random = random.Random(seed)
+        self.failures = []
+        self.counts = collections.Counter()
+        self.outcomes = collections.Counter()
+        self.lock = threading.Lock()
+
+    def make_mission(self):
+        """The folder that each run gets a copy of: the small mission, frames of it, a key, and what the stages made of it."""
+        home = self.work / "home"
+        home.mkdir()
+        for script in ("small_mission/make", "frames/make"):
+            subprocess.run(["sh", str(self.source / "tests/data" / script)], cwd=home, check=True)
+        subprocess.run(["minisign", "-G", "-W", "-f", "-p", "key.pub", "-s", "key.sec"], cwd=home, check=True, stdout=subprocess.DEVNULL)
+        mission = (home / "mission.json").read_text()
+        (home / "tile.json").write_text("".join(line for line in mission.splitlines(True) if '"select"' not in line))
+        self.plain(home, ["prepare", "mission.json", "-q", "-o", "out"])
+        self.plain(home, ["build", *STAGE, "-o", "out/map.gpkg", "--sign-key", "key.sec", "--overwrite"])
+
+    def plain(self, folder, command):
+        done = subprocess.run([self.pilotage, *command, "--threads", "1"], cwd=folder, text=True, errors="replace",
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        if done.returncode != 0:
+            raise RuntimeError(f"{' '.join(command)}: exit {done.returncode}\n{done.stdout}")
+        return done.stdout
+
+    def reference(self, case):
+        """What stands before the case, what stands after it, what it prints, and the calls of each kind that it makes."""
+        folder = self.work / f"reference_{case.name}"
+        shutil.copytree(self.work / "home", folder)
+        if case.earlier is not None or case.name != "prepare_new_folder":
+            (folder / "new").mkdir()
+        if case.earlier is not None:
+            self.plain(folder, case.earlier)
+        shutil.copytree(folder, self.work / f"before_{case.name}")
+        old = state_of(folder / "new")[0]
+        calls, text, seconds = {}, "", 0
+        for call in ("open", "read", "write", "sync", "rename", "remove", "alloc"):
+            again = self.work / f"count_{case.name}"
+            shutil.copytree(self.work / f"before_{case.name}", again)
+            log = self.work / f"count_{case.name}.log"
+            started = time.monotonic()
+            run = self.run(again, case.command, Fault(call, "", False), 0, log)
+            seconds = time.monotonic() - started
+            if run.code != 0:
+                raise RuntimeError(f"{case.name}: exit {run.code} without a fault\n{run.text}")
+            calls[call] = [line.split("\t", 1)[1].replace(str(again) + "/", "") for line in log.read_text().splitlines()] if log.exists() else []
+            text, new = run.text, run.files
+            shutil.rmtree(again)
+            log.unlink(missing_ok=True)
+        return old, new, text, calls, seconds
+
+    def run(self, folder, command, fault, at, log=None, disk=None):
+        environment = dict(os.environ, LD_PRELOAD=str(self.shim), FAULT_FOLDER=str(folder), FAULT_CALLS=fault.call, FAULT_AT=str(at),
+                           FAULT_ACTION=fault.action, FAULT_LASTS="1" if fault.lasts else "0", FAULT_LOG=str(log or ""),
+                           FAULT_DISK=str(disk or ""))
+        done = subprocess.run([self.pilotage, *command, "--threads", "1"], cwd=folder, env=environment, text=True, errors="replace",
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        return Run(done.returncode, done.stdout, *state_of(folder / "new"))
+
+    def fail(self, case, what, problem, text=""):
+        with self.lock:
+            self.failures.append(f"{case.name}, {what}: {problem}" + (f"\n    {text.strip()[-600:]}" if text else ""))
+
+    def one(self, case, reference, fault, at, wait_s=None):
+        """One run with one fault (or, with wait_s, killed after that time), judged."""
+        old, new, text, calls, _ = reference
+        what = f"killed after {wait_s} s"
+        if wait_s is None:
+            what = f"{fault.action}{' from there on' if fault.lasts else ''} in {fault.call} {at} ({calls[fault.call][at - 1]})"
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="run_", dir=self.work))
+        folder.rmdir()
+        shutil.copytree(self.work / f"before_{case.name}", folder)
+        try:
+            if wait_s is None:
+                run = self.run(folder, case.command, fault, at)
+            else:
+                process = subprocess.Popen([self.pilotage, *case.command, "--threads", "1"], cwd=folder, text=True, errors="replace",
+                                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                time.sleep(wait_s)
+                process.kill()
+                run = Run(*reversed((process.communicate()[0], process.returncode)), *state_of(folder / "new"))
+            killed = run.code == -9
+            with self.lock:
+                self.counts["kills" if killed else "faults"] += 1
+                self.outcomes["killed" if killed else "exit 0" if run.code == 0 else "aborted" if run.code < 0 else "refused"] += 1
+            if killed:
+                problem = mixture(run.files, old, new, case.main)
+                if problem:
+                    self.fail(case, what, problem)
+                elif case.command[0] not in ("verify",):
+                    again = self.run(folder, [*case.command, "--overwrite"] if "--overwrite" not in case.command else case.command,
+                                     Fault("none", "", False), 0)
+                    if again.code != 0 or again.files != new or again.leftovers:
+                        self.fail(case, what, f"the next run: exit {again.code}, {differences(again.files, new)}, left {again.leftovers}",
+                                  again.text)
+                return
+            if run.code == 0:
+                if run.files != new or run.leftovers and fault.call != "remove":
+                    self.fail(case, what, f"exit 0, but {differences(run.files, new)}, left {run.leftovers}", run.text)
+                elif not new and run.text != text:
+                    self.fail(case, what, "exit 0, but it says something else", run.text)
+                return
+            if run.code < 0 and not (fault.call == "alloc" and run.code == -SIGABRT):
+                return self.fail(case, what, f"died of signal {-run.code}", run.text)
+            if run.files not in (old, new):
+                self.fail(case, what, f"exit {run.code} and {mixture(run.files, old, new, case.main) or 'outputs are missing'}: "
+                          f"{differences(run.files, old)}", run.text)
+            if run.leftovers and fault.call not in ("remove", "alloc"):
+                self.fail(case, what, f"exit {run.code}, left {run.leftovers}", run.text)
+            if run.code > 0 and ("unexpected" in run.text or "pilotage" not in run.text):
+                self.fail(case, what, f"exit {run.code} and no clear message", run.text)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def cut_power(self, case, old, new):
+        """Every disk that a power cut in the course of the case can leave."""
+        folder, log, disk = self.work / f"cut_{case.name}", self.work / f"cut_{case.name}.log", self.work / f"disk_{case.name}"
+        shutil.copytree(self.work / f"before_{case.name}", folder)
+        disk.mkdir()
+        run = self.run(folder, case.command, Fault("sync,rename,remove", "", False), 0, log, disk)
+        if run.code != 0 or run.files != new:
+            return self.fail(case, "power", "the run itself went wrong", run.text)
+        lines = [line.split("\t") for line in log.read_text().splitlines()]
+        out = str(folder / "new")
+        states = list(disks_after_cuts(lines, out, old, disk))
+        for names in states:
+            problem = mixture(names, old, new, case.main)
+            if problem:
+                self.fail(case, "power cut", problem)
+        self.counts["power cuts"] += len(states)
+        if lines and states[-1] != new:
+            self.fail(case, "power cut after the end", f"exit 0 was promised, but {differences(states[-1], new)}")
+        shutil.rmtree(folder)
+        shutil.rmtree(disk)
+
+
+def digest(data):
+    return hashlib.blake2b(data, digest_size=16).hexdigest()
+
+
+def state_of(folder):
+    """The outputs that stand in a folder, by name, and what is hidden there."""
+    files, leftovers = {}, []
+    if folder.is_dir():
+        for path in sorted(folder.iterdir()):
+            if path.name.startswith(".") or path.is_dir():
+                leftovers.append(path.name)
+            else:
+                files[path.name] = digest(path.read_bytes())
+    return files, leftovers
+
+
+def differences(files, wanted):
+    words = [f"{name} is missing" for name in sorted(wanted.keys() - files.keys())]
+    words += [f"{name} is too much" for name in sorted(files.keys() - wanted.keys())]
+    words += [f"{name} is another" for name in sorted(files.keys() & wanted.keys()) if files[name] != wanted[name]]
+    return ", ".join(words) or "no difference"
+
+
+def mixture(files, old, new, main):
+    """What is wrong with outputs that a kill left; nothing is the empty text."""
+    torn = [name for name, value in files.items() if value not in (old.get(name), new.get(name))]
+    if torn:
+        return f"neither old nor new: {', '.join(torn)}"
+    of_old = [name for name in files if files[name] != new.get(name)]
+    of_new = [name for name in files if files[name] != old.get(name)]
+    if of_old and of_new:
+        return f"mixed: {', '.join(of_old)} of the earlier run beside {', '.join(of_new)}"
+    whole = files in (old, new)
+    if main in files and not whole:
+        return f"{main} stands, but {differences(files, old if of_old else new)}"
+    if len(old) == 1 and len(new) == 1 and not whole:
+        return f"the one output is gone: {differences(files, new)}"
+    return ""
+
+
+def disks_after_cuts(lines, out, old, disk):
+    """For each prefix of the log the outputs that stand on the disk: with what was synced alone; with the names of every moment since, and
+    of contents what was synced. Contents that were never synced count as empty."""
+    empty = digest(b"")
+    names = {f"{out}/{name}": name for name in old}  # path -> identity of a file
+    contents = dict(old)                              # identity -> what of it is on the disk
+    durable = dict(names)
+    fresh = 0
+
+    def outputs(entries):
+        return {path[len(out) + 1:]: contents.get(file, empty) for path, file in entries.items()
+                if path.startswith(out + "/") and "/" not in path[len(out) + 1:]}
+
+    for number, call, path, *second in lines:
+        if call in ("fsync", "fdatasync"):
+            if os.path.isdir(path):
+                inside = {entry: file for entry, file in names.items() if os.path.dirname(entry) == path}
+                durable = {entry: file for entry, file in durable.items() if os.path.dirname(entry) != path} | inside
+            else:
+                if path not in names:
+                    fresh += 1
+                    names[path] = f"new {fresh}"
+                contents[names[path]] = digest((disk / number).read_bytes())
+        elif call == "rename":
+            if path not in names:
+                fresh += 1
+                names[path] = f"new {fresh}"
+            names[second[0]] = names.pop(path)
+        else:
+            names.pop(path, None)
+        yield outputs(names)
+        yield outputs(durable)
+
+
+def evenly(count, limit):
+    return range(1, count + 1) if count <= limit else sorted({1 + round(i * (count - 1) / (limit - 1)) for i in range(limit)})
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("pilotage", type=pathlib.Path)
+    parser.add_argument("source", type=pathlib.Path)
+    parser.add_argument("shim", type=pathlib.Path)
+    parser.add_argument("--faults", type=int, help="as many, drawn at random")
+    parser.add_argument("--kills", type=int, help="as many, drawn at random")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--only", help="this command alone")
+    options = parser.parse_args()
+    source = options.source.resolve()
+    for tool in ("minisign", "gdal_translate"):
+        if shutil.which(tool) is None:
+            print(f"skipped: no {tool}: apt-get install {'gdal-bin' if tool.startswith('gdal') else tool}")
+            sys.exit(SKIP)
+    if not (source / "maps/sample/ortho.tif").exists():
+        print("skipped: maps/sample/ortho.tif is not there; the build makes it")
+        sys.exit(SKIP)
+
+    work = pathlib.Path(tempfile.mkdtemp(prefix="pilotage_fault_"))
+    campaign = Campaign(options.pilotage.resolve(), source, options.shim.resolve(), work, options.seed)
+    tasks = []
+    try:
+        campaign.make_mission()
+        chosen = [case for case in cases() if options.only in (None, case.name)]
+        known = {}
+        for case in chosen:
+            known[case.name] = campaign.reference(case)
+            old, new, text, calls, seconds = known[case.name]
+            print(f"{case.name}: {', '.join(f'{len(made)} {call}' for call, made in calls.items())}, {seconds:.2f} s", flush=True)
+            if options.faults is None and options.kills is None:
+                for fault, limit in FAULTS + KILLS:
+                    tasks += [(case, known[case.name], fault, at) for at in evenly(len(calls[fault.call]), limit)]
+            campaign.cut_power(case, old, new)
+        for faults, wanted in ((FAULTS, options.faults or 0), (KILLS, options.kills or 0)):
+            while wanted > 0:
+                case = campaign.random.choice(chosen)
+                old, new, text, calls, seconds = known[case.name]
+                fault = campaign.random.choice(faults)[0]
+                if faults is KILLS and campaign.random.random() < 0.5:
+                    tasks.append((case, known[case.name], fault, 0, campaign.random.uniform(0, seconds)))
+                elif calls[fault.call]:
+                    tasks.append((case, known[case.name], fault, campaign.random.randint(1, len(calls[fault.call]))))
+                else:
+                    continue
+                wanted -= 1
+        with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+            for done in [pool.submit(campaign.one, *task) for task in tasks]:
+                done.result()
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    for failure in campaign.failures[:60]:
+        print(f"FAILED: {failure}")
+    print(f"{campaign.counts['faults']} faults, {campaign.counts['kills']} kills, {campaign.counts['power cuts']} disks after power cuts; "
+          f"{dict(campaign.outcomes)}; {len(campaign.failures)} failures")
+    sys.exit(1 if campaign.failures else 0)
+
+
+if __name__ == "__main__":
+    main()
