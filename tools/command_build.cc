@@ -37,8 +37,8 @@ struct BuildCommandOptions {
 };
 
 // The files of the plan and of the second date, as `prepare` lists them.
-std::vector<InputFile> inputs_of(const Mission& plan, const std::vector<std::string>& second_epoch) {
-  std::vector<InputFile> inputs = input_files(plan);
+std::vector<InputFile> inputs_of(const Mission& mission, const std::vector<std::string>& second_epoch) {
+  std::vector<InputFile> inputs = input_files(mission);
   for (const std::string& dataset : second_epoch) {
     inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
   }
@@ -46,10 +46,10 @@ std::vector<InputFile> inputs_of(const Mission& plan, const std::vector<std::str
 }
 
 // Nothing is registered when nothing asks for it.
-std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, const Mission& plan,
+std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, const Mission& mission,
                                          const Invocation& invocation) {
   if (options.build.keep_features == KeepFeatures::kAll || options.second_epoch.empty()) return std::nullopt;
-  return register_second_date(plan.ground, options.second_epoch, options.registration, invocation.threads,
+  return register_second_date(mission.ground, options.second_epoch, options.registration, invocation.threads,
                               invocation.progress);
 }
 
@@ -81,9 +81,9 @@ Command make_build_command() {
     // An old signature must not stand beside a new map, so it is an output even when nothing is signed.
     OutputFile signature(signature_path_of(invocation.output), invocation.overwrite);
     const BuildStats stats =
-        build_map(map.temporary_path(), files.plan, files.scores, files.selection,
-                  inputs_of(files.plan, options.second_epoch), version_line(), options.build, true, invocation.threads,
-                  invocation.progress, second_date_of(options, files.plan, invocation));
+        build_map(map.temporary_path(), files.mission, files.scores, files.selection,
+                  inputs_of(files.mission, options.second_epoch), version_line(), options.build, true,
+                  invocation.threads, invocation.progress, second_date_of(options, files.mission, invocation));
     if (options.sign_key) {
       SignOptions sign;
       sign.signature_path = signature.temporary_path();

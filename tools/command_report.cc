@@ -72,7 +72,7 @@ void check_outputs(const OutputPlace& place, const std::vector<std::string>& nam
 
 ReportInput read_report_input(const ReportCommandOptions& options, const StageFiles& files,
                               const Invocation& invocation) {
-  ReportInput input = make_report_input(files.plan, files.scores, files.selection, input_files(files.plan),
+  ReportInput input = make_report_input(files.mission, files.scores, files.selection, input_files(files.mission),
                                         version_line(), invocation.threads, invocation.progress);
   input.title = options.title;
   if (!options.evaluation.empty()) {
@@ -90,7 +90,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const StageFiles files = read_stage_files(options.files, invocation);
-  check_outputs(place, report_output_names(place.stem, options.outputs, files.plan.ground.levels, true), options,
+  check_outputs(place, report_output_names(place.stem, options.outputs, files.mission.ground.levels, true), options,
                 invocation);
   const ReportInput input = read_report_input(options, files, invocation);
   const Report report = make_report(input);

@@ -65,19 +65,20 @@ Command make_select_command() {
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile, .help = "The selection (JSON)."};
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
-    Mission plan = read_stage_plan(invocation.inputs.front());
-    plan.flight.max_error_m = options.max_error_m.value_or(plan.flight.max_error_m);
-    const Selection selection = select_tiles(plan, read_scores(options.table, plan.ground, invocation.inputs.front()),
-                                             stored_size(options.build, plan.ground), options.select);
+    Mission mission = read_stage_plan(invocation.inputs.front());
+    mission.flight.max_error_m = options.max_error_m.value_or(mission.flight.max_error_m);
+    const Selection selection =
+        select_tiles(mission, read_scores(options.table, mission.ground, invocation.inputs.front()),
+                     stored_size(options.build, mission.ground), options.select);
     write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);
 
     CommandResult result;
-    result.text = std::to_string(selection.tile_ids.size()) + " of " + std::to_string(plan.ground.tiles.size()) +
+    result.text = std::to_string(selection.tile_ids.size()) + " of " + std::to_string(mission.ground.tiles.size()) +
                   " tiles, at most " + format_fixed(static_cast<double>(selection.estimated_bytes) / 1e6, 2) +
                   " MB; matchable on " + format_fixed(100 * selection.matchable_fraction, 1) + " % of the route\n";
     for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);
     if (selection.probability) result.text += describe_probability(selection);
-    result.text += assumptions_line(plan.flight, selection) + "\n";
+    result.text += assumptions_line(mission.flight, selection) + "\n";
     if (options.select.advise) {
       // The first note counts tiles.
       for (std::size_t i = 1; i < selection.notes.size(); ++i) result.text += selection.notes[i] + "\n";
@@ -85,7 +86,7 @@ Command make_select_command() {
     result.json = selection_to_json(selection);
     result.json.erase("tile_ids");
     result.json.erase("error_profile");
-    result.json["assumptions"] = assumptions_line(plan.flight, selection);
+    result.json["assumptions"] = assumptions_line(mission.flight, selection);
     result.json["selected_tiles"] = selection.tile_ids.size();
     if (options.select.require && !meets_gate(selection)) result.exit_code = kExitGateNotMet;
     return result;

@@ -16,13 +16,14 @@ Command make_tile_command() {
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
   command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON)."};
   bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
-    const Mission plan = plan_tiles(options, invocation.progress);
-    write_file(invocation.output, plan_to_json(plan).dump(1) + "\n", invocation.overwrite);
+    const Mission mission = plan_tiles(options, invocation.progress);
+    write_file(invocation.output, plan_to_json(mission).dump(1) + "\n", invocation.overwrite);
     CommandResult result;
-    result.text = std::to_string(plan.ground.tiles.size()) + " tiles in " + std::to_string(plan.ground.levels.size()) +
-                  " level(s), " + plan.ground.crs.name() + "\n";
-    result.json = {{"output", invocation.output}, {"crs", plan.ground.crs.name()}, {"tiles", plan.ground.tiles.size()}};
-    for (const GridLevel& level : plan.ground.levels) {
+    result.text = std::to_string(mission.ground.tiles.size()) + " tiles in " +
+                  std::to_string(mission.ground.levels.size()) + " level(s), " + mission.ground.crs.name() + "\n";
+    result.json = {
+        {"output", invocation.output}, {"crs", mission.ground.crs.name()}, {"tiles", mission.ground.tiles.size()}};
+    for (const GridLevel& level : mission.ground.levels) {
       result.text += "level " + std::to_string(level.matrix.level) + ": " + format_fixed(level.gsd_m, 3) +
                      " m/px, tiles of " + std::to_string(level.matrix.tile_size_px) + " px every " +
                      std::to_string(level.matrix.stride_px) + " px, search " + std::to_string(level.search_radius_px) +
@@ -34,9 +35,9 @@ Command make_tile_command() {
                                        {"stride_px", level.matrix.stride_px},
                                        {"search_radius_px", level.search_radius_px}});
     }
-    for (const auto& note : plan.notes) result.text += note + "\n";
-    result.json["notes"] = plan.notes;
-    result.warnings = plan.warnings;
+    for (const auto& note : mission.notes) result.text += note + "\n";
+    result.json["notes"] = mission.notes;
+    result.warnings = mission.warnings;
     return result;
   });
   return command;

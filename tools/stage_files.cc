@@ -39,14 +39,14 @@ StageFiles read_stage_files(const StageFileOptions& options, const Invocation& i
   if (options.selection.empty()) {
     throw UsageError("selection is missing; give --selection selection.json, which `pilotage select` writes");
   }
-  Mission plan = read_stage_plan(invocation.inputs.front());
-  std::vector<TileScores> scores = read_scores(options.table, plan.ground, invocation.inputs.front());
+  Mission mission = read_stage_plan(invocation.inputs.front());
+  std::vector<TileScores> scores = read_scores(options.table, mission.ground, invocation.inputs.front());
   need_file(options.selection, "select");
-  StageFiles files{std::move(plan), std::move(scores), read_selection(options.selection)};
-  for (const std::int64_t id : files.selection.tile_ids) tile_index(files.plan.ground, id, options.selection);
-  if (files.selection.legs.size() != files.plan.flight.route.legs.size()) {
+  StageFiles files{std::move(mission), std::move(scores), read_selection(options.selection)};
+  for (const std::int64_t id : files.selection.tile_ids) tile_index(files.mission.ground, id, options.selection);
+  if (files.selection.legs.size() != files.mission.flight.route.legs.size()) {
     throw DataError(options.selection + ": has " + std::to_string(files.selection.legs.size()) + " legs, " +
-                    invocation.inputs.front() + " has " + std::to_string(files.plan.flight.route.legs.size()));
+                    invocation.inputs.front() + " has " + std::to_string(files.mission.flight.route.legs.size()));
   }
   return files;
 }

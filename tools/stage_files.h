@@ -25,7 +25,7 @@ struct StageFileOptions {
 };
 
 struct StageFiles {
-  Mission plan;
+  Mission mission;
   std::vector<TileScores> scores;
   Selection selection;
 };

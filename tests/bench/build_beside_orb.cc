@@ -25,22 +25,22 @@ namespace pilotage {
 namespace {
 
 void run(char** argv) {
-  const Mission plan = read_plan(argv[1]);
+  const Mission mission = read_plan(argv[1]);
   const Selection selection = read_selection(argv[3]);
   const int threads = std::stoi(argv[4]);
   std::vector<TileScores> scores;
   for (const TileRow& row : tile_table_from_csv(argv[2], read_file(argv[2]))) scores.push_back(row.score);
   const testing::TemporaryFolder folder;
   const BuildOptions options;
-  const GridLevel& level = plan.ground.levels.front();
+  const GridLevel& level = mission.ground.levels.front();
   Raster pixels;
   BuildStats built;
   const auto build = [&] {
-    built = build_map(folder / "map.gpkg", plan, scores, selection, {}, "bench", options, true, threads);
+    built = build_map(folder / "map.gpkg", mission, scores, selection, {}, "bench", options, true, threads);
   };
   build();
   const auto read = [&] {
-    const GraySource source = stretch_to_8bit(open_gray(plan.ground, level));
+    const GraySource source = stretch_to_8bit(open_gray(mission.ground, level));
     pixels = source.read({0, 0, static_cast<int>(source.width_px), static_cast<int>(source.height_px)});
   };
   cv::setNumThreads(threads);

@@ -22,9 +22,9 @@
 namespace pilotage {
 namespace {
 
-std::vector<TileScores> good_scores(const Mission& plan) {
+std::vector<TileScores> good_scores(const Mission& mission) {
   std::vector<TileScores> scores;
-  for (const GroundTile& tile : plan.ground.tiles) {
+  for (const GroundTile& tile : mission.ground.tiles) {
     TileScores score;
     score.valid_fraction = tile.valid_fraction;
     score.gray_variance = 10;
@@ -34,11 +34,11 @@ std::vector<TileScores> good_scores(const Mission& plan) {
   return scores;
 }
 
-Selection every_tile(const Mission& plan, std::size_t step = 1) {
+Selection every_tile(const Mission& mission, std::size_t step = 1) {
   Selection selection;
-  for (std::size_t i = 0; i < plan.ground.tiles.size(); i += step)
-    selection.tile_ids.push_back(plan.ground.tiles[i].tile_id);
-  selection.legs.resize(plan.flight.route.legs.size());
+  for (std::size_t i = 0; i < mission.ground.tiles.size(); i += step)
+    selection.tile_ids.push_back(mission.ground.tiles[i].tile_id);
+  selection.legs.resize(mission.flight.route.legs.size());
   return selection;
 }
 
@@ -65,9 +65,9 @@ std::set<GroundPoint> stored_points(const std::filesystem::path& map) {
   return points;
 }
 
-bool on_selected_ground(const Mission& plan, const Selection& selection, const GroundPoint& point) {
-  const TileMatrix& matrix = plan.ground.levels[0].matrix;
-  for (const GroundTile& tile : plan.ground.tiles) {
+bool on_selected_ground(const Mission& mission, const Selection& selection, const GroundPoint& point) {
+  const TileMatrix& matrix = mission.ground.levels[0].matrix;
+  for (const GroundTile& tile : mission.ground.tiles) {
     if (!std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), tile.tile_id)) continue;
     const PixelWindow window = matrix.tile_window(tile.column, tile.row);
     const double x = point.first - static_cast<double>(window.col);
@@ -80,25 +80,25 @@ bool on_selected_ground(const Mission& plan, const Selection& selection, const G
 class BuildMap : public ::testing::Test {
  protected:
   testing::TemporaryFolder folder_;
-  Mission plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
-  std::vector<TileScores> scores_ = good_scores(plan_);
+  Mission mission_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
+  std::vector<TileScores> scores_ = good_scores(mission_);
 
   BuildStats build(const std::string& name, const Selection& selection, int threads = 1,
                    const BuildOptions& options = {}) {
-    return build_map(folder_ / name, plan_, scores_, selection, {}, "test", options, false, threads);
+    return build_map(folder_ / name, mission_, scores_, selection, {}, "test", options, false, threads);
   }
 
   // Chips of `factor` × `factor` pixels of the level.
   BuildOptions with_chips(int factor, int gray_bits = 8) const {
     BuildOptions options;
-    options.chips = {true, factor * plan_.ground.levels[0].gsd_m, gray_bits};
+    options.chips = {true, factor * mission_.ground.levels[0].gsd_m, gray_bits};
     return options;
   }
 };
 
 TEST_F(BuildMap, StoresEveryDescriptorOnceAndVerifies) {
-  const BuildStats stats = build("map.gpkg", every_tile(plan_));
-  EXPECT_EQ(stats.tiles, static_cast<std::int64_t>(plan_.ground.tiles.size()));
+  const BuildStats stats = build("map.gpkg", every_tile(mission_));
+  EXPECT_EQ(stats.tiles, static_cast<std::int64_t>(mission_.ground.tiles.size()));
   EXPECT_GT(stats.descriptors, 200);
   EXPECT_EQ(static_cast<std::int64_t>(stored_points(folder_ / "map.gpkg").size()), stats.descriptors);
   EXPECT_EQ(stats.bytes, static_cast<std::int64_t>(std::filesystem::file_size(folder_ / "map.gpkg")));
@@ -110,15 +110,15 @@ TEST_F(BuildMap, StoresEveryDescriptorOnceAndVerifies) {
 // The stored cells of a part of the tiles cover the union of these tiles and nothing else, with the very points that
 // the map of all tiles has there.
 TEST_F(BuildMap, StoredCellsCoverTheUnionOfTheSelectedTiles) {
-  build("all.gpkg", every_tile(plan_));
+  build("all.gpkg", every_tile(mission_));
   const std::set<GroundPoint> all = stored_points(folder_ / "all.gpkg");
   for (const std::size_t step : {2u, 5u}) {
-    const Selection part = every_tile(plan_, step);
+    const Selection part = every_tile(mission_, step);
     const std::string name = "part" + std::to_string(step) + ".gpkg";
     build(name, part);
     std::set<GroundPoint> expected;
     for (const GroundPoint& point : all) {
-      if (on_selected_ground(plan_, part, point)) expected.insert(point);
+      if (on_selected_ground(mission_, part, point)) expected.insert(point);
     }
     EXPECT_LT(expected.size(), all.size());
     EXPECT_EQ(stored_points(folder_ / name), expected) << step;
@@ -128,10 +128,10 @@ TEST_F(BuildMap, StoredCellsCoverTheUnionOfTheSelectedTiles) {
 // Put together, the chips of any part of the tiles show each pixel whose centre lies in one of them once, and no other,
 // as the mean of the imagery's pixels.
 TEST_F(BuildMap, ChipsShowAllSelectedGroundOnce) {
-  const GraySource imagery = stretch_to_8bit(open_gray(plan_.ground, plan_.ground.levels[0]));
+  const GraySource imagery = stretch_to_8bit(open_gray(mission_.ground, mission_.ground.levels[0]));
   for (const int factor : {1, 2, 3, 5}) {
     for (const std::size_t step : {1u, 2u, 5u}) {
-      const Selection part = every_tile(plan_, step);
+      const Selection part = every_tile(mission_, step);
       const std::string name = "chips" + std::to_string(factor) + std::to_string(step) + ".gpkg";
       const BuildStats stats = build(name, part, 2, with_chips(factor));
       EXPECT_GT(stats.chips, 0);
@@ -159,7 +159,7 @@ TEST_F(BuildMap, ChipsShowAllSelectedGroundOnce) {
       std::set<GroundPoint> expected;
       for (int y = 0; y < imagery.height_px; y += factor) {
         for (int x = 0; x < imagery.width_px; x += factor) {
-          if (on_selected_ground(plan_, part, {x + 0.5 * factor, y + 0.5 * factor})) expected.emplace(x, y);
+          if (on_selected_ground(mission_, part, {x + 0.5 * factor, y + 0.5 * factor})) expected.emplace(x, y);
         }
       }
       EXPECT_EQ(seen, expected) << factor << " " << step;
@@ -171,16 +171,16 @@ TEST_F(BuildMap, ChipsShowAllSelectedGroundOnce) {
 TEST_F(BuildMap, WithoutChipsTheMapIsTheSameAsEver) {
   BuildOptions options;
   options.chips.chip_gsd_m = 7;
-  build("plain.gpkg", every_tile(plan_));
-  const BuildStats stats = build("still_plain.gpkg", every_tile(plan_), 1, options);
+  build("plain.gpkg", every_tile(mission_));
+  const BuildStats stats = build("still_plain.gpkg", every_tile(mission_), 1, options);
   EXPECT_EQ(stats.chips, 0);
   EXPECT_FALSE(MapReader::open_unverified(folder_ / "plain.gpkg").has_chips());
   EXPECT_TRUE(read_file(folder_ / "plain.gpkg") == read_file(folder_ / "still_plain.gpkg"));
 }
 
 TEST_F(BuildMap, SameBytesForAnyNumberOfThreads) {
-  build("one.gpkg", every_tile(plan_), 1, with_chips(2, 4));
-  build("four.gpkg", every_tile(plan_), 4, with_chips(2, 4));
+  build("one.gpkg", every_tile(mission_), 1, with_chips(2, 4));
+  build("four.gpkg", every_tile(mission_), 4, with_chips(2, 4));
   EXPECT_TRUE(read_file(folder_ / "one.gpkg") == read_file(folder_ / "four.gpkg"));
 }
 
@@ -190,7 +190,7 @@ TEST_F(BuildMap, EstimateOfTheBudgetIsAnUpperBound) {
     for (const std::int64_t budget : {std::int64_t{0}, std::int64_t{400'000}}) {
       SelectOptions options;
       if (budget > 0) options.budget = std::to_string(budget);
-      const Selection selection = select_tiles(plan_, scores_, stored_size(build_options, plan_.ground), options);
+      const Selection selection = select_tiles(mission_, scores_, stored_size(build_options, mission_.ground), options);
       const BuildStats stats = build("budget" + std::to_string(number++) + ".gpkg", selection, 1, build_options);
       EXPECT_LE(stats.bytes, selection.estimated_bytes);
       if (budget > 0) {
@@ -201,14 +201,14 @@ TEST_F(BuildMap, EstimateOfTheBudgetIsAnUpperBound) {
 }
 
 TEST_F(BuildMap, RefusesWhatIsOfAnotherPlanAndWhatExists) {
-  Selection selection = every_tile(plan_);
+  Selection selection = every_tile(mission_);
   selection.tile_ids.push_back(selection.tile_ids.back() + 1);
   EXPECT_THROW(build("map.gpkg", selection), DataError);
-  selection = every_tile(plan_);
+  selection = every_tile(mission_);
   scores_.pop_back();
   EXPECT_THROW(build("map.gpkg", selection), DataError);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "map.gpkg"));
-  scores_ = good_scores(plan_);
+  scores_ = good_scores(mission_);
   build("map.gpkg", selection);
   EXPECT_THROW(build("map.gpkg", selection), DataError);
 }

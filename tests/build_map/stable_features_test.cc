@@ -90,7 +90,7 @@ using Point = std::pair<double, double>;  // metres east and south of the raster
 class StableFeatures : public ::testing::Test {
  protected:
   testing::TemporaryFolder folder_;
-  Mission plan_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
+  Mission mission_ = plan_tiles(testing::make_small_mission(folder_.path(), testing::two_legs()));
   std::string second_ = make_second();
 
   // The blocks of the small mission, 3 m further east; other ones in the middle, nothing in the east.
@@ -113,19 +113,19 @@ class StableFeatures : public ::testing::Test {
   }
 
   BuildStats build(const std::string& name, KeepFeatures keep, int threads = 1) {
-    const std::vector<TileScores> scores(plan_.ground.tiles.size());
+    const std::vector<TileScores> scores(mission_.ground.tiles.size());
     Selection selection;
-    selection.legs.resize(plan_.flight.route.legs.size());
-    for (const GroundTile& tile : plan_.ground.tiles) selection.tile_ids.push_back(tile.tile_id);
+    selection.legs.resize(mission_.flight.route.legs.size());
+    for (const GroundTile& tile : mission_.ground.tiles) selection.tile_ids.push_back(tile.tile_id);
     BuildOptions options;
     options.keep_features = keep;
-    return build_map(folder_ / name, plan_, scores, selection, {}, "test", options, false, threads, {},
-                     register_second_date(plan_.ground, {second_}, {}, threads));
+    return build_map(folder_ / name, mission_, scores, selection, {}, "test", options, false, threads, {},
+                     register_second_date(mission_.ground, {second_}, {}, threads));
   }
 
   std::vector<Point> stored(const std::string& name) {
     MapReader reader = MapReader::open_unverified(folder_ / name);
-    const GeoTransform place = plan_.ground.levels[0].matrix.map_from_pixel;
+    const GeoTransform place = mission_.ground.levels[0].matrix.map_from_pixel;
     std::vector<Point> points;
     for (const MapTile& tile : reader.tiles()) {
       const auto row = reader.descriptors(tile.tile_id, tile.level);
@@ -187,8 +187,8 @@ TEST_F(StableFeatures, SameBytesForAnyNumberOfThreads) {
 TEST_F(StableFeatures, NeedsItsSecondDate) {
   BuildOptions options;
   options.keep_features = KeepFeatures::kStable;
-  const std::vector<TileScores> scores(plan_.ground.tiles.size());
-  EXPECT_THROW(build_map(folder_ / "map.gpkg", plan_, scores, {}, {}, "test", options, false), UsageError);
+  const std::vector<TileScores> scores(mission_.ground.tiles.size());
+  EXPECT_THROW(build_map(folder_ / "map.gpkg", mission_, scores, {}, {}, "test", options, false), UsageError);
 }
 
 }  // namespace

@@ -15,22 +15,22 @@ ReportInput gis_scene(GeodeticPoint origin, bool two_levels) {
   options.matchable_to = 0.5;
   options.tiles_along = 14;
   ReportInput input = report_scene(options);
-  input.plan.ground.crs =
+  input.mission.ground.crs =
       Crs::from_user_input("+proj=aeqd +datum=WGS84 +units=m +no_defs +lat_0=" + format_number(origin.lat_deg) +
                            " +lon_0=" + format_number(origin.lon_deg));
   if (!two_levels) {
     const auto upper = [](const auto& entry) { return entry.level > 0; };
-    std::erase_if(input.plan.ground.tiles, upper);
-    input.plan.flight.places.resize(input.plan.ground.tiles.size());
-    input.scores.resize(input.plan.ground.tiles.size());
-    const auto tiles = static_cast<std::int64_t>(input.plan.ground.tiles.size());
+    std::erase_if(input.mission.ground.tiles, upper);
+    input.mission.flight.places.resize(input.mission.ground.tiles.size());
+    input.scores.resize(input.mission.ground.tiles.size());
+    const auto tiles = static_cast<std::int64_t>(input.mission.ground.tiles.size());
     std::erase_if(input.selection.tile_ids, [&](std::int64_t id) { return id >= tiles; });
-    input.plan.ground.levels.resize(1);
+    input.mission.ground.levels.resize(1);
   }
   Random random(3);
   for (std::size_t i = 0; i < input.scores.size(); ++i) {
     TileScores& score = input.scores[i];
-    if (score.status == TileStatus::kScored && input.plan.ground.tiles[i].tile_id % 9 != 0) {
+    if (score.status == TileStatus::kScored && input.mission.ground.tiles[i].tile_id % 9 != 0) {
       score.p_correct_fix = random.uniform();
     }
   }

@@ -77,7 +77,7 @@ TEST(ReportLayers, LegsAndGapsHoldTheNumbersOfTheReport) {
     for (std::size_t c = 0; c < layers.legs.columns.size(); ++c) {
       EXPECT_EQ(json_of(layers.legs.features[i].values[c]), json["route"]["legs"][i][layers.legs.columns[c].name]);
     }
-    EXPECT_EQ(layers.legs.features[i].points.front().x(), input.plan.flight.route.vertices[i].point.lon_deg);
+    EXPECT_EQ(layers.legs.features[i].points.front().x(), input.mission.flight.route.vertices[i].point.lon_deg);
     EXPECT_EQ(layers.legs.features[i].title, "Leg " + std::to_string(i + 1));
     EXPECT_EQ(json_of(layers.legs.features[i].values[column_of(layers.legs, "leg")]), i + 1);
   }
@@ -98,7 +98,7 @@ TEST(ReportLayers, LegsAndGapsHoldTheNumbersOfTheReport) {
 TEST(ReportLayers, LegsNameTheItemsOfThePlan) {
   ReportInput input = testing::gis_scene();
   EXPECT_TRUE(report_json(input)["route"]["legs"][1]["from_item"].is_null()) << "the file has no mission items";
-  Route& route = input.plan.flight.route;
+  Route& route = input.mission.flight.route;
   for (int i = 0; i < 5; ++i) {
     route.items.push_back({i, 16, "waypoint", "vertex"});
     route.vertices[static_cast<std::size_t>(i)].source_item = i == 0 ? -1 : 10 * i;
@@ -142,12 +142,12 @@ TEST(ReportLayers, AreasJoinSelectedTilesThatTouch) {
 
 TEST(ReportLayers, AnEmptyPlanHasEmptyLayers) {
   ReportInput input = testing::gis_scene();
-  input.plan.ground.tiles.clear();
-  input.plan.flight.places.clear();
+  input.mission.ground.tiles.clear();
+  input.mission.flight.places.clear();
   input.scores.clear();
   input.selection = {};
-  input.plan.flight.route = {};
-  input.plan.flight.samples.clear();
+  input.mission.flight.route = {};
+  input.mission.flight.samples.clear();
   const ReportLayers layers = layers_of(input);
   EXPECT_TRUE(layers.tiles.features.empty());
   EXPECT_TRUE(layers.areas.features.empty());

@@ -60,7 +60,7 @@ TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
   const std::vector<std::string> names = write_all(folder, input);
   const std::set<std::string> written(names.begin(), names.end());
   EXPECT_EQ(names_in(folder), written);
-  const std::vector<std::string> told = report_output_names("report", kEverything, input.plan.ground.levels, true);
+  const std::vector<std::string> told = report_output_names("report", kEverything, input.mission.ground.levels, true);
   EXPECT_EQ(std::set<std::string>(told.begin(), told.end()), written);
   EXPECT_EQ(written.size(), 21u);
   for (const std::string& name : names) EXPECT_TRUE(is_report_output("report", name)) << name;
@@ -163,8 +163,8 @@ TEST(ReportOutputs, RastersHoldScoresAndClasses) {
     const TileScores& score = input.scores[i];
     double value = 0;
     std::uint8_t number = 0;
-    const int col = static_cast<int>(input.plan.ground.tiles[i].column);
-    const int row = static_cast<int>(input.plan.ground.tiles[i].row);
+    const int col = static_cast<int>(input.mission.ground.tiles[i].column);
+    const int row = static_cast<int>(input.mission.ground.tiles[i].row);
     ASSERT_EQ(p->RasterIO(GF_Read, col, row, 1, 1, &value, 1, 1, GDT_Float64, 0, 0, nullptr), CE_None);
     ASSERT_EQ(band->RasterIO(GF_Read, col, row, 1, 1, &number, 1, 1, GDT_Byte, 0, 0, nullptr), CE_None);
     EXPECT_TRUE(value == score.p_correct_fix || (std::isnan(value) && std::isnan(score.p_correct_fix)));
@@ -254,14 +254,14 @@ TEST(ReportOutputs, AcrossTheAntimeridianShapesAreCut) {
 TEST(ReportOutputs, APlanWithoutMeasuresAndRouteStillWorks) {
   const TemporaryFolder folder;
   ReportInput input = testing::gis_scene();
-  input.scores.assign(input.plan.ground.tiles.size(), {});
+  input.scores.assign(input.mission.ground.tiles.size(), {});
   input.selection = {};
-  input.plan.flight.route = {};
-  input.plan.flight.samples.clear();
+  input.mission.flight.route = {};
+  input.mission.flight.samples.clear();
   const std::vector<std::string> names = write_all(folder, input);
   EXPECT_EQ(names_in(folder), std::set<std::string>(names.begin(), names.end()));
   EXPECT_EQ(open(folder / "report_tiles.geojson")->GetLayer(0)->GetFeatureCount(),
-            static_cast<GIntBig>(input.plan.ground.tiles.size()));
+            static_cast<GIntBig>(input.mission.ground.tiles.size()));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "select/straight_plan.h"
+#include "select/straight_mission.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/random.h"
@@ -28,18 +28,19 @@ TEST(TileIdOf, CountsLevelByLevelRowByRow) {
 
 // Against a search through all tiles of the matrix.
 TEST(TileUnder, FindsTheTileWithTheNearestCentre) {
-  const Mission plan = testing::straight_plan(2000, 60);
+  const Mission mission = testing::straight_mission(2000, 60);
   Random random(seed_from_name("TileLookup"));
   int found = 0;
   for (int trial = 0; trial < 2000; ++trial) {
     FlightSample sample;
     sample.level = 0;
     sample.point_map_m = {random.uniform(-100, 2100), random.uniform(-120, 120)};
-    const auto index = tile_under(plan, sample);
+    const auto index = tile_under(mission, sample);
     double nearest = 1e9;
     std::size_t nearest_index = 0;
-    for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
-      const double distance = (plan.ground.tiles[i].bounds.center_m() - sample.point_map_m).lpNorm<Eigen::Infinity>();
+    for (std::size_t i = 0; i < mission.ground.tiles.size(); ++i) {
+      const double distance =
+          (mission.ground.tiles[i].bounds.center_m() - sample.point_map_m).lpNorm<Eigen::Infinity>();
       if (distance < nearest) {
         nearest = distance;
         nearest_index = i;
@@ -54,14 +55,14 @@ TEST(TileUnder, FindsTheTileWithTheNearestCentre) {
 }
 
 TEST(TileUnder, NothingWithoutALevelOrOutsideTheMatrix) {
-  const Mission plan = testing::straight_plan(500);
-  FlightSample sample = plan.flight.samples.front();
-  EXPECT_TRUE(tile_under(plan, sample));
+  const Mission mission = testing::straight_mission(500);
+  FlightSample sample = mission.flight.samples.front();
+  EXPECT_TRUE(tile_under(mission, sample));
   sample.level = FlightSample::kNoLevel;
-  EXPECT_FALSE(tile_under(plan, sample));
+  EXPECT_FALSE(tile_under(mission, sample));
   sample.level = 0;
   sample.point_map_m = {1e9, -1e9};
-  EXPECT_FALSE(tile_under(plan, sample));
+  EXPECT_FALSE(tile_under(mission, sample));
 }
 
 }  // namespace

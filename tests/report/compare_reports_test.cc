@@ -64,7 +64,7 @@ TEST(CompareReports, FindsWhatChanged) {
   ids.push_back(gained);
   std::sort(ids.begin(), ids.end());
   for (std::size_t i = 0; i < after.scores.size(); ++i) {
-    const std::int64_t id = after.plan.ground.tiles[i].tile_id;
+    const std::int64_t id = after.mission.ground.tiles[i].tile_id;
     if (id == changed) after.scores[i].p_correct_fix = 0.5;
     if (id == ids.back()) after.scores[i].p_correct_fix = 0.755;  // less than what counts
   }
@@ -110,7 +110,7 @@ TEST(CompareReports, FindsWhatChanged) {
 TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
   const ReportInput before = scene_with_p();
   ReportInput after = scene_with_p();
-  for (GroundTile& tile : after.plan.ground.tiles) {  // a third of a stride to the east, with other numbers
+  for (GroundTile& tile : after.mission.ground.tiles) {  // a third of a stride to the east, with other numbers
     const double shift_m = tile.bounds.width_m() / 6;
     tile.bounds = {tile.bounds.min_x_m + shift_m, tile.bounds.min_y_m, tile.bounds.max_x_m + shift_m,
                    tile.bounds.max_y_m};
@@ -128,7 +128,7 @@ TEST(CompareReports, PairsTilesOfGridsThatAreShifted) {
 
 TEST(CompareReports, TellsLegsThatOnlyOneRouteHas) {
   ReportInput after = scene_with_p();
-  after.plan.flight.route.vertices.back().point.lat_deg += 0.01;
+  after.mission.flight.route.vertices.back().point.lat_deg += 0.01;
   const ReportComparison c = compared(scene_with_p(), after);
   EXPECT_EQ(c.common_legs, 3);
   EXPECT_THAT(c.legs_of_one[0], ElementsAre(4));

@@ -25,18 +25,18 @@ ReportInput plain_input(double gap_error_m, double limit_m) {
   level.gsd_m = 0.6;
   level.matrix.tile_size_px = 256;
   level.matrix.stride_px = 256;
-  input.plan.ground.levels = {level};
+  input.mission.ground.levels = {level};
   for (int i = 0; i < 4; ++i) {
     GroundTile tile;
     tile.tile_id = i;
     tile.valid_fraction = 1;
-    input.plan.ground.tiles.push_back(tile);
+    input.mission.ground.tiles.push_back(tile);
     TileScores score;
     score.degraded.margin = 0.2;
     input.scores.push_back(score);
     input.selection.tile_ids.push_back(i);
   }
-  input.plan.ground.imagery.datasets = {{"a.tif", 0.3, "EPSG:32632", "2024-06-01", 100, 100}};
+  input.mission.ground.imagery.datasets = {{"a.tif", 0.3, "EPSG:32632", "2024-06-01", 100, 100}};
   RouteGap gap;
   gap.leg = 2;
   gap.from_distance_m = 1000;
@@ -108,10 +108,10 @@ TEST(Verdict, TheSelectionsOwnFlagIsNotOverruled) {
 
 TEST(Verdict, DistortionAndAnEmptyMapEnterIt) {
   ReportInput input = plain_input(31, 50);
-  input.plan.ground.max_scale_distortion = 0.002;
+  input.mission.ground.max_scale_distortion = 0.002;
   EXPECT_THAT(sentence(input), StartsWith("MARGINAL: "));
   EXPECT_THAT(sentence(input), HasSubstr("Scale distortion of the mission grid: 0.200 %"));
-  input.plan.ground.max_scale_distortion = 0.01;
+  input.mission.ground.max_scale_distortion = 0.01;
   EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
   ReportInput empty = plain_input(31, 50);
   empty.selection.tile_ids.clear();
@@ -122,7 +122,7 @@ TEST(Verdict, DistortionAndAnEmptyMapEnterIt) {
 TEST(Verdict, AdviceAloneDoesNotStopAFlight) {
   ReportInput input = plain_input(31, 50);
   input.selection.matchable_fraction = 0.12;  // a sparse map
-  input.plan.ground.imagery.datasets.front().acquired = "";
+  input.mission.ground.imagery.datasets.front().acquired = "";
   EXPECT_THAT(sentence(input), StartsWith("GO: matchable on 12 %"));
 }
 
@@ -267,18 +267,18 @@ TEST(QualityRows, AllGoodWithoutAdvice) {
 
 TEST(QualityRows, ThresholdsAreWhereTheySay) {
   ReportInput input = plain_input(31, 50);
-  input.plan.ground.tiles.front().valid_fraction = 0.8;  // mean 0.95
+  input.mission.ground.tiles.front().valid_fraction = 0.8;  // mean 0.95
   EXPECT_EQ(row_named(input, "imagery_coverage").status, QualityStatus::kMarginal);
   EXPECT_EQ(row_named(input, "imagery_coverage").number, 0.95);
-  input.plan.ground.tiles.front().valid_fraction = 0;  // mean 0.75
+  input.mission.ground.tiles.front().valid_fraction = 0;  // mean 0.75
   EXPECT_EQ(row_named(input, "imagery_coverage").status, QualityStatus::kBad);
-  input.plan.ground.levels.front().gsd_m = 0.2;
+  input.mission.ground.levels.front().gsd_m = 0.2;
   EXPECT_THAT(row_named(input, "map_gsd").advice, HasSubstr("--gsd-m 0.5"));
-  input.plan.ground.levels.front().gsd_m = 3;
+  input.mission.ground.levels.front().gsd_m = 3;
   EXPECT_THAT(row_named(input, "map_gsd").advice, HasSubstr("finer imagery"));
-  input.plan.ground.levels.front().matrix.tile_size_px = 128;
+  input.mission.ground.levels.front().matrix.tile_size_px = 128;
   EXPECT_EQ(row_named(input, "footprint_pixels").status, QualityStatus::kMarginal);
-  input.plan.ground.levels.front().matrix.tile_size_px = 127;
+  input.mission.ground.levels.front().matrix.tile_size_px = 127;
   EXPECT_EQ(row_named(input, "footprint_pixels").status, QualityStatus::kBad);
 }
 

@@ -99,7 +99,7 @@ TEST(ReportHtml, PicturesFollowTheOrderOfTheTiles) {
   ReportInput input = drifting_scene(0.04);
   input.pictures.sheet.setTo(cv::Scalar::all(0));
   input.pictures.sheet(input.pictures.place(7)).setTo(cv::Scalar::all(255));
-  const std::int64_t white = input.plan.ground.tiles[7].tile_id;
+  const std::int64_t white = input.mission.ground.tiles[7].tile_id;
   const Report report = make_report(input);
   const std::string& jpeg = report.display.pictures_jpeg;
   const cv::Mat sheet = cv::imdecode(std::vector<char>(jpeg.begin(), jpeg.end()), cv::IMREAD_GRAYSCALE);
@@ -132,15 +132,15 @@ TEST(ReportHtml, TextIsNeverMarkup) {
   ReportInput input = drifting_scene(0.04);
   input.title = evil;
   input.software_version = evil;
-  input.plan.flight.route.name = evil;
-  input.plan.flight.route.format = evil;
-  input.plan.ground.crs = testing::local_crs("</script><img src=x onerror=alert(1)>'&{{data}}");
-  input.plan.ground.elevation = evil;
-  input.plan.warnings = {evil};
-  input.plan.flight.route.notes = {evil};
+  input.mission.flight.route.name = evil;
+  input.mission.flight.route.format = evil;
+  input.mission.ground.crs = testing::local_crs("</script><img src=x onerror=alert(1)>'&{{data}}");
+  input.mission.ground.elevation = evil;
+  input.mission.warnings = {evil};
+  input.mission.flight.route.notes = {evil};
   input.selection.notes = {evil};
   input.assumptions = {evil};
-  input.plan.ground.imagery.datasets = {{evil, 0.3, evil, evil, 10, 10}};
+  input.mission.ground.imagery.datasets = {{evil, 0.3, evil, evil, 10, 10}};
   input.inputs = {{evil, evil, evil, evil}};
   input.parameters = {{evil, {{evil, evil}}}, {"list", {evil}}};
   const std::string html = report_html(input);
@@ -160,7 +160,7 @@ TEST(ReportHtml, TextIsNeverMarkup) {
 TEST(ReportHtml, ImageryLiesUnderTheCells) {
   ReportInput input = drifting_scene(0.04);
   // One tile of level 0 painted white: in the picture the middle of its cell must be white.
-  const GroundTile& tile = input.plan.ground.tiles[60];
+  const GroundTile& tile = input.mission.ground.tiles[60];
   const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.min_x_m, tile.bounds.max_y_m});
   const Eigen::Vector2d b = input.imagery.map_from_pixel.pixel_from_map({tile.bounds.max_x_m, tile.bounds.min_y_m});
   input.imagery.pixels.setTo(cv::Scalar(0, 0, 0));

@@ -89,11 +89,11 @@ TEST(ReportJson, RowsHaveOneEntryPerColumnAndTheScoresNumbers) {
   for (std::size_t i = 0; i < input.scores.size(); ++i) {
     const auto& row = json["tiles"]["rows"][i];
     ASSERT_EQ(row.size(), columns.size());
-    EXPECT_EQ(row[index("tile_id")], input.plan.ground.tiles[i].tile_id);
+    EXPECT_EQ(row[index("tile_id")], input.mission.ground.tiles[i].tile_id);
     if (input.scores[i].status != TileStatus::kScored) continue;
     EXPECT_NEAR(row[index("degraded_peak_margin")].get<double>(), input.scores[i].degraded.margin, 1e-6);
     EXPECT_NEAR(row[index("frieden_entropy")].get<double>(), input.scores[i].frieden_entropy, 1e-11);
-    EXPECT_NEAR(row[index("center_lon_deg")].get<double>(), input.plan.ground.tiles[i].center.lon_deg, 5.1e-8);
+    EXPECT_NEAR(row[index("center_lon_deg")].get<double>(), input.mission.ground.tiles[i].center.lon_deg, 5.1e-8);
   }
   for (const auto& measure : json["measures"]) EXPECT_LT(index(measure["name"]), columns.size()) << measure["name"];
 }

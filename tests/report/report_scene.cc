@@ -102,11 +102,11 @@ TilePictures pictures_of(const ReportInput& input) {
   TilePictures pictures;
   pictures.side_px = 32;
   pictures.columns = 64;
-  const int rows = static_cast<int>(input.plan.ground.tiles.size()) / pictures.columns + 1;
+  const int rows = static_cast<int>(input.mission.ground.tiles.size()) / pictures.columns + 1;
   pictures.sheet = cv::Mat(rows * pictures.side_px, pictures.columns * pictures.side_px, CV_8UC3, cv::Scalar::all(192));
   const cv::Rect all({0, 0}, input.imagery.pixels.size());
-  for (std::size_t i = 0; i < input.plan.ground.tiles.size(); ++i) {
-    const Bounds& bounds = input.plan.ground.tiles[i].bounds;
+  for (std::size_t i = 0; i < input.mission.ground.tiles.size(); ++i) {
+    const Bounds& bounds = input.mission.ground.tiles[i].bounds;
     const Eigen::Vector2d a = input.imagery.map_from_pixel.pixel_from_map({bounds.min_x_m, bounds.max_y_m});
     const Eigen::Vector2d b = input.imagery.map_from_pixel.pixel_from_map({bounds.max_x_m, bounds.min_y_m});
     const cv::Rect window = cv::Rect(cv::Point(static_cast<int>(a.x()), static_cast<int>(a.y())),
@@ -136,7 +136,7 @@ void add_level(const ReportSceneOptions& options, int level, ReportInput& input)
   for (std::int64_t row = 0; row < matrix.matrix_height(); ++row) {
     for (std::int64_t column = 0; column < matrix.matrix_width(); ++column) {
       GroundTile tile;
-      tile.tile_id = static_cast<std::int64_t>(input.plan.ground.tiles.size());
+      tile.tile_id = static_cast<std::int64_t>(input.mission.ground.tiles.size());
       tile.level = level;
       tile.column = column;
       tile.row = row;
@@ -146,13 +146,13 @@ void add_level(const ReportSceneOptions& options, int level, ReportInput& input)
                      top_left.x() + kTile_px * plan_level.gsd_m, top_left.y()};
       tile.center = input.geodetic_from_map(tile.bounds.center_m());
       tile.valid_fraction = column < 1 && row * 9 < matrix.matrix_height() ? 0.3 : 1;
-      input.plan.ground.tiles.push_back(tile);
-      input.plan.flight.places.push_back(
+      input.mission.ground.tiles.push_back(tile);
+      input.mission.flight.places.push_back(
           {static_cast<double>(row) * kStride_px * plan_level.gsd_m,
            std::abs(static_cast<double>(column) - options.tiles_across / 2) * kStride_m});
     }
   }
-  input.plan.ground.levels.push_back(plan_level);
+  input.mission.ground.levels.push_back(plan_level);
 }
 
 void add_route(const ReportSceneOptions& options, ReportInput& input) {
@@ -160,7 +160,7 @@ void add_route(const ReportSceneOptions& options, ReportInput& input) {
   const double length_m = (options.tiles_along - 1) * kStride_m;
   const double x_m = 1000 + static_cast<double>(matrix.grid_width_px) * kGsd_m / 2;
   const double start_y_m = 9000 - kTile_px * kGsd_m / 2;
-  Route& route = input.plan.flight.route;
+  Route& route = input.mission.flight.route;
   route.name = "valley.plan";
   route.format = "QGroundControl plan";
   for (int i = 0; i <= 4; ++i) {
@@ -185,7 +185,7 @@ void add_route(const ReportSceneOptions& options, ReportInput& input) {
     sample.point = input.geodetic_from_map({x_m, start_y_m - sample.distance_m});
     sample.agl_m = 120;
     sample.speed_mps = kSpeed_mps;
-    input.plan.flight.samples.push_back(sample);
+    input.mission.flight.samples.push_back(sample);
     const bool in_gap = sample.distance_m >= gap_from_m && sample.distance_m < gap_to_m;
     const double error_m =
         in_gap ? 3 + options.drift * (sample.distance_m - gap_from_m) : 3 + std::fmod(sample.distance_m, 150) / 75;
@@ -224,17 +224,17 @@ ReportInput report_scene(const ReportSceneOptions& options) {
     const double north_m = -std::sin(turn_rad) * xy.x() + std::cos(turn_rad) * xy.y();
     return frame.geodetic_from_enu({east_m, north_m, 0});
   };
-  input.plan.ground.crs = local_crs("Local grid");
-  input.plan.ground.max_scale_distortion = 2e-4;
-  input.plan.flight.corridor_half_width_m = 270;
-  input.plan.flight.footprint_width_m = input.plan.flight.footprint_height_m = kTile_px * kGsd_m;
-  input.plan.ground.imagery.datasets.push_back({"valley.tif", 0.3, "EPSG:32632", "2024-06-01", 30000, 40000});
-  input.plan.warnings = {"The imagery is older than two years."};
+  input.mission.ground.crs = local_crs("Local grid");
+  input.mission.ground.max_scale_distortion = 2e-4;
+  input.mission.flight.corridor_half_width_m = 270;
+  input.mission.flight.footprint_width_m = input.mission.flight.footprint_height_m = kTile_px * kGsd_m;
+  input.mission.ground.imagery.datasets.push_back({"valley.tif", 0.3, "EPSG:32632", "2024-06-01", 30000, 40000});
+  input.mission.warnings = {"The imagery is older than two years."};
   add_level(options, 0, input);
   add_level(options, 1, input);
   add_route(options, input);
   Random random(11);
-  for (const GroundTile& tile : input.plan.ground.tiles) {
+  for (const GroundTile& tile : input.mission.ground.tiles) {
     input.scores.push_back(score_of(tile, random));
     const TileScores& score = input.scores.back();
     const double share = static_cast<double>(tile.row * (tile.level + 1)) / options.tiles_along;

@@ -34,11 +34,11 @@ std::string report_error(Change change) {
 TEST(Report, JoinsTilesScoresAndSelection) {
   const ReportInput input = marginal_scene();
   const Report report = make_report(input);
-  ASSERT_EQ(report.tiles.size(), input.plan.ground.tiles.size());
+  ASSERT_EQ(report.tiles.size(), input.mission.ground.tiles.size());
   std::int64_t selected = 0;
   for (std::size_t i = 0; i < report.tiles.size(); ++i) {
     const ReportTile& tile = report.tiles[i];
-    EXPECT_EQ(tile.tile.tile_id, input.plan.ground.tiles[i].tile_id);
+    EXPECT_EQ(tile.tile.tile_id, input.mission.ground.tiles[i].tile_id);
     EXPECT_EQ(tile.score.status, input.scores[i].status);
     EXPECT_EQ(tile.score.valid_fraction, input.scores[i].valid_fraction);
     EXPECT_EQ(tile.reason.empty(), tile.selected);
@@ -135,17 +135,18 @@ TEST(Report, ContradictionsAreRefused) {
   EXPECT_THAT(report_error([](ReportInput& i) { i.selection.tile_ids.push_back(-4); }), HasSubstr("tile -4"));
   EXPECT_THAT(report_error([](ReportInput& i) { i.selection.tile_ids.push_back(i.selection.tile_ids[0]); }),
               HasSubstr("duplicate in the selection"));
-  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.ground.tiles[1].tile_id = i.plan.ground.tiles[0].tile_id; }),
-              HasSubstr("duplicate in the plan"));
-  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.ground.tiles[1].level = 7; }), HasSubstr("level 7"));
+  EXPECT_THAT(
+      report_error([](ReportInput& i) { i.mission.ground.tiles[1].tile_id = i.mission.ground.tiles[0].tile_id; }),
+      HasSubstr("duplicate in the plan"));
+  EXPECT_THAT(report_error([](ReportInput& i) { i.mission.ground.tiles[1].level = 7; }), HasSubstr("level 7"));
   EXPECT_THAT(report_error([](ReportInput& i) { i.selection.legs[0].leg = 4; }),
               HasSubstr("names leg 4, the route has 4 legs"));
   EXPECT_THAT(report_error([](ReportInput& i) { i.selection.gaps[0].leg = -1; }), HasSubstr("leg -1"));
-  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.flight.route.legs[0].to = 55; }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.mission.flight.route.legs[0].to = 55; }),
               HasSubstr("vertices 0 and 55"));
-  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.flight.samples[5].distance_m = -1; }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.mission.flight.samples[5].distance_m = -1; }),
               HasSubstr("not in order"));
-  EXPECT_THAT(report_error([](ReportInput& i) { i.plan.flight.samples[5].distance_m = std::nan(""); }),
+  EXPECT_THAT(report_error([](ReportInput& i) { i.mission.flight.samples[5].distance_m = std::nan(""); }),
               HasSubstr("not in order"));
   EXPECT_THAT(report_error([](ReportInput& i) { i.imagery.pixels.convertTo(i.imagery.pixels, CV_16U); }),
               HasSubstr("allowed are CV_8UC3"));

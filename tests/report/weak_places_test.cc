@@ -100,11 +100,11 @@ TEST(WeakPlaces, WhereChosenTilesAreTooWeakItIsNotCalledUncovered) {
   options.matchable_to = 0.01;
   ReportInput input = testing::report_scene(options);
   input.selection.probability = RouteProbability{0, 0.9, 0.1, 0.0001, WorstStretch{0, 0, 139, 1}};
-  input.plan.flight.ins.grade = InsGrade::kConsumer;
+  input.mission.flight.ins.grade = InsGrade::kConsumer;
   for (ErrorSample& sample : input.selection.error_profile)
     sample.p_correct_fix = sample.distance_m < 100 ? 0.46 : 0.97;
   input.selection.tile_ids.clear();
-  for (const GroundTile& tile : input.plan.ground.tiles) input.selection.tile_ids.push_back(tile.tile_id);
+  for (const GroundTile& tile : input.mission.ground.tiles) input.selection.tile_ids.push_back(tile.tile_id);
   input.selection.legs[0].p_within_limit = 0;
   const Report report = make_report(input);
   const WeakPlace& place = report.weak_places.at(0);

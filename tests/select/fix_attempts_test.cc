@@ -4,25 +4,25 @@
 #include <cmath>
 #include <numeric>
 
-#include "select/straight_plan.h"
+#include "select/straight_mission.h"
 #include <gtest/gtest.h>
 
 namespace pilotage {
 namespace {
 
-using testing::straight_plan;
+using testing::straight_mission;
 
 // Tiles of 100 m every 50 m, flown at 20 m/s.
 struct FlownPlan {
-  Mission plan = straight_plan(2000);
-  std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan);
+  Mission mission = straight_mission(2000);
+  std::vector<std::optional<std::size_t>> tiles = tiles_under_route(mission);
 
-  std::vector<double> p_of_tile(double p) const { return std::vector<double>(plan.ground.tiles.size(), p); }
+  std::vector<double> p_of_tile(double p) const { return std::vector<double>(mission.ground.tiles.size(), p); }
 };
 
 TEST(FixAttempts, OneIndependentAttemptForEachTileWidth) {
   const FlownPlan scene;
-  const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, std::nullopt);
+  const auto attempts = fix_attempts(scene.mission, scene.tiles, 2, std::nullopt);
   EXPECT_NEAR(static_cast<double>(attempts.size()), 2000 / 50.0, 1) << "a tile is flown over for one stride";
   EXPECT_NEAR(static_cast<double>(counted_attempts(attempts, scene.p_of_tile(0.5)).size()), 2000 / 100.0, 1);
 }
@@ -30,7 +30,7 @@ TEST(FixAttempts, OneIndependentAttemptForEachTileWidth) {
 TEST(FixAttempts, TheStatedDistanceAndTheFixIntervalSpaceThem) {
   const FlownPlan scene;
   const auto count = [&](double interval_s, double decorrelation_m) {
-    const auto attempts = fix_attempts(scene.plan, scene.tiles, interval_s, decorrelation_m);
+    const auto attempts = fix_attempts(scene.mission, scene.tiles, interval_s, decorrelation_m);
     return static_cast<double>(counted_attempts(attempts, scene.p_of_tile(0.5)).size());
   };
   EXPECT_NEAR(count(2, 400), 5, 1);
@@ -40,7 +40,7 @@ TEST(FixAttempts, TheStatedDistanceAndTheFixIntervalSpaceThem) {
 
 TEST(FixAttempts, OfAWindowTheBestCounts) {
   const FlownPlan scene;
-  const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, 300);
+  const auto attempts = fix_attempts(scene.mission, scene.tiles, 2, 300);
   std::vector<double> p = scene.p_of_tile(0.2);
   p[*scene.tiles[100]] = 0.9;
   std::vector<std::size_t> samples;
@@ -59,7 +59,7 @@ TEST(FixAttempts, OfAWindowTheBestCounts) {
 // A tile more never takes a chance away, or the search for the best tiles could not be trusted.
 TEST(FixAttempts, ATileMoreNeverTakesAChanceAway) {
   const FlownPlan scene;
-  const auto attempts = fix_attempts(scene.plan, scene.tiles, 2, std::nullopt);
+  const auto attempts = fix_attempts(scene.mission, scene.tiles, 2, std::nullopt);
   const auto p_none = [&](const std::vector<double>& p) {
     double none = 1;
     for (const std::size_t k : counted_attempts(attempts, p)) none *= 1 - p[attempts[k].tile];
@@ -78,12 +78,12 @@ TEST(FixAttempts, ATileMoreNeverTakesAChanceAway) {
 
 TEST(ExpectedFixes, EveryTryCounts) {
   const FlownPlan scene;
-  const std::vector<bool> stored(scene.plan.ground.tiles.size(), true);
-  const ExpectedFixes fixes = expected_fixes(scene.plan, scene.tiles, stored, scene.p_of_tile(0.75), 2, 0.001);
+  const std::vector<bool> stored(scene.mission.ground.tiles.size(), true);
+  const ExpectedFixes fixes = expected_fixes(scene.mission, scene.tiles, stored, scene.p_of_tile(0.75), 2, 0.001);
   EXPECT_NEAR(fixes.correct, 51 * 0.75, 1e-9) << "100 s, one try every 2 s, the first at once";
   EXPECT_NEAR(fixes.wrong, 51 * 0.25 * 0.001, 1e-12);
-  const std::vector<bool> none(scene.plan.ground.tiles.size(), false);
-  EXPECT_EQ(expected_fixes(scene.plan, scene.tiles, none, scene.p_of_tile(0.75), 2, 0.001).correct, 0);
+  const std::vector<bool> none(scene.mission.ground.tiles.size(), false);
+  EXPECT_EQ(expected_fixes(scene.mission, scene.tiles, none, scene.p_of_tile(0.75), 2, 0.001).correct, 0);
 }
 
 }  // namespace

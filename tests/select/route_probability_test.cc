@@ -6,7 +6,7 @@
 #include <numeric>
 #include <string>
 
-#include "select/straight_plan.h"
+#include "select/straight_mission.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/random.h"
@@ -16,7 +16,7 @@ namespace pilotage {
 namespace {
 
 using testing::error_after_s;
-using testing::straight_plan;
+using testing::straight_mission;
 
 // What became of one flight: the sample at which its error exceeded the limit (the number of samples: never), and of
 // each leg whether it had a fix on it before.
@@ -28,8 +28,8 @@ struct OneFlight {
 // One flight with its own covariance and all of its history; `succeeds(sample)` says whether the attempt there does.
 OneFlight fly_once(const FlightPath& path, const std::vector<double>& p_fix,
                    const std::function<bool(std::size_t)>& succeeds) {
-  const std::vector<FlightSample>& samples = path.plan->flight.samples;
-  OneFlight flight{samples.size(), std::vector<bool>(path.plan->flight.route.legs.size(), false)};
+  const std::vector<FlightSample>& samples = path.mission->flight.samples;
+  OneFlight flight{samples.size(), std::vector<bool>(path.mission->flight.route.legs.size(), false)};
   InsState state = initial_ins_state(path.model, samples[0].azimuth_deg, samples[0].speed_mps);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (position_error_m(state, path.model.sigma_multiple) > path.max_error_m) {
@@ -53,17 +53,17 @@ RouteChances independent(const std::vector<double>& p_fix) {
 }
 
 // A fix may come at every `step`-th sample, with probabilities drawn from [low, high).
-std::vector<double> random_p_fix(const Mission& plan, std::size_t step, double low, double high, Random& random) {
-  std::vector<double> p_fix(plan.flight.samples.size(), 0.0);
+std::vector<double> random_p_fix(const Mission& mission, std::size_t step, double low, double high, Random& random) {
+  std::vector<double> p_fix(mission.flight.samples.size(), 0.0);
   for (std::size_t i = step; i < p_fix.size(); i += step) p_fix[i] = random.uniform(low, high);
   return p_fix;
 }
 
 TEST(RouteProbability, WithoutFixesAFlightIsLostWhereTheDriftReachesTheLimit) {
-  const Mission plan = straight_plan(3000);
-  const FlightPath path = make_flight_path(plan, error_after_s(plan, 60.1));  // at 20 m/s: 1,202 m
+  const Mission mission = straight_mission(3000);
+  const FlightPath path = make_flight_path(mission, error_after_s(mission, 60.1));  // at 20 m/s: 1,202 m
   const RouteSurvival survival =
-      predict_survival(path, independent(std::vector<double>(plan.flight.samples.size(), 0.0)));
+      predict_survival(path, independent(std::vector<double>(mission.flight.samples.size(), 0.0)));
   EXPECT_EQ(survival.p_within_limit[120], 1);
   EXPECT_EQ(survival.p_within_limit[121], 0);
   EXPECT_EQ(survival.leg_p_within_limit[0], 0);
@@ -75,9 +75,9 @@ TEST(RouteProbability, WithoutFixesAFlightIsLostWhereTheDriftReachesTheLimit) {
 }
 
 TEST(RouteProbability, OneAttemptThatIsNeededIsTheProbability) {
-  const Mission plan = straight_plan(1800, 50, 2);
-  const FlightPath path = make_flight_path(plan, error_after_s(plan, 60.1));
-  std::vector<double> p_fix(plan.flight.samples.size(), 0.0);
+  const Mission mission = straight_mission(1800, 50, 2);
+  const FlightPath path = make_flight_path(mission, error_after_s(mission, 60.1));
+  std::vector<double> p_fix(mission.flight.samples.size(), 0.0);
   p_fix[111] = 0.7;  // at 1,100 m; the drift reaches the limit at 1,202 m
   const RouteSurvival survival = predict_survival(path, independent(p_fix));
   EXPECT_EQ(survival.p_within_limit[111], 1);
@@ -91,10 +91,10 @@ TEST(RouteProbability, OneAttemptThatIsNeededIsTheProbability) {
 }
 
 TEST(RouteProbability, ALegThatNoFlightReachesHasNone) {
-  const Mission plan = straight_plan(4000, 50, 2);
-  const FlightPath path = make_flight_path(plan, error_after_s(plan, 30));
+  const Mission mission = straight_mission(4000, 50, 2);
+  const FlightPath path = make_flight_path(mission, error_after_s(mission, 30));
   const RouteSurvival survival =
-      predict_survival(path, independent(std::vector<double>(plan.flight.samples.size(), 0.0)));
+      predict_survival(path, independent(std::vector<double>(mission.flight.samples.size(), 0.0)));
   EXPECT_EQ(survival.leg_p_within_limit[0], 0);
   EXPECT_TRUE(std::isnan(survival.leg_p_within_limit[1]));
   EXPECT_TRUE(std::isnan(survival.leg_p_fix[1]));
@@ -120,13 +120,13 @@ void fly_every_outcome(const FlightPath& path, const std::vector<double>& p_fix,
 // The recursion merges histories that are nearly alike, and must stay close.
 TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
   for (const InsGrade grade : {InsGrade::kTactical, InsGrade::kIndustrial, InsGrade::kVisualOdometry}) {
-    Mission plan = straight_plan(4400, 50, 2);
-    plan.flight.ins.grade = grade;
+    Mission mission = straight_mission(4400, 50, 2);
+    mission.flight.ins.grade = grade;
     Random random(seed_from_name("AgreesWithEveryOutcomeOfTenAttempts"));
     for (int round = 0; round < 3; ++round) {
-      const std::vector<double> p_fix = random_p_fix(plan, 40, 0.2, 0.95, random);
+      const std::vector<double> p_fix = random_p_fix(mission, 40, 0.2, 0.95, random);
       EXPECT_GE(std::count_if(p_fix.begin(), p_fix.end(), [](double p) { return p > 0; }), 10);
-      const FlightPath path = make_flight_path(plan, error_after_s(plan, 45 + 15 * round));
+      const FlightPath path = make_flight_path(mission, error_after_s(mission, 45 + 15 * round));
       std::vector<double> exact(p_fix.size(), 0.0);
       fly_every_outcome(path, p_fix, 0, 1, first_branches(path).front().state, exact);
       const RouteSurvival survival = predict_survival(path, independent(p_fix));
@@ -144,10 +144,10 @@ TEST(RouteProbability, AgreesWithEveryOutcomeOfTenAttempts) {
 
 // Many flights, each with its own luck and its own covariance.
 TEST(RouteProbability, AgreesWithSimulatedFlights) {
-  const Mission plan = straight_plan(6000, 50, 4);
+  const Mission mission = straight_mission(6000, 50, 4);
   Random random(seed_from_name("AgreesWithSimulatedFlights"));
-  const std::vector<double> p_fix = random_p_fix(plan, 13, 0.1, 0.7, random);
-  const FlightPath path = make_flight_path(plan, error_after_s(plan, 40));
+  const std::vector<double> p_fix = random_p_fix(mission, 13, 0.1, 0.7, random);
+  const FlightPath path = make_flight_path(mission, error_after_s(mission, 40));
   constexpr int kFlights = 4000;
   std::vector<double> alive(p_fix.size(), 0.0);
   std::vector<double> with_fix(4, 0.0);
@@ -175,12 +175,12 @@ TEST(RouteProbability, AgreesWithSimulatedFlights) {
 
 // One draw for each window of four tries, and a least time between fixes.
 TEST(RouteProbability, AgreesWithSimulatedFlightsWhereTriesDependOnEachOther) {
-  const Mission plan = straight_plan(4000);
+  const Mission mission = straight_mission(4000);
   Random random(seed_from_name("AgreesWithSimulatedFlightsWhereTriesDependOnEachOther"));
   for (const double fix_interval_s : {0.0, 9.0}) {
-    RouteChances chances{random_p_fix(plan, 9, 0.3, 0.9, random), {}, fix_interval_s};
+    RouteChances chances{random_p_fix(mission, 9, 0.3, 0.9, random), {}, fix_interval_s};
     for (std::size_t i = 0; i < chances.p.size(); ++i) chances.window.push_back(static_cast<std::int64_t>(i / 36));
-    const FlightPath path = make_flight_path(plan, error_after_s(plan, 34));
+    const FlightPath path = make_flight_path(mission, error_after_s(mission, 34));
     constexpr int kFlights = 3000;
     std::vector<double> alive(chances.p.size(), 0.0);
     for (int n = 0; n < kFlights; ++n) {
@@ -188,7 +188,7 @@ TEST(RouteProbability, AgreesWithSimulatedFlightsWhereTriesDependOnEachOther) {
       for (double& draw : draws) draw = random.uniform();
       double last_fix_s = -1e9;
       const OneFlight flight = fly_once(path, chances.p, [&](std::size_t i) {
-        const double time_s = plan.flight.samples[i].distance_m / 20;
+        const double time_s = mission.flight.samples[i].distance_m / 20;
         if (time_s - last_fix_s < fix_interval_s - 1e-9 || draws[i / 36] >= chances.p[i]) return false;
         last_fix_s = time_s;
         return true;
@@ -206,10 +206,10 @@ TEST(RouteProbability, AgreesWithSimulatedFlightsWhereTriesDependOnEachOther) {
 }
 
 TEST(RouteProbability, AFixMoreLikelyNeverHurts) {
-  const Mission plan = straight_plan(6000);
+  const Mission mission = straight_mission(6000);
   Random random(seed_from_name("AFixMoreLikelyNeverHurts"));
-  std::vector<double> p_fix = random_p_fix(plan, 20, 0.1, 0.6, random);
-  const FlightPath path = make_flight_path(plan, error_after_s(plan, 40));
+  std::vector<double> p_fix = random_p_fix(mission, 20, 0.1, 0.6, random);
+  const FlightPath path = make_flight_path(mission, error_after_s(mission, 40));
   const double before = predict_survival(path, independent(p_fix)).p_within_limit.back();
   for (std::size_t i = 20; i < p_fix.size(); i += 60) {
     std::vector<double> better = p_fix;
@@ -224,9 +224,9 @@ TEST(RouteProbability, AFixMoreLikelyNeverHurts) {
 }
 
 TEST(RouteProbability, TheWorstStretchIsTheGap) {
-  const Mission plan = straight_plan(6000);
-  const FlightPath path = make_flight_path(plan, error_after_s(plan, 60));
-  std::vector<double> p_fix(plan.flight.samples.size(), 0.0);
+  const Mission mission = straight_mission(6000);
+  const FlightPath path = make_flight_path(mission, error_after_s(mission, 60));
+  std::vector<double> p_fix(mission.flight.samples.size(), 0.0);
   for (std::size_t i = 10; i < p_fix.size(); i += 10) {
     if (i < 300 || i >= 400) p_fix[i] = 0.6;
   }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "select/straight_plan.h"
+#include "select/straight_mission.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
@@ -14,7 +14,7 @@ namespace {
 
 using testing::good_scores;
 using testing::kStoredSize;
-using testing::straight_plan;
+using testing::straight_mission;
 
 TEST(IsMatchable, JudgesDegradedCopiesBeforeTheCleanSurface) {
   SelectOptions options;
@@ -47,8 +47,8 @@ TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
 }
 
 TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {
-  const Mission plan = straight_plan(3000);
-  const Selection selection = select_tiles(plan, good_scores(plan), kStoredSize, {});
+  const Mission mission = straight_mission(3000);
+  const Selection selection = select_tiles(mission, good_scores(mission), kStoredSize, {});
   EXPECT_FALSE(selection.probability);
   EXPECT_TRUE(std::isnan(selection.legs[0].p_within_limit));
   EXPECT_TRUE(std::isnan(selection.error_profile[0].p_within_limit));
@@ -56,17 +56,17 @@ TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {
 }
 
 TEST(SelectTiles, ProbabilitiesOfTheFlight) {
-  const Mission plan = straight_plan(6000, 50, 2);
-  auto scores = good_scores(plan);
+  const Mission mission = straight_mission(6000, 50, 2);
+  auto scores = good_scores(mission);
   for (TileScores& score : scores) score.p_correct_fix = 0.8;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (plan.flight.places[i].distance_m > 3500 && plan.flight.places[i].distance_m < 4350)
+    if (mission.flight.places[i].distance_m > 3500 && mission.flight.places[i].distance_m < 4350)
       scores[i].p_correct_fix = 0.1;
   }
   scores[0].p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   SelectOptions options;
   options.min_route_probability = 0.999999;
-  const Selection selection = select_tiles(plan, scores, kStoredSize, options);
+  const Selection selection = select_tiles(mission, scores, kStoredSize, options);
   ASSERT_TRUE(selection.probability);
   const double p = selection.probability->p_within_limit;
   EXPECT_GT(p, 0);
@@ -89,34 +89,35 @@ TEST(SelectTiles, ProbabilitiesOfTheFlight) {
 }
 
 TEST(SelectTiles, TakesEveryMatchableTileByDefault) {
-  const Mission plan = straight_plan(3000);
-  auto scores = good_scores(plan);
+  const Mission mission = straight_mission(3000);
+  auto scores = good_scores(mission);
   std::reverse(scores.begin(), scores.end());  // any order will do
   scores[5].degraded.margin = -0.2;
-  const Selection selection = select_tiles(plan, scores, kStoredSize, {});
-  EXPECT_EQ(selection.tile_ids.size(), plan.ground.tiles.size() - 1);
+  const Selection selection = select_tiles(mission, scores, kStoredSize, {});
+  EXPECT_EQ(selection.tile_ids.size(), mission.ground.tiles.size() - 1);
   EXPECT_TRUE(std::is_sorted(selection.tile_ids.begin(), selection.tile_ids.end()));
-  EXPECT_FALSE(std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), plan.ground.tiles[5].tile_id));
+  EXPECT_FALSE(
+      std::binary_search(selection.tile_ids.begin(), selection.tile_ids.end(), mission.ground.tiles[5].tile_id));
 }
 
 TEST(SelectTiles, ATileWithoutScoreMakesAGap) {
-  const Mission plan = straight_plan(3000);
-  auto scores = good_scores(plan);
+  const Mission mission = straight_mission(3000);
+  auto scores = good_scores(mission);
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (std::abs(plan.flight.places[i].distance_m - 1500) < 200) scores[i].status = TileStatus::kFlat;
+    if (std::abs(mission.flight.places[i].distance_m - 1500) < 200) scores[i].status = TileStatus::kFlat;
   }
-  const Selection selection = select_tiles(plan, scores, kStoredSize, {});
+  const Selection selection = select_tiles(mission, scores, kStoredSize, {});
   ASSERT_EQ(selection.gaps.size(), 1U);
   EXPECT_NEAR(selection.gaps[0].from_distance_m, 1325, 20);
   EXPECT_NEAR(selection.gaps[0].to_distance_m, 1675, 20);
 }
 
 TEST(SelectTiles, SparseStoresFewTilesAndHoldsTheLimit) {
-  const Mission plan = straight_plan(30000);
+  const Mission mission = straight_mission(30000);
   SelectOptions options;
-  const Selection all = select_tiles(plan, good_scores(plan), kStoredSize, options);
+  const Selection all = select_tiles(mission, good_scores(mission), kStoredSize, options);
   options.sparse = true;
-  const Selection sparse = select_tiles(plan, good_scores(plan), kStoredSize, options);
+  const Selection sparse = select_tiles(mission, good_scores(mission), kStoredSize, options);
   EXPECT_TRUE(sparse.within_limit);
   EXPECT_FALSE(sparse.tile_ids.empty());
   EXPECT_LT(sparse.tile_ids.size(), all.tile_ids.size() / 4);
@@ -125,16 +126,16 @@ TEST(SelectTiles, SparseStoresFewTilesAndHoldsTheLimit) {
 }
 
 TEST(SelectTiles, BudgetIsKeptAndSparseAreasSurviveIt) {
-  const Mission plan = straight_plan(30000);
-  const auto scores = good_scores(plan);
+  const Mission mission = straight_mission(30000);
+  const auto scores = good_scores(mission);
   SelectOptions sparse_options;
   sparse_options.sparse = true;
-  const Selection sparse = select_tiles(plan, scores, kStoredSize, sparse_options);
-  const Selection all = select_tiles(plan, scores, kStoredSize, {});
+  const Selection sparse = select_tiles(mission, scores, kStoredSize, sparse_options);
+  const Selection all = select_tiles(mission, scores, kStoredSize, {});
   const std::int64_t budget = (sparse.estimated_bytes + all.estimated_bytes) / 2;
   SelectOptions options;
   options.budget = std::to_string(budget);
-  const Selection selection = select_tiles(plan, scores, kStoredSize, options);
+  const Selection selection = select_tiles(mission, scores, kStoredSize, options);
   EXPECT_LE(selection.estimated_bytes, budget);
   EXPECT_GT(selection.estimated_bytes, budget * 9 / 10);
   EXPECT_TRUE(selection.within_limit);
@@ -143,13 +144,13 @@ TEST(SelectTiles, BudgetIsKeptAndSparseAreasSurviveIt) {
 }
 
 TEST(SelectTiles, RefusesWhatDoesNotFit) {
-  const Mission plan = straight_plan(3000);
-  auto scores = good_scores(plan);
+  const Mission mission = straight_mission(3000);
+  auto scores = good_scores(mission);
   SelectOptions options;
   options.budget = "50kB";  // an empty map has more
-  EXPECT_THROW(select_tiles(plan, scores, kStoredSize, options), UsageError);
+  EXPECT_THROW(select_tiles(mission, scores, kStoredSize, options), UsageError);
   scores.pop_back();
-  EXPECT_THROW(select_tiles(plan, scores, kStoredSize, {}), DataError);
+  EXPECT_THROW(select_tiles(mission, scores, kStoredSize, {}), DataError);
 }
 
 }  // namespace

@@ -29,47 +29,48 @@ std::string plan_error(const TileOptions& options) {
   return testing::error_of<std::exception>([&] { plan_tiles(options); });
 }
 
-void expect_sound(const Mission& plan) {
-  for (const FlightSample& sample : plan.flight.samples) {
+void expect_sound(const Mission& mission) {
+  for (const FlightSample& sample : mission.flight.samples) {
     if (sample.level != FlightSample::kNoLevel) {
-      EXPECT_TRUE(tile_under(plan, sample)) << sample.distance_m;
+      EXPECT_TRUE(tile_under(mission, sample)) << sample.distance_m;
     }
   }
   std::int64_t before = -1;
-  for (const GroundTile& tile : plan.ground.tiles) {
-    const TileMatrix& matrix = plan.ground.levels.at(static_cast<std::size_t>(tile.level)).matrix;
+  for (const GroundTile& tile : mission.ground.tiles) {
+    const TileMatrix& matrix = mission.ground.levels.at(static_cast<std::size_t>(tile.level)).matrix;
     EXPECT_GT(tile.tile_id, before);
     before = tile.tile_id;
-    EXPECT_EQ(tile.tile_id, tile_id_of(plan.ground.levels, tile.level, tile.column, tile.row));
+    EXPECT_EQ(tile.tile_id, tile_id_of(mission.ground.levels, tile.level, tile.column, tile.row));
     EXPECT_NEAR(tile.bounds.max_x_m - tile.bounds.min_x_m, matrix.tile_size_px * matrix.map_from_pixel.x_per_col, 1e-6);
   }
 }
 
 TEST(PlanTiles, OneHeightIsOneLevelOfTilesOfTheFootprint) {
   const TemporaryFolder folder;
-  const Mission plan = plan_tiles(make_small_mission(folder.path(), two_legs()));
-  ASSERT_EQ(plan.ground.levels.size(), 1u);
+  const Mission mission = plan_tiles(make_small_mission(folder.path(), two_legs()));
+  ASSERT_EQ(mission.ground.levels.size(), 1u);
   // 2 · 80 m · tan 30° wide, 3/4 of that high.
   const double width_m = 160 * std::tan(std::acos(-1.0) / 6);
-  EXPECT_NEAR(plan.flight.footprint_width_m, width_m, 1e-6);
-  EXPECT_NEAR(plan.flight.footprint_height_m, width_m * 0.75, 1e-6);
-  EXPECT_NEAR(plan.ground.levels[0].matrix.tile_size_px * plan.ground.levels[0].gsd_m, width_m * std::sqrt(0.75), 0.51);
-  EXPECT_THAT(plan.ground.crs.name(), HasSubstr("UTM zone 33N"));
-  EXPECT_EQ(plan.flight.route.legs.size(), 2u);
-  expect_sound(plan);
-  for (const GroundTile& tile : plan.ground.tiles) EXPECT_EQ(tile.valid_fraction, 1) << tile.tile_id;
+  EXPECT_NEAR(mission.flight.footprint_width_m, width_m, 1e-6);
+  EXPECT_NEAR(mission.flight.footprint_height_m, width_m * 0.75, 1e-6);
+  EXPECT_NEAR(mission.ground.levels[0].matrix.tile_size_px * mission.ground.levels[0].gsd_m, width_m * std::sqrt(0.75),
+              0.51);
+  EXPECT_THAT(mission.ground.crs.name(), HasSubstr("UTM zone 33N"));
+  EXPECT_EQ(mission.flight.route.legs.size(), 2u);
+  expect_sound(mission);
+  for (const GroundTile& tile : mission.ground.tiles) EXPECT_EQ(tile.valid_fraction, 1) << tile.tile_id;
 }
 
 TEST(PlanTiles, HeightsOfMoreThanAFactorOfTwoMakeLevels) {
   const TemporaryFolder folder;
-  const Mission plan =
+  const Mission mission =
       plan_tiles(make_small_mission(folder.path(), {MissionPoint{150, 150, 50}, {450, 150, 160}, {450, 260, 160}}));
-  ASSERT_EQ(plan.ground.levels.size(), 2u);
-  EXPECT_GT(plan.ground.levels[1].matrix.tile_size_px * plan.ground.levels[1].gsd_m,
-            plan.ground.levels[0].matrix.tile_size_px * plan.ground.levels[0].gsd_m);
-  expect_sound(plan);
-  for (const FlightSample& sample : plan.flight.samples) {
-    const GridLevel& level = plan.ground.levels.at(static_cast<std::size_t>(sample.level));
+  ASSERT_EQ(mission.ground.levels.size(), 2u);
+  EXPECT_GT(mission.ground.levels[1].matrix.tile_size_px * mission.ground.levels[1].gsd_m,
+            mission.ground.levels[0].matrix.tile_size_px * mission.ground.levels[0].gsd_m);
+  expect_sound(mission);
+  for (const FlightSample& sample : mission.flight.samples) {
+    const GridLevel& level = mission.ground.levels.at(static_cast<std::size_t>(sample.level));
     EXPECT_GE(sample.agl_m, level.min_agl_m * (1 - 1e-9));
     EXPECT_LE(sample.agl_m, level.max_agl_m * (1 + 1e-9));
   }
@@ -84,11 +85,11 @@ TEST(PlanTiles, NarrowCorridorHasTheTileUnderEveryPoint) {
 
 TEST(PlanTiles, PartsBelowTheLowestHeightHaveNoLevel) {
   const TemporaryFolder folder;
-  const Mission plan =
+  const Mission mission =
       plan_tiles(make_small_mission(folder.path(), {MissionPoint{100, 150, 20}, {300, 150, 60}, {500, 150, 60}}));
-  EXPECT_EQ(plan.flight.samples.front().level, FlightSample::kNoLevel);
-  EXPECT_EQ(plan.flight.samples.back().level, 0);
-  EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("are flown lower than 30 m above the ground")));
+  EXPECT_EQ(mission.flight.samples.front().level, FlightSample::kNoLevel);
+  EXPECT_EQ(mission.flight.samples.back().level, 0);
+  EXPECT_THAT(mission.warnings, ::testing::Contains(HasSubstr("are flown lower than 30 m above the ground")));
 }
 
 /// Heights of route.geojson become heights above home.
@@ -119,10 +120,10 @@ TEST(PlanTiles, WarnsOfAHomeThatIsNotOnItsGround) {  // 2026-11: home 400 m off 
   const TemporaryFolder folder;
   const auto of_home = ::testing::Contains(HasSubstr("Home is said"));
   EXPECT_THAT(plan_tiles(over_home(folder, 50.8)).warnings, ::testing::Not(of_home));
-  const Mission plan = plan_tiles(over_home(folder, 450.8));
-  EXPECT_NEAR(plan.flight.samples.front().agl_m, 480.8, 0.1);
-  EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("Home is said to lie at 450.8 m above sea level, but the "
-                                                           "elevation model has 50.0 m there")));
+  const Mission mission = plan_tiles(over_home(folder, 450.8));
+  EXPECT_NEAR(mission.flight.samples.front().agl_m, 480.8, 0.1);
+  EXPECT_THAT(mission.warnings, ::testing::Contains(HasSubstr("Home is said to lie at 450.8 m above sea level, but the "
+                                                              "elevation model has 50.0 m there")));
 }
 
 TEST(PlanTiles, WarnsOfLowLegsUnlessToldToFlyThere) {
@@ -150,12 +151,12 @@ TEST(PlanTiles, NamesThePartOutsideTheImagery) {
   EXPECT_THAT(plan_error(options), ::testing::ContainsRegex("leaves the imagery from 0\\.5[01] km to 0\\.80 km .*up to "
                                                             "(299|300|301) m outside"));
   options.allow_uncovered = true;
-  const Mission plan = plan_tiles(options);
-  expect_sound(plan);
-  EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("leaves the imagery")));
-  EXPECT_EQ(plan.ground.tiles.front().valid_fraction, 1);
+  const Mission mission = plan_tiles(options);
+  expect_sound(mission);
+  EXPECT_THAT(mission.warnings, ::testing::Contains(HasSubstr("leaves the imagery")));
+  EXPECT_EQ(mission.ground.tiles.front().valid_fraction, 1);
   bool none = false;
-  for (const GroundTile& tile : plan.ground.tiles) none = none || tile.valid_fraction == 0;
+  for (const GroundTile& tile : mission.ground.tiles) none = none || tile.valid_fraction == 0;
   EXPECT_TRUE(none);
 }
 
@@ -189,11 +190,11 @@ TEST(PlanTiles, FlatGroundAtHomeWhereNoElevationIsGiven) {  // 2026-11: every pl
   TileOptions options = over_home(folder, 50.8);
   EXPECT_FALSE(plan_tiles(options).flight.flat_ground_amsl_m);
   options.elevation.clear();
-  const Mission plan = plan_tiles(options);
-  ASSERT_TRUE(plan.flight.flat_ground_amsl_m);
-  EXPECT_EQ(*plan.flight.flat_ground_amsl_m, 50.8);
-  for (const FlightSample& sample : plan.flight.samples) EXPECT_NEAR(sample.agl_m, 80, 1e-9);
-  EXPECT_THAT(plan.warnings, ::testing::Contains(HasSubstr("the ground is assumed flat at home's height, 50.8 m")));
+  const Mission mission = plan_tiles(options);
+  ASSERT_TRUE(mission.flight.flat_ground_amsl_m);
+  EXPECT_EQ(*mission.flight.flat_ground_amsl_m, 50.8);
+  for (const FlightSample& sample : mission.flight.samples) EXPECT_NEAR(sample.agl_m, 80, 1e-9);
+  EXPECT_THAT(mission.warnings, ::testing::Contains(HasSubstr("the ground is assumed flat at home's height, 50.8 m")));
   options.route_options.home_amsl_m = 20;
   EXPECT_EQ(plan_tiles(options).flight.flat_ground_amsl_m, 20);
   options.route_options.home_amsl_m.reset();
@@ -247,11 +248,11 @@ TEST(PlanTiles, CoverageCountsThePixelsThatScoreReads) {  // 2026-11: 30 % of ra
     const int half = 2;  // averages over what is valid: no hole is left
     ASSERT_EQ(dataset.BuildOverviews("AVERAGE", 1, &half, 0, nullptr, nullptr, nullptr), CE_None);
   });
-  const Mission plan = plan_tiles(options);
-  for (const GroundTile& tile : plan.ground.tiles) {
-    const GridLevel& level = plan.ground.levels.at(static_cast<std::size_t>(tile.level));
+  const Mission mission = plan_tiles(options);
+  for (const GroundTile& tile : mission.ground.tiles) {
+    const GridLevel& level = mission.ground.levels.at(static_cast<std::size_t>(tile.level));
     const double scored =
-        valid_fraction(open_gray(plan.ground, level), level.matrix.tile_window(tile.column, tile.row));
+        valid_fraction(open_gray(mission.ground, level), level.matrix.tile_window(tile.column, tile.row));
     EXPECT_EQ(tile.valid_fraction, scored) << tile.tile_id;
     EXPECT_NEAR(tile.valid_fraction, 0.7, 0.03) << tile.tile_id;
   }
@@ -269,19 +270,19 @@ TEST(PlanTiles, WorksAcrossTheAntimeridianAndNearThePole) {
   for (const testing::SmallPlace& place : {testing::SmallPlace{"EPSG:32660", 833'700, 100'000},
                                            testing::SmallPlace{"EPSG:32661", 2'000'000 - 300, 2'100'000}}) {
     const TemporaryFolder folder;
-    const Mission plan = plan_tiles(make_small_mission(folder.path(), two_legs(), place));
-    expect_sound(plan);
+    const Mission mission = plan_tiles(make_small_mission(folder.path(), two_legs(), place));
+    expect_sound(mission);
     double east_deg = -180;
     double west_deg = 180;
-    for (const FlightSample& sample : plan.flight.samples) {
+    for (const FlightSample& sample : mission.flight.samples) {
       east_deg = std::max(east_deg, sample.point.lon_deg);
       west_deg = std::min(west_deg, sample.point.lon_deg);
     }
     if (place.srs == "EPSG:32660") {
       EXPECT_GT(east_deg - west_deg, 359);
     }
-    EXPECT_LT(plan.ground.tiles.size(), 60u);
-    for (const GroundTile& tile : plan.ground.tiles) EXPECT_GT(tile.valid_fraction, 0.99) << tile.tile_id;
+    EXPECT_LT(mission.ground.tiles.size(), 60u);
+    for (const GroundTile& tile : mission.ground.tiles) EXPECT_GT(tile.valid_fraction, 0.99) << tile.tile_id;
   }
 }
 

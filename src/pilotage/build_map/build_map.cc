@@ -16,22 +16,22 @@ namespace pilotage {
 namespace {
 
 // The route and its legs as layers. A leg that the selection does not speak of has no status.
-void write_route(MapWriter& writer, const Mission& plan, const Selection& selection) {
+void write_route(MapWriter& writer, const Mission& mission, const Selection& selection) {
   std::vector<MapLine> legs;
   MapLine route;
-  for (std::size_t i = 0; i < plan.flight.route.legs.size(); ++i) {
+  for (std::size_t i = 0; i < mission.flight.route.legs.size(); ++i) {
     MapLine leg;
     leg.id = static_cast<std::int64_t>(i);
-    for (const FlightSample& sample : plan.flight.samples) {
+    for (const FlightSample& sample : mission.flight.samples) {
       if (sample.leg == static_cast<int>(i)) leg.points.push_back(sample.point);
     }
     route.points.insert(route.points.end(), leg.points.begin(), leg.points.end());
     const LegStatus status = i < selection.legs.size() ? selection.legs[i] : LegStatus{};
-    leg.values = {plan.flight.route.legs[i].length_m, status.matchable_fraction, status.max_error_m,
+    leg.values = {mission.flight.route.legs[i].length_m, status.matchable_fraction, status.max_error_m,
                   static_cast<std::int64_t>(status.within_limit ? 1 : 0)};
     legs.push_back(std::move(leg));
   }
-  route.values = {plan.flight.route.name, route_length_m(plan.flight.route)};
+  route.values = {mission.flight.route.name, route_length_m(mission.flight.route)};
   writer.write_route({{"name", MapColumnType::kText, "Name of the route file"},
                       {"length_m", MapColumnType::kReal, "Length of all legs [m]"}},
                      {route});
@@ -68,17 +68,17 @@ void write_stored_features(MapWriter& writer, const BuildOptions& options, const
 }
 
 /// The route, its legs, and what the flight and its map were made from.
-void write_flight(MapWriter& writer, const Mission& plan, const Selection& selection, const BuildOptions& options,
+void write_flight(MapWriter& writer, const Mission& mission, const Selection& selection, const BuildOptions& options,
                   const std::vector<InputFile>& inputs, const std::string& software_version, const BuildStats& stats) {
-  write_route(writer, plan, selection);
+  write_route(writer, mission, selection);
   writer.add_info("tool_version", software_version);
-  for (const auto& [key, value] : camera_to_text(plan.flight.camera)) writer.add_info("camera." + key, value);
+  for (const auto& [key, value] : camera_to_text(mission.flight.camera)) writer.add_info("camera." + key, value);
   write_stored_features(writer, options, stats);
-  write_options(writer, "ins.", plan.flight.ins);
-  write_options(writer, "imagery.", plan.ground.imagery.options);
+  write_options(writer, "ins.", mission.flight.ins);
+  write_options(writer, "imagery.", mission.ground.imagery.options);
   writer.add_info("max_error_m", format_number(selection.max_error_m));
   writer.add_info("sigma_multiple", format_number(selection.sigma_multiple));
-  writer.add_info("max_scale_distortion", format_number(plan.ground.max_scale_distortion));
+  writer.add_info("max_scale_distortion", format_number(mission.ground.max_scale_distortion));
   int index = 0;
   for (const InputFile& file : inputs) {
     const std::string prefix = "input." + std::to_string(index++) + ".";
@@ -117,16 +117,16 @@ StoredSize stored_size(const BuildOptions& options, const Ground& ground) {
   return size;
 }
 
-BuildStats build_map(const std::filesystem::path& path, const Mission& plan, const std::vector<TileScores>& scores,
+BuildStats build_map(const std::filesystem::path& path, const Mission& mission, const std::vector<TileScores>& scores,
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads,
                      const Progress& progress, const std::optional<SecondDate>& second_date,
                      const GroundImagery* imagery) {
-  const std::string description = "Reference map for visual navigation along " + plan.flight.route.name;
-  MapWriter writer(path, map_header(plan.ground, description, options.chips.chips), overwrite);
-  BuildStats stats = write_ground(writer, {plan.ground, scores}, selection.tile_ids, plan.flight.places, options,
+  const std::string description = "Reference map for visual navigation along " + mission.flight.route.name;
+  MapWriter writer(path, map_header(mission.ground, description, options.chips.chips), overwrite);
+  BuildStats stats = write_ground(writer, {mission.ground, scores}, selection.tile_ids, mission.flight.places, options,
                                   threads, progress, second_date, imagery);
-  write_flight(writer, plan, selection, options, inputs, software_version, stats);
+  write_flight(writer, mission, selection, options, inputs, software_version, stats);
   return finished(writer, path, std::move(stats));
 }
 

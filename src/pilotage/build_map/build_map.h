@@ -59,7 +59,7 @@ StoredSize stored_size(const BuildOptions& options, const Ground& ground);
 /// The file appears complete or not at all. The same input gives the same bytes for any number of threads. Throws
 /// UsageError for options out of range or keep_features without its second date, DataError when the selection or the
 /// scores are not of this plan, or when reading or writing fails; Interrupted.
-BuildStats build_map(const std::filesystem::path& path, const Mission& plan, const std::vector<TileScores>& scores,
+BuildStats build_map(const std::filesystem::path& path, const Mission& mission, const std::vector<TileScores>& scores,
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads = 0,
                      const Progress& progress = {}, const std::optional<SecondDate>& second_date = {},

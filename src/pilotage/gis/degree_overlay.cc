@@ -86,10 +86,10 @@ DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
   DegreeOverlay overlay;
   const MeasureScale& shown = shown_scale(report);
   if (std::isnan(shown.least)) return overlay;
-  const Crs crs = input.plan.ground.crs;
-  const ScoreTable table(input.plan.ground, input.scores);
+  const Crs crs = input.mission.ground.crs;
+  const ScoreTable table(input.mission.ground, input.scores);
   const std::string name = html_escape(shown.measure.heat.title);
-  for (const GridLevel& level : input.plan.ground.levels) {
+  for (const GridLevel& level : input.mission.ground.levels) {
     const ScoreRaster raster = score_raster(table, level.matrix.level);
     const auto band = std::find_if(raster.bands.begin(), raster.bands.end(),
                                    [&](const ScoreBand& entry) { return entry.name == shown.measure.name; });

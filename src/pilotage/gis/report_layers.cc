@@ -65,7 +65,7 @@ Corners cell_of(const GroundTile& tile, const TileMatrix& matrix) {
 }
 
 const GridLevel& level_of(const ReportInput& input, int level) {
-  return *std::find_if(input.plan.ground.levels.begin(), input.plan.ground.levels.end(),
+  return *std::find_if(input.mission.ground.levels.begin(), input.mission.ground.levels.end(),
                        [&](const GridLevel& entry) { return entry.matrix.level == level; });
 }
 
@@ -86,7 +86,7 @@ VectorLayer tile_layer(const ReportInput& input, const Report& report) {
   layer.title = "Tiles";
   layer.description = "The ground around the centre of each tile, with every measure of it.";
   layer.shape = VectorShape::kPolygon;
-  layer.crs = input.plan.ground.crs;
+  layer.crs = input.mission.ground.crs;
   layer.visible = false;
   for (const TileField& field : tile_fields()) {
     const std::string unit = field.unit.empty() ? "" : " [" + field.unit + "]";
@@ -139,7 +139,7 @@ VectorLayer area_layer(const ReportInput& input, const Report& report) {
   layer.title = "Matching areas";
   layer.description = "Outlines of the ground over which stored tiles give fixes.";
   layer.shape = VectorShape::kPolygon;
-  layer.crs = input.plan.ground.crs;
+  layer.crs = input.mission.ground.crs;
   layer.columns = {{"area", VectorType::kInteger, "Area"},
                    {"level", VectorType::kInteger, "Level"},
                    {"tiles", VectorType::kInteger, "Tiles"},
@@ -238,7 +238,7 @@ VectorLayer leg_layer(const ReportInput& input, const Report& report) {
   }
   layer.qml = qgis_line_style("status", classes);
   for (const ReportLeg& leg : report.legs) {
-    std::vector<GeodeticPoint> points = leg_line(input.plan.flight.samples, leg.status.leg, kMaxLinePoints);
+    std::vector<GeodeticPoint> points = leg_line(input.mission.flight.samples, leg.status.leg, kMaxLinePoints);
     points.insert(points.begin(), leg.from);
     points.push_back(leg.to);
     VectorFeature feature;
@@ -290,8 +290,8 @@ VectorLayer gap_layer(const ReportInput& input, const Report& report) {
   layer.qml = qgis_line_style("status", classes);
   for (const ReportGap& gap : report.gaps) {
     VectorFeature feature;
-    feature.points = line_of(
-        route_line_between(input.plan.flight.samples, gap.gap.from_distance_m, gap.gap.to_distance_m, kMaxLinePoints));
+    feature.points = line_of(route_line_between(input.mission.flight.samples, gap.gap.from_distance_m,
+                                                gap.gap.to_distance_m, kMaxLinePoints));
     feature.values = values_of(gap_fields(), gap);
     feature.title = "Gap of " + length_text(gap.length_m);
     feature.note = std::string(status_name(gap.quality)) + ": " + duration_text(gap.gap.duration_s) + "; " +
@@ -334,7 +334,7 @@ VectorLayer route_layer(const ReportInput& input, const Report& report) {
   VectorFeature feature;
   feature.values = values_of(route_fields(), report);
   std::vector<GeodeticPoint> points;
-  for (const FlightSample& sample : input.plan.flight.samples) points.push_back(sample.point);
+  for (const FlightSample& sample : input.mission.flight.samples) points.push_back(sample.point);
   feature.points = line_of(points);
   if (feature.points.empty()) return layer;
   feature.title = report.route_name.empty() ? "Route" : report.route_name;

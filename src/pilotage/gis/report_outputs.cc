@@ -69,9 +69,9 @@ Endings raster_endings(const std::vector<GridLevel>& levels, bool with_scores) {
 /// The score raster of its own and the class raster of every level that has scores.
 Endings write_rasters(const OutputSource& source) {
   Endings endings;
-  const ScoreTable table(source.input.plan.ground, source.input.scores);
-  const Crs crs = source.input.plan.ground.crs;
-  for (const GridLevel& level : source.input.plan.ground.levels) {
+  const ScoreTable table(source.input.mission.ground, source.input.scores);
+  const Crs crs = source.input.mission.ground.crs;
+  for (const GridLevel& level : source.input.mission.ground.levels) {
     const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const std::string suffix = level_suffix(level.matrix.level);

@@ -18,13 +18,13 @@ InputFile input_dataset(const std::string& role, const std::string& name, const 
   return {role, name, date, dataset_digest(name)};
 }
 
-std::vector<InputFile> input_files(const Mission& plan) {
+std::vector<InputFile> input_files(const Mission& mission) {
   std::vector<InputFile> files;
-  for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
+  for (const ImageryDataset& imagery : mission.ground.imagery.datasets) {
     files.push_back(input_dataset("imagery", imagery.dataset, imagery.acquired));
   }
-  if (!plan.ground.elevation.empty()) files.push_back(input_dataset("elevation", plan.ground.elevation, ""));
-  if (!plan.flight.route_file.empty()) files.push_back(input_file("route", plan.flight.route_file, ""));
+  if (!mission.ground.elevation.empty()) files.push_back(input_dataset("elevation", mission.ground.elevation, ""));
+  if (!mission.flight.route_file.empty()) files.push_back(input_file("route", mission.flight.route_file, ""));
   return files;
 }
 

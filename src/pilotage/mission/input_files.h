@@ -27,7 +27,7 @@ InputFile input_dataset(const std::string& role, const std::string& name, const 
 
 /// The files that went into a plan, with date and digest. Only files of this machine have a digest; what GDAL fetches
 /// from elsewhere has none. Throws DataError when a file cannot be read.
-std::vector<InputFile> input_files(const Mission& plan);
+std::vector<InputFile> input_files(const Mission& mission);
 
 }  // namespace pilotage
 

@@ -111,17 +111,18 @@ Json sample_to_json(const FlightSample& sample) {
           {"level", sample.level}};
 }
 
-FlightSample sample_from_json(JsonObject json, const Mission& plan) {
+FlightSample sample_from_json(JsonObject json, const Mission& mission) {
   FlightSample sample;
   sample.point = {json.number("lon_deg"), json.number("lat_deg")};
   sample.point_map_m = {json.number("x_m"), json.number("y_m")};
-  sample.leg = json.small_integer("leg", 0, static_cast<int>(plan.flight.route.legs.size()) - 1);
+  sample.leg = json.small_integer("leg", 0, static_cast<int>(mission.flight.route.legs.size()) - 1);
   sample.distance_m = json.number("distance_m");
   sample.azimuth_deg = json.number("azimuth_deg");
   sample.amsl_m = json.number_or_nan("amsl_m");
   sample.agl_m = json.number("agl_m");
   sample.speed_mps = json.positive_number("speed_mps");
-  sample.level = json.small_integer("level", FlightSample::kNoLevel, static_cast<int>(plan.ground.levels.size()) - 1);
+  sample.level =
+      json.small_integer("level", FlightSample::kNoLevel, static_cast<int>(mission.ground.levels.size()) - 1);
   json.finish();
   return sample;
 }
@@ -156,31 +157,31 @@ Json json_of(Options options) {
 
 }  // namespace
 
-Json plan_to_json(const Mission& plan) {
+Json plan_to_json(const Mission& mission) {
   Json json = {{"pilotage_plan", kPlanVersion},
-               {"crs_name", plan.ground.crs.name()},
-               {"crs_wkt", plan.ground.crs.wkt()},
-               {"max_scale_distortion", plan.ground.max_scale_distortion},
-               {"elevation", plan.ground.elevation},
-               {"route_file", plan.flight.route_file},
-               {"imagery_options", json_of(plan.ground.imagery.options)},
-               {"camera", camera_to_json(plan.flight.camera)},
-               {"ins", json_of(plan.flight.ins)},
-               {"max_error_m", plan.flight.max_error_m},
-               {"min_agl_m", plan.flight.min_agl_m},
-               {"corridor_half_width_m", plan.flight.corridor_half_width_m},
-               {"footprint_width_m", plan.flight.footprint_width_m},
-               {"footprint_height_m", plan.flight.footprint_height_m},
-               {"warnings", plan.warnings},
-               {"notes", plan.notes},
+               {"crs_name", mission.ground.crs.name()},
+               {"crs_wkt", mission.ground.crs.wkt()},
+               {"max_scale_distortion", mission.ground.max_scale_distortion},
+               {"elevation", mission.ground.elevation},
+               {"route_file", mission.flight.route_file},
+               {"imagery_options", json_of(mission.ground.imagery.options)},
+               {"camera", camera_to_json(mission.flight.camera)},
+               {"ins", json_of(mission.flight.ins)},
+               {"max_error_m", mission.flight.max_error_m},
+               {"min_agl_m", mission.flight.min_agl_m},
+               {"corridor_half_width_m", mission.flight.corridor_half_width_m},
+               {"footprint_width_m", mission.flight.footprint_width_m},
+               {"footprint_height_m", mission.flight.footprint_height_m},
+               {"warnings", mission.warnings},
+               {"notes", mission.notes},
                {"imagery", Json::array()},
                {"levels", Json::array()},
-               {"route", route_to_json(plan.flight.route)},
+               {"route", route_to_json(mission.flight.route)},
                {"route_samples", Json::array()},
                {"tiles", Json::array()}};
-  if (plan.flight.max_error_assumed) json["max_error_assumed"] = true;
-  if (plan.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *plan.flight.flat_ground_amsl_m;
-  for (const ImageryDataset& image : plan.ground.imagery.datasets) {
+  if (mission.flight.max_error_assumed) json["max_error_assumed"] = true;
+  if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
+  for (const ImageryDataset& image : mission.ground.imagery.datasets) {
     json["imagery"].push_back({{"dataset", image.dataset},
                                {"gsd_m", image.gsd_m},
                                {"crs", image.crs},
@@ -188,17 +189,17 @@ Json plan_to_json(const Mission& plan) {
                                {"width_px", image.width_px},
                                {"height_px", image.height_px}});
   }
-  for (const GridLevel& level : plan.ground.levels) json["levels"].push_back(matrix_to_json(level));
-  for (const FlightSample& sample : plan.flight.samples) json["route_samples"].push_back(sample_to_json(sample));
-  for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
-    json["tiles"].push_back(tile_to_json(plan.ground.tiles[i], plan.flight.places.at(i)));
+  for (const GridLevel& level : mission.ground.levels) json["levels"].push_back(matrix_to_json(level));
+  for (const FlightSample& sample : mission.flight.samples) json["route_samples"].push_back(sample_to_json(sample));
+  for (std::size_t i = 0; i < mission.ground.tiles.size(); ++i) {
+    json["tiles"].push_back(tile_to_json(mission.ground.tiles[i], mission.flight.places.at(i)));
   }
   return json;
 }
 
 Mission plan_from_json(const Json& json, const std::string& name) {
   JsonObject object(json, name);
-  Mission plan;
+  Mission mission;
   if (!object.has("pilotage_plan")) {
     throw DataError(name + ": is not a tile plan; `pilotage tile` makes one of a mission file");
   }
@@ -207,53 +208,53 @@ Mission plan_from_json(const Json& json, const std::string& name) {
     throw DataError(name + ": plan version " + std::to_string(version) + " is newer than this program reads (" +
                     std::to_string(kPlanVersion) + ")");
   }
-  plan.ground.crs = crs_from_json(object);
-  plan.ground.max_scale_distortion = object.number("max_scale_distortion");
-  plan.ground.elevation = object.text("elevation");
-  plan.flight.route_file = object.text("route_file");
-  plan.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
-  plan.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
-  plan.flight.ins = options_of<InsOptions>(object, "ins");
-  plan.flight.max_error_m = object.number("max_error_m");
-  plan.flight.max_error_assumed = object.has("max_error_assumed") && object.boolean("max_error_assumed");
-  if (object.has("flat_ground_amsl_m")) plan.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");
-  plan.flight.min_agl_m = object.number("min_agl_m");
-  plan.flight.corridor_half_width_m = object.number("corridor_half_width_m");
-  plan.flight.footprint_width_m = object.number("footprint_width_m");
-  plan.flight.footprint_height_m = object.number("footprint_height_m");
-  plan.warnings = object.texts("warnings");
-  plan.notes = object.texts("notes");
+  mission.ground.crs = crs_from_json(object);
+  mission.ground.max_scale_distortion = object.number("max_scale_distortion");
+  mission.ground.elevation = object.text("elevation");
+  mission.flight.route_file = object.text("route_file");
+  mission.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
+  mission.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
+  mission.flight.ins = options_of<InsOptions>(object, "ins");
+  mission.flight.max_error_m = object.number("max_error_m");
+  mission.flight.max_error_assumed = object.has("max_error_assumed") && object.boolean("max_error_assumed");
+  if (object.has("flat_ground_amsl_m")) mission.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");
+  mission.flight.min_agl_m = object.number("min_agl_m");
+  mission.flight.corridor_half_width_m = object.number("corridor_half_width_m");
+  mission.flight.footprint_width_m = object.number("footprint_width_m");
+  mission.flight.footprint_height_m = object.number("footprint_height_m");
+  mission.warnings = object.texts("warnings");
+  mission.notes = object.texts("notes");
   for (JsonObject& image : object.objects("imagery")) {
-    plan.ground.imagery.datasets.push_back({image.text("dataset"), image.number("gsd_m"), image.text("crs"),
-                                            image.text("acquired"),
-                                            image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
-                                            image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
+    mission.ground.imagery.datasets.push_back({image.text("dataset"), image.number("gsd_m"), image.text("crs"),
+                                               image.text("acquired"),
+                                               image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
+                                               image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
     image.finish();
   }
   for (JsonObject& level : object.objects("levels")) {
-    plan.ground.levels.push_back(level_from_json(level, static_cast<int>(plan.ground.levels.size())));
+    mission.ground.levels.push_back(level_from_json(level, static_cast<int>(mission.ground.levels.size())));
   }
-  if (plan.ground.levels.empty()) throw DataError(object.path("levels") + " is empty");
-  if (plan.ground.levels.size() > kMaxLevels) {
-    throw DataError(object.path("levels") + " has " + std::to_string(plan.ground.levels.size()) + " levels; at most " +
-                    std::to_string(kMaxLevels) + " are allowed");
+  if (mission.ground.levels.empty()) throw DataError(object.path("levels") + " is empty");
+  if (mission.ground.levels.size() > kMaxLevels) {
+    throw DataError(object.path("levels") + " has " + std::to_string(mission.ground.levels.size()) +
+                    " levels; at most " + std::to_string(kMaxLevels) + " are allowed");
   }
-  plan.flight.route = route_from_json(object.value("route"), object.path("route"));
+  mission.flight.route = route_from_json(object.value("route"), object.path("route"));
   for (JsonObject& sample : object.objects("route_samples"))
-    plan.flight.samples.push_back(sample_from_json(sample, plan));
-  if (plan.flight.samples.empty()) throw DataError(object.path("route_samples") + " is empty");
+    mission.flight.samples.push_back(sample_from_json(sample, mission));
+  if (mission.flight.samples.empty()) throw DataError(object.path("route_samples") + " is empty");
   for (JsonObject& tile : object.objects("tiles")) {
-    const PlacedTile placed = tile_from_json(tile, plan.ground.levels);
-    plan.ground.tiles.push_back(placed.tile);
-    plan.flight.places.push_back(placed.place);
-    if (plan.ground.tiles.size() > 1 &&
-        plan.ground.tiles.back().tile_id <= plan.ground.tiles[plan.ground.tiles.size() - 2].tile_id) {
-      throw DataError(object.path("tiles") + ": tile_id " + std::to_string(plan.ground.tiles.back().tile_id) +
+    const PlacedTile placed = tile_from_json(tile, mission.ground.levels);
+    mission.ground.tiles.push_back(placed.tile);
+    mission.flight.places.push_back(placed.place);
+    if (mission.ground.tiles.size() > 1 &&
+        mission.ground.tiles.back().tile_id <= mission.ground.tiles[mission.ground.tiles.size() - 2].tile_id) {
+      throw DataError(object.path("tiles") + ": tile_id " + std::to_string(mission.ground.tiles.back().tile_id) +
                       " is out of order");
     }
   }
   object.finish();
-  return plan;
+  return mission;
 }
 
 Mission read_plan(const std::filesystem::path& path) {

@@ -14,7 +14,7 @@ namespace pilotage {
 
 /// The tile plan as a file (schemas/plan.schema.json): what `tile` writes and `score`, `select`, `build` and `report`
 /// read. Numbers read back exactly.
-nlohmann::ordered_json plan_to_json(const Mission& plan);
+nlohmann::ordered_json plan_to_json(const Mission& mission);
 
 /// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path.
 Mission plan_from_json(const nlohmann::ordered_json& json, const std::string& name);

@@ -93,31 +93,31 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   refuse_existing(run.output_folder, run.overwrite);
   for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
-  const Mission plan = plan_tiles(options.tile, progress);
+  const Mission mission = plan_tiles(options.tile, progress);
   const StagingFolder staging(run.output_folder);
   PrepareResult result;
   const auto publish_later = [&](const std::string& name) {
     result.files.push_back(name);
     return staging / name;
   };
-  write_file(publish_later("plan.json"), plan_to_json(plan).dump(1) + "\n", true);
+  write_file(publish_later("plan.json"), plan_to_json(mission).dump(1) + "\n", true);
 
-  std::optional<GroundImagery> imagery = open_imagery(plan.ground);
-  const GroundScores scored = score_ground(plan.ground, score_options, run.seed, run.threads, progress, &*imagery);
+  std::optional<GroundImagery> imagery = open_imagery(mission.ground);
+  const GroundScores scored = score_ground(mission.ground, score_options, run.seed, run.threads, progress, &*imagery);
   const std::vector<TileScores>& scores = scored.scores;
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
-    write_score_raster(publish_later(kDisagreement), layer.bands, plan.ground.crs, layer.map_from_pixel, true);
+    write_score_raster(publish_later(kDisagreement), layer.bands, mission.ground.crs, layer.map_from_pixel, true);
   }
   report_progress(progress, "writing scores", 0, 0);
-  const ScoreTable table(plan.ground, scores);
-  write_file(publish_later("tiles.csv"), tile_table_to_csv(plan.ground, scores), true);
-  for (const GridLevel& level : plan.ground.levels) {
+  const ScoreTable table(mission.ground, scores);
+  write_file(publish_later("tiles.csv"), tile_table_to_csv(mission.ground, scores), true);
+  for (const GridLevel& level : mission.ground.levels) {
     const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const fs::path path = publish_later(score_raster_name(level.matrix.level));
-    write_score_raster(path, raster.bands, plan.ground.crs, raster.map_from_pixel, true);
+    write_score_raster(path, raster.bands, mission.ground.crs, raster.map_from_pixel, true);
     const auto shown = shown_measure(raster, scores);
     if (shown && asks_for(options.outputs, ReportOutput::kCog)) {
       result.files.push_back(write_heat_style(path, *shown, true));
@@ -125,10 +125,10 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
 
   report_progress(progress, "selecting", 0, 0);
-  const Selection selection = select_tiles(plan, scores, stored_size(options.build, plan.ground), options.select);
+  const Selection selection = select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select);
   write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
 
-  std::vector<InputFile> inputs = input_files(plan);  // hashed once, for map and report
+  std::vector<InputFile> inputs = input_files(mission);  // hashed once, for map and report
   for (const std::string& dataset : options.score.second_epoch) {
     inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
   }
@@ -137,11 +137,12 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     const Registration& registration = scored.second_epoch->registration;
     second_date = SecondDate{options.score.second_epoch, registration.fit.field};
   }
-  result.map = build_map(publish_later(kMap), plan, scores, selection, inputs, run.software_version, options.build,
+  result.map = build_map(publish_later(kMap), mission, scores, selection, inputs, run.software_version, options.build,
                          true, run.threads, progress, second_date, &*imagery);
   imagery.reset();  // the report reads it at other scales
 
-  ReportInput input = make_report_input(plan, scores, selection, inputs, run.software_version, run.threads, progress);
+  ReportInput input =
+      make_report_input(mission, scores, selection, inputs, run.software_version, run.threads, progress);
   report_progress(progress, "writing the report", 0, 0);
   input.parameters = described(options);
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
@@ -155,7 +156,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
 
   result.verdict = report.verdict_text;
   result.assumptions = report.assumptions;
-  result.planned_tiles = static_cast<std::int64_t>(plan.ground.tiles.size());
+  result.planned_tiles = static_cast<std::int64_t>(mission.ground.tiles.size());
   result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   result.matchable_fraction = selection.matchable_fraction;
   result.within_limit = selection.within_limit;

@@ -14,7 +14,7 @@ std::optional<GeoreferenceDisagreement> georeference_disagreement(const ReportIn
   std::vector<double> apart_m;
   for (std::size_t i = 0; i < input.scores.size(); ++i) {
     const double disagreement_m = input.scores[i].epoch.disagreement_m;
-    if (std::isfinite(disagreement_m) && selected.contains(input.plan.ground.tiles[i].tile_id)) {
+    if (std::isfinite(disagreement_m) && selected.contains(input.mission.ground.tiles[i].tile_id)) {
       apart_m.push_back(disagreement_m);
     }
   }
@@ -23,7 +23,7 @@ std::optional<GeoreferenceDisagreement> georeference_disagreement(const ReportIn
   GeoreferenceDisagreement found;
   found.median_m = apart_m[apart_m.size() / 2];
   found.largest_m = apart_m.back();
-  found.budget_m = input.selection.sigma_multiple * input.plan.flight.ins.fix_sigma_m;
+  found.budget_m = input.selection.sigma_multiple * input.mission.flight.ins.fix_sigma_m;
   found.largest_error_m = largest_error_m(input.selection) + found.largest_m;
   return found;
 }

@@ -21,10 +21,10 @@ using PlaneFunction = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
 
 // A longitude in the middle of what is drawn, so that everything lies within 180° of it.
 double reference_lon_deg(const ReportInput& input) {
-  if (!input.plan.ground.tiles.empty())
-    return input.plan.ground.tiles[input.plan.ground.tiles.size() / 2].center.lon_deg;
-  if (!input.plan.flight.samples.empty())
-    return input.plan.flight.samples[input.plan.flight.samples.size() / 2].point.lon_deg;
+  if (!input.mission.ground.tiles.empty())
+    return input.mission.ground.tiles[input.mission.ground.tiles.size() / 2].center.lon_deg;
+  if (!input.mission.flight.samples.empty())
+    return input.mission.flight.samples[input.mission.flight.samples.size() / 2].point.lon_deg;
   return 0;
 }
 
@@ -50,7 +50,7 @@ std::array<Eigen::Vector2d, 4> cell_corners(const GroundTile& tile, const GridLe
 }
 
 void add_route(const ReportInput& input, const Report& report, double reference_deg, ReportDisplay& display) {
-  const std::vector<FlightSample>& samples = input.plan.flight.samples;
+  const std::vector<FlightSample>& samples = input.mission.flight.samples;
   const std::size_t per_leg = std::max<std::size_t>(8, kMaxLinePoints / std::max<std::size_t>(1, report.legs.size()));
   for (const ReportLeg& leg : report.legs) {
     std::vector<GeodeticPoint> line = leg_line(samples, leg.status.leg, per_leg);
@@ -75,7 +75,7 @@ void add_pictures(const ReportInput& input, const Report& report, ReportDisplay&
   const TilePictures& pictures = input.pictures;
   if (pictures.sheet.empty()) return;
   std::map<std::int64_t, std::size_t> index;
-  for (std::size_t i = 0; i < input.plan.ground.tiles.size(); ++i) index[input.plan.ground.tiles[i].tile_id] = i;
+  for (std::size_t i = 0; i < input.mission.ground.tiles.size(); ++i) index[input.mission.ground.tiles[i].tile_id] = i;
   cv::Mat sheet(pictures.sheet.size(), pictures.sheet.type(), cv::Scalar::all(0));
   for (std::size_t i = 0; i < report.tiles.size(); ++i) {
     pictures.sheet(pictures.place(index.at(report.tiles[i].tile.tile_id))).copyTo(sheet(pictures.place(i)));
@@ -111,7 +111,7 @@ ReportDisplay make_display(const ReportInput& input, const Report& report) {
   const double reference_deg = reference_lon_deg(input);
   const PlaneFunction display_from_map = mercator_from_map(input.geodetic_from_map, reference_deg);
   std::map<int, const GridLevel*> levels;
-  for (const GridLevel& level : input.plan.ground.levels) levels[level.matrix.level] = &level;
+  for (const GridLevel& level : input.mission.ground.levels) levels[level.matrix.level] = &level;
   for (const ReportTile& tile : report.tiles) {
     display.cells_m.push_back(cell_corners(tile.tile, *levels.at(tile.tile.level), display_from_map));
   }

@@ -16,7 +16,7 @@ namespace pilotage {
 /// Reads what a report shows beyond plan, scores, selection and `inputs` (input_files of the plan): a picture of the
 /// corridor and one of each tile. The same for any number of threads (0 = all cores). Throws DataError when imagery
 /// cannot be read, Interrupted.
-ReportInput make_report_input(const Mission& plan, const std::vector<TileScores>& scores, const Selection& selection,
+ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
                               const std::vector<InputFile>& inputs, const std::string& software_version,
                               int threads = 0, const Progress& progress = {});
 

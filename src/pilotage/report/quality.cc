@@ -109,7 +109,8 @@ QualityRow selected_row(const ReportInput& input) {
   row.label = "Tiles selected for the map";
   row.number = static_cast<double>(input.selection.tile_ids.size());
   row.unit = "tiles";
-  row.value = std::to_string(input.selection.tile_ids.size()) + " of " + std::to_string(input.plan.ground.tiles.size());
+  row.value =
+      std::to_string(input.selection.tile_ids.size()) + " of " + std::to_string(input.mission.ground.tiles.size());
   if (input.selection.estimated_bytes > 0) {
     row.value += ", about " + bytes_text(static_cast<double>(input.selection.estimated_bytes));
   }
@@ -122,14 +123,14 @@ QualityRow selected_row(const ReportInput& input) {
   return row;
 }
 
-QualityRow coverage_row(const Mission& plan) {
+QualityRow coverage_row(const Mission& mission) {
   QualityRow row;
   row.name = "imagery_coverage";
   row.label = "Corridor covered by imagery";
   double sum = 0;
   double count = 0;
-  const int finest = plan.ground.tiles.empty() ? 0 : plan.ground.tiles.front().level;
-  for (const GroundTile& tile : plan.ground.tiles) {
+  const int finest = mission.ground.tiles.empty() ? 0 : mission.ground.tiles.front().level;
+  for (const GroundTile& tile : mission.ground.tiles) {
     if (tile.level != finest) continue;
     sum += tile.valid_fraction;
     ++count;
@@ -144,13 +145,13 @@ QualityRow coverage_row(const Mission& plan) {
   return row;
 }
 
-QualityRow distortion_row(const Mission& plan) {
+QualityRow distortion_row(const Mission& mission) {
   QualityRow row;
   row.name = "scale_distortion";
   row.label = "Scale distortion of the mission grid";
-  row.number = plan.ground.max_scale_distortion;
+  row.number = mission.ground.max_scale_distortion;
   row.unit = "1";
-  row.value = number_text(plan.ground.max_scale_distortion * 100, 3) + " %";
+  row.value = number_text(mission.ground.max_scale_distortion * 100, 3) + " %";
   row.threshold = "good up to 0.1 %, marginal up to 0.5 %";
   row.status = judge_at_least(-row.number, -Limits::kDistortionGood, -Limits::kDistortionMarginal);
   row.decides = true;
@@ -159,13 +160,13 @@ QualityRow distortion_row(const Mission& plan) {
   return row;
 }
 
-QualityRow gsd_row(const Mission& plan) {
+QualityRow gsd_row(const Mission& mission) {
   QualityRow row;
   row.name = "map_gsd";
   row.label = "Ground sample distance of the map";
   row.unit = "m/px";
   std::vector<std::string> texts;
-  for (const GridLevel& level : plan.ground.levels) {
+  for (const GridLevel& level : mission.ground.levels) {
     if (std::isnan(row.number) || level.gsd_m < row.number) row.number = level.gsd_m;
     texts.push_back(number_text(level.gsd_m, 2) + " m/px");
   }
@@ -179,12 +180,12 @@ QualityRow gsd_row(const Mission& plan) {
   return row;
 }
 
-QualityRow footprint_row(const Mission& plan) {
+QualityRow footprint_row(const Mission& mission) {
   QualityRow row;
   row.name = "footprint_pixels";
   row.label = "Map pixels across a tile";
   row.unit = "px";
-  for (const GridLevel& level : plan.ground.levels) {
+  for (const GridLevel& level : mission.ground.levels) {
     const double size_px = level.matrix.tile_size_px;
     if (std::isnan(row.number) || size_px < row.number) row.number = size_px;
   }
@@ -205,7 +206,7 @@ QualityRow scored_row(const ReportInput& input) {
     if (score.status == TileStatus::kTooLittleGround) ++little;
     if (score.status == TileStatus::kFlat) ++flat;
   }
-  const std::size_t all = input.plan.ground.tiles.size();
+  const std::size_t all = input.mission.ground.tiles.size();
   QualityRow row;
   row.name = "scored_tiles";
   row.label = "Tiles that could be scored";
@@ -227,7 +228,7 @@ QualityRow ambiguous_row(const ReportInput& input) {
   std::size_t ambiguous = 0;
   for (std::size_t i = 0; i < input.scores.size(); ++i) {
     const TileScores& score = input.scores[i];
-    if (!selected.contains(input.plan.ground.tiles[i].tile_id) || std::isnan(score.degraded.margin)) continue;
+    if (!selected.contains(input.mission.ground.tiles[i].tile_id) || std::isnan(score.degraded.margin)) continue;
     ++judged;
     if (score.degraded.margin <= 0) ++ambiguous;
   }
@@ -251,22 +252,22 @@ QualityRow ambiguous_row(const ReportInput& input) {
   return row;
 }
 
-QualityRow imagery_date_row(const Mission& plan) {
+QualityRow imagery_date_row(const Mission& mission) {
   QualityRow row;
   row.name = "imagery_dates";
   row.label = "Imagery with a known date";
   row.unit = "files";
   std::vector<std::string> dates;
-  for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
+  for (const ImageryDataset& imagery : mission.ground.imagery.datasets) {
     if (!imagery.acquired.empty()) dates.push_back(imagery.acquired);
   }
   row.number = static_cast<double>(dates.size());
-  row.value = std::to_string(dates.size()) + " of " + std::to_string(plan.ground.imagery.datasets.size());
+  row.value = std::to_string(dates.size()) + " of " + std::to_string(mission.ground.imagery.datasets.size());
   std::sort(dates.begin(), dates.end());
   if (!dates.empty()) row.value += ", " + dates.front();
   if (!dates.empty() && dates.back() != dates.front()) row.value += " to " + dates.back();
   row.threshold = "good when every file tells its date";
-  if (dates.size() < plan.ground.imagery.datasets.size() || plan.ground.imagery.datasets.empty()) {
+  if (dates.size() < mission.ground.imagery.datasets.size() || mission.ground.imagery.datasets.empty()) {
     row.status = QualityStatus::kMarginal;
     row.advice = "Check by hand how old the imagery is: vegetation, building sites and water change first.";
   }
@@ -358,12 +359,12 @@ std::vector<QualityRow> quality_rows(const ReportInput& input) {
                                   matchable_row(input.selection),
                                   selected_row(input),
                                   ambiguous_row(input),
-                                  coverage_row(input.plan),
+                                  coverage_row(input.mission),
                                   scored_row(input),
-                                  gsd_row(input.plan),
-                                  footprint_row(input.plan),
-                                  distortion_row(input.plan),
-                                  imagery_date_row(input.plan)};
+                                  gsd_row(input.mission),
+                                  footprint_row(input.mission),
+                                  distortion_row(input.mission),
+                                  imagery_date_row(input.mission)};
   if (const auto found = georeference_disagreement(input)) {
     rows.insert(rows.begin() + 2, disagreement_row(*found, input.selection));
   }

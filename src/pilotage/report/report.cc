@@ -30,7 +30,7 @@ std::vector<std::string> valid_texts(const std::vector<std::string>& texts) {
 }
 
 void check_route(const ReportInput& input) {
-  const Route& route = input.plan.flight.route;
+  const Route& route = input.mission.flight.route;
   const int vertices = static_cast<int>(route.vertices.size());
   const int legs = static_cast<int>(route.legs.size());
   const auto check_leg = [&](int leg, const std::string& what) {
@@ -44,7 +44,7 @@ void check_route(const ReportInput& input) {
                     std::to_string(leg.to) + ", the route has " + std::to_string(vertices) + " vertices");
   }
   double last_m = -std::numeric_limits<double>::infinity();
-  for (const FlightSample& sample : input.plan.flight.samples) {
+  for (const FlightSample& sample : input.mission.flight.samples) {
     check_leg(sample.leg, "a sample of the route");
     if (!(sample.distance_m >= last_m))
       throw DataError("report: the samples of the route are not in order of distance");
@@ -70,12 +70,12 @@ void check_imagery(const Raster& imagery) {
 
 void check_pictures(const ReportInput& input) {
   const TilePictures& pictures = input.pictures;
-  if (pictures.sheet.empty() || input.plan.ground.tiles.empty()) return;
+  if (pictures.sheet.empty() || input.mission.ground.tiles.empty()) return;
   const cv::Rect sheet({0, 0}, pictures.sheet.size());
   const bool whole =
       pictures.sheet.type() == CV_8UC3 && pictures.side_px > 0 && pictures.columns > 0 &&
       pictures.columns * pictures.side_px <= sheet.width &&
-      (pictures.place(input.plan.ground.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
+      (pictures.place(input.mission.ground.tiles.size() - 1) & sheet).area() == pictures.side_px * pictures.side_px;
   if (!whole) throw DataError("report: the sheet of pictures does not hold one for each tile of the plan");
 }
 
@@ -97,15 +97,15 @@ std::string reason_for(const ReportTile& tile) {
 }
 
 std::vector<ReportTile> report_tiles(const ReportInput& input) {
-  const Ground& ground = input.plan.ground;
+  const Ground& ground = input.mission.ground;
   const ScoreTable table(ground, input.scores);
-  if (input.plan.flight.places.size() != ground.tiles.size()) {
-    throw DataError("report: " + std::to_string(input.plan.flight.places.size()) + " places along the route, " +
+  if (input.mission.flight.places.size() != ground.tiles.size()) {
+    throw DataError("report: " + std::to_string(input.mission.flight.places.size()) + " places along the route, " +
                     std::to_string(ground.tiles.size()) + " tiles");
   }
   std::vector<ReportTile> tiles;
   for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
-    tiles.push_back({ground.tiles[i], input.plan.flight.places[i], table.scores[i], false, "", ""});
+    tiles.push_back({ground.tiles[i], input.mission.flight.places[i], table.scores[i], false, "", ""});
   }
   for (const std::int64_t tile_id : input.selection.tile_ids) {
     ReportTile& tile = tiles[tile_index(ground, tile_id, "report: the selection")];
@@ -126,8 +126,8 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
     placed.gap = gap;
     placed.length_m = gap.to_distance_m - gap.from_distance_m;
     placed.speed_mps = gap.duration_s > 0 ? placed.length_m / gap.duration_s : std::numeric_limits<double>::quiet_NaN();
-    placed.from = route_point_at(input.plan.flight.samples, gap.from_distance_m);
-    placed.to = route_point_at(input.plan.flight.samples, gap.to_distance_m);
+    placed.from = route_point_at(input.mission.flight.samples, gap.from_distance_m);
+    placed.to = route_point_at(input.mission.flight.samples, gap.to_distance_m);
     placed.quality = judge_gap(gap, input.selection);
     gaps.push_back(placed);
   }
@@ -135,12 +135,12 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
 }
 
 std::vector<ReportLeg> place_legs(const ReportInput& input) {
-  const Route& route = input.plan.flight.route;
+  const Route& route = input.mission.flight.route;
   // Items of mission files have commands, and numbers that QGroundControl shows.
   const bool numbered =
       std::any_of(route.items.begin(), route.items.end(), [](const RouteItem& item) { return item.command >= 0; });
   std::map<int, double> starts_m;
-  for (const FlightSample& sample : input.plan.flight.samples) starts_m.try_emplace(sample.leg, sample.distance_m);
+  for (const FlightSample& sample : input.mission.flight.samples) starts_m.try_emplace(sample.leg, sample.distance_m);
   std::vector<ReportLeg> legs;
   for (const LegStatus& status : input.selection.legs) {
     const RouteLeg& leg = route.legs[static_cast<std::size_t>(status.leg)];
@@ -179,7 +179,7 @@ std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
 
 InertialReach inertial_reach(const ReportInput& input) {
   InertialReach reach;
-  const Flight& flight = input.plan.flight;
+  const Flight& flight = input.mission.flight;
   const double limit_m = input.selection.max_error_m;
   if (flight.samples.empty() || !(flight.samples.front().speed_mps > 0) || !(limit_m > 0)) return reach;
   const InsErrorModel model = make_ins_error_model(flight.ins);
@@ -198,7 +198,7 @@ Report make_report(const ReportInput& input) {
   check_route(input);
   check_imagery(input.imagery);
   check_pictures(input);
-  const Mission& plan = input.plan;
+  const Mission& mission = input.mission;
   const Selection& selection = input.selection;
   Report report;
   report.tiles = report_tiles(input);
@@ -207,14 +207,14 @@ Report make_report(const ReportInput& input) {
   report.headline = valid_utf8(headline(selection));
   report.verdict_detail = valid_utf8(verdict_detail(report.verdict, report.quality, selection));
   report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, selection));
-  report.assumptions = assumptions_line(plan.flight, selection);
+  report.assumptions = assumptions_line(mission.flight, selection);
   for (QualityRow& row : report.quality) row.value = valid_utf8(row.value);
 
-  report.route_name = valid_utf8(plan.flight.route.name);
-  report.route_format = valid_utf8(plan.flight.route.format);
-  report.title = valid_utf8(input.title.empty() ? plan.flight.route.name : input.title);
+  report.route_name = valid_utf8(mission.flight.route.name);
+  report.route_format = valid_utf8(mission.flight.route.format);
+  report.title = valid_utf8(input.title.empty() ? mission.flight.route.name : input.title);
   report.software_version = valid_utf8(input.software_version);
-  report.route_length_m = route_length_m(plan.flight.route);
+  report.route_length_m = route_length_m(mission.flight.route);
   report.matchable_fraction = selection.matchable_fraction;
   report.largest_error_m = largest_error_m(selection);
   report.max_error_m = selection.max_error_m;
@@ -231,27 +231,27 @@ Report make_report(const ReportInput& input) {
   report.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   report.estimated_bytes = selection.estimated_bytes;
 
-  report.crs_name = plan.ground.crs.empty() ? "" : valid_utf8(plan.ground.crs.name());
-  report.max_scale_distortion = plan.ground.max_scale_distortion;
-  report.corridor_half_width_m = plan.flight.corridor_half_width_m;
-  report.footprint_width_m = plan.flight.footprint_width_m;
-  report.footprint_height_m = plan.flight.footprint_height_m;
-  report.levels = plan.ground.levels;
-  for (const ImageryDataset& imagery : plan.ground.imagery.datasets) {
+  report.crs_name = mission.ground.crs.empty() ? "" : valid_utf8(mission.ground.crs.name());
+  report.max_scale_distortion = mission.ground.max_scale_distortion;
+  report.corridor_half_width_m = mission.flight.corridor_half_width_m;
+  report.footprint_width_m = mission.flight.footprint_width_m;
+  report.footprint_height_m = mission.flight.footprint_height_m;
+  report.levels = mission.ground.levels;
+  for (const ImageryDataset& imagery : mission.ground.imagery.datasets) {
     ImageryDataset& copy = report.imagery.emplace_back(imagery);
     copy.dataset = valid_utf8(imagery.dataset);
     copy.crs = valid_utf8(imagery.crs);
     copy.acquired = valid_utf8(imagery.acquired);
   }
-  report.elevation = valid_utf8(plan.ground.elevation);
+  report.elevation = valid_utf8(mission.ground.elevation);
   for (const InputFile& file : input.inputs) {
     report.inputs.push_back(
         {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
   }
   report.parameters = valid_utf8_json(input.parameters);
-  report.warnings = valid_texts(plan.warnings);
+  report.warnings = valid_texts(mission.warnings);
   if (const std::string warning = disagreement_warning(input); !warning.empty()) report.warnings.push_back(warning);
-  report.notes = valid_texts(plan.flight.route.notes);
+  report.notes = valid_texts(mission.flight.route.notes);
   for (const auto* more : {&selection.notes, &input.assumptions}) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }

@@ -24,7 +24,7 @@ namespace pilotage {
 /// Everything `report` shows. Coordinates x, y are those of the mission grid (`plan.ground.crs.wkt()`).
 struct ReportInput {
   std::string title;  ///< Of the page; "" takes the route's name.
-  Mission plan;
+  Mission mission;
   std::vector<TileScores> scores;  ///< Of the ground's tiles, in their order.
   Selection selection;
 

@@ -32,7 +32,7 @@ int tile_picture_side_px(std::size_t tiles);
 /// Reads every tile of the plan at the resolution of its picture, in place to half a pixel of it. What is not 8 bits
 /// deep is stretched linearly between the 2nd and the 98th percentile of each channel over all pictures. The same for
 /// any number of threads (0 = all cores). Throws DataError when the imagery cannot be read, Interrupted.
-TilePictures read_tile_pictures(const Mission& plan, int threads = 0, const Progress& progress = {});
+TilePictures read_tile_pictures(const Mission& mission, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
 

@@ -32,7 +32,7 @@ struct Cursor {
 /// The state of following a mission; lives for one call of append_mission.
 struct Follower {
   Route& route;
-  const Mission& mission;
+  const MavlinkMission& mission;
   const RouteOptions& options;
   std::map<int, std::size_t> item_of_sequence{};
   std::map<int, std::size_t> item_of_tag{};
@@ -330,7 +330,7 @@ std::string mission_command_name(int command) {
   return info.role == CommandRole::kUnknown ? "command " + std::to_string(command) : std::string(info.name);
 }
 
-void append_mission(Route& route, const Mission& mission, const RouteOptions& options) {
+void append_mission(Route& route, const MavlinkMission& mission, const RouteOptions& options) {
   Follower follower{route, mission, options};
   follower.vertex_of_item.assign(mission.items.size(), -1);
   follower.became.resize(mission.items.size());

@@ -22,7 +22,7 @@ struct MissionItem {
   std::string kind;  ///< Vertex kind when it is not the command's own ("survey"); else empty.
 };
 
-struct Mission {
+struct MavlinkMission {
   std::vector<MissionItem> items;
   std::optional<RouteHome> home;
   double speed_mps = std::numeric_limits<double>::quiet_NaN();  ///< Until an item changes it.
@@ -37,7 +37,7 @@ struct Mission {
 ///   - jumps are followed, each distinct leg stands once, items never reached are said.
 /// Throws DataError naming the item: a position that is no position, a local frame, a relative height without home's
 /// height, a jump to nowhere.
-void append_mission(Route& route, const Mission& mission, const RouteOptions& options);
+void append_mission(Route& route, const MavlinkMission& mission, const RouteOptions& options);
 
 /// "waypoint", "takeoff", … or "command 4711".
 std::string mission_command_name(int command);

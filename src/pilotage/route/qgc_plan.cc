@@ -40,7 +40,7 @@ MissionItem parse_simple_item(JsonObject& json, int index) {
 }
 
 /// The number by which QGroundControl shows an item: its own where that goes on from the items before, else `next`.
-int number_of(JsonObject& json, const Mission& mission, int next) {
+int number_of(JsonObject& json, const MavlinkMission& mission, int next) {
   constexpr int kMost = 1'000'000;  // more than any autopilot stores
   const int last = mission.items.empty() ? 0 : mission.items.back().index;
   const int own = json.has_value("doJumpId") ? std::min(json.small_integer("doJumpId"), kMost) : 0;
@@ -87,7 +87,7 @@ std::optional<RouteCamera> parse_camera(Route& route, JsonObject calc) {
 }
 
 // Returns the number of its last command.
-int append_transects(Route& route, Mission& mission, JsonObject& json, int number, const std::string& kind) {
+int append_transects(Route& route, MavlinkMission& mission, JsonObject& json, int number, const std::string& kind) {
   JsonObject transects = json.object("TransectStyleComplexItem");
   require_version(transects, {1, 2});
   std::vector<JsonObject> items = transects.objects("Items");
@@ -112,7 +112,7 @@ int append_transects(Route& route, Mission& mission, JsonObject& json, int numbe
   return last;
 }
 
-void append_landing_pattern(Mission& mission, JsonObject& json, int index, const std::string& type) {
+void append_landing_pattern(MavlinkMission& mission, JsonObject& json, int index, const std::string& type) {
   // Older plans hold the same under other names.
   const bool relative = json.boolean("altitudesAreRelative");
   const char* approach = json.has_value("landingApproachCoordinate") ? "landingApproachCoordinate" : "loiterCoordinate";
@@ -122,7 +122,7 @@ void append_landing_pattern(Mission& mission, JsonObject& json, int index, const
 }
 
 // Returns the number of its last command; of patterns whose commands are not in the file that is its own.
-int append_complex_item(Route& route, Mission& mission, JsonObject& json, int index) {
+int append_complex_item(Route& route, MavlinkMission& mission, JsonObject& json, int index) {
   const std::string type = json.text("complexItemType");
   if (type == "survey") {
     require_version(json, {4, 5});
@@ -196,7 +196,7 @@ Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json
   Route route;
   route.name = name;
   route.format = "QGroundControl plan";
-  Mission mission;
+  MavlinkMission mission;
   mission.home = parse_home(mission_json);
   mission.speed_mps = planned_speed_mps(mission_json);
   int number = 1;  // QGroundControl counts home as 0; of a survey it counts every command

@@ -79,7 +79,7 @@ std::vector<MissionItem> parse_rows(const std::string& name, std::string_view te
 }
 
 /// Takes home from row 0 and, if it is a pure home row, the row itself.
-void take_home(Route& route, Mission& mission) {
+void take_home(Route& route, MavlinkMission& mission) {
   if (mission.items.empty() || mission.items.front().index != 0) {
     add_note(route, "The file has no row 0, so it names no home.");
     return;
@@ -117,7 +117,7 @@ Route parse_qgc_wpl(const std::string& name, std::string_view text, const RouteO
   Route route;
   route.name = name;
   route.format = "QGC WPL 110";
-  Mission mission;
+  MavlinkMission mission;
   mission.items = parse_rows(name, text);
   if (mission.items.empty()) throw DataError(name + ": has no items");
   take_home(route, mission);

@@ -9,8 +9,8 @@ ScoreRun open_score_run(const std::vector<std::string>& inputs, const ScoreRunOp
   check_options(options);
   if (inputs.size() == 1 && inputs.front().ends_with(".json")) {
     refuse_raster_grid(options.grid, inputs.front());
-    Mission plan = read_plan(inputs.front());
-    return {inputs, options, seed, std::move(plan.ground), std::move(plan.flight), {}};
+    Mission mission = read_plan(inputs.front());
+    return {inputs, options, seed, std::move(mission.ground), std::move(mission.flight), {}};
   }
   RasterGround rasters = ground_of_rasters(inputs, options.grid);
   return {inputs, options, seed, std::move(rasters.ground), {}, std::move(rasters.warnings)};

@@ -25,12 +25,12 @@ class TileSet {
  public:
   TileSet(const FlightPath& path, const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
           const FixChain& chain, const StoredSize& size, double budget)
-      : plan_(path.plan),
+      : mission_(path.mission),
         attempts_(&attempts),
         p_of_tile_(&p_of_tile),
         chain_(&chain),
         budget_(budget),
-        count_(*path.plan, size),
+        count_(*path.mission, size),
         chosen_(p_of_tile.size(), false) {
     for (const FixAttempt& attempt : attempts) {
       if (p_of_tile[attempt.tile] > 0) candidates_.push_back(attempt.tile);
@@ -43,16 +43,17 @@ class TileSet {
   const std::vector<bool>& chosen() const { return chosen_; }
   bool fits(std::size_t tile) const { return count_.bytes() + bytes_of(tile) <= budget_; }
   bool can_ever_fit(std::size_t tile, const StoredSize& size) const {
-    return StorageCount(*plan_, size).bytes() + StorageCount(*plan_, size).bytes_of(plan_->ground.tiles[tile]) <=
+    return StorageCount(*mission_, size).bytes() +
+               StorageCount(*mission_, size).bytes_of(mission_->ground.tiles[tile]) <=
            budget_;
   }
-  double bytes_of(std::size_t tile) const { return count_.bytes_of(plan_->ground.tiles[tile]); }
+  double bytes_of(std::size_t tile) const { return count_.bytes_of(mission_->ground.tiles[tile]); }
   void add(std::size_t tile) {
-    count_.add(plan_->ground.tiles[tile]);
+    count_.add(mission_->ground.tiles[tile]);
     chosen_[tile] = true;
   }
   void remove(std::size_t tile) {
-    count_.remove(plan_->ground.tiles[tile]);
+    count_.remove(mission_->ground.tiles[tile]);
     chosen_[tile] = false;
   }
   double value() const { return chain_value(*chain_, node_probabilities()).value; }
@@ -115,7 +116,7 @@ class TileSet {
     StorageCount without = count_;
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       if (!chosen_[candidates_[k]]) continue;
-      const GroundTile& tile = plan_->ground.tiles[candidates_[k]];
+      const GroundTile& tile = mission_->ground.tiles[candidates_[k]];
       without.remove(tile);
       rated.emplace_back(gain[k] / without.bytes_of(tile), candidates_[k]);
       without.add(tile);
@@ -134,7 +135,7 @@ class TileSet {
     return p;
   }
 
-  const Mission* plan_;
+  const Mission* mission_;
   const std::vector<FixAttempt>* attempts_;
   const std::vector<double>* p_of_tile_;
   const FixChain* chain_;
@@ -192,7 +193,7 @@ double flight_worth(const std::vector<double>& p_within_limit) {
   return p_within_limit.back() + 1e-3 * sum / static_cast<double>(p_within_limit.size());
 }
 
-std::vector<bool> tiles_in_order(const Mission& plan, const std::vector<TileScores>& scores,
+std::vector<bool> tiles_in_order(const Mission& mission, const std::vector<TileScores>& scores,
                                  const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                  const std::vector<bool>& first, const StoredSize& size, std::int64_t budget) {
   std::vector<std::size_t> order;
@@ -200,22 +201,22 @@ std::vector<bool> tiles_in_order(const Mission& plan, const std::vector<TileScor
     if (wanted[i]) order.push_back(i);
   }
   const auto rank = [&](std::size_t i) {
-    const double stride_m =
-        plan.ground.level_of(plan.ground.tiles[i]).matrix.stride_px * plan.ground.level_of(plan.ground.tiles[i]).gsd_m;
-    const double offset_m = plan.flight.places[i].offset_m;
+    const double stride_m = mission.ground.level_of(mission.ground.tiles[i]).matrix.stride_px *
+                            mission.ground.level_of(mission.ground.tiles[i]).gsd_m;
+    const double offset_m = mission.flight.places[i].offset_m;
     const double ring = sparse[i] ? offset_m : std::floor(offset_m / (stride_m / 2));
     return std::tuple(!first[i], !sparse[i], ring, -judged_margin(scores[i]), i);
   };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-  StorageCount count(plan, size);
+  StorageCount count(mission, size);
   if (count.bytes() > static_cast<double>(budget)) {
     throw UsageError("budget = " + std::to_string(budget) + " bytes cannot hold even an empty map, which has " +
                      format_fixed(count.bytes(), 0));
   }
   std::vector<bool> kept(wanted.size(), false);
   for (const std::size_t i : order) {
-    if (count.bytes() + count.bytes_of(plan.ground.tiles[i]) > static_cast<double>(budget)) continue;
-    count.add(plan.ground.tiles[i]);
+    if (count.bytes() + count.bytes_of(mission.ground.tiles[i]) > static_cast<double>(budget)) continue;
+    count.add(mission.ground.tiles[i]);
     kept[i] = true;
   }
   return kept;
@@ -235,7 +236,7 @@ std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<
   set.fill(kNone);
   exchange(set, size, kMostTrials, [](const TileSet& trial) { return trial.value(); });
   if (!flown) return set.chosen();
-  const std::size_t sample_count = path.plan->flight.samples.size();
+  const std::size_t sample_count = path.mission->flight.samples.size();
   const int flown_trials = std::min(kMostFlownTrials, kSamplesFlown / static_cast<int>(sample_count));
   exchange(set, size, flown_trials, [&](const TileSet& trial) {
     const RouteChances chances = route_chances(attempts, trial.stored_p(), sample_count, fix_interval_s);

@@ -14,7 +14,7 @@ namespace pilotage {
 /// The tiles of `wanted` that fit, in this order while they do: those of `first`; the sparse areas, nearest to the
 /// route first; the others by whole half strides from the route, and by margin among equals. Throws UsageError for a
 /// budget that cannot hold an empty map.
-std::vector<bool> tiles_in_order(const Mission& plan, const std::vector<TileScores>& scores,
+std::vector<bool> tiles_in_order(const Mission& mission, const std::vector<TileScores>& scores,
                                  const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                  const std::vector<bool>& first, const StoredSize& size, std::int64_t budget);
 

@@ -10,38 +10,39 @@ namespace pilotage {
 namespace {
 
 // Along which way tries succeed or fail together at this sample, or one fix interval lasts.
-double window_length_m(const Mission& plan, const FlightSample& sample, double fix_interval_s,
+double window_length_m(const Mission& mission, const FlightSample& sample, double fix_interval_s,
                        std::optional<double> decorrelation_m) {
-  double apart_m = decorrelation_m.value_or(plan.flight.footprint_width_m);
+  double apart_m = decorrelation_m.value_or(mission.flight.footprint_width_m);
   if (!decorrelation_m && sample.level != FlightSample::kNoLevel) {
-    const TileMatrix& matrix = plan.ground.levels[static_cast<std::size_t>(sample.level)].matrix;
+    const TileMatrix& matrix = mission.ground.levels[static_cast<std::size_t>(sample.level)].matrix;
     apart_m = matrix.tile_size_px * std::abs(matrix.map_from_pixel.x_per_col);
   }
   return std::max({apart_m, fix_interval_s * sample.speed_mps, 1.0});
 }
 
 // The way from the start to each sample, counted in windows.
-std::vector<double> windows_flown(const Mission& plan, double fix_interval_s, std::optional<double> decorrelation_m) {
-  std::vector<double> flown(plan.flight.samples.size(), 0.0);
+std::vector<double> windows_flown(const Mission& mission, double fix_interval_s,
+                                  std::optional<double> decorrelation_m) {
+  std::vector<double> flown(mission.flight.samples.size(), 0.0);
   for (std::size_t i = 1; i < flown.size(); ++i) {
-    const FlightSample& from = plan.flight.samples[i - 1];
-    flown[i] = flown[i - 1] + (plan.flight.samples[i].distance_m - from.distance_m) /
-                                  window_length_m(plan, from, fix_interval_s, decorrelation_m);
+    const FlightSample& from = mission.flight.samples[i - 1];
+    flown[i] = flown[i - 1] + (mission.flight.samples[i].distance_m - from.distance_m) /
+                                  window_length_m(mission, from, fix_interval_s, decorrelation_m);
   }
   return flown;
 }
 
 }  // namespace
 
-std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& plan) {
+std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& mission) {
   std::vector<std::optional<std::size_t>> tiles;
-  for (const FlightSample& sample : plan.flight.samples) tiles.push_back(tile_under(plan, sample));
+  for (const FlightSample& sample : mission.flight.samples) tiles.push_back(tile_under(mission, sample));
   return tiles;
 }
 
-std::vector<FixAttempt> fix_attempts(const Mission& plan, const std::vector<std::optional<std::size_t>>& tiles,
+std::vector<FixAttempt> fix_attempts(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                                      double fix_interval_s, std::optional<double> decorrelation_m) {
-  const std::vector<double> flown = windows_flown(plan, fix_interval_s, decorrelation_m);
+  const std::vector<double> flown = windows_flown(mission, fix_interval_s, decorrelation_m);
   std::vector<FixAttempt> attempts;
   for (std::size_t first = 0; first < tiles.size();) {
     std::size_t end = first + 1;
@@ -92,7 +93,7 @@ RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::v
   return chances;
 }
 
-ExpectedFixes expected_fixes(const Mission& plan, const std::vector<std::optional<std::size_t>>& tiles,
+ExpectedFixes expected_fixes(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                              const std::vector<bool>& stored, const std::vector<double>& p_of_tile,
                              double fix_interval_s, double max_false_fix_rate) {
   ExpectedFixes expected;
@@ -100,8 +101,8 @@ ExpectedFixes expected_fixes(const Mission& plan, const std::vector<std::optiona
   double last_try_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (i > 0) {
-      const FlightSample& from = plan.flight.samples[i - 1];
-      time_s += (plan.flight.samples[i].distance_m - from.distance_m) / from.speed_mps;
+      const FlightSample& from = mission.flight.samples[i - 1];
+      time_s += (mission.flight.samples[i].distance_m - from.distance_m) / from.speed_mps;
     }
     if (!tiles[i] || !stored[*tiles[i]] || time_s - last_try_s < fix_interval_s) continue;
     last_try_s = time_s;

@@ -17,13 +17,13 @@ struct FixAttempt {
 };
 
 /// The tile under each sample of the route.
-std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& plan);
+std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& mission);
 
 /// The places where tiles can be tried, in the order of flight. The route is cut into windows of one decorrelation
 /// distance (`decorrelation_m`, else the width of the sample's tiles) or of one fix interval, whichever is longer. A
 /// stretch over one tile is one attempt, or as many equal ones as it has decorrelation distances, and belongs to the
 /// window of its middle.
-std::vector<FixAttempt> fix_attempts(const Mission& plan, const std::vector<std::optional<std::size_t>>& tiles,
+std::vector<FixAttempt> fix_attempts(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                                      double fix_interval_s, std::optional<double> decorrelation_m);
 
 /// The attempts that count, ascending: of each window the one with the largest P above 0, the first among equals, and
@@ -50,7 +50,7 @@ struct ExpectedFixes {
   double correct = 0;
   double wrong = 0;  ///< Σ (1 − P) · max_false_fix_rate.
 };
-ExpectedFixes expected_fixes(const Mission& plan, const std::vector<std::optional<std::size_t>>& tiles,
+ExpectedFixes expected_fixes(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                              const std::vector<bool>& stored, const std::vector<double>& p_of_tile,
                              double fix_interval_s, double max_false_fix_rate);
 

@@ -11,7 +11,7 @@ constexpr double kNothing = 1e-12;  // of a group of flights: what is left of it
 
 // From node to node, straight and at the speed of its first sample.
 std::vector<InsStep> node_steps(const FlightPath& path, const std::vector<std::size_t>& sample_of_node) {
-  const std::vector<FlightSample>& samples = path.plan->flight.samples;
+  const std::vector<FlightSample>& samples = path.mission->flight.samples;
   std::vector<InsStep> steps;
   for (std::size_t k = 0; k + 1 < sample_of_node.size(); ++k) {
     const FlightSample& from = samples[sample_of_node[k]];
@@ -34,7 +34,7 @@ std::size_t fly_on(const FlightPath& path, const std::vector<InsStep>& steps, st
 
 FixChain make_fix_chain(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                         const std::vector<double>& p_of_tile) {
-  const std::size_t sample_count = path.plan->flight.samples.size();
+  const std::size_t sample_count = path.mission->flight.samples.size();
   std::vector<std::size_t> sample_of_node = {0};
   for (const FixAttempt& attempt : attempts) sample_of_node.push_back(attempt.sample);
   sample_of_node.push_back(sample_count - 1);

@@ -14,10 +14,10 @@ struct LegSamples {
   std::size_t end = 0;
 };
 
-std::vector<LegSamples> samples_of_legs(const Mission& plan) {
-  std::vector<LegSamples> legs(plan.flight.route.legs.size());
-  for (std::size_t i = 0; i < plan.flight.samples.size(); ++i) {
-    LegSamples& leg = legs[static_cast<std::size_t>(plan.flight.samples[i].leg)];
+std::vector<LegSamples> samples_of_legs(const Mission& mission) {
+  std::vector<LegSamples> legs(mission.flight.route.legs.size());
+  for (std::size_t i = 0; i < mission.flight.samples.size(); ++i) {
+    LegSamples& leg = legs[static_cast<std::size_t>(mission.flight.samples[i].leg)];
     if (leg.end == 0) leg.begin = i;
     leg.end = i + 1;
   }
@@ -26,22 +26,22 @@ std::vector<LegSamples> samples_of_legs(const Mission& plan) {
 
 // The sample moved to the right of the track (negative: to the left), on the mission grid. The direction is that of the
 // leg's neighbouring samples, so the grid's convergence does not matter.
-FlightSample moved_aside(const Mission& plan, const LegSamples& leg, std::size_t i, double right_m) {
-  FlightSample sample = plan.flight.samples[i];
+FlightSample moved_aside(const Mission& mission, const LegSamples& leg, std::size_t i, double right_m) {
+  FlightSample sample = mission.flight.samples[i];
   const std::size_t a = i > leg.begin ? i - 1 : i;
   const std::size_t b = i + 1 < leg.end ? i + 1 : i;
-  const Eigen::Vector2d along = plan.flight.samples[b].point_map_m - plan.flight.samples[a].point_map_m;
+  const Eigen::Vector2d along = mission.flight.samples[b].point_map_m - mission.flight.samples[a].point_map_m;
   if (along.norm() > 0) sample.point_map_m += right_m / along.norm() * Eigen::Vector2d(along.y(), -along.x());
   return sample;
 }
 
 // One stride of the coarsest level that the leg uses.
-double stride_m(const Mission& plan, const LegSamples& leg) {
+double stride_m(const Mission& mission, const LegSamples& leg) {
   double stride = 0;
   for (std::size_t i = leg.begin; i < leg.end; ++i) {
-    const int level = plan.flight.samples[i].level;
+    const int level = mission.flight.samples[i].level;
     if (level == FlightSample::kNoLevel) continue;
-    const TileMatrix& matrix = plan.ground.levels[static_cast<std::size_t>(level)].matrix;
+    const TileMatrix& matrix = mission.ground.levels[static_cast<std::size_t>(level)].matrix;
     stride = std::max(stride, matrix.stride_px * std::abs(matrix.map_from_pixel.x_per_col));
   }
   return stride;
@@ -51,9 +51,9 @@ double stride_m(const Mission& plan, const LegSamples& leg) {
 
 std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& survival,
                                    const std::vector<double>& p_of_tile, const AdviceOptions& options) {
-  const Mission& plan = *path.plan;
-  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan);
-  const std::vector<LegSamples> legs = samples_of_legs(plan);
+  const Mission& mission = *path.mission;
+  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(mission);
+  const std::vector<LegSamples> legs = samples_of_legs(mission);
   std::vector<LegAdvice> result;
   for (std::size_t leg = 0; leg < legs.size(); ++leg) {
     const double p_before = survival.leg_p_within_limit[leg];
@@ -65,9 +65,9 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
     const auto try_line = [&](double right_m) {
       auto moved = tiles;
       for (std::size_t i = samples.begin; i < samples.end; ++i) {
-        moved[i] = tile_under(plan, moved_aside(plan, samples, i, right_m));
+        moved[i] = tile_under(mission, moved_aside(mission, samples, i, right_m));
       }
-      const auto attempts = fix_attempts(plan, moved, options.fix_interval_s, options.decorrelation_m);
+      const auto attempts = fix_attempts(mission, moved, options.fix_interval_s, options.decorrelation_m);
       const RouteChances chances = route_chances(attempts, p_of_tile, moved.size(), options.fix_interval_s);
       const FlightStretch flown = fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg]);
       const double p_after = std::min(1.0, flown.p_within_limit.back() / entering);
@@ -78,8 +78,8 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
       best.good = p_after >= options.min_leg_probability;
     };
     try_line(0);
-    const double stride = stride_m(plan, legs[leg]);
-    for (double offset_m = stride; stride > 0 && offset_m <= plan.flight.corridor_half_width_m; offset_m += stride) {
+    const double stride = stride_m(mission, legs[leg]);
+    for (double offset_m = stride; stride > 0 && offset_m <= mission.flight.corridor_half_width_m; offset_m += stride) {
       if (!best.good) try_line(-offset_m);
       if (!best.good) try_line(offset_m);
     }

@@ -16,27 +16,27 @@ struct InsAtSample {
   InsState state;
 };
 
-InsAtSample ins_at_start(const Mission& plan, const InsErrorModel& model) {
-  const FlightSample& first = plan.flight.samples.front();
+InsAtSample ins_at_start(const Mission& mission, const InsErrorModel& model) {
+  const FlightSample& first = mission.flight.samples.front();
   return {0, initial_ins_state(model, first.azimuth_deg, first.speed_mps)};
 }
 
-double step_s(const Mission& plan, std::size_t from) {
-  const FlightSample& a = plan.flight.samples[from];
-  return (plan.flight.samples[from + 1].distance_m - a.distance_m) / a.speed_mps;
+double step_s(const Mission& mission, std::size_t from) {
+  const FlightSample& a = mission.flight.samples[from];
+  return (mission.flight.samples[from + 1].distance_m - a.distance_m) / a.speed_mps;
 }
 
-InsAtSample fly_one_sample(const InsAtSample& aircraft, const Mission& plan, const InsErrorModel& model) {
-  const FlightSample& from = plan.flight.samples[aircraft.sample];
+InsAtSample fly_one_sample(const InsAtSample& aircraft, const Mission& mission, const InsErrorModel& model) {
+  const FlightSample& from = mission.flight.samples[aircraft.sample];
   return {aircraft.sample + 1,
-          propagate(aircraft.state, step_s(plan, aircraft.sample), from.azimuth_deg, from.speed_mps, model)};
+          propagate(aircraft.state, step_s(mission, aircraft.sample), from.azimuth_deg, from.speed_mps, model)};
 }
 
 // The stretches without matchable ground, as gaps between fixes.
-std::vector<RouteGap> find_gaps(const Mission& plan, const std::vector<bool>& matchable,
+std::vector<RouteGap> find_gaps(const Mission& mission, const std::vector<bool>& matchable,
                                 const std::vector<ErrorSample>& profile, double max_error_m) {
   std::vector<RouteGap> gaps;
-  const std::size_t count = plan.flight.samples.size();
+  const std::size_t count = mission.flight.samples.size();
   for (std::size_t i = 0; i < count;) {
     if (matchable[i]) {
       ++i;
@@ -46,10 +46,10 @@ std::vector<RouteGap> find_gaps(const Mission& plan, const std::vector<bool>& ma
     while (i < count && !matchable[i]) ++i;
     const std::size_t last = std::min(i, count - 1);
     RouteGap gap;
-    gap.leg = plan.flight.samples[first].leg;
-    gap.from_distance_m = plan.flight.samples[first].distance_m;
-    gap.to_distance_m = plan.flight.samples[last].distance_m;
-    for (std::size_t k = first; k < last; ++k) gap.duration_s += step_s(plan, k);
+    gap.leg = mission.flight.samples[first].leg;
+    gap.from_distance_m = mission.flight.samples[first].distance_m;
+    gap.to_distance_m = mission.flight.samples[last].distance_m;
+    for (std::size_t k = first; k < last; ++k) gap.duration_s += step_s(mission, k);
     for (std::size_t k = first; k <= last; ++k) gap.error_m = std::max(gap.error_m, profile[k].error_m);
     gap.within_limit = gap.error_m <= max_error_m;
     // Samples at a vertex stand twice; a stretch of no length is no gap.
@@ -58,16 +58,17 @@ std::vector<RouteGap> find_gaps(const Mission& plan, const std::vector<bool>& ma
   return gaps;
 }
 
-std::vector<LegStatus> leg_statuses(const Mission& plan, const std::vector<ErrorSample>& profile, double max_error_m) {
+std::vector<LegStatus> leg_statuses(const Mission& mission, const std::vector<ErrorSample>& profile,
+                                    double max_error_m) {
   std::vector<LegStatus> legs;
-  std::vector<double> matchable_m(plan.flight.route.legs.size(), 0.0);
-  for (std::size_t i = 0; i < plan.flight.route.legs.size(); ++i) {
-    legs.push_back({static_cast<int>(i), plan.flight.route.legs[i].length_m, 0, 0, true});
+  std::vector<double> matchable_m(mission.flight.route.legs.size(), 0.0);
+  for (std::size_t i = 0; i < mission.flight.route.legs.size(); ++i) {
+    legs.push_back({static_cast<int>(i), mission.flight.route.legs[i].length_m, 0, 0, true});
   }
   for (std::size_t i = 0; i < profile.size(); ++i) {
-    LegStatus& leg = legs[static_cast<std::size_t>(plan.flight.samples[i].leg)];
+    LegStatus& leg = legs[static_cast<std::size_t>(mission.flight.samples[i].leg)];
     leg.max_error_m = std::max(leg.max_error_m, profile[i].error_m);
-    const bool same_leg = i + 1 < profile.size() && plan.flight.samples[i + 1].leg == leg.leg;
+    const bool same_leg = i + 1 < profile.size() && mission.flight.samples[i + 1].leg == leg.leg;
     if (same_leg && profile[i].matchable && profile[i + 1].matchable) {
       matchable_m[static_cast<std::size_t>(leg.leg)] += profile[i + 1].distance_m - profile[i].distance_m;
     }
@@ -83,26 +84,26 @@ std::vector<LegStatus> leg_statuses(const Mission& plan, const std::vector<Error
 
 }  // namespace
 
-RouteError predict_route_error(const Mission& plan, const std::vector<bool>& matchable, double max_error_m,
+RouteError predict_route_error(const Mission& mission, const std::vector<bool>& matchable, double max_error_m,
                                double fix_interval_s) {
-  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
+  const InsErrorModel model = make_ins_error_model(mission.flight.ins);
   RouteError result;
-  InsAtSample aircraft = ins_at_start(plan, model);
+  InsAtSample aircraft = ins_at_start(mission, model);
   double last_fix_s = -std::numeric_limits<double>::infinity();
   while (true) {
     const std::size_t i = aircraft.sample;
     const double error_m = position_error_m(aircraft.state, model.sigma_multiple);
-    result.profile.push_back({plan.flight.samples[i].distance_m, error_m, matchable[i]});
+    result.profile.push_back({mission.flight.samples[i].distance_m, error_m, matchable[i]});
     result.within_limit = result.within_limit && error_m <= max_error_m;
     if (matchable[i] && aircraft.state.time_s - last_fix_s >= fix_interval_s) {
       aircraft.state = update_with_fix(aircraft.state, model.fix_sigma_m);
       last_fix_s = aircraft.state.time_s;
     }
-    if (i + 1 == plan.flight.samples.size()) break;
-    aircraft = fly_one_sample(aircraft, plan, model);
+    if (i + 1 == mission.flight.samples.size()) break;
+    aircraft = fly_one_sample(aircraft, mission, model);
   }
-  result.gaps = find_gaps(plan, matchable, result.profile, max_error_m);
-  result.legs = leg_statuses(plan, result.profile, max_error_m);
+  result.gaps = find_gaps(mission, matchable, result.profile, max_error_m);
+  result.legs = leg_statuses(mission, result.profile, max_error_m);
   double matchable_m = 0;
   double total_m = 0;
   for (const LegStatus& leg : result.legs) {
@@ -113,15 +114,15 @@ RouteError predict_route_error(const Mission& plan, const std::vector<bool>& mat
   return result;
 }
 
-std::vector<std::size_t> fewest_fix_samples(const Mission& plan, const std::vector<bool>& matchable,
+std::vector<std::size_t> fewest_fix_samples(const Mission& mission, const std::vector<bool>& matchable,
                                             double max_error_m) {
-  const InsErrorModel model = make_ins_error_model(plan.flight.ins);
-  const std::size_t count = plan.flight.samples.size();
+  const InsErrorModel model = make_ins_error_model(mission.flight.ins);
+  const std::size_t count = mission.flight.samples.size();
   std::vector<std::size_t> fixes;
-  InsAtSample aircraft = ins_at_start(plan, model);
+  InsAtSample aircraft = ins_at_start(mission, model);
   std::optional<InsAtSample> last_chance;  // at the last matchable sample flown over since the last fix
   while (aircraft.sample + 1 < count) {
-    aircraft = fly_one_sample(aircraft, plan, model);
+    aircraft = fly_one_sample(aircraft, mission, model);
     const bool over_limit = position_error_m(aircraft.state, model.sigma_multiple) > max_error_m;
     const bool can_fix = matchable[aircraft.sample];
     if (over_limit && (last_chance || can_fix)) {

@@ -21,14 +21,14 @@ struct RouteError {
 /// every `fix_interval_s`. The error is k·σ of position along the worst direction, k = plan.flight.ins.sigma_multiple.
 /// A gap runs from the last matchable sample before a stretch without matchable ground (or the start) to the first one
 /// after it (or the end).
-RouteError predict_route_error(const Mission& plan, const std::vector<bool>& matchable, double max_error_m,
+RouteError predict_route_error(const Mission& mission, const std::vector<bool>& matchable, double max_error_m,
                                double fix_interval_s);
 
 /// The fewest samples at which a fix must be taken so that the error stays within `max_error_m` wherever that can be
 /// done: fly on to the last matchable sample before the limit is reached, fix there, and so on (optimal for intervals
 /// on a line). Where no fix can be had in time, the next matchable sample is taken. Ascending indices into
 /// plan.flight.samples.
-std::vector<std::size_t> fewest_fix_samples(const Mission& plan, const std::vector<bool>& matchable,
+std::vector<std::size_t> fewest_fix_samples(const Mission& mission, const std::vector<bool>& matchable,
                                             double max_error_m);
 
 }  // namespace pilotage

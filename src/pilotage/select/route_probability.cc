@@ -121,7 +121,7 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t b
 std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vector<double>& p_within_limit,
                                           const std::vector<std::pair<std::size_t, std::size_t>>& losses) {
   std::optional<WorstStretch> worst;
-  const std::vector<FlightSample>& samples = path.plan->flight.samples;
+  const std::vector<FlightSample>& samples = path.mission->flight.samples;
   for (const auto& [from, to] : losses) {
     const double before = from == 0 && to == 0 ? 1 : p_within_limit[from];
     const double loss = before - p_within_limit[to];
@@ -133,30 +133,30 @@ std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vec
 
 }  // namespace
 
-FlightPath make_flight_path(const Mission& plan, double max_error_m) {
+FlightPath make_flight_path(const Mission& mission, double max_error_m) {
   FlightPath path;
-  path.plan = &plan;
-  path.model = make_ins_error_model(plan.flight.ins);
+  path.mission = &mission;
+  path.model = make_ins_error_model(mission.flight.ins);
   path.max_error_m = max_error_m;
-  const double reach_s = longest_bridgeable_gap_s(path.model, plan.flight.samples.front().speed_mps, max_error_m,
+  const double reach_s = longest_bridgeable_gap_s(path.model, mission.flight.samples.front().speed_mps, max_error_m,
                                                   path.model.sigma_multiple, path.model.fix_sigma_m);
   path.horizon_s = std::clamp(reach_s, 1.0, 600.0);
-  for (std::size_t i = 0; i + 1 < plan.flight.samples.size(); ++i) {
-    const FlightSample& from = plan.flight.samples[i];
-    const double step_s = (plan.flight.samples[i + 1].distance_m - from.distance_m) / from.speed_mps;
+  for (std::size_t i = 0; i + 1 < mission.flight.samples.size(); ++i) {
+    const FlightSample& from = mission.flight.samples[i];
+    const double step_s = (mission.flight.samples[i + 1].distance_m - from.distance_m) / from.speed_mps;
     path.steps.push_back(make_ins_step(step_s, from.azimuth_deg, from.speed_mps, path.model));
   }
   return path;
 }
 
 std::vector<FlightBranch> first_branches(const FlightPath& path) {
-  const FlightSample& first = path.plan->flight.samples.front();
+  const FlightSample& first = path.mission->flight.samples.front();
   return {{0, false, 1, initial_ins_state(path.model, first.azimuth_deg, first.speed_mps)}};
 }
 
 FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
                           std::vector<FlightBranch> branches) {
-  assert(end <= chances.p.size() && chances.p.size() == path.plan->flight.samples.size());
+  assert(end <= chances.p.size() && chances.p.size() == path.mission->flight.samples.size());
   FlightStretch stretch;
   stretch.branches = std::move(branches);
   for (std::size_t i = begin; i < end; ++i) {
@@ -171,8 +171,8 @@ FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, s
 }
 
 RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances) {
-  const std::vector<FlightSample>& samples = path.plan->flight.samples;
-  const std::size_t leg_count = path.plan->flight.route.legs.size();
+  const std::vector<FlightSample>& samples = path.mission->flight.samples;
+  const std::size_t leg_count = path.mission->flight.route.legs.size();
   RouteSurvival survival;
   survival.leg_p_within_limit.assign(leg_count, kNaN);
   survival.leg_p_fix.assign(leg_count, kNaN);

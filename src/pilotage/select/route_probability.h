@@ -15,13 +15,13 @@ namespace pilotage {
 
 /// The plan's route with every step of its flight worked out once. The plan must outlive it.
 struct FlightPath {
-  const Mission* plan = nullptr;
+  const Mission* mission = nullptr;
   InsErrorModel model;
   std::vector<InsStep> steps;  ///< From each sample to the next; one fewer than samples.
   double max_error_m = 0;
   double horizon_s = 0;  ///< Time from a fix to the limit; histories are told apart by the error after it.
 };
-FlightPath make_flight_path(const Mission& plan, double max_error_m);
+FlightPath make_flight_path(const Mission& mission, double max_error_m);
 
 /// Flights that are still within the limit, had their last fix at the same sample and nearly the same error after it.
 struct FlightBranch {

@@ -25,17 +25,17 @@ std::vector<bool> samples_over(const std::vector<std::optional<std::size_t>>& ti
 }
 
 // The matching areas around the fixes: every matchable tile in which the aircraft may find itself there.
-std::vector<bool> sparse_areas(const Mission& plan, const std::vector<bool>& matchable,
+std::vector<bool> sparse_areas(const Mission& mission, const std::vector<bool>& matchable,
                                const std::vector<bool>& can_fix, double max_error_m) {
-  std::vector<bool> chosen(plan.ground.tiles.size(), false);
-  for (const std::size_t fix : fewest_fix_samples(plan, can_fix, max_error_m)) {
-    const FlightSample& sample = plan.flight.samples[fix];
-    const TileMatrix& matrix = plan.ground.levels[static_cast<std::size_t>(sample.level)].matrix;
+  std::vector<bool> chosen(mission.ground.tiles.size(), false);
+  for (const std::size_t fix : fewest_fix_samples(mission, can_fix, max_error_m)) {
+    const FlightSample& sample = mission.flight.samples[fix];
+    const TileMatrix& matrix = mission.ground.levels[static_cast<std::size_t>(sample.level)].matrix;
     // Half the diagonal of a stride more, so that the tile of the fix is among them however narrow the corridor.
     const double half_diagonal_m = std::sqrt(0.5) * matrix.stride_px * matrix.map_from_pixel.x_per_col;
-    const double reach_m = plan.flight.corridor_half_width_m + half_diagonal_m;
-    for (std::size_t i = 0; i < plan.ground.tiles.size(); ++i) {
-      const GroundTile& tile = plan.ground.tiles[i];
+    const double reach_m = mission.flight.corridor_half_width_m + half_diagonal_m;
+    for (std::size_t i = 0; i < mission.ground.tiles.size(); ++i) {
+      const GroundTile& tile = mission.ground.tiles[i];
       if (tile.level != sample.level || !matchable[i]) continue;
       if ((tile.bounds.center_m() - sample.point_map_m).norm() <= reach_m) chosen[i] = true;
     }
@@ -70,8 +70,8 @@ struct Chances {
   double fix_interval_s = 0;
 
   RouteSurvival of(const std::vector<bool>& chosen) const {
-    return predict_survival(
-        path, route_chances(attempts, of_chosen(p_of_tile, chosen), path.plan->flight.samples.size(), fix_interval_s));
+    return predict_survival(path, route_chances(attempts, of_chosen(p_of_tile, chosen),
+                                                path.mission->flight.samples.size(), fix_interval_s));
   }
 };
 
@@ -79,16 +79,16 @@ struct Chances {
 std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScores>& scores,
                                 const std::vector<bool>& wanted, const std::vector<bool>& sparse,
                                 const StoredSize& size, std::int64_t budget) {
-  const Mission& plan = *chances.path.plan;
+  const Mission& mission = *chances.path.mission;
   const std::vector<bool> none(wanted.size(), false);
-  std::vector<bool> best = tiles_in_order(plan, scores, wanted, sparse, none, size, budget);
+  std::vector<bool> best = tiles_in_order(mission, scores, wanted, sparse, none, size, budget);
   const auto worth = [&](const std::vector<bool>& chosen) { return flight_worth(chances.of(chosen).p_within_limit); };
   double best_worth = worth(best);
   const std::vector<double> p_of_wanted = of_chosen(chances.p_of_tile, wanted);
   const auto improve = [&](const std::vector<bool>& start, const std::vector<bool>& history, bool flown) {
     const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.attempts, p_of_wanted, start,
                                                               history, size, budget, chances.fix_interval_s, flown);
-    const std::vector<bool> filled = tiles_in_order(plan, scores, wanted, sparse, under_route, size, budget);
+    const std::vector<bool> filled = tiles_in_order(mission, scores, wanted, sparse, under_route, size, budget);
     const double filled_worth = worth(filled);
     if (filled_worth <= best_worth) return;
     best = filled;
@@ -105,10 +105,10 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                  const std::vector<std::optional<std::size_t>>& tiles, const SelectOptions& options,
                  Selection& selection) {
   const RouteSurvival survival = chances.of(chosen);
-  const Mission& plan = *chances.path.plan;
+  const Mission& mission = *chances.path.mission;
   const std::vector<double> p_of_stored = of_chosen(chances.p_of_tile, chosen);
   const ExpectedFixes expected =
-      expected_fixes(plan, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
+      expected_fixes(mission, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
   selection.probability = RouteProbability{survival.p_within_limit.back(), options.min_route_probability,
                                            expected.correct, expected.wrong, survival.worst};
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -120,9 +120,9 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
     leg.p_fix = survival.leg_p_fix[static_cast<std::size_t>(leg.leg)];
   }
   const auto p_at = [&](double distance_m) {  // after the first of two samples at one place
-    const auto sample = std::lower_bound(plan.flight.samples.begin(), plan.flight.samples.end(), distance_m,
+    const auto sample = std::lower_bound(mission.flight.samples.begin(), mission.flight.samples.end(), distance_m,
                                          [](const FlightSample& a, double b_m) { return a.distance_m < b_m; });
-    return survival.p_within_limit[static_cast<std::size_t>(sample - plan.flight.samples.begin())];
+    return survival.p_within_limit[static_cast<std::size_t>(sample - mission.flight.samples.begin())];
   };
   for (RouteGap& gap : selection.gaps) {
     const double before = gap.from_distance_m > 0 ? p_at(gap.from_distance_m) : 1;
@@ -132,7 +132,7 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
   selection.advice = advise_legs(chances.path, survival, chances.p_of_tile,
                                  {options.fix_interval_s, options.fix_decorrelation_m, options.min_leg_probability});
   for (const LegAdvice& advice : selection.advice) {
-    selection.notes.push_back(advice_text(advice, options.min_leg_probability, plan.flight.corridor_half_width_m));
+    selection.notes.push_back(advice_text(advice, options.min_leg_probability, mission.flight.corridor_half_width_m));
   }
 }
 
@@ -149,48 +149,49 @@ bool is_matchable(const TileScores& score, const SelectOptions& options) {
   return std::isnan(margin) || margin >= options.min_peak_margin;
 }
 
-Selection select_tiles(const Mission& plan, const std::vector<TileScores>& scores, const StoredSize& size,
+Selection select_tiles(const Mission& mission, const std::vector<TileScores>& scores, const StoredSize& size,
                        const SelectOptions& options) {
   check_options(options);
-  const double max_error_m = plan.flight.max_error_m;
-  ScoreTable(plan.ground, scores);  // one for each tile
-  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(plan);
+  const double max_error_m = mission.flight.max_error_m;
+  ScoreTable(mission.ground, scores);  // one for each tile
+  const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(mission);
 
-  std::vector<bool> matchable(plan.ground.tiles.size());
+  std::vector<bool> matchable(mission.ground.tiles.size());
   for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(scores[i], options);
-  const std::vector<bool> sparse = sparse_areas(plan, matchable, samples_over(tiles, matchable), max_error_m);
+  const std::vector<bool> sparse = sparse_areas(mission, matchable, samples_over(tiles, matchable), max_error_m);
   std::vector<bool> chosen = options.sparse ? sparse : matchable;
   std::optional<Chances> chances;
   if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
-    chances = Chances{make_flight_path(plan, max_error_m),
-                      fix_attempts(plan, tiles, options.fix_interval_s, options.fix_decorrelation_m),
+    chances = Chances{make_flight_path(mission, max_error_m),
+                      fix_attempts(mission, tiles, options.fix_interval_s, options.fix_decorrelation_m),
                       fix_chances(scores, matchable), options.fix_interval_s};
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
     const std::vector<bool> none(chosen.size(), false);
     chosen = chances ? within_budget(*chances, scores, chosen, sparse, size, budget)
-                     : tiles_in_order(plan, scores, chosen, sparse, none, size, budget);
+                     : tiles_in_order(mission, scores, chosen, sparse, none, size, budget);
   }
 
   Selection selection;
-  StorageCount count(plan, size);
+  StorageCount count(mission, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i]) continue;
-    selection.tile_ids.push_back(plan.ground.tiles[i].tile_id);
-    count.add(plan.ground.tiles[i]);
+    selection.tile_ids.push_back(mission.ground.tiles[i].tile_id);
+    count.add(mission.ground.tiles[i]);
   }
-  RouteError error = predict_route_error(plan, samples_over(tiles, chosen), max_error_m, options.fix_interval_s);
+  RouteError error = predict_route_error(mission, samples_over(tiles, chosen), max_error_m, options.fix_interval_s);
   selection.gaps = std::move(error.gaps);
   selection.legs = std::move(error.legs);
   selection.error_profile = std::move(error.profile);
   selection.matchable_fraction = error.matchable_fraction;
   selection.within_limit = error.within_limit;
   selection.max_error_m = max_error_m;
-  selection.sigma_multiple = plan.flight.ins.sigma_multiple;
+  selection.sigma_multiple = mission.flight.ins.sigma_multiple;
   selection.estimated_bytes = static_cast<std::int64_t>(std::ceil(count.bytes()));
-  selection.notes.push_back(std::to_string(count_true(matchable)) + " of " + std::to_string(plan.ground.tiles.size()) +
-                            " tiles can be matched; " + std::to_string(selection.tile_ids.size()) + " are stored");
+  selection.notes.push_back(std::to_string(count_true(matchable)) + " of " +
+                            std::to_string(mission.ground.tiles.size()) + " tiles can be matched; " +
+                            std::to_string(selection.tile_ids.size()) + " are stored");
   if (chances) {
     std::size_t without_p = 0;
     for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(scores[i].p_correct_fix);

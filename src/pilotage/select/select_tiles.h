@@ -35,7 +35,7 @@ bool is_matchable(const TileScores& score, const SelectOptions& options);
 ///
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
 /// of this plan.
-Selection select_tiles(const Mission& plan, const std::vector<TileScores>& scores, const StoredSize& size,
+Selection select_tiles(const Mission& mission, const std::vector<TileScores>& scores, const StoredSize& size,
                        const SelectOptions& options);
 
 }  // namespace pilotage

@@ -13,7 +13,7 @@ namespace pilotage {
 /// The plan must outlive it.
 class StorageCount {
  public:
-  StorageCount(const Mission& plan, const StoredSize& size);
+  StorageCount(const Mission& mission, const StoredSize& size);
 
   double bytes() const { return bytes_; }
   /// What `tile` would add.
@@ -25,7 +25,7 @@ class StorageCount {
  private:
   double cell_bytes(const GroundTile& tile) const;
 
-  const Mission* plan_;
+  const Mission* mission_;
   StoredSize size_;
   double bytes_ = 0;
   std::map<std::tuple<int, std::int64_t, std::int64_t>, int> cells_;  ///< Tiles over level, row, column.

@@ -60,34 +60,34 @@ TerrainHeight open_terrain(const std::string& elevation, const std::optional<dou
 }
 
 // Heights above home say nothing of the ground elsewhere; without an elevation model it is taken to be flat.
-void assume_flat_ground(const RouteOptions& options, Mission& plan) {
-  const Route& route = plan.flight.route;
+void assume_flat_ground(const RouteOptions& options, Mission& mission) {
+  const Route& route = mission.flight.route;
   const bool needs_ground = std::any_of(route.vertices.begin(), route.vertices.end(),
                                         [](const RouteVertex& vertex) { return !std::isfinite(vertex.agl_m); });
   const double home_amsl_m = options.home_amsl_m.value_or(route.home ? route.home->amsl_m : kNaN);
-  if (!plan.ground.elevation.empty() || !needs_ground || !std::isfinite(home_amsl_m)) return;
-  plan.flight.flat_ground_amsl_m = home_amsl_m;
-  plan.warnings.push_back("no elevation model is given: the ground is assumed flat at home's height, " +
-                          format_fixed(home_amsl_m, 1) +
-                          " m above sea level; where it is higher or lower, frames show less or more than planned; "
-                          "give --elevation");
+  if (!mission.ground.elevation.empty() || !needs_ground || !std::isfinite(home_amsl_m)) return;
+  mission.flight.flat_ground_amsl_m = home_amsl_m;
+  mission.warnings.push_back("no elevation model is given: the ground is assumed flat at home's height, " +
+                             format_fixed(home_amsl_m, 1) +
+                             " m above sea level; where it is higher or lower, frames show less or more than planned; "
+                             "give --elevation");
 }
 
 // The samples of the plan's route, and what a planner should look at again in its heights.
-void sample_plan_route(Mission& plan) {
-  const TerrainHeight terrain = open_terrain(plan.ground.elevation, plan.flight.flat_ground_amsl_m);
-  const std::vector<RouteSample> samples = sample_route(plan.flight.route, kSampleStep_m, terrain);
+void sample_plan_route(Mission& mission) {
+  const TerrainHeight terrain = open_terrain(mission.ground.elevation, mission.flight.flat_ground_amsl_m);
+  const std::vector<RouteSample> samples = sample_route(mission.flight.route, kSampleStep_m, terrain);
   for (const RouteSample& sample : samples) {
-    plan.flight.samples.push_back(FlightSample{sample});
+    mission.flight.samples.push_back(FlightSample{sample});
     if (!std::isfinite(sample.speed_mps)) {
-      throw UsageError(plan.flight.route.name + ": leg " + std::to_string(sample.leg + 1) +
+      throw UsageError(mission.flight.route.name + ": leg " + std::to_string(sample.leg + 1) +
                        " has no speed; give --speed-mps (metres per second over ground)");
     }
   }
   // Who plans to match from lower than this means to fly there.
-  const double low_agl_m = std::min(kLowAgl_m, plan.flight.min_agl_m);
-  for (std::string& warning : route_height_warnings(plan.flight.route, samples, terrain, low_agl_m)) {
-    plan.warnings.push_back(std::move(warning));
+  const double low_agl_m = std::min(kLowAgl_m, mission.flight.min_agl_m);
+  for (std::string& warning : route_height_warnings(mission.flight.route, samples, terrain, low_agl_m)) {
+    mission.warnings.push_back(std::move(warning));
   }
 }
 
@@ -164,60 +164,60 @@ double reach_of_tiles_m(const GridLevel& level, double corridor_half_width_m) {
 }
 
 // Gives every sample its level; returns the bands of heights.
-std::vector<AglBand> serve_heights(Mission& plan) {
+std::vector<AglBand> serve_heights(Mission& mission) {
   std::vector<double> heights_m;
-  for (const FlightSample& sample : plan.flight.samples) {
-    if (sample.agl_m >= plan.flight.min_agl_m) heights_m.push_back(sample.agl_m);
+  for (const FlightSample& sample : mission.flight.samples) {
+    if (sample.agl_m >= mission.flight.min_agl_m) heights_m.push_back(sample.agl_m);
   }
   if (heights_m.empty()) {
-    throw DataError(plan.flight.route.name + ": no part of the route is higher than min_agl_m = " +
-                    format_number(plan.flight.min_agl_m) + " above the ground");
+    throw DataError(mission.flight.route.name + ": no part of the route is higher than min_agl_m = " +
+                    format_number(mission.flight.min_agl_m) + " above the ground");
   }
   const std::vector<AglBand> bands = agl_bands(heights_m);
   double low_m = 0;
   const FlightSample* before = nullptr;
-  for (FlightSample& sample : plan.flight.samples) {
-    const bool high_enough = sample.agl_m >= plan.flight.min_agl_m;
+  for (FlightSample& sample : mission.flight.samples) {
+    const bool high_enough = sample.agl_m >= mission.flight.min_agl_m;
     sample.level = high_enough ? band_of(bands, sample.agl_m) : FlightSample::kNoLevel;
     if (before != nullptr && !high_enough) low_m += sample.distance_m - before->distance_m;
     before = &sample;
   }
   if (low_m > 0) {
-    plan.warnings.push_back(format_fixed(low_m, 0) + " m of the route are flown lower than " +
-                            format_number(plan.flight.min_agl_m) +
-                            " m above the ground, where no matching is expected");
+    mission.warnings.push_back(format_fixed(low_m, 0) + " m of the route are flown lower than " +
+                               format_number(mission.flight.min_agl_m) +
+                               " m above the ground, where no matching is expected");
   }
   return bands;
 }
 
 // One level for each band: its ground sample distance, tile size, grid and search radius.
 void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& infos, const std::vector<AglBand>& bands,
-                Mission& plan) {
-  const double tilt_rad =
-      attitude_error(initial_ins_state(make_ins_error_model(plan.flight.ins), 0, plan.flight.samples.front().speed_mps),
-                     plan.flight.ins.sigma_multiple)
-          .tilt_rad;
+                Mission& mission) {
+  const double tilt_rad = attitude_error(initial_ins_state(make_ins_error_model(mission.flight.ins), 0,
+                                                           mission.flight.samples.front().speed_mps),
+                                         mission.flight.ins.sigma_multiple)
+                              .tilt_rad;
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const double agl_m = bands[i].typical_agl_m;
-    const double side_m = footprint_side_m(plan.flight.camera, agl_m);
-    const GroundSampleDistance camera_gsd = gsd_m(plan.flight.camera, agl_m);
+    const double side_m = footprint_side_m(mission.flight.camera, agl_m);
+    const GroundSampleDistance camera_gsd = gsd_m(mission.flight.camera, agl_m);
     const double camera_gsd_m = std::max(camera_gsd.across_m, camera_gsd.along_m);
     const WorkingGsd working = choose_working_gsd(options.gsd_m, coarsest_gsd_m(infos), camera_gsd_m, side_m);
-    plan.notes.push_back("Level " + std::to_string(i) + ": " + format_fixed(working.gsd_m, 3) + " m/px, " +
-                         working.reason);
+    mission.notes.push_back("Level " + std::to_string(i) + ": " + format_fixed(working.gsd_m, 3) + " m/px, " +
+                            working.reason);
     const int tile_size_px =
         options.tile_size_px.value_or(std::clamp(static_cast<int>(std::lround(side_m / working.gsd_m)), 16, 8192));
-    const double radius_m = search_radius_m(plan.flight.max_error_m, 0, bands[i].max_agl_m, tilt_rad);
+    const double radius_m = search_radius_m(mission.flight.max_error_m, 0, bands[i].max_agl_m, tilt_rad);
     GridLevel level = make_level(static_cast<int>(i), bands[i], working.gsd_m, tile_size_px, options.tile_overlap,
-                                 plan.flight.corridor_half_width_m + radius_m, plan.flight.samples);
+                                 mission.flight.corridor_half_width_m + radius_m, mission.flight.samples);
     level.search_radius_px = std::max(1, static_cast<int>(std::ceil(radius_m / working.gsd_m)));
-    plan.ground.levels.push_back(level);
+    mission.ground.levels.push_back(level);
     if (i == 0) {
-      const Footprint shape = footprint(plan.flight.camera, Attitude{}, agl_m);
-      plan.flight.footprint_width_m = shape.across_m;
-      plan.flight.footprint_height_m = shape.along_m;
+      const Footprint shape = footprint(mission.flight.camera, Attitude{}, agl_m);
+      mission.flight.footprint_width_m = shape.across_m;
+      mission.flight.footprint_height_m = shape.along_m;
       const double usable_gsd_m = choose_working_gsd({}, 0, camera_gsd_m, side_m).gsd_m;
-      for (auto& warning : imagery_warnings(infos, usable_gsd_m)) plan.warnings.push_back(std::move(warning));
+      for (auto& warning : imagery_warnings(infos, usable_gsd_m)) mission.warnings.push_back(std::move(warning));
     }
   }
 }
@@ -232,35 +232,35 @@ void measure_coverage(const GraySource& source, const TileMatrix& matrix, std::s
 }
 
 // Adds the tiles of a level to the ground, with their places along the route to the flight.
-void cut_tiles(int level, Mission& plan) {
-  const GridLevel& plan_level = plan.ground.levels[static_cast<std::size_t>(level)];
+void cut_tiles(int level, Mission& mission) {
+  const GridLevel& plan_level = mission.ground.levels[static_cast<std::size_t>(level)];
   const TileMatrix& matrix = plan_level.matrix;
-  const CrsTransform transform(plan.ground.crs);
+  const CrsTransform transform(mission.ground.crs);
   for (const CorridorTile& cell :
-       corridor_tiles(runs_of_level(plan.flight.samples, level),
-                      reach_of_tiles_m(plan_level, plan.flight.corridor_half_width_m), matrix)) {
+       corridor_tiles(runs_of_level(mission.flight.samples, level),
+                      reach_of_tiles_m(plan_level, mission.flight.corridor_half_width_m), matrix)) {
     GroundTile tile;
-    tile.tile_id = tile_id_of(plan.ground.levels, level, cell.column, cell.row);
+    tile.tile_id = tile_id_of(mission.ground.levels, level, cell.column, cell.row);
     tile.level = level;
     tile.column = cell.column;
     tile.row = cell.row;
     tile.bounds = matrix.tile_bounds({cell.column, cell.row});
     tile.center = transform.geodetic_from_map(tile.bounds.center_m()).value();
-    plan.ground.tiles.push_back(tile);
-    plan.flight.places.push_back({cell.route_distance_m, cell.route_offset_m});
+    mission.ground.tiles.push_back(tile);
+    mission.flight.places.push_back({cell.route_distance_m, cell.route_offset_m});
   }
 }
 
 // Refuses a route that leaves the imagery, or says so where that is allowed.
-void judge_cover(const std::string& stretches, const std::string& sentence, bool allow_uncovered, Mission& plan) {
+void judge_cover(const std::string& stretches, const std::string& sentence, bool allow_uncovered, Mission& mission) {
   if (stretches.empty()) return;
-  const std::string text = plan.flight.route.name + ": " + sentence + " " + stretches;
+  const std::string text = mission.flight.route.name + ": " + sentence + " " + stretches;
   if (!allow_uncovered) throw DataError(text + "; add imagery, or give --allow-uncovered to plan with a gap there");
-  plan.warnings.push_back(text);
+  mission.warnings.push_back(text);
 }
 
 // Names the first level whose tiles are wider or higher than all imagery together; "" when there is none.
-std::string tile_larger_than_imagery(const Mission& plan, const std::vector<ImageryInfo>& infos, const Crs& crs) {
+std::string tile_larger_than_imagery(const Mission& mission, const std::vector<ImageryInfo>& infos, const Crs& crs) {
   Bounds extent;
   for (const auto& info : infos) {
     const Bounds part = imagery_bounds(info, crs);
@@ -268,7 +268,7 @@ std::string tile_larger_than_imagery(const Mission& plan, const std::vector<Imag
     extent.extend({part.min_x_m, part.min_y_m});
     extent.extend({part.max_x_m, part.max_y_m});
   }
-  for (const GridLevel& level : plan.ground.levels) {
+  for (const GridLevel& level : mission.ground.levels) {
     const double side_m = level.matrix.tile_size_px * level.gsd_m;
     const double width_m = extent.max_x_m - extent.min_x_m;
     const double height_m = extent.max_y_m - extent.min_y_m;
@@ -281,25 +281,25 @@ std::string tile_larger_than_imagery(const Mission& plan, const std::vector<Imag
 }
 
 // Input that can be used, but is hardly what was meant.
-void warn_of_mistakes(const TileOptions& options, const std::vector<ImageryInfo>& infos, Mission& plan) {
+void warn_of_mistakes(const TileOptions& options, const std::vector<ImageryInfo>& infos, Mission& mission) {
   for (const ImageryInfo& info : infos) {
     const bool heights = info.gray_bands.size() == 1 && (info.band_type == "Float32" || info.band_type == "Float64" ||
                                                          info.band_type == "Int16" || info.band_type == "Int32");
     if (!heights) continue;
-    plan.warnings.push_back(info.dataset + ": its one band of " + info.band_type +
-                            " values looks like an elevation model, not like imagery; give it as --elevation");
+    mission.warnings.push_back(info.dataset + ": its one band of " + info.band_type +
+                               " values looks like an elevation model, not like imagery; give it as --elevation");
   }
   constexpr double kWidestInRadians = std::numbers::pi;
   if (const auto& hfov = options.camera.hfov_deg; hfov && *hfov < kWidestInRadians) {
-    plan.warnings.push_back("camera.hfov_deg = " + format_number(*hfov) + " is a view only " + format_number(*hfov) +
-                            " degrees wide; if that is in radians, give " + format_fixed(*hfov / kRadPerDeg, 1));
+    mission.warnings.push_back("camera.hfov_deg = " + format_number(*hfov) + " is a view only " + format_number(*hfov) +
+                               " degrees wide; if that is in radians, give " + format_fixed(*hfov / kRadPerDeg, 1));
   }
 }
 
-void add_imagery(Mission& plan, const std::vector<ImageryInfo>& infos) {
+void add_imagery(Mission& mission, const std::vector<ImageryInfo>& infos) {
   for (const auto& info : infos) {
-    plan.ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
-                                            info.acquired, info.width_px, info.height_px});
+    mission.ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
+                                               info.acquired, info.width_px, info.height_px});
   }
 }
 
@@ -310,59 +310,59 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   require(!options.imagery.empty(), "imagery");
   require(!options.route.empty(), "route");
 
-  Mission plan;
+  Mission mission;
   const auto infos = inspect_all(options);
-  add_imagery(plan, infos);
-  warn_of_mistakes(options, infos, plan);
-  plan.ground.elevation = options.elevation;
-  plan.flight.route_file = options.route;
-  plan.ground.imagery.options = options.imagery_options;
-  plan.flight.route = read_route(options.route, options.route_options);
-  plan.flight.camera = make_camera(options.camera, plan.flight.route.camera);
-  plan.flight.ins = options.ins;
+  add_imagery(mission, infos);
+  warn_of_mistakes(options, infos, mission);
+  mission.ground.elevation = options.elevation;
+  mission.flight.route_file = options.route;
+  mission.ground.imagery.options = options.imagery_options;
+  mission.flight.route = read_route(options.route, options.route_options);
+  mission.flight.camera = make_camera(options.camera, mission.flight.route.camera);
+  mission.flight.ins = options.ins;
   if (!options.ins.grade) {
-    plan.warnings.emplace_back(
+    mission.warnings.emplace_back(
         "no inertial grade is given (--ins-grade): tactical is assumed; with a lower grade the aircraft drifts "
         "faster, and the same flight may be lost");
   }
-  plan.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
-  plan.flight.max_error_assumed = !options.max_error_m;
-  plan.flight.min_agl_m = options.min_agl_m;
-  plan.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(plan.flight.max_error_m);
-  assume_flat_ground(options.route_options, plan);
-  sample_plan_route(plan);
+  mission.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
+  mission.flight.max_error_assumed = !options.max_error_m;
+  mission.flight.min_agl_m = options.min_agl_m;
+  mission.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(mission.flight.max_error_m);
+  assume_flat_ground(options.route_options, mission);
+  sample_plan_route(mission);
 
-  const MissionCrs grid = mission_crs(options, plan.flight.route, plan.flight.corridor_half_width_m);
-  plan.ground.crs = grid.crs;
-  plan.ground.max_scale_distortion = grid.max_scale_distortion;
-  plan.notes.push_back("Mission grid: " + grid.reason);
-  place_samples(plan.flight.samples, grid.crs);
+  const MissionCrs grid = mission_crs(options, mission.flight.route, mission.flight.corridor_half_width_m);
+  mission.ground.crs = grid.crs;
+  mission.ground.max_scale_distortion = grid.max_scale_distortion;
+  mission.notes.push_back("Mission grid: " + grid.reason);
+  place_samples(mission.flight.samples, grid.crs);
 
-  std::string outside = outside_imagery(plan.flight.samples, infos, grid.crs);
-  if (!outside.empty()) outside += swapped_axes_hint(plan.flight.samples.front().point, infos);
-  judge_cover(outside, "the route leaves the imagery", options.allow_uncovered, plan);
+  std::string outside = outside_imagery(mission.flight.samples, infos, grid.crs);
+  if (!outside.empty()) outside += swapped_axes_hint(mission.flight.samples.front().point, infos);
+  judge_cover(outside, "the route leaves the imagery", options.allow_uncovered, mission);
 
-  const std::vector<AglBand> bands = serve_heights(plan);
-  cut_levels(options, infos, bands, plan);
-  const std::string too_large = tile_larger_than_imagery(plan, infos, grid.crs);
+  const std::vector<AglBand> bands = serve_heights(mission);
+  cut_levels(options, infos, bands, mission);
+  const std::string too_large = tile_larger_than_imagery(mission, infos, grid.crs);
   if (!too_large.empty()) {
     if (!options.allow_uncovered) throw DataError(too_large + "; add imagery, or give a smaller --tile-size-px");
-    plan.warnings.push_back(too_large);
+    mission.warnings.push_back(too_large);
   }
-  for (std::size_t level = 0; level < plan.ground.levels.size(); ++level) {
-    const std::size_t first = plan.ground.tiles.size();
-    cut_tiles(static_cast<int>(level), plan);
-    const GridLevel& cut = plan.ground.levels[level];
+  for (std::size_t level = 0; level < mission.ground.levels.size(); ++level) {
+    const std::size_t first = mission.ground.tiles.size();
+    cut_tiles(static_cast<int>(level), mission);
+    const GridLevel& cut = mission.ground.levels[level];
     const GraySource valid =
         open_valid_on_grid(options.imagery, grid.crs, cut.matrix.map_from_pixel, cut.matrix.grid_width_px,
                            cut.matrix.grid_height_px, options.imagery_options);
-    judge_cover(over_no_data(plan.flight.samples, cut, valid, infos, grid.crs),
-                "the route lies where the imagery has no data", options.allow_uncovered, plan);
-    measure_coverage(valid, cut.matrix, std::span(plan.ground.tiles).subspan(first), progress);
+    judge_cover(over_no_data(mission.flight.samples, cut, valid, infos, grid.crs),
+                "the route lies where the imagery has no data", options.allow_uncovered, mission);
+    measure_coverage(valid, cut.matrix, std::span(mission.ground.tiles).subspan(first), progress);
   }
-  if (plan.ground.tiles.empty())
+  if (mission.ground.tiles.empty())
     throw DataError("the corridor holds no tile; look at corridor_half_width_m and tile_size_px");
-  return plan;
+  return mission;
 }
 
 }  // namespace pilotage
