@@ -1,9 +1,10 @@
 """A signed map of the small mission, and flip_bytes upon it: flips.py PILOTAGE SOURCE FLIP_BYTES COUNT"""
 
+import pathlib
 import shutil
 import sys
 
-sys.path.insert(0, str(__import__("pathlib").Path(__file__).resolve().parent.parent / "accept"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "accept"))
 from acceptance import SKIP, main, run  # noqa: E402
 
 
