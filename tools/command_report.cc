@@ -9,6 +9,7 @@
 #include "version.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/gis/report_outputs.h"
@@ -97,7 +98,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   std::optional<OutputFile> numbers;
   if (!options.report_json.empty()) {
     numbers.emplace(options.report_json, invocation.overwrite);
-    numbers->write(report_json(report).dump(1) + "\n");
+    numbers->write(json_text(report_json(report)));
   }
   const StagingFolder staging(place.folder);
   std::vector<std::string> written =
@@ -137,7 +138,7 @@ CommandResult comparison_of_reports(const Invocation& invocation) {
   result.text = report_comparison_text(comparison);
   result.json = report_comparison_json(comparison);
   if (!invocation.output.empty()) {
-    write_file(invocation.output, result.json.dump(1) + "\n", invocation.overwrite);
+    write_file(invocation.output, json_text(result.json), invocation.overwrite);
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include "version.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/score/describe_run.h"
@@ -85,7 +86,7 @@ CommandResult plan_shards(const ScoreCommandOptions& options, const Invocation& 
     result.json["shards"].push_back(
         {{"shard", number}, {"file", shard_file_name(shard)}, {"tiles", tiles.size()}, {"parts", parts}});
   }
-  if (!invocation.output.empty()) write_file(invocation.output, result.json.dump(1) + "\n", invocation.overwrite);
+  if (!invocation.output.empty()) write_file(invocation.output, json_text(result.json), invocation.overwrite);
   return result;
 }
 

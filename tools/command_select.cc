@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "stage_files.h"
 
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
@@ -69,7 +70,7 @@ Command make_select_command() {
     plan.flight.max_error_m = options.max_error_m.value_or(plan.flight.max_error_m);
     const Selection selection = select_tiles(plan, read_scores(options.table, plan.ground, invocation.inputs.front()),
                                              stored_size(options.build, plan.ground), options.select);
-    write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);
+    write_file(invocation.output, json_text(selection_to_json(selection)), invocation.overwrite);
 
     CommandResult result;
     result.text = std::to_string(selection.tile_ids.size()) + " of " + std::to_string(plan.ground.tiles.size()) +

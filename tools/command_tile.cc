@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mission/plan_file.h"
@@ -17,7 +18,7 @@ Command make_tile_command() {
   command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON)."};
   bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
     const Mission plan = plan_tiles(options, invocation.progress);
-    write_file(invocation.output, plan_to_json(plan).dump(1) + "\n", invocation.overwrite);
+    write_file(invocation.output, json_text(plan_to_json(plan)), invocation.overwrite);
     CommandResult result;
     result.text = std::to_string(plan.ground.tiles.size()) + " tiles in " + std::to_string(plan.ground.levels.size()) +
                   " level(s), " + plan.ground.crs.name() + "\n";

@@ -21,6 +21,7 @@
 
 #include "pilotage/base/config_file.h"
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
@@ -43,22 +44,22 @@ std::string in_colour(const std::ostream& stream, const char* code, const std::s
 }
 
 /// Text that comes from files is shown, not obeyed: control characters (but line ends and tabs) as \xHH, so that no map
-/// or route moves the cursor of a terminal or changes its colours; bytes that are no UTF-8 as U+FFFD.
-std::string shown(const std::string& text) {
+/// or route moves the cursor of a terminal or changes its colours; bytes that are no UTF-8 likewise.
+std::string shown(std::string_view text) {
   static constexpr char kHex[] = "0123456789abcdef";
   std::string safe;
-  const std::string utf8 = valid_utf8(text);
-  for (std::size_t i = 0; i < utf8.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(utf8[i]);
-    const unsigned char next = i + 1 < utf8.size() ? static_cast<unsigned char>(utf8[i + 1]) : 0;
-    const bool c1 = byte == 0xC2 && next >= 0x80 && next < 0xA0;  // U+0080 … U+009F, which some terminals obey, too
-    if ((byte >= 0x20 && byte != 0x7F && !c1) || byte == '\n' || byte == '\t') {
-      safe += utf8[i];
+  while (!text.empty()) {
+    const std::size_t length = utf8_sequence_length(text);
+    const auto first = static_cast<unsigned char>(text.front());
+    const auto last = static_cast<unsigned char>(text[std::max<std::size_t>(length, 1) - 1]);
+    const bool c0 = length == 1 && (first < 0x20 || first == 0x7F) && first != '\n' && first != '\t';
+    const bool c1 = length == 2 && first == 0xC2 && last < 0xA0;  // U+0080 … U+009F, which some terminals obey, too
+    if (length > 0 && !c0 && !c1) {
+      safe += text.substr(0, length);
     } else {
-      const unsigned char control = c1 ? next : byte;
-      safe += {'\\', 'x', kHex[control >> 4], kHex[control & 15]};
-      i += c1 ? 1 : 0;
+      safe += {'\\', 'x', kHex[last >> 4], kHex[last & 15]};
     }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return safe;
 }
@@ -82,7 +83,7 @@ int print_help(std::ostream& out, const std::string& text) {
 }
 
 std::string dump(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2);
 }
 
 Command& find_command(std::vector<Command>& commands, const std::string& word) {
@@ -296,10 +297,6 @@ Failure describe_current_exception() {
   } catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem) return {kExitFailed, "memory", "not enough memory"};
     return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
-  } catch (const Json::type_error& error) {
-    constexpr int kNotUtf8 = 316;  // nlohmann's number
-    if (error.id != kNotUtf8) return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
-    return {kExitFailed, "data", "a name or text is not UTF-8, which JSON files must be: give files other names"};
   } catch (const std::exception& error) {
     return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
   } catch (...) {

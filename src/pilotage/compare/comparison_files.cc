@@ -120,7 +120,7 @@ std::vector<std::filesystem::path> write_comparison(const std::filesystem::path&
     const std::string extension = names[i].extension().string();
     if (extension == ".md") file.write(comparison_markdown(comparison, source, picture_names));
     if (extension == ".csv") file.write(comparison_csv(comparison));
-    if (extension == ".json") file.write(comparison_json(comparison, source).dump(1) + "\n");
+    if (extension == ".json") file.write(json_text(comparison_json(comparison, source)));
     if (extension == ".png") file.write(png_bytes(comparison.pictures[i - 3].bgr));
   }
   for (const auto& file : files) file->commit();

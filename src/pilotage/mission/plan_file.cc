@@ -8,6 +8,7 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/camera/camera_json.h"
 #include "pilotage/raster/gdal_crs.h"
 #include "pilotage/route/route_json.h"
@@ -161,8 +162,8 @@ Json plan_to_json(const Mission& plan) {
                {"crs_name", plan.ground.crs.name()},
                {"crs_wkt", plan.ground.crs.wkt()},
                {"max_scale_distortion", plan.ground.max_scale_distortion},
-               {"elevation", plan.ground.elevation},
-               {"route_file", plan.flight.route_file},
+               {"elevation", name_as_utf8(plan.ground.elevation)},
+               {"route_file", name_as_utf8(plan.flight.route_file)},
                {"imagery_options", json_of(plan.ground.imagery.options)},
                {"camera", camera_to_json(plan.flight.camera)},
                {"ins", json_of(plan.flight.ins)},
@@ -181,7 +182,7 @@ Json plan_to_json(const Mission& plan) {
   if (plan.flight.max_error_assumed) json["max_error_assumed"] = true;
   if (plan.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *plan.flight.flat_ground_amsl_m;
   for (const ImageryDataset& image : plan.ground.imagery.datasets) {
-    json["imagery"].push_back({{"dataset", image.dataset},
+    json["imagery"].push_back({{"dataset", name_as_utf8(image.dataset)},
                                {"gsd_m", image.gsd_m},
                                {"crs", image.crs},
                                {"acquired", image.acquired},
@@ -209,8 +210,8 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   }
   plan.ground.crs = crs_from_json(object);
   plan.ground.max_scale_distortion = object.number("max_scale_distortion");
-  plan.ground.elevation = object.text("elevation");
-  plan.flight.route_file = object.text("route_file");
+  plan.ground.elevation = bytes_of_name(object.text("elevation"));
+  plan.flight.route_file = bytes_of_name(object.text("route_file"));
   plan.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
   plan.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
   plan.flight.ins = options_of<InsOptions>(object, "ins");
@@ -224,8 +225,8 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   plan.warnings = object.texts("warnings");
   plan.notes = object.texts("notes");
   for (JsonObject& image : object.objects("imagery")) {
-    plan.ground.imagery.datasets.push_back({image.text("dataset"), image.number("gsd_m"), image.text("crs"),
-                                            image.text("acquired"),
+    plan.ground.imagery.datasets.push_back({bytes_of_name(image.text("dataset")), image.number("gsd_m"),
+                                            image.text("crs"), image.text("acquired"),
                                             image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
                                             image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
     image.finish();

@@ -89,7 +89,7 @@ Route read_route(const std::filesystem::path& path, const RouteOptions& options)
   check_options(options);
   const std::string bytes = read_file(path, kMaxRouteBytes);
   try {
-    return parse_route(path.filename().string(), bytes, options);
+    return parse_route(name_as_utf8(path.filename().string()), bytes, options);
   } catch (const DataError& error) {
     // Messages start with the file's name; the folder is needed to find it.
     const std::string folder = path.parent_path().string();
