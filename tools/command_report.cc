@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "commands.h"
-#include "input_guard.h"
 #include "stage_files.h"
 #include "version.h"
 
@@ -59,15 +58,10 @@ OutputPlace place_of(const std::string& output) {
   return {path.has_parent_path() ? path.parent_path() : ".", path.filename().string(), path.stem().string()};
 }
 
-void check_outputs(const OutputPlace& place, const std::vector<std::string>& names, const ReportCommandOptions& options,
-                   const Invocation& invocation) {
+void check_outputs(const OutputPlace& place, const std::vector<std::string>& names, const Invocation& invocation) {
   std::vector<NamedFile> outputs;
   for (const std::string& name : names) outputs.push_back({"--outputs", place.folder / name});
-  refuse_shared_files({{"INPUT", invocation.inputs.front()},
-                       {"--table", options.files.table},
-                       {"--selection", options.files.selection},
-                       {"--evaluation", options.evaluation}},
-                      outputs);
+  refuse_shared_files(invocation.named_inputs, outputs);
   for (const NamedFile& output : outputs) const OutputFile refused(output.path, invocation.overwrite);
 }
 
@@ -91,8 +85,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const StageFiles files = read_stage_files(options.files, invocation);
-  check_outputs(place, report_output_names(place.stem, options.outputs, files.plan.ground.levels, true), options,
-                invocation);
+  check_outputs(place, report_output_names(place.stem, options.outputs, files.plan.ground.levels, true), invocation);
   const ReportInput input = read_report_input(options, files, invocation);
   const Report report = make_report(input);
   std::optional<OutputFile> numbers;

@@ -121,6 +121,7 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
   std::sort(places.begin(), places.end());
 
   const std::filesystem::path file = std::filesystem::path(options.shards) / shard_file_name(shard);
+  refuse_shared_files(invocation.named_inputs, {{"--shards", file}});
   std::error_code error;
   std::filesystem::create_directories(options.shards, error);
   if (error) throw DataError(options.shards + ": cannot be made: " + error.message());
@@ -187,7 +188,7 @@ Command make_score_command() {
   command.output = {.kind = OutputKind::kFile,
                     .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure; not with --shard.",
                     .required = false,
-                    .flags = {"table", "second-epoch-output"}};
+                    .flags = {"table", "second-epoch-output", "shards"}};
   bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
     if (options.plan_shards > 0 && !options.shard.empty()) throw UsageError("--plan-shards or --shard, not both");
     if (options.plan_shards > 0) return plan_shards(options, invocation);

@@ -126,21 +126,31 @@ std::vector<std::string> paths_of(const OptionField& field) {
   return {};
 }
 
-/// Everything that the command line and the configuration name, before anything is opened.
-void check_shared_files(const Command& command, const CommonOptions& common,
-                        const std::vector<std::string>& arguments) {
-  std::vector<NamedFile> inputs;
-  std::vector<NamedFile> outputs;
-  for (const std::string& argument : arguments) inputs.push_back({command.inputs.name, argument});
-  if (!common.config.empty()) inputs.push_back({"--config", common.config});
+/// What options that hold paths name: the outputs among them, or all others.
+std::vector<NamedFile> files_of_options(const Command& command, bool outputs) {
+  std::vector<NamedFile> files;
   for (const OptionField& field : command.options.fields) {
-    if (!field.is_path) continue;
     const std::vector<std::string>& flags = command.output.flags;
     const bool is_output = std::find(flags.begin(), flags.end(), field.flag) != flags.end();
+    if (!field.is_path || is_output != outputs) continue;
     for (const std::string& path : paths_of(field)) {
-      if (!path.empty()) (is_output ? outputs : inputs).push_back({"--" + field.flag, path});
+      if (!path.empty()) files.push_back({"--" + field.flag, path});
     }
   }
+  return files;
+}
+
+std::vector<NamedFile> named_inputs(const Command& command, const CommonOptions& common,
+                                    const std::vector<std::string>& arguments) {
+  std::vector<NamedFile> inputs = files_of_options(command, false);
+  for (const std::string& argument : arguments) inputs.push_back({command.inputs.name, argument});
+  if (!common.config.empty()) inputs.push_back({"--config", common.config});
+  return inputs;
+}
+
+/// Everything that the command line and the configuration name, before the command opens anything.
+void check_shared_files(const Command& command, const CommonOptions& common, const std::vector<NamedFile>& inputs) {
+  std::vector<NamedFile> outputs = files_of_options(command, true);
   if (!common.output.empty() && command.output.files) {
     for (const auto& path : command.output.files(common.output)) outputs.push_back({"--output", path});
   } else if (!common.output.empty() && command.output.kind == OutputKind::kFile) {
@@ -237,12 +247,14 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   fill_options(command, common, line);
   if (common.print_config) return print(out, dump(options_to_json(command.options)));
 
-  check_shared_files(command, common, line.inputs);
-  check_output(command, common);
   for (const std::string& key_value : common.gdal_config) set_gdal_config(key_value);
+  const std::vector<NamedFile> inputs = named_inputs(command, common, line.inputs);
+  check_shared_files(command, common, inputs);
+  check_output(command, common);
   watch_for_interruption();
   ProgressMeter meter = make_progress_meter(common.quiet ? ProgressMode::kNone : common.progress, err);
-  const Invocation invocation = make_invocation(commands, command, common, line, meter);
+  Invocation invocation = make_invocation(commands, command, common, line, meter);
+  invocation.named_inputs = inputs;
   cv::setNumThreads(1);  // work is shared out by parallel_for; OpenCV's own threads would come on top of it
   CommandResult result;
   try {

@@ -127,6 +127,12 @@ std::vector<std::filesystem::path> write_comparison(const std::filesystem::path&
   return names;
 }
 
+std::vector<std::filesystem::path> comparison_outputs(const std::filesystem::path& output) {
+  std::vector<DescriptorMethod> methods;
+  for (const EnumName<DescriptorMethod>& name : enum_names(DescriptorMethod{})) methods.push_back(name.value);
+  return output_names(output, methods);
+}
+
 void check_comparison_output(const std::filesystem::path& output, const CompareOptions& options, bool overwrite) {
   const std::vector<DescriptorMethod> pictured =
       options.picture_frame > 0 ? options.methods : std::vector<DescriptorMethod>{};

@@ -173,6 +173,12 @@ std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluati
   return text;
 }
 
+std::vector<std::filesystem::path> evaluation_outputs(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const char* name : kNames) files.push_back(folder / name);
+  return files;
+}
+
 EvaluationFiles::EvaluationFiles(const std::filesystem::path& folder, bool overwrite)
     : folder_(folder), overwrite_(overwrite) {
   for (const char* name : kNames) OutputFile(folder / name, overwrite);
