@@ -23,6 +23,7 @@
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_line.h"
+#include "pilotage/route/route_size.h"
 
 namespace pilotage {
 namespace {
@@ -104,6 +105,12 @@ std::string kmz_document(const std::string& name, const std::string& archive) {
   if (total > kMaxRouteBytes) {
     throw DataError(name + ": unpacks to " + std::to_string(total) + " bytes, at most " +
                     std::to_string(kMaxRouteBytes) + " are allowed");
+  }
+  GByte* bytes = nullptr;
+  vsi_l_offset size = 0;
+  if (VSIIngestFile(nullptr, document.c_str(), &bytes, &size, static_cast<GIntBig>(kMaxRouteBytes)) != 0) {
+    const std::unique_ptr<GByte, decltype(&VSIFree)> freed(bytes, VSIFree);
+    check_kml_size(name, {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)});
   }
   return document;
 }
@@ -195,12 +202,6 @@ class ToWgs84 {
   std::unique_ptr<OGRCoordinateTransformation> transform_;
 };
 
-void check_point_count(const std::string& name, std::size_t count) {
-  if (count > kMaxRouteVertices) {
-    throw DataError(name + ": has more than " + std::to_string(kMaxRouteVertices) + " positions");
-  }
-}
-
 /// Lines of a layer, or its points as one line when it has no line.
 std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
   const bool is_kml = format == OgrFormat::kKml || format == OgrFormat::kKmz;
@@ -235,7 +236,7 @@ std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
                              std::string(geometry->getGeometryName()) + " \"" + feature_name(*feature) + "\"",
                              "left out: neither a line nor a point"});
     }
-    check_point_count(route.name, count);
+    check_position_count(route.name, count);
   }
   if (lines.empty() && !points.parts[0].empty()) lines.push_back(std::move(points));
   return lines;
@@ -273,7 +274,7 @@ std::vector<Line> gpx_point_lines(const std::string& name, OGRLayer& named, OGRL
     const int elevation = feature->GetFieldIndex("ele");
     if (elevation >= 0 && feature->IsFieldSetAndNotNull(elevation)) point.z_m = feature->GetFieldAsDouble(elevation);
     line.parts.back().push_back(point);
-    check_point_count(name, ++count);
+    check_position_count(name, ++count);
   }
   std::vector<Line> result;
   for (auto& [id, line] : lines) result.push_back(std::move(line));
@@ -289,7 +290,7 @@ std::vector<Line> gpx_waypoints(const std::string& name, OGRLayer& layer) {
     const int elevation = feature->GetFieldIndex("ele");
     if (elevation >= 0 && feature->IsFieldSetAndNotNull(elevation)) point.z_m = feature->GetFieldAsDouble(elevation);
     line.parts[0].push_back(point);
-    check_point_count(name, line.parts[0].size());
+    check_position_count(name, line.parts[0].size());
   }
   return line.parts[0].empty() ? std::vector<Line>{} : std::vector<Line>{line};
 }
