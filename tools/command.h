@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "exit_code.h"
+#include "input_guard.h"
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/options.h"
@@ -56,7 +57,10 @@ struct Command;
 /// What a command is run with, besides its own options.
 struct Invocation {
   std::vector<std::string> inputs;  ///< As typed; GDAL dataset strings are allowed where imagery is.
-  std::string output;               ///< "" when none was given.
+  /// These, and what options name, for refuse_shared_files. A command whose outputs depend on its options or on what it
+  /// reads compares them itself; those of OutputSpec are compared before it runs.
+  std::vector<NamedFile> named_inputs;
+  std::string output;  ///< "" when none was given.
   bool overwrite = false;
   int threads = 0;  ///< 0 = all cores.
   std::uint64_t seed = 1;
@@ -81,6 +85,7 @@ struct Command {
   std::vector<CommandExample> examples;
   InputSpec inputs;
   OutputSpec output;
+  bool reads_rasters = false;  ///< It takes the options that say what rasters may make GDAL reach.
   OptionList options;
   /// Called once, after `options` hold the configuration file and the command line. Throws as the library does.
   std::function<CommandResult(const Invocation&)> run;

@@ -8,6 +8,7 @@
 #include "stage_files.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/read_evaluation.h"
@@ -115,7 +116,7 @@ Command make_calibrate_command() {
                                    : adapt_level(model_of(model_to_adapt(options.adapt), matcher), sets));
       add_fit_text(model.matchers.back(), sets, result);
     }
-    output.write(matchability_model_to_json(model).dump(1) + "\n");
+    output.write(json_text(matchability_model_to_json(model)));
     output.commit();
     result.json = {{"output", invocation.output}, {"model", matchability_model_to_json(model)}};
     return result;

@@ -187,6 +187,7 @@ Command make_inspect_command() {
                     .min = 1,
                     .max = 1};
   command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
+  command.reads_rasters = true;
   bind_options<InspectOptions>(command, [](const InspectOptions& options, const Invocation& invocation) {
     const std::string& path = invocation.inputs.front();
     switch (options.kind == InspectKind::kAuto ? kind_of(path) : options.kind) {

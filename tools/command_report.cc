@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "commands.h"
-#include "input_guard.h"
 #include "stage_files.h"
 #include "version.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/gis/report_outputs.h"
@@ -58,15 +58,10 @@ OutputPlace place_of(const std::string& output) {
   return {path.has_parent_path() ? path.parent_path() : ".", path.filename().string(), path.stem().string()};
 }
 
-void check_outputs(const OutputPlace& place, const std::vector<std::string>& names, const ReportCommandOptions& options,
-                   const Invocation& invocation) {
+void check_outputs(const OutputPlace& place, const std::vector<std::string>& names, const Invocation& invocation) {
   std::vector<NamedFile> outputs;
   for (const std::string& name : names) outputs.push_back({"--outputs", place.folder / name});
-  refuse_shared_files({{"INPUT", invocation.inputs.front()},
-                       {"--table", options.files.table},
-                       {"--selection", options.files.selection},
-                       {"--evaluation", options.evaluation}},
-                      outputs);
+  refuse_shared_files(invocation.named_inputs, outputs);
   for (const NamedFile& output : outputs) const OutputFile refused(output.path, invocation.overwrite);
 }
 
@@ -90,14 +85,13 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const StageFiles files = read_stage_files(options.files, invocation);
-  check_outputs(place, report_output_names(place.stem, options.outputs, files.mission.ground.levels, true), options,
-                invocation);
+  check_outputs(place, report_output_names(place.stem, options.outputs, files.mission.ground.levels, true), invocation);
   const ReportInput input = read_report_input(options, files, invocation);
   const Report report = make_report(input);
   std::optional<OutputFile> numbers;
   if (!options.report_json.empty()) {
     numbers.emplace(options.report_json, invocation.overwrite);
-    numbers->write(report_json(report).dump(1) + "\n");
+    numbers->write(json_text(report_json(report)));
   }
   const StagingFolder staging(place.folder);
   std::vector<std::string> written =
@@ -137,7 +131,7 @@ CommandResult comparison_of_reports(const Invocation& invocation) {
   result.text = report_comparison_text(comparison);
   result.json = report_comparison_json(comparison);
   if (!invocation.output.empty()) {
-    write_file(invocation.output, result.json.dump(1) + "\n", invocation.overwrite);
+    write_file(invocation.output, json_text(result.json), invocation.overwrite);
   }
   return result;
 }
@@ -170,6 +164,7 @@ Command make_report_command() {
                     .help = "The page (one self-contained HTML file); other outputs stand beside it with its name.",
                     .required = false,
                     .flags = {"report-json", "pdf"}};
+  command.reads_rasters = true;
   bind_options<ReportCommandOptions>(command, run_report);
   return command;
 }

@@ -8,6 +8,7 @@
 #include "version.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/score/describe_run.h"
@@ -85,7 +86,7 @@ CommandResult plan_shards(const ScoreCommandOptions& options, const Invocation& 
     result.json["shards"].push_back(
         {{"shard", number}, {"file", shard_file_name(shard)}, {"tiles", tiles.size()}, {"parts", parts}});
   }
-  if (!invocation.output.empty()) write_file(invocation.output, result.json.dump(1) + "\n", invocation.overwrite);
+  if (!invocation.output.empty()) write_file(invocation.output, json_text(result.json), invocation.overwrite);
   return result;
 }
 
@@ -120,6 +121,7 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
   std::sort(places.begin(), places.end());
 
   const std::filesystem::path file = std::filesystem::path(options.shards) / shard_file_name(shard);
+  refuse_shared_files(invocation.named_inputs, {{"--shards", file}});
   std::error_code error;
   std::filesystem::create_directories(options.shards, error);
   if (error) throw DataError(options.shards + ": cannot be made: " + error.message());
@@ -186,7 +188,8 @@ Command make_score_command() {
   command.output = {.kind = OutputKind::kFile,
                     .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure; not with --shard.",
                     .required = false,
-                    .flags = {"table", "second-epoch-output"}};
+                    .flags = {"table", "second-epoch-output", "shards"}};
+  command.reads_rasters = true;
   bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
     if (options.plan_shards > 0 && !options.shard.empty()) throw UsageError("--plan-shards or --shard, not both");
     if (options.plan_shards > 0) return plan_shards(options, invocation);

@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "stage_files.h"
 
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
@@ -70,7 +71,7 @@ Command make_select_command() {
     const Selection selection =
         select_tiles(mission, read_scores(options.table, mission.ground, invocation.inputs.front()),
                      stored_size(options.build, mission.ground), options.select);
-    write_file(invocation.output, selection_to_json(selection).dump(1) + "\n", invocation.overwrite);
+    write_file(invocation.output, json_text(selection_to_json(selection)), invocation.overwrite);
 
     CommandResult result;
     result.text = std::to_string(selection.tile_ids.size()) + " of " + std::to_string(mission.ground.tiles.size()) +

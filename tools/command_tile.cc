@@ -1,5 +1,6 @@
 #include "commands.h"
 
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mission/plan_file.h"
@@ -15,9 +16,10 @@ Command make_tile_command() {
   command.examples = {{"The sample mission.", "pilotage tile maps/sample/mission.json -o plan.json"}};
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
   command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON)."};
+  command.reads_rasters = true;
   bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
     const Mission mission = plan_tiles(options, invocation.progress);
-    write_file(invocation.output, plan_to_json(mission).dump(1) + "\n", invocation.overwrite);
+    write_file(invocation.output, json_text(plan_to_json(mission)), invocation.overwrite);
     CommandResult result;
     result.text = std::to_string(mission.ground.tiles.size()) + " tiles in " +
                   std::to_string(mission.ground.levels.size()) + " level(s), " + mission.ground.crs.name() + "\n";

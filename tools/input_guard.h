@@ -13,8 +13,9 @@ struct NamedFile {
 };
 
 /// Throws UsageError when a file that would be written is one that is read, by whatever name (the same inode), or when
-/// two outputs are the same file. Before any work: --overwrite is meant for outputs of an earlier run, never for
-/// inputs.
+/// two outputs are the same file. What an input leads to is read, too: files beside a raster and sources of a VRT,
+/// rasters and route of a plan, pictures of a table of frames, files in a folder. Before any work: --overwrite is meant
+/// for outputs of an earlier run, never for inputs.
 void refuse_shared_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
 
 }  // namespace pilotage

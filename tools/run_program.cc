@@ -21,10 +21,12 @@
 
 #include "pilotage/base/config_file.h"
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/raster/gdal_access.h"
 #include "pilotage/raster/gdal_config.h"
 
 namespace pilotage {
@@ -43,22 +45,22 @@ std::string in_colour(const std::ostream& stream, const char* code, const std::s
 }
 
 /// Text that comes from files is shown, not obeyed: control characters (but line ends and tabs) as \xHH, so that no map
-/// or route moves the cursor of a terminal or changes its colours; bytes that are no UTF-8 as U+FFFD.
-std::string shown(const std::string& text) {
+/// or route moves the cursor of a terminal or changes its colours; bytes that are no UTF-8 likewise.
+std::string shown(std::string_view text) {
   static constexpr char kHex[] = "0123456789abcdef";
   std::string safe;
-  const std::string utf8 = valid_utf8(text);
-  for (std::size_t i = 0; i < utf8.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(utf8[i]);
-    const unsigned char next = i + 1 < utf8.size() ? static_cast<unsigned char>(utf8[i + 1]) : 0;
-    const bool c1 = byte == 0xC2 && next >= 0x80 && next < 0xA0;  // U+0080 … U+009F, which some terminals obey, too
-    if ((byte >= 0x20 && byte != 0x7F && !c1) || byte == '\n' || byte == '\t') {
-      safe += utf8[i];
+  while (!text.empty()) {
+    const std::size_t length = utf8_sequence_length(text);
+    const auto first = static_cast<unsigned char>(text.front());
+    const auto last = static_cast<unsigned char>(text[std::max<std::size_t>(length, 1) - 1]);
+    const bool c0 = length == 1 && (first < 0x20 || first == 0x7F) && first != '\n' && first != '\t';
+    const bool c1 = length == 2 && first == 0xC2 && last < 0xA0;  // U+0080 … U+009F, which some terminals obey, too
+    if (length > 0 && !c0 && !c1) {
+      safe += text.substr(0, length);
     } else {
-      const unsigned char control = c1 ? next : byte;
-      safe += {'\\', 'x', kHex[control >> 4], kHex[control & 15]};
-      i += c1 ? 1 : 0;
+      safe += {'\\', 'x', kHex[last >> 4], kHex[last & 15]};
     }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return safe;
 }
@@ -81,8 +83,21 @@ int print_help(std::ostream& out, const std::string& text) {
   return kExitDone;
 }
 
+/// JSON escapes U+0000 … U+001F itself; the other control characters stand only in its strings, too.
 std::string dump(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  static constexpr char kHex[] = "0123456789abcdef";
+  const std::string text = json_text(json, 2);
+  std::string safe;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool c1 = text[i] == '\xC2' && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+    if (!c1 && text[i] != '\x7F') {
+      safe += text[i];
+      continue;
+    }
+    const auto control = static_cast<unsigned char>(c1 ? text[++i] : text[i]);
+    safe += std::string("\\u00") + kHex[control >> 4] + kHex[control & 15];
+  }
+  return safe;
 }
 
 Command& find_command(std::vector<Command>& commands, const std::string& word) {
@@ -125,21 +140,31 @@ std::vector<std::string> paths_of(const OptionField& field) {
   return {};
 }
 
-/// Everything that the command line and the configuration name, before anything is opened.
-void check_shared_files(const Command& command, const CommonOptions& common,
-                        const std::vector<std::string>& arguments) {
-  std::vector<NamedFile> inputs;
-  std::vector<NamedFile> outputs;
-  for (const std::string& argument : arguments) inputs.push_back({command.inputs.name, argument});
-  if (!common.config.empty()) inputs.push_back({"--config", common.config});
+/// What options that hold paths name: the outputs among them, or all others.
+std::vector<NamedFile> files_of_options(const Command& command, bool outputs) {
+  std::vector<NamedFile> files;
   for (const OptionField& field : command.options.fields) {
-    if (!field.is_path) continue;
     const std::vector<std::string>& flags = command.output.flags;
     const bool is_output = std::find(flags.begin(), flags.end(), field.flag) != flags.end();
+    if (!field.is_path || is_output != outputs) continue;
     for (const std::string& path : paths_of(field)) {
-      if (!path.empty()) (is_output ? outputs : inputs).push_back({"--" + field.flag, path});
+      if (!path.empty()) files.push_back({"--" + field.flag, path});
     }
   }
+  return files;
+}
+
+std::vector<NamedFile> named_inputs(const Command& command, const CommonOptions& common,
+                                    const std::vector<std::string>& arguments) {
+  std::vector<NamedFile> inputs = files_of_options(command, false);
+  for (const std::string& argument : arguments) inputs.push_back({command.inputs.name, argument});
+  if (!common.config.empty()) inputs.push_back({"--config", common.config});
+  return inputs;
+}
+
+/// Everything that the command line and the configuration name, before the command opens anything.
+void check_shared_files(const Command& command, const CommonOptions& common, const std::vector<NamedFile>& inputs) {
+  std::vector<NamedFile> outputs = files_of_options(command, true);
   if (!common.output.empty() && command.output.files) {
     for (const auto& path : command.output.files(common.output)) outputs.push_back({"--output", path});
   } else if (!common.output.empty() && command.output.kind == OutputKind::kFile) {
@@ -236,12 +261,17 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   fill_options(command, common, line);
   if (common.print_config) return print(out, dump(options_to_json(command.options)));
 
-  check_shared_files(command, common, line.inputs);
-  check_output(command, common);
   for (const std::string& key_value : common.gdal_config) set_gdal_config(key_value);
+  if (common.allow_network || common.allow_any_vrt || !common.gdal_driver.empty()) {
+    set_raster_access({common.allow_network, common.allow_any_vrt, common.gdal_driver});
+  }
+  const std::vector<NamedFile> inputs = named_inputs(command, common, line.inputs);
+  check_shared_files(command, common, inputs);
+  check_output(command, common);
   watch_for_interruption();
   ProgressMeter meter = make_progress_meter(common.quiet ? ProgressMode::kNone : common.progress, err);
-  const Invocation invocation = make_invocation(commands, command, common, line, meter);
+  Invocation invocation = make_invocation(commands, command, common, line, meter);
+  invocation.named_inputs = inputs;
   cv::setNumThreads(1);  // work is shared out by parallel_for; OpenCV's own threads would come on top of it
   CommandResult result;
   try {
@@ -296,10 +326,6 @@ Failure describe_current_exception() {
   } catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem) return {kExitFailed, "memory", "not enough memory"};
     return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
-  } catch (const Json::type_error& error) {
-    constexpr int kNotUtf8 = 316;  // nlohmann's number
-    if (error.id != kNotUtf8) return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
-    return {kExitFailed, "data", "a name or text is not UTF-8, which JSON files must be: give files other names"};
   } catch (const std::exception& error) {
     return {kExitFailed, "internal", std::string("unexpected error: ") + error.what()};
   } catch (...) {

@@ -134,6 +134,11 @@ ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& 
   if (!options.table.empty()) table_.emplace(options.table, invocation.overwrite);
   if (options.evaluate.wanted()) {
     check_evaluation(options.evaluate);
+    std::vector<NamedFile> outputs;
+    for (const auto& file : evaluation_outputs(folder_of_outputs(options, invocation))) {
+      outputs.push_back({"--evaluate", file});
+    }
+    refuse_shared_files(invocation.named_inputs, outputs);
     evaluation_.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
   }
   frames_ = read_frame_table(options.evaluate);

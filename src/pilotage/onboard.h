@@ -50,8 +50,8 @@
 ///  - MapReader throws IntegrityError: the signature is wrong or of another key; DataError: a file that cannot be read,
 ///    is damaged, or of another version; UsageError: no key, or one that cannot be read.
 ///  - MapReader::tiles_near() throws UsageError for a point that is not on Earth.
-///  - match() throws nothing but std::bad_alloc. Bad pixels, priors, cameras and options have a status each, and so has
-///    a map that is damaged under way. The messages throw nothing but std::bad_alloc.
+///  - match() throws nothing. Bad pixels, priors, cameras and options have a status each, and so have a map that is
+///    damaged under way and memory that runs out. The messages throw nothing but std::bad_alloc.
 ///
 /// Threads
 ///  - One MapReader serves one thread at a time, and keeps lately used tiles decoded (open() bounds how many

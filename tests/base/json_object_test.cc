@@ -113,5 +113,11 @@ TEST(JsonNumber, WhatIsNotFiniteIsNull) {
   EXPECT_TRUE(json_number(INFINITY).is_null());
 }
 
+TEST(JsonText, StringsThatAreNoUtf8AreWrittenAsNames) {
+  EXPECT_EQ(json_text({{"file", "caf\xC3\xA9\\xff"}}), "{\n \"file\": \"caf\xC3\xA9\\\\xff\"\n}\n");
+  EXPECT_EQ(json_text({{"a\xFF", {"b\xFE", 1}}, {"c", "\\xfe"}}, -1),
+            "{\"a\\\\xff\":[\"b\\\\xfe\",1],\"c\":\"\\\\xfe\"}\n");
+}
+
 }  // namespace
 }  // namespace pilotage

@@ -39,5 +39,16 @@ TEST(Utf8, LengthsAreThoseOfTheTableOfRfc3629) {
   }
 }
 
+TEST(Utf8, NamesOfAnyBytesBecomeTextAndBytesAgain) {
+  EXPECT_EQ(name_as_utf8("ortho.tif"), "ortho.tif");
+  EXPECT_EQ(name_as_utf8("caf\xC3\xA9\\x.tif"), "caf\xC3\xA9\\x.tif") << "a backslash alone means itself";
+  EXPECT_EQ(name_as_utf8("caf\xE9 \xFF"), "caf\\xe9 \\xff");
+  EXPECT_EQ(name_as_utf8("\\xff"), "\\x5cxff") << "four characters that look like a byte";
+  for (const char* name : {"a", "caf\xE9", "\\xff", "\\x5cxff", "\\\\xff\xFF", "\xED\xA0\x80", "\\xFF", "\\"}) {
+    EXPECT_EQ(bytes_of_name(name_as_utf8(name)), name);
+    EXPECT_EQ(valid_utf8(name_as_utf8(name)), name_as_utf8(name));
+  }
+}
+
 }  // namespace
 }  // namespace pilotage

@@ -121,6 +121,15 @@ TEST(GroundOfRasters, RefusesTilesLargerThanTheImagery) {
   EXPECT_EQ(ground_of_rasters({file}, options).ground.levels[0].matrix.tile_count(), 3);
 }
 
+TEST(CutTiles, RefusesMoreThanFitInMemoryBeforeTakingAny) {
+  Ground ground;
+  ground.crs = testing::utm33();
+  ground.levels.push_back({});
+  ground.levels[0].matrix = {0, GeoTransform::north_up(500000, 5'000'000, 0.5), 1'000'000, 1'000'000, 256, 64};
+  EXPECT_THAT([&] { cut_all_tiles(ground); },
+              ThrowsMessage<DataError>(HasSubstr("244046884 tiles (of 256 px, every 64 px of 1000000 x 1000000 px)")));
+}
+
 TEST(GroundOfRasters, InDegreesTilesHaveAPlaceButNoBoundsInMetres) {
   const TemporaryFolder folder;
   RasterSpec spec;

@@ -46,6 +46,25 @@ TEST(ReadRoute, SaysWhatItCannotRead) {
   EXPECT_THAT(route_file_error(folder / "x.plan"), HasSubstr((folder / "x.plan").string() + ": "));
 }
 
+std::string repeated(const std::string& begin, const std::string& position, const std::string& end) {
+  std::string text = begin;
+  for (std::size_t i = 0; i <= kMaxRouteVertices; ++i) text += position;
+  return text + end;
+}
+
+// Their marks are counted: none of these is what it begins like.
+TEST(ReadRoute, RefusesTooManyPositionsBeforeParsing) {
+  for (const std::string& text :
+       {repeated("<gpx>", "<trkpt lat=\"1\"", ""), repeated("<kml>", "15,45,1 ", ""), repeated("{", "[ 15,", ""),
+        repeated("{", "[-15,", ""), repeated("QGC WPL 110\n", "x\n", "")}) {
+    EXPECT_THAT(route_error(text), HasSubstr("r: has 10000")) << text.substr(0, 20);
+    EXPECT_THAT(route_error(text), HasSubstr("a route at most 100000; thin it out")) << text.substr(0, 20);
+  }
+  EXPECT_THAT(route_error("{" + std::string(40 * kMaxRouteVertices + 1, ',')),
+              HasSubstr("a route file at most 4000000"));
+  EXPECT_THAT(route_error("<gpx" + std::string(40 * kMaxRouteVertices + 1, '<')), HasSubstr("values"));
+}
+
 // Whatever the bytes, reading ends with a route or with one of our own errors.
 TEST(ReadRoute, SurvivesDamagedFiles) {
   Random random(seed_from_name("ReadRoute.SurvivesDamagedFiles"));

@@ -7,6 +7,7 @@
 
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/utf8.h"
 
 namespace pilotage {
 namespace {
@@ -29,10 +30,13 @@ Json* find_value(Json& root, const std::string& path) {
 }
 
 void resolve(Json& value, const std::filesystem::path& folder) {
-  if (value.is_string()) value = path_beside(value.get<std::string>(), folder);
+  const auto beside = [&](const Json& text) {
+    return name_as_utf8(path_beside(bytes_of_name(text.get<std::string>()), folder));
+  };
+  if (value.is_string()) value = beside(value);
   if (!value.is_array()) return;
   for (Json& element : value) {
-    if (element.is_string()) element = path_beside(element.get<std::string>(), folder);
+    if (element.is_string()) element = beside(element);
   }
 }
 

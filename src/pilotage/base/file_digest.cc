@@ -38,7 +38,7 @@ std::string bytes_digest(std::string_view bytes) {
 std::string file_digest(const std::filesystem::path& path) {
   if (sodium_init() < 0) throw DataError("libsodium cannot be initialised");
   const auto fail = [&](const std::string& why) { throw DataError(path.string() + ": cannot be read: " + why); };
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) fail(std::strerror(errno));
   const std::unique_ptr<const int, void (*)(const int*)> closed(&descriptor, [](const int* file) { ::close(*file); });
   struct stat status {};

@@ -7,6 +7,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/base/utf8.h"
 
 namespace pilotage {
 namespace {
@@ -23,6 +24,24 @@ constexpr double kMaxExactInteger = 9007199254740992;  // 2^53: above it a doubl
 
 std::string element_path(const std::string& path, std::size_t index) {
   return path + "[" + std::to_string(index) + "]";
+}
+
+std::string as_utf8(const std::string& text) {
+  return valid_utf8(text) == text ? text : name_as_utf8(text);
+}
+
+Json with_utf8_names(const Json& json) {
+  if (json.is_string()) return as_utf8(json.get_ref<const std::string&>());
+  if (!json.is_structured()) return json;
+  Json copy = json.is_array() ? Json::array() : Json::object();
+  for (const auto& item : json.items()) {
+    if (json.is_array()) {
+      copy.push_back(with_utf8_names(item.value()));
+    } else {
+      copy[as_utf8(item.key())] = with_utf8_names(item.value());
+    }
+  }
+  return copy;
 }
 
 double number_of(const Json& json, const std::string& path) {
@@ -152,6 +171,14 @@ std::vector<double> JsonObject::numbers_or_nan(const std::string& key) {
 void JsonObject::finish() const {
   for (const auto& [key, value] : json_.items()) {
     if (!key.starts_with("$") && !asked_.contains(key)) throw DataError(path(key) + " is not known");
+  }
+}
+
+std::string json_text(const Json& json, int indent) {
+  try {
+    return json.dump(indent) + "\n";
+  } catch (const Json::type_error&) {  // a string is no UTF-8
+    return with_utf8_names(json).dump(indent) + "\n";
   }
 }
 

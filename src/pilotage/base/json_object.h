@@ -63,6 +63,10 @@ class JsonObject {
   std::set<std::string> asked_;
 };
 
+/// What is written to files and to standard output: `indent` blanks for each level, and a line end. Strings and keys
+/// that are no UTF-8 (they hold names of files) stand there as name_as_utf8 has them.
+std::string json_text(const nlohmann::ordered_json& json, int indent = 1);
+
 /// A number for a file: NaN and infinities become null.
 nlohmann::ordered_json json_number(double number);
 

@@ -8,6 +8,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/base/variant_json.h"
 
 namespace pilotage {
@@ -60,6 +61,17 @@ OptionValue list_from_json(const Json& json, OptionType type, const std::string&
   return texts;
 }
 
+/// Names of files may be any bytes, JSON is UTF-8: `change` is name_as_utf8 or its inverse.
+template <class Change>
+OptionValue with_names(const OptionField& field, OptionValue value, const Change& change) {
+  if (!field.is_path) return value;
+  if (auto* text = std::get_if<std::string>(&value)) *text = change(*text);
+  if (auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+    for (std::string& text : *texts) text = change(text);
+  }
+  return value;
+}
+
 std::string nearest_path(const OptionList& list, std::string_view path) {
   std::vector<std::string> paths;
   for (const auto& field : list.fields) paths.push_back(field.path);
@@ -77,11 +89,11 @@ void set_object(const OptionList& list, const Json& json, const std::string& pre
       const bool is_list = field->type == OptionType::kStringList || field->type == OptionType::kNumberList;
       try {
         if (value.is_array() && is_list) {
-          field->set(list_from_json(value, field->type, path));
+          field->set(with_names(*field, list_from_json(value, field->type, path), bytes_of_name));
         } else if (value.is_array()) {
           throw UsageError(path + ": a list is not allowed here");
         } else {
-          field->set(value_from_json(value, path));
+          field->set(with_names(*field, value_from_json(value, path), bytes_of_name));
         }
       } catch (const UsageError& error) {
         throw UsageError(name + ": " + error.what());
@@ -203,7 +215,7 @@ Json options_to_json(const OptionList& list) {
     if (std::holds_alternative<std::monostate>(value)) continue;
     Json* at = &root;
     for (const auto& part : split_path(field.path)) at = &(*at)[part];
-    *at = variant_to_json(value);
+    *at = variant_to_json(with_names(field, value, name_as_utf8));
   }
   return root;
 }

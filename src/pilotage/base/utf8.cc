@@ -25,6 +25,49 @@ std::string_view without_byte_order_mark(std::string_view text) {
   return text;
 }
 
+namespace {
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/// The byte that \xHH at the start of `text` stands for, or -1.
+int escaped_byte(std::string_view text) {
+  if (text.size() < 4 || text[0] != '\\' || text[1] != 'x') return -1;
+  const int high = hex_digit(text[2]);
+  const int low = hex_digit(text[3]);
+  return high < 0 || low < 0 ? -1 : high * 16 + low;
+}
+
+}  // namespace
+
+std::string name_as_utf8(std::string_view name) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string text;
+  while (!name.empty()) {
+    const std::size_t length = escaped_byte(name) >= 0 ? 0 : utf8_sequence_length(name);
+    const auto byte = static_cast<unsigned char>(name.front());
+    if (length > 0) {
+      text += name.substr(0, length);
+    } else {
+      text += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+    }
+    name.remove_prefix(length > 0 ? length : 1);
+  }
+  return text;
+}
+
+std::string bytes_of_name(std::string_view text) {
+  std::string name;
+  while (!text.empty()) {
+    const int byte = escaped_byte(text);
+    name += byte >= 0 ? static_cast<char>(byte) : text.front();
+    text.remove_prefix(byte >= 0 ? 4 : 1);
+  }
+  return name;
+}
+
 std::string valid_utf8(std::string_view text) {
   std::string result;
   result.reserve(text.size());

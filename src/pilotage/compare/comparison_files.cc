@@ -120,11 +120,17 @@ std::vector<std::filesystem::path> write_comparison(const std::filesystem::path&
     const std::string extension = names[i].extension().string();
     if (extension == ".md") file.write(comparison_markdown(comparison, source, picture_names));
     if (extension == ".csv") file.write(comparison_csv(comparison));
-    if (extension == ".json") file.write(comparison_json(comparison, source).dump(1) + "\n");
+    if (extension == ".json") file.write(json_text(comparison_json(comparison, source)));
     if (extension == ".png") file.write(png_bytes(comparison.pictures[i - 3].bgr));
   }
   for (const auto& file : files) file->commit();
   return names;
+}
+
+std::vector<std::filesystem::path> comparison_outputs(const std::filesystem::path& output) {
+  std::vector<DescriptorMethod> methods;
+  for (const EnumName<DescriptorMethod>& name : enum_names(DescriptorMethod{})) methods.push_back(name.value);
+  return output_names(output, methods);
 }
 
 void check_comparison_output(const std::filesystem::path& output, const CompareOptions& options, bool overwrite) {

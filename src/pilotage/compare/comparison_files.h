@@ -37,6 +37,9 @@ nlohmann::ordered_json comparison_json(const Comparison& comparison, const Compa
 std::vector<std::filesystem::path> write_comparison(const std::filesystem::path& output, const Comparison& comparison,
                                                     const ComparisonSource& source, bool overwrite);
 
+/// All files that write_comparison may write for a name. Throws UsageError for a name that it refuses.
+std::vector<std::filesystem::path> comparison_outputs(const std::filesystem::path& output);
+
 /// Throws as write_comparison would for names, before there is a comparison.
 void check_comparison_output(const std::filesystem::path& output, const CompareOptions& options, bool overwrite);
 

@@ -173,6 +173,12 @@ std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluati
   return text;
 }
 
+std::vector<std::filesystem::path> evaluation_outputs(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const char* name : kNames) files.push_back(folder / name);
+  return files;
+}
+
 EvaluationFiles::EvaluationFiles(const std::filesystem::path& folder, bool overwrite)
     : folder_(folder), overwrite_(overwrite) {
   for (const char* name : kNames) OutputFile(folder / name, overwrite);
@@ -185,7 +191,7 @@ void EvaluationFiles::write(const LevelScores& judged, const Evaluation& evaluat
     files_.back()->write(content);
   };
   add(kNames[0], evaluation_markdown(evaluation, source, probability != nullptr));
-  add(kNames[1], evaluation_json(evaluation, source).dump(1) + "\n");
+  add(kNames[1], json_text(evaluation_json(evaluation, source)));
   add(kNames[2], evaluation_csv(judged, evaluation));
   if (probability == nullptr) return;
   add(kNames[3], reliability_diagram_svg("P(correct fix), tiles of " + metres(evaluation.footprint_m),

@@ -33,6 +33,9 @@ std::string evaluation_text(const Evaluation& evaluation);
 /// evaluation.csv (schemas/evaluation-csv.md): one line for each outcome.
 std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluation);
 
+/// The files that an evaluation may write in a folder.
+std::vector<std::filesystem::path> evaluation_outputs(const std::filesystem::path& folder);
+
 /// The four files evaluation.md, .json, .csv and reliability.svg of a folder, refused before the work is done when one
 /// exists, and appearing together after it.
 class EvaluationFiles {

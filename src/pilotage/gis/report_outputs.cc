@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/gis/kml_files.h"
 #include "pilotage/gis/report_layers.h"
@@ -50,7 +51,7 @@ Endings write_html(const OutputSource& source) {
 }
 
 Endings write_json(const OutputSource& source) {
-  write_file(source.path(".json"), report_json(source.report).dump(1) + "\n", true);
+  write_file(source.path(".json"), json_text(report_json(source.report)), true);
   return {".json"};
 }
 

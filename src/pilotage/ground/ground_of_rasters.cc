@@ -103,6 +103,16 @@ Bounds metric_bounds(const Bounds& bounds, double metres_per_unit) {
           bounds.max_y_m * metres_per_unit};
 }
 
+void refuse_too_many_tiles(std::int64_t tiles, const TileMatrix& matrix) {
+  if (tiles <= kMostTiles) return;
+  throw DataError(std::to_string(tiles) + " tiles (of " + std::to_string(matrix.tile_size_px) + " px, every " +
+                  std::to_string(matrix.stride_px) + " px of " + std::to_string(matrix.grid_width_px) + " x " +
+                  std::to_string(matrix.grid_height_px) + " px) do not fit in memory, at most " +
+                  std::to_string(kMostTiles) +
+                  " are scored at once; take a larger --stride-px or --gsd-m, a part of the raster (gdal_translate "
+                  "-projwin), or --shard");
+}
+
 }  // namespace
 
 RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options) {
@@ -129,6 +139,7 @@ void cut_tiles(Ground& ground, std::span<const std::int64_t> indices, int thread
   constexpr std::size_t kTilesAtOnce = 4096;
   constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
   const TileMatrix& matrix = ground.levels.front().matrix;
+  refuse_too_many_tiles(std::ssize(indices), matrix);
   const double metres_per_unit = ground.crs.metres_per_unit();
   std::vector<std::optional<CrsTransform>> transforms(static_cast<std::size_t>(thread_count(threads)));
   ground.tiles.resize(indices.size());
@@ -150,7 +161,9 @@ void cut_tiles(Ground& ground, std::span<const std::int64_t> indices, int thread
 }
 
 void cut_all_tiles(Ground& ground, int threads) {
-  std::vector<std::int64_t> all(static_cast<std::size_t>(ground.levels.front().matrix.tile_count()));
+  const TileMatrix& matrix = ground.levels.front().matrix;
+  refuse_too_many_tiles(matrix.tile_count(), matrix);
+  std::vector<std::int64_t> all(static_cast<std::size_t>(matrix.tile_count()));
   std::iota(all.begin(), all.end(), 0);
   cut_tiles(ground, all, threads);
 }

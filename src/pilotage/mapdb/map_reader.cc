@@ -177,7 +177,12 @@ void MapReader::check_tables() {
 void MapReader::read_info() {
   {
     Statement statement = database_.prepare("SELECT key, value FROM map_info ORDER BY id", "map_info");
-    while (statement.step()) info_.entries.push_back({std::string(statement.text(0)), std::string(statement.text(1))});
+    while (statement.step()) {
+      if (info_.entries.size() == kMaxInfoEntries) {
+        throw DataError(database_.name() + ": map_info has more than " + std::to_string(kMaxInfoEntries) + " rows");
+      }
+      info_.entries.push_back({std::string(statement.text(0)), std::string(statement.text(1))});
+    }
   }
   const std::string version = info_.find("schema_version").value_or("");
   const auto [end, error] = std::from_chars(version.data(), version.data() + version.size(), info_.schema_version);

@@ -32,6 +32,8 @@ inline constexpr int kMaxChipFactor = 64;
 inline constexpr std::int64_t kMaxChipPixels = std::int64_t{1} << 22;
 /// Largest text or blob of one row, in bytes; a reader gives this limit to SQLite.
 inline constexpr int kMaxMapBlobBytes = 1 << 26;
+/// Most rows of map_info that are read: a mission of 20,000 rasters has as many.
+inline constexpr std::size_t kMaxInfoEntries = 100'000;
 
 /// The CRS of the mission grid; coordinates are x = easting, y = northing, in metres.
 struct MapCrs {

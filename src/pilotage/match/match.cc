@@ -117,8 +117,9 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
     return refused(MatchStatus::kBadPrior, {});
   } catch (
       const cv::Exception& error) {  // OpenCV refuses a picture in its own way, and says so, too, that memory is out
-    if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
-    return refused(MatchStatus::kBadFrame, {});
+    return refused(error.code == cv::Error::StsNoMem ? MatchStatus::kOutOfMemory : MatchStatus::kBadFrame, {});
+  } catch (const std::bad_alloc&) {
+    return refused(MatchStatus::kOutOfMemory, {});
   }
 }
 

@@ -70,6 +70,7 @@ enum class MatchStatus {
   kAmbiguous,       ///< Another place in the window looks as good.
   kInconsistent,    ///< The best place explains too little of the frame.
   kOutsideGate,     ///< The best place contradicts the prior position, attitude or height.
+  kOutOfMemory,     ///< Memory ran out; the next frame may find some.
 };
 
 /// "fix", "no_map" …: the word in files.
@@ -126,8 +127,8 @@ struct MatchResult {
 /// refused. docs/methods/match.md has the method and its measurements.
 ///
 /// `frame` is CV_8UC1 of the camera's size. The answer is a status for any frame, prior, camera and options, and for a
-/// damaged map: nothing is thrown but std::bad_alloc. Deterministic. Re-entrant; one MapReader serves one thread at a
-/// time.
+/// damaged map, and when memory runs out: nothing is thrown. Deterministic. Re-entrant; one MapReader serves one thread
+/// at a time.
 MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                   const MatchOptions& options = {});
 

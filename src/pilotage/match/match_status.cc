@@ -28,6 +28,8 @@ std::string_view match_status_name(MatchStatus status) {
       return "inconsistent";
     case MatchStatus::kOutsideGate:
       return "outside_gate";
+    case MatchStatus::kOutOfMemory:
+      return "out_of_memory";
   }
   return "unknown";
 }
@@ -58,6 +60,8 @@ std::string_view match_status_text(MatchStatus status) {
       return "the best place explains too little of the frame";
     case MatchStatus::kOutsideGate:
       return "the best place contradicts the prior position, attitude or height";
+    case MatchStatus::kOutOfMemory:
+      return "there was not enough memory";
   }
   return "unknown status";
 }

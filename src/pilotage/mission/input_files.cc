@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "pilotage/base/file_digest.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/raster/gdal_files.h"
 
 namespace pilotage {
@@ -11,11 +12,11 @@ namespace pilotage {
 InputFile input_file(const std::string& role, const std::string& name, const std::string& date) {
   std::error_code ignored;
   const bool is_file = std::filesystem::is_regular_file(name, ignored);
-  return {role, name, date, is_file ? "blake2b-256:" + file_digest(name) : ""};
+  return {role, name_as_utf8(name), date, is_file ? "blake2b-256:" + file_digest(name) : ""};
 }
 
 InputFile input_dataset(const std::string& role, const std::string& name, const std::string& date) {
-  return {role, name, date, dataset_digest(name)};
+  return {role, name_as_utf8(name), date, dataset_digest(name)};
 }
 
 std::vector<InputFile> input_files(const Mission& mission) {

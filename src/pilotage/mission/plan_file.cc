@@ -8,6 +8,7 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/camera/camera_json.h"
 #include "pilotage/raster/gdal_crs.h"
 #include "pilotage/route/route_json.h"
@@ -162,8 +163,8 @@ Json plan_to_json(const Mission& mission) {
                {"crs_name", mission.ground.crs.name()},
                {"crs_wkt", mission.ground.crs.wkt()},
                {"max_scale_distortion", mission.ground.max_scale_distortion},
-               {"elevation", mission.ground.elevation},
-               {"route_file", mission.flight.route_file},
+               {"elevation", name_as_utf8(mission.ground.elevation)},
+               {"route_file", name_as_utf8(mission.flight.route_file)},
                {"imagery_options", json_of(mission.ground.imagery.options)},
                {"camera", camera_to_json(mission.flight.camera)},
                {"ins", json_of(mission.flight.ins)},
@@ -182,7 +183,7 @@ Json plan_to_json(const Mission& mission) {
   if (mission.flight.max_error_assumed) json["max_error_assumed"] = true;
   if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
   for (const ImageryDataset& image : mission.ground.imagery.datasets) {
-    json["imagery"].push_back({{"dataset", image.dataset},
+    json["imagery"].push_back({{"dataset", name_as_utf8(image.dataset)},
                                {"gsd_m", image.gsd_m},
                                {"crs", image.crs},
                                {"acquired", image.acquired},
@@ -210,8 +211,8 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   }
   mission.ground.crs = crs_from_json(object);
   mission.ground.max_scale_distortion = object.number("max_scale_distortion");
-  mission.ground.elevation = object.text("elevation");
-  mission.flight.route_file = object.text("route_file");
+  mission.ground.elevation = bytes_of_name(object.text("elevation"));
+  mission.flight.route_file = bytes_of_name(object.text("route_file"));
   mission.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
   mission.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
   mission.flight.ins = options_of<InsOptions>(object, "ins");
@@ -225,8 +226,8 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   mission.warnings = object.texts("warnings");
   mission.notes = object.texts("notes");
   for (JsonObject& image : object.objects("imagery")) {
-    mission.ground.imagery.datasets.push_back({image.text("dataset"), image.number("gsd_m"), image.text("crs"),
-                                               image.text("acquired"),
+    mission.ground.imagery.datasets.push_back({bytes_of_name(image.text("dataset")), image.number("gsd_m"),
+                                               image.text("crs"), image.text("acquired"),
                                                image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
                                                image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
     image.finish();

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/staging_folder.h"
@@ -100,7 +101,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     result.files.push_back(name);
     return staging / name;
   };
-  write_file(publish_later("plan.json"), plan_to_json(mission).dump(1) + "\n", true);
+  write_file(publish_later("plan.json"), json_text(plan_to_json(mission)), true);
 
   std::optional<GroundImagery> imagery = open_imagery(mission.ground);
   const GroundScores scored = score_ground(mission.ground, score_options, run.seed, run.threads, progress, &*imagery);
@@ -126,7 +127,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
 
   report_progress(progress, "selecting", 0, 0);
   const Selection selection = select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select);
-  write_file(publish_later("selection.json"), selection_to_json(selection).dump(1) + "\n", true);
+  write_file(publish_later("selection.json"), json_text(selection_to_json(selection)), true);
 
   std::vector<InputFile> inputs = input_files(mission);  // hashed once, for map and report
   for (const std::string& dataset : options.score.second_epoch) {

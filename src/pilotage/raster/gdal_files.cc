@@ -11,6 +11,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/file_digest.h"
 #include "pilotage/raster/gdal_handle.h"
+#include "pilotage/raster/gdal_local_config.h"
 
 namespace pilotage {
 namespace {
@@ -22,6 +23,12 @@ constexpr std::size_t kMaxFiles = 1'000'000;  // of a VRT; one that names more i
 bool is_local_file(const std::string& name) {
   std::error_code ignored;
   return fs::is_regular_file(name, ignored);
+}
+
+/// Lies beside a raster and leads nowhere else.
+bool is_text_sidecar(const std::string& name) {
+  const auto endings = {".aux.xml", ".tfw", ".jgw", ".pgw", ".wld", ".prj", ".tab", ".imd", ".rpb", ".txt"};
+  return std::any_of(endings.begin(), endings.end(), [&](const char* ending) { return name.ends_with(ending); });
 }
 
 /// What GDAL says belongs to an open dataset. Overviews and masks beside a file are listed once they were asked for.
@@ -48,13 +55,16 @@ std::vector<std::string> dataset_files(const std::string& dataset) {
     }
   };
   add(open_raster(dataset));
-  // A source of a VRT has files of its own.
+  // A source of a VRT has files of its own, as have masks and overviews. They are asked for by name: to list the folder
+  // for each of many tiles takes the square of their number.
+  const LocalConfig by_name("GDAL_DISABLE_READDIR_ON_OPEN", "TRUE");
   while (!to_list.empty() && found.size() <= kMaxFiles) {
     const std::string name = to_list.back();
     to_list.pop_back();
+    if (name == dataset || is_text_sidecar(name)) continue;
     const GdalErrors errors;
     const DatasetPtr opened(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-    if (opened != nullptr && name != dataset) add(opened);
+    if (opened != nullptr) add(opened);
   }
   if (found.size() > kMaxFiles) {
     throw DataError(dataset + ": names more than " + std::to_string(kMaxFiles) + " files");

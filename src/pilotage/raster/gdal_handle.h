@@ -23,12 +23,14 @@ class GdalErrors {
   /// A read that GDAL calls done was not whole: libjpeg fills what is missing with gray, libtiff leaves what it could
   /// not read as it was, and both only warn.
   bool read_in_part() const { return failed() || read_in_part_; }
-  /// DataError "`what`: `message()`".
+  /// DataError "`what`: `message()`"; std::bad_alloc when memory has run out.
   [[noreturn]] void throw_data_error(const std::string& what) const;
 
   void add(bool is_failure, const char* text);  ///< For the callback.
+  void add_out_of_memory() { out_of_memory_ = true; }
 
  private:
+  bool out_of_memory_ = false;
   std::string failure_;
   std::string warning_;
   bool read_in_part_ = false;

@@ -15,6 +15,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
+#include "pilotage/raster/block_limits.h"
 #include "pilotage/raster/gdal_handle.h"
 
 namespace pilotage {
@@ -277,6 +278,7 @@ void read_bands(GDALDataset& dataset, const ImageryOptions& options, ImageryInfo
   info.mask = find_mask(dataset, info.gray_bands, options.nodata.has_value());
   info.overviews = first->GetOverviewCount();
   first->GetBlockSize(&info.block_width_px, &info.block_height_px);
+  check_blocks(info, GDALGetDataTypeSizeBytes(first->GetRasterDataType()));
   info.scale = first->GetScale();
   info.offset = first->GetOffset();
   info.unit = first->GetUnitType();

@@ -239,11 +239,11 @@ Report make_report(const ReportInput& input) {
   report.levels = mission.ground.levels;
   for (const ImageryDataset& imagery : mission.ground.imagery.datasets) {
     ImageryDataset& copy = report.imagery.emplace_back(imagery);
-    copy.dataset = valid_utf8(imagery.dataset);
+    copy.dataset = name_as_utf8(imagery.dataset);
     copy.crs = valid_utf8(imagery.crs);
     copy.acquired = valid_utf8(imagery.acquired);
   }
-  report.elevation = valid_utf8(mission.ground.elevation);
+  report.elevation = name_as_utf8(mission.ground.elevation);
   for (const InputFile& file : input.inputs) {
     report.inputs.push_back(
         {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});

@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -20,9 +19,11 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
+#include "pilotage/raster/gdal_handle.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_line.h"
+#include "pilotage/route/route_size.h"
 
 namespace pilotage {
 namespace {
@@ -47,18 +48,6 @@ class MemoryFile {
   std::vector<GByte> copy_;
 };
 
-/// GDAL's messages stay off stderr and do not outlive the object.
-class QuietErrors {
- public:
-  QuietErrors() { CPLPushErrorHandler(CPLQuietErrorHandler); }
-  ~QuietErrors() {
-    CPLPopErrorHandler();
-    CPLErrorReset();
-  }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-};
-
 struct FormatInfo {
   const char* title;
   const char* extension;
@@ -81,11 +70,6 @@ FormatInfo format_info(OgrFormat format) {
   return {};
 }
 
-void register_drivers() {
-  static std::once_flag once;
-  std::call_once(once, [] { GDALAllRegister(); });
-}
-
 /// The document of a KMZ archive (doc.kml, else its first .kml) as a path that GDAL opens. A small archive may unpack
 /// to any size, so that is checked first.
 std::string kmz_document(const std::string& name, const std::string& archive) {
@@ -104,6 +88,12 @@ std::string kmz_document(const std::string& name, const std::string& archive) {
   if (total > kMaxRouteBytes) {
     throw DataError(name + ": unpacks to " + std::to_string(total) + " bytes, at most " +
                     std::to_string(kMaxRouteBytes) + " are allowed");
+  }
+  GByte* bytes = nullptr;
+  vsi_l_offset size = 0;
+  if (VSIIngestFile(nullptr, document.c_str(), &bytes, &size, static_cast<GIntBig>(kMaxRouteBytes)) != 0) {
+    const std::unique_ptr<GByte, decltype(&VSIFree)> freed(bytes, VSIFree);
+    check_kml_size(name, {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)});
   }
   return document;
 }
@@ -195,12 +185,6 @@ class ToWgs84 {
   std::unique_ptr<OGRCoordinateTransformation> transform_;
 };
 
-void check_point_count(const std::string& name, std::size_t count) {
-  if (count > kMaxRouteVertices) {
-    throw DataError(name + ": has more than " + std::to_string(kMaxRouteVertices) + " positions");
-  }
-}
-
 /// Lines of a layer, or its points as one line when it has no line.
 std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
   const bool is_kml = format == OgrFormat::kKml || format == OgrFormat::kKmz;
@@ -235,7 +219,7 @@ std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
                              std::string(geometry->getGeometryName()) + " \"" + feature_name(*feature) + "\"",
                              "left out: neither a line nor a point"});
     }
-    check_point_count(route.name, count);
+    check_position_count(route.name, count);
   }
   if (lines.empty() && !points.parts[0].empty()) lines.push_back(std::move(points));
   return lines;
@@ -273,7 +257,7 @@ std::vector<Line> gpx_point_lines(const std::string& name, OGRLayer& named, OGRL
     const int elevation = feature->GetFieldIndex("ele");
     if (elevation >= 0 && feature->IsFieldSetAndNotNull(elevation)) point.z_m = feature->GetFieldAsDouble(elevation);
     line.parts.back().push_back(point);
-    check_point_count(name, ++count);
+    check_position_count(name, ++count);
   }
   std::vector<Line> result;
   for (auto& [id, line] : lines) result.push_back(std::move(line));
@@ -289,7 +273,7 @@ std::vector<Line> gpx_waypoints(const std::string& name, OGRLayer& layer) {
     const int elevation = feature->GetFieldIndex("ele");
     if (elevation >= 0 && feature->IsFieldSetAndNotNull(elevation)) point.z_m = feature->GetFieldAsDouble(elevation);
     line.parts[0].push_back(point);
-    check_point_count(name, line.parts[0].size());
+    check_position_count(name, line.parts[0].size());
   }
   return line.parts[0].empty() ? std::vector<Line>{} : std::vector<Line>{line};
 }
@@ -352,14 +336,13 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   if (options.home_amsl_m && options.height_reference != HeightReference::kHome) {
     throw UsageError("home_amsl_m is of no use for " + name + " without height_reference = home");
   }
-  register_drivers();
-  const QuietErrors quiet;
+  const GdalErrors errors;
   const FormatInfo info = format_info(format);
   const MemoryFile file(bytes, info.extension);
   const std::string path = format == OgrFormat::kKmz ? kmz_document(name, file.path()) : file.path();
   const std::unique_ptr<GDALDataset> dataset(
       GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
-  if (!dataset) throw DataError(name + ": cannot be read as " + info.title + ": " + CPLGetLastErrorMsg());
+  if (!dataset) errors.throw_data_error(name + ": cannot be read as " + info.title);
   Route route;
   route.name = name;
   route.format = info.title;

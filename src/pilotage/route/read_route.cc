@@ -11,6 +11,7 @@
 #include "pilotage/route/ogr_route.h"
 #include "pilotage/route/qgc_plan.h"
 #include "pilotage/route/qgc_wpl.h"
+#include "pilotage/route/route_size.h"
 
 namespace pilotage {
 namespace {
@@ -39,6 +40,7 @@ void refuse_vector_options(const std::string& name, const RouteOptions& options)
 }
 
 Route parse_json_route(const std::string& name, std::string_view text, const RouteOptions& options) {
+  check_json_route_size(name, text);
   const nlohmann::ordered_json json = parse_json(name, text);
   if (!json.is_object()) throw DataError(name + ": is JSON, but neither a QGroundControl plan nor GeoJSON");
   if (json.contains("fileType") || json.contains("mission")) {
@@ -60,6 +62,7 @@ Route parse_route(const std::string& name, std::string_view bytes, const RouteOp
   }
   if (is_qgc_wpl(bytes)) {
     refuse_vector_options(name, options);
+    check_wpl_size(name, bytes);
     return parse_qgc_wpl(name, bytes, options);
   }
   if (bytes.starts_with(std::string_view("SQLite format 3\0", 16))) {
@@ -74,9 +77,11 @@ Route parse_route(const std::string& name, std::string_view bytes, const RouteOp
   if (text[first] == '<') {
     const std::string_view head = text.substr(first, 4096);
     if (head.find("<gpx") != std::string_view::npos || head.find(":gpx") != std::string_view::npos) {
+      check_gpx_size(name, text);
       return parse_ogr_route(name, text.substr(first), OgrFormat::kGpx, options);
     }
     if (head.find("<kml") != std::string_view::npos || head.find(":kml") != std::string_view::npos) {
+      check_kml_size(name, text);
       return parse_ogr_route(name, text.substr(first), OgrFormat::kKml, options);
     }
   }
@@ -89,7 +94,7 @@ Route read_route(const std::filesystem::path& path, const RouteOptions& options)
   check_options(options);
   const std::string bytes = read_file(path, kMaxRouteBytes);
   try {
-    return parse_route(path.filename().string(), bytes, options);
+    return parse_route(name_as_utf8(path.filename().string()), bytes, options);
   } catch (const DataError& error) {
     // Messages start with the file's name; the folder is needed to find it.
     const std::string folder = path.parent_path().string();

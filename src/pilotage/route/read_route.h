@@ -14,18 +14,18 @@ namespace pilotage {
 ///
 /// Throws UsageError for options outside their range, and DataError naming the file and the item when the file cannot
 /// be read or is none of these formats; is of a wrong version or fileType; has fewer than two positions; has a latitude
-/// outside
-/// [-90, 90], a longitude outside [-180, 180] or a number that is not finite; has heights relative to a home that it
-/// does not name; uses a local coordinate frame; or is larger than kMaxRouteBytes.
+/// outside [-90, 90], a longitude outside [-180, 180] or a number that is not finite; has heights relative to a home
+/// that it does not name; uses a local coordinate frame; or is larger than the limits below, which are estimated before
+/// anything is parsed.
 Route read_route(const std::filesystem::path& path, const RouteOptions& options = {});
 
 /// The same from the bytes of a file; `name` stands in messages and becomes Route::name. Survives any bytes.
 Route parse_route(const std::string& name, std::string_view bytes, const RouteOptions& options = {});
 
-/// Largest route file that is read; far above any mission, and below what would exhaust memory.
-inline constexpr std::size_t kMaxRouteBytes = std::size_t{128} << 20;
+/// Largest route file that is read, unpacked; far above any mission, and below what would exhaust memory.
+inline constexpr std::size_t kMaxRouteBytes = std::size_t{64} << 20;
 
-/// Most vertices that a route may have.
-inline constexpr std::size_t kMaxRouteVertices = 1'000'000;
+/// Most vertices that a route may have: 28 hours of a track with one point a second.
+inline constexpr std::size_t kMaxRouteVertices = 100'000;
 
 }  // namespace pilotage

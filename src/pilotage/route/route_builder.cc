@@ -6,7 +6,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
-#include "pilotage/route/read_route.h"
+#include "pilotage/route/route_size.h"
 
 namespace pilotage {
 namespace {
@@ -45,9 +45,7 @@ int append_vertex(Route& route, const RouteVertex& vertex) {
       return static_cast<int>(route.vertices.size()) - 1;
     }
   }
-  if (route.vertices.size() >= kMaxRouteVertices) {
-    throw DataError(route.name + ": has more than " + std::to_string(kMaxRouteVertices) + " positions");
-  }
+  check_position_count(route.name, route.vertices.size() + 1);
   route.vertices.push_back(vertex);
   return static_cast<int>(route.vertices.size()) - 1;
 }

@@ -13,6 +13,7 @@
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/raster/gdal_io.h"
 
@@ -109,11 +110,13 @@ std::string dotted(const std::string& pointer) {
 }  // namespace
 
 Json describe_run(const ScoreRun& run, const std::string& software_version) {
+  Json inputs = Json::array();
+  for (const std::string& name : run.inputs) inputs.push_back(name_as_utf8(name));
   Json files = Json::object();
-  for (const std::string& name : sources_of(run)) files[name] = fingerprint(name);
+  for (const std::string& name : sources_of(run)) files[name_as_utf8(name)] = fingerprint(name);
   ScoreRunOptions options = run.options;
   return {{"program", software_version},
-          {"inputs", run.inputs},
+          {"inputs", inputs},
           {"seed", run.seed},
           {"options", options_to_json(list_options(options))},
           {"files", files},
@@ -122,7 +125,8 @@ Json describe_run(const ScoreRun& run, const std::string& software_version) {
 
 ScoreRun open_described_run(const std::string& name, const Json& description) {
   JsonObject run(description, name + ": run");
-  const std::vector<std::string> inputs = run.texts("inputs");
+  std::vector<std::string> inputs = run.texts("inputs");
+  for (std::string& input : inputs) input = bytes_of_name(input);
   const std::int64_t seed = run.integer("seed", 0);
   ScoreRunOptions options;
   try {
