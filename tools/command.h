@@ -85,6 +85,7 @@ struct Command {
   std::vector<CommandExample> examples;
   InputSpec inputs;
   OutputSpec output;
+  bool reads_rasters = false;  ///< It takes the options that say what rasters may make GDAL reach.
   OptionList options;
   /// Called once, after `options` hold the configuration file and the command line. Throws as the library does.
   std::function<CommandResult(const Invocation&)> run;

@@ -74,6 +74,7 @@ Command make_build_command() {
                     .files = [](const std::string& output) -> std::vector<std::filesystem::path> {
                       return {output, signature_path_of(output)};
                     }};
+  command.reads_rasters = true;
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
     refuse_empty("--sign-key", options.sign_key);
     const StageFiles files = read_stage_files(options.files, invocation);

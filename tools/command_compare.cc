@@ -58,6 +58,7 @@ Command make_compare_command() {
                         "NAME.md: also writes NAME.csv, NAME.json and a picture for each method. NAME.csv or "
                         "NAME.json: that file alone.",
                     .files = [](const std::string& output) { return comparison_outputs(output); }};
+  command.reads_rasters = true;
   bind_options<CompareCommandOptions>(command, [](const CompareCommandOptions& options, const Invocation& invocation) {
     if (options.frames.empty()) throw UsageError("frames is missing; give --frames frames.csv");
     check_comparison_output(invocation.output, options.compare, invocation.overwrite);

@@ -141,6 +141,7 @@ Command make_inspect_command() {
                       {"A route, and what became of each of its items.", "pilotage inspect route.plan"}};
   command.inputs = {.name = "FILE", .help = "Map database, route file or GDAL dataset.", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
+  command.reads_rasters = true;
   bind_options<InspectOptions>(command, [](const InspectOptions& options, const Invocation& invocation) {
     const std::string& path = invocation.inputs.front();
     switch (options.kind == InspectKind::kAuto ? kind_of(path) : options.kind) {

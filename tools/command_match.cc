@@ -197,6 +197,7 @@ Command make_match_command() {
   command.inputs = {
       .name = "MAP [FRAME]", .help = "The map database, and the picture unless --frames is given.", .min = 1, .max = 2};
   command.output = {.kind = OutputKind::kFile, .help = "A table (CSV), one line for each frame.", .required = false};
+  command.reads_rasters = true;
   bind_options<MatchCommandOptions>(command, [](const MatchCommandOptions& options, const Invocation& invocation) {
     const bool single = invocation.inputs.size() > 1;
     if (single == !options.frames.empty()) {

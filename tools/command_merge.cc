@@ -40,6 +40,7 @@ Command make_merge_command() {
   command.output = {.kind = OutputKind::kFile,
                     .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure.",
                     .flags = {"table", "second-epoch-output"}};
+  command.reads_rasters = true;
   bind_options<ScoreOutputOptions>(command, [](const ScoreOutputOptions& options, const Invocation& invocation) {
     MergedShards merged = read_shards(shard_files(invocation.inputs), version_line(), invocation.progress);
     if (!merged.missing.empty()) return missing_result(merged);

@@ -28,6 +28,7 @@ Command make_prepare_command() {
                       }
                       return files;
                     }};
+  command.reads_rasters = true;
   bind_options<PrepareOptions>(command, [](const PrepareOptions& options, const Invocation& invocation) {
     const PrepareRun run{invocation.output, invocation.overwrite, invocation.seed, invocation.threads, version_line()};
     const PrepareResult done = prepare(options, run, invocation.progress);

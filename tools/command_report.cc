@@ -164,6 +164,7 @@ Command make_report_command() {
                     .help = "The page (one self-contained HTML file); other outputs stand beside it with its name.",
                     .required = false,
                     .flags = {"report-json", "pdf"}};
+  command.reads_rasters = true;
   bind_options<ReportCommandOptions>(command, run_report);
   return command;
 }

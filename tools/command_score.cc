@@ -189,6 +189,7 @@ Command make_score_command() {
                     .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure; not with --shard.",
                     .required = false,
                     .flags = {"table", "second-epoch-output", "shards"}};
+  command.reads_rasters = true;
   bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
     if (options.plan_shards > 0 && !options.shard.empty()) throw UsageError("--plan-shards or --shard, not both");
     if (options.plan_shards > 0) return plan_shards(options, invocation);

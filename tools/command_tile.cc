@@ -16,6 +16,7 @@ Command make_tile_command() {
   command.examples = {{"The sample mission.", "pilotage tile maps/sample/mission.json -o plan.json"}};
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
   command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON)."};
+  command.reads_rasters = true;
   bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
     const Mission plan = plan_tiles(options, invocation.progress);
     write_file(invocation.output, json_text(plan_to_json(plan)), invocation.overwrite);

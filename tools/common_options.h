@@ -24,6 +24,9 @@ struct CommonOptions {
   bool quiet = false;
   ProgressMode progress = ProgressMode::kAuto;
   std::vector<std::string> gdal_config;
+  bool allow_network = false;
+  bool allow_any_vrt = false;
+  std::vector<std::string> gdal_driver;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -39,11 +42,18 @@ struct CommonOptions {
     fields.field("quiet", self.quiet, "Only errors on standard error.");
     fields.field("progress", self.progress, "Progress on standard error: a bar when it is a terminal, or JSON lines.");
     fields.path("gdal_config", self.gdal_config, "A configuration option for GDAL, KEY=VALUE.");
+    fields.field("allow_network", self.allow_network,
+                 "Let rasters be read over the network: /vsicurl/ and its like, WMS, WMTS, WCS.");
+    fields.field("allow_any_vrt", self.allow_any_vrt,
+                 "Let VRTs have raw bands, and sources outside the folder they stand in.");
+    fields.field("gdal_driver", self.gdal_driver,
+                 "Open rasters by this driver of GDAL, too (its short name), which may then do what it likes.");
   }
 };
 
-/// The fields of `common` that make sense for `command`: no output flags where it has no output, and none that the
-/// command's own options describe themselves ("seed", "threads").
+/// The fields of `common` that make sense for `command`: no output flags where it has no output, nothing about rasters
+/// where it reads none, and none that the command's own options describe themselves ("seed", "threads"). None of them
+/// can stand in a configuration file: who sends a mission does not decide what it may reach.
 OptionList common_fields_for(const Command& command, CommonOptions& common);
 
 /// The one-letter form of a flag ("output" → "o"), or "".

@@ -26,6 +26,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/raster/gdal_access.h"
 #include "pilotage/raster/gdal_config.h"
 
 namespace pilotage {
@@ -248,6 +249,9 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   if (common.print_config) return print(out, dump(options_to_json(command.options)));
 
   for (const std::string& key_value : common.gdal_config) set_gdal_config(key_value);
+  if (common.allow_network || common.allow_any_vrt || !common.gdal_driver.empty()) {
+    set_raster_access({common.allow_network, common.allow_any_vrt, common.gdal_driver});
+  }
   const std::vector<NamedFile> inputs = named_inputs(command, common, line.inputs);
   check_shared_files(command, common, inputs);
   check_output(command, common);

@@ -13,6 +13,7 @@
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/prepare/prepare.h"
+#include "pilotage/raster/gdal_access.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/score/score_ground.h"
@@ -64,7 +65,9 @@
 ///  - A Progress callback is called by one thread at a time, not always the caller's.
 ///  - OpenCV's own threads would come on top of these; results do not depend on them. A program turns them off with
 ///    cv::setNumThreads(1), which holds for the process, so the library does not call it. The command line does.
-///  - GDAL's settings, drivers and caches are those of the process, as GDAL's user set them.
+///  - GDAL's settings and caches are those of the process, as GDAL's user set them. Its drivers and file systems become
+///    those that set_raster_access() allows, for the whole process: without a call neither the network nor formats that
+///    planners do not deliver (docs/decisions/imagery-drivers.md).
 ///
 /// Options structs describe themselves: name, help and range of each field (pilotage/base/options.h), from which the
 /// command line, configuration files and their schemas are made. Units stand in names; points are WGS 84, longitude

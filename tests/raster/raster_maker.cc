@@ -7,7 +7,7 @@
 namespace pilotage::testing {
 
 std::string make_raster(const std::filesystem::path& path, const RasterSpec& spec) {
-  GDALAllRegister();
+  if (GetGDALDriverManager()->GetDriverByName("GTiff") == nullptr) GDALAllRegister();
   CPLStringList options;
   for (const std::string& option : spec.creation_options) options.AddString(option.c_str());
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");

@@ -14,7 +14,8 @@ class Crs {
   /// Nothing: `empty()`. Every other question about it throws UsageError.
   Crs() = default;
 
-  /// Anything GDAL understands: "EPSG:32750", WKT, a PROJ string, PROJJSON, a file with one of them. Throws UsageError.
+  /// Anything GDAL understands: "EPSG:32750", WKT, a PROJ string, PROJJSON; neither files nor addresses. Throws
+  /// UsageError.
   static Crs from_user_input(const std::string& text);
   static Crs wgs84();
 

@@ -19,7 +19,9 @@ namespace {
 
 OGRSpatialReference reference_from(const std::string& text) {
   OGRSpatialReference reference;
-  if (text.empty() || reference.SetFromUserInput(text.c_str()) != OGRERR_NONE) {
+  // Neither files nor addresses: the text may come out of a mission that someone else wrote.
+  if (text.empty() || reference.SetFromUserInput(
+                          text.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE) {
     throw UsageError("\"" + text +
                      "\" is not a CRS that PROJ knows; give a code such as EPSG:32633, WKT or a PROJ string");
   }

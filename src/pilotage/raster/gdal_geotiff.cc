@@ -3,7 +3,6 @@
 #include <array>
 #include <limits>
 #include <memory>
-#include <mutex>
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
@@ -63,8 +62,7 @@ void check_raster(const Raster& raster, int type, const char* expected) {
 
 DatasetPtr create(const std::filesystem::path& path, const Raster& raster, int bands, GDALDataType type,
                   const std::string& wkt, const GeotiffOptions& options) {
-  static std::once_flag registered;
-  std::call_once(registered, [] { GDALAllRegister(); });
+  const GdalErrors errors;  // registers the drivers
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
   if (driver == nullptr) throw DataError("GDAL has no GeoTIFF driver");
   CPLStringList creation;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <mutex>
+#include <new>
 #include <string>
 #include <system_error>
 
@@ -10,6 +11,7 @@
 #include <gdal_priv.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/raster/gdal_guard.h"
 
 namespace pilotage {
 namespace {
@@ -18,7 +20,9 @@ constexpr GIntBig kBlockCacheBytes = GIntBig{256} << 20;
 
 void CPL_STDCALL collect_error(CPLErr level, CPLErrorNum number, const char* text) {
   if (level == CE_Debug) return CPLDefaultErrorHandler(level, number, text);  // CPL_DEBUG: someone asked for it
-  static_cast<GdalErrors*>(CPLGetErrorHandlerUserData())->add(level >= CE_Failure, text);
+  auto* errors = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
+  if (number == CPLE_OutOfMemory) errors->add_out_of_memory();
+  errors->add(level >= CE_Failure, text);
 }
 
 void register_gdal() {
@@ -27,6 +31,7 @@ void register_gdal() {
     CPLSetErrorHandler(CPLQuietErrorHandler);  // for errors outside any GdalErrors, as in GDAL's own threads
     if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(kBlockCacheBytes);
     GDALAllRegister();
+    guard_gdal();
   });
 }
 
@@ -34,12 +39,14 @@ void register_gdal() {
 std::string tiles_remedy(const std::string& dataset) {
   if (dataset.find("{z}") != std::string::npos) {
     return "is the address of a web map's tiles; describe it in an XML file for GDAL's WMS driver "
-           "(gdal.org/drivers/raster/wms.html, service TMS) and give that, or save the area as MBTiles or GeoTIFF";
+           "(gdal.org/drivers/raster/wms.html, service TMS) and give that with --allow-network, or save the area as "
+           "MBTiles or GeoTIFF";
   }
   std::error_code error;
   if (!std::filesystem::is_directory(dataset, error)) return "";
   return "is a folder; of tiles with a place of their own make one raster (gdalbuildvrt all.vrt FOLDER/*.tif), of "
-         "tiles named z/x/y make MBTiles, or describe them for GDAL's WMS driver (service TMS, file:// address)";
+         "tiles named z/x/y make MBTiles, or describe them for GDAL's WMS driver (service TMS, file:// address, "
+         "--allow-network)";
 }
 
 }  // namespace
@@ -54,6 +61,7 @@ GdalErrors::~GdalErrors() {
 }
 
 void GdalErrors::throw_data_error(const std::string& what) const {
+  if (out_of_memory_) throw std::bad_alloc();
   throw DataError(message().empty() ? what : what + ": " + message());
 }
 
@@ -87,9 +95,12 @@ void require_mask(GDALDataset& opened, const std::string& dataset) {
 
 DatasetPtr open_raster(const std::string& dataset) {
   const GdalErrors errors;
+  const std::string remedy = tiles_remedy(dataset);
+  if (remedy.empty()) check_access(dataset);
   DatasetPtr opened(GDALDataset::Open(dataset.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
   if (opened == nullptr) {
-    if (const std::string remedy = tiles_remedy(dataset); !remedy.empty()) throw DataError(dataset + ": " + remedy);
+    if (!remedy.empty()) throw DataError(dataset + ": " + remedy);
+    refuse_other_driver(dataset);
     errors.throw_data_error(dataset + ": cannot be opened as a raster");
   }
   require_mask(*opened, dataset);

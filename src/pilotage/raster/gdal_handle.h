@@ -20,12 +20,14 @@ class GdalErrors {
   /// The first failure, else the last warning, else "".
   const std::string& message() const { return failure_.empty() ? warning_ : failure_; }
   bool failed() const { return !failure_.empty(); }
-  /// DataError "`what`: `message()`".
+  /// DataError "`what`: `message()`"; std::bad_alloc when memory has run out.
   [[noreturn]] void throw_data_error(const std::string& what) const;
 
   void add(bool is_failure, const char* text);  ///< For the callback.
+  void add_out_of_memory() { out_of_memory_ = true; }
 
  private:
+  bool out_of_memory_ = false;
   std::string failure_;
   std::string warning_;
 };

@@ -95,10 +95,11 @@ struct ImageryInfo {
   std::vector<std::string> warnings;
 };
 
-/// Opens a raster and says what it is. `dataset` is anything GDAL opens (a file, /vsicurl/…, a VRT, a WMTS
-/// description). A raster whose only georeference is ground control points is accepted when they fit one affine
-/// transform exactly. Throws DataError, naming the dataset, when it cannot be opened, has no georeference, no CRS (and
-/// none is given), no bands, or bands of a kind that cannot be made gray; UsageError when `options` do not fit it.
+/// Opens a raster and says what it is. `dataset` is what GDAL opens by the drivers that are allowed (a file, a
+/// part of one, a VRT; gdal_access.h). A raster whose only georeference is ground control points is accepted when they
+/// fit one affine transform exactly. Throws DataError, naming the dataset, when it cannot be opened, has no
+/// georeference, no CRS (and none is given), no bands, or bands of a kind that cannot be made gray; UsageError when
+/// `options` do not fit it.
 ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options = {});
 
 /// The same of a picture whose place, if it has one, does not matter, such as a frame of a camera: map_from_pixel, crs,

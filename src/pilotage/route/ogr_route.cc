@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -20,6 +19,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
+#include "pilotage/raster/gdal_handle.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_line.h"
@@ -48,18 +48,6 @@ class MemoryFile {
   std::vector<GByte> copy_;
 };
 
-/// GDAL's messages stay off stderr and do not outlive the object.
-class QuietErrors {
- public:
-  QuietErrors() { CPLPushErrorHandler(CPLQuietErrorHandler); }
-  ~QuietErrors() {
-    CPLPopErrorHandler();
-    CPLErrorReset();
-  }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-};
-
 struct FormatInfo {
   const char* title;
   const char* extension;
@@ -80,11 +68,6 @@ FormatInfo format_info(OgrFormat format) {
       return {"GeoPackage", "gpkg", {"GPKG", nullptr}};
   }
   return {};
-}
-
-void register_drivers() {
-  static std::once_flag once;
-  std::call_once(once, [] { GDALAllRegister(); });
 }
 
 /// The document of a KMZ archive (doc.kml, else its first .kml) as a path that GDAL opens. A small archive may unpack
@@ -353,14 +336,13 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   if (options.home_amsl_m && options.height_reference != HeightReference::kHome) {
     throw UsageError("home_amsl_m is of no use for " + name + " without height_reference = home");
   }
-  register_drivers();
-  const QuietErrors quiet;
+  const GdalErrors errors;
   const FormatInfo info = format_info(format);
   const MemoryFile file(bytes, info.extension);
   const std::string path = format == OgrFormat::kKmz ? kmz_document(name, file.path()) : file.path();
   const std::unique_ptr<GDALDataset> dataset(
       GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
-  if (!dataset) throw DataError(name + ": cannot be read as " + info.title + ": " + CPLGetLastErrorMsg());
+  if (!dataset) errors.throw_data_error(name + ": cannot be read as " + info.title);
   Route route;
   route.name = name;
   route.format = info.title;
