@@ -83,8 +83,21 @@ int print_help(std::ostream& out, const std::string& text) {
   return kExitDone;
 }
 
+/// JSON escapes U+0000 … U+001F itself; the other control characters stand only in its strings, too.
 std::string dump(const Json& json) {
-  return json_text(json, 2);
+  static constexpr char kHex[] = "0123456789abcdef";
+  const std::string text = json_text(json, 2);
+  std::string safe;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool c1 = text[i] == '\xC2' && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+    if (!c1 && text[i] != '\x7F') {
+      safe += text[i];
+      continue;
+    }
+    const auto control = static_cast<unsigned char>(c1 ? text[++i] : text[i]);
+    safe += std::string("\\u00") + kHex[control >> 4] + kHex[control & 15];
+  }
+  return safe;
 }
 
 Command& find_command(std::vector<Command>& commands, const std::string& word) {
