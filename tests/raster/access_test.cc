@@ -71,7 +71,7 @@ TEST_F(RasterAccessTest, AVrtThatLeadsElsewhereIsRefusedUnlessAskedFor) {
   EXPECT_THAT(refusal_of(vrt("bytes.vrt", "/vsisubfile/0_100," + outside_, false)), HasSubstr("--allow-any-vrt"));
   std::filesystem::create_symlink(outside_, folder_ / "mosaic/link.tif");
   EXPECT_THAT(refusal_of(vrt("link.vrt", "link.tif", true)), HasSubstr("\"link.tif\" is no file in the folder"));
-  set_raster_access({.any_vrt = true});
+  set_raster_access({.any_vrt = true, .drivers = {}});
   EXPECT_EQ(refusal_of(above), "");
 }
 
