@@ -196,6 +196,7 @@ void MapReader::read_info() {
                     std::to_string(kMapSchemaVersion) + ". Use a newer program, or prepare the map again");
   }
   camera_ = camera_of_info(info_, database_.name());
+  purpose_ = purpose_of_info(info_, database_.name());
   features_ = features_of_info(info_, database_.name());
   Statement statement = database_.prepare(
       "SELECT s.srs_name, s.organization, s.organization_coordsys_id, s.definition, s.srs_id FROM "

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pilotage/mapdb/map_info.h"
+#include "pilotage/mapdb/map_purpose.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/mapdb/sqlite.h"
@@ -54,6 +55,8 @@ class MapReader {
   const MapInfo& info() const { return info_; }
   /// The camera that the map was prepared for; nothing when the map does not say.
   const std::optional<Camera>& camera() const { return camera_; }
+  /// What the map is for; check_purpose holds it against what a flight asks for.
+  const MapPurpose& purpose() const { return purpose_; }
   /// How its features are described, and so how a frame must be.
   const FeatureOptions& features() const { return features_; }
   const std::vector<MapLevel>& levels() const { return levels_; }  ///< Ascending by level.
@@ -99,6 +102,7 @@ class MapReader {
   Database database_;
   MapInfo info_;
   std::optional<Camera> camera_;
+  MapPurpose purpose_;
   FeatureOptions features_;
   std::vector<MapLevel> levels_;
   std::vector<MapColumn> tile_columns_;
