@@ -4,6 +4,7 @@
 
 #include "mapdb/small_map.h"
 #include "testing/key_pair.h"
+#include "testing/overwrite.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -103,31 +104,31 @@ TEST_F(ChunkedMap, NoticesEveryByteOfMapListAndSignature) {
     std::string changed = content_;
     const auto at = static_cast<std::size_t>(random.below(content_.size()));
     changed[at] = static_cast<char>(changed[at] ^ (1 << random.below(8)));
-    write_file(path_, changed, true);
+    testing::overwrite(path_, changed);
     const VerifyReport report = verify_map(read_signed_map(path_, {key_}));
     ASSERT_TRUE(report.any_wrong_digest()) << at;
     EXPECT_THAT(report.problems.front().message, HasSubstr("are not those that were signed")) << at;
   }
   for (int i = 0; i < 50; ++i) {
-    write_file(path_, content_.substr(0, static_cast<std::size_t>(random.below(content_.size()))), true);
+    testing::overwrite(path_, content_.substr(0, static_cast<std::size_t>(random.below(content_.size()))));
     EXPECT_THROW(read_signed_map(path_, {key_}), IntegrityError);
   }
-  write_file(path_, content_ + "x", true);
+  testing::overwrite(path_, content_ + "x");
   EXPECT_THROW(read_signed_map(path_, {key_}), IntegrityError);
-  write_file(path_, content_, true);
+  testing::overwrite(path_, content_);
   for (const auto& file : {list_, folder_ / "map.gpkg.minisig"}) {
     const std::string content = read_file(file);
     for (std::size_t i = 0; i < content.size(); ++i) {
       if (file != list_ && i > 18 && i < content.find('\n')) continue;  // the text of the untrusted comment
       std::string flipped = content;
       flipped[i] = static_cast<char>(flipped[i] ^ (1 << (i % 7)));
-      write_file(file, flipped, true);
+      testing::overwrite(file, flipped);
       EXPECT_THROW(read_signed_map(path_, {key_}), DataError) << file << " " << i;
       if (file != list_ && i + 1 == content.size()) break;  // the last line end may be missing
-      write_file(file, content.substr(0, i), true);
+      testing::overwrite(file, content.substr(0, i));
       EXPECT_THROW(read_signed_map(path_, {key_}), DataError) << file << " cut to " << i;
     }
-    write_file(file, content, true);
+    testing::overwrite(file, content);
   }
   EXPECT_GT(read_everything(), 0U);
 }

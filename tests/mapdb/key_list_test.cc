@@ -4,6 +4,7 @@
 #include <map>
 
 #include "testing/key_pair.h"
+#include "testing/overwrite.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -132,13 +133,13 @@ TEST_F(KeyListTest, NoticesEveryFlippedBitAndEveryLengthOfListAndSignature) {
       if (file != path && i > 18 && i < content.find('\n')) continue;  // the text of the untrusted comment
       std::string flipped = content;
       flipped[i] = static_cast<char>(flipped[i] ^ (1 << (i % 7)));
-      write_file(file, flipped, true);
+      testing::overwrite(file, flipped);
       EXPECT_THROW(read_key_lists({path}, {key("root_a")}), DataError) << file << " " << i;
       if (file != path && i + 1 == content.size()) break;  // the last line end may be missing
-      write_file(file, content.substr(0, i), true);
+      testing::overwrite(file, content.substr(0, i));
       EXPECT_THROW(read_key_lists({path}, {key("root_a")}), DataError) << file << " cut to " << i;
     }
-    write_file(file, content, true);
+    testing::overwrite(file, content);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "testing/key_pair.h"
+#include "testing/overwrite.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -63,22 +64,22 @@ TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
   for (std::size_t i = 0; i < content.size(); ++i) {
     std::string flipped = content;
     flipped[i] = static_cast<char>(flipped[i] ^ (1 << (i % 8)));
-    write_file(file_, flipped, true);
+    testing::overwrite(file_, flipped);
     EXPECT_THROW(read_signed_map(file_, {key_}), IntegrityError) << i;
   }
-  write_file(file_, content, true);
+  testing::overwrite(file_, content);
   const auto signature_path = folder_ / "map.gpkg.minisig";
   const std::string signature = read_file(signature_path);
   const std::size_t first_line = signature.find('\n');
   for (std::size_t i = 0; i < signature.size(); ++i) {
     std::string flipped = signature;
     flipped[i] = static_cast<char>(flipped[i] ^ (1 << (i % 7)));
-    write_file(signature_path, flipped, true);
+    testing::overwrite(signature_path, flipped);
     if (i > 18 && i < first_line) continue;  // the text of the untrusted comment
     EXPECT_THROW(read_signed_map(file_, {key_}), DataError) << i;
   }
   for (std::size_t size = 0; size + 1 < signature.size(); ++size) {
-    write_file(signature_path, signature.substr(0, size), true);
+    testing::overwrite(signature_path, signature.substr(0, size));
     EXPECT_THROW(read_signed_map(file_, {key_}), DataError) << size;
   }
 }
