@@ -91,8 +91,9 @@ def match_rows(pilotage, map_path, folder, rows, threads, chips):
         writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    run(pilotage, "match", map_path, "--frames", table, "--camera", folder / "camera.yaml", "-o", fixes, "--overwrite",
-        "-q", "--no-timings", "--threads", threads, "--correct-within-m", CORRECT_M, *([] if chips else ["--no-chips"]))
+    run(pilotage, "match", map_path, "--frames", table, "--camera", folder / "camera.yaml", "--allow-other-camera",
+        "-o", fixes, "--overwrite", "-q", "--no-timings", "--threads", threads, "--correct-within-m", CORRECT_M,
+        *([] if chips else ["--no-chips"]))
     return [{"fix": row["status"] == "fix", **{name: float(row[name] or "nan") for name in NUMBERS}}
             for row in read_rows(fixes) if float(row["expected_features"]) > 0]
 

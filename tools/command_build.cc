@@ -1,5 +1,8 @@
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "commands.h"
 #include "map_size.h"
@@ -9,6 +12,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
+#include "pilotage/build_map/purpose_options.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mission/input_files.h"
@@ -20,16 +24,23 @@ namespace {
 struct BuildCommandOptions {
   StageFileOptions files;
   std::optional<std::string> sign_key;
+  double chunk_list_above_mib = static_cast<double>(kChunkListAboveBytes >> 20);
   std::vector<std::string> second_epoch;
   RegistrationOptions registration;
   BuildOptions build;
+  PurposeOptions purpose;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
     fields.path("sign_key", self.sign_key,
                 "Sign the map with this minisign secret key; the passphrase comes from PILOTAGE_KEY_PASSPHRASE.");
+    fields.field("chunk_list_above_mib", self.chunk_list_above_mib,
+                 "A larger map is signed with a list of its chunks (MAP.chunks), so that it is not read whole to be "
+                 "checked.",
+                 Range{0, 1e9});
     BuildOptions::describe(self.build, fields);
+    PurposeOptions::describe(self.purpose, fields);
     fields.path("second_epoch", self.second_epoch,
                 "Imagery of the same ground at another date, for keep_features; give what `score` was given.");
     fields.group("registration", self.registration, "How the second date is brought onto the reference.");
@@ -53,6 +64,17 @@ std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, con
                               invocation.progress);
 }
 
+/// Signs the map where it grows. Returns whether there is a list of chunks, too.
+bool sign_map(const BuildCommandOptions& options, const OutputFile& map, const OutputFile& signature,
+              const OutputFile& chunk_list) {
+  SignOptions sign;
+  sign.signature_path = signature.temporary_path();
+  sign.chunk_list_path = chunk_list.temporary_path();
+  sign.chunk_list_above_bytes = static_cast<std::uintmax_t>(options.chunk_list_above_mib * 1024 * 1024);
+  if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
+  return sign_file(map.temporary_path(), *options.sign_key, sign).chunk_list.has_value();
+}
+
 }  // namespace
 
 Command make_build_command() {
@@ -65,6 +87,9 @@ Command make_build_command() {
        "pilotage build plan.json --table tiles.csv --selection selection.json -o map.gpkg"},
       {"Signed.",
        "pilotage build plan.json --table tiles.csv --selection selection.json --sign-key key.sec -o map.gpkg"},
+      {"Saying what it is for.",
+       "pilotage build plan.json --table tiles.csv --selection selection.json --mission-name harbour --map-version 7 "
+       "--created now --valid-until 2027-01-01T00:00:00Z -o map.gpkg"},
       {"Without the features that another date contradicts.",
        "pilotage build plan.json --table tiles.csv --selection selection.json --second-epoch other.tif "
        "--keep-features stable -o map.gpkg"}};
@@ -72,29 +97,36 @@ Command make_build_command() {
   command.output = {.kind = OutputKind::kFile,
                     .help = "The map database (GeoPackage).",
                     .files = [](const std::string& output) -> std::vector<std::filesystem::path> {
-                      return {output, signature_path_of(output)};
+                      return {output, signature_path_of(output), chunk_list_path_of(output)};
                     }};
   command.reads_rasters = true;
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
     refuse_empty("--sign-key", options.sign_key);
+    const MapPurpose purpose = make_purpose(options.purpose);
     const StageFiles files = read_stage_files(options.files, invocation);
     OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
-    // An old signature must not stand beside a new map, so it is an output even when nothing is signed.
+    // An old signature must not stand beside a new map, so it is an output even when nothing is signed; likewise a list
+    // of chunks.
     OutputFile signature(signature_path_of(invocation.output), invocation.overwrite);
-    const BuildStats stats =
-        build_map(map.temporary_path(), files.mission, files.scores, files.selection,
-                  inputs_of(files.mission, options.second_epoch), version_line(), options.build, true,
-                  invocation.threads, invocation.progress, second_date_of(options, files.mission, invocation));
-    if (options.sign_key) {
-      SignOptions sign;
-      sign.signature_path = signature.temporary_path();
-      sign.trusted_comment = "file:" + map.destination().filename().string() + "\thashed";
-      if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
-      sign_file(map.temporary_path(), *options.sign_key, sign);
-      OutputFile::commit({&map, &signature}, {});
+    OutputFile chunk_list(chunk_list_path_of(invocation.output), invocation.overwrite);
+    const BuildStats stats = build_map(map.temporary_path(), files.mission, files.scores, files.selection,
+                                       inputs_of(files.mission, options.second_epoch), version_line(), options.build,
+                                       true, invocation.threads, invocation.progress,
+                                       second_date_of(options, files.mission, invocation), nullptr, purpose);
+    std::vector<const OutputFile*> outputs = {&map};
+    std::vector<std::filesystem::path> stale;
+    const bool has_list = options.sign_key && sign_map(options, map, signature, chunk_list);
+    if (has_list) {
+      outputs.push_back(&chunk_list);
     } else {
-      OutputFile::commit({&map}, {signature.destination()});
+      stale.push_back(chunk_list.destination());
     }
+    if (options.sign_key) {
+      outputs.push_back(&signature);
+    } else {
+      stale.push_back(signature.destination());
+    }
+    OutputFile::commit(outputs, stale);
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
                   format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(stats) +
@@ -112,6 +144,10 @@ Command make_build_command() {
     if (options.sign_key) {
       result.text += "signed: " + signature.destination().string() + "\n";
       result.json["signature"] = signature.destination().string();
+    }
+    if (has_list) {
+      result.text += "chunks: " + chunk_list.destination().string() + "\n";
+      result.json["chunk_list"] = chunk_list.destination().string();
     }
     return result;
   });

@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct MatchCommandOptions {
   std::string frames;
-  SignatureOptions signature;
+  TrustOptions trust;
   std::optional<double> prior_lon_deg;
   std::optional<double> prior_lat_deg;
   std::optional<double> prior_sigma_m;
@@ -34,6 +34,7 @@ struct MatchCommandOptions {
   std::optional<double> roll_deg;
   bool from_exif = false;
   CameraOptions camera;
+  bool allow_other_camera = false;
   std::optional<double> true_lon_deg;
   std::optional<double> true_lat_deg;
   FrameTruth truth = FrameTruth::kCenter;
@@ -47,7 +48,7 @@ struct MatchCommandOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("frames", self.frames, "A logged flight instead of one frame: frames.csv.");
-    SignatureOptions::describe(self.signature, fields);
+    TrustOptions::describe(self.trust, fields);
     fields.field("prior_lon_deg", self.prior_lon_deg, "Where the aircraft believes to be.", Range{-180, 360});
     fields.field("prior_lat_deg", self.prior_lat_deg, "Where the aircraft believes to be.", Range{-90, 90});
     fields.field("prior_sigma_m", self.prior_sigma_m,
@@ -60,6 +61,8 @@ struct MatchCommandOptions {
                  "Take from the pictures' EXIF and XMP (DJI) what is not given: position, height, attitude, focal "
                  "length.");
     fields.group("camera", self.camera, "The camera; without any of these the map's own.");
+    fields.field("allow_other_camera", self.allow_other_camera,
+                 "Take a camera that looks elsewhere than the one that the map was prepared for.");
     fields.field("true_lon_deg", self.true_lon_deg, "Where the frame really is, to judge the answer.",
                  Range{-180, 360});
     fields.field("true_lat_deg", self.true_lat_deg, "Where the frame really is, to judge the answer.", Range{-90, 90});
@@ -125,6 +128,12 @@ FrameSources sources_of(const MatchCommandOptions& options, const MapReader& map
   sources.of_map = map.camera();
   if (sources.of_map && !(mount == CameraMount{})) sources.of_map->mount = mount;
   return sources;
+}
+
+MapRequirements requirements_of_flight(const MatchCommandOptions& options) {
+  MapRequirements required = requirements_of(options.trust);
+  if (names_camera(options.camera) && !options.allow_other_camera) required.camera = make_camera(options.camera);
+  return required;
 }
 
 FlightFrames one_frame(const MatchCommandOptions& options, const Invocation& invocation, const MapReader& map) {
@@ -204,8 +213,10 @@ Command make_match_command() {
       throw UsageError(single ? "FRAME and --frames exclude each other" : "FRAME is missing: a picture, or --frames");
     }
     const std::string& path = invocation.inputs.front();
-    const std::optional<SignedMap> signed_map = read_signed_input(options.signature, path);
-    const auto open_map = [&] { return signed_map ? MapReader::open(*signed_map) : MapReader::open_unverified(path); };
+    const MapRequirements required = requirements_of_flight(options);
+    const std::optional<SignedInput> input = read_signed_input(options.trust, path);
+    const auto open_map = [&] { return input ? MapReader::open(input->map) : MapReader::open_unverified(path); };
+    check_purpose(open_map(), required);
     const FlightFrames frames = single ? one_frame(options, invocation, open_map()) : whole_flight(options, open_map());
     const std::vector<FrameMatch> matches =
         match_flight(open_map, frames.frames, options.match, options.truth, invocation.threads, invocation.progress);

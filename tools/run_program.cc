@@ -26,6 +26,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/mapdb/map_signature.h"
 #include "pilotage/raster/gdal_access.h"
 #include "pilotage/raster/gdal_config.h"
 
@@ -169,6 +170,12 @@ void check_shared_files(const Command& command, const CommonOptions& common, con
     for (const auto& path : command.output.files(common.output)) outputs.push_back({"--output", path});
   } else if (!common.output.empty() && command.output.kind == OutputKind::kFile) {
     outputs.push_back({"--output", common.output});
+  }
+  // What stands beside a signed input is read with it.
+  for (std::size_t i = 0, named = inputs.size(); i < named; ++i) {
+    const NamedFile input = inputs[i];
+    inputs.push_back({input.flag, signature_path_of(input.path)});
+    inputs.push_back({input.flag, chunk_list_path_of(input.path)});
   }
   refuse_shared_files(inputs, outputs);
 }

@@ -2,6 +2,8 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/camera/camera.h"
+#include "pilotage/mapdb/key_list.h"
+#include "pilotage/mapdb/map_purpose.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/match/fix_altitude.h"
 #include "pilotage/match/match.h"
@@ -14,9 +16,10 @@
 /// docs/examples/onboard is such a program. Link `pilotage::onboard`.
 ///
 /// @code
-/// // Before the flight. Read once; the signature (map.gpkg.minisig) is checked over the bytes that are then flown.
+/// // Before the flight. What is flown is what the signature (map.gpkg.minisig) is of.
 /// cv::setNumThreads(1);                          // see Threads
 /// auto map = pilotage::MapReader::open("map.gpkg", {public_key});
+/// pilotage::check_purpose(map, {.mission_name = mission, .min_version = highest_flown, .now = now});
 ///
 /// // For each frame: 8-bit gray pixels of the camera's size, and what the navigation filter believes.
 /// pilotage::MatchPrior prior;
@@ -35,10 +38,10 @@
 /// @endcode
 ///
 /// Order
-///  1. MapReader::open() takes a map that a trusted key signed, MapReader::open_unverified() any file that was looked
-///  at
-///     on the ground (verify_map of pilotage/prep.h): MapReader::info() what it says of itself, MapReader::levels() its
-///     scales.
+///  1. MapReader::open() takes a map that a trusted key signed (read_key_lists(): who is trusted now),
+///     MapReader::open_unverified() any file that was looked at on the ground (verify_map of pilotage/prep.h).
+///     check_purpose(): is it for this mission, recent enough, and still valid? MapReader::info() is what it says of
+///     itself, MapReader::levels() its scales.
 ///  2. Camera is the lens that took the frame. MapReader::camera() is the one the map was planned for; for frames of
 ///     another size ask camera_for_size(). A map serves any camera whose frames show about as much ground.
 ///  3. match() with MatchPrior and MatchOptions gives a MatchResult: a MatchStatus, a Fix exactly when the status is
@@ -47,8 +50,9 @@
 ///     MAVLink's GLOBAL_POSITION_SENSOR. Neither ROS nor MAVLink is needed to build them.
 ///
 /// Errors
-///  - MapReader throws IntegrityError: the signature is wrong or of another key; DataError: a file that cannot be read,
-///    is damaged, or of another version; UsageError: no key, or one that cannot be read.
+///  - MapReader throws IntegrityError: the signature is wrong or of another key, or bytes are not those that were
+///    signed, which a large map may find out in flight; DataError: a file that cannot be read, is damaged, or of
+///    another version; UsageError: no key, or one that cannot be read. check_purpose() throws IntegrityError.
 ///  - MapReader::tiles_near() throws UsageError for a point that is not on Earth.
 ///  - match() throws nothing. Bad pixels, priors, cameras and options have a status each, and so have a map that is
 ///    damaged under way and memory that runs out. The messages throw nothing but std::bad_alloc.

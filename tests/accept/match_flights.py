@@ -36,8 +36,8 @@ def fly(pilotage, map_path, folder, *options):
     """Matches the frames of a folder; returns what `match --json` says of them."""
     done = subprocess.run(
         [str(part) for part in (pilotage, "match", map_path, "--frames", folder / "frames.csv", "--camera",
-                                folder / "camera.yaml", "-o", folder / "fixes.csv", "--overwrite", "--json", "-q",
-                                *options)],
+                                folder / "camera.yaml", "--allow-other-camera", "-o", folder / "fixes.csv",
+                                "--overwrite", "--json", "-q", *options)],
         text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
     check(done.returncode == 0, f"match: exit {done.returncode}\n{done.stdout}{done.stderr}")
     return json.loads(done.stdout)

@@ -4,9 +4,12 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <map>
 #include <string>
 
+#include "testing/key_pair.h"
 #include "testing/temporary_folder.h"
 #include <GeographicLib/TransverseMercator.hpp>
 #include <benchmark/benchmark.h>
@@ -17,6 +20,7 @@
 #include "pilotage/base/random.h"
 #include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/mapdb/map_reader.h"
+#include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/mapdb/map_writer.h"
 
@@ -93,6 +97,44 @@ const std::filesystem::path& map_of_side(int side) {
   return paths[side];
 }
 
+/// A map that is signed with a list of its chunks, and the key.
+struct SignedFile {
+  std::filesystem::path path;
+  std::string key;
+};
+
+SignedFile sign(const std::filesystem::path& path) {
+  const std::filesystem::path secret = path.string() + ".key";
+  SignedFile result{path, testing::generate_key_pair(secret, path.string() + ".pub")};
+  SignOptions options;
+  options.chunk_list_above_bytes = 0;
+  sign_file(path, secret, options);
+  return result;
+}
+
+const SignedFile& signed_map_of_side(int side) {
+  static std::map<int, SignedFile> signed_maps;
+  if (!signed_maps.contains(side)) signed_maps[side] = sign(map_of_side(side));
+  return signed_maps[side];
+}
+
+/// A map of many gigabytes: a small one, and behind it pages that no table uses, a hole of the file system.
+const SignedFile& enlarged_map(std::uintmax_t gigabytes) {
+  static const testing::TemporaryFolder folder;
+  static std::map<std::uintmax_t, SignedFile> signed_maps;
+  if (signed_maps.contains(gigabytes)) return signed_maps[gigabytes];
+  const std::filesystem::path path = folder / (std::to_string(gigabytes) + "_gb.gpkg");
+  std::filesystem::copy_file(map_of_side(20), path);
+  constexpr std::uintmax_t kPageBytes = 4096;
+  const std::uintmax_t pages = gigabytes * 1000 * 1000 * 1000 / kPageBytes;
+  std::filesystem::resize_file(path, pages * kPageBytes);
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(28);  // where an SQLite file says how many pages it has, big-endian
+  for (int shift = 24; shift >= 0; shift -= 8) file.put(static_cast<char>(pages >> shift));
+  file.close();
+  return signed_maps[gigabytes] = sign(path);
+}
+
 /// At least 600 m from the edge of a map.
 GeodeticPoint random_place(Random& random, int side) {
   const double extent_m = side * kTilePx * 0.6;
@@ -123,6 +165,14 @@ void BM_TilesNearAndDescriptors(benchmark::State& state) {
   state.counters["features"] = benchmark::Counter(static_cast<double>(features), benchmark::Counter::kAvgIterations);
 }
 
+void BM_ChunkedTilesNearAndDescriptors(benchmark::State& state) {
+  const int side = static_cast<int>(state.range(0));
+  const SignedFile& map = signed_map_of_side(side);
+  MapReader reader = MapReader::open(map.path, {map.key}, 0);  // decodes each time
+  Random random(2);
+  for (auto _ : state) benchmark::DoNotOptimize(read_near(reader, random_place(random, side), 60));
+}
+
 /// Blocks of 512 bytes that the system read from the disk for this process.
 std::int64_t blocks_read() {
   rusage usage{};
@@ -130,26 +180,56 @@ std::int64_t blocks_read() {
   return usage.ru_inblock;
 }
 
-/// The pages of the file are dropped from the system's cache before each open (as far as the system obeys).
-void BM_ColdOpenNearDescriptors(benchmark::State& state) {
+/// The pages of a file are dropped from the system's cache (as far as the system obeys).
+void drop_pages(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;  // no list of chunks
+  ::fsync(descriptor);
+  ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_DONTNEED);
+  ::close(descriptor);
+}
+
+/// Opens a map whose pages are not in the system's cache, and reads it at a place.
+void cold_open(benchmark::State& state, const std::function<MapReader(const std::filesystem::path&)>& open_map) {
   const int side = static_cast<int>(state.range(0));
   const std::filesystem::path& path = map_of_side(side);
   Random random(3);
   const std::int64_t before = blocks_read();
   for (auto _ : state) {
     state.PauseTiming();
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    ::fsync(descriptor);
-    ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_DONTNEED);
-    ::close(descriptor);
+    drop_pages(path);
+    drop_pages(chunk_list_path_of(path));
     const GeodeticPoint place = random_place(random, side);
     state.ResumeTiming();
-    MapReader reader = MapReader::open_unverified(path);
+    MapReader reader = open_map(path);
     benchmark::DoNotOptimize(read_near(reader, place, 60));
   }
   state.counters["read_KiB"] =
       benchmark::Counter(0.5 * static_cast<double>(blocks_read() - before), benchmark::Counter::kAvgIterations);
   state.counters["GB"] = 1e-9 * static_cast<double>(std::filesystem::file_size(path));
+}
+
+void BM_ColdOpenNearDescriptors(benchmark::State& state) {
+  cold_open(state, [](const auto& path) { return MapReader::open_unverified(path); });
+}
+
+void BM_ColdChunkedOpenNearDescriptors(benchmark::State& state) {
+  const SignedFile& map = signed_map_of_side(static_cast<int>(state.range(0)));
+  cold_open(state, [&](const auto& path) { return MapReader::open(path, {map.key}); });
+}
+
+/// Only opens: from the system's cache, or cold.
+void BM_OpenEnlarged(benchmark::State& state) {
+  const SignedFile& map = enlarged_map(static_cast<std::uintmax_t>(state.range(0)));
+  for (auto _ : state) {
+    if (state.range(1) != 0) {
+      state.PauseTiming();
+      drop_pages(map.path);
+      drop_pages(chunk_list_path_of(map.path));
+      state.ResumeTiming();
+    }
+    benchmark::DoNotOptimize(MapReader::open(map.path, {map.key}));
+  }
 }
 
 void BM_OpenNearDescriptors(benchmark::State& state) {
@@ -177,6 +257,9 @@ BENCHMARK(BM_TilesNear)->Apply(both_maps);
 BENCHMARK(BM_TilesNearAndDescriptors)->Apply(both_maps);
 BENCHMARK(BM_OpenNearDescriptors)->Apply(both_maps);
 BENCHMARK(BM_ColdOpenNearDescriptors)->Apply(both_maps)->Iterations(200);
+BENCHMARK(BM_OpenEnlarged)->ArgNames({"GB", "cold"})->ArgsProduct({{1, 10}, {0, 1}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_ChunkedTilesNearAndDescriptors)->Apply(both_maps);
+BENCHMARK(BM_ColdChunkedOpenNearDescriptors)->Apply(both_maps)->Iterations(200);
 BENCHMARK(BM_Verify)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace

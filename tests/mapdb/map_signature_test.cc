@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "testing/key_pair.h"
+#include "testing/overwrite.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,7 +44,7 @@ class MapSignature : public ::testing::Test {
 };
 
 TEST_F(MapSignature, SignsAndVerifies) {
-  EXPECT_EQ(sign_file(file_, secret_), folder_ / "map.gpkg.minisig");
+  EXPECT_EQ(sign_file(file_, secret_).signature, folder_ / "map.gpkg.minisig");
   const SignatureInfo info = read_signed_map(file_, {public_.string()}).signature();
   EXPECT_TRUE(info.prehashed);
   EXPECT_EQ(info.trusted_comment, "file:map.gpkg\thashed");
@@ -52,8 +53,8 @@ TEST_F(MapSignature, SignsAndVerifies) {
   SignOptions options;
   options.overwrite = true;
   options.trusted_comment = "mission 7";
-  const std::string first = read_file(sign_file(file_, secret_, options));
-  EXPECT_EQ(read_file(sign_file(file_, secret_, options)), first);
+  const std::string first = read_file(sign_file(file_, secret_, options).signature);
+  EXPECT_EQ(read_file(sign_file(file_, secret_, options).signature), first);
   EXPECT_EQ(read_signed_map(file_, {key_}).signature().trusted_comment, "mission 7");
 }
 
@@ -63,10 +64,10 @@ TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
   for (std::size_t i = 0; i < content.size(); ++i) {
     std::string flipped = content;
     flipped[i] = static_cast<char>(flipped[i] ^ (1 << (i % 8)));
-    write_file(file_, flipped, true);
+    testing::overwrite(file_, flipped);
     EXPECT_THROW(read_signed_map(file_, {key_}), IntegrityError) << i;
   }
-  write_file(file_, content, true);
+  testing::overwrite(file_, content);
   const auto signature_path = folder_ / "map.gpkg.minisig";
   const std::string signature = read_file(signature_path);
   const std::size_t first_line = signature.find('\n');
@@ -75,12 +76,12 @@ TEST_F(MapSignature, NoticesEveryFlippedBitOfFileAndSignature) {
     for (const std::size_t bit : {i % 7, std::size_t{7}}) {
       std::string flipped = signature;
       flipped[i] = static_cast<char>(flipped[i] ^ (1 << bit));
-      write_file(signature_path, flipped, true);
+      testing::overwrite(signature_path, flipped);
       EXPECT_THROW(read_signed_map(file_, {key_}), DataError) << i << ", bit " << bit;
     }
   }
   for (std::size_t size = 0; size + 1 < signature.size(); ++size) {
-    write_file(signature_path, signature.substr(0, size), true);
+    testing::overwrite(signature_path, signature.substr(0, size));
     EXPECT_THROW(read_signed_map(file_, {key_}), DataError) << size;
   }
 }

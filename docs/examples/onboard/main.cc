@@ -60,14 +60,30 @@ int print(const pilotage::MatchResult& result, const pilotage::FixAltitude& alti
   return result.fix ? 0 : 3;
 }
 
+// Once, before the flight: the map. With a public key, or a key list and the root key that signed it, only one whose
+// signature holds, and that is valid now. An aircraft without a clock that it may trust leaves `now` out; one that
+// keeps the highest version that it has flown asks for MapRequirements::min_version and
+// KeyListRequirements::min_version.
+pilotage::MapReader open_map(const std::vector<std::string>& arguments) {
+  if (arguments.size() == 10) return pilotage::MapReader::open_unverified(arguments[0]);
+  const auto now = std::chrono::floor<std::chrono::seconds>(Clock::now());
+  std::vector<std::string> keys = {arguments[10]};
+  if (arguments.size() == 12)
+    keys = pilotage::read_key_lists({arguments[10]}, {arguments[11]}, {1, now}).trusted_keys();
+  pilotage::MapReader map = pilotage::MapReader::open(arguments[0], keys);
+  pilotage::MapRequirements required;
+  required.now = now;
+  pilotage::check_purpose(map, required);
+  return map;
+}
+
 int run(const std::vector<std::string>& arguments) {
   std::array<double, 8> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = std::stod(arguments[i + 2]);
   const auto [lon_deg, lat_deg, sigma_m, height_agl_m, yaw_deg, pitch_deg, roll_deg, ground_ellipsoid_m] = numbers;
 
   // Once, before the flight: the map, and the camera that it was prepared for, with as many pixels as its frames have.
-  pilotage::MapReader map = arguments.size() > 10 ? pilotage::MapReader::open(arguments[0], {arguments[10]})
-                                                  : pilotage::MapReader::open_unverified(arguments[0]);
+  pilotage::MapReader map = open_map(arguments);
   if (!map.camera()) throw std::runtime_error(arguments[0] + ": does not say for which camera it was prepared");
   const cv::Mat frame = read_pgm(arguments[1]);
   const pilotage::Camera camera = pilotage::camera_for_size(arguments[1], *map.camera(), frame.cols, frame.rows);
@@ -94,10 +110,10 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
-  if (arguments.size() != 10 && arguments.size() != 11) {
+  if (arguments.size() < 10 || arguments.size() > 12) {
     std::fprintf(stderr,
                  "usage: %s MAP.gpkg FRAME.pgm LON_DEG LAT_DEG SIGMA_M HEIGHT_AGL_M YAW_DEG PITCH_DEG ROLL_DEG "
-                 "GROUND_ELLIPSOID_M|nan [PUBLIC_KEY]\n",
+                 "GROUND_ELLIPSOID_M|nan [PUBLIC_KEY | KEY_LIST ROOT_KEY]\n",
                  argv[0]);
     return 2;
   }

@@ -20,7 +20,7 @@ class DataError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A digest or a signature does not match what it stands for. The command line exits with 4.
+/// A digest or a signature is wrong, or a map is not the one that is asked for. The command line exits with 4.
 class IntegrityError : public DataError {
  public:
   using DataError::DataError;

@@ -69,9 +69,11 @@ void write_stored_features(MapWriter& writer, const BuildOptions& options, const
 
 /// The route, its legs, and what the flight and its map were made from.
 void write_flight(MapWriter& writer, const Mission& mission, const Selection& selection, const BuildOptions& options,
-                  const std::vector<InputFile>& inputs, const std::string& software_version, const BuildStats& stats) {
+                  const MapPurpose& purpose, const std::vector<InputFile>& inputs, const std::string& software_version,
+                  const BuildStats& stats) {
   write_route(writer, mission, selection);
   writer.add_info("tool_version", software_version);
+  for (const MapInfoEntry& entry : purpose_entries(purpose)) writer.add_info(entry.key, entry.value);
   for (const auto& [key, value] : camera_to_text(mission.flight.camera)) writer.add_info("camera." + key, value);
   write_stored_features(writer, options, stats);
   write_options(writer, "ins.", mission.flight.ins);
@@ -121,12 +123,12 @@ BuildStats build_map(const std::filesystem::path& path, const Mission& mission, 
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads,
                      const Progress& progress, const std::optional<SecondDate>& second_date,
-                     const GroundImagery* imagery) {
+                     const GroundImagery* imagery, const MapPurpose& purpose) {
   const std::string description = "Reference map for visual navigation along " + mission.flight.route.name;
   MapWriter writer(path, map_header(mission.ground, description, options.chips.chips), overwrite);
   BuildStats stats = write_ground(writer, {mission.ground, scores}, selection.tile_ids, mission.flight.places, options,
                                   threads, progress, second_date, imagery);
-  write_flight(writer, mission, selection, options, inputs, software_version, stats);
+  write_flight(writer, mission, selection, options, purpose, inputs, software_version, stats);
   return finished(writer, path, std::move(stats));
 }
 

@@ -12,6 +12,7 @@
 #include "pilotage/build_map/stable_features.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/score_table.h"
+#include "pilotage/mapdb/map_purpose.h"
 #include "pilotage/mission/input_files.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
@@ -54,7 +55,8 @@ StoredSize stored_size(const BuildOptions& options, const Ground& ground);
 /// Writes the onboard map database (schemas/map-database.md) of a mission's selected tiles: their ground
 /// (write_ground), then the flight over it.
 ///
-/// `imagery` is the ground's where it is open already, for this stage and others.
+/// `imagery` is the ground's where it is open already, for this stage and others; `purpose` is what the map says that
+/// it is for.
 ///
 /// The file appears complete or not at all. The same input gives the same bytes for any number of threads. Throws
 /// UsageError for options out of range or keep_features without its second date, DataError when the selection or the
@@ -63,7 +65,7 @@ BuildStats build_map(const std::filesystem::path& path, const Mission& mission, 
                      const Selection& selection, const std::vector<InputFile>& inputs,
                      const std::string& software_version, const BuildOptions& options, bool overwrite, int threads = 0,
                      const Progress& progress = {}, const std::optional<SecondDate>& second_date = {},
-                     const GroundImagery* imagery = nullptr);
+                     const GroundImagery* imagery = nullptr, const MapPurpose& purpose = {});
 
 /// The same of a ground that nobody has planned a flight over: a map without route, camera or inputs. An existing file
 /// is replaced. Throws as build_map.

@@ -183,6 +183,14 @@ DescriptorRow read_descriptor_row(const Statement& statement, const std::string&
   return row;
 }
 
+void check_descriptor_length(const DescriptorRow& row, const MapInfo& info, const std::string& file) {
+  const std::optional<std::string> bits = info.find("features.descriptor_bits");
+  if (!bits || *bits == std::to_string(row.descriptor_bytes * 8)) return;
+  throw DataError(file + ": pilotage_descriptors: tile " + std::to_string(row.tile_id) + ": its descriptors have " +
+                  std::to_string(row.descriptor_bytes * 8) +
+                  " bits, map_info says features.descriptor_bits = " + *bits);
+}
+
 TileDescriptors decode_descriptors(const DescriptorRow& row, const std::string& file) {
   TileDescriptors result;
   result.tile_id = row.tile_id;

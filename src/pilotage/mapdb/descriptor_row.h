@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pilotage/mapdb/map_info.h"
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/mapdb/sqlite.h"
 
@@ -48,6 +49,10 @@ inline constexpr std::string_view kDescriptorColumns =
 /// The current row of a statement, lengths checked against count; the spans live until its next step(). Throws
 /// DataError beginning with `file`.
 DescriptorRow read_descriptor_row(const Statement& statement, const std::string& file);
+
+/// Throws DataError, beginning with `file`, when the descriptors have another length than the map says its features
+/// have.
+void check_descriptor_length(const DescriptorRow& row, const MapInfo& info, const std::string& file);
 
 /// Throws DataError, beginning with `file`, when a key point is not one that encode_keypoints makes.
 TileDescriptors decode_descriptors(const DescriptorRow& row, const std::string& file);

@@ -1,12 +1,9 @@
 #include "pilotage/mapdb/geopackage_rows.h"
 
 #include <charconv>
-#include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 
-#include "pilotage/base/error.h"
+#include "pilotage/base/source_date.h"
 #include "pilotage/mapdb/map_tables.h"
 
 namespace pilotage {
@@ -38,27 +35,8 @@ std::optional<std::int64_t> authority_code(const std::string& authority) {
 }  // namespace
 
 std::string geopackage_timestamp() {
-  std::int64_t seconds = 0;
-  if (const char* variable = std::getenv("SOURCE_DATE_EPOCH")) {
-    const std::string_view text = variable;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    constexpr std::int64_t kEndOfYear9999 = 253402300799;
-    if (error != std::errc{} || end != text.data() + text.size() || seconds < 0 || seconds > kEndOfYear9999) {
-      throw UsageError("SOURCE_DATE_EPOCH = \"" + std::string(text) + "\" is not a number of seconds from 0 to " +
-                       std::to_string(kEndOfYear9999));
-    }
-  }
-  using std::chrono::days;
-  const std::chrono::sys_seconds time{std::chrono::seconds(seconds)};
-  const auto day = std::chrono::floor<days>(time);
-  const std::chrono::year_month_day date(day);
-  const std::chrono::hh_mm_ss clock(time - day);
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "%04d-%02u-%02uT%02d:%02d:%02d.000Z", static_cast<int>(date.year()),
-                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
-                static_cast<int>(clock.seconds().count()));
-  return buffer;
+  std::string text = format_utc_time(source_date().value_or(UtcTime{}));
+  return text.insert(text.size() - 1, ".000");  // milliseconds, as GeoPackage writes them
 }
 
 bool is_wkt2(std::string_view wkt) {

@@ -4,7 +4,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/camera/camera_text.h"
-#include "pilotage/mapdb/descriptor_row.h"
 
 namespace pilotage {
 namespace {
@@ -31,14 +30,6 @@ std::optional<Camera> camera_of_info(const MapInfo& info, const std::string& fil
   const CameraText text = entries_below(info, "camera.");
   if (text.empty()) return std::nullopt;
   return camera_from_text(file + ": map_info: camera", text);
-}
-
-void check_descriptor_length(const DescriptorRow& row, const MapInfo& info, const std::string& file) {
-  const std::optional<std::string> bits = info.find("features.descriptor_bits");
-  if (!bits || *bits == std::to_string(row.descriptor_bytes * 8)) return;
-  throw DataError(file + ": pilotage_descriptors: tile " + std::to_string(row.tile_id) + ": its descriptors have " +
-                  std::to_string(row.descriptor_bytes * 8) +
-                  " bits, map_info says features.descriptor_bits = " + *bits);
 }
 
 FeatureOptions features_of_info(const MapInfo& info, const std::string& file) {

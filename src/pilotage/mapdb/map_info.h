@@ -28,11 +28,6 @@ struct MapInfo {
 /// of a camera.
 std::optional<Camera> camera_of_info(const MapInfo& info, const std::string& file);
 
-struct DescriptorRow;
-
-/// Throws DataError when a row's descriptors have another length than the map says its features have.
-void check_descriptor_length(const DescriptorRow& row, const MapInfo& info, const std::string& file);
-
 /// How the map's features are described (keys "features.…", the fields of FeatureOptions); the defaults when the map
 /// says nothing of it. Throws DataError beginning with `file` when a key is missing, unknown or a duplicate, or a value
 /// is outside its range.

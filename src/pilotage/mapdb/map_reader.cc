@@ -15,6 +15,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/local_frame.h"
+#include "pilotage/mapdb/chunked_file.h"
 #include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/map_tables.h"
 
@@ -132,8 +133,14 @@ MapReader::MapReader(Database database, std::size_t cache_bytes) : database_(std
 }
 
 MapReader MapReader::open(const SignedMap& map, std::size_t cache_bytes) {
-  check_header(map.name(), *map.bytes(), map.bytes()->size());
-  return {Database::open_untrusted(map.name(), map.bytes(), kMaxMapBlobBytes), cache_bytes};
+  std::string begin;
+  if (map.bytes()) {
+    begin = map.bytes()->substr(0, kSqliteHeaderBytes);
+  } else if (map.size() > 0) {
+    begin = map.chunks()->read_chunk(0);
+  }
+  check_header(map.name(), begin, map.size());
+  return {map.open_database(), cache_bytes};
 }
 
 MapReader MapReader::open(const std::filesystem::path& path, const std::vector<std::string>& trusted_keys,
@@ -194,6 +201,7 @@ void MapReader::read_info() {
                     std::to_string(kMapSchemaVersion) + ". Use a newer program, or prepare the map again");
   }
   camera_ = camera_of_info(info_, database_.name());
+  purpose_ = purpose_of_info(info_, database_.name());
   features_ = features_of_info(info_, database_.name());
   Statement statement = database_.prepare(
       "SELECT s.srs_name, s.organization, s.organization_coordsys_id, s.definition, s.srs_id FROM "

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pilotage/mapdb/map_info.h"
+#include "pilotage/mapdb/map_purpose.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/map_types.h"
 #include "pilotage/mapdb/sqlite.h"
@@ -24,8 +25,11 @@ inline constexpr std::size_t kDefaultTileCacheBytes = std::size_t{64} << 20;
 /// beside the file. Safe on any bytes: whatever the file holds, a function returns a value or throws DataError that
 /// names file, table and tile. It does not compute digests.
 ///
-/// What flies opens its map with keys: the file is read once, its signature checked over these bytes, and SQLite reads
-/// these bytes and never the file again, so nothing lies between check and use. This takes memory of the file's size.
+/// What flies opens its map with keys, and nothing lies between check and use: either the file is read once, its
+/// signature checked over these bytes, and SQLite reads these bytes and never the file again, which takes memory of the
+/// file's size; or, of a large map that was signed with a list of its chunks, SQLite gets each piece of the file from a
+/// chunk that was read whole and checked. A chunk that is not what was signed is an IntegrityError of whatever reads
+/// it, so a map may also fail in flight; verify_map reads all of them before.
 ///
 /// A reader keeps lately used tiles as decoded, which changes no result (mapdb/tile_cache.h).
 ///
@@ -39,7 +43,8 @@ class MapReader {
   static MapReader open(const std::filesystem::path& path, const std::vector<std::string>& trusted_keys,
                         std::size_t cache_bytes = kDefaultTileCacheBytes);
 
-  /// The same of bytes whose signature was checked before: for the readers of several threads. Throws DataError.
+  /// The same of a map whose signature was checked before: for the readers of several threads. Throws DataError,
+  /// IntegrityError.
   static MapReader open(const SignedMap& map, std::size_t cache_bytes = kDefaultTileCacheBytes);
 
   /// Opens whatever the file holds: nobody says who wrote it, or that its digests are right. For the ground, and for
@@ -50,6 +55,8 @@ class MapReader {
   const MapInfo& info() const { return info_; }
   /// The camera that the map was prepared for; nothing when the map does not say.
   const std::optional<Camera>& camera() const { return camera_; }
+  /// What the map is for; check_purpose holds it against what a flight asks for.
+  const MapPurpose& purpose() const { return purpose_; }
   /// How its features are described, and so how a frame must be.
   const FeatureOptions& features() const { return features_; }
   const std::vector<MapLevel>& levels() const { return levels_; }  ///< Ascending by level.
@@ -95,6 +102,7 @@ class MapReader {
   Database database_;
   MapInfo info_;
   std::optional<Camera> camera_;
+  MapPurpose purpose_;
   FeatureOptions features_;
   std::vector<MapLevel> levels_;
   std::vector<MapColumn> tile_columns_;

@@ -3,13 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <string_view>
+#include <vector>
 
 #include <sodium.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/byte_order.h"
+#include "pilotage/mapdb/chunked_file.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/minisign_secret_key.h"
+#include "pilotage/mapdb/trusted_signature.h"
 
 namespace pilotage {
 namespace {
@@ -19,22 +24,39 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxSecretKeyBytes = 64 * 1024;
 constexpr std::size_t kMaxCommentBytes = 8000;  // minisign refuses lines of more than 8192 bytes
 
-/// BLAKE2b-512 of a file, as a string of 64 bytes.
-std::string hash_file(const fs::path& path) {
+/// What is signed of a file, from one pass over it.
+struct FileHashes {
+  std::uint64_t size = 0;
+  std::string whole;       ///< BLAKE2b-512, 64 bytes.
+  std::string chunk_list;  ///< schemas/map-chunks.md
+};
+
+FileHashes hash_file(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || fs::is_directory(path)) throw DataError(path.string() + ": cannot be read");
   crypto_generichash_state state{};
   crypto_generichash_init(&state, nullptr, 0, crypto_generichash_BYTES_MAX);
-  std::string block(1 << 20, '\0');
+  FileHashes hashes;
+  std::string digests;
+  std::string chunk(kChunkBytes, '\0');
   while (stream) {
-    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
-    crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(block.data()),
-                              static_cast<unsigned long long>(stream.gcount()));
+    stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
+    const auto got = static_cast<std::size_t>(stream.gcount());
+    if (got == 0) break;
+    const std::string_view bytes(chunk.data(), got);
+    crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    const auto digest = blake2b_256(bytes);
+    digests.append(digest.begin(), digest.end());
+    hashes.size += got;
   }
   if (stream.bad()) throw DataError(path.string() + ": cannot be read");
-  std::string hash(crypto_generichash_BYTES_MAX, '\0');
-  crypto_generichash_final(&state, reinterpret_cast<unsigned char*>(hash.data()), hash.size());
-  return hash;
+  hashes.whole.resize(crypto_generichash_BYTES_MAX);
+  crypto_generichash_final(&state, reinterpret_cast<unsigned char*>(hashes.whole.data()), hashes.whole.size());
+  std::vector<std::uint8_t> header;
+  append_text(header, kChunkListMagic);
+  append_le(header, hashes.size);
+  hashes.chunk_list = std::string(header.begin(), header.end()) + digests;
+  return hashes;
 }
 
 std::array<std::uint8_t, 64> sign(const std::string& message, const MinisignSecretKey& key) {
@@ -54,20 +76,31 @@ void check_comment(const std::string& comment) {
 
 }  // namespace
 
-fs::path sign_file(const fs::path& path, const fs::path& secret_key_path, const SignOptions& options) {
+SignatureFiles sign_file(const fs::path& path, const fs::path& secret_key_path, const SignOptions& options) {
   if (sodium_init() < 0) throw DataError("libsodium cannot be started");
-  const std::string comment = options.trusted_comment.value_or("file:" + path.filename().string() + "\thashed");
+  std::string comment = options.trusted_comment.value_or("file:" + path.filename().string() + "\thashed");
   check_comment(comment);
   const MinisignSecretKey key =
       parse_secret_key(read_file(secret_key_path, kMaxSecretKeyBytes), options.passphrase, secret_key_path.string());
+  const FileHashes hashes = hash_file(path);
+  const bool with_list = hashes.size > options.chunk_list_above_bytes;
+  if (with_list) comment += "\t" + chunk_list_mark(hashes.chunk_list);
   MinisignSignature signature;
   signature.key_id = key.key_id;
-  signature.signature = sign(hash_file(path), key);
+  signature.signature = sign(hashes.whole, key);
   signature.trusted_comment = comment;
   signature.global_signature = sign(minisign_global_message(signature), key);
-  const fs::path destination = options.signature_path.value_or(signature_path_of(path));
-  write_file(destination, format_signature_file(signature), options.overwrite);
-  return destination;
+
+  OutputFile signature_file(options.signature_path.value_or(signature_path_of(path)), options.overwrite);
+  OutputFile list_file(options.chunk_list_path.value_or(chunk_list_path_of(path)), options.overwrite);
+  signature_file.write(format_signature_file(signature));
+  if (!with_list) {
+    OutputFile::commit({&signature_file}, {list_file.destination()});
+    return {signature_file.destination(), std::nullopt};
+  }
+  list_file.write(hashes.chunk_list);
+  OutputFile::commit({&list_file, &signature_file}, {});
+  return {signature_file.destination(), list_file.destination()};
 }
 
 }  // namespace pilotage

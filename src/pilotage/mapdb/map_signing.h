@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -8,9 +9,16 @@
 
 namespace pilotage {
 
+/// Maps of more bytes are signed with a list of their chunks, so that an aircraft need not read them whole.
+inline constexpr std::uintmax_t kChunkListAboveBytes = std::uintmax_t{64} << 20;
+
 struct SignOptions {
   /// Where the signature goes; by default beside the file, with ".minisig" appended.
   std::optional<std::filesystem::path> signature_path;
+  /// Where the list of chunks goes, when there is one; by default beside the file, with ".chunks" appended.
+  std::optional<std::filesystem::path> chunk_list_path;
+  /// A file of more bytes gets a list of its chunks, which the trusted comment then names.
+  std::uintmax_t chunk_list_above_bytes = kChunkListAboveBytes;
   /// Signed together with the signature; one line. By default "file:NAME\thashed": no date, so that the bytes repeat.
   std::optional<std::string> trusted_comment;
   /// Needed when the secret key is encrypted.
@@ -18,11 +26,18 @@ struct SignOptions {
   bool overwrite = false;
 };
 
+/// What sign_file wrote.
+struct SignatureFiles {
+  std::filesystem::path signature;
+  std::optional<std::filesystem::path> chunk_list;
+};
+
 /// Signs a file (prehashed: Ed25519 over BLAKE2b-512) with a minisign secret key file, encrypted with a passphrase
-/// (`minisign -G`) or not (`minisign -G -W`). Returns the path of the signature. Throws DataError when a file cannot be
-/// read or is not a secret key, UsageError when a passphrase is missing or wrong.
-std::filesystem::path sign_file(const std::filesystem::path& path, const std::filesystem::path& secret_key_path,
-                                const SignOptions& options = {});
+/// (`minisign -G`) or not (`minisign -G -W`), and lists its chunks when it is large. Signature and list appear
+/// together; a list of an earlier signature is removed. Throws DataError when a file cannot be read or is not a secret
+/// key, UsageError when a passphrase is missing or wrong.
+SignatureFiles sign_file(const std::filesystem::path& path, const std::filesystem::path& secret_key_path,
+                         const SignOptions& options = {});
 
 }  // namespace pilotage
 

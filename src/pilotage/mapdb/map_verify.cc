@@ -10,6 +10,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/chip_codec.h"
+#include "pilotage/mapdb/chunked_file.h"
 #include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/geometry_blob.h"
 #include "pilotage/mapdb/map_digest.h"
@@ -271,6 +272,20 @@ void check_journals(const std::string& file, VerifyReport& report) {
   }
 }
 
+/// Every byte of the file against the list of its chunks, also those that no table uses.
+void check_chunks(const ChunkedFile& file, VerifyReport& report, const Progress& progress) {
+  const std::uint64_t count = chunk_count(file.size());
+  for (std::uint64_t index = 0; index < count && report.problems.size() < kMaxProblems; ++index) {
+    report_progress(progress, "checking chunks of the file", static_cast<std::int64_t>(index),
+                    static_cast<std::int64_t>(count));
+    try {
+      static_cast<void>(file.read_chunk(index));
+    } catch (const IntegrityError& wrong) {
+      report.problems.push_back({MapProblem::Kind::kDigest, "", std::nullopt, wrong.what()});
+    }
+  }
+}
+
 /// `open_reader` and `open_database` give two connections to the same bytes.
 VerifyReport verify(const std::string& file, std::uintmax_t bytes, const std::function<MapReader()>& open_reader,
                     const std::function<Database()>& open_database, const Progress& progress) {
@@ -306,9 +321,12 @@ VerifyReport verify_map(const std::filesystem::path& path, const Progress& progr
 }
 
 VerifyReport verify_map(const SignedMap& map, const Progress& progress) {
+  VerifyReport report;
+  report.bytes = static_cast<std::int64_t>(map.size());
+  if (map.chunks()) check_chunks(*map.chunks(), report, progress);
+  if (!report.ok()) return report;
   return verify(
-      map.name(), map.bytes()->size(), [&] { return MapReader::open(map); },
-      [&] { return Database::open_untrusted(map.name(), map.bytes(), kMaxMapBlobBytes); }, progress);
+      map.name(), map.size(), [&] { return MapReader::open(map); }, [&] { return map.open_database(); }, progress);
 }
 
 bool VerifyReport::any_wrong_digest() const {

@@ -49,7 +49,9 @@ struct VerifyReport {
 /// a sound one of its size can need are spent.
 VerifyReport verify_map(const std::filesystem::path& path, const Progress& progress = {});
 
-/// The same of bytes whose signature was checked before (read_signed_map): what a stranger made never gets here.
+/// The same of a map whose signature was checked before (read_signed_map): what a stranger made never gets here. Of one
+/// with a list of chunks every chunk is checked first, also those that no table uses; wrong ones are reported as
+/// digests.
 VerifyReport verify_map(const SignedMap& map, const Progress& progress = {});
 
 /// What a ground program calls before a map flies: throws IntegrityError with the first wrong digest, else DataError

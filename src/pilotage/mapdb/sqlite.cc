@@ -8,6 +8,7 @@
 #include <sqlite3.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/mapdb/chunk_vfs.h"
 
 namespace pilotage {
 namespace {
@@ -29,6 +30,14 @@ std::string uri_of(const std::filesystem::path& path, const char* query) {
   return uri + query;
 }
 
+/// What failed, as an exception: a chunk that is not what was signed, or what SQLite says.
+[[noreturn]] void throw_failure(const std::string& name, int code, sqlite3* database) {
+  if (code == SQLITE_NOMEM) throw std::bad_alloc();
+  const std::string message = name + ": " + sqlite3_errmsg(database);
+  rethrow_chunk_failure(database);
+  throw DataError(message);
+}
+
 }  // namespace
 
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
@@ -40,13 +49,11 @@ Statement::Statement(sqlite3* database, std::string name, std::string_view sql) 
   const int code = sqlite3_prepare_v3(database, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
                                       &statement, nullptr);
   statement_.reset(statement);
-  if (code == SQLITE_NOMEM) throw std::bad_alloc();
-  if (code != SQLITE_OK || statement == nullptr) throw DataError(name_ + ": " + sqlite3_errmsg(database));
+  if (code != SQLITE_OK || statement == nullptr) throw_failure(name_, code, database);
 }
 
 void Statement::check(int code) const {
-  if (code == SQLITE_NOMEM) throw std::bad_alloc();
-  if (code != SQLITE_OK) throw DataError(name_ + ": " + sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
+  if (code != SQLITE_OK) throw_failure(name_, code, sqlite3_db_handle(statement_.get()));
 }
 
 void Statement::throw_wrong_type(int column, const char* expected) const {
@@ -91,8 +98,7 @@ bool Statement::step() {
   const int code = sqlite3_step(statement_.get());
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
-  if (code == SQLITE_NOMEM) throw std::bad_alloc();
-  throw DataError(name_ + ": " + sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
+  throw_failure(name_, code, sqlite3_db_handle(statement_.get()));
 }
 
 void Statement::reset() {
@@ -169,10 +175,12 @@ void Database::Close::operator()(sqlite3* database) const {
   sqlite3_close_v2(database);
 }
 
-Database::Database(const std::filesystem::path& path, std::string name, const std::string& file, int flags)
-    : name_(std::move(name)) {
+Database::Database(const std::filesystem::path& path, std::string name, const std::string& file, int flags,
+                   std::unique_ptr<ChunkVfs> vfs)
+    : name_(std::move(name)), vfs_(std::move(vfs)) {
   sqlite3* database = nullptr;
-  const int code = sqlite3_open_v2(file.c_str(), &database, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int code =
+      sqlite3_open_v2(file.c_str(), &database, flags | SQLITE_OPEN_NOMUTEX, vfs_ ? vfs_->name().c_str() : nullptr);
   database_.reset(database);
   if (code == SQLITE_OK) return;
   std::error_code ignored;
@@ -180,6 +188,10 @@ Database::Database(const std::filesystem::path& path, std::string name, const st
   throw DataError(
       name_ + (missing ? std::string(": does not exist") : std::string(": cannot be opened: ") + sqlite3_errstr(code)));
 }
+
+Database::Database(Database&&) noexcept = default;
+
+Database::~Database() = default;
 
 Database Database::create(const std::filesystem::path& path, std::string name) {
   Database database(path, std::move(name), uri_of(path, "?mode=rwc"),
@@ -204,6 +216,13 @@ Database Database::open_untrusted(std::string name, std::shared_ptr<const std::s
   auto* data = reinterpret_cast<unsigned char*>(const_cast<char*>(result.bytes_->data()));
   const int code = sqlite3_deserialize(result.database_.get(), "main", data, size, size, SQLITE_DESERIALIZE_READONLY);
   if (code != SQLITE_OK) throw DataError(result.name_ + ": cannot be opened: " + sqlite3_errstr(code));
+  result.distrust(max_value_bytes);
+  return result;
+}
+
+Database Database::open_untrusted(std::string name, std::shared_ptr<const ChunkedFile> file, int max_value_bytes) {
+  // The file system holds one file, whatever its name.
+  Database result({}, std::move(name), "map", SQLITE_OPEN_READONLY, std::make_unique<ChunkVfs>(std::move(file)));
   result.distrust(max_value_bytes);
   return result;
 }
@@ -248,9 +267,8 @@ Statement Database::prepare(std::string_view sql, std::string_view subject) cons
 }
 
 void Database::execute(const std::string& sql) const {
-  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) {
-    throw DataError(name_ + ": " + sqlite3_errmsg(database_.get()));
-  }
+  const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) throw_failure(name_, code, database_.get());
 }
 
 std::int64_t Database::query_integer(std::string_view sql, std::string_view subject) const {

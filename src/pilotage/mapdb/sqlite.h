@@ -13,9 +13,12 @@
 struct sqlite3;
 struct sqlite3_stmt;
 
-// The only file pair that includes SQLite: objects that close themselves, errors as DataError.
+// SQLite as objects that close themselves, with errors as DataError. Only sqlite.cc and chunk_vfs.cc include SQLite.
 
 namespace pilotage {
+
+class ChunkedFile;
+class ChunkVfs;
 
 /// A prepared statement. Values are read by column index from 0 after step() returned true and live until the next
 /// step() or reset(). Reading is strict: a value of another type than asked for throws. Every failure throws DataError
@@ -85,6 +88,13 @@ class Database {
   /// The same of a database that is in memory, called `name` in messages; the bytes are neither copied nor written.
   static Database open_untrusted(std::string name, std::shared_ptr<const std::string> bytes, int max_value_bytes);
 
+  /// The same of a file that is checked chunk by chunk; a statement that needs a chunk which is not what was signed
+  /// throws IntegrityError.
+  static Database open_untrusted(std::string name, std::shared_ptr<const ChunkedFile> file, int max_value_bytes);
+
+  Database(Database&&) noexcept;
+  ~Database();
+
   /// Calls `go_on` every few thousand steps of the statements that run; once it returns false, they throw DataError
   /// "…: interrupted". It must not throw, nor use this connection.
   void watch_steps(std::function<bool()> go_on);
@@ -101,7 +111,8 @@ class Database {
   std::int64_t query_integer(std::string_view sql, std::string_view subject = "") const;
 
  private:
-  Database(const std::filesystem::path& path, std::string name, const std::string& file, int flags);
+  Database(const std::filesystem::path& path, std::string name, const std::string& file, int flags,
+           std::unique_ptr<ChunkVfs> vfs = nullptr);
 
   void distrust(int max_value_bytes);
 
@@ -110,6 +121,7 @@ class Database {
   };
   std::string name_;
   std::shared_ptr<const std::string> bytes_;      // of a database in memory
+  std::unique_ptr<ChunkVfs> vfs_;                 // of a file that is checked chunk by chunk
   std::unique_ptr<std::function<bool()>> go_on_;  // of watch_steps: where SQLite keeps a pointer to it
   std::unique_ptr<sqlite3, Close> database_;
 };

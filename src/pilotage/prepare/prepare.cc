@@ -49,8 +49,9 @@ std::vector<std::string> earlier_outputs(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" || name == kMap ||
-                             name == signature_path_of(kMap) || name == kDisagreement || name == score_raster_name(0) ||
-                             name == "scores.qml" || is_report_output(kReport, name);
+                             name == signature_path_of(kMap) || name == chunk_list_path_of(kMap) ||
+                             name == kDisagreement || name == score_raster_name(0) || name == "scores.qml" ||
+                             is_report_output(kReport, name);
     const bool further_level = name.starts_with("scores_level") && (name.ends_with(".tif") || name.ends_with(".qml"));
     if (one_of_ours || further_level) names.push_back(name);
   }
@@ -92,6 +93,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     throw UsageError("keep_features = stable needs a second date: give --second-epoch");
   }
   refuse_existing(run.output_folder, run.overwrite);
+  const MapPurpose purpose = make_purpose(options.purpose);
   for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
 
   const Mission mission = plan_tiles(options.tile, progress);
@@ -139,13 +141,14 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     second_date = SecondDate{options.score.second_epoch, registration.fit.field};
   }
   result.map = build_map(publish_later(kMap), mission, scores, selection, inputs, run.software_version, options.build,
-                         true, run.threads, progress, second_date, &*imagery);
+                         true, run.threads, progress, second_date, &*imagery, purpose);
   imagery.reset();  // the report reads it at other scales
 
   ReportInput input =
       make_report_input(mission, scores, selection, inputs, run.software_version, run.threads, progress);
   report_progress(progress, "writing the report", 0, 0);
   input.parameters = described(options);
+  input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
   const Report report = make_report(input);
   const std::vector<std::string> written =

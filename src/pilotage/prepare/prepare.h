@@ -8,6 +8,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/build_map.h"
+#include "pilotage/build_map/purpose_options.h"
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
@@ -25,6 +26,7 @@ struct PrepareOptions {
   ScoreOptions score;
   SelectOptions select;
   BuildOptions build;
+  PurposeOptions purpose;
   std::vector<ReportOutput> outputs{ReportOutput::kHtml, ReportOutput::kJson, ReportOutput::kCog, ReportOutput::kGpkg};
 
   template <class Self, class Fields>
@@ -33,6 +35,7 @@ struct PrepareOptions {
     fields.group("score", self.score, "How tiles are scored.", FlagPrefix::kNone);
     fields.group("select", self.select, "Which tiles become matching areas.", FlagPrefix::kNone);
     fields.group("build", self.build, "What is stored of them.", FlagPrefix::kNone);
+    fields.group("purpose", self.purpose, "What the map says that it is for.", FlagPrefix::kNone);
     fields.field("outputs", self.outputs, outputs_help());
   }
 };
@@ -59,8 +62,8 @@ struct PrepareResult {
   std::vector<std::string> warnings;  ///< For the planner.
 };
 
-/// Names of the outputs of an earlier run in a folder, sorted: what prepare() replaces there, and a signature of the
-/// map.
+/// Names of the outputs of an earlier run in a folder, sorted: what prepare() replaces there, and a signature and a
+/// list of chunks of the map.
 std::vector<std::string> earlier_outputs(const std::filesystem::path& folder);
 
 /// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#pragma GCC visibility push(default)
+
+namespace pilotage {
+
+/// A moment to the second, UTC, as files and options state it.
+using UtcTime = std::chrono::sys_seconds;
+
+/// The moment that "2026-03-01T06:30:00Z" spells: RFC 3339 in UTC with a Z, whole seconds, years 1970 to 9999. Nothing
+/// for any other text, days that the calendar does not have, and leap seconds.
+std::optional<UtcTime> parse_utc_time(std::string_view text);
+
+/// The inverse. `time` must be one that parse_utc_time gives.
+std::string format_utc_time(UtcTime time);
+
+}  // namespace pilotage
+
+#pragma GCC visibility pop
