@@ -50,8 +50,9 @@
 ///  - MapReader throws IntegrityError: the signature is wrong or of another key; DataError: a file that cannot be read,
 ///    is damaged, or of another version; UsageError: no key, or one that cannot be read.
 ///  - MapReader::tiles_near() throws UsageError for a point that is not on Earth.
-///  - match() throws nothing but std::bad_alloc, and Interrupted when it is asked to end. Bad pixels, priors, cameras and options have a status each, and so has
-///    a map that is damaged under way. The messages throw nothing but std::bad_alloc.
+///  - match() throws nothing but std::bad_alloc, and Interrupted when it is asked to end. Bad pixels, priors, cameras
+///    and options have a status each, and so has a map that is damaged under way. The messages throw nothing but
+///    std::bad_alloc.
 ///
 /// Bounds
 ///  - MatchOptions::deadline_ms bounds the time of match() (kOutOfTime), MatchOptions::max_memory_mib its memory

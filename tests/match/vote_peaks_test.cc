@@ -18,8 +18,8 @@ double angle_off(double a_rad, double b_rad) {
 
 /// Every histogram of every turn and scale, whole.
 std::vector<Candidate> all_histograms(const std::vector<VotePair>& pairs, const VoteSearch& search, std::size_t count) {
-  const int bins = static_cast<int>(2 * search.half_width_px / kVoteBinPx) + 3;
-  const Eigen::Vector2d first = search.center_px - Eigen::Vector2d::Constant(search.half_width_px);
+  const int bins = static_cast<int>(2 * search.half_side_px / kVoteBinPx) + 3;
+  const Eigen::Vector2d first = search.center_px - Eigen::Vector2d::Constant(search.half_side_px);
   Eigen::Matrix<double, 5, 1> gaussian;
   for (int i = 0; i < 5; ++i) gaussian(i) = std::exp(-(i - 2) * (i - 2) / 2.0);
   gaussian /= gaussian.sum();
@@ -82,7 +82,7 @@ std::vector<double> evenly(double middle, double reach, int steps) {
 
 /// Chance pairs all over the square and beyond, and some heaps of pairs that agree about a place.
 std::vector<VotePair> random_pairs(Random& random, const VoteSearch& search, int chance, int heaps) {
-  const double reach = search.half_width_px + 60;
+  const double reach = search.half_side_px + 60;
   const auto anywhere = [&] {
     return Eigen::Vector2d(search.center_px +
                            Eigen::Vector2d(random.uniform(-reach, reach), random.uniform(-reach, reach)));
@@ -119,7 +119,7 @@ TEST(VotePeaks, AreThoseOfAllHistograms) {
     for (const std::size_t count : {1U, 8U, 30U}) {
       VoteSearch search;
       search.center_px = {random.uniform(-50, 50), random.uniform(-50, 50)};
-      search.half_width_px = half_width_px;
+      search.half_side_px = half_width_px;
       search.yaws_rad = evenly(0, 0.06, 2);
       search.scales = evenly(1, 0.06, 3);
       const int chance = static_cast<int>(half_width_px * half_width_px / 40) + 20;
@@ -134,7 +134,7 @@ TEST(VotePeaks, AreThoseOfAllHistograms) {
 TEST(VotePeaks, AreThoseOfAllHistogramsAllAroundTheCircle) {
   Random random(seed_from_name("vote peaks around the circle"));
   VoteSearch search;
-  search.half_width_px = 90;
+  search.half_side_px = 90;
   for (int i = 0; i < 40; ++i) {
     search.yaws_rad.push_back(std::remainder(2 * std::numbers::pi * i / 40, 2 * std::numbers::pi));
   }
@@ -148,7 +148,7 @@ TEST(VotePeaks, AreThoseOfAllHistogramsAllAroundTheCircle) {
 // are left for a while.
 TEST(VotePeaks, EqualAndNeighbouringPeaksAreKeptInOrder) {
   VoteSearch search;
-  search.half_width_px = 60;
+  search.half_side_px = 60;
   search.yaws_rad = {0};
   search.scales = {1};
   std::vector<VotePair> pairs;
@@ -168,7 +168,7 @@ TEST(VotePeaks, EqualAndNeighbouringPeaksAreKeptInOrder) {
 
 TEST(VotePeaks, NothingWithoutPairsOrVotes) {
   VoteSearch search;
-  search.half_width_px = 50;
+  search.half_side_px = 50;
   search.yaws_rad = {0};
   search.scales = {1};
   EXPECT_TRUE(vote_peaks({}, search, 30).empty());
@@ -179,7 +179,7 @@ TEST(VotePeaks, NothingWithoutPairsOrVotes) {
 TEST(VotePeaks, WhatTheCheckpointThrowsEndsIt) {
   Random random(seed_from_name("vote peaks end"));
   VoteSearch search;
-  search.half_width_px = 100;
+  search.half_side_px = 100;
   search.yaws_rad = {0};
   search.scales = {1};
   const auto pairs = random_pairs(random, search, 500, 3);

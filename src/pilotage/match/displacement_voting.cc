@@ -121,7 +121,7 @@ std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const L
   const double step = kVoteStepPx / std::max(frame.radius_px, 1.0);
   VoteSearch search;
   search.center_px = space.center_px;
-  search.half_width_px = space.half_width_px;
+  search.half_side_px = space.half_width_px;
   search.yaws_rad = yaw_hypotheses_rad(space, step);
   search.scales = hypotheses(1, space.scale_sigma, step);
   if (space.oriented) search.max_turn_error_rad = std::max(20 * std::numbers::pi / 180, step);

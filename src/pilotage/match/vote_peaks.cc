@@ -148,9 +148,9 @@ class GroupSearch {
   GroupSearch(const std::vector<VotePair>& pairs, const VoteSearch& search)
       : pairs_(pairs),
         search_(search),
-        bins_(static_cast<int>(2 * search.half_width_px / kVoteBinPx) + 3),
+        bins_(static_cast<int>(2 * search.half_side_px / kVoteBinPx) + 3),
         cells_((bins_ + kCellBins - 1) / kCellBins),
-        corner_px_(search.center_px - Eigen::Vector2d::Constant(search.half_width_px + kVoteBinPx / 2)) {}
+        corner_px_(search.center_px - Eigen::Vector2d::Constant(search.half_side_px + kVoteBinPx / 2)) {}
 
   void look(const HypothesisGroup& group, BestPeaks& best, const Checkpoint& checkpoint) {
     group_ = group;
@@ -353,7 +353,7 @@ class GroupSearch {
         Peak peak;
         peak.candidate.placement.yaw_rad = search_.yaws_rad[yaw];
         peak.candidate.placement.scale = search_.scales[scale];
-        peak.candidate.placement.center_px = search_.center_px - Eigen::Vector2d::Constant(search_.half_width_px) +
+        peak.candidate.placement.center_px = search_.center_px - Eigen::Vector2d::Constant(search_.half_side_px) +
                                              kVoteBinPx * Eigen::Vector2d(col, row);
         peak.candidate.votes = votes;
         peak.hypothesis = yaw * search_.scales.size() + scale;

@@ -23,7 +23,7 @@ inline constexpr double kVoteUnit = 1 << 16;
 /// The square of centres that pairs vote for, the turns and scales under which they do, and which peaks count.
 struct VoteSearch {
   Eigen::Vector2d center_px{0, 0};
-  double half_width_px = 0;
+  double half_side_px = 0;
   std::vector<double> yaws_rad;  ///< Evenly spaced, as are the scales.
   std::vector<double> scales;
   double max_turn_error_rad = -1;  ///< A pair votes only for turns this near to its own; below 0 for every turn.
