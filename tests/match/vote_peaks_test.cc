@@ -125,7 +125,9 @@ TEST(VotePeaks, AreThoseOfAllHistograms) {
       const int chance = static_cast<int>(half_width_px * half_width_px / 40) + 20;
       const auto pairs = random_pairs(random, search, chance, 6);
       const auto expected = all_histograms(pairs, search, count);
-      if (half_width_px > 40) EXPECT_EQ(expected.size(), count);
+      if (half_width_px > 40) {
+        EXPECT_EQ(expected.size(), count);
+      }
       expect_same(vote_peaks(pairs, search, count), expected);
     }
   }
