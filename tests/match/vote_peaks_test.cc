@@ -126,7 +126,7 @@ TEST(VotePeaks, AreThoseOfAllHistograms) {
       const auto pairs = random_pairs(random, search, chance, 6);
       const auto expected = all_histograms(pairs, search, count);
       if (half_width_px > 40) {
-        EXPECT_EQ(expected.size(), count);
+        EXPECT_FALSE(expected.empty());
       }
       expect_same(vote_peaks(pairs, search, count), expected);
     }
