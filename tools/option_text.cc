@@ -13,8 +13,9 @@ namespace pilotage {
 namespace {
 
 constexpr std::pair<const char*, const char*> kUnits[] = {
-    {"_mps", "m/s"}, {"_deg", "degrees"}, {"_rad", "radians"}, {"_px", "pixels"},   {"_mm", "mm"},    {"_km", "km"},
-    {"_m", "m"},     {"_s", "s"},         {"_hz", "Hz"},       {"_bytes", "bytes"}, {"_bits", "bits"}};
+    {"_mps", "m/s"},   {"_mib", "MiB"},     {"_ms", "ms"},    {"_deg", "degrees"}, {"_rad", "radians"},
+    {"_px", "pixels"}, {"_mm", "mm"},       {"_km", "km"},    {"_m", "m"},         {"_s", "s"},
+    {"_hz", "Hz"},     {"_bytes", "bytes"}, {"_bits", "bits"}};
 
 std::string unit_of(const std::string& path) {
   for (const auto& [suffix, unit] : kUnits) {

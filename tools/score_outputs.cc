@@ -155,12 +155,13 @@ CommandResult ScoreOutputs::write(const Ground& ground, const GroundScores& scor
   report_progress(invocation_.progress, "writing scores", 0, 0);
   const ScoreRaster raster = score_raster(table, options_.level);
   if (table_) table_->write(tile_table_to_csv(ground, scored.scores));
-  write_score_raster(invocation_.output, raster.bands, ground.crs, raster.map_from_pixel, invocation_.overwrite);
+  write_score_raster(invocation_.output, raster.bands, ground.crs, raster.map_from_pixel, invocation_.overwrite,
+                     invocation_.progress);
   if (!options_.second_epoch_output.empty()) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
     write_score_raster(options_.second_epoch_output, layer.bands, ground.crs, layer.map_from_pixel,
-                       invocation_.overwrite);
+                       invocation_.overwrite, invocation_.progress);
   }
   if (table_) table_->commit();  // all appear, or none
   if (evaluation_) evaluation_->commit();

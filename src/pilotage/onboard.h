@@ -54,8 +54,13 @@
 ///    signed, which a large map may find out in flight; DataError: a file that cannot be read, is damaged, or of
 ///    another version; UsageError: no key, or one that cannot be read. check_purpose() throws IntegrityError.
 ///  - MapReader::tiles_near() throws UsageError for a point that is not on Earth.
-///  - match() throws nothing. Bad pixels, priors, cameras and options have a status each, and so have a map that is
-///    damaged under way and memory that runs out. The messages throw nothing but std::bad_alloc.
+///  - match() throws nothing but Interrupted, when it is asked to end. Bad pixels, priors, cameras and options have a
+///    status each, and so have a map that is damaged under way and memory that runs out. The messages throw nothing but
+///    std::bad_alloc.
+///
+/// Bounds
+///  - MatchOptions::deadline_ms bounds the time of match() (kOutOfTime), MatchOptions::max_memory_mib its memory
+///    (kTooUncertain). A wide prior takes longer than a narrow one; docs/benchmarks.md has figures.
 ///
 /// Threads
 ///  - One MapReader serves one thread at a time, and keeps lately used tiles decoded (open() bounds how many

@@ -102,6 +102,7 @@ std::map<std::string, double*> fields_of(Question& question) {
   fields["height_sigma_fraction"] = &options.height_sigma_fraction;
   fields["map_sigma_m"] = &options.map_sigma_m;
   fields["max_false_fix_rate"] = &options.max_false_fix_rate;
+  fields["max_memory_mib"] = &options.max_memory_mib;
   return fields;
 }
 

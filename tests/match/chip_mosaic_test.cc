@@ -50,6 +50,14 @@ class ChipMosaicTest : public ::testing::Test {
   }
 };
 
+TEST_F(ChipMosaicTest, TheSizeOfAChipsPixelIsKnownBefore) {
+  MapReader map = reader();
+  EXPECT_EQ(chip_factor(map, 0, {100.5, 61}, 41), kStoredFactor);
+  EXPECT_EQ(chip_factor(map, 0, {80, 48}, 10), 0) << "the tile without a chip";
+  EXPECT_EQ(chip_factor(map, 0, {-900, 61}, 41), 0);
+  EXPECT_THROW(chip_factor(map, 9, {100, 61}, 41), UsageError);
+}
+
 TEST_F(ChipMosaicTest, ShowsTheGroundAroundAPoint) {
   MapReader map = reader();
   const ChipMosaic mosaic = read_chip_mosaic(map, 0, {100.5, 61}, 41);  // 59.5 … 141.5 × 20 … 102

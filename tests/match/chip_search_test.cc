@@ -102,6 +102,71 @@ TEST_F(ChipSearch, FindsAFrameThatHalfLeavesTheMap) {
   EXPECT_GT((elsewhere.nadir_px - mosaic_.level_from_mosaic(truth)).norm(), 2 * kFactor);
 }
 
+// A window wider than the blocks it is searched in: places in every block and on the edges between them, at the ends of
+// the mosaic and with a hole beside them, by the answer of a narrow window about each.
+TEST_F(ChipSearch, AWideWindowFindsWhatANarrowOneDoes) {
+  const cv::Mat ground = testing::random_ground(620, 580, 11);
+  ChipMosaic mosaic = testing::mosaic_of(ground, 300, 600, kFactor);
+  mosaic.valid(cv::Rect(330, 100, 60, 250)).setTo(0);
+  mosaic.gray.setTo(0, mosaic.valid == 0);
+  const auto at = [&](double x, double y) { return mosaic.level_from_mosaic({x, y}); };
+  for (const Eigen::Vector2d& truth : {Eigen::Vector2d(40, 45), Eigen::Vector2d(255.4, 300), Eigen::Vector2d(256, 257),
+                                       Eigen::Vector2d(319.7, 200), Eigen::Vector2d(570, 530)}) {
+    const RectifiedFrame frame = testing::frame_over(ground, truth, 60, 48);
+    const ChipMatch narrow = search_chips(frame, mosaic, at(truth.x() + 5, truth.y() - 7), 15 * kFactor, one_);
+    const ChipMatch wide = search_chips(frame, mosaic, at(312, 288), 312 * kFactor, one_);
+    ASSERT_TRUE(narrow.found);
+    ASSERT_TRUE(wide.found);
+    EXPECT_LT((wide.nadir_px - at(truth.x(), truth.y())).norm(), 0.2 * kFactor) << truth.transpose();
+    EXPECT_LT((wide.nadir_px - narrow.nadir_px).norm(), 1e-3) << truth.transpose();
+    EXPECT_NEAR(wide.ncc, narrow.ncc, 1e-4) << truth.transpose();
+    EXPECT_EQ(wide.pixels, narrow.pixels) << truth.transpose();
+    EXPECT_GE(wide.rival_ncc, narrow.rival_ncc - 1e-4) << "the best of more places";
+    EXPECT_LT(wide.rival_ncc, 0.7 * wide.ncc);
+  }
+}
+
+TEST_F(ChipSearch, FromCoarseToFineFindsWhatEveryPositionDoes) {
+  const cv::Mat ground = testing::random_ground(420, 380, 13);
+  ChipMosaic mosaic = testing::mosaic_of(ground, 300, 600, kFactor);
+  mosaic.valid(cv::Rect(230, 100, 60, 150)).setTo(0);
+  mosaic.gray.setTo(0, mosaic.valid == 0);
+  const Eigen::Vector2d center = mosaic.level_from_mosaic({211, 190});
+  const auto coarse = chip_hypotheses(1, 2, 0.02, 2);
+  const auto fine = chip_hypotheses(2, 3, 0.04, 3);
+  for (const Eigen::Vector2d& truth :
+       {Eigen::Vector2d(60, 65), Eigen::Vector2d(180.4, 311), Eigen::Vector2d(351, 300)}) {
+    for (const ChipHypothesis& seen : {ChipHypothesis{0, 1}, ChipHypothesis{2, 0.96}, ChipHypothesis{-1.2, 1.02}}) {
+      const RectifiedFrame frame = testing::frame_over(ground, truth, 80, 64, 0, seen.yaw_deg, seen.scale);
+      const ChipMatch whole = search_chips(frame, mosaic, center, 211 * kFactor, fine);
+      const ChipMatch found = search_chips_coarsely(frame, mosaic, center, 211 * kFactor, coarse, fine);
+      ASSERT_TRUE(whole.found);
+      ASSERT_TRUE(found.found);
+      EXPECT_LT((found.nadir_px - whole.nadir_px).norm(), 1e-2) << truth.transpose() << ", " << seen.yaw_deg;
+      EXPECT_NEAR(found.ncc, whole.ncc, 1e-3);
+      EXPECT_EQ(found.yaw_deg, whole.yaw_deg);
+      EXPECT_EQ(found.scale, whole.scale);
+      EXPECT_LE(found.rival_ncc, whole.rival_ncc + 1e-3) << "of eight places, not of all";
+    }
+  }
+  EXPECT_FALSE(search_chips_coarsely({}, mosaic, center, 100, coarse, fine).found);
+}
+
+TEST_F(ChipSearch, ARivalInAnotherBlockIsOne) {
+  cv::Mat twice = testing::random_ground(620, 80, 12);
+  twice(cv::Rect(20, 15, 50, 40)).copyTo(twice(cv::Rect(520, 15, 50, 40)));
+  const ChipMosaic mosaic = testing::mosaic_of(twice, 300, 600, kFactor);
+  const RectifiedFrame frame = testing::frame_over(twice, {45, 35}, 40, 30);
+  const ChipMatch match = search_chips(frame, mosaic, mosaic.level_from_mosaic({310, 40}), 310 * kFactor, one_);
+  ASSERT_TRUE(match.found);
+  EXPECT_GT(match.rival_ncc, match.ncc - 0.02);
+}
+
+TEST_F(ChipSearch, WhatTheCheckpointThrowsEndsIt) {
+  const RectifiedFrame frame = testing::frame_over(ground_, {70, 65}, 40, 30);
+  EXPECT_THROW(search_chips(frame, mosaic_, level(70, 65), 20 * kFactor, one_, {}, [] { throw 7; }), int);
+}
+
 TEST_F(ChipSearch, ARepeatedPlaceIsARival) {
   cv::Mat twice = ground_.clone();
   ground_(cv::Rect(45, 45, 50, 40)).copyTo(twice(cv::Rect(45, 95, 50, 40)));

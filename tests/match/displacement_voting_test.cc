@@ -84,10 +84,10 @@ class VoteOracle {
     if (bin.minCoeff() < 0 || bin.maxCoeff() >= histogram_.cols) return;
     histogram_.at<double>(static_cast<int>(bin.y()), static_cast<int>(bin.x())) += weight;
   }
-  /// The histogram is continued by its mirror image, as cv::GaussianBlur does.
+  /// Nothing outside the square.
   double at(int col, int row) const {
-    const auto mirrored = [](int i, int count) { return i < 0 ? -i : i >= count ? 2 * count - 2 - i : i; };
-    return histogram_.at<double>(mirrored(row, histogram_.rows), mirrored(col, histogram_.cols));
+    if (col < 0 || row < 0 || col >= histogram_.cols || row >= histogram_.rows) return 0;
+    return histogram_.at<double>(row, col);
   }
   /// The nearest descriptors of the frame among those that may show the feature, nearest first.
   std::vector<std::pair<double, std::size_t>> nearest(std::size_t feature, double limit) const {
@@ -174,6 +174,20 @@ TEST(VoteForDisplacements, CandidatesAreSortedApartAndInsideTheSquare) {
       EXPECT_GE((candidates[j].placement.center_px - placement.center_px).norm(), kPeakSeparationPx);
     }
   }
+}
+
+TEST(VoteForDisplacements, ComparesNoMoreThanIsAllowedAsLongAsTheFrameIsLarge) {
+  PivotedFrame frame;
+  const auto comparisons = [&](std::size_t points, std::size_t map_features) {
+    frame.grid.points.features.resize(points);
+    return vote_comparisons(frame, map_features);
+  };
+  EXPECT_EQ(comparisons(15000, 60000), 9e8);
+  EXPECT_EQ(comparisons(15000, 600000), 9e9) << "a small frame needs every feature";
+  EXPECT_LE(comparisons(147456, 60000), kVotingComparisons);
+  EXPECT_EQ(comparisons(50000, 40000), 2e9);
+  EXPECT_EQ(comparisons(50000, 40001), 2.00005e9 / 2);
+  EXPECT_EQ(comparisons(0, 1000), 0);
 }
 
 TEST(VoteForDisplacements, WithoutFeaturesThereIsNoCandidate) {

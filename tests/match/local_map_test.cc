@@ -171,6 +171,17 @@ TEST(ReadLocalMap, OutsideTheMapItIsEmpty) {
   EXPECT_TRUE(local.tile_ids.empty());
 }
 
+TEST(ReadLocalMap, EndsWithTheTileThatMakesItTooMany) {
+  OpenMap open(small_map(20));
+  const MapLevel& level = *open.reader->find_level(0);
+  const auto count = [&](std::size_t max_features) {
+    return read_local_map(*open.reader, level, open.grid(), {96, 64}, 500, max_features).features.size();
+  };
+  EXPECT_EQ(count(6 * 20), 6U * 20);
+  EXPECT_EQ(count(40), 60U);
+  EXPECT_EQ(count(0), 20U);
+}
+
 TEST(ReadLocalMap, TilesOfSeveralDescriptorLengthsAreADataError) {
   SmallMap map = small_map(20);
   FeatureSet& features = map.descriptors[4].features;

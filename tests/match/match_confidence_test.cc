@@ -46,9 +46,16 @@ TEST(PlaceEvidence, ACorrelationWithoutPixelsIsNone) {
 }
 
 TEST(FalseFixRate, IsTheExponential) {
-  EXPECT_EQ(false_fix_rate(0), 1);
-  EXPECT_NEAR(false_fix_rate(std::log(1000.0)), 1e-3, 1e-15);
-  EXPECT_LT(false_fix_rate(20), false_fix_rate(19));
+  EXPECT_EQ(false_fix_rate(0, 100), 1);
+  EXPECT_NEAR(false_fix_rate(std::log(1000.0), kCalibratedHalfWidthPx), 1e-3, 1e-15);
+  EXPECT_LT(false_fix_rate(20, 100), false_fix_rate(19, 100));
+}
+
+TEST(FalseFixRate, GrowsWithTheGroundThatIsSearched) {
+  const double rate = false_fix_rate(12, kCalibratedHalfWidthPx);
+  EXPECT_EQ(false_fix_rate(12, 1), rate) << "a smaller square promises no more than was measured";
+  EXPECT_NEAR(false_fix_rate(12, 3 * kCalibratedHalfWidthPx), 9 * rate, 1e-12);
+  EXPECT_EQ(false_fix_rate(1, 4096), 1) << "a rate, however large the square";
 }
 
 }  // namespace

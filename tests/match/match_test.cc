@@ -309,6 +309,112 @@ TEST(Match, BadInputIsAStatus) {
   EXPECT_EQ(match(frame, prior, camera, reader, options).status, MatchStatus::kBadOptions);
 }
 
+TEST(Match, ADeadlineOfNothingIsOutOfTimeBeforeAnything) {
+  const Map& map = upright_map();
+  MapReader reader = MapReader::open_unverified(map.path);
+  const Shot shot;
+  const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
+  MatchOptions options;
+  options.deadline_ms = 0;
+  const MatchResult result = match(frame, prior_of(map, shot), map.ground.camera, reader, options);
+  EXPECT_EQ(result.status, MatchStatus::kOutOfTime);
+  EXPECT_FALSE(result.fix || result.candidate);
+  EXPECT_EQ(result.stats.level, -1) << "the map was not looked at";
+  EXPECT_EQ(match(cv::Mat(), prior_of(map, shot), map.ground.camera, reader, options).status, MatchStatus::kOutOfTime);
+  options.deadline_ms = 1e9;
+  EXPECT_EQ(match(frame, prior_of(map, shot), map.ground.camera, reader, options).status, MatchStatus::kFix);
+}
+
+TEST(Match, WhoeverAsksToEndItIsHeardWhereverItIs) {
+  const Map& map = upright_map();
+  MapReader reader = MapReader::open_unverified(map.path);
+  Shot shot;
+  MatchPrior prior = prior_of(map, shot);
+  prior.sigma_m = 60;
+  const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
+  int asked = 0;
+  const MatchResult whole = match(frame, prior, map.ground.camera, reader, {}, [&] { return ++asked > 0; });
+  EXPECT_GT(asked, 40) << "some milliseconds lie between two";
+  EXPECT_EQ(whole.status, MatchStatus::kFix);
+  for (int end = 1; end <= asked; end += 1 + asked / 25) {
+    int count = 0;
+    EXPECT_THROW(match(frame, prior, map.ground.camera, reader, {}, [&] { return ++count < end; }), Interrupted);
+    EXPECT_EQ(count, end);
+  }
+  EXPECT_EQ(match(frame, prior, map.ground.camera, reader).status, MatchStatus::kFix)
+      << "afterwards it works as before";
+}
+
+TEST(Match, LessMemoryThanItIsMeantToTakeIsTooUncertain) {
+  const Map& map = upright_map();
+  const Shot shot;
+  const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
+  const auto result = [&](double max_memory_mib) {
+    MapReader reader = MapReader::open_unverified(map.path);
+    MatchOptions options;
+    options.max_memory_mib = max_memory_mib;
+    return match(frame, prior_of(map, shot), map.ground.camera, reader, options);
+  };
+  double enough = 512;
+  while (result(enough).status == MatchStatus::kFix) enough /= 1.1;
+  enough *= 1.1;
+  EXPECT_LT(enough, 64) << "for a frame of 140 px";
+  // Whatever step finds that it is not enough, the status is the same, however many threads ask at once.
+  for (double mib = enough / 1.1; mib > 0.1; mib /= 1.5) {
+    std::vector<MatchStatus> of_thread(4);
+    std::vector<std::thread> threads;
+    for (MatchStatus& status : of_thread) threads.emplace_back([&] { status = result(mib).status; });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(of_thread, std::vector<MatchStatus>(4, MatchStatus::kTooUncertain)) << mib;
+  }
+  EXPECT_EQ(result(0).status, MatchStatus::kTooUncertain);
+  EXPECT_FALSE(result(0).candidate);
+}
+
+TEST(Match, AWindowThatNobodyCanSearchIsTooUncertain) {
+  const Map& map = upright_map();
+  MapReader reader = MapReader::open_unverified(map.path);
+  const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
+  MatchPrior prior = prior_of(map, {});
+  for (const double sigma_m : {1000.0, 100000.0}) {  // at 0.5 m/px and three sigmas beyond 4096 px
+    prior.sigma_m = sigma_m;
+    EXPECT_EQ(match(frame, prior, map.ground.camera, reader).status, MatchStatus::kTooUncertain) << sigma_m;
+  }
+  MatchOptions options;
+  options.yaw_sigma_deg = 57;
+  options.height_sigma_fraction = 0.5;
+  prior.sigma_m = 500;
+  EXPECT_EQ(match(frame, prior, map.ground.camera, reader, options).status, MatchStatus::kTooUncertain);
+  prior.sigma_m = 2e5;
+  EXPECT_EQ(match(frame, prior, map.ground.camera, reader).status, MatchStatus::kBadPrior) << "not on this Earth";
+}
+
+TEST(Match, AWideWindowFindsWhatANarrowOneDoes) {
+  const Map& map = upright_map();
+  MapReader reader = MapReader::open_unverified(map.path);
+  for (const Eigen::Vector2d& truth_m : {Eigen::Vector2d(12, -9), Eigen::Vector2d(-20, 15)}) {
+    Shot shot;
+    shot.east_m = truth_m.x();
+    shot.north_m = truth_m.y();
+    shot.attitude = {75, 2, -1};
+    const cv::Mat frame = testing::frame_over(map.ground, shot.east_m, shot.north_m, shot.attitude, 60).gray;
+    MatchPrior prior = prior_of(map, shot);
+    const MatchResult narrow = match(frame, prior, map.ground.camera, reader);
+    ASSERT_EQ(narrow.status, MatchStatus::kFix);
+    for (const bool chips : {false, true}) {
+      MatchOptions options;
+      options.chips = chips;  // those of this map are as fine as its pixels: of twice the window they are too many
+      prior.position = map.place(150, -200);
+      prior.sigma_m = chips ? 200 : 400;
+      const MatchResult wide = match(frame, prior, map.ground.camera, reader, options);
+      ASSERT_EQ(wide.status, MatchStatus::kFix) << chips;
+      EXPECT_LT(geodesic_between(narrow.fix->center, wide.fix->center).length_m, 0.2) << chips;
+      EXPECT_EQ(wide.stats.chip_pixels > 0, chips);
+      EXPECT_LE(wide.stats.confidence, narrow.stats.confidence) << "more ground, more places that may deceive";
+    }
+  }
+}
+
 /// All numbers of a result in a row.
 std::vector<double> numbers_of(const MatchResult& result) {
   const MatchStats& stats = result.stats;

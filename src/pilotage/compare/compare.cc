@@ -145,7 +145,10 @@ Comparison compare(const std::vector<std::string>& reference, const std::vector<
   comparison.gsd_m = reference_gsd_m(reference, options);
   bool warm = false;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    report_progress(progress, "frames", static_cast<std::int64_t>(i), static_cast<std::int64_t>(frames.size()));
+    const auto report = [&] {
+      report_progress(progress, "frames", static_cast<std::int64_t>(i), static_cast<std::int64_t>(frames.size()));
+    };
+    report();
     const cv::Mat pixels = read_frame(frames[i]);
     if (pixels.cols != camera.width_px || pixels.rows != camera.height_px) {
       throw DataError(frames[i].file + ": is " + std::to_string(pixels.cols) + " x " + std::to_string(pixels.rows) +
@@ -160,7 +163,9 @@ Comparison compare(const std::vector<std::string>& reference, const std::vector<
       result.shows_reference = pair->shows_reference;
       for (std::size_t m = 0; m < options.methods.size(); ++m) {
         const std::uint64_t frame_seed = derive_seed(seed, i);
+        report();  // a frame takes a second or two
         if (!warm) run_method(options.methods[m], *pair, options, frame_seed);
+        report();
         runs[m] = run_method(options.methods[m], *pair, options, frame_seed);
       }
       warm = true;

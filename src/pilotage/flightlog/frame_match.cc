@@ -36,7 +36,7 @@ FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind) {
 }
 
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
-                       const MatchOptions& options, FrameTruth truth) {
+                       const MatchOptions& options, FrameTruth truth, const std::function<bool()>& go_on) {
   FrameMatch done;
   done.frame = frame;
   cv::Mat picture;
@@ -50,7 +50,7 @@ FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const 
   }
   const MatchPrior prior{frame.prior, frame.prior_sigma_m, frame.height_agl_m, frame.attitude};
   const auto start = std::chrono::steady_clock::now();
-  done.result = match(picture, prior, sized, map, options);
+  done.result = match(picture, prior, sized, map, options, go_on);
   done.milliseconds = milliseconds_since(start);
   if (!frame.truth) return done;
   if (done.result.fix) done.error = error_of_fix(*done.result.fix, *frame.truth, truth);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -42,8 +43,9 @@ std::string frame_status_text(const FrameMatch& match);
 FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind);
 
 /// Reads the picture `path` (anything GDAL opens; gray as the map's imagery is made gray), and matches it. What cannot
-/// be read is a FrameMatch with a problem. Throws nothing but std::bad_alloc.
+/// be read is a FrameMatch with a problem. Throws nothing but std::bad_alloc and, when `go_on` returns false,
+/// Interrupted.
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
-                       const MatchOptions& options, FrameTruth truth);
+                       const MatchOptions& options, FrameTruth truth, const std::function<bool()>& go_on = {});
 
 }  // namespace pilotage

@@ -1,6 +1,9 @@
 #include "pilotage/flightlog/match_flight.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <mutex>
+#include <string_view>
 
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/parallel_reading.h"
@@ -11,11 +14,23 @@ std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map,
                                      const MatchOptions& options, FrameTruth truth, int threads,
                                      const Progress& progress) {
   std::vector<FrameMatch> matches(frames.size());
-  for_each_with_reader(open_map, frames.size(), threads, "matching", progress,
-                       [&](std::size_t index, MapReader& reader) {
-                         const FlightFrame& frame = frames[index];
-                         matches[index] = match_frame(frame.path, frame.frame, frame.camera, reader, options, truth);
-                       });
+  // A single frame may take long: it asks, too, with what was said last.
+  std::mutex mutex;
+  std::int64_t done = 0;
+  const auto total = static_cast<std::int64_t>(frames.size());
+  const auto report = [&](std::int64_t now_done) {
+    const std::lock_guard lock(mutex);
+    done = std::max(done, now_done);
+    return !progress || progress("matching", done, total);
+  };
+  for_each_with_reader(
+      open_map, frames.size(), threads, "matching",
+      [&](std::string_view, std::int64_t now_done, std::int64_t) { return report(now_done); },
+      [&](std::size_t index, MapReader& reader) {
+        const FlightFrame& frame = frames[index];
+        matches[index] =
+            match_frame(frame.path, frame.frame, frame.camera, reader, options, truth, [&] { return report(0); });
+      });
   if (!matches.empty() && std::none_of(matches.begin(), matches.end(), [](const auto& m) { return m.readable(); })) {
     const std::string& problem = matches.front().problem;
     if (matches.size() == 1) throw DataError(problem);

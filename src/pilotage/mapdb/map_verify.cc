@@ -29,7 +29,8 @@ constexpr std::int64_t kStepsPerByte = 20;
 /// Watches the steps of a connection: asks whether to go on, and ends what never ends.
 struct StepWatch {
   const Progress& progress;
-  std::int64_t left;
+  std::int64_t budget;
+  std::int64_t left = budget;
   bool interrupted = false;
 
   bool go_on() {
@@ -146,7 +147,9 @@ void check_tiles(Examination& e, const std::vector<MapTile>& tiles) {
   const std::int64_t srs_id = e.database.query_integer(
       "SELECT srs_id FROM gpkg_geometry_columns WHERE table_name = 'tiles'", "gpkg_geometry_columns");
   Statement geometry = e.database.prepare("SELECT geom FROM tiles WHERE tile_id = ?", "tiles");
+  std::int64_t checked = 0;
   for (const MapTile& tile : tiles) {
+    report_progress(e.progress, "checking the tiles' outlines", checked++, e.report.tiles);
     e.guard("tiles", tile.tile_id, [&] {
       const MapLevel* level = e.reader.find_level(tile.level);
       if (level == nullptr) {
@@ -302,9 +305,11 @@ VerifyReport verify(const std::string& file, std::uintmax_t bytes, const std::fu
     // The budget is spent, or the file cannot even be opened as a map.
     report.problems.push_back(
         {MapProblem::Kind::kDamaged, "", std::nullopt,
-         watch.stopped() ? file + ": to check it takes more steps than a sound map of its size can need: its indices "
-                                  "lead in circles"
-                         : std::string(damage.what())});
+         watch.stopped()
+             ? file + ": to check it takes more steps than a sound map of its size can need (SQLite made the " +
+                   std::to_string(watch.budget) + " that " + std::to_string(report.bytes) +
+                   " bytes are allowed): its indices lead in circles"
+             : std::string(damage.what())});
   }
   return report;
 }

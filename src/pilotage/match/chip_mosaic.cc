@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,11 @@ struct Square {
   Eigen::Vector2d low_px;
   Eigen::Vector2d high_px;
 };
+
+Square square_about(const Eigen::Vector2d& center_px, double half_width_px) {
+  const Eigen::Vector2d half(half_width_px, half_width_px);
+  return {center_px - half, center_px + half};
+}
 
 const MapLevel& checked_level(const MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px) {
   const MapLevel* found = map.find_level(level);
@@ -91,14 +97,12 @@ bool touches(const PixelWindow& window, const Square& square) {
          reaches(window.row, window.height, square.low_px.y(), square.high_px.y());
 }
 
-}  // namespace
-
-ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px) {
+/// Calls `use` with the chips that lie in the square, nearest tile first, until it returns false.
+void for_each_chip(MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px,
+                   const std::function<bool(std::int64_t tile_id, const DecodedChip& chip)>& use) {
   const GeoTransform& transform = checked_level(map, level, center_px, half_width_px).matrix.map_from_pixel;
-  ChipMosaic mosaic;
-  if (!map.has_chips()) return mosaic;
-  const Eigen::Vector2d half(half_width_px, half_width_px);
-  const Square square{center_px - half, center_px + half};
+  if (!map.has_chips()) return;
+  const Square square = square_about(center_px, half_width_px);
   // From the centre to a corner of the square; a chip reaches beyond its tile by less than one of its pixels.
   const double pixel_m = std::max(std::hypot(transform.x_per_col, transform.y_per_col),
                                   std::hypot(transform.x_per_row, transform.y_per_row));
@@ -108,16 +112,36 @@ ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& ce
   for (const NearTile& near : map.tiles_near(center_m, radius_m, level)) {
     if (!may_touch(near.tile, transform, square)) continue;
     const auto chip = map.decoded_chip(near.tile.tile_id, level);
-    if (!chip || !touches(chip->window, square)) continue;
-    const ChipPicture& picture = chip->picture;
-    if (mosaic.gray.empty()) mosaic = empty_mosaic(square, picture.factor);
+    if (chip && touches(chip->window, square) && !use(near.tile.tile_id, *chip)) return;
+  }
+}
+
+}  // namespace
+
+ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px,
+                            const Checkpoint& checkpoint) {
+  ChipMosaic mosaic;
+  for_each_chip(map, level, center_px, half_width_px, [&](std::int64_t tile_id, const DecodedChip& chip) {
+    pass(checkpoint);
+    const ChipPicture& picture = chip.picture;
+    if (mosaic.gray.empty()) mosaic = empty_mosaic(square_about(center_px, half_width_px), picture.factor);
     if (picture.factor != mosaic.factor) {
-      throw DataError(map.name() + ": tile " + std::to_string(near.tile.tile_id) + ", level " + std::to_string(level) +
+      throw DataError(map.name() + ": tile " + std::to_string(tile_id) + ", level " + std::to_string(level) +
                       ": its chip's pixels have another size than its neighbours'");
     }
-    paste(picture, chip->window, mosaic);
-  }
+    paste(picture, chip.window, mosaic);
+    return true;
+  });
   return mosaic;
+}
+
+int chip_factor(MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px) {
+  int factor = 0;
+  for_each_chip(map, level, center_px, half_width_px, [&](std::int64_t, const DecodedChip& chip) {
+    factor = chip.picture.factor;
+    return false;
+  });
+  return factor;
 }
 
 }  // namespace pilotage

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "pilotage/mapdb/map_reader.h"
+#include "pilotage/match/checkpoint.h"
 
 namespace pilotage {
 
@@ -34,6 +35,11 @@ inline constexpr int kMaxMosaicSidePx = 4096;
 /// (parts outside the map's chips are not valid). The chips of a map do not overlap. Throws DataError when the map is
 /// damaged here or its chips do not share one grid; UsageError when the map has no such level, a number is not finite,
 /// or the square is not within [1, kMaxMosaicSidePx] pixels of the chips.
-ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px);
+ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px,
+                            const Checkpoint& checkpoint = {});
+
+/// Pixels of `level` along a side of a pixel of its chips, by the first chip that there is in the square; 0 when there
+/// is none. Throws as read_chip_mosaic.
+int chip_factor(MapReader& map, int level, const Eigen::Vector2d& center_px, double half_width_px);
 
 }  // namespace pilotage

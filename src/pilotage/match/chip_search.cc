@@ -17,6 +17,9 @@ namespace {
 
 constexpr double kFlatVariance = 1e-3;  // of gray values or of local contrast: what is even after rounding
 constexpr double kMaxPositionPx = 1e9;  // of mosaic pixels: int holds it
+constexpr int kBlockPositions = 256;    // along each axis, compared at a time
+constexpr std::size_t kCoarsePlaces = 8;
+constexpr int kCoarseReachPx = 3;  // about a place that was found at half the resolution
 
 /// The frame's nadir point in its own pixels.
 Eigen::Vector2d nadir_of(const RectifiedFrame& frame) {
@@ -212,59 +215,147 @@ std::optional<Templates> make_templates(const RectifiedFrame& frame, const std::
   return result;
 }
 
-/// The best of all templates' surfaces.
+/// The best place of all templates, and the surface it lies on.
 struct Best {
-  cv::Mat highest;  // over the templates
-  cv::Mat surface;  // of the best one
   std::size_t index = 0;
-  cv::Point at;
+  cv::Mat surface;
+  cv::Mat counts;
+  cv::Point at;     // in the surface
+  cv::Point first;  // position of the surface's first
   double ncc = -2;
 };
 
-Best best_of(const MaskedCorrelation& correlation, const std::vector<cv::Mat>& templates) {
-  Best best;
-  for (std::size_t i = 0; i < templates.size(); ++i) {
-    const cv::Mat surface = correlation.surface(templates[i]);
-    if (best.highest.empty()) {
-      surface.copyTo(best.highest);
-    } else {
-      cv::max(best.highest, surface, best.highest);
-    }
+/// Positions along an axis: those of a block, and with its neighbours, which say where between positions a peak lies.
+struct Block {
+  cv::Range own;
+  cv::Range seen;
+};
+
+std::vector<Block> blocks_of(const cv::Range& positions) {
+  std::vector<Block> blocks;
+  for (int first = positions.start; first < positions.end; first += kBlockPositions) {
+    const int end = std::min(first + kBlockPositions, positions.end);
+    blocks.push_back({{first, end}, {std::max(first - 1, positions.start), std::min(end + 1, positions.end)}});
+  }
+  return blocks;
+}
+
+/// Compares the templates in one block: raises `highest`, of the block's own positions, and `best`.
+void compare_block(const Templates& templates, const ChipMosaic& mosaic, const Block& cols, const Block& rows,
+                   const ChipSearchOptions& options, cv::Mat highest, Best& best, const Checkpoint& checkpoint) {
+  const Canvas& canvas = templates.canvas;
+  const cv::Rect rect(cols.seen.start + canvas.left, rows.seen.start + canvas.top, cols.seen.size() - 1 + canvas.width,
+                      rows.seen.size() - 1 + canvas.height);
+  const cv::Rect on_mosaic = rect & cv::Rect({0, 0}, mosaic.valid.size());
+  const double needed_px = options.min_overlap * cv::countNonZero(templates.mask);
+  if (on_mosaic.empty() || cv::countNonZero(mosaic.valid(on_mosaic)) < needed_px) return;
+  pass(checkpoint);
+  const Region region = cut_region(mosaic, rect, options.contrast_sigma_px);
+  const MaskedCorrelation correlation(templates.mask, region.pixels, region.valid, options.min_overlap, kFlatVariance,
+                                      opencv_sums_of_products(templates.mask.size(), region.pixels.size()));
+  const cv::Rect own(cols.own.start - cols.seen.start, rows.own.start - rows.seen.start, cols.own.size(),
+                     rows.own.size());
+  for (std::size_t i = 0; i < templates.pixels.size(); ++i) {
+    pass(checkpoint);
+    const cv::Mat surface = correlation.surface(templates.pixels[i]);
+    cv::max(highest, surface(own), highest);
     double ncc = 0;
     cv::Point at;
-    cv::minMaxLoc(surface, nullptr, &ncc, nullptr, &at);
+    cv::minMaxLoc(surface(own), nullptr, &ncc, nullptr, &at);
     if (ncc <= best.ncc) continue;
-    best.ncc = ncc;
-    best.at = at;
-    best.index = i;
-    best.surface = surface;
+    best = {i, surface, correlation.counts(), at + own.tl(), {cols.seen.start, rows.seen.start}, ncc};
   }
-  return best;
 }
 
 /// Compares the templates at the whole positions cols × rows of the nadir point, and fills in everything but the
-/// hypothesis.
+/// hypothesis. In blocks: memory does not grow with the window but by the best at each position, and where there are no
+/// chips nothing is computed.
 ChipMatch compare(const Templates& templates, const ChipMosaic& mosaic, const cv::Range& cols, const cv::Range& rows,
-                  const ChipSearchOptions& options, std::size_t& index) {
+                  const ChipSearchOptions& options, std::size_t& index, const Checkpoint& checkpoint) {
+  cv::Mat highest(rows.size(), cols.size(), CV_32F, cv::Scalar(MaskedCorrelation::kNotCompared));
+  Best best;
+  for (const Block& block_rows : blocks_of(rows)) {
+    for (const Block& block_cols : blocks_of(cols)) {
+      const cv::Rect own(block_cols.own.start - cols.start, block_rows.own.start - rows.start, block_cols.own.size(),
+                         block_rows.own.size());
+      compare_block(templates, mosaic, block_cols, block_rows, options, highest(own), best, checkpoint);
+    }
+  }
   ChipMatch match;
-  const Canvas& canvas = templates.canvas;
-  const Region region = cut_region(mosaic,
-                                   {cols.start + canvas.left, rows.start + canvas.top, cols.size() - 1 + canvas.width,
-                                    rows.size() - 1 + canvas.height},
-                                   options.contrast_sigma_px);
-  const MaskedCorrelation correlation(templates.mask, region.pixels, region.valid, options.min_overlap, kFlatVariance,
-                                      opencv_sums_of_products(templates.mask.size(), region.pixels.size()));
-  const Best best = best_of(correlation, templates.pixels);
   if (best.ncc <= 0) return match;
-  const Eigen::Vector2d at(cols.start + best.at.x, rows.start + best.at.y);
+  const cv::Point whole = best.first + best.at;
+  const Eigen::Vector2d at(whole.x, whole.y);
   match.found = true;
   match.nadir_px = mosaic.level_from_mosaic(at + peak_offset(best.surface, best.at) + templates.move);
   match.ncc = best.ncc;
-  match.rival_ncc = highest_elsewhere(best.highest, best.at, options.exclusion_px);
-  match.pixels = static_cast<int>(correlation.counts().at<float>(best.at));
+  match.rival_ncc = highest_elsewhere(highest, whole - cv::Point(cols.start, rows.start), options.exclusion_px);
+  match.pixels = static_cast<int>(best.counts.at<float>(best.at));
   match.overlap = static_cast<double>(match.pixels) / cv::countNonZero(templates.mask);
   index = best.index;
   return match;
+}
+
+/// Half as many pixels in each direction: means, and what is valid in all four.
+cv::Mat halved(const cv::Mat& pixels) {
+  const cv::Size half(pixels.cols / 2, pixels.rows / 2);
+  cv::Mat result;
+  cv::resize(pixels(cv::Rect({0, 0}, half * 2)), result, half, 0, 0, cv::INTER_AREA);
+  return result;
+}
+
+cv::Mat halved_mask(const cv::Mat& valid) {
+  return halved(valid) == 255;
+}
+
+/// The highest correlation of any template at every second position along rows and columns, at half the resolution.
+cv::Mat coarse_surface(const Templates& templates, const ChipMosaic& mosaic, const cv::Range& cols,
+                       const cv::Range& rows, const ChipSearchOptions& options, const Checkpoint& checkpoint) {
+  const cv::Mat mask = halved_mask(templates.mask);
+  std::vector<cv::Mat> halves;
+  for (const cv::Mat& pixels : templates.pixels) halves.push_back(halved(pixels));
+  const double needed_px = 4 * options.min_overlap * cv::countNonZero(mask);
+  cv::Mat highest((rows.size() + 1) / 2, (cols.size() + 1) / 2, CV_32F, cv::Scalar(MaskedCorrelation::kNotCompared));
+  for (const Block& block_rows : blocks_of({0, highest.rows})) {
+    for (const Block& block_cols : blocks_of({0, highest.cols})) {
+      const cv::Rect own(block_cols.own.start, block_rows.own.start, block_cols.own.size(), block_rows.own.size());
+      const cv::Rect rect(cols.start + 2 * own.x + templates.canvas.left, rows.start + 2 * own.y + templates.canvas.top,
+                          2 * (own.width - 1 + mask.cols), 2 * (own.height - 1 + mask.rows));
+      const cv::Rect on_mosaic = rect & cv::Rect({0, 0}, mosaic.valid.size());
+      if (on_mosaic.empty() || cv::countNonZero(mosaic.valid(on_mosaic)) < needed_px) continue;
+      pass(checkpoint);
+      const Region region = cut_region(mosaic, rect, options.contrast_sigma_px);
+      const cv::Mat pixels = halved(region.pixels);
+      const MaskedCorrelation correlation(mask, pixels, halved_mask(region.valid), options.min_overlap, kFlatVariance,
+                                          opencv_sums_of_products(mask.size(), pixels.size()));
+      cv::Mat here = highest(own);
+      for (const cv::Mat& half : halves) {
+        pass(checkpoint);
+        cv::max(here, correlation.surface(half), here);
+      }
+    }
+  }
+  return highest;
+}
+
+/// The `count` highest places of a surface that are farther apart than `exclusion` along a row or a column, the highest
+/// first. What is around them is overwritten.
+std::vector<cv::Point> highest_places(cv::Mat& surface, std::size_t count, int exclusion) {
+  std::vector<cv::Point> places;
+  while (places.size() < count) {
+    double highest = 0;
+    cv::Point at;
+    cv::minMaxLoc(surface, nullptr, &highest, nullptr, &at);
+    if (highest <= 0) break;
+    places.push_back(at);
+    const cv::Rect around(at.x - exclusion, at.y - exclusion, 2 * exclusion + 1, 2 * exclusion + 1);
+    surface(around & cv::Rect({0, 0}, surface.size())).setTo(MaskedCorrelation::kNotCompared);
+  }
+  return places;
+}
+
+bool usable(const std::vector<ChipHypothesis>& hypotheses) {
+  return !hypotheses.empty() &&
+         std::all_of(hypotheses.begin(), hypotheses.end(), [](const auto& h) { return usable(h); });
 }
 
 }  // namespace
@@ -286,10 +377,8 @@ std::vector<ChipHypothesis> chip_hypotheses(double yaw_deg, int yaw_steps, doubl
 
 ChipMatch search_chips(const RectifiedFrame& frame, const ChipMosaic& mosaic, const Eigen::Vector2d& center_px,
                        double half_width_px, const std::vector<ChipHypothesis>& hypotheses,
-                       const ChipSearchOptions& options) {
-  const bool hypotheses_usable =
-      !hypotheses.empty() && std::all_of(hypotheses.begin(), hypotheses.end(), [](const auto& h) { return usable(h); });
-  if (!usable(options) || !usable(frame) || !usable(mosaic) || !hypotheses_usable || !center_px.allFinite() ||
+                       const ChipSearchOptions& options, const Checkpoint& checkpoint) {
+  if (!usable(options) || !usable(frame) || !usable(mosaic) || !usable(hypotheses) || !center_px.allFinite() ||
       !(half_width_px >= 0)) {
     return {};
   }
@@ -299,10 +388,53 @@ ChipMatch search_chips(const RectifiedFrame& frame, const ChipMosaic& mosaic, co
   const auto [cols, rows] = positions(center, half_width_px / mosaic.factor, templates->canvas, mosaic);
   if (cols.empty() || rows.empty()) return {};
   std::size_t index = 0;
-  ChipMatch match = compare(*templates, mosaic, cols, rows, options, index);
+  ChipMatch match = compare(*templates, mosaic, cols, rows, options, index, checkpoint);
   match.yaw_deg = hypotheses[index].yaw_deg;
   match.scale = hypotheses[index].scale;
   return match;
+}
+
+ChipMatch search_chips_coarsely(const RectifiedFrame& frame, const ChipMosaic& mosaic, const Eigen::Vector2d& center_px,
+                                double half_width_px, const std::vector<ChipHypothesis>& coarse_hypotheses,
+                                const std::vector<ChipHypothesis>& hypotheses, const ChipSearchOptions& options,
+                                const Checkpoint& checkpoint) {
+  if (!usable(options) || !usable(frame) || !usable(mosaic) || !usable(hypotheses) || !usable(coarse_hypotheses) ||
+      !center_px.allFinite() || !(half_width_px >= 0)) {
+    return {};
+  }
+  const Eigen::Vector2d center = mosaic.mosaic_from_level(center_px);
+  const auto coarse = make_templates(frame, coarse_hypotheses, Eigen::Vector2d::Zero(), options.contrast_sigma_px);
+  const auto fine = make_templates(frame, hypotheses, Eigen::Vector2d::Zero(), options.contrast_sigma_px);
+  if (!coarse || !fine || std::min(coarse->canvas.width, coarse->canvas.height) < 2) return {};
+  const auto [cols, rows] = positions(center, half_width_px / mosaic.factor, coarse->canvas, mosaic);
+  if (cols.empty() || rows.empty()) return {};
+  cv::Mat surface = coarse_surface(*coarse, mosaic, cols, rows, options, checkpoint);
+  ChipMatch best;
+  double rival_ncc = 0;
+  const int exclusion = static_cast<int>(std::ceil(options.exclusion_px / 2));
+  for (const cv::Point& place : highest_places(surface, kCoarsePlaces, exclusion)) {
+    pass(checkpoint);
+    const cv::Point at(cols.start + 2 * place.x, rows.start + 2 * place.y);
+    std::size_t index = 0;
+    ChipMatch match = compare(*fine, mosaic, {at.x - kCoarseReachPx, at.x + kCoarseReachPx + 1},
+                              {at.y - kCoarseReachPx, at.y + kCoarseReachPx + 1}, options, index, {});
+    if (!match.found) continue;
+    match.yaw_deg = hypotheses[index].yaw_deg;
+    match.scale = hypotheses[index].scale;
+    rival_ncc = std::max(rival_ncc, std::min(match.ncc, best.ncc));
+    if (match.ncc > best.ncc) best = match;
+  }
+  best.rival_ncc = rival_ncc;
+  return best;
+}
+
+double chip_search_bytes(double frame_side_px, double half_width_px, std::size_t hypotheses) {
+  const double positions = 2 * half_width_px + 3;
+  const double turned_side_px = 1.5 * frame_side_px + 2;
+  const double block_side_px = std::min<double>(kBlockPositions + 2, positions) + 1.1 * turned_side_px + 16;
+  constexpr double kBlockPlanes = 24;  // of floats: contrast, spectra, sums, surfaces, each with its copy
+  return 4 * positions * positions + 4 * kBlockPlanes * block_side_px * block_side_px +
+         5 * static_cast<double>(hypotheses + 2) * turned_side_px * turned_side_px;
 }
 
 ChipMatch confirm_chip_match(const RectifiedFrame& frame, const ChipMosaic& mosaic, const ChipMatch& candidate,
@@ -319,7 +451,7 @@ ChipMatch confirm_chip_match(const RectifiedFrame& frame, const ChipMosaic& mosa
   const auto [cols, rows] = positions(whole, reach_px, templates->canvas, mosaic);
   if (cols.empty() || rows.empty()) return match;
   std::size_t index = 0;
-  const ChipMatch found = compare(*templates, mosaic, cols, rows, options, index);
+  const ChipMatch found = compare(*templates, mosaic, cols, rows, options, index, {});
   if (!found.found) return match;
   match.found = true;
   match.nadir_px = found.nadir_px;

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "pilotage/camera/ortho_rectify.h"
+#include "pilotage/match/checkpoint.h"
 #include "pilotage/match/chip_mosaic.h"
 
 namespace pilotage {
@@ -54,12 +55,25 @@ struct ChipMatch {
 /// the same pixels of the frame, those that all of them show. The best place is refined to a fraction of a pixel by a
 /// parabola through its neighbours.
 ///
-/// Never throws but std::bad_alloc. A frame or mosaic without ground or of more than kMaxMosaicSidePx, numbers that are
-/// not finite, no hypothesis or one with a scale outside [0.5, 2], and a best correlation that is not above 0 give
-/// found = false.
+/// Never throws but std::bad_alloc and what `checkpoint` throws. A frame or mosaic without ground or of more than
+/// kMaxMosaicSidePx, numbers that are not finite, no hypothesis or one with a scale outside [0.5, 2], and a best
+/// correlation that is not above 0 give found = false.
 ChipMatch search_chips(const RectifiedFrame& frame, const ChipMosaic& mosaic, const Eigen::Vector2d& center_px,
                        double half_width_px, const std::vector<ChipHypothesis>& hypotheses,
-                       const ChipSearchOptions& options = {});
+                       const ChipSearchOptions& options = {}, const Checkpoint& checkpoint = {});
+
+/// The same from coarse to fine, for windows so wide that search_chips takes long: every second position is compared at
+/// half the resolution, under `coarse_hypotheses` (which need be no nearer to each other than `hypotheses` in pixels,
+/// so fewer do), and about the best eight places every position under every one of `hypotheses`. The rival is the best
+/// of the other seven.
+ChipMatch search_chips_coarsely(const RectifiedFrame& frame, const ChipMosaic& mosaic, const Eigen::Vector2d& center_px,
+                                double half_width_px, const std::vector<ChipHypothesis>& coarse_hypotheses,
+                                const std::vector<ChipHypothesis>& hypotheses, const ChipSearchOptions& options = {},
+                                const Checkpoint& checkpoint = {});
+
+/// Bytes that search_chips, or search_chips_coarsely, takes at most at a time, for a frame of this largest side; all
+/// lengths in pixels of the mosaic.
+double chip_search_bytes(double frame_side_px, double half_width_px, std::size_t hypotheses);
 
 /// Looks around one place only: the frame under the hypothesis of `candidate` and at its nadir_px, moved by up to
 /// `reach_px` whole mosaic pixels in every direction; nadir_px, ncc and overlap of the result are those of the best of

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "pilotage/camera/ortho_rectify.h"
+#include "pilotage/match/checkpoint.h"
 #include "pilotage/vision/feature_options.h"
 #include "pilotage/vision/feature_set.h"
 
@@ -30,6 +31,7 @@ struct FrameGrid {
 
 /// Describes `frame` at every `step_px`-th pixel whose patch is valid. Of `options`, descriptor_bits and oriented
 /// count. Throws UsageError for options out of range.
-FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px = 2);
+FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px = 2,
+                              const Checkpoint& checkpoint = {});
 
 }  // namespace pilotage

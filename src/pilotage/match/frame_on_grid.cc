@@ -13,8 +13,6 @@
 namespace pilotage {
 namespace {
 
-constexpr double kMaxHalfWidthPx = 4096;  // of the search square: its histogram takes 64 MiB
-
 std::optional<MatchStatus> refusal_of(RectifyStatus status) {
   switch (status) {
     case RectifyStatus::kOk:
@@ -61,7 +59,7 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
   rectified.gsd_m = grid->gsd_m();
   rectified.half_width_px = half_width_m / rectified.gsd_m;
   if (rectified.half_width_px > kMaxHalfWidthPx) {
-    rectified.refusal = MatchStatus::kBadPrior;
+    rectified.refusal = MatchStatus::kTooUncertain;
     return rectified;
   }
   rectified.prior_px = grid->px_from_geodetic(prior.position);
@@ -80,9 +78,9 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
   return rectified;
 }
 
-PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options) {
+PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint) {
   PivotedFrame frame;
-  frame.grid = describe_frame_grid(rectified.frame, options);
+  frame.grid = describe_frame_grid(rectified.frame, options, 2, checkpoint);
   frame.pivot_px = rectified.frame.pixel_from_ground(rectified.pivot_m);
   for (const Feature& point : frame.grid.points.features) {
     const Eigen::Vector2d place(static_cast<double>(point.x_px), static_cast<double>(point.y_px));

@@ -15,6 +15,9 @@ inline constexpr double kRadPerDeg = 0.017453292519943295;
 /// Largest side of a rectified frame: about 0.5 km at 0.6 m/px. More adds time, not certainty.
 inline constexpr int kMaxRectifiedSidePx = 768;
 
+/// Of the search square: beyond it neither places nor chips are counted in what a search is meant to take.
+inline constexpr double kMaxHalfWidthPx = 4096;
+
 /// A frame rectified onto the grid of a level of the map, and where the prior puts it.
 struct FrameOnGrid {
   std::optional<MatchStatus> refusal;  ///< Why the frame cannot be matched; the rest may not be filled then.
@@ -43,12 +46,13 @@ double search_half_width_m(const MatchPrior& prior, const MatchOptions& options)
 Attitude attitude_on_grid(const Attitude& attitude, const LocalGrid& grid);
 
 /// Rectifies `frame` onto the grid of the level that serves its height. The refusal says why it cannot be: the map has
-/// nothing here, the window is too large, or the frame cannot be rectified. Throws DataError when the map is damaged.
+/// nothing here, the window is larger than kMaxHalfWidthPx, or the frame cannot be rectified. Throws DataError when the
+/// map is damaged.
 FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                           const MatchOptions& options);
 
 /// The frame described everywhere, to be turned about the ground under the principal point.
-PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options);
+PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint = {});
 
 /// What is searched on `map`.
 SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, const MatchOptions& options, bool oriented);

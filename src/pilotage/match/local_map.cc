@@ -67,7 +67,7 @@ std::optional<LocalGrid> local_grid(MapReader& map, const MapLevel& level, Geode
 }
 
 LocalMap read_local_map(MapReader& map, const MapLevel& level, const LocalGrid& grid, const Eigen::Vector2d& center_px,
-                        double half_width_px) {
+                        double half_width_px, std::size_t max_features, const Checkpoint& checkpoint) {
   LocalMap local;
   local.level = level.matrix.level;
   local.grid = grid;
@@ -75,6 +75,8 @@ LocalMap read_local_map(MapReader& map, const MapLevel& level, const LocalGrid& 
   const double radius_m = half_width_px * std::numbers::sqrt2 * grid.gsd_m();
   bool first = true;
   for (const NearTile& near : map.tiles_near(grid.geodetic_from_px(center_px), std::min(radius_m, 1e5), local.level)) {
+    if (local.features.size() > max_features) break;
+    pass(checkpoint);
     const auto stored = map.descriptors(near.tile.tile_id, local.level);
     if (!stored || stored->features.size() == 0) continue;
     if (first) local.features.descriptor_bytes = stored->features.descriptor_bytes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mapdb/map_reader.h"
+#include "pilotage/match/checkpoint.h"
 #include "pilotage/vision/feature_set.h"
 
 namespace pilotage {
@@ -43,9 +45,11 @@ const MapLevel* level_for_height(const MapReader& map, double height_agl_m);
 /// the map is damaged, UsageError when the point is not on Earth.
 std::optional<LocalGrid> local_grid(MapReader& map, const MapLevel& level, GeodeticPoint point, double radius_m);
 
-/// The features of `level` in the square of half side `half_width_px` about `center_px`. Throws DataError when the map
-/// is damaged here or its tiles differ in descriptor length.
+/// The features of `level` in the square of half side `half_width_px` about `center_px`; reading ends with the tile
+/// that makes them more than `max_features`. Throws DataError when the map is damaged here or its tiles differ in
+/// descriptor length.
 LocalMap read_local_map(MapReader& map, const MapLevel& level, const LocalGrid& grid, const Eigen::Vector2d& center_px,
-                        double half_width_px);
+                        double half_width_px, std::size_t max_features = std::numeric_limits<std::size_t>::max(),
+                        const Checkpoint& checkpoint = {});
 
 }  // namespace pilotage

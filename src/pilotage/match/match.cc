@@ -1,5 +1,7 @@
 #include "pilotage/match/match.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -11,11 +13,14 @@
 #include "pilotage/match/match_confidence.h"
 #include "pilotage/match/place_ranking.h"
 #include "pilotage/match/refined_fix.h"
+#include "pilotage/match/search_memory.h"
 
 namespace pilotage {
 namespace {
 
-constexpr double kMaxSearchBins = 1e9;  // some ten seconds
+constexpr double kMaxSearchBins = 1e9;
+constexpr double kMaxComparisons = 2e10;
+constexpr double kMib = 1 << 20;
 constexpr int kMinFeatures = 20;
 constexpr double kMinLead = 3;  // of the best place over its rival, in natural logarithms
 
@@ -45,7 +50,7 @@ MatchResult refused(MatchStatus status, const MatchStats& stats) {
 }
 
 /// What the ranking found, in the words of the statistics.
-void describe_ranking(const RankedPlaces& places, MatchStats& stats) {
+void describe_ranking(const RankedPlaces& places, double half_width_px, MatchStats& stats) {
   const RankedPlace& best = places.best;
   stats.support = best.match.evidence();
   stats.expected_features = best.match.expected;
@@ -54,7 +59,7 @@ void describe_ranking(const RankedPlaces& places, MatchStats& stats) {
   stats.ncc = best.ncc;
   stats.ncc_rival = places.rival_ncc;
   stats.chip_pixels = best.compared_px;
-  stats.confidence = 1 - false_fix_rate(best.evidence);
+  stats.confidence = 1 - false_fix_rate(best.evidence, half_width_px);
 }
 
 /// Why the best place is not accepted as a fix, or nothing.
@@ -65,19 +70,65 @@ std::optional<MatchStatus> refusal_of_best(const MatchStats& stats, const MatchO
   return std::nullopt;
 }
 
+/// The deadline has passed.
+struct OutOfTime {};
+
+/// Looks at the clock when there is a deadline, and asks whether to go on.
+Checkpoint checkpoint_of(const MatchOptions& options, const std::function<bool()>& go_on) {
+  const auto start = std::chrono::steady_clock::now();
+  return [deadline_ms = options.deadline_ms, &go_on, start] {
+    if (go_on && !go_on()) throw Interrupted{};
+    if (!deadline_ms) return;
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+    if (elapsed.count() >= *deadline_ms) throw OutOfTime{};
+  };
+}
+
+/// What may still be taken of MatchOptions::max_memory_mib.
+class MemoryLeft {
+ public:
+  explicit MemoryLeft(const MatchOptions& options) : bytes_(options.max_memory_mib * kMib) {}
+
+  /// Whether so much is left; it is then taken.
+  bool take(double bytes) { return (bytes_ -= bytes) >= 0; }
+  /// How many of so much each.
+  double count(double bytes_each) const { return std::max(0.0, bytes_) / bytes_each; }
+
+ private:
+  double bytes_;
+};
+
+/// Features of the map that a search may look at: what memory is left for, and what can be compared.
+double feature_limit(const MemoryLeft& memory, const PivotedFrame& described, const FeatureOptions& features) {
+  const double by_memory = memory.count(bytes_of_map_feature(features));
+  const double per_feature = vote_comparisons(described, 1);
+  return std::min({by_memory, kMaxComparisons / std::max(1.0, per_feature), 1e9});
+}
+
 MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                           const MatchOptions& options) {
-  const FrameOnGrid rectified = rectify_frame(frame, prior, camera, map, options);
+                           const MatchOptions& options, const Checkpoint& checkpoint) {
+  pass(checkpoint);
   MatchStats stats;
+  MemoryLeft memory(options);
+  if (!memory.take(bytes_to_rectify(frame))) return refused(MatchStatus::kTooUncertain, stats);
+  const FrameOnGrid rectified = rectify_frame(frame, prior, camera, map, options);
   if (rectified.level != nullptr) stats.level = rectified.level->matrix.level;
   stats.gsd_m = rectified.gsd_m;
   if (rectified.refusal) return refused(*rectified.refusal, stats);
+  pass(checkpoint);
 
   const FeatureOptions& features = map.features();
-  const PivotedFrame described = describe(rectified, features);
+  if (!memory.take(bytes_to_describe(rectified, features))) return refused(MatchStatus::kTooUncertain, stats);
+  const PivotedFrame described = describe(rectified, features, checkpoint);
+  pass(checkpoint);
+  if (!memory.take(chip_comparison_bytes(map, options, rectified, described))) {
+    return refused(MatchStatus::kTooUncertain, stats);
+  }
+  const double max_features = feature_limit(memory, described, features);
   const Eigen::Vector2d center_px = rectified.prior_px + rectified.px_from_m(rectified.pivot_m);
   const LocalMap local =
-      read_local_map(map, *rectified.level, rectified.grid, center_px, rectified.half_width_px + described.radius_px);
+      read_local_map(map, *rectified.level, rectified.grid, center_px, rectified.half_width_px + described.radius_px,
+                     static_cast<std::size_t>(max_features), checkpoint);
   stats.frame_features = static_cast<int>(described.grid.points.size());
   stats.map_features = static_cast<int>(local.features.size());
   if (local.features.size() == 0) return refused(MatchStatus::kNoMap, stats);
@@ -89,11 +140,13 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
   }
 
   const SearchSpace space = search_space(rectified, local, options, features.oriented);
-  if (search_bins(described, space) > kMaxSearchBins) return refused(MatchStatus::kBadPrior, stats);
-  const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local);
-  const auto places = rank_places(described, local, space, chips, rectified.gsd_m);
+  if (stats.map_features > max_features || search_bins(described, space) > kMaxSearchBins) {
+    return refused(MatchStatus::kTooUncertain, stats);
+  }
+  const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local, checkpoint);
+  const auto places = rank_places(described, local, space, chips, rectified.gsd_m, checkpoint);
   if (!places) return refused(MatchStatus::kInconsistent, stats);
-  describe_ranking(*places, stats);
+  describe_ranking(*places, rectified.half_width_px, stats);
   const auto refined = refine_fix(rectified, described, local, prior, options, places->best.match);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   stats.inliers = refined->pose.inliers;
@@ -106,11 +159,13 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
 }  // namespace
 
 MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                  const MatchOptions& options) {
+                  const MatchOptions& options, const std::function<bool()>& go_on) {
   if (!options_are_good(options)) return refused(MatchStatus::kBadOptions, {});
   if (!prior_is_good(prior)) return refused(MatchStatus::kBadPrior, {});
   try {
-    return match_or_throw(frame, prior, camera, map, options);
+    return match_or_throw(frame, prior, camera, map, options, checkpoint_of(options, go_on));
+  } catch (const OutOfTime&) {
+    return refused(MatchStatus::kOutOfTime, {});
   } catch (const DataError&) {
     return refused(MatchStatus::kMapUnreadable, {});
   } catch (const UsageError&) {

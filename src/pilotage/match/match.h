@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
 #include "pilotage/camera/attitude.h"
 #include "pilotage/camera/camera.h"
 #include "pilotage/geo/geodetic_point.h"
@@ -36,6 +38,8 @@ struct MatchOptions {
   double map_sigma_m = 1;
   double max_false_fix_rate = 0.001;
   bool chips = true;
+  double max_memory_mib = 512;
+  std::optional<double> deadline_ms;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -54,15 +58,23 @@ struct MatchOptions {
                  "Largest share of false fixes among frames that show other ground; sets the confidence asked for.",
                  Range{1e-6, 0.5});
     fields.field("chips", self.chips, "Use the map's chips where it has them.");
+    fields.field("max_memory_mib", self.max_memory_mib,
+                 "Memory that matching one frame may take; a frame estimated to need more is too_uncertain.",
+                 Range{0, 1e6});
+    fields.field("deadline_ms", self.deadline_ms,
+                 "Time for one frame; without an answer by then it is out_of_time. Without it there is no limit.",
+                 Range{0, 1e9});
   }
 };
 
 enum class MatchStatus {
   kFix,
   kBadFrame,        ///< Not an 8-bit gray picture of the camera's size.
-  kBadPrior,        ///< Not finite, not on Earth, no height above ground, or too vague to be searched.
+  kBadPrior,        ///< Not finite, not on Earth, or no height above ground.
   kBadCamera,       ///< camera_problem() finds one.
   kBadOptions,      ///< An option is outside its range.
+  kTooUncertain,    ///< To search the prior's window takes more memory or work than is allowed.
+  kOutOfTime,       ///< The deadline passed.
   kNoMap,           ///< The map has nothing within the search window.
   kMapUnreadable,   ///< The map's file is damaged here.
   kNoGround,        ///< The frame shows no ground: it looks at the sky.
@@ -127,10 +139,20 @@ struct MatchResult {
 /// refused. docs/methods/match.md has the method and its measurements.
 ///
 /// `frame` is CV_8UC1 of the camera's size. The answer is a status for any frame, prior, camera and options, and for a
-/// damaged map, and when memory runs out: nothing is thrown. Deterministic. Re-entrant; one MapReader serves one thread
-/// at a time.
+/// damaged map, and when memory runs out: nothing is thrown but, when `go_on` returns false, Interrupted. `go_on` may
+/// be empty; it is called every few milliseconds by the calling thread. Re-entrant; one MapReader serves one thread at
+/// a time.
+///
+/// Memory is estimated from above before it is taken, and the window before the frame is looked at: kTooUncertain comes
+/// early and, like every other answer, is the same each time. It also answers windows of more than some 4,000 pixels of
+/// the level to each side, and searches of more than 2·10¹⁰ comparisons or 10⁹ bins (many seconds). Beyond
+/// max_memory_mib come what the MapReader keeps (its cache_bytes) and the tile it is decoding.
+///
+/// Time: the deadline counts from the call and is looked at every few milliseconds, but not while the frame is
+/// rectified (some 10 ms for each megapixel). kOutOfTime is the only answer that depends on how fast the machine is; a
+/// deadline of 0 is past before anything is done.
 MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                  const MatchOptions& options = {});
+                  const MatchOptions& options = {}, const std::function<bool()>& go_on = {});
 
 }  // namespace pilotage
 

@@ -41,8 +41,9 @@ double place_evidence(const PlaceEvidence& evidence) {
   return std::max(0.0, sum);
 }
 
-double false_fix_rate(double evidence) {
-  return std::exp(-evidence);
+double false_fix_rate(double evidence, double half_width_px) {
+  const double windows = std::max(1.0, std::pow(half_width_px / kCalibratedHalfWidthPx, 2));
+  return std::min(1.0, windows * std::exp(-evidence));
 }
 
 }  // namespace pilotage

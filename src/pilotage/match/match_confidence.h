@@ -15,8 +15,14 @@ struct PlaceEvidence {
 /// frames of other ground (docs/methods/match-confidence.md). At least 0.
 double place_evidence(const PlaceEvidence& evidence);
 
-/// The rate at which the best place of frames that show other ground reaches this evidence: exp(−evidence). Support and
-/// correlation are seldom high at one and the same wrong place, so their sum needs no correction for being two.
-double false_fix_rate(double evidence);
+/// The rate at which the best place of frames that show other ground reaches this evidence, in a search square of half
+/// side `half_width_px` pixels of the level: exp(−evidence) in one of kCalibratedHalfWidthPx, of which the rates were
+/// found, or a smaller one. A larger square has as many times more places that may deceive as it has more ground, and
+/// the rate is that many times as high (Boole's inequality), at most 1. Support and correlation are seldom high at one
+/// and the same wrong place, so their sum needs no correction for being two.
+double false_fix_rate(double evidence, double half_width_px);
+
+/// Windows of 95 m at 0.6 m/px.
+inline constexpr double kCalibratedHalfWidthPx = 158;
 
 }  // namespace pilotage

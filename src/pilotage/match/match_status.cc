@@ -14,6 +14,10 @@ std::string_view match_status_name(MatchStatus status) {
       return "bad_camera";
     case MatchStatus::kBadOptions:
       return "bad_options";
+    case MatchStatus::kTooUncertain:
+      return "too_uncertain";
+    case MatchStatus::kOutOfTime:
+      return "out_of_time";
     case MatchStatus::kNoMap:
       return "no_map";
     case MatchStatus::kMapUnreadable:
@@ -41,11 +45,15 @@ std::string_view match_status_text(MatchStatus status) {
     case MatchStatus::kBadFrame:
       return "the frame is not an 8-bit gray image of the camera's size";
     case MatchStatus::kBadPrior:
-      return "the prior is not finite, not on Earth, not above the ground or too vague to be searched";
+      return "the prior is not finite, not on Earth, or not above the ground";
     case MatchStatus::kBadCamera:
       return "the camera cannot be used";
     case MatchStatus::kBadOptions:
       return "an option is outside its range";
+    case MatchStatus::kTooUncertain:
+      return "the prior is so uncertain that the search would take more memory or work than is allowed";
+    case MatchStatus::kOutOfTime:
+      return "the deadline passed before there was an answer";
     case MatchStatus::kNoMap:
       return "the map holds nothing within the search window";
     case MatchStatus::kMapUnreadable:

@@ -1,6 +1,7 @@
 #include "pilotage/match/place_ranking.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "pilotage/match/match_confidence.h"
@@ -10,6 +11,19 @@ namespace {
 
 constexpr int kChipReachPx = 2;
 constexpr double kMinRivalDistance_m = 6;
+constexpr int kChipTurns = 3;   // hypotheses
+constexpr int kChipScales = 3;  // likewise
+/// Windows to each side that are searched on every pixel of the chips: some 150 m. Wider ones from coarse to fine.
+constexpr double kFineHalfWidthPx = 128;
+
+bool chips_are_wanted(const MapReader& map, const MatchOptions& options) {
+  return options.chips && map.has_chips() && options.yaw_sigma_deg * kRadPerDeg <= kUnknownYawRad;
+}
+
+/// Half side of the square of chips that the frame may show, in pixels of the level.
+double chip_reach_px(const FrameOnGrid& rectified, const PivotedFrame& described) {
+  return rectified.half_width_px + rectified.px_from_m(rectified.pivot_m).norm() + 1.2 * described.radius_px;
+}
 
 RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipComparison>& chips) {
   RankedPlace place{match, 0, 0, 0};
@@ -28,13 +42,14 @@ RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipCompari
 
 std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                             MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
-                                            const PivotedFrame& described, const LocalMap& local) {
-  if (!options.chips || !map.has_chips() || options.yaw_sigma_deg * kRadPerDeg > kUnknownYawRad) return std::nullopt;
+                                            const PivotedFrame& described, const LocalMap& local,
+                                            const Checkpoint& checkpoint) {
+  if (!chips_are_wanted(map, options)) return std::nullopt;
   ChipComparison chips;
   chips.reference_px = local.reference_px;
   chips.pivot_from_nadir_px = rectified.px_from_m(rectified.pivot_m);
-  const double reach_px = rectified.half_width_px + chips.pivot_from_nadir_px.norm() + 1.2 * described.radius_px;
-  chips.mosaic = read_chip_mosaic(map, rectified.level->matrix.level, rectified.prior_px, reach_px);
+  chips.mosaic = read_chip_mosaic(map, rectified.level->matrix.level, rectified.prior_px,
+                                  chip_reach_px(rectified, described), checkpoint);
   if (chips.mosaic.gray.empty()) return std::nullopt;
   RectifyOptions rectify;
   rectify.gsd_m = rectified.gsd_m * chips.mosaic.factor;
@@ -42,15 +57,40 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
   chips.frame =
       ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify);
   if (chips.frame.status != RectifyStatus::kOk) return std::nullopt;
-  const auto hypotheses = chip_hypotheses(1.5 * options.yaw_sigma_deg, 3, 1.5 * options.height_sigma_fraction, 3);
-  chips.best = search_chips(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, hypotheses);
+  const auto hypotheses =
+      chip_hypotheses(1.5 * options.yaw_sigma_deg, kChipTurns, 1.5 * options.height_sigma_fraction, kChipScales);
+  if (rectified.half_width_px / chips.mosaic.factor <= kFineHalfWidthPx) {
+    chips.best = search_chips(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, hypotheses, {},
+                              checkpoint);
+  } else {
+    const auto coarse = chip_hypotheses(0.75 * options.yaw_sigma_deg, kChipTurns - 1,
+                                        0.75 * options.height_sigma_fraction, kChipScales - 1);
+    chips.best = search_chips_coarsely(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, coarse,
+                                       hypotheses, {}, checkpoint);
+  }
   return chips;
 }
 
+double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
+                             const PivotedFrame& described) {
+  if (!chips_are_wanted(map, options)) return 0;
+  const double reach_px = chip_reach_px(rectified, described);
+  const int factor = chip_factor(map, rectified.level->matrix.level, rectified.prior_px, reach_px);
+  if (factor == 0) return 0;
+  const double mosaic_side_px = 2 * reach_px / factor + 2;
+  if (mosaic_side_px > kMaxMosaicSidePx) return std::numeric_limits<double>::infinity();
+  const cv::Size frame = rectified.frame.gray.size();
+  return 2 * mosaic_side_px * mosaic_side_px + chip_search_bytes(std::max(frame.width, frame.height),
+                                                                 rectified.half_width_px / factor,
+                                                                 static_cast<std::size_t>(kChipTurns) * kChipScales);
+}
+
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                                        const std::optional<ChipComparison>& chips, double gsd_m) {
+                                        const std::optional<ChipComparison>& chips, double gsd_m,
+                                        const Checkpoint& checkpoint) {
   std::vector<GuidedMatch> matches;
-  for (const Candidate& candidate : vote_for_displacements(frame, map, space, kCandidates)) {
+  for (const Candidate& candidate : vote_for_displacements(frame, map, space, kCandidates, checkpoint)) {
+    pass(checkpoint);
     matches.push_back(match_guided(frame, map, space, candidate));
   }
   std::stable_sort(matches.begin(), matches.end(),
@@ -61,7 +101,10 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   }
   if (matches.empty()) return std::nullopt;
   std::vector<RankedPlace> ranked;
-  for (const GuidedMatch& match : matches) ranked.push_back(rank_place(match, chips));
+  for (const GuidedMatch& match : matches) {
+    pass(checkpoint);
+    ranked.push_back(rank_place(match, chips));
+  }
   RankedPlaces places;
   places.best = *std::max_element(ranked.begin(), ranked.end(),
                                   [](const RankedPlace& a, const RankedPlace& b) { return a.evidence < b.evidence; });

@@ -38,7 +38,13 @@ struct ChipComparison {
 /// the heading is unknown: chips are compared upright. Throws DataError when the map is damaged.
 std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                             MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
-                                            const PivotedFrame& described, const LocalMap& local);
+                                            const PivotedFrame& described, const LocalMap& local,
+                                            const Checkpoint& checkpoint = {});
+
+/// Bytes that compare_chips takes at most at a time; 0 when it has nothing to do; infinite when the chips of the window
+/// are more than kMaxMosaicSidePx along a side. Throws as compare_chips.
+double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
+                             const PivotedFrame& described);
 
 /// A place and what speaks for it.
 struct RankedPlace {
@@ -58,7 +64,8 @@ struct RankedPlaces {
 /// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them and the
 /// chips' own best place are held against the chips and ranked by place_evidence(). Nothing when nothing has votes.
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                                        const std::optional<ChipComparison>& chips, double gsd_m);
+                                        const std::optional<ChipComparison>& chips, double gsd_m,
+                                        const Checkpoint& checkpoint = {});
 
 /// Of 400 real frames, 95 % had the true place among the first 30.
 inline constexpr std::size_t kCandidates = 30;

@@ -111,7 +111,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
-    write_score_raster(publish_later(kDisagreement), layer.bands, mission.ground.crs, layer.map_from_pixel, true);
+    write_score_raster(publish_later(kDisagreement), layer.bands, mission.ground.crs, layer.map_from_pixel, true,
+                       progress);
   }
   report_progress(progress, "writing scores", 0, 0);
   const ScoreTable table(mission.ground, scores);
@@ -120,7 +121,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const fs::path path = publish_later(score_raster_name(level.matrix.level));
-    write_score_raster(path, raster.bands, mission.ground.crs, raster.map_from_pixel, true);
+    write_score_raster(path, raster.bands, mission.ground.crs, raster.map_from_pixel, true, progress);
     const auto shown = shown_measure(raster, scores);
     if (shown && asks_for(options.outputs, ReportOutput::kCog)) {
       result.files.push_back(write_heat_style(path, *shown, true));

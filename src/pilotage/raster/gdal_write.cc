@@ -62,8 +62,14 @@ void set_statistics(GDALRasterBand& band, const cv::Mat& values) {
   band.SetMetadataItem("STATISTICS_STDDEV", format_number(std::sqrt(squares / count)).c_str());
 }
 
+/// GDAL's progress function: `data` is a Progress. 0 ends the writing.
+int CPL_STDCALL go_on_writing(double done, const char* /*message*/, void* data) {
+  const auto& progress = *static_cast<const Progress*>(data);
+  return !progress || progress("writing the raster", static_cast<std::int64_t>(100 * done), 100) ? 1 : 0;
+}
+
 void write_cog(GDALDataset& source, const std::filesystem::path& path, bool overwrite,
-               const std::vector<std::string>& options) {
+               const std::vector<std::string>& options, const Progress& progress) {
   const GdalErrors errors;
   const LocalConfig no_side_car("GDAL_PAM_ENABLED", "NO");
   OutputFile output(path, overwrite);
@@ -72,10 +78,16 @@ void write_cog(GDALDataset& source, const std::filesystem::path& path, bool over
   std::vector<const char*> list;
   for (const std::string& option : options) list.push_back(option.c_str());
   list.push_back(nullptr);
+  bool interrupted = false;
+  Progress heard = [&](std::string_view what, std::int64_t done, std::int64_t total) {
+    interrupted = interrupted || (progress && !progress(what, done, total));
+    return !interrupted;
+  };
   DatasetPtr written(driver->CreateCopy(output.temporary_path().c_str(), &source, TRUE, const_cast<char**>(list.data()),
-                                        nullptr, nullptr));
+                                        go_on_writing, &heard));
   const bool created = written != nullptr;
   written.reset();
+  if (interrupted) throw Interrupted{};
   if (!created || errors.failed()) errors.throw_data_error(path.string() + ": cannot be written");
   output.commit();
 }
@@ -93,7 +105,7 @@ void check_size(const std::string& name, const cv::Mat& values, const cv::Size& 
 }  // namespace
 
 void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
-                        const GeoTransform& map_from_pixel, bool overwrite) {
+                        const GeoTransform& map_from_pixel, bool overwrite, const Progress& progress) {
   if (bands.empty()) throw UsageError("a score raster needs a band");
   const cv::Size size = bands.front().values.size();
   const int depth = bands.front().values.type() == CV_32F ? CV_32F : CV_64F;
@@ -110,7 +122,8 @@ void write_score_raster(const std::filesystem::path& path, const std::vector<Sco
     set_statistics(band, bands[i].values);
   }
   write_cog(*memory, path, overwrite,
-            {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=1"});
+            {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=1"},
+            progress);
 }
 
 void write_class_raster(const std::filesystem::path& path, const std::string& name, const cv::Mat& values,
@@ -139,7 +152,7 @@ void write_class_raster(const std::filesystem::path& path, const std::string& na
   band.SetColorTable(&colors);
   band.SetColorInterpretation(GCI_PaletteIndex);
   write_cog(*memory, path, overwrite,
-            {"COMPRESS=DEFLATE", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=MODE", "NUM_THREADS=1"});
+            {"COMPRESS=DEFLATE", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=MODE", "NUM_THREADS=1"}, {});
 }
 
 }  // namespace pilotage

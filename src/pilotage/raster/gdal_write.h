@@ -8,6 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/base/progress.h"
 #include "pilotage/geo/geo_transform.h"
 #include "pilotage/raster/gdal_crs.h"
 
@@ -24,9 +25,9 @@ struct ScoreBand {
 /// Frieden entropies differ in the sixth digit, which Float32 would lose. No data is NaN, because every finite number
 /// may be a score. Descriptions, units and statistics (minimum, maximum, mean, standard deviation over the valid
 /// pixels) stand in the file itself. The same input gives the same bytes. Written under a temporary name and renamed.
-/// Throws UsageError for bands of wrong type or differing size, DataError when it cannot be written.
+/// Throws UsageError for bands of wrong type or differing size, DataError when it cannot be written, Interrupted.
 void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
-                        const GeoTransform& map_from_pixel, bool overwrite);
+                        const GeoTransform& map_from_pixel, bool overwrite, const Progress& progress = {});
 
 /// One class of a class raster; its value is its place in the list.
 struct RasterClass {

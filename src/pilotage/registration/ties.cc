@@ -17,6 +17,8 @@
 namespace pilotage {
 namespace {
 
+constexpr std::size_t kTiesBetweenReports = 32;  // some milliseconds each
+
 /// A rectangle of one date in memory.
 struct Patchwork {
   PixelWindow window;
@@ -209,8 +211,12 @@ TieSearch find_ties(const GraySource& reference, const GraySource& second, int r
     parallel_for(2, threads, [&](std::size_t i, int) { dates[i] = load(i == 0 ? reference : second, window); });
     const std::vector<int> places = places_of(request, dates[0], dates[1], columns, row);
     std::vector<std::optional<Tie>> found(places.size());
-    parallel_for(places.size(), threads,
-                 [&](std::size_t i, int) { found[i] = find_tie(request, dates[0], dates[1], places[i], row); });
+    for (std::size_t first = 0; first < places.size(); first += kTiesBetweenReports) {
+      report_progress(progress, "register", row, reference.height_px);
+      parallel_for(std::min(kTiesBetweenReports, places.size() - first), threads, [&](std::size_t i, int) {
+        found[first + i] = find_tie(request, dates[0], dates[1], places[first + i], row);
+      });
+    }
     search.places += static_cast<std::int64_t>(places.size());
     for (const auto& tie : found) {
       if (tie) search.ties.push_back(*tie);

@@ -1,0 +1,38 @@
+#include "pilotage/match/search_memory.h"
+
+#include "pilotage/match/displacement_voting.h"
+#include "pilotage/vision/corner.h"
+#include "pilotage/vision/feature_set.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kGrowth = 3;  // of a vector: the old half and the new whole, of which half may be empty
+
+}  // namespace
+
+double bytes_to_rectify(const cv::Mat& frame) {
+  constexpr double kPerResultPixel = 12;  // two maps of floats, mask, its complement, gray, valid
+  // The frame is averaged down to as many pixels as it has at most.
+  return static_cast<double>(frame.total() * frame.elemSize()) +
+         2 * kPerResultPixel * kMaxRectifiedSidePx * kMaxRectifiedSidePx;
+}
+
+double bytes_to_describe(const FrameOnGrid& rectified, const FeatureOptions& features) {
+  const auto pixels = static_cast<double>(rectified.frame.gray.total());
+  const double points = pixels / 4 + 2 * kMaxRectifiedSidePx;  // every second column and row
+  constexpr double kPlanes = 8;                                // bytes per pixel: eroded mask, smoothed copies
+  const double descriptor = features.descriptor_bits / 8.0;
+  const double point = kGrowth * (sizeof(Feature) + sizeof(Corner) + sizeof(float)) + 2 * descriptor;
+  constexpr double kIndexed = sizeof(std::int32_t) + sizeof(std::size_t) + kGrowth * (3 * sizeof(float));
+  return kPlanes * pixels + (point + kIndexed + descriptor) * points;
+}
+
+double bytes_of_map_feature(const FeatureOptions& features) {
+  constexpr double kIndexedPair = 5 * sizeof(double) + 2 * sizeof(std::int32_t);  // vote_peaks.cc
+  const double feature = sizeof(Feature) + features.descriptor_bits / 8.0 + sizeof(std::int64_t) + sizeof(float);
+  const double pair = kGrowth * sizeof(VotePair) + kIndexedPair;
+  return kGrowth * feature + kVoteNeighbours * pair;
+}
+
+}  // namespace pilotage

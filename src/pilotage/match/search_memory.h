@@ -1,0 +1,22 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/match/frame_on_grid.h"
+#include "pilotage/vision/feature_options.h"
+
+namespace pilotage {
+
+// Bytes that the steps of a search take at most, estimated from above: what is allocated, and what vectors reserve
+// beyond it while they grow. Chips: chip_comparison_bytes().
+
+/// To rectify a frame twice, for features and for chips.
+double bytes_to_rectify(const cv::Mat& frame);
+
+/// To describe the rectified frame and to search its descriptors.
+double bytes_to_describe(const FrameOnGrid& rectified, const FeatureOptions& features);
+
+/// For each feature of the map in the window: itself, and the pairs that it votes with.
+double bytes_of_map_feature(const FeatureOptions& features);
+
+}  // namespace pilotage
