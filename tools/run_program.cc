@@ -160,6 +160,12 @@ std::vector<NamedFile> named_inputs(const Command& command, const CommonOptions&
   std::vector<NamedFile> inputs = files_of_options(command, false);
   for (const std::string& argument : arguments) inputs.push_back({command.inputs.name, argument});
   if (!common.config.empty()) inputs.push_back({"--config", common.config});
+  // What stands beside a signed input is read with it.
+  for (std::size_t i = 0, named = inputs.size(); i < named; ++i) {
+    const NamedFile input = inputs[i];
+    inputs.push_back({input.flag, signature_path_of(input.path)});
+    inputs.push_back({input.flag, chunk_list_path_of(input.path)});
+  }
   return inputs;
 }
 
@@ -170,12 +176,6 @@ void check_shared_files(const Command& command, const CommonOptions& common, con
     for (const auto& path : command.output.files(common.output)) outputs.push_back({"--output", path});
   } else if (!common.output.empty() && command.output.kind == OutputKind::kFile) {
     outputs.push_back({"--output", common.output});
-  }
-  // What stands beside a signed input is read with it.
-  for (std::size_t i = 0, named = inputs.size(); i < named; ++i) {
-    const NamedFile input = inputs[i];
-    inputs.push_back({input.flag, signature_path_of(input.path)});
-    inputs.push_back({input.flag, chunk_list_path_of(input.path)});
   }
   refuse_shared_files(inputs, outputs);
 }
