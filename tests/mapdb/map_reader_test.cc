@@ -160,6 +160,20 @@ TEST_F(MapReaderTest, RefusesAForeignMapBeforeItIsParsed) {
   EXPECT_THROW(MapReader::open(path_, {}), UsageError);
 }
 
+TEST_F(MapReaderTest, AnotherTakesItsPlace) {
+  const std::string key = testing::generate_key_pair(folder_ / "a.sec", folder_ / "a.pub");
+  sign_file(path_, folder_ / "a.sec");
+  std::filesystem::copy_file(path_, folder_ / "other.gpkg");
+  MapReader reader = MapReader::open(path_, {key});
+  const std::vector<MapTile> tiles = reader.tiles();
+  for (int i = 0; i < 3; ++i) {
+    reader = i % 2 == 0 ? MapReader::open_unverified(folder_ / "other.gpkg") : MapReader::open(path_, {key});
+    EXPECT_EQ(reader.tiles().size(), tiles.size());
+    EXPECT_TRUE(reader.tile(tiles.front().tile_id)) << "statements of the one before are gone with it";
+    EXPECT_EQ(reader.name(), i % 2 == 0 ? "other.gpkg" : "map.gpkg");
+  }
+}
+
 TEST(MapReader, SaysWhatIsNotAMap) {
   const testing::TemporaryFolder folder;
   EXPECT_THAT([&] { MapReader::open_unverified(folder / "none.gpkg"); },

@@ -191,6 +191,16 @@ Database::Database(const std::filesystem::path& path, std::string name, const st
 
 Database::Database(Database&&) noexcept = default;
 
+// Member by member would free the bytes of a connection that is still open.
+Database& Database::operator=(Database&& other) noexcept {
+  std::swap(name_, other.name_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(vfs_, other.vfs_);
+  std::swap(go_on_, other.go_on_);
+  std::swap(database_, other.database_);
+  return *this;
+}
+
 Database::~Database() = default;
 
 Database Database::create(const std::filesystem::path& path, std::string name) {

@@ -93,6 +93,7 @@ class Database {
   static Database open_untrusted(std::string name, std::shared_ptr<const ChunkedFile> file, int max_value_bytes);
 
   Database(Database&&) noexcept;
+  Database& operator=(Database&& other) noexcept;  ///< Exchanges both: `other` closes the connection when it ends.
   ~Database();
 
   /// Calls `go_on` every few thousand steps of the statements that run; once it returns false, they throw DataError
