@@ -170,7 +170,7 @@ TEST_F(MapReaderTest, AnotherTakesItsPlace) {
     reader = i % 2 == 0 ? MapReader::open_unverified(folder_ / "other.gpkg") : MapReader::open(path_, {key});
     EXPECT_EQ(reader.tiles().size(), tiles.size());
     EXPECT_TRUE(reader.tile(tiles.front().tile_id)) << "statements of the one before are gone with it";
-    EXPECT_EQ(reader.name(), i % 2 == 0 ? "other.gpkg" : "map.gpkg");
+    EXPECT_THAT(reader.name(), HasSubstr(i % 2 == 0 ? "other.gpkg" : "map.gpkg"));
   }
 }
 
