@@ -8,11 +8,14 @@
 #include <utility>
 #include <vector>
 
+namespace pilotage {
+class ChunkedFile;  // its symbols are not for users of the library
+}
+
 #pragma GCC visibility push(default)
 
 namespace pilotage {
 
-class ChunkedFile;
 class Database;
 
 // Detached Ed25519 signatures in the format of minisign (F. Denis, https://jedisct1.github.io/minisign), so that maps

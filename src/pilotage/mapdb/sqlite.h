@@ -8,6 +8,11 @@
 #include <string>
 #include <string_view>
 
+namespace pilotage {
+class ChunkedFile;  // their symbols are not for users of the library
+class ChunkVfs;
+}  // namespace pilotage
+
 #pragma GCC visibility push(default)
 
 struct sqlite3;
@@ -16,9 +21,6 @@ struct sqlite3_stmt;
 // SQLite as objects that close themselves, with errors as DataError. Only sqlite.cc and chunk_vfs.cc include SQLite.
 
 namespace pilotage {
-
-class ChunkedFile;
-class ChunkVfs;
 
 /// A prepared statement. Values are read by column index from 0 after step() returned true and live until the next
 /// step() or reset(). Reading is strict: a value of another type than asked for throws. Every failure throws DataError
