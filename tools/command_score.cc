@@ -125,7 +125,7 @@ CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& 
   std::error_code error;
   std::filesystem::create_directories(options.shards, error);
   if (error) throw DataError(options.shards + ": cannot be made: " + error.message());
-  ScoreShard result{describe_run(run, version_line()), shard, {}};
+  ScoreShard result{describe_run(run, version_line(), invocation.progress), shard, {}};
   CommandResult told;
   const bool done = !invocation.overwrite && is_done(file, result.run, shard, told.warnings);
   if (!done && shard.count > 1 && !options.run.score.second_epoch.empty()) {

@@ -60,7 +60,9 @@ def satellite_map(data, work):
                 row["top_left_lat"], row["bottom_right_lon"], row["bottom_right_lat"],
                 data / "moscow/map" / row["filename"], parts[-1])
     run("gdalbuildvrt", "-q", work / "moscow.vrt", *parts)
-    return work / "moscow.vrt"
+    # A raster, because a VRT may name files of its own folder only.
+    run("gdal_translate", "-q", "-co", "TILED=YES", work / "moscow.vrt", work / "moscow.tif")
+    return work / "moscow.tif"
 
 
 def moscow(pilotage, data, work):

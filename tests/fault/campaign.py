@@ -39,12 +39,12 @@ Fault = collections.namedtuple("Fault", "call action lasts")
 Run = collections.namedtuple("Run", "code text files leftovers")
 
 #: What is done to each kind of call, and to how many calls of a command in the short form. The last fill the disk for good.
-FAULTS = ((Fault("open", "EACCES", False), 30), (Fault("open", "EMFILE", False), 8), (Fault("read", "EIO", False), 25),
-          (Fault("read", "SHORT", False), 15), (Fault("write", "ENOSPC", False), 25), (Fault("write", "SHORT", False), 12),
-          (Fault("sync", "EIO", False), 40), (Fault("rename", "EIO", False), 40), (Fault("remove", "EACCES", False), 10),
-          (Fault("alloc", "ENOMEM", False), 12), (Fault("write", "ENOSPC", True), 8))
-KILLS = ((Fault("write", "KILL", False), 15), (Fault("sync", "KILL", False), 25), (Fault("rename", "KILL", False), 40),
-         (Fault("remove", "KILL", False), 10))
+FAULTS = ((Fault("open", "EACCES", False), 16), (Fault("open", "EMFILE", False), 4), (Fault("read", "EIO", False), 12),
+          (Fault("read", "SHORT", False), 8), (Fault("write", "ENOSPC", False), 12), (Fault("write", "SHORT", False), 6),
+          (Fault("sync", "EIO", False), 40), (Fault("rename", "EIO", False), 40), (Fault("remove", "EACCES", False), 6),
+          (Fault("alloc", "ENOMEM", False), 8), (Fault("write", "ENOSPC", True), 4))
+KILLS = ((Fault("write", "KILL", False), 8), (Fault("sync", "KILL", False), 40), (Fault("rename", "KILL", False), 40),
+         (Fault("remove", "KILL", False), 6))
 STAGE = ("out/plan.json", "--table", "out/tiles.csv", "--selection", "out/selection.json")
 #: Deaths by a signal that are answers to a failed allocation: GDAL and PROJ end the process.
 SIGABRT = 6
@@ -325,7 +325,8 @@ def main():
             old, new, text, calls, seconds = known[case.name]
             print(f"{case.name}: {', '.join(f'{len(made)} {call}' for call, made in calls.items())}, {seconds:.2f} s", flush=True)
             if options.faults is None and options.kills is None:
-                for fault, limit in FAULTS + KILLS:
+                # Into a new folder: only what differs from the same over an earlier output.
+                for fault, limit in KILLS if case.name == "prepare_new_folder" else FAULTS + KILLS:
                     tasks += [(case, known[case.name], fault, at) for at in evenly(len(calls[fault.call]), limit)]
             campaign.cut_power(case, old, new)
         for faults, wanted in ((FAULTS, options.faults or 0), (KILLS, options.kills or 0)):

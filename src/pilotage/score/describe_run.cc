@@ -51,7 +51,7 @@ Json fingerprint(const std::string& name) {
 }
 
 /// Gray values and masks of 8 x 8 windows spread evenly over a source.
-std::string sample_digest(const GraySource& source) {
+std::string sample_digest(const GraySource& source, const Progress& progress) {
   constexpr int kSamples = 8;
   constexpr std::int64_t kSide = 32;
   std::string bytes;
@@ -65,6 +65,7 @@ std::string sample_digest(const GraySource& source) {
   const auto height = static_cast<int>(std::min(kSide, source.height_px));
   for (int i = 0; i < kSamples; ++i) {
     for (int j = 0; j < kSamples; ++j) {
+      report_progress(progress, "looking at the imagery", 0, 0);
       const Raster raster = source.read({(source.width_px - width) * j / (kSamples - 1),
                                          (source.height_px - height) * i / (kSamples - 1), width, height});
       append(raster.valid);
@@ -86,11 +87,12 @@ std::set<std::string> sources_of(const ScoreRun& run) {
   return names;
 }
 
-Json samples_of(const ScoreRun& run) {
+Json samples_of(const ScoreRun& run, const Progress& progress) {
   Json samples = Json::array();
-  for (const GridLevel& level : run.ground.levels) samples.push_back(sample_digest(open_gray(run.ground, level)));
+  for (const GridLevel& level : run.ground.levels)
+    samples.push_back(sample_digest(open_gray(run.ground, level), progress));
   for (const std::string& dataset : run.options.score.second_epoch)
-    samples.push_back(sample_digest(open_gray(dataset)));
+    samples.push_back(sample_digest(open_gray(dataset), progress));
   return samples;
 }
 
@@ -109,7 +111,7 @@ std::string dotted(const std::string& pointer) {
 
 }  // namespace
 
-Json describe_run(const ScoreRun& run, const std::string& software_version) {
+Json describe_run(const ScoreRun& run, const std::string& software_version, const Progress& progress) {
   Json inputs = Json::array();
   for (const std::string& name : run.inputs) inputs.push_back(name_as_utf8(name));
   Json files = Json::object();
@@ -120,7 +122,7 @@ Json describe_run(const ScoreRun& run, const std::string& software_version) {
           {"seed", run.seed},
           {"options", options_to_json(list_options(options))},
           {"files", files},
-          {"samples", samples_of(run)}};
+          {"samples", samples_of(run, progress)}};
 }
 
 ScoreRun open_described_run(const std::string& name, const Json& description) {

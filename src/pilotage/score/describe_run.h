@@ -13,7 +13,8 @@ namespace pilotage {
 /// evenly over it), and a digest of 64 windows of gray values of each level, which also sees what lies behind a VRT or
 /// a URL. Cheap for imagery of any size; what it cannot see is a change inside a large file that leaves its size and
 /// all these places as they were. Throws DataError when something cannot be read.
-nlohmann::ordered_json describe_run(const ScoreRun& run, const std::string& software_version);
+nlohmann::ordered_json describe_run(const ScoreRun& run, const std::string& software_version,
+                                    const Progress& progress = {});
 
 /// The run that a description is of, opened again. Throws DataError for a description that is none, naming `name`, and
 /// as open_score_run.

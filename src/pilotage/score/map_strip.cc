@@ -108,7 +108,7 @@ std::vector<cv::Mat> MapStrip::components_of(const PixelWindow& part, int correl
   return result;
 }
 
-MapSample sample_map(const GraySource& source) {
+MapSample sample_map(const GraySource& source, const Progress& progress) {
   constexpr int kSamples = 8;
   constexpr std::int64_t kSide = 32;
   struct Window {
@@ -120,6 +120,7 @@ MapSample sample_map(const GraySource& source) {
   std::int64_t count = 0;
   for (int i = 0; i < kSamples; ++i) {
     for (int j = 0; j < kSamples; ++j) {
+      report_progress(progress, "score", 0, 0);
       const auto width = static_cast<int>(std::min(kSide, source.width_px));
       const auto height = static_cast<int>(std::min(kSide, source.height_px));
       const PixelWindow place{(source.width_px - width) * i / (kSamples - 1),

@@ -5,6 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
 #include "pilotage/raster/gray_source.h"
 
@@ -46,7 +47,7 @@ struct MapSample {
   double diagonal_correlation_1px = 0;
   double diagonal_correlation_2px = 0;
 };
-MapSample sample_map(const GraySource& source);
+MapSample sample_map(const GraySource& source, const Progress& progress = {});  ///< Throws Interrupted.
 
 /// CV_64F integral images of `centred` and of its squares.
 struct StripIntegrals {

@@ -90,7 +90,7 @@ MergedShards read_shards(const std::vector<std::string>& files, const std::strin
       expected = {files[i], shard.run, shard.shard.count};
       merged.count = shard.shard.count;
       merged.run = open_described_run(files[i], shard.run);
-      const std::string difference = run_difference(shard.run, describe_run(merged.run, software_version));
+      const std::string difference = run_difference(shard.run, describe_run(merged.run, software_version, progress));
       if (!difference.empty()) {
         throw DataError(files[i] + ": what it was made of is not what is here now (" + difference + ")");
       }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -83,9 +84,10 @@ void move_to_top(cv::Mat& image, int first_row, int rows) {
 }
 
 /// All columns of the map from one row to another, in `memory`, which holds the strip above; rows that it has are not
-/// read again.
+/// read again. `checkpoint` is called again and again, by the calling thread, and may throw.
 GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int64_t first_row, std::int64_t end_row,
-                      const GrayWindow& above, GrayWindow& memory, int threads) {
+                      const GrayWindow& above, GrayWindow& memory, int threads,
+                      const std::function<void()>& checkpoint) {
   const std::int64_t known = std::max(first_row, above.window.row + above.window.height);
   if (known > first_row) {
     move_to_top(memory.pixels, static_cast<int>(first_row - above.window.row), static_cast<int>(known - first_row));
@@ -97,7 +99,8 @@ GrayWindow read_strip(const GraySource& source, const ReadUnits& units, std::int
   strip.valid = memory.valid.rowRange(0, strip.window.height);
   const std::int64_t first_unit = known / units.height_px * units.across;
   const std::int64_t end_unit = (end_row + units.height_px - 1) / units.height_px * units.across;
-  parallel_for(static_cast<std::size_t>(end_unit - first_unit), threads, [&](std::size_t index, int) {
+  parallel_for(static_cast<std::size_t>(end_unit - first_unit), threads, [&](std::size_t index, int worker) {
+    if (worker == 0) checkpoint();
     const std::int64_t unit = first_unit + static_cast<std::int64_t>(index);
     const std::int64_t col = unit % units.across * units.width_px;
     const std::int64_t row = std::max(known, unit / units.across * units.height_px);
@@ -158,10 +161,13 @@ void stream_statistics(const GraySource& source, const TileMatrix& matrix, const
   GrayWindow memory{{}, cv::Mat(most_rows, width, source.depth), cv::Mat(most_rows, width, CV_8U)};
   GrayWindow strip;
   while (!tiles.empty()) {
-    report_progress(progress, "score", count - static_cast<std::int64_t>(tiles.size()), count);
+    const auto report = [&] {
+      report_progress(progress, "score", count - static_cast<std::int64_t>(tiles.size()), count);
+    };
+    report();
     const std::int64_t first_row = matrix.tile_window(0, tiles.front().cell.row).row;
     const std::int64_t end = (first_row + strip_rows + units.height_px - 1) / units.height_px * units.height_px;
-    strip = read_strip(source, units, first_row, std::min(end, source.height_px), strip, memory, threads);
+    strip = read_strip(source, units, first_row, std::min(end, source.height_px), strip, memory, threads, report);
     const auto below = std::partition_point(tiles.begin(), tiles.end(), [&](const MeasuredTile& tile) {
       const PixelWindow window = matrix.tile_window(0, tile.cell.row);
       return window.row + window.height <= strip.window.row + strip.window.height;
