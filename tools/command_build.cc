@@ -113,7 +113,7 @@ Command make_build_command() {
                                        inputs_of(files.mission, options.second_epoch), version_line(), options.build,
                                        true, invocation.threads, invocation.progress,
                                        second_date_of(options, files.mission, invocation), nullptr, purpose);
-    std::vector<const OutputFile*> outputs = {&map};
+    std::vector<const OutputFile*> outputs;
     std::vector<std::filesystem::path> stale;
     const bool has_list = options.sign_key && sign_map(options, map, signature, chunk_list);
     if (has_list) {
@@ -126,6 +126,7 @@ Command make_build_command() {
     } else {
       stale.push_back(signature.destination());
     }
+    outputs.push_back(&map);  // last: where it stands, its signature does
     OutputFile::commit(outputs, stale);
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +

@@ -107,9 +107,10 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
     print_page_to_pdf(staging / place.page, pdf->temporary_path(), {.browser = options.pdf_browser},
                       invocation.progress);
   }
-  staging.publish(written, {});
-  if (numbers) numbers->commit();  // all appear, or none
-  if (pdf) pdf->commit();
+  std::vector<const OutputFile*> others;
+  if (numbers) others.push_back(&*numbers);
+  if (pdf) others.push_back(&*pdf);
+  staging.publish(written, {}, others);  // all appear, or none
   CommandResult result;
   result.text = report.verdict_text + "\n" + report.assumptions + "\n";
   result.json = {{"output", invocation.output},

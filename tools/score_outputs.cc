@@ -155,16 +155,25 @@ CommandResult ScoreOutputs::write(const Ground& ground, const GroundScores& scor
   report_progress(invocation_.progress, "writing scores", 0, 0);
   const ScoreRaster raster = score_raster(table, options_.level);
   if (table_) table_->write(tile_table_to_csv(ground, scored.scores));
-  write_score_raster(invocation_.output, raster.bands, ground.crs, raster.map_from_pixel, invocation_.overwrite,
+  OutputFile scores(invocation_.output, invocation_.overwrite);
+  write_score_raster(scores.temporary_path(), raster.bands, ground.crs, raster.map_from_pixel, true,
                      invocation_.progress);
+  std::vector<const OutputFile*> outputs{&scores};
+  if (table_) outputs.push_back(&*table_);
+  std::optional<OutputFile> disagreement;
   if (!options_.second_epoch_output.empty()) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
-    write_score_raster(options_.second_epoch_output, layer.bands, ground.crs, layer.map_from_pixel,
-                       invocation_.overwrite, invocation_.progress);
+    disagreement.emplace(options_.second_epoch_output, invocation_.overwrite);
+    write_score_raster(disagreement->temporary_path(), layer.bands, ground.crs, layer.map_from_pixel, true,
+                       invocation_.progress);
+    outputs.push_back(&*disagreement);
   }
-  if (table_) table_->commit();  // all appear, or none
-  if (evaluation_) evaluation_->commit();
+  if (evaluation_) {
+    evaluation_->commit(outputs);
+  } else {
+    OutputFile::commit(outputs, {});
+  }
   return result;
 }
 

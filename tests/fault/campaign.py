@@ -204,10 +204,8 @@ class Campaign:
         lines = [line.split("\t") for line in log.read_text().splitlines()]
         out = str(folder / "new")
         states = list(disks_after_cuts(lines, out, old, disk))
-        for names in states:
-            problem = mixture(names, old, new, case.main)
-            if problem:
-                self.fail(case, "power cut", problem)
+        for problem in sorted({mixture(files, old, new, case.main) for files in states} - {""}):
+            self.fail(case, "power cut", problem)
         self.counts["power cuts"] += len(states)
         if lines and states[-1] != new:
             self.fail(case, "power cut after the end", f"exit 0 was promised, but {differences(states[-1], new)}")
@@ -266,7 +264,7 @@ def disks_after_cuts(lines, out, old, disk):
 
     def outputs(entries):
         return {path[len(out) + 1:]: contents.get(file, empty) for path, file in entries.items()
-                if path.startswith(out + "/") and "/" not in path[len(out) + 1:]}
+                if path.startswith(out + "/") and "/" not in path[len(out) + 1:] and path[len(out) + 1] != "."}
 
     for number, call, path, *second in lines:
         if call in ("fsync", "fdatasync"):

@@ -111,22 +111,21 @@ void OutputFile::commit() {
 
 void OutputFile::commit(const std::vector<const OutputFile*>& outputs, const std::vector<fs::path>& stale) {
   std::vector<FileMove> moves;
-  for (const OutputFile* output : outputs) {
-    sync_to_disk(output->temporary_, output->destination_);
-    moves.push_back({output->temporary_, output->destination_});
-  }
+  for (const OutputFile* output : outputs) moves.push_back({output->temporary_, output->destination_});
   const WorkFolder aside(folder_of(outputs.front()->destination_));
   replace_together(moves, stale, aside.path());
 }
 
 void replace_together(const std::vector<FileMove>& moves, const std::vector<fs::path>& stale, const fs::path& aside) {
   std::vector<fs::path> old;
-  std::vector<fs::path> all = stale;
+  std::vector<fs::path> all;
   for (const FileMove& move : moves) {
     refuse_special_file(move.to);
+    sync_to_disk(move.from, move.to);
     keep_mode(move.to, move.from);
-    all.push_back(move.to);
+    all.insert(all.begin(), move.to);  // what comes last leaves first
   }
+  all.insert(all.end(), stale.begin(), stale.end());
   for (const fs::path& path : all) {
     std::error_code ignored;
     if (fs::exists(fs::symlink_status(path, ignored)) && std::find(old.begin(), old.end(), path) == old.end()) {

@@ -45,10 +45,11 @@ struct FileMove {
   std::filesystem::path to;
 };
 
-/// Moves files to their places so that at no moment an old file stands beside a new one: first all that stands there is
-/// moved into the folder `aside` (destinations and the `stale` files that have no successor, in this order), then the
-/// new files come, in theirs. A run that is killed in between leaves some of the old files or some of the new, never a
-/// mixture. When a file cannot be moved, everything is put back and DataError is thrown.
+/// Syncs files to disk and moves them to their places so that at no moment an old file stands beside a new one: first
+/// all that stands there is moved into the folder `aside` (destinations, the last first, then the `stale` files that
+/// have no successor), then the new files come, in their order. A run that is killed in between leaves some of the old
+/// files or some of the new, never a mixture, and the last of them only where all others stand. When a file cannot be
+/// moved, everything is put back and DataError is thrown.
 void replace_together(const std::vector<FileMove>& moves, const std::vector<std::filesystem::path>& stale,
                       const std::filesystem::path& aside);
 

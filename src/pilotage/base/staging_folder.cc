@@ -27,8 +27,10 @@ std::filesystem::path StagingFolder::operator/(const std::string& name) const {
   return work_->path() / name;
 }
 
-void StagingFolder::publish(const std::vector<std::string>& names, const std::vector<std::string>& stale) const {
+void StagingFolder::publish(const std::vector<std::string>& names, const std::vector<std::string>& stale,
+                            const std::vector<const OutputFile*>& others) const {
   std::vector<FileMove> moves;
+  for (const OutputFile* other : others) moves.push_back({other->temporary_path(), other->destination()});
   for (const std::string& name : names) moves.push_back({*this / name, output_folder_ / name});
   std::vector<std::filesystem::path> old;
   for (const std::string& name : stale) old.push_back(output_folder_ / name);

@@ -9,6 +9,8 @@
 
 namespace pilotage {
 
+class OutputFile;
+
 /// Several outputs that belong together: they grow in a hidden folder inside the output folder and move out at the end.
 /// What has not moved when the object dies is removed.
 class StagingFolder {
@@ -25,7 +27,9 @@ class StagingFolder {
   /// Moves the outputs into the output folder in this order, in place of those of the same names and of `stale`, names
   /// of an earlier run's outputs: at no moment an old output stands beside a new one (replace_together). Throws
   /// DataError; the earlier outputs then stand there again.
-  void publish(const std::vector<std::string>& names, const std::vector<std::string>& stale) const;
+  /// `others` are outputs of the same run that have places of their own, and appear with these.
+  void publish(const std::vector<std::string>& names, const std::vector<std::string>& stale,
+               const std::vector<const OutputFile*>& others = {}) const;
 
  private:
   static bool make_folder(const std::filesystem::path& folder);

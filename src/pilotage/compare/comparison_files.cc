@@ -123,7 +123,9 @@ std::vector<std::filesystem::path> write_comparison(const std::filesystem::path&
     if (extension == ".json") file.write(json_text(comparison_json(comparison, source)));
     if (extension == ".png") file.write(png_bytes(comparison.pictures[i - 3].bgr));
   }
-  for (const auto& file : files) file->commit();
+  std::vector<const OutputFile*> outputs;
+  for (const auto& file : files) outputs.push_back(file.get());
+  OutputFile::commit(outputs, {});
   return names;
 }
 

@@ -198,14 +198,17 @@ void EvaluationFiles::write(const LevelScores& judged, const Evaluation& evaluat
                                          probability->quality, predictions_of(judged, evaluation, probability->name)));
 }
 
-std::vector<std::filesystem::path> EvaluationFiles::commit() {
+std::vector<std::filesystem::path> EvaluationFiles::commit(const std::vector<const OutputFile*>& others) {
   std::vector<std::filesystem::path> written;
+  std::vector<const OutputFile*> outputs;
   for (const auto& file : files_) {
-    file->commit();
+    outputs.push_back(file.get());
     written.push_back(file->destination());
   }
-  std::error_code ignored;
-  if (written.size() < std::size(kNames)) std::filesystem::remove(folder_ / kNames[3], ignored);  // of an earlier run
+  outputs.insert(outputs.end(), others.begin(), others.end());
+  std::vector<std::filesystem::path> stale;
+  if (written.size() < std::size(kNames)) stale.push_back(folder_ / kNames[3]);  // of an earlier run
+  OutputFile::commit(outputs, stale);
   return written;
 }
 

@@ -45,8 +45,9 @@ class EvaluationFiles {
 
   /// Writes all; reliability.svg only when there is a probability. Throws DataError.
   void write(const LevelScores& judged, const Evaluation& evaluation, const EvaluationSource& source);
-  /// Lets them appear, and says which.
-  std::vector<std::filesystem::path> commit();
+  /// Lets them appear together with `others`, outputs of the same run, and says which they are without those. Throws
+  /// DataError.
+  std::vector<std::filesystem::path> commit(const std::vector<const OutputFile*>& others = {});
 
  private:
   std::filesystem::path folder_;
