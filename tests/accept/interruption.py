@@ -20,8 +20,8 @@ import time
 from acceptance import SKIP, Failed, check, run
 
 INTERRUPTED = 130
-MAX_CLOCK_S = 3
-MAX_PROCESSOR_S = 1
+MAX_CLOCK_S = 10
+MAX_PROCESSOR_S = 2
 TICKS = os.sysconf("SC_CLK_TCK")
 
 

@@ -67,7 +67,7 @@ class BestPeaks {
   BestPeaks(std::size_t count, double least, bool rises) : count_(count), least_(least), rises_(rises) {}
 
   double least() const { return least_; }
-  void add(Peak peak) { peaks_.push_back(peak); }
+  void add(const Peak& peak) { peaks_.push_back(peak); }
 
   /// The best of all so far; peaks that cannot matter are forgotten.
   const std::vector<Candidate>& settle() {

@@ -102,7 +102,7 @@ class VrtCheck {
 
   void check_source(const std::string& name, const std::string& relative, const std::string& folder) {
     if (name.empty()) return;
-    const bool beside = std::atoi(relative.c_str()) != 0;
+    const bool beside = std::strtol(relative.c_str(), nullptr, 10) != 0;
     const std::string source = beside && fs::path(name).is_relative() ? folder + "/" + name : name;
     std::error_code ignored;
     const bool is_file = fs::is_regular_file(source, ignored) || fs::is_directory(source, ignored);

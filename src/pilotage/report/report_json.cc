@@ -18,11 +18,10 @@
 // report.json is described once: each describe() names the keys of a record, and writing and reading follow from it.
 
 namespace pilotage {
-
-using Json = nlohmann::ordered_json;
-
 namespace report_records {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 Json profile_json(const Report& report) {
   Json json;
@@ -239,6 +238,8 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
 }  // namespace report_records
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 void check_format(const Json& json, const std::string& file) {
   const auto format = json.is_object() ? json.find("format") : json.end();
