@@ -300,7 +300,7 @@ def main():
     parser.add_argument("--kills", type=int, help="as many, drawn at random")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--only", help="this command alone")
+    parser.add_argument("--only", nargs="+", help="these commands alone")
     options = parser.parse_args()
     source = options.source.resolve()
     for tool in ("minisign", "gdal_translate"):
@@ -316,7 +316,7 @@ def main():
     tasks = []
     try:
         campaign.make_mission()
-        chosen = [case for case in cases() if options.only in (None, case.name)]
+        chosen = [case for case in cases() if not options.only or case.name in options.only]
         known = {}
         for case in chosen:
             known[case.name] = campaign.reference(case)
