@@ -1,11 +1,10 @@
-#include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "commands.h"
 #include "map_size.h"
+#include "sign_key_options.h"
 #include "stage_files.h"
 #include "version.h"
 
@@ -23,8 +22,7 @@ namespace {
 
 struct BuildCommandOptions {
   StageFileOptions files;
-  std::optional<std::string> sign_key;
-  double chunk_list_above_mib = static_cast<double>(kChunkListAboveBytes >> 20);
+  SignKeyOptions signing;
   std::vector<std::string> second_epoch;
   RegistrationOptions registration;
   BuildOptions build;
@@ -33,12 +31,7 @@ struct BuildCommandOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
-    fields.path("sign_key", self.sign_key,
-                "Sign the map with this minisign secret key; the passphrase comes from PILOTAGE_KEY_PASSPHRASE.");
-    fields.field("chunk_list_above_mib", self.chunk_list_above_mib,
-                 "A larger map is signed with a list of its chunks (MAP.chunks), so that it is not read whole to be "
-                 "checked.",
-                 Range{0, 1e9});
+    SignKeyOptions::describe(self.signing, fields);
     BuildOptions::describe(self.build, fields);
     PurposeOptions::describe(self.purpose, fields);
     fields.path("second_epoch", self.second_epoch,
@@ -62,17 +55,6 @@ std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, con
   if (options.build.keep_features == KeepFeatures::kAll || options.second_epoch.empty()) return std::nullopt;
   return register_second_date(mission.ground, options.second_epoch, options.registration, invocation.threads,
                               invocation.progress);
-}
-
-/// Signs the map where it grows. Returns whether there is a list of chunks, too.
-bool sign_map(const BuildCommandOptions& options, const OutputFile& map, const OutputFile& signature,
-              const OutputFile& chunk_list) {
-  SignOptions sign;
-  sign.signature_path = signature.temporary_path();
-  sign.chunk_list_path = chunk_list.temporary_path();
-  sign.chunk_list_above_bytes = static_cast<std::uintmax_t>(options.chunk_list_above_mib * 1024 * 1024);
-  if (const char* passphrase = std::getenv("PILOTAGE_KEY_PASSPHRASE")) sign.passphrase = passphrase;
-  return sign_file(map.temporary_path(), *options.sign_key, sign).chunk_list.has_value();
 }
 
 }  // namespace
@@ -101,7 +83,8 @@ Command make_build_command() {
                     }};
   command.reads_rasters = true;
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
-    refuse_empty("--sign-key", options.sign_key);
+    const std::optional<std::string>& sign_key = options.signing.sign_key;
+    SignOptions sign = checked_sign_options(options.signing);
     const MapPurpose purpose = make_purpose(options.purpose);
     const StageFiles files = read_stage_files(options.files, invocation);
     OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
@@ -115,13 +98,15 @@ Command make_build_command() {
                                        second_date_of(options, files.mission, invocation), nullptr, purpose);
     std::vector<const OutputFile*> outputs;
     std::vector<std::filesystem::path> stale;
-    const bool has_list = options.sign_key && sign_map(options, map, signature, chunk_list);
+    sign.signature_path = signature.temporary_path();
+    sign.chunk_list_path = chunk_list.temporary_path();
+    const bool has_list = sign_key && sign_file(map.temporary_path(), *sign_key, sign).chunk_list.has_value();
     if (has_list) {
       outputs.push_back(&chunk_list);
     } else {
       stale.push_back(chunk_list.destination());
     }
-    if (options.sign_key) {
+    if (sign_key) {
       outputs.push_back(&signature);
     } else {
       stale.push_back(signature.destination());
@@ -142,7 +127,7 @@ Command make_build_command() {
     if (!options.second_epoch.empty() && !stats.stable) {
       result.warnings.push_back("--second-epoch changes no feature without --keep-features stable");
     }
-    if (options.sign_key) {
+    if (sign_key) {
       result.text += "signed: " + signature.destination().string() + "\n";
       result.json["signature"] = signature.destination().string();
     }

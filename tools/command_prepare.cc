@@ -1,11 +1,27 @@
 #include "commands.h"
 #include "map_size.h"
+#include "sign_key_options.h"
 #include "version.h"
 
 #include "pilotage/base/text.h"
+#include "pilotage/mapdb/map_signature.h"
 #include "pilotage/prepare/prepare.h"
 
 namespace pilotage {
+namespace {
+
+struct PrepareCommandOptions {
+  PrepareOptions prepare;
+  SignKeyOptions signing;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    PrepareOptions::describe(self.prepare, fields);
+    SignKeyOptions::describe(self.signing, fields);
+  }
+};
+
+}  // namespace
 
 Command make_prepare_command() {
   Command command;
@@ -29,8 +45,12 @@ Command make_prepare_command() {
                       return files;
                     }};
   command.reads_rasters = true;
-  bind_options<PrepareOptions>(command, [](const PrepareOptions& options, const Invocation& invocation) {
-    const PrepareRun run{invocation.output, invocation.overwrite, invocation.seed, invocation.threads, version_line()};
+  bind_options<PrepareCommandOptions>(command, [](const PrepareCommandOptions& given, const Invocation& invocation) {
+    const PrepareOptions& options = given.prepare;
+    const SignKeyOptions& signing = given.signing;
+    const PrepareRun run{
+        invocation.output, invocation.overwrite,         invocation.seed, invocation.threads, version_line(),
+        signing.sign_key,  checked_sign_options(signing)};
     const PrepareResult done = prepare(options, run, invocation.progress);
     CommandResult result;
     const std::string folder = invocation.output;
@@ -38,6 +58,9 @@ Command make_prepare_command() {
                   std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
                   " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
                   bytes_per_tile_text(done.map) + kept_features_text(done.map);
+    if (signing.sign_key) {
+      result.text += "signed: " + signature_path_of(std::filesystem::path(folder) / "map.gpkg").string() + "\n";
+    }
     if (asks_for(options.outputs, ReportOutput::kHtml)) {
       result.text += "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
     }

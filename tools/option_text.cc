@@ -145,7 +145,7 @@ std::vector<std::pair<std::string, std::string>> environment_variables() {
            "When it is set to anything but 0, colours are used although the output is no terminal; "
            "NO_COLOR is stronger."},
           {"TERM", "\"dumb\" stands for a terminal without colours and without a cursor that moves."},
-          {"PILOTAGE_KEY_PASSPHRASE", "Passphrase of the key of `pilotage build --sign-key`."}};
+          {"PILOTAGE_KEY_PASSPHRASE", "Passphrase of the key of `--sign-key`."}};
 }
 
 std::vector<std::pair<CommandGroup, std::string>> command_groups() {

@@ -66,6 +66,11 @@ std::array<std::uint8_t, 64> sign(const std::string& message, const MinisignSecr
   return signature;
 }
 
+MinisignSecretKey read_secret_key(const fs::path& path, const std::optional<std::string>& passphrase) {
+  if (sodium_init() < 0) throw DataError("libsodium cannot be started");
+  return parse_secret_key(read_file(path, kMaxSecretKeyBytes), passphrase, path.string());
+}
+
 void check_comment(const std::string& comment) {
   const bool one_line = std::none_of(comment.begin(), comment.end(),
                                      [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; });
@@ -76,12 +81,14 @@ void check_comment(const std::string& comment) {
 
 }  // namespace
 
+void check_secret_key(const fs::path& secret_key_path, const std::optional<std::string>& passphrase) {
+  read_secret_key(secret_key_path, passphrase);
+}
+
 SignatureFiles sign_file(const fs::path& path, const fs::path& secret_key_path, const SignOptions& options) {
-  if (sodium_init() < 0) throw DataError("libsodium cannot be started");
   std::string comment = options.trusted_comment.value_or("file:" + path.filename().string() + "\thashed");
   check_comment(comment);
-  const MinisignSecretKey key =
-      parse_secret_key(read_file(secret_key_path, kMaxSecretKeyBytes), options.passphrase, secret_key_path.string());
+  const MinisignSecretKey key = read_secret_key(secret_key_path, options.passphrase);
   const FileHashes hashes = hash_file(path);
   const bool with_list = hashes.size > options.chunk_list_above_bytes;
   if (with_list) comment += "\t" + chunk_list_mark(hashes.chunk_list);

@@ -32,6 +32,9 @@ struct SignatureFiles {
   std::optional<std::filesystem::path> chunk_list;
 };
 
+/// Throws as sign_file when the secret key cannot be used, so that a command that signs at its end fails at its start.
+void check_secret_key(const std::filesystem::path& secret_key_path, const std::optional<std::string>& passphrase);
+
 /// Signs a file (prehashed: Ed25519 over BLAKE2b-512) with a minisign secret key file, encrypted with a passphrase
 /// (`minisign -G`) or not (`minisign -G -W`), and lists its chunks when it is large. Signature and list appear
 /// together; a list of an earlier signature is removed. Throws DataError when a file cannot be read or is not a secret

@@ -143,6 +143,13 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
   result.map = build_map(publish_later(kMap), mission, scores, selection, inputs, run.software_version, options.build,
                          true, run.threads, progress, second_date, &*imagery, purpose);
+  if (run.secret_key) {
+    SignOptions sign = run.sign;
+    sign.signature_path = publish_later(signature_path_of(kMap));
+    const fs::path chunk_list = chunk_list_path_of(kMap);
+    sign.chunk_list_path = staging / chunk_list.string();
+    if (sign_file(staging / kMap, *run.secret_key, sign).chunk_list) result.files.push_back(chunk_list.string());
+  }
   imagery.reset();  // the report reads it at other scales
 
   ReportInput input =

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/build_map/purpose_options.h"
 #include "pilotage/gis/report_outputs.h"
+#include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/score/score_tiles.h"
@@ -47,6 +49,8 @@ struct PrepareRun {
   std::uint64_t seed = 1;
   int threads = 0;
   std::string software_version;
+  std::optional<std::filesystem::path> secret_key;  ///< The map is signed with it (mapdb/map_signing.h).
+  SignOptions sign;                                 ///< With `secret_key`; its paths are the output folder's.
 };
 
 struct PrepareResult {
@@ -69,8 +73,8 @@ std::vector<std::string> earlier_outputs(const std::filesystem::path& folder);
 /// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …
 /// for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif (with
 /// score.second_epoch), selection.json, map.gpkg and the files of the report that `outputs` ask for, "report.html" and
-/// so on, into the output folder, which is made when it does not exist. All of them appear at the end, in place of
-/// those of an earlier run, the map last: at no moment an output of the one stands beside one of the other
+/// so on, and with a secret key map.gpkg.minisig and for a large map map.gpkg.chunks, into the output folder, which is
+/// made when it does not exist. All of them appear at the end, in place of those of an earlier run, the map last: at no moment an output of the one stands beside one of the other
 /// (base/output_file.h, replace_together). When anything fails, those of the earlier run stand there as before. Throws
 /// as the stages; DataError when an output exists and overwrite is not set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
