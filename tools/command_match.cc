@@ -216,15 +216,19 @@ Command make_match_command() {
     const MapRequirements required = requirements_of_flight(options);
     const std::optional<SignedInput> input = read_signed_input(options.trust, path);
     const auto open_map = [&] { return input ? MapReader::open(input->map) : MapReader::open_unverified(path); };
-    check_purpose(open_map(), required);
-    const FlightFrames frames = single ? one_frame(options, invocation, open_map()) : whole_flight(options, open_map());
+    const MapReader checked = open_map();
+    check_purpose(checked, required);
+    const std::optional<std::string> expired = expiry_warning(checked, options.trust);
+    const FlightFrames frames = single ? one_frame(options, invocation, checked) : whole_flight(options, checked);
     const std::vector<FrameMatch> matches =
         match_flight(open_map, frames.frames, options.match, options.truth, invocation.threads, invocation.progress);
     if (!invocation.output.empty()) {
       write_file(invocation.output, fix_table_to_csv(matches, options.timings), invocation.overwrite);
     }
-    return single ? frame_result(options, matches.front(), frames)
-                  : flight_result(options, matches, frames, invocation.output);
+    CommandResult result = single ? frame_result(options, matches.front(), frames)
+                                  : flight_result(options, matches, frames, invocation.output);
+    if (expired) result.warnings.push_back(*expired);
+    return result;
   });
   return command;
 }

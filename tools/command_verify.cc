@@ -84,6 +84,7 @@ Command make_verify_command() {
     const MapReader map = input ? MapReader::open(input->map) : MapReader::open_unverified(path);
     check_purpose(map, required);
     add_purpose(map.purpose(), result);
+    if (const auto warning = expiry_warning(map, options)) result.warnings.push_back(*warning);
     if (input) add_signature(*input, result);
     return result;
   });

@@ -60,6 +60,20 @@ std::optional<SignedInput> read_signed_input(const TrustOptions& options, const 
   return SignedInput{std::move(map), std::move(list)};
 }
 
+std::optional<std::string> expiry_warning(const MapReader& map, const TrustOptions& options) {
+  if (!options.allow_expired) return std::nullopt;
+  TrustOptions strict = options;
+  strict.allow_expired = false;
+  MapRequirements required;
+  required.now = judging_time(strict);
+  try {
+    check_purpose(map, required);
+  } catch (const IntegrityError& error) {
+    return std::string(error.what()) + "; taken nevertheless: --allow-expired";
+  }
+  return std::nullopt;
+}
+
 MapRequirements requirements_of(const TrustOptions& options) {
   MapRequirements required;
   required.mission_name = options.mission;

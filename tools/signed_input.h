@@ -7,6 +7,7 @@
 
 #include "pilotage/mapdb/key_list.h"
 #include "pilotage/mapdb/map_purpose.h"
+#include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_signature.h"
 
 namespace pilotage {
@@ -56,6 +57,9 @@ struct SignedInput {
 /// The map at `path`, checked; nothing when neither key nor key list was given. Throws UsageError for options that are
 /// empty or need another, DataError when there is no map; as read_signed_map and read_key_lists.
 std::optional<SignedInput> read_signed_input(const TrustOptions& options, const std::string& path);
+
+/// Why the map would be refused without --allow-expired; nothing when it would not. Throws as requirements_of.
+std::optional<std::string> expiry_warning(const MapReader& map, const TrustOptions& options);
 
 /// What check_purpose is to ask of the map, but for the camera. Throws UsageError for a time that is none.
 MapRequirements requirements_of(const TrustOptions& options);
