@@ -19,6 +19,7 @@
 namespace pilotage {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::make_small_mission;
 using testing::MissionPoint;
@@ -74,6 +75,15 @@ TEST(PlanTiles, HeightsOfMoreThanAFactorOfTwoMakeLevels) {
     EXPECT_GE(sample.agl_m, level.min_agl_m * (1 - 1e-9));
     EXPECT_LE(sample.agl_m, level.max_agl_m * (1 + 1e-9));
   }
+}
+
+TEST(PlanTiles, RefusesMoreTilesThanAGroundMayHaveBeforeItCutsThem) {
+  const TemporaryFolder folder;
+  TileOptions options = make_small_mission(folder.path(), two_legs());
+  options.corridor_half_width_m = 50000;
+  options.tile_size_px = 16;
+  EXPECT_THAT(plan_error(options), AllOf(HasSubstr("the corridor, 100000 m wide"), HasSubstr("one every"),
+                                         HasSubstr("at most 10000000 are planned; look at corridor_half_width_m")));
 }
 
 TEST(PlanTiles, NarrowCorridorHasTheTileUnderEveryPoint) {

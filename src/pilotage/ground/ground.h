@@ -55,6 +55,10 @@ struct Imagery {
   bool own_grid = false;  ///< One raster on its own pixel grid: nothing is resampled.
 };
 
+/// Most tiles that a ground, or a level of one, is given: with their scores, rows and bands some kilobytes each, some
+/// 16 GB.
+inline constexpr std::int64_t kMostTiles = 10'000'000;
+
 /// What can be scored: imagery cut into tiles, level by level, in one CRS. It knows no route. Scores of a ground are a
 /// vector with one TileScores for each tile, in the order of `tiles`.
 struct Ground {

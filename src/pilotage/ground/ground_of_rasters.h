@@ -49,9 +49,6 @@ struct RasterGround {
 /// several; DataError naming both sizes when a tile is larger than the imagery.
 RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options);
 
-/// Most tiles that a ground of rasters is given: with their scores, rows and bands some kilobytes each, some 16 GB.
-inline constexpr std::int64_t kMostTiles = 10'000'000;
-
 /// Gives a ground of one level tiles of its matrix, `indices` (ascending) or all of them; tile_id = row · matrix_width
 /// + column. Throws DataError, before memory is taken, when these are more than kMostTiles.
 void cut_tiles(Ground& ground, std::span<const std::int64_t> indices, int threads = 0);

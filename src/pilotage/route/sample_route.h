@@ -41,6 +41,7 @@ std::vector<std::string> route_height_warnings(const Route& route, const std::ve
 
 inline constexpr double kLandingTolerance_m = 50;
 
-inline constexpr std::size_t kMaxRouteSamples = 20'000'000;
+/// Half around the Earth in steps of 10 m; some 300 MB.
+inline constexpr std::size_t kMaxRouteSamples = 2'000'000;
 
 }  // namespace pilotage

@@ -163,6 +163,23 @@ double reach_of_tiles_m(const GridLevel& level, double corridor_half_width_m) {
   return std::max(corridor_half_width_m, std::sqrt(0.5) * level.matrix.stride_px * level.gsd_m);
 }
 
+// Refuses a corridor of more tiles than a ground may have, before memory is taken for them. Estimated: a strip with
+// round ends about the way that the level serves.
+void refuse_too_many_tiles(const GridLevel& level, double reach_m, const std::vector<FlightSample>& samples) {
+  double way_m = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (samples[i].level == level.matrix.level) way_m += samples[i].distance_m - samples[i - 1].distance_m;
+  }
+  const double stride_m = level.matrix.stride_px * level.gsd_m;
+  const double strip_tiles = (2 * reach_m * way_m + std::numbers::pi * reach_m * reach_m) / (stride_m * stride_m);
+  const double tiles = std::min(strip_tiles, static_cast<double>(level.matrix.tile_count()));
+  if (tiles <= static_cast<double>(kMostTiles)) return;
+  throw DataError("the corridor, " + format_fixed(2 * reach_m, 0) + " m wide and " + format_fixed(way_m / 1000, 0) +
+                  " km long, holds some " + format_fixed(tiles, 0) + " tiles, one every " + format_fixed(stride_m, 2) +
+                  " m; at most " + std::to_string(kMostTiles) +
+                  " are planned; look at corridor_half_width_m, the field of view and agl_m, or divide the route");
+}
+
 // Gives every sample its level; returns the bands of heights.
 std::vector<AglBand> serve_heights(Mission& mission) {
   std::vector<double> heights_m;
@@ -211,6 +228,7 @@ void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& info
     GridLevel level = make_level(static_cast<int>(i), bands[i], working.gsd_m, tile_size_px, options.tile_overlap,
                                  mission.flight.corridor_half_width_m + radius_m, mission.flight.samples);
     level.search_radius_px = std::max(1, static_cast<int>(std::ceil(radius_m / working.gsd_m)));
+    refuse_too_many_tiles(level, reach_of_tiles_m(level, mission.flight.corridor_half_width_m), mission.flight.samples);
     mission.ground.levels.push_back(level);
     if (i == 0) {
       const Footprint shape = footprint(mission.flight.camera, Attitude{}, agl_m);
