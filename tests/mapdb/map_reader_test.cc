@@ -53,6 +53,20 @@ class MapReaderTest : public ::testing::Test {
   std::filesystem::path path_;
 };
 
+TEST_F(MapReaderTest, RefusesAMapInfoOfMoreRowsThanAnyMapHas) {
+  Database database = Database::create(path_, "map.gpkg");
+  const auto add_rows_up_to = [&](std::size_t rows) {
+    database.execute(
+        "WITH RECURSIVE n(i) AS (SELECT (SELECT count(*) FROM map_info) UNION ALL SELECT i + 1 FROM n WHERE i + 1 < " +
+        std::to_string(rows) + ") INSERT INTO map_info (key, value) SELECT 'row ' || i, '' FROM n");
+  };
+  add_rows_up_to(kMaxInfoEntries);
+  EXPECT_EQ(MapReader::open_unverified(path_).info().entries.size(), kMaxInfoEntries);
+  add_rows_up_to(kMaxInfoEntries + 1);
+  EXPECT_THAT([&] { MapReader::open_unverified(path_); },
+              ThrowsMessage<DataError>(HasSubstr("map_info has more than 100000 rows")));
+}
+
 TEST_F(MapReaderTest, GivesBackTilesAndTheirValues) {
   MapReader reader = MapReader::open_unverified(path_);
   const std::vector<MapTile> tiles = reader.tiles();

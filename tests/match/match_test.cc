@@ -1,7 +1,9 @@
 #include "pilotage/match/match.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <new>
 #include <thread>
 
 #include "testing/temporary_folder.h"
@@ -369,6 +371,57 @@ TEST(Match, LessMemoryThanItIsMeantToTakeIsTooUncertain) {
   }
   EXPECT_EQ(result(0).status, MatchStatus::kTooUncertain);
   EXPECT_FALSE(result(0).candidate);
+}
+
+/// Memory for matrices that runs out after some of them, as cv::fastMalloc says it; back as it was when it dies.
+class ScarceMatrices : public cv::MatAllocator {
+ public:
+  explicit ScarceMatrices(int left) : left_(left) { cv::Mat::setDefaultAllocator(this); }
+  ~ScarceMatrices() override { cv::Mat::setDefaultAllocator(cv::Mat::getStdAllocator()); }
+  ScarceMatrices(const ScarceMatrices&) = delete;
+  ScarceMatrices& operator=(const ScarceMatrices&) = delete;
+
+  int taken() const { return taken_; }
+
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, size_t* step, cv::AccessFlag flags,
+                         cv::UMatUsageFlags usage) const override {
+    if (taken_++ >= left_) CV_Error(cv::Error::StsNoMem, "no memory");
+    return cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
+  }
+  bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const override {
+    return cv::Mat::getStdAllocator()->allocate(data, flags, usage);
+  }
+  void deallocate(cv::UMatData* data) const override { cv::Mat::getStdAllocator()->deallocate(data); }
+
+ private:
+  int left_;
+  mutable int taken_ = 0;
+};
+
+TEST(Match, SaysThatMemoryRanOutWhereverItDoes) {
+  const Map& map = upright_map();
+  const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
+  const MatchPrior prior = prior_of(map, {});
+  const int opencv_threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const auto matched = [&](const std::function<bool()>& go_on = {}) {
+    MapReader reader = MapReader::open_unverified(map.path);
+    return match(frame, prior, map.ground.camera, reader, {}, go_on).status;
+  };
+  int needed = 0;
+  {
+    const ScarceMatrices plenty(std::numeric_limits<int>::max());
+    EXPECT_EQ(matched(), MatchStatus::kFix);
+    needed = plenty.taken();
+  }
+  EXPECT_GT(needed, 20);
+  for (int left = 0; left < needed; left += 1 + needed / 40) {
+    const ScarceMatrices scarce(left);
+    EXPECT_EQ(matched(), MatchStatus::kOutOfMemory) << left << " of " << needed;
+  }
+  EXPECT_EQ(matched([]() -> bool { throw std::bad_alloc(); }), MatchStatus::kOutOfMemory);
+  EXPECT_EQ(matched(), MatchStatus::kFix) << "the next frame finds some again";
+  cv::setNumThreads(opencv_threads);
 }
 
 TEST(Match, AWindowThatNobodyCanSearchIsTooUncertain) {
