@@ -68,12 +68,12 @@ void ProgressMeter::report(std::string_view what, std::int64_t done, std::int64_
   // A count that falls is the same kind of work once more, of the next level.
   const bool first = what != what_ || done < done_;
   if (first) begin(what, done);
+  const bool last = total > 0 && done >= total && (first || done > done_);  // said once, however often it is reported
   done_ = done;
   total_ = total;
   pending_ = true;
   const auto now = Clock::now();
   const auto interval = std::chrono::milliseconds(style_ == ProgressStyle::kJson ? 250 : 100);
-  const bool last = total > 0 && done >= total;
   if (first || last || now - shown_ >= interval) show(now);
 }
 

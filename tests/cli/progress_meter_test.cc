@@ -36,6 +36,7 @@ TEST(ProgressMeter, JsonTellsTheFirstAndTheLastOfEachWork) {
   for (int done = 0; done <= 1000; ++done) meter.report("a", done, 1000);
   meter.report("b\xFF", 0, 2);
   meter.report("b\xFF", 2, 2);
+  meter.report("b\xFF", 2, 2);  // asked again whether to go on: nothing new
   std::istringstream lines(stream.str());
   std::vector<nlohmann::json> parsed;
   for (std::string line; std::getline(lines, line);) parsed.push_back(nlohmann::json::parse(line));

@@ -253,9 +253,10 @@ std::vector<std::unique_ptr<ColumnGroup>> make_groups(const TileScoring& scoring
   return groups;
 }
 
-/// Surfaces of the tiles of one row that belong to a group, but for those that need masks.
+/// Surfaces of the tiles of one row that belong to a group, but for those that need masks. Ends early when `go_on`,
+/// asked before each tile, says so.
 void score_row(const TileScoring& scoring, const MapStrip& strip, std::int64_t row, std::span<const std::int64_t> asked,
-               ColumnGroup& group, std::vector<TileScores>& scores) {
+               const std::function<bool()>& go_on, ColumnGroup& group, std::vector<TileScores>& scores) {
   std::vector<std::int64_t> whole;  // search area all ground
   for (const std::int64_t column : asked) {
     const std::int64_t index = scoring.matrix.index_of(column, row);
@@ -271,6 +272,7 @@ void score_row(const TileScoring& scoring, const MapStrip& strip, std::int64_t r
   if (whole.empty()) return;
   if (group.clean) group.clean->prepare(strip, row, whole);
   for (const std::int64_t column : whole) {
+    if (!go_on()) return;
     const SearchArea area(scoring.matrix, column, row, scoring.radius_px);
     TileScores& score = scores[scoring.place_of(scoring.matrix.index_of(column, row))];
     if (group.clean) score.clean = surface_scores(group.clean->peaks(strip, area, column, row, group.scratch));
@@ -288,14 +290,18 @@ void score_surfaces(const TileScoring& scoring, const TileBlock& block, const Ma
                     std::span<const std::unique_ptr<ColumnGroup>> groups,
                     const std::function<bool(std::int64_t)>& advance, std::vector<TileScores>& scores) {
   std::atomic<bool> stopped{false};
+  const std::function<bool()> go_on = [&] {
+    if (!stopped && !advance(0)) stopped = true;
+    return !stopped;
+  };
   parallel_for(groups.size(), scoring.threads, [&](std::size_t index, int) {
     ColumnGroup& group = *groups[index];
     group.masked.clear();
     for (const auto& [row, columns] : block.columns_of_row) {
-      if (stopped) return;
       const auto first = std::lower_bound(columns.begin(), columns.end(), group.first_column);
       const auto last = std::lower_bound(first, columns.end(), group.first_column + group.columns);
-      score_row(scoring, strip, row, {first, last}, group, scores);
+      score_row(scoring, strip, row, {first, last}, go_on, group, scores);
+      if (stopped) return;
       if (!advance(last - first)) stopped = true;
     }
   });
@@ -303,10 +309,12 @@ void score_surfaces(const TileScoring& scoring, const TileBlock& block, const Ma
   std::vector<std::int64_t> masked;
   for (const auto& group : groups) masked.insert(masked.end(), group->masked.begin(), group->masked.end());
   parallel_for(masked.size(), scoring.threads, [&](std::size_t i, int) {
+    if (!go_on()) return;
     const auto [column, row] = scoring.matrix.cell_of(masked[i]);
     const SearchArea area(scoring.matrix, column, row, scoring.radius_px);
     score_masked(scoring, strip, area, scores[scoring.place_of(masked[i])]);
   });
+  if (stopped) throw Interrupted{};
 }
 
 void load(const TileScoring& scoring, const TileBlock& block, const MapStrip* previous, StripIntegrals& integrals,
