@@ -97,7 +97,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   std::vector<std::string> written =
       write_report_outputs(staging / "", place.stem, input, report, options.outputs, true, invocation.progress);
   for (std::string& name : written) {
-    if (name != place.stem + ".html") continue;
+    if (name == place.page || name != place.stem + ".html") continue;
     std::filesystem::rename(staging / name, staging / place.page);  // -o page.htm is meant as it stands
     name = place.page;
   }

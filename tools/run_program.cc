@@ -328,6 +328,8 @@ Failure describe_current_exception() {
     return {kExitIntegrity, "integrity", error.what()};
   } catch (const DataError& error) {
     return {kExitFailed, "data", error.what()};
+  } catch (const std::filesystem::filesystem_error& error) {
+    return {kExitFailed, "data", error.path1().string() + ": " + error.code().message()};
   } catch (const std::bad_alloc&) {
     return {kExitFailed, "memory", "not enough memory"};
   } catch (const cv::Exception& error) {
