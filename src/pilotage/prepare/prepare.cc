@@ -109,6 +109,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), json_text(plan_to_json(mission)), true);
 
+  report_progress(progress, "reading imagery", 0, 0);  // until there are tiles to count
   std::optional<GroundImagery> imagery = open_imagery(mission.ground);
   const GroundScores scored = score_ground(mission.ground, score_options, run.seed, run.threads, progress, &*imagery);
   const std::vector<TileScores>& scores = scored.scores;
