@@ -17,6 +17,7 @@
 #include "pilotage/report/error_profile.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/sampled_route.h"
+#include "pilotage/report/title_block.h"
 #include "pilotage/report/verdict.h"
 #include "pilotage/report/wording.h"
 
@@ -234,6 +235,7 @@ Report make_report(const ReportInput& input) {
   report.route_name = valid_utf8(mission.flight.route.name);
   report.route_format = valid_utf8(mission.flight.route.format);
   report.title = valid_utf8(input.title.empty() ? mission.flight.route.name : input.title);
+  report.title_block = title_block(input);
   report.software_version = valid_utf8(input.software_version);
   report.route_length_m = route_length_m(mission.flight.route);
   report.matchable_fraction = selection.matchable_fraction;
