@@ -1,6 +1,7 @@
 #include "help.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "option_text.h"
 
@@ -23,6 +24,27 @@ std::string entry(const OptionEntry& option) {
   return entry(option_name(option), option.help + limits);
 }
 
+/// "--camera-* (14)": the flags of a group by what they have in common; the first of them where that is nothing.
+std::string flags_of(const OptionSection& section) {
+  std::string common = section.entries.front().flag;
+  for (const OptionEntry& option : section.entries) {
+    const auto differ = std::mismatch(common.begin(), common.end(), option.flag.begin(), option.flag.end());
+    common.erase(differ.first, common.end());
+  }
+  common.erase(common.rfind('-') + 1);  // whole words
+  const bool alike = common.size() > std::string_view("--").size();
+  return (alike ? common + "*" : section.entries.front().flag + " …") + " (" + std::to_string(section.entries.size()) +
+         ")";
+}
+
+std::string named_groups(const Command& command, const std::vector<OptionSection>& sections) {
+  std::string text = "\nMore options, explained by `pilotage " + command.word + " --help all`:\n";
+  for (const OptionSection& section : sections) {
+    if (!section.heading.empty()) text += entry(flags_of(section), section.heading + ".");
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string overview_help(const std::vector<Command>& commands) {
@@ -40,16 +62,20 @@ std::string overview_help(const std::vector<Command>& commands) {
   return text + "`pilotage COMMAND --help` explains a command; `--version` names the versions.\n";
 }
 
-std::string command_help(const Command& command, const OptionList& common) {
+std::string command_help(const Command& command, const OptionList& common, bool all) {
   std::string text = "Usage: " + usage_of(command) + "\n\n" + wrap_text(command.summary + ".", 0);
   for (const CommandExample& example : command.examples) {
     text += "\n" + wrap_text("# " + example.what, 2) + wrap_command(example.line, 2);
   }
   if (!command.inputs.help.empty()) text += "\nInputs:\n" + entry(command.inputs.name, command.inputs.help);
-  for (const OptionSection& section : describe_options(command.options)) {
+  const std::vector<OptionSection> sections = describe_options(command.options);
+  const bool shortened = !all && command.options.fields.size() > kManyOptions;
+  for (const OptionSection& section : sections) {
+    if (shortened && !section.heading.empty()) continue;
     text += "\n" + wrap_text((section.heading.empty() ? "Options" : section.heading) + ":", 0);
     for (const OptionEntry& option : section.entries) text += entry(option);
   }
+  if (shortened) text += named_groups(command, sections);
   text += "\nCommon options:\n";
   for (const OptionField& field : common.fields) text += entry(describe_option(field));
   for (const OptionEntry& option : options_of_the_program()) text += entry(option);

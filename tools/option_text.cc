@@ -127,7 +127,8 @@ std::vector<OptionSection> describe_options(const OptionList& list) {
 }
 
 std::vector<OptionEntry> options_of_the_program() {
-  return {{"-h", "--help", "", "Print this and stop.", {}}, {"", "--version", "", "Print the version and stop.", {}}};
+  return {{"-h", "--help", "", "Print this and stop; `--help all` explains every option.", {}},
+          {"", "--version", "", "Print the version and stop.", {}}};
 }
 
 std::string option_name(const OptionEntry& entry) {

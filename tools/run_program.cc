@@ -40,7 +40,7 @@ int print(std::ostream& out, const std::string& text) {
   return kExitDone;
 }
 
-/// `code`: of ECMA-48's "select graphic rendition", 31 for red.
+/// `code`: of ECMA-48's "select graphic rendition", 31 for red, 1;36 for bold cyan.
 std::string in_colour(const std::ostream& stream, const char* code, const std::string& text) {
   return wants_colour(stream) ? "\x1b[" + std::string(code) + "m" + text + "\x1b[0m" : text;
 }
@@ -82,6 +82,17 @@ int print_help(std::ostream& out, const std::string& text) {
     out << (heading ? in_colour(out, "1", line) : line) << "\n";
   }
   return kExitDone;
+}
+
+/// The verdict that a text begins with, in the terminal's nearest colours to those of the page and of maps.
+std::string with_verdict(const std::ostream& stream, const std::string& text) {
+  static constexpr std::pair<std::string_view, const char*> kColours[] = {
+      {"GO:", "1;36"}, {"MARGINAL:", "1;33"}, {"NO-GO:", "1;35"}};
+  for (const auto& [word, code] : kColours) {
+    if (!text.starts_with(word)) continue;
+    return in_colour(stream, code, std::string(word)) + text.substr(word.size());
+  }
+  return text;
 }
 
 /// JSON escapes U+0000 … U+001F itself; the other control characters stand only in its strings, too.
@@ -249,7 +260,7 @@ void print_result(const Command& command, const CommonOptions& common, const Com
     out << dump(json);
   } else {
     // What the program says of itself is for shells and for man, byte by byte.
-    out << (command.group == CommandGroup::kHelp ? result.text : shown(result.text));
+    out << (command.group == CommandGroup::kHelp ? result.text : with_verdict(out, shown(result.text)));
   }
 }
 
@@ -258,7 +269,8 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   CommonOptions common;
   const OptionList common_fields = common_fields_for(command, common);
   const ParsedLine line = parse_line({&command.options, &common_fields}, arguments);
-  if (line.help) return print_help(out, command_help(command, common_fields));
+  if (line.help)
+    return print_help(out, command_help(command, common_fields, line.inputs == std::vector<std::string>{"all"}));
   if (line.version) return print(out, version_text());
   apply_flags(common_fields, line);
   if (common.print_schema) {
@@ -306,7 +318,11 @@ int dispatch(std::vector<Command>& commands, const std::vector<std::string>& arg
   if (word == "--help" || word == "-h" || (word == "help" && rest.empty())) {
     return print_help(out, overview_help(commands));
   }
-  if (word == "help") return run_command(commands, find_command(commands, rest.front()), {"--help"}, out, err);
+  if (word == "help") {
+    std::vector<std::string> asked(rest.begin(), rest.end());
+    asked.front() = "--help";
+    return run_command(commands, find_command(commands, rest.front()), asked, out, err);
+  }
   return run_command(commands, find_command(commands, word), rest, out, err);
 }
 

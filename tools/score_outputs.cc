@@ -142,7 +142,10 @@ ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& 
     evaluation_.emplace(folder_of_outputs(options, invocation), invocation.overwrite);
   }
   frames_ = read_frame_table(options.evaluate);
-  for (const std::string& dataset : run.options.score.second_epoch) inspect_imagery(dataset);
+  for (const std::string& dataset : run.options.score.second_epoch) {
+    const ImageryInfo info = inspect_imagery(dataset, second_date_options(run.ground.imagery.options));
+    second_date_warnings_.insert(second_date_warnings_.end(), info.warnings.begin(), info.warnings.end());
+  }
   if (options.second_epoch_output.empty()) return;
   if (run.options.score.second_epoch.empty()) throw UsageError("--second-epoch-output needs --second-epoch");
   const OutputFile refused(options.second_epoch_output, invocation.overwrite);
@@ -151,6 +154,7 @@ ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& 
 CommandResult ScoreOutputs::write(const Ground& ground, const GroundScores& scored) {
   const ScoreTable table(ground, scored.scores);
   CommandResult result = tell(scored, run_, invocation_);
+  result.warnings.insert(result.warnings.end(), second_date_warnings_.begin(), second_date_warnings_.end());
   if (evaluation_) add_evaluation(table, scored, result);
   report_progress(invocation_.progress, "writing scores", 0, 0);
   const ScoreRaster raster = score_raster(table, options_.level);

@@ -51,6 +51,7 @@ class ScoreOutputs {
   const ScoreRun& run_;
   std::optional<OutputFile> table_;
   std::optional<EvaluationFiles> evaluation_;
+  std::vector<std::string> second_date_warnings_;
   FrameTable frames_;
 };
 

@@ -166,7 +166,8 @@ class Browser:
         return base64.b64decode(self._send("POST", self.session + "/print", {"shrinkToFit": False}))
 
     def resize(self, width, height):
-        self._send("POST", self.session + "/window/rect", {"width": width, "height": height})
+        """The window's inside. A window itself cannot be as narrow as a phone."""
+        self.devtools("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def prefer(self, scheme):
         """What the system is said to prefer: "light" or "dark"."""

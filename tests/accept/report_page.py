@@ -106,13 +106,31 @@ def heat_color(report, display, measure, value):
     return [int(color[k:k + 2], 16) for k in (1, 3, 5)]
 
 
+def decision_comes_first(page, report):
+    """Go, marginal and no-go ground before any number, in the colours of legs and gaps."""
+    check(page.run("return document.getElementById('measure').value") == "-1", "the map does not open on the decision")
+    classes, names, colors = page.run("const d = pilotage.display; return [d.classes, d.class_names, d.class_colors]")
+    check(names == ["go", "marginal", "no-go"] and colors == ["#0072b2", "#e69f00", "#d5008a"], f"{names} are {colors}")
+    check(len(set(classes)) >= 2, f"all tiles are of one class: {set(classes)}")
+    for known in set(classes) - {None}:
+        i = next(i for i, row in enumerate(report.rows) if row["level"] == 0 and classes[i] == known)
+        drawn = page.run(LAYER_COLOR, "heat", *cell_center(page, i))
+        wanted = [int(colors[known][k:k + 2], 16) for k in (1, 3, 5)]
+        check(max(abs(a - b) for a, b in zip(drawn, wanted)) <= 4, f"class {names[known]}: drawn {drawn}, wanted {wanted}")
+    told = text_of(page, "scale-classes")
+    for known, name in enumerate(names):
+        count = sum(1 for i, row in enumerate(report.rows) if row["level"] == 0 and classes[i] == known)
+        check(f"{name}: {count} tile" in told, f"{name}: {count} tiles, the scale says {told}")
+    check(not page.run("return document.getElementById('threshold').offsetParent"), "classes have a threshold")
+
+
 def every_measure_is_drawn(page, report):
     display = page.run("return {colors: pilotage.display.colors, color_maps: pilotage.display.color_maps}")
     i = report.first(lambda row: row["status"] == "scored" and row["level"] == 0 and 0.2 < row["p_correct_fix"] < 0.8)
     x, y = cell_center(page, i)
     offered = page.run("return [...document.querySelectorAll('#measure option')].map((option) => Number(option.value))")
     measured = [m for m, measure in enumerate(report.json["measures"]) if measure["least"] is not None]
-    check(offered == measured and len(measured) >= 7, f"measures {offered} are offered, {measured} have values")
+    check(offered == [-1] + measured and len(measured) >= 7, f"measures {offered} are offered, {measured} have values")
     for m in measured:
         measure = report.json["measures"][m]
         page.run(CHOOSE_MEASURE, m)
@@ -233,11 +251,14 @@ def chart_and_map_are_linked(page, report):
 
 def places_can_be_shown_and_copied(page, report):
     gap = report.json["route"]["gaps"][0]
+    copied = page.run("return [...document.querySelectorAll('#gaps button.copy')].slice(0, 2).map((b) => b.dataset.copy)")
+    wanted = [f"{gap[key]['lat_deg']:.6f}, {gap[key]['lon_deg']:.6f}" for key in ("from", "to")]
+    check(copied == wanted, f"a map's search gets {copied}, not one place of {wanted} at a time")
     page.run("document.querySelector('#gaps button.show').click()")
     check(abs(page.run("return pilotage.state.along") - gap["to_distance_m"]) < 1, "Show does not go to the gap")
     for key in ("from", "to"):
         place = gap[key]
-        code = page.run("return document.querySelector('#gaps code').textContent")
+        code = page.run("return [...document.querySelectorAll('#gaps code')].slice(0, 2).map((c) => c.textContent).join(' ')")
         check(f"{place['lat_deg']:.6f}, {place['lon_deg']:.6f}" in code, f"{code} lacks {place}")
     page.run("document.querySelector('#gaps button.copy').click()")
     page.wait("return document.querySelector('#gaps button.copy').textContent === 'Copied'", "the coordinates to be copied")
@@ -284,17 +305,47 @@ def prints(page, work):
     pdf = page.pdf()
     (work / "printed.pdf").write_bytes(pdf)
     pages = len(re.findall(rb"/Type /Page\b(?!s)", pdf))
-    check(pdf.startswith(b"%PDF-") and 2 <= pages <= 8, f"the printed page has {pages} sheets")
+    check(pdf.startswith(b"%PDF-") and 2 <= pages <= 6, f"the printed page has {pages} sheets")
     check(b"/DCTDecode" in pdf, "the imagery is not on the printed page")
     check(page.run("return pilotage.map.getSize()") == size and not page.run("return pilotage.state.printing"),
           "the map does not come back from printing")
+
+
+SMALL_TARGETS = """const touched = [...document.querySelectorAll('button, select, input[type=range], input[type=number], summary, .leaflet-bar a')]
+  .concat([...document.querySelectorAll('input[type=checkbox], input[type=radio]')].map((box) => box.closest('label')));
+return touched.filter((e) => e.offsetParent && e.getBoundingClientRect().height < 40)
+  .map((e) => (e.id || e.className || e.tagName) + ' ' + e.getBoundingClientRect().height)"""
+HIDDEN_TO_THE_SIDE = """return [...document.querySelectorAll('table.cards')].filter((t) => t.scrollWidth > document.documentElement.clientWidth ||
+  [...t.querySelectorAll('th, td')].some((c) => c.offsetParent && c.getBoundingClientRect().right > window.innerWidth + 1)).map((t) => t.tBodies[0].id)"""
+LETTERS = """return Math.min(...[...document.querySelectorAll('#chart text')].map((t) => t.getBoundingClientRect())
+  .filter((box) => box.width > 0).map((box) => box.height))"""
+
+
+def fits_small_screens(page):
+    """A phone and a tablet held upright: the map on the first screen, tables without side scroll, things to touch."""
+    page.run("window.scrollTo(0, 0)")
+    for name, width, height in (("phone", 390, 844), ("upright tablet", 768, 1024)):
+        page.resize(width, height)
+        wide = page.run("return [document.documentElement.scrollWidth, window.innerWidth]")
+        check(wide[0] <= wide[1], f"{name}: the page is {wide[0]} px wide, the window {wide[1]}")
+        top = page.run("return document.getElementById('map').getBoundingClientRect().top + window.scrollY")
+        check(top < 0.75 * height, f"{name}: the map begins at {top} px of {height}")
+        aside = page.run(HIDDEN_TO_THE_SIDE)
+        check(not aside, f"{name}: tables beyond the side: {aside}")
+        small = page.run(SMALL_TARGETS)
+        check(not small, f"{name}: too low to touch: {small}")
+        letters = page.run(LETTERS)
+        check(letters >= 11, f"{name}: letters of the chart are {letters} px high")
+        chart = page.run("return document.getElementById('chart').getBoundingClientRect().height")
+        check(chart >= 200, f"{name}: the chart is {chart} px high")
+    page.resize(1400, 1000)
 
 
 def looks(page, folder):
     """Pictures for people to look at; they are judged by no program."""
     folder.mkdir(parents=True, exist_ok=True)
     page.run("document.activeElement.blur(); window.scrollTo(0, 0)")
-    for name, width, height in (("desktop", 1400, 1000), ("tablet", 820, 1180)):
+    for name, width, height in (("wide", 1920, 1080), ("desktop", 1280, 900), ("tablet", 768, 1024), ("phone", 390, 844)):
         page.resize(width, height)
         wide = page.run("return [document.documentElement.scrollWidth, window.innerWidth]")
         check(wide[0] <= wide[1], f"{name}: the page is {wide[0]} px wide, the window {wide[1]}")
@@ -330,6 +381,7 @@ def test(pilotage, source, work, rest):
     report = Report(work / "report.json")
     with Browser() as page:
         opens_quietly(page, work / "report.html", report)
+        decision_comes_first(page, report)
         every_layer_toggles(page)
         every_measure_is_drawn(page, report)
         tile_click_shows_the_numbers(page, report)
@@ -338,6 +390,7 @@ def test(pilotage, source, work, rest):
         places_can_be_shown_and_copied(page, report)
         keyboard_reaches_everything(page, report)
         prints(page, work)
+        fits_small_screens(page)
         looks(page, pictures)
         said = page.console()
         check(not said, f"the console has: {said}")

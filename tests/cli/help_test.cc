@@ -1,6 +1,8 @@
 #include "help.h"
 
+#include <array>
 #include <sstream>
+#include <string>
 
 #include "cli/toy_command.h"
 #include "common_options.h"
@@ -17,7 +19,7 @@ using ::testing::Not;
 std::string toy_help() {
   const Command command = make_toy_command();
   CommonOptions common;
-  return command_help(command, common_fields_for(command, common));
+  return command_help(command, common_fields_for(command, common), false);
 }
 
 TEST(Help, TellsRangeUnitDefaultAndChoices) {
@@ -35,6 +37,41 @@ TEST(Help, TellsRangeUnitDefaultAndChoices) {
   EXPECT_THAT(text, HasSubstr("Usage: pilotage toy [OPTIONS] RASTER... [-o OUTPUT]"));
   EXPECT_THAT(text, HasSubstr("-o, --output PATH The toy."));
   EXPECT_THAT(text, HasSubstr("pilotage toy a.tif -o b.tif"));
+}
+
+/// Many options, most of them in a group.
+struct ManyOptions {
+  double first = 0;
+  struct Group {
+    std::array<double, kManyOptions + 1> numbers{};
+    template <class Self, class Fields>
+    static void describe(Self& self, Fields& fields) {
+      for (std::size_t i = 0; i < self.numbers.size(); ++i) {
+        fields.field("number_" + std::to_string(i), self.numbers[i], "One of many.");
+      }
+    }
+  } group;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("first", self.first, "Stands alone.");
+    fields.group("group", self.group, "Things that few need.");
+  }
+};
+
+TEST(Help, GroupsOfManyOptionsAreNamedUntilAllIsAskedFor) {
+  Command command = make_toy_command();
+  bind_options<ManyOptions>(command, [](const ManyOptions&, const Invocation&) { return CommandResult{}; });
+  CommonOptions common;
+  const OptionList fields = common_fields_for(command, common);
+  const std::string brief = command_help(command, fields, false);
+  EXPECT_THAT(brief, HasSubstr("Stands alone."));
+  EXPECT_THAT(brief, HasSubstr("`pilotage toy --help all`"));
+  EXPECT_THAT(brief, HasSubstr("--group-number-* (41)       Things that few need."));
+  EXPECT_THAT(brief, Not(HasSubstr("One of many.")));
+  const std::string all = command_help(command, fields, true);
+  EXPECT_THAT(all, HasSubstr("--group-number-40 NUMBER"));
+  EXPECT_THAT(all, Not(HasSubstr("--help all`:")));
 }
 
 TEST(Help, LinesFitEightyColumns) {
@@ -55,7 +92,7 @@ TEST(Help, WithoutOutputThereAreNoOutputFlags) {
   Command command = make_toy_command();
   command.output = {};
   CommonOptions common;
-  const std::string text = command_help(command, common_fields_for(command, common));
+  const std::string text = command_help(command, common_fields_for(command, common), false);
   EXPECT_THAT(text, Not(HasSubstr("--output")));
   EXPECT_THAT(text, Not(HasSubstr("--overwrite")));
 }

@@ -43,7 +43,8 @@ def vectors(folder):
         hits = sum(1 for rule in rules if rule.filter().evaluate(context))
         check(f"classes of tile {feature['tile_id']}", hits, 1)
     return [vector_layer(folder, "route", ["route"]), vector_layer(folder, "legs", ["good", "marginal", "bad"]),
-            vector_layer(folder, "gaps", [f"without a fix, {status}" for status in ("good", "marginal", "bad")]), vector_layer(folder, "areas", [""]), tiles]
+            vector_layer(folder, "gaps", [f"without a fix, {status}" for status in ("good", "marginal", "bad")]), vector_layer(folder, "areas", [""]), tiles,
+            vector_layer(folder, "decision", ["go", "marginal", "no-go"])]
 
 
 def heat_map(folder, name):

@@ -1,5 +1,7 @@
 #include "pilotage/gis/report_layers.h"
 
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include "gis/gis_scene.h"
@@ -9,6 +11,7 @@
 
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/gis/kml_files.h"
+#include "pilotage/report/tile_class.h"
 
 namespace pilotage {
 namespace {
@@ -140,6 +143,29 @@ TEST(ReportLayers, AreasJoinSelectedTilesThatTouch) {
   EXPECT_EQ(areas.features[1].title, "Matching area 2");
 }
 
+// What the class raster says of each tile, as outlines of the classes' colours; together they are all classed tiles.
+TEST(ReportLayers, TheDecisionIsTheClassesOfTheTiles) {
+  const ReportInput input = testing::gis_scene({7.6, 51.96}, false);
+  const VectorLayer decision = layers_of(input).decision;
+  std::map<std::string, std::int64_t> tiles;
+  for (const VectorFeature& feature : decision.features) {
+    const std::string name = std::get<std::string>(feature.values[column_of(decision, "class")]);
+    tiles[name] += std::get<std::int64_t>(feature.values[column_of(decision, "tiles")]);
+    const auto known = std::find_if(tile_classes().begin(), tile_classes().end(),
+                                    [&](const RasterClass& next) { return next.name == name; });
+    ASSERT_NE(known, tile_classes().end()) << name;
+    const Rgb color{known->rgb[0], known->rgb[1], known->rgb[2]};
+    EXPECT_EQ(feature.style.fill_color.substr(0, 7), hex_color(color));
+    EXPECT_THAT(decision.qml, ::testing::HasSubstr("label=\"" + name + "\""));
+  }
+  std::map<std::string, std::int64_t> expected;
+  for (const TileScores& score : input.scores) {
+    if (const auto found = tile_class(score)) ++expected[tile_classes()[static_cast<std::size_t>(*found)].name];
+  }
+  EXPECT_EQ(tiles, expected);
+  EXPECT_GE(expected.size(), 2U);
+}
+
 TEST(ReportLayers, AnEmptyPlanHasEmptyLayers) {
   ReportInput input = testing::gis_scene();
   input.mission.ground.tiles.clear();
@@ -151,6 +177,7 @@ TEST(ReportLayers, AnEmptyPlanHasEmptyLayers) {
   const ReportLayers layers = layers_of(input);
   EXPECT_TRUE(layers.tiles.features.empty());
   EXPECT_TRUE(layers.areas.features.empty());
+  EXPECT_TRUE(layers.decision.features.empty());
   EXPECT_TRUE(layers.route.features.empty());
   EXPECT_FALSE(layers.report.features.empty());
 }

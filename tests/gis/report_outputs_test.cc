@@ -17,8 +17,8 @@
 
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/gis/tile_class.h"
 #include "pilotage/ground/score_raster.h"
+#include "pilotage/report/tile_class.h"
 
 namespace pilotage {
 namespace {
@@ -196,8 +196,8 @@ TEST(ReportOutputs, OgrinfoListsLayersStylesAndNoWarning) {
   write_all(folder, testing::gis_scene());
   const auto list = run_command("ogrinfo -ro -q " + (folder / "report.gpkg").string());
   EXPECT_EQ(list.output,
-            "1: tiles (Polygon)\n2: areas (Polygon)\n3: legs (Line String)\n4: gaps (Line String)\n"
-            "5: route (Line String)\n6: report (None)\n7: layer_styles (None)\n");
+            "1: decision (Polygon)\n2: tiles (Polygon)\n3: areas (Polygon)\n4: legs (Line String)\n"
+            "5: gaps (Line String)\n6: route (Line String)\n7: report (None)\n8: layer_styles (None)\n");
   const auto styles = run_command("ogrinfo -ro -q " + (folder / "report.gpkg").string() + " layer_styles");
   EXPECT_THAT(styles.output, HasSubstr("f_table_name (String) = legs"));
   EXPECT_THAT(styles.output, HasSubstr("useAsDefault (Integer(Boolean)) = 1"));
@@ -214,12 +214,14 @@ TEST(ReportOutputs, TheKmzHoldsEveryPictureItNames) {
   const auto dataset = open(folder / "report.kmz");
   ASSERT_NE(dataset, nullptr);
   EXPECT_NE(dataset->GetLayerByName("Tiles"), nullptr);
+  EXPECT_STREQ(dataset->GetLayer(0)->GetName(), "Decision: go, marginal, no-go");
   const std::string listing =
       run_command("/usr/bin/python3 -c \"import zipfile, re; z = zipfile.ZipFile('" + (folder / "report.kmz").string() +
                   "'); d = z.read('doc.kml').decode(); h = re.findall('<href>(.*?)</href>', d); "
-                  "print(z.testzip(), sorted(h) == sorted(z.namelist()[1:]), len(h), 'http' in str(h))\"")
+                  "print(z.testzip(), sorted(h) == sorted(z.namelist()[1:]), len(h), 'http' in str(h), "
+                  "d.count('<GroundOverlay><name>P(correct fix)</name><visibility>0'))\"")
           .output;
-  EXPECT_EQ(listing, "None True 3 False\n");  // a heat map for each level, one legend
+  EXPECT_EQ(listing, "None True 3 False 2\n");  // a heat map for each level, to be switched on, and one legend
 }
 
 TEST(ReportOutputs, AcrossTheAntimeridianShapesAreCut) {

@@ -25,6 +25,7 @@ Selection make_selection() {
   selection.within_limit = false;
   selection.estimated_bytes = 123456789;
   selection.notes = {"a \"note\""};
+  selection.left_out = LeftOut{0.25, 1.0 / 16, {1, 7}};
   return selection;
 }
 
@@ -44,6 +45,9 @@ TEST(SelectionFile, ReadsBackExactly) {
   ASSERT_TRUE(read.probability && read.probability->worst);
   EXPECT_EQ(read.probability->worst->to_distance_m, 2000.5);
   EXPECT_EQ(read.advice[0].side, AdviceSide::kLeft);
+  ASSERT_TRUE(read.left_out);
+  EXPECT_EQ(read.left_out->min_p_correct_fix, 0.25);
+  EXPECT_EQ(read.left_out->beyond_budget, (std::vector<std::int64_t>{1, 7}));
 }
 
 TEST(SelectionFile, NoProbabilityIsNull) {

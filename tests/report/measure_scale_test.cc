@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pilotage/report/tile_class.h"
+
 namespace pilotage {
 namespace {
 
@@ -34,20 +36,29 @@ double luminance(Rgb color) {
   return 0.2126 * linear(color.red) + 0.7152 * linear(color.green) + 0.0722 * linear(color.blue);
 }
 
-TEST(ColorTable, EndsAreThePublishedColours) {
-  EXPECT_EQ(hex_color(color_table(ColorMap::kViridis).front()), "#440154");
-  EXPECT_EQ(hex_color(color_table(ColorMap::kViridis).back()), "#fde725");
+TEST(ColorTable, EndsAreAsSaid) {
+  EXPECT_EQ(hex_color(color_table(ColorMap::kBlues).front()), "#f4f1ea");
+  EXPECT_EQ(hex_color(color_table(ColorMap::kBlues).back()), "#003262");
   const Rgb low = color_table(ColorMap::kCividis).front();
   const Rgb high = color_table(ColorMap::kCividis).back();
   EXPECT_GT(low.blue, low.red);    // dark blue
   EXPECT_GT(high.red, high.blue);  // yellow
 }
 
-TEST(ColorTable, BrightnessGrowsSoThatItReadsWithoutHue) {
-  for (const ColorMap map : {ColorMap::kViridis, ColorMap::kCividis}) {
-    const auto table = color_table(map);
-    for (std::size_t i = 16; i < table.size(); ++i) EXPECT_GT(luminance(table[i]), luminance(table[i - 16])) << i;
+TEST(ColorTable, BrightnessChangesOneWaySoThatItReadsWithoutHue) {
+  const auto cividis = color_table(ColorMap::kCividis);
+  const auto blues = color_table(ColorMap::kBlues);
+  for (std::size_t i = 16; i < cividis.size(); ++i) {
+    EXPECT_GT(luminance(cividis[i]), luminance(cividis[i - 16])) << i;
+    EXPECT_LT(luminance(blues[i]), luminance(blues[i - 16])) << i;
   }
+}
+
+// Eyes trained on traffic lights read yellow as caution: what is good has the blue of good.
+TEST(ColorTable, GoodIsTheBlueOfGood) {
+  const auto blues = color_table(ColorMap::kBlues);
+  EXPECT_EQ(blues[192], status_color(QualityStatus::kGood));
+  for (std::size_t i = 64; i < blues.size(); ++i) EXPECT_GT(blues[i].blue, blues[i].red + 40) << i;
 }
 
 TEST(MeasureScale, SpansTheSecondToTheNinetyEighthPercentile) {

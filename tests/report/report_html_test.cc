@@ -90,7 +90,8 @@ TEST(ReportHtml, CoordinatesStandAsDegreesAndAsMinutesAndSeconds) {
   report.gaps[0].from = {-7.5, 52.99999999};
   report.gaps[0].to = {179.0125, -0.25};
   const std::string gaps = between(report_html(report), "<tbody id=\"gaps\">", "</tbody>");
-  EXPECT_THAT(gaps, HasSubstr("<code>53.000000, -7.500000 → -0.250000, 179.012500</code>"));
+  EXPECT_THAT(gaps, HasSubstr("<code>53.000000, -7.500000</code>"));
+  EXPECT_THAT(gaps, HasSubstr("data-copy=\"-0.250000, 179.012500\""));  // one place, as a map's search takes it
   EXPECT_THAT(
       gaps, HasSubstr("53°00&#39;00.0&quot; N 7°30&#39;00.0&quot; W → 0°15&#39;00.0&quot; S 179°00&#39;45.0&quot; E"));
 }
@@ -199,7 +200,7 @@ TEST(ReportHtml, EveryTileHasAShadeOfEveryMeasure) {
                 shade(report.measures[m], report.measures[m].measure.get(report.tiles[i].score)));
     }
   }
-  EXPECT_EQ(display["colors"]["viridis"].size(), 256U);
+  EXPECT_EQ(display["colors"]["blues"].size(), 256U);
   EXPECT_EQ(display["colors"]["cividis"][0], hex_color(color_table(ColorMap::kCividis)[0]));
 }
 

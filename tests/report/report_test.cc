@@ -66,6 +66,20 @@ TEST(Report, SaysWhyATileIsNotSelected) {
   EXPECT_THAT(report.tiles[2].reason, HasSubstr("margin -0.020"));
   EXPECT_THAT(report.tiles[3].reason, HasSubstr("left it out"));
   EXPECT_THAT(report.tiles[4].reason, HasSubstr("its P(correct fix) is 0.031."));
+
+  // With what select says of its own rules, one reason: the true one.
+  input.selection.left_out = LeftOut{0.2, 0.5, {input.mission.ground.tiles[5].tile_id}};
+  for (const std::size_t i : {5, 6}) {
+    input.scores[i] = input.scores[4];
+    input.scores[i].p_correct_fix = 0.4;
+  }
+  const Report told = make_report(input);
+  EXPECT_EQ(told.tiles[3].reason,
+            "It stands out too little: its margin over every rival is 0.400, at least 0.500 is stored.");
+  EXPECT_EQ(told.tiles[4].reason, "It is too seldom found: its P(correct fix) is 0.031, at least 0.200 is stored.");
+  EXPECT_EQ(told.tiles[5].reason, "It does not fit into the size budget: its P(correct fix) is 0.400.");
+  EXPECT_EQ(told.tiles[6].reason,
+            "It is not among the fewest areas that were asked for (sparse): its P(correct fix) is 0.400.");
 }
 
 TEST(Report, GapsHaveTheirPlace) {

@@ -48,7 +48,7 @@ TEST(StripChart, ProbabilitiesAreARibbonInTheColoursOfTheirHeatMap) {
   report.error_profile = {{0, 1, true, 0.001}, {25, 1, true, 0.002}, {50, 1, true, 0.999}, {100, 1, true, 1}};
   const std::string svg = strip_chart_svg(report);
   EXPECT_THAT(svg, HasSubstr(">P(fix)</text>"));
-  const auto colors = color_table(ColorMap::kViridis);
+  const auto colors = color_table(ColorMap::kBlues);
   // One rectangle for each stretch of one shade, 64 … 624 … 1184 of the chart's units.
   EXPECT_THAT(svg, HasSubstr("<rect x=\"64\" y=\"276\" width=\"560\" height=\"12\" fill=\"" + hex_color(colors[0])));
   EXPECT_THAT(svg, HasSubstr("<rect x=\"624\" y=\"276\" width=\"560\" height=\"12\" fill=\"" + hex_color(colors[255])));

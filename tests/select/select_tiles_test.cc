@@ -138,6 +138,13 @@ TEST(SelectTiles, BudgetIsKeptAndSparseAreasSurviveIt) {
   const Selection selection = select_tiles(mission, scores, kStoredSize, options);
   EXPECT_LE(selection.estimated_bytes, budget);
   EXPECT_GT(selection.estimated_bytes, budget * 9 / 10);
+  // What did not fit is named: with it the selection is that of no budget.
+  ASSERT_TRUE(selection.left_out && all.left_out);
+  EXPECT_TRUE(all.left_out->beyond_budget.empty());
+  std::vector<std::int64_t> both = selection.tile_ids;
+  both.insert(both.end(), selection.left_out->beyond_budget.begin(), selection.left_out->beyond_budget.end());
+  std::sort(both.begin(), both.end());
+  EXPECT_EQ(both, all.tile_ids);
   EXPECT_TRUE(selection.within_limit);
   EXPECT_TRUE(std::includes(selection.tile_ids.begin(), selection.tile_ids.end(), sparse.tile_ids.begin(),
                             sparse.tile_ids.end()));

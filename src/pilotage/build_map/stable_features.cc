@@ -22,8 +22,9 @@ SecondDate register_second_date(const Ground& ground, const std::vector<std::str
 }
 
 GraySource open_second_date(const SecondDate& second, const Ground& ground, const GridLevel& level) {
-  const GraySource as_delivered = open_gray_on_grid(second.datasets, ground.crs, level.matrix.map_from_pixel,
-                                                    level.matrix.grid_width_px, level.matrix.grid_height_px);
+  const GraySource as_delivered =
+      open_gray_on_grid(second.datasets, ground.crs, level.matrix.map_from_pixel, level.matrix.grid_width_px,
+                        level.matrix.grid_height_px, second_date_options(ground.imagery.options));
   return warped_source(stretch_to_8bit(as_delivered), std::make_shared<const WarpField>(second.field));
 }
 

@@ -90,9 +90,10 @@ std::vector<TileOutcome> judge_by_ncc(const LevelScores& judged, std::span<const
   if (judged.level.search_radius_px < 1)
     throw UsageError("search_radius_px = 0: there is nothing to search; at least 1");
   const TileMatrix& matrix = judged.matrix();
-  const BothDates dates{open_gray(judged.ground, judged.level),
-                        open_gray_on_grid({options.file}, judged.ground.crs, matrix.map_from_pixel,
-                                          matrix.grid_width_px, matrix.grid_height_px)};
+  const BothDates dates{
+      open_gray(judged.ground, judged.level),
+      open_gray_on_grid({options.file}, judged.ground.crs, matrix.map_from_pixel, matrix.grid_width_px,
+                        matrix.grid_height_px, second_date_options(judged.ground.imagery.options))};
   const double gsd_m = ground_gsd_m(judged);
   std::vector<TileOutcome> outcomes(tiles.size());
   std::mutex mutex;

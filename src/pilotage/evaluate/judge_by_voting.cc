@@ -48,7 +48,8 @@ FrameSetup make_setup(const LevelScores& judged, const PlaceOnReference& place, 
   if (judged.level.search_radius_px < 1)
     throw UsageError("search_radius_px = 0: there is nothing to search; at least 1");
   const double gsd_m = ground_gsd_m(judged);
-  FrameSetup setup{judged, place, stretch_to_8bit(open_gray(options.file))};
+  FrameSetup setup{judged, place,
+                   stretch_to_8bit(open_gray(options.file, second_date_options(judged.ground.imagery.options)))};
   setup.camera = square_camera(std::min(kFrameOversampling * judged.matrix().tile_size_px, kMaxFrameSidePx));
   setup.agl_m = judged.matrix().tile_size_px * gsd_m / 2 / std::tan(kHalfFieldOfView_rad);
   setup.search_radius_m = judged.level.search_radius_px * gsd_m;

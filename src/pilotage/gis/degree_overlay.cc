@@ -1,7 +1,10 @@
 #include "pilotage/gis/degree_overlay.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,6 +15,7 @@
 #include "pilotage/gis/report_layers.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_degrees.h"
+#include "pilotage/report/tile_class.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -45,32 +49,90 @@ cv::Mat colored(const cv::Mat& values, const MeasureScale& scale) {
 
 std::string ground_overlay(const std::string& name, const std::string& file, const DegreePicture& picture) {
   // The colour's first byte is the opacity: the ground stays visible below.
-  return "<GroundOverlay><name>" + name + "</name><color>b0ffffff</color><Icon><href>" + file +
-         "</href></Icon><LatLonBox><north>" + format_fixed(picture.north_deg, 9) + "</north><south>" +
+  return "<GroundOverlay><name>" + name + "</name><visibility>0</visibility><color>b0ffffff</color><Icon><href>" +
+         file + "</href></Icon><LatLonBox><north>" + format_fixed(picture.north_deg, 9) + "</north><south>" +
          format_fixed(picture.south_deg, 9) + "</south><east>" + format_fixed(picture.east_deg, 9) + "</east><west>" +
          format_fixed(picture.west_deg, 9) + "</west></LatLonBox></GroundOverlay>\n";
 }
 
-/// The colours with five numbers beside them. OpenCV's letters are ASCII.
-cv::Mat legend(const MeasureScale& scale) {
-  constexpr int kBarTop = 34;
-  constexpr int kBarHeight = 160;
-  const auto colors = color_table(scale.measure.heat.colors);
-  cv::Mat rgba(kBarTop + kBarHeight + 16, 230, CV_8UC4, cv::Scalar(255, 255, 255, 225));
-  const cv::Scalar ink(20, 20, 20, 255);
-  const std::string unit = scale.measure.heat.unit == "1" ? "" : " [" + scale.measure.heat.unit + "]";
-  cv::putText(rgba, scale.measure.heat.title + unit, {8, 20}, cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1, cv::LINE_AA);
-  for (int y = 0; y < kBarHeight; ++y) {
-    const Rgb color = colors[static_cast<std::size_t>((kBarHeight - 1 - y) * 255 / (kBarHeight - 1))];
-    cv::line(rgba, {8, kBarTop + y}, {32, kBarTop + y}, cv::Scalar(color.red, color.green, color.blue, 255));
+cv::Scalar opaque(Rgb color) {
+  return {static_cast<double>(color.red), static_cast<double>(color.green), static_cast<double>(color.blue), 255};
+}
+
+/// Writes lines from the top down. OpenCV's letters are ASCII.
+class LegendPainter {
+ public:
+  LegendPainter(int width_px, int height_px) : rgba_(height_px, width_px, CV_8UC4, cv::Scalar(255, 255, 255, 235)) {}
+
+  void heading(const std::string& text) {
+    y_ += 6;
+    write(kLeft, y_ + 14, text);
+    y_ += kLine;
   }
-  for (int tick = 0; tick <= 4; ++tick) {
-    const int y = kBarTop + (kBarHeight - 1) * (4 - tick) / 4;
-    cv::line(rgba, {32, y}, {38, y}, ink);
-    cv::putText(rgba, number_text(scale.low + (scale.high - scale.low) * tick / 4, scale.measure.heat.decimals),
-                {44, y + 5}, cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1, cv::LINE_AA);
+  void box(Rgb color, const std::string& text) {
+    cv::rectangle(rgba_, {kLeft, y_ + 4, kKey, 12}, opaque(color), cv::FILLED);
+    entry(text);
   }
-  return rgba;
+  void outline(Rgb color, const std::string& text) {
+    cv::rectangle(rgba_, {kLeft, y_ + 4, kKey, 12}, opaque(color), 2);
+    entry(text);
+  }
+  void line(Rgb color, int width_px, const std::string& text) {
+    cv::line(rgba_, {kLeft, y_ + 10}, {kLeft + kKey, y_ + 10}, opaque(color), width_px);
+    entry(text);
+  }
+  /// The colours of a scale with five numbers below them.
+  void scale(const MeasureScale& scale) {
+    constexpr int kWidth = 200;
+    const auto colors = color_table(scale.measure.heat.colors);
+    for (int x = 0; x < kWidth; ++x) {
+      const Rgb color = colors[static_cast<std::size_t>(x * 255 / (kWidth - 1))];
+      cv::line(rgba_, {kLeft + x, y_ + 2}, {kLeft + x, y_ + 14}, opaque(color));
+    }
+    for (int tick = 0; tick <= 4; ++tick) {
+      const double value = scale.low + (scale.high - scale.low) * tick / 4;
+      write(kLeft + (kWidth - 24) * tick / 4, y_ + 30, number_text(value, scale.measure.heat.decimals));
+    }
+    y_ += 2 * kLine;
+  }
+  cv::Mat picture() const { return rgba_.rowRange(0, std::min(rgba_.rows, y_ + 8)).clone(); }
+
+ private:
+  static constexpr int kLeft = 8;
+  static constexpr int kKey = 26;
+  static constexpr int kLine = 19;
+  void write(int x, int y, const std::string& text) {
+    cv::putText(rgba_, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar(20, 20, 20, 255), 1, cv::LINE_AA);
+  }
+  void entry(const std::string& text) {
+    write(kLeft + kKey + 8, y_ + 14, text);
+    y_ += kLine;
+  }
+
+  cv::Mat rgba_;
+  int y_ = 0;
+};
+
+/// What every colour in report.kmz means. `shown`: the measure of the heat map, null where there is none.
+cv::Mat legend(const MeasureScale* shown) {
+  constexpr std::array<std::pair<QualityStatus, const char*>, 3> kStatuses{
+      {{QualityStatus::kGood, "good"}, {QualityStatus::kMarginal, "marginal"}, {QualityStatus::kBad, "bad"}}};
+  LegendPainter painter(360, 480);
+  painter.heading("Decision: can a fix be counted on there?");
+  for (const RasterClass& known : tile_classes()) {
+    painter.box({known.rgb[0], known.rgb[1], known.rgb[2]}, known.name);
+  }
+  painter.outline(status_color(QualityStatus::kGood), "matching area: its tiles are stored");
+  painter.heading("Legs (thin lines): within the limit?");
+  for (const auto& [status, name] : kStatuses) painter.line(status_color(status), 4, name);
+  painter.heading("Stretches without a fix (wide lines)");
+  for (const auto& [status, name] : kStatuses) painter.line(status_color(status), 10, name);
+  if (shown != nullptr) {
+    const std::string unit = shown->measure.heat.unit == "1" ? "" : " [" + shown->measure.heat.unit + "]";
+    painter.heading("Heat map (to be switched on): " + shown->measure.heat.title + unit);
+    painter.scale(*shown);
+  }
+  return painter.picture();
 }
 
 std::string legend_overlay() {
@@ -85,7 +147,10 @@ std::string legend_overlay() {
 DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
   DegreeOverlay overlay;
   const MeasureScale& shown = shown_scale(report);
-  if (std::isnan(shown.least)) return overlay;
+  const bool measured = !std::isnan(shown.least);
+  overlay.kml = legend_overlay();
+  overlay.pictures.emplace_back(kLegend, png(legend(measured ? &shown : nullptr)));
+  if (!measured) return overlay;
   const Crs crs = input.mission.ground.crs;
   const ScoreTable table(input.mission.ground, input.scores);
   const std::string name = html_escape(shown.measure.heat.title);
@@ -95,10 +160,8 @@ DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
                                    [&](const ScoreBand& entry) { return entry.name == shown.measure.name; });
     if (band == raster.bands.end()) continue;
     const cv::Mat rgba = colored(band->values, shown);
-    const bool first = overlay.kml.empty();
     const std::string number = std::to_string(level.matrix.level);
-    overlay.kml += "<Folder><name>Heat map: " + name + ", level " + number + "</name><visibility>" +
-                   (first ? "1" : "0") + "</visibility>\n" + (first ? legend_overlay() : "");
+    overlay.kml += "<Folder><name>Heat map: " + name + ", level " + number + "</name><visibility>0</visibility>\n";
     for (int y = 0; y < rgba.rows; y += kBlockCells) {
       for (int x = 0; x < rgba.cols; x += kBlockCells) {
         const cv::Rect block(x, y, std::min(kBlockCells, rgba.cols - x), std::min(kBlockCells, rgba.rows - y));
@@ -115,7 +178,6 @@ DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
     }
     overlay.kml += "</Folder>\n";
   }
-  if (!overlay.kml.empty()) overlay.pictures.emplace_back(kLegend, png(legend(shown)));
   return overlay;
 }
 

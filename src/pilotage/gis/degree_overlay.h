@@ -8,13 +8,15 @@
 
 namespace pilotage {
 
-/// Heat maps as KML: folders with ground overlays and a legend, and the pictures that they name.
+/// What of a report is drawn in KML as pictures, and the pictures.
 struct DegreeOverlay {
-  std::string kml;                                            ///< Folders, to stand in a document; "" without scores.
+  std::string kml;                                            ///< Folders and overlays, to stand in a document.
   std::vector<std::pair<std::string, std::string>> pictures;  ///< File name and PNG.
 };
 
-/// The first measure of the report that has values, level by level; only the first level is visible. A picture covers
+/// A legend on the screen of everything that report.kmz draws, and heat maps of the first measure of the report that
+/// has values, level by level, for the reader to switch on: at first the classes of the layer "decision" are seen.
+/// A picture covers
 /// at most 256 × 256 cells with 8 × 8 pixels each, so that edges of cells stay within an eighth of a cell however long
 /// the route is. Throws DataError when a picture has no place in WGS 84.
 DegreeOverlay heat_overlay(const ReportInput& input, const Report& report);

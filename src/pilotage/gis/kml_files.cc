@@ -16,7 +16,7 @@ std::string areas_kml(const Report& report, const ReportLayers& layers) {
 void write_kmz(const std::filesystem::path& path, const ReportInput& input, const Report& report,
                const ReportLayers& layers, bool overwrite) {
   std::string document =
-      kml_document(report.title, {layers.route, layers.legs, layers.gaps, layers.areas, layers.tiles});
+      kml_document(report.title, {layers.decision, layers.route, layers.legs, layers.gaps, layers.areas, layers.tiles});
   DegreeOverlay overlay = heat_overlay(input, report);
   document.insert(document.rfind("</Document>"), overlay.kml);  // GDAL writes no overlays
   std::vector<std::pair<std::string, std::string>> files{{"doc.kml", std::move(document)}};

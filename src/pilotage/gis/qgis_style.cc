@@ -195,6 +195,15 @@ std::string qgis_outline_style(Rgb color, double width_mm) {
   return rules_style({{"", "", "fill", "1", fill_layer("no", color, color, "solid", width_mm)}});
 }
 
+std::string qgis_fill_style(const std::string& column, const std::vector<FillClass>& classes) {
+  std::vector<StyleRule> rules;
+  for (const FillClass& fill : classes) {
+    rules.push_back({"\"" + column + "\" = '" + fill.value + "'", fill.label, "fill", "0.6",
+                     fill_layer("solid", fill.color, fill.color, "solid", 0.2)});
+  }
+  return rules_style(rules);
+}
+
 std::string qgis_line_style(const std::string& column, const std::vector<LineClass>& classes) {
   std::vector<StyleRule> rules;
   for (const LineClass& line : classes) {

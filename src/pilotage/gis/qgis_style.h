@@ -38,6 +38,14 @@ std::string qgis_tile_style(const MeasureScale& scale);
 /// An outline without a fill.
 std::string qgis_outline_style(Rgb color, double width_mm);
 
+/// Polygons by the text column `column`, one colour for each value.
+struct FillClass {
+  std::string value;
+  std::string label;
+  Rgb color;
+};
+std::string qgis_fill_style(const std::string& column, const std::vector<FillClass>& classes);
+
 /// Lines by the text column `column`, one colour and dash for each value.
 struct LineClass {
   std::string value;

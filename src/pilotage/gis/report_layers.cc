@@ -14,8 +14,8 @@
 
 #include "pilotage/base/text.h"
 #include "pilotage/gis/qgis_style.h"
-#include "pilotage/gis/tile_class.h"
 #include "pilotage/report/sampled_route.h"
+#include "pilotage/report/tile_class.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/report/wording.h"
 
@@ -106,12 +106,14 @@ VectorLayer tile_layer(const ReportInput& input, const Report& report) {
   return layer;
 }
 
-/// Tiles of a level that touch along edges, largest group first; of equals the one with the smallest tile_id.
-std::vector<std::vector<const ReportTile*>> connected_tiles(const Report& report) {
+/// Tiles of a level for which `belongs` holds and that touch along edges, largest group first; of equals the one with
+/// the smallest tile_id.
+template <class Belongs>
+std::vector<std::vector<const ReportTile*>> connected_tiles(const Report& report, const Belongs& belongs) {
   using Cell = std::tuple<int, std::int64_t, std::int64_t>;
   std::map<Cell, const ReportTile*> waiting;
   for (const ReportTile& tile : report.tiles) {
-    if (tile.selected) waiting[{tile.tile.level, tile.tile.row, tile.tile.column}] = &tile;
+    if (belongs(tile)) waiting[{tile.tile.level, tile.tile.row, tile.tile.column}] = &tile;
   }
   std::vector<std::vector<const ReportTile*>> groups;
   while (!waiting.empty()) {
@@ -133,6 +135,63 @@ std::vector<std::vector<const ReportTile*>> connected_tiles(const Report& report
   return groups;
 }
 
+/// The outline of a group of tiles with its number of them and, where it is known, the range of their P(correct fix):
+/// values after the first are its level, tiles, and both ends of that range.
+VectorFeature outline_of(const ReportInput& input, const std::vector<const ReportTile*>& group, VectorValue first) {
+  std::vector<Corners> cells;
+  std::optional<std::pair<double, double>> range;
+  for (const ReportTile* tile : group) {
+    cells.push_back(cell_of(tile->tile, level_of(input, tile->tile.level).matrix));
+    const double p = tile->score.p_correct_fix;
+    if (std::isnan(p)) continue;
+    range = range ? std::pair(std::min(range->first, p), std::max(range->second, p)) : std::pair(p, p);
+  }
+  VectorFeature feature = join_polygons(cells);
+  feature.note = std::to_string(group.size()) + (group.size() == 1 ? " tile" : " tiles");
+  if (range) {
+    feature.note += ", P(correct fix) " + number_text(range->first, 2) + " to " + number_text(range->second, 2);
+  }
+  feature.values = {std::move(first), static_cast<std::int64_t>(group.front()->tile.level),
+                    static_cast<std::int64_t>(group.size())};
+  for (const bool largest : {false, true}) {
+    if (!range) feature.values.emplace_back(std::monostate{});
+    if (range) feature.values.push_back(number_value(largest ? range->second : range->first));
+  }
+  return feature;
+}
+
+VectorLayer decision_layer(const ReportInput& input, const Report& report) {
+  VectorLayer layer;
+  layer.name = "decision";
+  layer.title = "Decision: go, marginal, no-go";
+  layer.description = "The ground by whether a fix can be counted on there: " + tile_classes_meaning() + ".";
+  layer.shape = VectorShape::kPolygon;
+  layer.crs = input.mission.ground.crs;
+  layer.columns = {{"class", VectorType::kText, "Class"},
+                   {"level", VectorType::kInteger, "Level"},
+                   {"tiles", VectorType::kInteger, "Tiles"},
+                   {"min_p_correct_fix", VectorType::kReal, "Smallest P(correct fix)"},
+                   {"max_p_correct_fix", VectorType::kReal, "Largest P(correct fix)"}};
+  std::vector<FillClass> fills;
+  for (std::size_t i = 0; i < tile_classes().size(); ++i) {
+    const RasterClass& known = tile_classes()[i];
+    const Rgb color{known.rgb[0], known.rgb[1], known.rgb[2]};
+    fills.push_back({known.name, known.name, color});
+    const auto is_of_class = [&](const ReportTile& tile) {
+      const std::optional<TileClass> found = tile_class(tile.score);
+      return found && static_cast<std::size_t>(*found) == i;
+    };
+    for (const auto& group : connected_tiles(report, is_of_class)) {
+      VectorFeature feature = outline_of(input, group, known.name);
+      feature.title = known.name;
+      feature.style = {with_opacity(color, "ff"), 1, with_opacity(color, "90")};
+      layer.features.push_back(std::move(feature));
+    }
+  }
+  layer.qml = qgis_fill_style("class", fills);
+  return layer;
+}
+
 VectorLayer area_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer;
   layer.name = "areas";
@@ -147,29 +206,10 @@ VectorLayer area_layer(const ReportInput& input, const Report& report) {
                    {"max_p_correct_fix", VectorType::kReal, "Largest P(correct fix)"}};
   layer.qml = qgis_outline_style(status_color(QualityStatus::kGood), 0.6);
   std::int64_t number = 0;
-  for (const auto& group : connected_tiles(report)) {
-    std::vector<Corners> cells;
-    std::optional<std::pair<double, double>> range;
-    for (const ReportTile* tile : group) {
-      cells.push_back(cell_of(tile->tile, level_of(input, tile->tile.level).matrix));
-      const double p = tile->score.p_correct_fix;
-      if (std::isnan(p)) continue;
-      range = range ? std::pair(std::min(range->first, p), std::max(range->second, p)) : std::pair(p, p);
-    }
-    VectorFeature feature = join_polygons(cells);
-    feature.title = "Matching area " + std::to_string(++number);
-    feature.note = std::to_string(group.size()) + (group.size() == 1 ? " tile" : " tiles");
-    if (range) {
-      feature.note += ", P(correct fix) " + number_text(range->first, 2) + " to " + number_text(range->second, 2);
-    }
-    feature.style = {with_opacity(status_color(QualityStatus::kGood), "ff"), 2,
-                     with_opacity(status_color(QualityStatus::kGood), "30")};
-    feature.values = {number, static_cast<std::int64_t>(group.front()->tile.level),
-                      static_cast<std::int64_t>(group.size())};
-    for (const bool largest : {false, true}) {
-      if (!range) feature.values.emplace_back(std::monostate{});
-      if (range) feature.values.push_back(number_value(largest ? range->second : range->first));
-    }
+  for (const auto& group : connected_tiles(report, [](const ReportTile& tile) { return tile.selected; })) {
+    VectorFeature feature = outline_of(input, group, ++number);
+    feature.title = "Matching area " + std::to_string(number);
+    feature.style = {with_opacity(status_color(QualityStatus::kGood), "ff"), 2, ""};
     layer.features.push_back(std::move(feature));
   }
   return layer;
@@ -383,9 +423,11 @@ const MeasureScale& shown_scale(const Report& report) {
 }
 
 ReportLayers report_layers(const ReportInput& input, const Report& report) {
-  ReportLayers layers{tile_layer(input, report), area_layer(input, report),  leg_layer(input, report),
-                      gap_layer(input, report),  route_layer(input, report), key_value_layer(report)};
-  for (VectorLayer* layer : {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {
+  ReportLayers layers{decision_layer(input, report), tile_layer(input, report), area_layer(input, report),
+                      leg_layer(input, report),      gap_layer(input, report),  route_layer(input, report),
+                      key_value_layer(report)};
+  for (VectorLayer* layer :
+       {&layers.decision, &layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {
     std::vector<std::pair<std::string, std::string>> titles;
     for (const VectorColumn& column : layer->columns) titles.emplace_back(column.name, column.title);
     layer->qml = with_aliases(layer->qml, titles);

@@ -10,6 +10,7 @@ namespace pilotage {
 /// A report as layers of a map (schemas/report-layers.md). Every number is the very number of report.json, so that the
 /// files cannot disagree; geometry comes from the plan. Each layer has its style for QGIS and for KML.
 struct ReportLayers {
+  VectorLayer decision;  ///< Outlines of the ground of one class (tile_class.h), in the mission grid's CRS.
   VectorLayer tiles;  ///< The cell of every tile, with all columns of report.json's tiles, in the mission grid's CRS.
   VectorLayer areas;  ///< Outlines of the matching areas: selected cells of a level that touch along edges, joined.
   VectorLayer legs;   ///< WGS 84, as gaps and route.

@@ -95,7 +95,7 @@ Endings write_rasters(const OutputSource& source) {
 Endings write_gpkg(const OutputSource& source) {
   const ReportLayers& layers = source.layers;
   write_geopackage(source.path(".gpkg"),
-                   {layers.tiles, layers.areas, layers.legs, layers.gaps, layers.route, layers.report},
+                   {layers.decision, layers.tiles, layers.areas, layers.legs, layers.gaps, layers.route, layers.report},
                    geopackage_timestamp(), true);
   return {".gpkg"};
 }

@@ -3,7 +3,7 @@
 #include "pilotage/base/markup.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/gis/qgis_style.h"
-#include "pilotage/gis/tile_class.h"
+#include "pilotage/report/tile_class.h"
 
 namespace pilotage {
 namespace {

@@ -175,6 +175,7 @@ void refuse_raster_grid(const RasterGridOptions& options, const std::string& pla
                                                 {"bands", !options.imagery.bands.empty()},
                                                 {"imagery_crs", !options.imagery.imagery_crs.empty()},
                                                 {"nodata", options.imagery.nodata.has_value()},
+                                                {"collar", options.imagery.collar != CollarRule::kMask},
                                                 {"resampling", options.imagery.resampling != Resampling::kAuto},
                                                 {"gsd_m", options.gsd_m.has_value()},
                                                 {"crs", !options.crs.empty()}};

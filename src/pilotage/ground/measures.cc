@@ -89,10 +89,10 @@ void add_second_date(std::vector<Measure>& list) {
       {12, "Second date: margin", "",
        "Correlation with the registered second date at the true place minus the best wrong place: measured, where "
        "uniqueness is predicted.",
-       ColorMap::kViridis, 3});
+       ColorMap::kBlues, 3});
   add("epoch_survival", "", "share of descriptors found in both dates", "features that stayed", Kind::kShare,
       &EpochScores::survival,
-      {13, "", "", "Share of the tile's descriptors found in both dates.", ColorMap::kViridis, 2});
+      {13, "", "", "Share of the tile's descriptors found in both dates.", ColorMap::kBlues, 2});
   add("epoch_disagreement_m", "m", "distance between the georeferences of both dates", "georeferences apart",
       Kind::kNumber, &EpochScores::disagreement_m,
       {14, "", "", "Distance between the georeferences of both dates: what a fix may be off even where it is right.",
@@ -150,7 +150,7 @@ void add_features(std::vector<Measure>& list) {
       {1, "", "",
        "Probability that the matcher finds a frame taken here on another day, and is right; from one date of imagery. "
        "This is the measure to judge by.",
-       ColorMap::kViridis, 2}));
+       ColorMap::kBlues, 2}));
 }
 
 std::vector<Measure> make_measures() {
@@ -160,12 +160,12 @@ std::vector<Measure> make_measures() {
               {3, "Uniqueness, clean", "",
                "Correlation at the true place minus the best rival, the tile matched against its own map. On fine "
                "imagery it is high even over grass and water: do not judge by it alone.",
-               ColorMap::kViridis, 3});
+               ColorMap::kBlues, 3});
   add_surface(list, {"degraded_", "Degraded copies: ", "Degraded: ", Group::kDegraded, &TileScores::degraded},
               {2, "Uniqueness, degraded copies", "",
                "Correlation at the true place minus the best rival in the search area, mean over degraded copies of "
                "the tile. Above 0 the true place wins.",
-               ColorMap::kViridis, 3});
+               ColorMap::kBlues, 3});
   add_second_date(list);
   add_ground(list);
   add_features(list);

@@ -22,9 +22,10 @@ enum class MeasureKind {
 /// What a measure is part of. The report shows its measures in the order of these groups.
 enum class MeasureGroup { kCorrectFix, kCoverage, kContrast, kFeatures, kGround, kDegraded, kClean, kSecondDate };
 
-/// Perceptually uniform colour maps that colour-blind people read as others do: viridis (S. van der Walt, N. Smith,
-/// 2015) and cividis (J. Nuñez, C. Anderton, R. Renslow, PLoS ONE 13(7), 2018).
-enum class ColorMap { kViridis, kCividis };
+/// Colour maps whose brightness only falls or only grows, so that colour-blind people and paper read them alike. Blues
+/// are of measures of which more is better: from pale to the blue in which all maps say "good", and darker; nothing of
+/// it reads as caution. Cividis (J. Nuñez, C. Anderton, R. Renslow, PLoS ONE 13(7), 2018) is of all others.
+enum class ColorMap { kBlues, kCividis };
 
 /// How a measure is drawn as a heat map.
 struct HeatMap {

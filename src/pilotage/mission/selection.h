@@ -76,6 +76,13 @@ struct LegAdvice {
   bool good = false;  ///< p_after reaches the limit that was asked for.
 };
 
+/// Why tiles are not stored, as far as no score says it.
+struct LeftOut {
+  double min_p_correct_fix = 0;             ///< What a tile whose P is known needed,
+  double min_peak_margin = 0;               ///< and the margin of one whose P is not.
+  std::vector<std::int64_t> beyond_budget;  ///< Tiles that would have been stored in a larger map. Ascending.
+};
+
 /// What `select` decides: which tiles are stored, and what the route looks like with them.
 struct Selection {
   std::vector<std::int64_t> tile_ids;  ///< Ascending.
@@ -90,6 +97,7 @@ struct Selection {
   std::optional<RouteProbability> probability;  ///< Nothing when no tile has a P.
   std::vector<LegAdvice> advice;                ///< One for each leg that is not good enough, when asked for.
   std::vector<std::string> notes;
+  std::optional<LeftOut> left_out;  ///< Nothing where a selection was not made by `select`.
 };
 
 /// "0.987": three decimals, rounded down, so that what is not certain never reads 1.000; "–" for NaN.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -53,6 +54,18 @@ Json probability_to_json(const std::optional<RouteProbability>& probability) {
   return json;
 }
 
+std::vector<std::int64_t> tile_ids_of(JsonObject& object, const std::string& key) {
+  std::vector<std::int64_t> ids;
+  for (const Json& id : object.list(key)) {
+    // A number beyond int64 wraps to a negative one.
+    const bool ascending =
+        id.is_number_integer() && id.get<std::int64_t>() >= 0 && (ids.empty() || id.get<std::int64_t>() > ids.back());
+    if (!ascending) throw DataError(object.path(key) + ": " + id.dump() + " is not an ascending tile_id");
+    ids.push_back(id.get<std::int64_t>());
+  }
+  return ids;
+}
+
 RouteProbability probability_from_json(JsonObject object) {
   RouteProbability probability;
   probability.p_within_limit = object.number("p_within_limit");
@@ -88,7 +101,13 @@ Json selection_to_json(const Selection& selection) {
                {"gaps", Json::array()},
                {"legs", Json::array()},
                {"error_profile", Json::array()},
-               {"tile_ids", selection.tile_ids}};
+               {"tile_ids", selection.tile_ids},
+               {"left_out", nullptr}};
+  if (const auto& left_out = selection.left_out) {
+    json["left_out"] = {{"min_p_correct_fix", left_out->min_p_correct_fix},
+                        {"min_peak_margin", left_out->min_peak_margin},
+                        {"beyond_budget", left_out->beyond_budget}};
+  }
   for (const LegAdvice& advice : selection.advice) {
     json["advice"].push_back({{"leg", advice.leg + 1},
                               {"side", side_name(advice.side)},
@@ -167,12 +186,12 @@ Selection selection_from_json(const Json& json, const std::string& name) {
                                        sample.number_or_nan("p_within_limit")});
     sample.finish();
   }
-  for (const Json& id : object.list("tile_ids")) {
-    // A number beyond int64 wraps to a negative one.
-    const bool ascending = id.is_number_integer() && id.get<std::int64_t>() >= 0 &&
-                           (selection.tile_ids.empty() || id.get<std::int64_t>() > selection.tile_ids.back());
-    if (!ascending) throw DataError(object.path("tile_ids") + ": " + id.dump() + " is not an ascending tile_id");
-    selection.tile_ids.push_back(id.get<std::int64_t>());
+  selection.tile_ids = tile_ids_of(object, "tile_ids");
+  if (!object.value("left_out").is_null()) {
+    JsonObject left_out = object.object("left_out");
+    selection.left_out = LeftOut{left_out.number("min_p_correct_fix"), left_out.number("min_peak_margin"),
+                                 tile_ids_of(left_out, "beyond_budget")};
+    left_out.finish();
   }
   object.finish();
   return selection;

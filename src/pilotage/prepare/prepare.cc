@@ -94,7 +94,11 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
   refuse_existing(run.output_folder, run.overwrite);
   const MapPurpose purpose = make_purpose(options.purpose);
-  for (const std::string& dataset : options.score.second_epoch) inspect_imagery(dataset);  // fails now, not after hours
+  std::vector<std::string> second_date_warnings;
+  for (const std::string& dataset : options.score.second_epoch) {  // fails now, not after hours
+    const ImageryInfo info = inspect_imagery(dataset, second_date_options(options.tile.imagery_options));
+    second_date_warnings.insert(second_date_warnings.end(), info.warnings.begin(), info.warnings.end());
+  }
 
   const Mission mission = plan_tiles(options.tile, progress);
   const StagingFolder staging(run.output_folder);
@@ -105,6 +109,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), json_text(plan_to_json(mission)), true);
 
+  report_progress(progress, "reading imagery", 0, 0);  // until there are tiles to count
   std::optional<GroundImagery> imagery = open_imagery(mission.ground);
   const GroundScores scored = score_ground(mission.ground, score_options, run.seed, run.threads, progress, &*imagery);
   const std::vector<TileScores>& scores = scored.scores;
@@ -158,7 +163,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   input.parameters = described(options);
   input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
-  const Report report = make_report(input);
+  Report report = make_report(input);
+  report.warnings.insert(report.warnings.end(), second_date_warnings.begin(), second_date_warnings.end());
   const std::vector<std::string> written =
       write_report_outputs(staging / "", kReport, input, report, options.outputs, false, progress);
   result.files.insert(result.files.end(), written.begin(), written.end());

@@ -34,6 +34,7 @@ ImageryOptions height_options(const std::string& crs) {
   ImageryOptions options;
   options.bands = {1};
   options.imagery_crs = crs;
+  options.collar = CollarRule::kKeep;  // 0 is a height: the sea's
   return options;
 }
 

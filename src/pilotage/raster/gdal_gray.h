@@ -18,7 +18,8 @@
 // expanded to colours first; complex values become their magnitude. Depth: Byte → CV_8U, UInt16 → CV_16U, all others →
 // CV_64F.
 //
-// Valid = GDAL's mask is not 0 (alpha, mask band, no-data value) and the gray value is finite. With a no-data value and
+// Valid = GDAL's mask is not 0 (alpha, mask band, no-data value), the pixel is not of a collar (ImageryInfo::collar),
+// and the gray value is finite. With a no-data value and
 // three bands, an 8-bit pixel is invalid when all three bands hold it (0 and 255 are ordinary values of one channel), a
 // pixel of another type when any of them does. On a grid, a pixel is valid when the imagery's pixel at its centre is
 // (at its centre or, when averaging, anywhere under it); what is not valid never mixes into its neighbours.

@@ -16,6 +16,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/block_limits.h"
+#include "pilotage/raster/gdal_collar.h"
 #include "pilotage/raster/gdal_handle.h"
 
 namespace pilotage {
@@ -315,6 +316,12 @@ ImageryInfo start_info(GDALDataset& opened, const std::string& dataset) {
 
 }  // namespace
 
+ImageryOptions second_date_options(const ImageryOptions& reference) {
+  ImageryOptions options;
+  options.collar = reference.collar;
+  return options;
+}
+
 ImageryInfo inspect_picture(const std::string& dataset) {
   const DatasetPtr opened = open_raster(dataset);
   const GdalErrors errors;
@@ -342,6 +349,11 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
     throw DataError(message.starts_with(dataset) ? message : dataset + ": " + message);
   }
   add_warnings(*opened, georeference.from_points, info);
+  if (info.mask == MaskKind::kNone && options.collar == CollarRule::kMask) {
+    const CollarFinding found = find_collar(info, options);
+    info.collar = found.collar;
+    if (!found.warning.empty()) info.warnings.push_back(found.warning);
+  }
   return info;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@
 #pragma GCC visibility push(default)
 
 namespace pilotage {
+
+struct Collar;
 
 /// How imagery is brought onto a mission grid (docs/methods/imagery.md says why these).
 enum class Resampling {
@@ -32,11 +35,22 @@ inline EnumNames<Resampling> enum_names(Resampling) {
           {Resampling::kAverage, "average"}};
 }
 
+/// What becomes of black or white that reaches in from the edge of imagery that has neither no-data value nor mask.
+enum class CollarRule {
+  kMask,  ///< It is no data.
+  kKeep,  ///< It is ground; nothing is looked for.
+};
+
+inline EnumNames<CollarRule> enum_names(CollarRule) {
+  return {{CollarRule::kMask, "mask"}, {CollarRule::kKeep, "keep"}};
+}
+
 /// How imagery is read. Meant to be described in a group with FlagPrefix::kNone.
 struct ImageryOptions {
   std::vector<double> bands;
   std::string imagery_crs;
   std::optional<double> nodata;
+  CollarRule collar = CollarRule::kMask;
   Resampling resampling = Resampling::kAuto;
 
   template <class Self, class Fields>
@@ -47,9 +61,15 @@ struct ImageryOptions {
                  Range{1, 65535});
     fields.field("imagery_crs", self.imagery_crs, "CRS of imagery that states none, for instance EPSG:32633.");
     fields.field("nodata", self.nodata, "Value that means no data in imagery that does not say so itself.");
+    fields.field("collar", self.collar,
+                 "Black (0 in every band) or white (the largest value) that reaches in from the edge of imagery "
+                 "without no-data value, alpha or mask: taken for no data, or kept as ground.");
     fields.field("resampling", self.resampling, "How imagery is brought onto the mission grid.");
   }
 };
+
+/// How a second date of imagery is read: by what it says itself, but collars are kept or masked in both alike.
+ImageryOptions second_date_options(const ImageryOptions& reference);
 
 /// Where a raster says which pixels are ground. Pixels that are NaN or infinite never are.
 enum class MaskKind {
@@ -80,6 +100,9 @@ struct ImageryInfo {
   std::vector<int> gray_bands;           ///< Bands (from 1) that gray is made of: one, or red, green, blue.
   bool palette = false;                  ///< The one gray band holds indices of colours.
   MaskKind mask = MaskKind::kNone;
+  /// Black or white around the ground of a raster without a mask, taken for no data as ImageryOptions::collar asks for;
+  /// null where there is none.
+  std::shared_ptr<const Collar> collar;
   int overviews = 0;
   int block_width_px = 1;  ///< Of the blocks in which the file holds the first used band.
   int block_height_px = 1;
@@ -98,8 +121,8 @@ struct ImageryInfo {
 /// Opens a raster and says what it is. `dataset` is what GDAL opens by the drivers that are allowed (a file, a
 /// part of one, a VRT; gdal_access.h). A raster whose only georeference is ground control points is accepted when they
 /// fit one affine transform exactly. Throws DataError, naming the dataset, when it cannot be opened, has no
-/// georeference, no CRS (and none is given), no bands, or bands of a kind that cannot be made gray; UsageError when
-/// `options` do not fit it.
+/// georeference, no CRS (and none is given), no bands, bands of a kind that cannot be made gray, or pixels at its edge
+/// that cannot be read; UsageError when `options` do not fit it.
 ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options = {});
 
 /// The same of a picture whose place, if it has one, does not matter, such as a frame of a camera: map_from_pixel, crs,

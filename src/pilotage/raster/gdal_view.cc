@@ -13,6 +13,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/raster/gdal_collar.h"
 
 namespace pilotage {
 namespace {
@@ -52,7 +53,9 @@ std::vector<std::string> warp_arguments(const ImageryInfo& info, const TargetGri
   const Eigen::Vector2d top_left = grid.map_from_pixel.map_from_pixel({0, 0});
   const Eigen::Vector2d bottom_right =
       grid.map_from_pixel.map_from_pixel({static_cast<double>(grid.width_px), static_cast<double>(grid.height_px)});
-  return {"-of", "VRT", "-dstalpha", "-ovr", "AUTO", "-t_srs", grid.crs.wkt(), "-te", format_number(top_left.x()),
+  // Overviews have mixed what is a collar into the ground beside it.
+  const char* const overviews = info.collar == nullptr ? "AUTO" : "NONE";
+  return {"-of", "VRT", "-dstalpha", "-ovr", overviews, "-t_srs", grid.crs.wkt(), "-te", format_number(top_left.x()),
           format_number(bottom_right.y()), format_number(bottom_right.x()), format_number(top_left.y()), "-ts",
           std::to_string(grid.width_px), std::to_string(grid.height_px), "-r", utility_name(resampling), "-et", "0.05",
           "-wo",
@@ -82,6 +85,7 @@ RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, F
     select_bands(options);
   }
   if (purpose == For::kReading) return;
+  if (info.collar != nullptr) add_collar_alpha();
   const GeoTransform& place = info.map_from_pixel;
   std::array<double, 6> numbers{place.origin_x, place.x_per_col, place.x_per_row,
                                 place.origin_y, place.y_per_col, place.y_per_row};
@@ -189,6 +193,21 @@ void RasterView::take_magnitude() {
   stack_.push_back(std::move(made));
 }
 
+/// The collar as an alpha band behind the others, so that warping keeps it out of its neighbours.
+void RasterView::add_collar_alpha() {
+  const GdalErrors errors;
+  DatasetPtr alpha = make_collar_alpha(info_.collar);
+  const bool added = top().AddBand(GDT_Byte) == CE_None;
+  GDALRasterBand* const band = added ? top().GetRasterBand(top().GetRasterCount()) : nullptr;
+  if (band == nullptr || band->SetColorInterpretation(GCI_AlphaBand) != CE_None ||
+      VRTAddSimpleSource(static_cast<VRTSourcedRasterBandH>(band), GDALRasterBand::ToHandle(alpha->GetRasterBand(1)), 0,
+                         0, info_.width_px, info_.height_px, 0, 0, info_.width_px, info_.height_px, "near",
+                         VRT_NODATA_UNSET) != CE_None) {
+    fail(errors, "its collar cannot be masked");
+  }
+  stack_.insert(stack_.begin(), std::move(alpha));
+}
+
 cv::Mat RasterView::read_pixels(const PixelWindow& window) const {
   const GdalErrors errors;
   cv::Mat pixels(window.height, window.width, CV_MAKETYPE(info_.depth, channels_));
@@ -216,6 +235,7 @@ cv::Mat RasterView::read_valid(const PixelWindow& window) const {
   cv::Mat valid(window.height, window.width, CV_8U, cv::Scalar(255));
   if (alpha_band_ > 0) valid = read(*top().GetRasterBand(alpha_band_));
   if (warped_) return valid;
+  if (info_.collar != nullptr) info_.collar->clear(window, valid);
 
   const auto band_of = [&](int channel) { return top().GetRasterBand(bands_.at(static_cast<std::size_t>(channel))); };
   const int flags = band_of(0)->GetMaskFlags();

@@ -54,6 +54,7 @@ class RasterView {
   void select_bands(const ImageryOptions& options);
   void expand_palette(const ImageryOptions& options);
   void take_magnitude();
+  void add_collar_alpha();
   void translate(const std::vector<std::string>& arguments);
   GDALDataset& top() const { return *stack_.back(); }
   [[noreturn]] void fail(const GdalErrors& errors, const char* what) const;

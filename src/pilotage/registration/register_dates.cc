@@ -96,8 +96,9 @@ double registration_gsd_m(const std::vector<ImageryInfo>& infos, const Registrat
 OpenPair open_rasters(const std::vector<std::string>& reference, const ImageryOptions& reference_options,
                       const std::vector<std::string>& second, const Crs& crs) {
   return [=](const GeoTransform& map_from_pixel, std::int64_t width_px, std::int64_t height_px) {
-    return DatePair{open_gray_on_grid(reference, crs, map_from_pixel, width_px, height_px, reference_options),
-                    open_gray_on_grid(second, crs, map_from_pixel, width_px, height_px)};
+    return DatePair{
+        open_gray_on_grid(reference, crs, map_from_pixel, width_px, height_px, reference_options),
+        open_gray_on_grid(second, crs, map_from_pixel, width_px, height_px, second_date_options(reference_options))};
   };
 }
 

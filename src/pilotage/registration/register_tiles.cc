@@ -59,7 +59,7 @@ TileRegistration register_tiles(const std::vector<std::string>& reference, const
   TileRegistration result;
   std::vector<ImageryInfo> infos;
   for (const std::string& dataset : reference) infos.push_back(inspect_imagery(dataset, imagery));
-  for (const std::string& dataset : second) infos.push_back(inspect_imagery(dataset));
+  for (const std::string& dataset : second) infos.push_back(inspect_imagery(dataset, second_date_options(imagery)));
   if (tiles.empty()) return result;
   double largest_m = 1;
   for (const Bounds& tile : tiles) {

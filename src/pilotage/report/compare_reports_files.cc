@@ -105,8 +105,7 @@ std::string leg_text(const ComparedLeg& leg) {
   return "leg " + change_text(std::to_string(leg.legs[0]), std::to_string(leg.legs[1])) + " from " +
          place_text(leg.from) + " to " + place_text(leg.to) + ": " + change_text(leg.statuses[0], leg.statuses[1]) +
          ", P " + change_text(number_text(leg.p_within_limit[0], 3), number_text(leg.p_within_limit[1], 3)) +
-         ", error " + change_text(error_text(leg.max_error_m[0]), error_text(leg.max_error_m[1])) +
-         (leg.among_worst[1] ? " (among the worst)" : "");
+         ", error " + change_text(error_text(leg.max_error_m[0]), error_text(leg.max_error_m[1]));
 }
 
 /// "none" for what one report does not say; digests are cut to what people compare.
@@ -214,7 +213,7 @@ std::string report_comparison_text(const ReportComparison& comparison) {
            change_text(row.values[0], row.values[1]) + ")";
   });
   text += section("legs: " + std::to_string(comparison.legs.size()) + " of " + std::to_string(comparison.common_legs) +
-                      " common ones differ",
+                      " common ones differ, the worst of b first",
                   comparison.legs, leg_text);
   text += legs_of_one_text(comparison.legs_of_one[0], "a") + legs_of_one_text(comparison.legs_of_one[1], "b");
   text += "matching areas: " + std::to_string(comparison.kept_areas) + " kept, " +

@@ -17,13 +17,36 @@ double percentile(const std::vector<double>& sorted, double share) {
   return sorted[std::min(index, sorted.size() - 1)];
 }
 
+// Between its neighbours each channel grows linearly; the fourth is status_color of good.
+std::array<Rgb, 256> blues() {
+  constexpr std::array<Rgb, 5> kStops{
+      {{0xf4, 0xf1, 0xea}, {0xb5, 0xd1, 0xe6}, {0x56, 0x9f, 0xce}, {0x00, 0x72, 0xb2}, {0x00, 0x32, 0x62}}};
+  constexpr std::size_t kStep = 64;
+  const auto channel = [](std::uint8_t from, std::uint8_t to, std::size_t step) {
+    const double share = static_cast<double>(step) / kStep;
+    return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
+  };
+  std::array<Rgb, 256> table;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const std::size_t at = i == table.size() - 1 ? 4 * kStep : i;  // the last is the last stop
+    const std::size_t stop = std::min<std::size_t>(at / kStep, kStops.size() - 2);
+    const Rgb& from = kStops[stop];
+    const Rgb& to = kStops[stop + 1];
+    const std::size_t step = at - stop * kStep;
+    table[i] = {channel(from.red, to.red, step), channel(from.green, to.green, step),
+                channel(from.blue, to.blue, step)};
+  }
+  return table;
+}
+
 }  // namespace
 
 std::array<Rgb, 256> color_table(ColorMap map) {
+  if (map == ColorMap::kBlues) return blues();
   cv::Mat ramp(1, 256, CV_8UC1);
   for (int i = 0; i < 256; ++i) ramp.at<std::uint8_t>(0, i) = static_cast<std::uint8_t>(i);
   cv::Mat colors;  // blue, green, red
-  cv::applyColorMap(ramp, colors, map == ColorMap::kViridis ? cv::COLORMAP_VIRIDIS : cv::COLORMAP_CIVIDIS);
+  cv::applyColorMap(ramp, colors, cv::COLORMAP_CIVIDIS);
   std::array<Rgb, 256> table;
   for (int i = 0; i < 256; ++i) {
     const auto& color = colors.at<cv::Vec3b>(0, i);

@@ -106,6 +106,7 @@ function hatchPattern(context) {
 }
 const belowThreshold = '#30343a';
 function heatColor(i) {
+  if (isDecision()) return display.classes[i] === null ? 'hatch' : display.class_colors[display.classes[i]];
   const index = display.shades[state.measure][i];
   if (index < 0) return 'hatch';
   return passes(i) ? display.colors[display.color_maps[state.measure]][index] : belowThreshold;
@@ -155,7 +156,7 @@ function writeValues(context, view, visible) {
   context.strokeStyle = '#fff';
   context.fillStyle = '#000';
   for (const i of visible) {
-    const text = formatted(measuredValue(i), decimalsNow());
+    const text = shownText(i);
     const x = view.x((cellBoxes[4 * i] + cellBoxes[4 * i + 2]) / 2);
     const y = view.y((cellBoxes[4 * i + 1] + cellBoxes[4 * i + 3]) / 2);
     context.strokeText(text, x, y + 9);

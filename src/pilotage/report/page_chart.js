@@ -41,7 +41,15 @@ function setAlong(distance, source) {
   const point = toLatLng(...placeAlong(distance));
   if (!map.getBounds().contains(point)) map.panTo(point, { animate: false });
 }
+// On a narrow screen the chart is higher than its width asks for; by how much its letters are to be widened again.
+function fitChart() {
+  const box = chart.getBoundingClientRect();
+  const view = chart.viewBox.baseVal;
+  if (box.width > 0) chart.style.setProperty('--chart-stretch', String(box.height / view.height / (box.width / view.width)));
+}
 function linkChart() {
+  fitChart();
+  window.addEventListener('resize', fitChart);
   const follow = (event) => {
     const box = chart.getBoundingClientRect();
     const x = (event.clientX - box.left) / box.width * chart.viewBox.baseVal.width;

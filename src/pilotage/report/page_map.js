@@ -7,9 +7,14 @@ const legStyles = {
   marginal: { color: '#e69f00', width: 4, dash: [12, 7] },
   bad: { color: '#d5008a', width: 6, dash: [4, 5] },
 };
+// Lines keep off the cells beside them: from a distance, where a corridor is a few pixels wide, they become thinner.
+function lineShare(view) {
+  return Math.min(1, Math.max(0.3, bucketSize_m * view.scale / 16));
+}
 function drawGaps(context, view) {
+  const share = lineShare(view);
   display.gap_lines_m.forEach((flat, i) => {
-    context.lineWidth = 18;
+    context.lineWidth = 18 * share;
     context.globalAlpha = 0.6;
     const status = report.route.gaps[i].status;
     context.strokeStyle = legStyles[status].color;
@@ -19,15 +24,16 @@ function drawGaps(context, view) {
 }
 function drawRoute(context, view) {
   context.lineJoin = 'round';
+  const share = lineShare(view);
   display.leg_lines_m.forEach((flat, i) => {
     const style = legStyles[report.route.legs[i].status];
     context.globalAlpha = 0.9;
     context.strokeStyle = '#fff';
-    context.lineWidth = 8;
+    context.lineWidth = 8 * share;
     strokeLine(context, view, flat, []);
     context.globalAlpha = 1;
     context.strokeStyle = style.color;
-    context.lineWidth = style.width;
+    context.lineWidth = Math.max(1.5, style.width * share);
     strokeLine(context, view, flat, style.dash);
   });
   labelLegs(context, view);
@@ -104,8 +110,8 @@ function addControls() {
     const point = event.latlng.wrap();
     const place = L.Projection.SphericalMercator.project(event.latlng);
     const i = tileAt(place.x, place.y, state.level);
-    node.textContent = (i < 0 ? '' : 'tile ' + valueOf(tiles[i], 'tile_id') + ': ' + scaleNow().label + ' ' +
-      withUnit(formatted(measuredValue(i), decimalsNow()), scaleNow().unit) + ' · ') + point.lat.toFixed(6) + ', ' + point.lng.toFixed(6);
+    node.textContent = (i < 0 ? '' : 'tile ' + valueOf(tiles[i], 'tile_id') + ': ' + (isDecision() ? '' : scaleNow().label + ' ') +
+      withUnit(shownText(i), scaleNow().unit) + ' · ') + point.lat.toFixed(6) + ', ' + point.lng.toFixed(6);
   });
 }
 
@@ -125,6 +131,8 @@ function addLayer(name, pane, draw) {
   if (!box || box.checked) layers[name].addTo(map);
 }
 function makeMap() {
+  const [minX, minY, maxX, maxY] = display.edges_m;
+  $('map').style.setProperty('--mission-aspect', String((maxX - minX) / (maxY - minY)));
   // Zooming is drawn at once instead of animated: every layer is a canvas that is drawn anew anyway.
   map = L.map('map', { attributionControl: false, zoomSnap: 0.25, zoomDelta: 0.5, maxZoom: 23, maxBoundsViscosity: 0.6,
     fadeAnimation: false, zoomAnimation: false });

@@ -10,8 +10,21 @@ function levelRadio(level) {
   label.append(input, ' Level ' + level);
   return label;
 }
+// The classes with their colours, and how many tiles of the level are of each.
+function showClasses() {
+  const ofLevel = tiles.map((row, i) => i).filter((i) => valueOf(tiles[i], 'level') === state.level);
+  $('scale-classes').replaceChildren(...display.class_names.map((name, k) => {
+    const line = element('li');
+    const swatch = element('span', undefined, 'swatch');
+    swatch.style.background = display.class_colors[k];
+    const count = ofLevel.filter((i) => display.classes[i] === k).length;
+    line.append(swatch, ' ' + name + ': ' + count + (count === 1 ? ' tile' : ' tiles'));
+    return line;
+  }));
+}
 // How many tiles lie where on the scale: bars above the colours.
 function showCounts() {
+  if (isDecision()) { showClasses(); return; }
   const bars = 32;
   const counts = new Array(bars).fill(0);
   tiles.forEach((row, i) => {
@@ -28,17 +41,19 @@ function showCounts() {
 }
 function showScale() {
   const scale = scaleNow();
+  $('scale').classList.toggle('classed', isDecision());
+  $('scale-name').textContent = scale.label;
+  $('scale-meaning').textContent = '· ' + scale.meaning;
+  showCounts();
+  if (isDecision()) return;
   const colors = display.colors[display.color_maps[state.measure]];
   const stops = [];
   for (let i = 0; i < 256; i += 15) stops.push(colors[i]);
   $('scale-bar').style.background = 'linear-gradient(to right,' + stops.join(',') + ')';
   const decimals = decimalsNow();
-  $('scale-name').textContent = scale.label;
   $('scale-low').textContent = (scale.least !== null && scale.least < scale.low ? '≤ ' : '') + formatted(scale.low, decimals);
   $('scale-high').textContent = (scale.most !== null && scale.most > scale.high ? '≥ ' : '') + formatted(scale.high, decimals);
   $('scale-unit').textContent = scale.unit === '1' ? '(no unit)' : scale.unit;
-  $('scale-meaning').textContent = '· ' + scale.meaning;
-  showCounts();
 }
 function routeShare() {
   const under = tilesUnderRoute();
@@ -64,6 +79,12 @@ function countThreshold() {
     (share === null ? '' : '; ' + Math.floor(100 * share + 1e-9) + ' % of the route over tiles at or above');
 }
 function updateThreshold() {
+  if (isDecision()) {
+    state.threshold = null;
+    recolor();
+    countThreshold();
+    return;
+  }
   const scale = scaleNow();
   const value = scale.low + (scale.high - scale.low) * Number($('threshold').value) / 200;
   state.threshold = $('threshold-on').checked ? value : null;
@@ -78,13 +99,17 @@ function setLevel(level) {
   showCounts();
   countThreshold();
 }
+function addMeasure(label, value) {
+  const option = element('option', label);
+  option.value = String(value);
+  option.selected = value === state.measure;
+  $('measure').append(option);
+}
 function makePanel() {
+  if (state.measure < 0) addMeasure(decision.label, -1);
   report.measures.forEach((measure, i) => {
     if (measure.least === null && i !== state.measure) return;  // was not computed
-    const option = element('option', measure.label);
-    option.value = String(i);
-    option.selected = i === state.measure;
-    $('measure').append(option);
+    addMeasure(measure.label, i);
   });
   $('measure').addEventListener('change', () => {
     state.measure = Number($('measure').value);

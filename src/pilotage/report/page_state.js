@@ -10,7 +10,8 @@ const valueOf = (row, name) => row[column[name]];
 
 const levels = [...new Set(tiles.map((row) => valueOf(row, 'level')))].sort((a, b) => a - b);
 const state = {
-  measure: Math.max(0, report.measures.findIndex((measure) => measure.least !== null)),
+  measure: display.classes.some((known) => known !== null) ? -1  // the decision
+    : Math.max(0, report.measures.findIndex((measure) => measure.least !== null)),
   level: levels.length ? levels[0] : 0,
   threshold: null,  // a value of the measure, or null
   tile: -1,         // index into tiles
@@ -18,9 +19,13 @@ const state = {
   printing: false,  // the map is drawn for paper
 };
 
-const scaleNow = () => report.measures[state.measure];
+// Whether the ground can be counted on: classes instead of a scale, and no threshold.
+const decision = { label: 'Decision: go, marginal, no-go', unit: '1', meaning: display.class_meaning };
+const isDecision = () => state.measure < 0;
+const scaleNow = () => (isDecision() ? decision : report.measures[state.measure]);
 const decimalsNow = () => display.decimals[state.measure];
 const measuredValue = (i) => valueOf(tiles[i], scaleNow().name);
+const className = (i) => (display.classes[i] === null ? 'not known' : display.class_names[display.classes[i]]);
 function passes(i) {
   const value = measuredValue(i);
   return state.threshold === null || (value !== null && value >= state.threshold);
@@ -38,6 +43,10 @@ function fieldText(value, name, unit) {
   if (typeof value === 'boolean') return value ? 'yes' : 'no';
   if (typeof value === 'string') return name === 'status' ? value.replaceAll('_', ' ') : value;
   return withUnit(String(value), unit);
+}
+// What the map shows of a tile: its class, or its value without the unit.
+function shownText(i) {
+  return isDecision() ? className(i) : formatted(measuredValue(i), decimalsNow());
 }
 function lengthText(metres) {
   return metres >= 999.5 ? (metres / 1000).toFixed(1) + ' km' : metres.toFixed(0) + ' m';

@@ -17,6 +17,7 @@
 #include "pilotage/report/error_profile.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/sampled_route.h"
+#include "pilotage/report/title_block.h"
 #include "pilotage/report/verdict.h"
 #include "pilotage/report/wording.h"
 
@@ -79,21 +80,42 @@ void check_pictures(const ReportInput& input) {
   if (!whole) throw DataError("report: the sheet of pictures does not hold one for each tile of the plan");
 }
 
-std::string reason_for(const ReportTile& tile) {
+// Why the selection did not store a tile that has scores; `kept` are the words for what it is worth.
+std::string left_out_text(const ReportTile& tile, const Selection& selection, const std::string& worth) {
+  if (!selection.left_out) return "The selection left it out: " + worth + ".";
+  const std::vector<std::int64_t>& beyond = selection.left_out->beyond_budget;
+  if (std::binary_search(beyond.begin(), beyond.end(), tile.tile.tile_id)) {
+    return "It does not fit into the size budget: " + worth + ".";
+  }
+  return "It is not among the fewest areas that were asked for (sparse): " + worth + ".";
+}
+
+std::string reason_for(const ReportTile& tile, const Selection& selection) {
   if (tile.selected) return "";
   if (tile.score.status == TileStatus::kTooLittleGround) {
     return "Too little ground: the imagery covers " + percent_text(tile.score.valid_fraction) + " of it.";
   }
   if (tile.score.status == TileStatus::kFlat) return "Flat: all its pixels have the same gray value.";
   if (std::isfinite(tile.score.p_correct_fix)) {  // then it is what the selection judges by, not the margin
-    return "The selection left it out (smallest P allowed, size budget or sparse areas): its P(correct fix) is " +
-           number_text(tile.score.p_correct_fix, 3) + ".";
+    const std::string worth = "its P(correct fix) is " + number_text(tile.score.p_correct_fix, 3);
+    if (selection.left_out && tile.score.p_correct_fix < selection.left_out->min_p_correct_fix) {
+      return "It is too seldom found: " + worth + ", at least " +
+             number_text(selection.left_out->min_p_correct_fix, 3) + " is stored.";
+    }
+    return left_out_text(tile, selection, worth);
   }
   if (tile.score.degraded.margin <= 0) {
     return "A rival in its search area looks as much like it as itself (margin " +
            number_text(tile.score.degraded.margin, 3) + " on degraded copies).";
   }
-  return "It can be scored, but the selection left it out (size budget, minimum score or sparse areas).";
+  // As select judges it: by degraded copies, else by clean ones.
+  const double margin = std::isnan(tile.score.degraded.margin) ? tile.score.clean.margin : tile.score.degraded.margin;
+  const std::string worth = "its margin over every rival is " + number_text(margin, 3);
+  if (selection.left_out && margin < selection.left_out->min_peak_margin) {
+    return "It stands out too little: " + worth + ", at least " + number_text(selection.left_out->min_peak_margin, 3) +
+           " is stored.";
+  }
+  return left_out_text(tile, selection, worth);
 }
 
 std::vector<ReportTile> report_tiles(const ReportInput& input) {
@@ -113,7 +135,7 @@ std::vector<ReportTile> report_tiles(const ReportInput& input) {
     tile.selected = true;
   }
   for (ReportTile& tile : tiles) {
-    tile.reason = reason_for(tile);
+    tile.reason = reason_for(tile, input.selection);
     tile.reasons = reasons_text(tile_reasons(tile.score, reason_context(ground.crs, ground.level_of(tile.tile))));
   }
   return tiles;
@@ -213,6 +235,7 @@ Report make_report(const ReportInput& input) {
   report.route_name = valid_utf8(mission.flight.route.name);
   report.route_format = valid_utf8(mission.flight.route.format);
   report.title = valid_utf8(input.title.empty() ? mission.flight.route.name : input.title);
+  report.title_block = title_block(input);
   report.software_version = valid_utf8(input.software_version);
   report.route_length_m = route_length_m(mission.flight.route);
   report.matchable_fraction = selection.matchable_fraction;

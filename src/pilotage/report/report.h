@@ -95,6 +95,7 @@ struct Report {
   std::string headline;  ///< "95 of 100 flights stay within 60 m …". Like the detail, part of the text.
   std::string verdict_detail;
   std::string assumptions;  ///< "assumes: tactical INS (default), …": what the verdict takes for granted.
+  std::vector<std::pair<std::string, std::string>> title_block;  ///< title_block.h. Not part of report.json.
   std::vector<QualityRow> quality;
   std::vector<WeakPlace> weak_places;  ///< Where to look first. Not part of report.json, which has the gaps and legs.
 

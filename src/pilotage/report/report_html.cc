@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <regex>
 
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/strip_chart.h"
+#include "pilotage/report/tile_class.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/report/wording.h"
 
@@ -20,15 +22,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::string badge(std::string_view status) {
+  return "<span class=\"badge " + std::string(status) + "\">" + std::string(status) + "</span>";
+}
+
 std::string cell(const std::string& text) {
   return "<td>" + html_escape(text) + "</td>";
 }
+// On a small screen a row becomes a card, in which each value says what it is.
+std::string cell(const std::string& label, const std::string& text) {
+  return "<td data-label=\"" + label + "\">" + html_escape(text) + "</td>";
+}
+std::string badge_cell(std::string_view status) {
+  return "<td data-label=\"Status\">" + badge(status) + "</td>";
+}
 std::string heading(const std::string& text) {
   return "<th scope=\"row\">" + html_escape(text) + "</th>";
-}
-
-std::string badge(std::string_view status) {
-  return "<span class=\"badge " + std::string(status) + "\">" + std::string(status) + "</span>";
 }
 
 // "55°29'42.7\" N"
@@ -56,9 +65,14 @@ std::string show_button(double from_m, double to_m, const std::string& what) {
 }
 
 std::string copy_cell(GeodeticPoint from, GeodeticPoint to, const std::string& show) {
-  const std::string text = html_escape(lat_lon(from) + " → " + lat_lon(to));
-  return "<td class=\"coordinates\"><code>" + text + "</code> <button type=\"button\" class=\"copy\" data-copy=\"" +
-         text + "\">Copy</button>" + show + "<span class=\"dms\">" +
+  // One place to a button, as the search of a map takes it.
+  const auto place = [](GeodeticPoint point, const std::string& which) {
+    const std::string text = html_escape(lat_lon(point));
+    return "<code>" + text + "</code> <button type=\"button\" class=\"copy\" data-copy=\"" + text +
+           "\" aria-label=\"Copy where it " + which + "\">Copy</button>";
+  };
+  return "<td class=\"coordinates\" data-label=\"From, to\"><span class=\"place\">" + place(from, "begins") +
+         " →</span> <span class=\"place\">" + place(to, "ends") + "</span>" + show + "<span class=\"dms\">" +
          html_escape(lat_lon_dms(from) + " → " + lat_lon_dms(to)) + "</span></td>";
 }
 
@@ -67,6 +81,14 @@ std::string answer_text(const Report& report) {
   std::string text = report.headline + ".";
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text;
+}
+
+std::string title_block_html(const Report& report) {
+  std::string html;
+  for (const auto& [label, value] : report.title_block) {
+    html += "<div><dt>" + html_escape(label) + "</dt><dd>" + html_escape(value) + "</dd></div>";
+  }
+  return html;
 }
 
 std::string places_heading(const Report& report) {
@@ -120,8 +142,9 @@ std::string evaluation_html(const Report& report) {
 std::string quality_html(const Report& report) {
   std::string html;
   for (const QualityRow& row : report.quality) {
-    html += "<tr>" + heading(row.label + (row.decides ? " *" : "")) + cell(row.value) + "<td>" +
-            badge(status_name(row.status)) + "</td>" + cell(row.threshold) + cell(row.advice) + "</tr>\n";
+    html += "<tr>" + heading(row.label + (row.decides ? " *" : "")) + cell("Value", row.value) +
+            badge_cell(status_name(row.status)) + cell("Threshold", row.threshold) + cell("Advice", row.advice) +
+            "</tr>\n";
   }
   return html;
 }
@@ -141,12 +164,13 @@ std::string legs_html(const Report& report) {
   std::string html;
   for (const int index : report.worst_legs) {
     const ReportLeg& leg = report.legs[static_cast<std::size_t>(index)];
-    html += "<tr>" + heading("Leg " + std::to_string(leg.status.leg + 1)) + cell(items_text(leg)) + "<td>" +
-            badge(status_name(leg.quality)) + "</td>" +
-            cell(comparison_text(leg.status.max_error_m, report.max_error_m)) +
-            cell(leg_probability_text(report, leg.status.p_within_limit)) +
-            cell(leg_probability_text(report, leg.status.p_fix)) + cell(percent_text(leg.status.matchable_fraction)) +
-            cell(length_text(leg.status.length_m)) +
+    html += "<tr>" + heading("Leg " + std::to_string(leg.status.leg + 1)) + cell("Items of the plan", items_text(leg)) +
+            badge_cell(status_name(leg.quality)) +
+            cell("Largest error", comparison_text(leg.status.max_error_m, report.max_error_m)) +
+            cell("P within limit", leg_probability_text(report, leg.status.p_within_limit)) +
+            cell("P of a fix", leg_probability_text(report, leg.status.p_fix)) +
+            cell("Matchable", percent_text(leg.status.matchable_fraction)) +
+            cell("Length", length_text(leg.status.length_m)) +
             copy_cell(leg.from, leg.to,
                       show_button(leg.from_distance_m, leg.from_distance_m + leg.status.length_m,
                                   "leg " + std::to_string(leg.status.leg + 1))) +
@@ -159,8 +183,9 @@ std::string gaps_html(const Report& report) {
   std::string html;
   for (const ReportGap& gap : report.gaps) {
     html += "<tr>" + heading(length_text(gap.gap.from_distance_m) + " – " + length_text(gap.gap.to_distance_m)) +
-            "<td>" + badge(status_name(gap.quality)) + "</td>" + cell(length_text(gap.length_m)) +
-            cell(duration_text(gap.gap.duration_s)) + cell(comparison_text(gap.gap.error_m, report.max_error_m)) +
+            badge_cell(status_name(gap.quality)) + cell("Length", length_text(gap.length_m)) +
+            cell("Time", duration_text(gap.gap.duration_s)) +
+            cell("Error at its end", comparison_text(gap.gap.error_m, report.max_error_m)) +
             copy_cell(gap.from, gap.to,
                       show_button(gap.gap.from_distance_m, gap.gap.to_distance_m,
                                   "the gap at " + length_text(gap.gap.from_distance_m))) +
@@ -259,6 +284,18 @@ Json display_json(const Report& report) {
     json["profile_p"].push_back(
         Json::array({json_number(rounded(sample.p_correct_fix, 4)), json_number(rounded(sample.p_within_limit, 6))}));
   }
+  json["classes"] = Json::array();  // of each tile, null where nothing decides
+  for (const ReportTile& tile : report.tiles) {
+    const std::optional<TileClass> known = tile_class(tile.score);
+    json["classes"].push_back(known ? Json(static_cast<int>(*known)) : Json());
+  }
+  json["class_names"] = Json::array();
+  json["class_colors"] = Json::array();
+  for (const RasterClass& next : tile_classes()) {
+    json["class_names"].push_back(next.name);
+    json["class_colors"].push_back(hex_color({next.rgb[0], next.rgb[1], next.rgb[2]}));
+  }
+  json["class_meaning"] = tile_classes_meaning();
   json["shades"] = Json::array();
   json["color_maps"] = Json::array();
   json["decimals"] = Json::array();
@@ -266,10 +303,10 @@ Json display_json(const Report& report) {
     Json shades = Json::array();
     for (const ReportTile& tile : report.tiles) shades.push_back(shade(scale, scale.measure.get(tile.score)));
     json["shades"].push_back(shades);
-    json["color_maps"].push_back(scale.measure.heat.colors == ColorMap::kViridis ? "viridis" : "cividis");
+    json["color_maps"].push_back(scale.measure.heat.colors == ColorMap::kBlues ? "blues" : "cividis");
     json["decimals"].push_back(scale.measure.heat.decimals);
   }
-  for (const auto& [name, map] : {std::pair{"viridis", ColorMap::kViridis}, std::pair{"cividis", ColorMap::kCividis}}) {
+  for (const auto& [name, map] : {std::pair{"blues", ColorMap::kBlues}, std::pair{"cividis", ColorMap::kCividis}}) {
     for (const Rgb color : color_table(map)) json["colors"][name].push_back(hex_color(color));
   }
   return json;
@@ -318,6 +355,7 @@ std::string report_html(const Report& report) {
                         {"verdict_word", verdict},
                         {"verdict_rest", html_escape(report.verdict_detail)},
                         {"answer", html_escape(answer_text(report))},
+                        {"title_block", title_block_html(report)},
                         {"assumptions", html_escape(report.assumptions)},
                         {"places_heading", places_heading(report)},
                         {"places", places_html(report)},

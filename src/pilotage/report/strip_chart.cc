@@ -67,7 +67,8 @@ std::string grid_lines(const Axes& axes) {
   for (int i = 0; i * along_step_m <= axes.distance_m; ++i) {
     const double x = axes.x(i * along_step_m);
     svg += kSvg.line("tick", x, kBottom, x, kBottom + 6);
-    svg += kSvg.text("tick-x", x, kBottom + 22, format_number(std::round(i * along_step_m / unit_m * 1e6) / 1e6));
+    svg += kSvg.text(i % 2 == 0 ? "tick-x" : "tick-x odd", x, kBottom + 22,
+                     format_number(std::round(i * along_step_m / unit_m * 1e6) / 1e6));
   }
   svg += kSvg.text("axis", (kLeft + kRight) / 2, kHeight - 6,
                    std::string("Distance along the route (") + (kilometres ? "km)" : "m)"));
@@ -94,7 +95,7 @@ std::string error_curve(const Report& report, const Axes& axes) {
 std::string probability_ribbon(const Report& report, const Axes& axes, double top) {
   constexpr int kShades = 16;  // neighbours of one shade become one rectangle
   const std::vector<ErrorSample>& profile = report.error_profile;
-  const std::array<Rgb, 256> colors = color_table(ColorMap::kViridis);
+  const std::array<Rgb, 256> colors = color_table(ColorMap::kBlues);
   const auto shade_of = [](const ErrorSample& sample) {
     if (std::isnan(sample.p_correct_fix)) return -1;
     return std::min(kShades - 1, static_cast<int>(std::clamp(sample.p_correct_fix, 0.0, 1.0) * kShades));
@@ -114,7 +115,7 @@ std::string probability_ribbon(const Report& report, const Axes& axes, double to
     from = to;
   }
   if (svg.empty()) return "";
-  return "<g><title>P(correct fix) of the chosen tile under the route: dark 0, bright 1</title>" + svg + "</g>\n" +
+  return "<g><title>P(correct fix) of the chosen tile under the route: pale 0, dark blue 1</title>" + svg + "</g>\n" +
          kSvg.text("ribbon", kLeft - 8, top + 11.5, "P(fix)");
 }
 
@@ -131,7 +132,8 @@ std::string ribbons(const Report& report, const Axes& axes) {
                     (std::isnan(leg.status.p_within_limit)
                          ? ""
                          : ", within the limit with P = " + probability_text(leg.status.p_within_limit)));
-    if (x2 - x1 >= 26) svg += kSvg.text("leg-number", (x1 + x2) / 2, leg_top + 12.5, number);
+    if (x2 - x1 >= 26)
+      svg += kSvg.text(x2 - x1 >= 60 ? "leg-number" : "leg-number tight", (x1 + x2) / 2, leg_top + 12.5, number);
   }
   svg += kSvg.text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
   const double fix_top = leg_top + 25;  // far enough for the larger letters of a small screen
@@ -189,7 +191,7 @@ double tick_step(double extent, int most) {
 std::string strip_chart_svg(const Report& report) {
   const Axes axes = make_axes(report);
   std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + kSvg.number(kWidth) + " " + kSvg.number(kHeight) +
-                    "\" role=\"img\" aria-label=\"" +
+                    "\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"" +
                     html_escape("Predicted position error along the route. " + report.verdict_text) +
                     "\" data-left=\"" + kSvg.number(kLeft) + "\" data-right=\"" + kSvg.number(kRight) +
                     "\" data-top=\"" + kSvg.number(kTop) + "\" data-bottom=\"" + kSvg.number(kBottom) +

@@ -92,7 +92,7 @@ Json samples_of(const ScoreRun& run, const Progress& progress) {
   for (const GridLevel& level : run.ground.levels)
     samples.push_back(sample_digest(open_gray(run.ground, level), progress));
   for (const std::string& dataset : run.options.score.second_epoch)
-    samples.push_back(sample_digest(open_gray(dataset), progress));
+    samples.push_back(sample_digest(open_gray(dataset, second_date_options(run.ground.imagery.options)), progress));
   return samples;
 }
 

@@ -159,7 +159,8 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   std::vector<bool> matchable(mission.ground.tiles.size());
   for (std::size_t i = 0; i < matchable.size(); ++i) matchable[i] = is_matchable(scores[i], options);
   const std::vector<bool> sparse = sparse_areas(mission, matchable, samples_over(tiles, matchable), max_error_m);
-  std::vector<bool> chosen = options.sparse ? sparse : matchable;
+  const std::vector<bool> wanted = options.sparse ? sparse : matchable;
+  std::vector<bool> chosen = wanted;
   std::optional<Chances> chances;
   if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
     chances = Chances{make_flight_path(mission, max_error_m),
@@ -174,8 +175,10 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   }
 
   Selection selection;
+  selection.left_out = LeftOut{options.min_p_correct_fix, options.min_peak_margin, {}};
   StorageCount count(mission, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (wanted[i] && !chosen[i]) selection.left_out->beyond_budget.push_back(mission.ground.tiles[i].tile_id);
     if (!chosen[i]) continue;
     selection.tile_ids.push_back(mission.ground.tiles[i].tile_id);
     count.add(mission.ground.tiles[i]);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "pilotage/ground/tile_scores.h"
@@ -27,10 +28,13 @@ struct TileClassThresholds {
 /// when neither was measured.
 std::optional<TileClass> tile_class(const TileScores& score);
 
+/// What the classes mean, for people: "go: P(correct fix) from 0.5, …".
+std::string tile_classes_meaning();
+
 /// Names and colours of the classes in the order of their numbers.
 const std::vector<RasterClass>& tile_classes();
 
-/// The colour in which files for a GIS show a status: blue, orange, magenta, which colour-blind people tell apart.
+/// The colour in which page, maps and files show a status: blue, orange, magenta, which colour-blind people tell apart.
 Rgb status_color(QualityStatus status);
 
 }  // namespace pilotage

@@ -1,4 +1,4 @@
-#include "pilotage/gis/tile_class.h"
+#include "pilotage/report/tile_class.h"
 
 #include <cmath>
 #include <set>

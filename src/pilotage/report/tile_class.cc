@@ -1,6 +1,8 @@
-#include "pilotage/gis/tile_class.h"
+#include "pilotage/report/tile_class.h"
 
 #include <cmath>
+
+#include "pilotage/base/text.h"
 
 namespace pilotage {
 
@@ -14,6 +16,13 @@ std::optional<TileClass> tile_class(const TileScores& score) {
   if (std::isnan(score.degraded.margin)) return std::nullopt;
   if (score.degraded.margin >= Limits::kGoodMargin) return TileClass::kGo;
   return score.degraded.margin > Limits::kMatchableMargin ? TileClass::kMarginal : TileClass::kNoGo;
+}
+
+std::string tile_classes_meaning() {
+  using Limits = TileClassThresholds;
+  return "go: P(correct fix) from " + format_number(Limits::kGoodP) + "; marginal: from " +
+         format_number(Limits::kMatchableP) + "; no-go: less, or nothing to match. Where no P is known: a margin of " +
+         format_number(Limits::kGoodMargin) + " over every rival on degraded copies, any, none";
 }
 
 Rgb status_color(QualityStatus status) {

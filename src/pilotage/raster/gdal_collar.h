@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "pilotage/raster/collar.h"
+#include "pilotage/raster/gdal_handle.h"
+#include "pilotage/raster/gdal_imagery.h"
+
+// Private to raster/gdal_*.cc: the collar of a raster that says of no pixel that it is not ground
+// (docs/decisions/collars.md).
+
+namespace pilotage {
+
+/// The collar of a raster, and what is to be said about it.
+struct CollarFinding {
+  std::shared_ptr<const Collar> collar;  ///< Null where there is none.
+  std::string warning;                   ///< "" where there is nothing to say.
+};
+
+/// Looks for black and white that reaches in from the raster's edge. Reads at most 1024 short lines of pixels along the
+/// edge; only where one of them is black or white, the whole raster, once, in strips. A raster that was looked at
+/// before, and whose file has not changed since, is not read again in this run. `info` is of a raster without a mask.
+/// Throws DataError when the pixels cannot be read.
+CollarFinding find_collar(const ImageryInfo& info, const ImageryOptions& options);
+
+/// A raster of one band, 0 in the collar and 255 elsewhere; `collar` lives on in it.
+DatasetPtr make_collar_alpha(std::shared_ptr<const Collar> collar);
+
+}  // namespace pilotage

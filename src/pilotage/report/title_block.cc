@@ -1,0 +1,87 @@
+#include "pilotage/report/title_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "pilotage/base/source_date.h"
+#include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+/// The least and the largest finite value.
+template <class Value>
+std::optional<std::pair<double, double>> range_of(const std::vector<FlightSample>& samples, const Value& value) {
+  std::optional<std::pair<double, double>> range;
+  for (const FlightSample& sample : samples) {
+    const double next = value(sample);
+    if (!std::isfinite(next)) continue;
+    range = range ? std::pair(std::min(range->first, next), std::max(range->second, next)) : std::pair(next, next);
+  }
+  return range;
+}
+
+/// "18 m/s", "12 to 18 m/s"
+std::string range_text(const std::pair<double, double>& range, int decimals, const std::string& unit) {
+  const std::string low = number_text(range.first, decimals);
+  const std::string high = number_text(range.second, decimals);
+  return (low == high ? low : low + " to " + high) + " " + unit;
+}
+
+/// Seconds from the first sample to the last; NaN where a speed is not known.
+double flight_time_s(const std::vector<FlightSample>& samples) {
+  double time_s = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double way_m = samples[i].distance_m - samples[i - 1].distance_m;
+    if (way_m > 0) time_s += way_m / samples[i].speed_mps;  // a sample carries the speed at which it is reached
+  }
+  return time_s;
+}
+
+std::string camera_words(const Flight& flight) {
+  const Camera& camera = flight.camera;
+  const double width_deg = 2 * std::atan(camera.width_px / 2.0 / camera.fx_px) * 180 / std::numbers::pi;
+  std::string text = flight.route.camera ? flight.route.camera->name : "";
+  text += (text.empty() ? "" : ", ") + std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) +
+          " px, " + number_text(width_deg, 1) + "° wide";
+  return text;
+}
+
+std::string imagery_words(const Imagery& imagery) {
+  std::vector<std::string> dates;
+  for (const ImageryDataset& raster : imagery.datasets) {
+    const std::string date = raster.acquired.empty() ? "date not known" : raster.acquired;
+    if (std::find(dates.begin(), dates.end(), date) == dates.end()) dates.push_back(date);
+  }
+  std::sort(dates.begin(), dates.end());
+  return join(dates, ", ");
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> title_block(const ReportInput& input) {
+  const Mission& mission = input.mission;
+  const std::vector<FlightSample>& samples = mission.flight.samples;
+  std::vector<std::pair<std::string, std::string>> block;
+  if (const auto made = source_date()) block.emplace_back("Made", format_utc_time(*made));
+  if (const double time_s = flight_time_s(samples); std::isfinite(time_s) && time_s > 0) {
+    block.emplace_back("Flight time", duration_text(time_s) + ": length over speed, without wind, climbs and turns");
+  }
+  if (const auto speed = range_of(samples, [](const FlightSample& sample) { return sample.speed_mps; })) {
+    block.emplace_back("Speed", range_text(*speed, 1, "m/s"));
+  }
+  if (const auto height = range_of(samples, [](const FlightSample& sample) { return sample.agl_m; })) {
+    block.emplace_back("Height", range_text(*height, 0, "m above ground"));
+  }
+  if (mission.flight.camera.fx_px > 0) block.emplace_back("Camera", camera_words(mission.flight));
+  if (!mission.ground.imagery.datasets.empty()) block.emplace_back("Imagery", imagery_words(mission.ground.imagery));
+  if (!mission.ground.crs.empty()) block.emplace_back("CRS", mission.ground.crs.name());
+  for (auto& [label, value] : block) value = valid_utf8(value);
+  return block;
+}
+
+}  // namespace pilotage
