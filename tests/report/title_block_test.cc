@@ -43,6 +43,22 @@ TEST(TitleBlock, SaysWhatIsFlownWithWhat) {
   EXPECT_EQ(block.at("Camera"), "4000 × 3000 px, 90.0° wide");
 }
 
+TEST(TitleBlock, TheRoutesCameraIsNamedOnlyWhereItFlies) {
+  ReportInput input = flown_scene();
+  Flight& flight = input.mission.flight;
+  RouteCamera named;
+  named.name = "Survey 24";
+  named.sensor_width_mm = 36;
+  named.sensor_height_mm = 27;
+  named.focal_length_mm = 18;
+  named.image_width_px = 4000;
+  named.image_height_px = 3000;
+  flight.route.camera = named;
+  EXPECT_EQ(by_label(input).at("Camera"), "Survey 24, 4000 × 3000 px, 90.0° wide");
+  flight.camera.fx_px = flight.camera.fy_px = 4000;  // the planner gave another
+  EXPECT_EQ(by_label(input).at("Camera"), "4000 × 3000 px, 53.1° wide");
+}
+
 TEST(TitleBlock, WhatIsNotKnownIsNotSaid) {
   ReportInput input = flown_scene();
   for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = std::nan("");

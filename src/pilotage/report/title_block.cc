@@ -8,6 +8,7 @@
 #include "pilotage/base/source_date.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/camera/camera_options.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -42,10 +43,20 @@ double flight_time_s(const std::vector<FlightSample>& samples) {
   return time_s;
 }
 
+/// The name of the camera that the route file names, where that is the one that flies; "" otherwise.
+std::string camera_name(const Flight& flight) {
+  if (!flight.route.camera) return "";
+  const Camera named = make_camera({}, flight.route.camera);
+  const Camera& flown = flight.camera;
+  const bool same = named.width_px == flown.width_px && named.height_px == flown.height_px &&
+                    named.fx_px == flown.fx_px && named.fy_px == flown.fy_px;
+  return same ? flight.route.camera->name : "";
+}
+
 std::string camera_words(const Flight& flight) {
   const Camera& camera = flight.camera;
   const double width_deg = 2 * std::atan(camera.width_px / 2.0 / camera.fx_px) * 180 / std::numbers::pi;
-  std::string text = flight.route.camera ? flight.route.camera->name : "";
+  std::string text = camera_name(flight);
   text += (text.empty() ? "" : ", ") + std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) +
           " px, " + number_text(width_deg, 1) + "° wide";
   return text;
