@@ -89,10 +89,10 @@ std::vector<KmlTrack> kml_tracks(const std::string& name, std::string_view docum
   }
   collect_tracks(parse_xml(name, document), tracks);
   for (const KmlTrack& track : tracks) {
-    if (track.times > 0) continue;
-    throw DataError(name +
-                    ": has a gx:Track without times (<when>), which KML wants of a track; save it as a line "
-                    "(LineString), or with its times");
+    if (track.times > 0 && track.times >= track.coords) continue;
+    throw DataError(name + ": has a gx:Track with " + std::to_string(track.times) + " times (<when>) for " +
+                    std::to_string(track.coords) +
+                    " positions, and KML wants one for each; save it as a line (LineString), or with its times");
   }
   return tracks;
 }

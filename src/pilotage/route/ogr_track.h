@@ -23,8 +23,8 @@ struct KmlTrack {
   std::size_t times = 0;
 };
 
-/// The tracks of a document. Throws DataError when it is not well formed, and for a track without <when>, at which GDAL
-/// 3.6 ends the program: so look before OGR opens the document.
+/// The tracks of a document. Throws DataError when it is not well formed, and for a track with fewer <when> than
+/// positions, beyond the last of which GDAL 3.6 reads: so look before OGR opens the document.
 std::vector<KmlTrack> kml_tracks(const std::string& name, std::string_view document);
 
 /// `lines` are what OGR read of the document; a line that has the positions of a track takes the track's heights and
