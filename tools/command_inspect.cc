@@ -4,8 +4,10 @@
 #include <initializer_list>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "commands.h"
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
@@ -68,12 +70,35 @@ CommandResult inspect_map_file(const std::string& path) {
   return result;
 }
 
-CommandResult inspect_route_file(const std::string& path, const RouteOptions& options) {
-  const Route route = read_route(path, options);
+/// The lines of a file that could all be the route.
+CommandResult list_routes(const std::string& path, const std::vector<RouteChoice>& choices) {
   CommandResult result;
-  result.text = describe_route_text(route);
-  result.json = route_to_json(route);
+  result.text = path + ": holds " + std::to_string(choices.size()) +
+                " lines that could be the route; --feature NUMBER or NAME chooses one, --layer one of a layer\n";
+  result.json = {{"file", path}, {"lines", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    const RouteChoice& choice = choices[i];
+    result.text += "  " + std::to_string(i + 1) + ": " + choice.what + " \"" + choice.name + "\" of layer \"" +
+                   choice.layer + "\", " + std::to_string(choice.points) + " points\n";
+    result.json["lines"].push_back({{"number", i + 1},
+                                    {"what", choice.what},
+                                    {"name", choice.name},
+                                    {"layer", choice.layer},
+                                    {"points", choice.points}});
+  }
   return result;
+}
+
+CommandResult inspect_route_file(const std::string& path, const RouteOptions& options) {
+  try {
+    const Route route = read_route(path, options);
+    CommandResult result;
+    result.text = describe_route_text(route);
+    result.json = route_to_json(route);
+    return result;
+  } catch (const SeveralRoutesError& error) {
+    return list_routes(path, error.choices());
+  }
 }
 
 CommandResult inspect_imagery_dataset(const std::string& dataset) {
@@ -158,7 +183,8 @@ InspectKind kind_of(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::exists(std::filesystem::path(path) / "report.json", ignored)) return InspectKind::kOutputs;
   if (ends_with_any(path, {".gpkg"}) && looks_like_map(path)) return InspectKind::kMap;
-  if (ends_with_any(path, {".plan", ".waypoints", ".txt", ".kml", ".kmz", ".gpx", ".geojson", ".json"})) {
+  if (ends_with_any(path, {".plan", ".mission", ".waypoints", ".txt", ".poly", ".csv", ".kml", ".kmz", ".wpml", ".gpx",
+                           ".geojson", ".json"})) {
     return InspectKind::kRoute;
   }
   if (ends_with_any(path, {".gpkg"})) {

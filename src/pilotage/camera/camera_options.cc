@@ -8,6 +8,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_file.h"
+#include "pilotage/camera/camera_products.h"
 
 namespace pilotage {
 namespace {
@@ -102,12 +103,19 @@ Camera camera_of_options(const CameraOptions& options, const std::optional<Route
   if (!options.file.empty()) file.emplace_back("--camera");
   std::vector<std::string> field_of_view;
   if (options.hfov_deg) field_of_view.emplace_back("--camera-hfov-deg");
+  std::vector<std::string> name;
+  if (!options.name.empty()) name.emplace_back("--camera-name");
+  refuse_together(file, name);
+  refuse_together(name, field_of_view);
+  refuse_together(name, sensor.given);
+  refuse_together(name, size.given);
   refuse_together(file, field_of_view);
   refuse_together(file, sensor.given);
   refuse_together(file, size.given);
   refuse_together(field_of_view, sensor.given);
 
   if (!file.empty()) return read_camera_file(options.file);
+  if (!name.empty()) return camera_of(camera_product(options.name));
   if (options.hfov_deg) {
     require_all("--camera-hfov-deg", {}, size);
     const double focal_px = *options.width_px / 2.0 / std::tan(*options.hfov_deg / 2 * std::numbers::pi / 180);
@@ -129,7 +137,8 @@ Camera camera_of_options(const CameraOptions& options, const std::optional<Route
   }
   if (route_camera) return camera_of_route(*route_camera);
   throw UsageError(
-      "no camera: give --camera FILE, or --camera-hfov-deg, --camera-width-px and --camera-height-px, or "
+      "no camera: give --camera FILE, or --camera-name, or --camera-hfov-deg, --camera-width-px and "
+      "--camera-height-px, or "
       "--camera-sensor-width-mm, --camera-sensor-height-mm, --camera-focal-length-mm, --camera-width-px and "
       "--camera-height-px");
 }
@@ -137,7 +146,7 @@ Camera camera_of_options(const CameraOptions& options, const std::optional<Route
 }  // namespace
 
 bool names_camera(const CameraOptions& options) {
-  return !options.file.empty() || options.hfov_deg || options.width_px || options.height_px ||
+  return !options.file.empty() || !options.name.empty() || options.hfov_deg || options.width_px || options.height_px ||
          options.sensor_width_mm || options.sensor_height_mm || options.focal_length_mm;
 }
 

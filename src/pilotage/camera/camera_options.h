@@ -15,9 +15,11 @@ namespace pilotage {
 ///   file                                                      a calibration file (camera_file.h)
 ///   hfov_deg, width_px, height_px                             an ideal lens
 ///   sensor_width_mm, sensor_height_mm, focal_length_mm, width_px, height_px
+///   name                                                      a product of camera_products.h
 /// or none of them when the route names a camera.
 struct CameraOptions {
   std::string file;
+  std::string name;
   std::optional<double> hfov_deg;
   std::optional<int> width_px;
   std::optional<int> height_px;
@@ -31,6 +33,10 @@ struct CameraOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("file", self.file, "Camera calibration: ROS camera_info, OpenCV or Kalibr YAML.");
+    fields.field(
+        "name", self.name,
+        "A camera by the name it is sold under, as \"DJI Mavic 3E\": the whole photo, an ideal lens; list names "
+        "all.");
     fields.field("hfov_deg", self.hfov_deg, "Horizontal field of view.", Range{0.1, 179});
     fields.field("width_px", self.width_px, "Width of the image.", Range{1, 100000});
     fields.field("height_px", self.height_px, "Height of the image.", Range{1, 100000});

@@ -1,7 +1,9 @@
 #include "pilotage/route/mission_items.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/route/mission_command.h"
+#include "pilotage/route/mission_curve.h"
 #include "pilotage/route/route_builder.h"
 
 namespace pilotage {
@@ -21,12 +24,19 @@ enum class AltitudeFrame { kAmsl, kRelative, kTerrain };
 constexpr std::size_t kMaxSteps = 2'000'000;
 /// A takeoff within this distance of home happens at home.
 constexpr double kAtHome_m = 1;
+constexpr int kSplineWaypoint = 82;
+/// Circles of loiters; smaller ones are hovering, larger ones a mistake.
+constexpr double kSmallestCircle_m = 1;
+constexpr double kLargestCircle_m = 20'000;
 
 /// Where the aircraft is while the items are followed.
 struct Cursor {
   std::size_t item = 0;
   int vertex = -1;
   double speed_mps = kNaN;
+  /// The way it came to its vertex without stopping, which a spline that leaves there goes on from: the last straight
+  /// leg, or the end vector of the last spline.
+  GroundVector came{};
 };
 
 /// The state of following a mission; lives for one call of append_mission.
@@ -41,6 +51,7 @@ struct Follower {
   std::set<std::pair<int, int>> legs{};
   std::set<std::pair<std::size_t, int>> visited{};
   std::vector<Cursor> open{};  ///< Ways still to follow, last first.
+  double widest_spline_m = 0;  ///< Largest distance of a spline from its straight leg.
 };
 
 std::string where(const Follower& follower, const MissionItem& item) {
@@ -106,11 +117,133 @@ void set_height(const Follower& follower, const MissionItem& item, RouteVertex& 
   checked_height_m(vertex.agl_m, where(follower, item));
 }
 
+GeodeticPoint place_of(const Follower& follower, int vertex) {
+  return follower.route.vertices[static_cast<std::size_t>(vertex)].point;
+}
+
 void fly_to(Follower& follower, Cursor& cursor, int vertex) {
-  if (cursor.vertex >= 0 && cursor.vertex != vertex && follower.legs.emplace(cursor.vertex, vertex).second) {
-    append_leg(follower.route, cursor.vertex, vertex);
+  if (cursor.vertex >= 0 && cursor.vertex != vertex) {
+    if (follower.legs.emplace(cursor.vertex, vertex).second) append_leg(follower.route, cursor.vertex, vertex);
+    cursor.came = arriving_vector(place_of(follower, cursor.vertex), place_of(follower, vertex));
   }
   cursor.vertex = vertex;
+}
+
+/// The item that is flown to after that of the cursor, as an autopilot looks ahead: over items without a place, and
+/// with the first jump that is taken. Nothing where none has a position.
+const MissionItem* next_place(const Follower& follower, const Cursor& cursor) {
+  const auto& items = follower.mission.items;
+  bool jumped = false;
+  for (std::size_t i = cursor.item + 1; i < items.size();) {
+    const CommandRole role = command_info(items[i].command).role;
+    if (role == CommandRole::kReturn) return nullptr;
+    if (role == CommandRole::kPath || role == CommandRole::kTakeoff || role == CommandRole::kLand) {
+      return has_position(follower, items[i]) ? &items[i] : nullptr;
+    }
+    const auto target = follower.item_of_sequence.find(
+        role == CommandRole::kJump && std::abs(items[i].params[0]) < 1e9 ? static_cast<int>(items[i].params[0]) : -1);
+    const bool jumps =
+        role == CommandRole::kJump && !jumped && items[i].params[1] != 0 && target != follower.item_of_sequence.end();
+    jumped = jumped || jumps;
+    i = jumps ? target->second : i + 1;
+  }
+  return nullptr;
+}
+
+/// Chords of the spline from where the cursor is to `target`, which ends with the vertex `known` where that is one; the
+/// vertex it ends with.
+int fly_spline(Follower& follower, Cursor& cursor, const RouteVertex& target, int known) {
+  const RouteVertex start = follower.route.vertices[static_cast<std::size_t>(cursor.vertex)];
+  GroundVector arriving;
+  if (const MissionItem* next = next_place(follower, cursor)) {
+    const GeodeticPoint place = checked_point(next->params[4], next->params[5], where(follower, *next));
+    arriving =
+        next->command == kSplineWaypoint ? ground_vector(start.point, place) : ground_vector(target.point, place);
+  }
+  const GroundVector leaving = cursor.came;
+  cursor.came = arriving;
+  if (known >= 0 && !follower.legs.emplace(cursor.vertex, known).second) return known;
+  double departure_m = 0;
+  const auto points = spline_points(start.point, target.point, leaving, arriving, &departure_m);
+  if (!points.empty()) follower.widest_spline_m = std::max(follower.widest_spline_m, departure_m);
+  int last = cursor.vertex;
+  for (const CurvePoint& point : points) {
+    RouteVertex between = target;
+    between.point = point.point;
+    for (double RouteVertex::*height : {&RouteVertex::amsl_m, &RouteVertex::agl_m}) {
+      if (std::isfinite(start.*height)) {
+        between.*height = start.*height + point.fraction * (target.*height - start.*height);
+      }
+    }
+    const int index = append_vertex(follower.route, between);
+    if (index != last) append_leg(follower.route, last, index);
+    last = index;
+  }
+  const int end = known >= 0 ? known : append_vertex(follower.route, target);
+  if (known < 0) follower.legs.emplace(cursor.vertex, end);
+  if (end != last) append_leg(follower.route, last, end);
+  return end;
+}
+
+/// The radius of the circle that a loiter flies, negative counter-clockwise; nothing where it flies none.
+std::optional<double> circle_radius_m(Follower& follower, const MissionItem& item) {
+  const bool turns = item.command == 18;
+  const bool may_hover = item.command == 17 || item.command == 19;
+  if (!item.kind.empty() || !(turns || may_hover || item.command == 31)) return std::nullopt;
+  if (may_hover && follower.mission.hovers) return std::nullopt;
+  const double radius_m = item.params[item.command == 31 ? 1 : 2];
+  if (std::isnan(radius_m) || radius_m == 0) {
+    add_note(follower.route, "Item " + std::to_string(item.index) + " (" + mission_command_name(item.command) +
+                                 ") names no radius: a circle there has that of the vehicle's parameters, which is not "
+                                 "in the file, and is not part of the route.");
+    return std::nullopt;
+  }
+  if (std::abs(radius_m) < kSmallestCircle_m) return std::nullopt;
+  if (std::abs(radius_m) <= kLargestCircle_m) return radius_m;
+  throw DataError(where(follower, item) + ": its radius, " + format_number(radius_m) + " m, is outside [-" +
+                  format_number(kLargestCircle_m) + ", " + format_number(kLargestCircle_m) + "]");
+}
+
+/// To the circle about the place of `on_circle`, where it is nearest, and once around; the vertex of entry and exit.
+int fly_circle(Follower& follower, Cursor& cursor, RouteVertex on_circle, double radius_m) {
+  const GeodeticPoint center = on_circle.point;
+  double entry_deg = 0;
+  if (cursor.vertex >= 0) entry_deg = geodesic_between(center, place_of(follower, cursor.vertex)).start_azimuth_deg;
+  int entry = -1;
+  int last = -1;
+  for (const GeodeticPoint point : circle_points(center, std::abs(radius_m), entry_deg, radius_m > 0)) {
+    on_circle.point = point;
+    const int index = append_vertex(follower.route, on_circle);
+    if (entry < 0) {
+      entry = index;
+      fly_to(follower, cursor, entry);
+    } else if (index != last) {
+      append_leg(follower.route, last, index);
+    }
+    last = index;
+  }
+  append_leg(follower.route, last, entry);
+  cursor.came = {};
+  add_note(follower.route,
+           "Circles of loiters stand once, whatever their turns or time, as chords that leave them by " +
+               format_number(kChordError_m) +
+               " m at most; the aircraft is assumed to enter and leave each at the point "
+               "nearest to where it comes from.");
+  return entry;
+}
+
+/// As the item of the cursor says, straight or along a spline, to `target`, whose vertex is `known` where it has one.
+void fly_item_to(Follower& follower, Cursor& cursor, const RouteVertex& target, int& known) {
+  const MissionItem& item = follower.mission.items[cursor.item];
+  if (item.command == kSplineWaypoint && cursor.vertex >= 0) {
+    known = fly_spline(follower, cursor, target, known);
+    cursor.vertex = known;
+    return;
+  }
+  if (known < 0) known = append_vertex(follower.route, target);
+  fly_to(follower, cursor, known);
+  // The aircraft stands still there, so that a spline begins without an end vector.
+  if (item.command != 16 || item.params[0] > 0) cursor.came = {};
 }
 
 /// The vertex of a takeoff, landing or waypoint at `point`, made on the first visit.
@@ -119,7 +252,8 @@ void fly_to_item(Follower& follower, Cursor& cursor, GeodeticPoint point) {
   const CommandInfo info = command_info(item.command);
   int& known = follower.vertex_of_item[cursor.item];
   if (known >= 0) {
-    fly_to(follower, cursor, known);
+    const RouteVertex again = follower.route.vertices[static_cast<std::size_t>(known)];
+    fly_item_to(follower, cursor, again, known);
     return;
   }
   RouteVertex vertex;
@@ -141,10 +275,17 @@ void fly_to_item(Follower& follower, Cursor& cursor, GeodeticPoint point) {
              "The aircraft is assumed to climb over home and to fly from there to the takeoff position.");
   }
   const auto count = follower.route.vertices.size();
-  known = append_vertex(follower.route, vertex);
-  const bool is_new = follower.route.vertices.size() > count;
-  follower.became[cursor.item] = is_new ? "vertex" : "no vertex: same place and height as the vertex before";
-  fly_to(follower, cursor, known);
+  if (const auto radius_m = circle_radius_m(follower, item)) {
+    known = fly_circle(follower, cursor, vertex, *radius_m);
+    follower.became[cursor.item] = "circle of radius " + format_number(std::abs(*radius_m)) + " m, " +
+                                   std::to_string(follower.route.vertices.size() - count) + " vertices";
+    return;
+  }
+  fly_item_to(follower, cursor, vertex, known);
+  const auto added = follower.route.vertices.size() - count;
+  follower.became[cursor.item] = added == 1   ? "vertex"
+                                 : added == 0 ? "no vertex: same place and height as the vertex before"
+                                              : "spline, " + std::to_string(added) + " vertices";
 }
 
 void visit_path_item(Follower& follower, Cursor& cursor) {
@@ -233,12 +374,13 @@ void visit_jump(Follower& follower, Cursor& cursor, bool by_tag) {
   }
   became = "jump, each leg of the loop stands once";
   if (times > 0) {
-    follower.open.push_back({next, cursor.vertex, cursor.speed_mps});
+    follower.open.push_back({next, cursor.vertex, cursor.speed_mps, cursor.came});
   } else {
     add_note(follower.route, "Item " + std::to_string(item.index) + " jumps without end; the loop is flown once.");
   }
   add_note(follower.route,
-           "The mission loops: each distinct leg stands once, so distances along the route count it once.");
+           "The mission loops: each distinct leg stands once, so distances along the route, the time of flight and the "
+           "probabilities count it once. A flight that repeats a loop drifts and takes fixes there again.");
   cursor.item = target->second;
 }
 
@@ -290,7 +432,7 @@ void visit(Follower& follower, Cursor& cursor) {
 }
 
 void follow(Follower& follower) {
-  follower.open.push_back({0, -1, follower.mission.speed_mps});
+  follower.open.push_back({0, -1, follower.mission.speed_mps, {}});
   while (!follower.open.empty()) {
     Cursor cursor = follower.open.back();
     follower.open.pop_back();
@@ -344,6 +486,13 @@ void append_mission(Route& route, const MavlinkMission& mission, const RouteOpti
   route.home = mission.home;
   if (route.home && options.home_amsl_m) route.home->amsl_m = *options.home_amsl_m;
   follow(follower);
+  const auto is_spline = [](const MissionItem& item) { return item.command == kSplineWaypoint; };
+  if (std::any_of(mission.items.begin(), mission.items.end(), is_spline)) {
+    add_note(route, "Spline waypoints are flown as ArduCopter does, as chords that leave its curve by " +
+                        format_number(kChordError_m) + " m at most; the curves leave the straight legs by " +
+                        format_fixed(follower.widest_spline_m, follower.widest_spline_m < 10 ? 1 : 0) +
+                        " m at most. PX4 and ArduPlane do not fly spline waypoints.");
+  }
   append_items(follower);
 }
 

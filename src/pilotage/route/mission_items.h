@@ -26,11 +26,15 @@ struct MavlinkMission {
   std::vector<MissionItem> items;
   std::optional<RouteHome> home;
   double speed_mps = std::numeric_limits<double>::quiet_NaN();  ///< Until an item changes it.
+  bool hovers = false;  ///< Is it known to be a multicopter, which loiters at a point?
 };
 
 /// Follows the items as an autopilot would (MAVLink common.xml, the mission protocol) and appends vertices, legs, items
 /// and notes to `route`, whose name and home-less rest the reader has filled in:
 ///   - waypoints, loiters, splines, takeoffs and landings become vertices; lat = lon = 0 means "where the aircraft is";
+///   - a spline is ArduCopter's curve as chords, a loiter with a radius one circle of chords (mission_curve.h) that is
+///     entered and left at its point nearest to where the aircraft comes from; a multicopter loiters at the point
+///     unless turns are asked for;
 ///   - frames 0/5 are above sea level, 3/6 relative to home, 10/11 above terrain; others are refused;
 ///   - a takeoff away from home starts with a leg from home, flown at the takeoff's height;
 ///   - return to launch is a leg to home at the height of the vertex before;

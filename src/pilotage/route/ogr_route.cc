@@ -1,7 +1,6 @@
 #include "pilotage/route/ogr_route.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -9,9 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include <cpl_conv.h>
 #include <cpl_error.h>
-#include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
@@ -20,6 +17,8 @@
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_handle.h"
+#include "pilotage/route/ogr_memory_file.h"
+#include "pilotage/route/ogr_track.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_line.h"
@@ -27,26 +26,6 @@
 
 namespace pilotage {
 namespace {
-
-/// The bytes as a file of GDAL's memory file system, gone with the object.
-class MemoryFile {
- public:
-  MemoryFile(std::string_view bytes, const std::string& extension) {
-    static std::atomic<unsigned> counter{0};
-    path_ = "/vsimem/pilotage-route-" + std::to_string(counter++) + "." + extension;
-    copy_.assign(bytes.begin(), bytes.end());
-    VSIFCloseL(VSIFileFromMemBuffer(path_.c_str(), copy_.data(), copy_.size(), FALSE));
-  }
-  ~MemoryFile() { VSIUnlink(path_.c_str()); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  std::vector<GByte> copy_;
-};
 
 struct FormatInfo {
   const char* title;
@@ -59,7 +38,7 @@ FormatInfo format_info(OgrFormat format) {
     case OgrFormat::kKml:
       return {"KML", "kml", {"LIBKML", "KML", nullptr}};
     case OgrFormat::kKmz:
-      return {"KMZ", "kmz", {"LIBKML", nullptr}};
+      return {"KMZ", "kml", {"LIBKML", "KML", nullptr}};
     case OgrFormat::kGpx:
       return {"GPX", "gpx", {"GPX", nullptr}};
     case OgrFormat::kGeoJson:
@@ -68,34 +47,6 @@ FormatInfo format_info(OgrFormat format) {
       return {"GeoPackage", "gpkg", {"GPKG", nullptr}};
   }
   return {};
-}
-
-/// The document of a KMZ archive (doc.kml, else its first .kml) as a path that GDAL opens. A small archive may unpack
-/// to any size, so that is checked first.
-std::string kmz_document(const std::string& name, const std::string& archive) {
-  const std::string folder = "/vsizip/" + archive;
-  const std::unique_ptr<char*, decltype(&CSLDestroy)> entries(VSIReadDirRecursive(folder.c_str()), CSLDestroy);
-  std::string document;
-  std::uint64_t total = 0;
-  for (char** entry = entries.get(); entry != nullptr && *entry != nullptr; ++entry) {
-    const std::string path = folder + "/" + *entry;
-    VSIStatBufL status{};
-    if (VSIStatL(path.c_str(), &status) == 0) total += static_cast<std::uint64_t>(status.st_size);
-    if (!path.ends_with(".kml") && !path.ends_with(".KML")) continue;
-    if (document.empty() || std::string_view(*entry) == "doc.kml") document = path;
-  }
-  if (document.empty()) throw DataError(name + ": cannot be read as KMZ: the archive holds no .kml file");
-  if (total > kMaxRouteBytes) {
-    throw DataError(name + ": unpacks to " + std::to_string(total) + " bytes, at most " +
-                    std::to_string(kMaxRouteBytes) + " are allowed");
-  }
-  GByte* bytes = nullptr;
-  vsi_l_offset size = 0;
-  if (VSIIngestFile(nullptr, document.c_str(), &bytes, &size, static_cast<GIntBig>(kMaxRouteBytes)) != 0) {
-    const std::unique_ptr<GByte, decltype(&VSIFree)> freed(bytes, VSIFree);
-    check_kml_size(name, {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)});
-  }
-  return document;
 }
 
 std::string text_field(const OGRFeature& feature, const char* field) {
@@ -256,6 +207,8 @@ std::vector<Line> gpx_point_lines(const std::string& name, OGRLayer& named, OGRL
     LinePoint point{geometry->toPoint()->getX(), geometry->toPoint()->getY()};
     const int elevation = feature->GetFieldIndex("ele");
     if (elevation >= 0 && feature->IsFieldSetAndNotNull(elevation)) point.z_m = feature->GetFieldAsDouble(elevation);
+    const int time = what == "track" ? feature->GetFieldIndex("time") : -1;
+    if (time >= 0 && feature->IsFieldSetAndNotNull(time)) point.time_s = seconds_of(*feature->GetRawFieldRef(time));
     line.parts.back().push_back(point);
     check_position_count(name, ++count);
   }
@@ -338,10 +291,11 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   }
   const GdalErrors errors;
   const FormatInfo info = format_info(format);
-  const MemoryFile file(bytes, info.extension);
-  const std::string path = format == OgrFormat::kKmz ? kmz_document(name, file.path()) : file.path();
+  const bool is_kml = format == OgrFormat::kKml || format == OgrFormat::kKmz;
+  const std::vector<KmlTrack> tracks = is_kml ? kml_tracks(name, bytes) : std::vector<KmlTrack>{};
+  const OgrMemoryFile file(bytes, info.extension);
   const std::unique_ptr<GDALDataset> dataset(
-      GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
+      GDALDataset::Open(file.path().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
   if (!dataset) errors.throw_data_error(name + ": cannot be read as " + info.title);
   Route route;
   route.name = name;
@@ -352,6 +306,7 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   if (CPLGetLastErrorType() >= CE_Failure) {
     throw DataError(name + ": is damaged: " + CPLGetLastErrorMsg());
   }
+  apply_kml_tracks(route, tracks, lines);
   const Line line = choose_line(route, std::move(lines), options);
   append_line(route, line);
   resolve_heights(route, line, options);

@@ -13,7 +13,8 @@ namespace pilotage {
 
 enum class OgrFormat { kKml, kKmz, kGpx, kGeoJson, kGeoPackage };
 
-/// A route out of a KML, KMZ, GPX, GeoJSON or GeoPackage file, read through OGR from memory.
+/// A route out of a KML, KMZ (the bytes of its document), GPX, GeoJSON or GeoPackage file, read through OGR from
+/// memory.
 ///   - One line is the route; its parts are joined in order. Where a file has several, RouteOptions::layer and
 ///   ::feature choose;
 ///     without them DataError lists what there is. A file without lines gives its points, in the order of the file.

@@ -159,12 +159,15 @@ std::optional<RouteHome> parse_home(JsonObject& mission) {
   return home;
 }
 
-/// Multicopters fly at hoverSpeed, all others (fixed wing, VTOL in transit) at cruiseSpeed.
-double planned_speed_mps(JsonObject& mission) {
+bool plan_hovers(JsonObject& mission) {
   const int type = mission.has_value("vehicleType") ? mission.small_integer("vehicleType") : 1;
   // MAV_TYPE: quadrotor, coaxial, helicopter, hexarotor, octorotor, tricopter, dodecarotor, decarotor
   constexpr int kHovering[] = {2, 3, 4, 13, 14, 15, 29, 35};
-  const bool hovers = std::find(std::begin(kHovering), std::end(kHovering), type) != std::end(kHovering);
+  return std::find(std::begin(kHovering), std::end(kHovering), type) != std::end(kHovering);
+}
+
+/// Multicopters fly at hoverSpeed, all others (fixed wing, VTOL in transit) at cruiseSpeed.
+double planned_speed_mps(JsonObject& mission, bool hovers) {
   const double speed_mps = mission.number_or_nan(hovers ? "hoverSpeed" : "cruiseSpeed");
   return speed_mps > 0 && speed_mps <= 1000 ? speed_mps : std::numeric_limits<double>::quiet_NaN();
 }
@@ -198,7 +201,8 @@ Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json
   route.format = "QGroundControl plan";
   MavlinkMission mission;
   mission.home = parse_home(mission_json);
-  mission.speed_mps = planned_speed_mps(mission_json);
+  mission.hovers = plan_hovers(mission_json);
+  mission.speed_mps = planned_speed_mps(mission_json, mission.hovers);
   int number = 1;  // QGroundControl counts home as 0; of a survey it counts every command
   for (JsonObject& item : mission_json.objects("items")) {
     const std::string type = item.text("type");

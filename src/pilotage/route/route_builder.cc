@@ -62,6 +62,22 @@ void add_note(Route& route, const std::string& note) {
   if (std::find(route.notes.begin(), route.notes.end(), note) == route.notes.end()) route.notes.push_back(note);
 }
 
+void add_takeoff_note(Route& route, const RouteOptions& options, const std::string& home_is) {
+  if (options.agl_m) return;
+  const std::string above = "Heights are above the take-off, ";
+  if (options.home_amsl_m) {
+    add_note(route, above + "which lies at " + format_number(*options.home_amsl_m) +
+                        " m above sea level, as the options say.");
+  } else if (!home_is.empty() && route.home && std::isfinite(route.home->amsl_m)) {
+    add_note(route, above + "whose place is " + home_is + ", " + format_fixed(route.home->amsl_m, 1) +
+                        " m above sea level; --home-amsl-m says it where the aircraft starts elsewhere.");
+  } else {
+    add_note(route, above +
+                        "whose height above sea level the file does not say: they are not known until "
+                        "--home-amsl-m says it, or --agl-m gives a constant height above ground.");
+  }
+}
+
 void apply_options(Route& route, const RouteOptions& options) {
   for (RouteVertex& vertex : route.vertices) {
     if (options.agl_m) {

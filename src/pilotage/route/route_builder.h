@@ -29,6 +29,11 @@ bool append_leg(Route& route, int from, int to);
 /// Adds a sentence unless it stands there already.
 void add_note(Route& route, const std::string& note);
 
+/// The note on heights above the take-off: as the options say how high it lies, else as `route.home` does, which is
+/// then called `home_is` ("the template's reference point"), else that this is missing. None where the options give a
+/// constant height above ground.
+void add_takeoff_note(Route& route, const RouteOptions& options, const std::string& home_is);
+
 /// Options that hold for every format: constant height above ground, constant speed. Call when the vertices are
 /// complete.
 void apply_options(Route& route, const RouteOptions& options);

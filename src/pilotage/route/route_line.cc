@@ -6,7 +6,9 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/route/ogr_route.h"
+#include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
+#include "pilotage/route/track_speed.h"
 
 namespace pilotage {
 namespace {
@@ -44,8 +46,12 @@ Line choose_line(Route& route, std::vector<Line> lines, const RouteOptions& opti
   }
   if (matches.size() != 1) {
     const std::string asked = options.feature.empty() ? "" : " named \"" + options.feature + "\"";
-    throw DataError(route.name + ": has " + std::to_string(matches.size()) + " lines" + asked +
-                    " to fly; choose one with --layer and --feature (name or number): " + list_lines(lines));
+    const std::string message = route.name + ": has " + std::to_string(matches.size()) + " lines" + asked +
+                                " to fly; choose one with --layer and --feature (name or number): " + list_lines(lines);
+    if (!options.feature.empty()) throw DataError(message);
+    std::vector<RouteChoice> choices;
+    for (const Line& line : lines) choices.push_back({line.layer, line.name, line.what, line.point_count()});
+    throw SeveralRoutesError(message, std::move(choices));
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (i == matches[0]) continue;
@@ -58,7 +64,9 @@ Line choose_line(Route& route, std::vector<Line> lines, const RouteOptions& opti
 void append_line(Route& route, const Line& line) {
   const int item = static_cast<int>(route.items.size());
   int last = -1;
+  double last_time_s = std::numeric_limits<double>::quiet_NaN();
   double longest_join_m = 0;
+  TrackTimes times;
   for (std::size_t part = 0; part < line.parts.size(); ++part) {
     for (std::size_t i = 0; i < line.parts[part].size(); ++i) {
       const LinePoint& point = line.parts[part][i];
@@ -72,7 +80,14 @@ void append_line(Route& route, const Line& line) {
       vertex.kind = line.what == "points" ? "waypoint" : line.what + " point";
       const int index = append_vertex(route, vertex);
       const bool flown = last >= 0 && index != last && append_leg(route, last, index);
-      if (flown && i == 0 && part > 0) longest_join_m = std::max(longest_join_m, route.legs.back().length_m);
+      const bool joins = i == 0 && part > 0;
+      if (flown && joins) longest_join_m = std::max(longest_join_m, route.legs.back().length_m);
+      // What passes between two parts is not known to be flight.
+      const double passed_s = joins ? std::numeric_limits<double>::quiet_NaN() : point.time_s - last_time_s;
+      if (flown) times.steps.push_back({index, route.legs.back().length_m, passed_s});
+      if (!flown && passed_s > 0) times.still_s += passed_s;
+      times.any = times.any || std::isfinite(point.time_s);
+      last_time_s = point.time_s;
       last = index;
     }
   }
@@ -81,6 +96,7 @@ void append_line(Route& route, const Line& line) {
                         " are joined by straight legs in the order of the file; the longest of them has " +
                         format_fixed(longest_join_m, 0) + " m.");
   }
+  if (times.any) set_track_speeds(route, times);
   route.items.push_back(
       {item, -1, line.what + " \"" + line.name + "\"", std::to_string(route.vertices.size()) + " vertices"});
 }

@@ -16,6 +16,7 @@ struct LinePoint {
   double x = 0;  ///< Easting or longitude.
   double y = 0;
   double z_m = std::numeric_limits<double>::quiet_NaN();
+  double time_s = std::numeric_limits<double>::quiet_NaN();  ///< When the aircraft was there, since any moment.
 };
 
 /// A line (or the points of a layer) that could be the route.
@@ -38,7 +39,8 @@ struct Line {
 Line choose_line(Route& route, std::vector<Line> lines, const RouteOptions& options);
 
 /// Appends vertices and legs of the line, parts joined in order. The heights stand in amsl_m, whatever they are above,
-/// until resolve_heights. Throws DataError for positions that are none.
+/// until resolve_heights. Positions with times give speeds (track_speed.h). Throws DataError for positions that are
+/// none.
 void append_line(Route& route, const Line& line);
 
 /// Brings the heights of the vertices from where append_line left them to where they belong, as

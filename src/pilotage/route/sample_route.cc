@@ -55,7 +55,8 @@ LegHeights leg_heights(const Route& route, const RouteLeg& leg, const TerrainHei
     if (std::isfinite(vertex.amsl_m)) return vertex.amsl_m;
     if (!std::isfinite(vertex.agl_m)) {
       throw DataError(route.name + ": " + leg_text(route, leg) + ": there is no height at " + place(vertex.point) +
-                      "; give --agl-m" + (vertex.source_item >= 0 ? "" : " or --home-amsl-m"));
+                      "; give --agl-m, or where the file has heights what they are above, with --home-amsl-m or "
+                      "--height-reference (`pilotage inspect` says what is missing)");
     }
     const double ground = ground_m(terrain, vertex.point);
     if (!std::isfinite(ground)) throw_no_ground(route, leg, terrain, vertex.point);

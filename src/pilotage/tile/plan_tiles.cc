@@ -15,6 +15,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
+#include "pilotage/camera/camera_products.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
@@ -325,6 +326,7 @@ void add_imagery(Mission& mission, const std::vector<ImageryInfo>& infos) {
 
 Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   check_options(options);
+  if (!options.camera.name.empty()) camera_product(options.camera.name);  // "list" asks for nothing else
   require(!options.imagery.empty(), "imagery");
   require(!options.route.empty(), "route");
 

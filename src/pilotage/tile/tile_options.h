@@ -38,8 +38,9 @@ struct TileOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("imagery", self.imagery, "Georeferenced imagery: GDAL datasets, later ones on top.");
-    fields.path("route", self.route,
-                "Route file: QGroundControl plan, QGC WPL 110, KML, KMZ, GPX, GeoJSON, GeoPackage.");
+    fields.path(
+        "route", self.route,
+        "Route file: QGroundControl plan, QGC WPL 110, DJI mission, Litchi CSV, KML, KMZ, GPX, GeoJSON, GeoPackage.");
     fields.path("elevation", self.elevation, "Elevation model: a GDAL dataset, metres above mean sea level.");
     RouteOptions::describe(self.route_options, fields);
     ImageryOptions::describe(self.imagery_options, fields);

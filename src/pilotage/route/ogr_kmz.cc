@@ -1,0 +1,57 @@
+#include "pilotage/route/ogr_kmz.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <memory>
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/raster/gdal_handle.h"
+#include "pilotage/route/ogr_memory_file.h"
+#include "pilotage/route/read_route.h"
+
+namespace pilotage {
+namespace {
+
+bool is_document(std::string path) {
+  std::transform(path.begin(), path.end(), path.begin(), [](unsigned char c) { return std::tolower(c); });
+  return path.ends_with(".kml") || path.ends_with(".wpml");
+}
+
+}  // namespace
+
+std::vector<KmzDocument> unpack_kmz(const std::string& name, std::string_view bytes) {
+  const GdalErrors errors;
+  const OgrMemoryFile archive(bytes, "kmz");
+  const std::string folder = "/vsizip/" + archive.path();
+  const std::unique_ptr<char*, decltype(&CSLDestroy)> entries(VSIReadDirRecursive(folder.c_str()), CSLDestroy);
+  std::vector<std::string> paths;
+  std::uint64_t total = 0;
+  for (char** entry = entries.get(); entry != nullptr && *entry != nullptr; ++entry) {
+    VSIStatBufL status{};
+    if (VSIStatL((folder + "/" + *entry).c_str(), &status) == 0) total += static_cast<std::uint64_t>(status.st_size);
+    if (is_document(*entry)) paths.emplace_back(*entry);
+  }
+  if (paths.empty()) throw DataError(name + ": cannot be read as KMZ: the archive holds no .kml file");
+  if (total > kMaxRouteBytes) {
+    throw DataError(name + ": unpacks to " + std::to_string(total) + " bytes, at most " +
+                    std::to_string(kMaxRouteBytes) + " are allowed");
+  }
+  std::vector<KmzDocument> documents;
+  for (const std::string& path : paths) {
+    GByte* unpacked = nullptr;
+    vsi_l_offset size = 0;
+    const int done =
+        VSIIngestFile(nullptr, (folder + "/" + path).c_str(), &unpacked, &size, static_cast<GIntBig>(kMaxRouteBytes));
+    const std::unique_ptr<GByte, decltype(&VSIFree)> freed(unpacked, VSIFree);
+    if (done == 0) throw DataError(name + ": cannot be read as KMZ: " + path + " in it is damaged");
+    documents.push_back({path, std::string(reinterpret_cast<const char*>(unpacked), static_cast<std::size_t>(size))});
+  }
+  return documents;
+}
+
+}  // namespace pilotage
