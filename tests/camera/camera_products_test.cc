@@ -21,13 +21,17 @@ TEST(CameraProducts, EachIsSoundAndItsOwn) {
   std::set<int> payloads;
   for (const CameraProduct& product : camera_products()) {
     EXPECT_EQ(&camera_product(product.name), &product) << product.name;
-    if (!product.also.empty()) EXPECT_EQ(&camera_product(product.also), &product) << product.also;
+    if (!product.also.empty()) {
+      EXPECT_EQ(&camera_product(product.also), &product) << product.also;
+    }
     EXPECT_FALSE(product.source.empty()) << product.name;
     EXPECT_EQ(camera_problem(camera_of(product)), "") << product.name;
     const int ways = (product.diagonal_fov_deg > 0 ? 1 : 0) + (product.horizontal_fov_deg > 0 ? 1 : 0) +
                      (product.sensor_width_mm > 0 ? 1 : 0);
     EXPECT_EQ(ways, 1) << product.name;
-    if (product.dji_payload >= 0) EXPECT_TRUE(payloads.insert(product.dji_payload).second) << product.dji_payload;
+    if (product.dji_payload >= 0) {
+      EXPECT_TRUE(payloads.insert(product.dji_payload).second) << product.dji_payload;
+    }
     // Both ways to use a product are one camera.
     CameraOptions by_name;
     by_name.name = product.name;

@@ -95,14 +95,14 @@ TEST(MissionCurve, CirclesKeepTheirRadiusAndSense) {
   EXPECT_LT(geodesic_between(kStart, back[1]).start_azimuth_deg, 30);
 }
 
-const std::string kHead =
+const std::string kCurveHead =
     "QGC WPL 110\n0 1 0 16 0 0 0 0 47 8 400 1\n1 0 3 22 0 0 0 0 0 0 100 1\n2 0 3 16 0 0 0 0 47.002 8 100 1\n";
 
 // Waypoint north, spline to the north-east, spline on to the north: the first leaves with the vector of the straight
 // leg, and each arrives parallel to the line from its start to the place after it.
 TEST(MissionCurve, SplineWaypointsAreFlownAsCurves) {
   const Route route =
-      parse_route("r", kHead + "3 0 3 82 0 0 0 0 47.004 8.004 110 1\n4 0 3 82 0 0 0 0 47.006 8.004 120 1\n");
+      parse_route("r", kCurveHead + "3 0 3 82 0 0 0 0 47.004 8.004 110 1\n4 0 3 82 0 0 0 0 47.006 8.004 120 1\n");
   ASSERT_GT(route.vertices.size(), 8U);
   EXPECT_EQ(route.vertices[2].kind, "spline waypoint");
   const RouteLeg& first = route.legs[1];
@@ -121,15 +121,17 @@ TEST(MissionCurve, SplineWaypointsAreFlownAsCurves) {
 }
 
 TEST(MissionCurve, LoitersWithARadiusAreCircles) {
-  const Route route = parse_route("r", kHead + "3 0 3 18 2 0 -50 0 47.004 8 100 1\n4 0 3 16 0 0 0 0 47.006 8 100 1\n");
+  const Route route =
+      parse_route("r", kCurveHead + "3 0 3 18 2 0 -50 0 47.004 8 100 1\n4 0 3 16 0 0 0 0 47.006 8 100 1\n");
   const double straight_m = geodesic_between({8, 47}, {8, 47.006}).length_m;
   // To the circle, once around, and on from where it was entered.
   EXPECT_NEAR(route_length_m(route), straight_m + 2 * M_PI * 50, 5);
   EXPECT_THAT(route.items[3].became, HasSubstr("circle of radius 50 m"));
   EXPECT_THAT(route.notes, Contains(HasSubstr("Circles of loiters stand once")));
-  const Route none = parse_route("r", kHead + "3 0 3 18 2 0 0 0 47.004 8 100 1\n");
+  const Route none = parse_route("r", kCurveHead + "3 0 3 18 2 0 0 0 47.004 8 100 1\n");
   EXPECT_THAT(none.notes, Contains(HasSubstr("Item 3 (loiter turns) names no radius")));
-  EXPECT_THAT(testing::route_error(kHead + "3 0 3 18 2 0 25000 0 47.004 8 100 1\n"), HasSubstr("its radius, 25000 m"));
+  EXPECT_THAT(testing::route_error(kCurveHead + "3 0 3 18 2 0 25000 0 47.004 8 100 1\n"),
+              HasSubstr("its radius, 25000 m"));
 }
 
 TEST(MissionCurve, RealMissionHasBoth) {
