@@ -1,17 +1,12 @@
 #include "pilotage/route/ogr_route.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
@@ -19,84 +14,13 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
-#include "pilotage/raster/gdal_handle.h"
-#include "pilotage/route/read_route.h"
+#include "pilotage/route/ogr_file.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_line.h"
 #include "pilotage/route/route_size.h"
 
 namespace pilotage {
 namespace {
-
-/// The bytes as a file of GDAL's memory file system, gone with the object.
-class MemoryFile {
- public:
-  MemoryFile(std::string_view bytes, const std::string& extension) {
-    static std::atomic<unsigned> counter{0};
-    path_ = "/vsimem/pilotage-route-" + std::to_string(counter++) + "." + extension;
-    copy_.assign(bytes.begin(), bytes.end());
-    VSIFCloseL(VSIFileFromMemBuffer(path_.c_str(), copy_.data(), copy_.size(), FALSE));
-  }
-  ~MemoryFile() { VSIUnlink(path_.c_str()); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  std::vector<GByte> copy_;
-};
-
-struct FormatInfo {
-  const char* title;
-  const char* extension;
-  std::vector<const char*> drivers;
-};
-
-FormatInfo format_info(OgrFormat format) {
-  switch (format) {
-    case OgrFormat::kKml:
-      return {"KML", "kml", {"LIBKML", "KML", nullptr}};
-    case OgrFormat::kKmz:
-      return {"KMZ", "kmz", {"LIBKML", nullptr}};
-    case OgrFormat::kGpx:
-      return {"GPX", "gpx", {"GPX", nullptr}};
-    case OgrFormat::kGeoJson:
-      return {"GeoJSON", "geojson", {"GeoJSON", nullptr}};
-    case OgrFormat::kGeoPackage:
-      return {"GeoPackage", "gpkg", {"GPKG", nullptr}};
-  }
-  return {};
-}
-
-/// The document of a KMZ archive (doc.kml, else its first .kml) as a path that GDAL opens. A small archive may unpack
-/// to any size, so that is checked first.
-std::string kmz_document(const std::string& name, const std::string& archive) {
-  const std::string folder = "/vsizip/" + archive;
-  const std::unique_ptr<char*, decltype(&CSLDestroy)> entries(VSIReadDirRecursive(folder.c_str()), CSLDestroy);
-  std::string document;
-  std::uint64_t total = 0;
-  for (char** entry = entries.get(); entry != nullptr && *entry != nullptr; ++entry) {
-    const std::string path = folder + "/" + *entry;
-    VSIStatBufL status{};
-    if (VSIStatL(path.c_str(), &status) == 0) total += static_cast<std::uint64_t>(status.st_size);
-    if (!path.ends_with(".kml") && !path.ends_with(".KML")) continue;
-    if (document.empty() || std::string_view(*entry) == "doc.kml") document = path;
-  }
-  if (document.empty()) throw DataError(name + ": cannot be read as KMZ: the archive holds no .kml file");
-  if (total > kMaxRouteBytes) {
-    throw DataError(name + ": unpacks to " + std::to_string(total) + " bytes, at most " +
-                    std::to_string(kMaxRouteBytes) + " are allowed");
-  }
-  GByte* bytes = nullptr;
-  vsi_l_offset size = 0;
-  if (VSIIngestFile(nullptr, document.c_str(), &bytes, &size, static_cast<GIntBig>(kMaxRouteBytes)) != 0) {
-    const std::unique_ptr<GByte, decltype(&VSIFree)> freed(bytes, VSIFree);
-    check_kml_size(name, {reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size)});
-  }
-  return document;
-}
 
 std::string text_field(const OGRFeature& feature, const char* field) {
   const int index = feature.GetFieldIndex(field);
@@ -150,40 +74,6 @@ void collect(const OGRGeometry& geometry, GeometryParts& parts, int depth = 0) {
     ++parts.others;
   }
 }
-
-/// Longitude and latitude out of the layer's CRS; coordinates that look like degrees need none.
-class ToWgs84 {
- public:
-  ToWgs84(OGRLayer& layer, const std::string& where) : where_(where) {
-    const OGRSpatialReference* crs = layer.GetSpatialRef();
-    if (crs == nullptr) return;
-    OGRSpatialReference wgs84;
-    wgs84.SetWellKnownGeogCS("WGS84");
-    wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    std::unique_ptr<OGRSpatialReference> source(crs->Clone());
-    source->StripVertical();
-    source->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    if (source->IsSame(&wgs84) != 0) return;
-    transform_.reset(OGRCreateCoordinateTransformation(source.get(), &wgs84));
-    if (!transform_) throw DataError(where_ + ": its coordinate reference system cannot be brought to WGS 84");
-  }
-
-  void apply(std::vector<LinePoint>& points) const {
-    if (!transform_) return;
-    for (LinePoint& point : points) {
-      const double x = point.x;
-      const double y = point.y;
-      if (transform_->Transform(1, &point.x, &point.y) == FALSE) {
-        throw DataError(where_ + ": the point " + format_number(x) + ", " + format_number(y) +
-                        " cannot be brought to WGS 84");
-      }
-    }
-  }
-
- private:
-  std::string where_;
-  std::unique_ptr<OGRCoordinateTransformation> transform_;
-};
 
 /// Lines of a layer, or its points as one line when it has no line.
 std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
@@ -336,22 +226,13 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   if (options.home_amsl_m && options.height_reference != HeightReference::kHome) {
     throw UsageError("home_amsl_m is of no use for " + name + " without height_reference = home");
   }
-  const GdalErrors errors;
-  const FormatInfo info = format_info(format);
-  const MemoryFile file(bytes, info.extension);
-  const std::string path = format == OgrFormat::kKmz ? kmz_document(name, file.path()) : file.path();
-  const std::unique_ptr<GDALDataset> dataset(
-      GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
-  if (!dataset) errors.throw_data_error(name + ": cannot be read as " + info.title);
+  const OgrFile file(name, bytes, format);
   Route route;
   route.name = name;
-  route.format = info.title;
-  CPLErrorReset();
-  std::vector<Line> lines =
-      format == OgrFormat::kGpx ? gpx_lines(route, *dataset, options.layer) : vector_lines(route, *dataset, format);
-  if (CPLGetLastErrorType() >= CE_Failure) {
-    throw DataError(name + ": is damaged: " + CPLGetLastErrorMsg());
-  }
+  route.format = file.title();
+  std::vector<Line> lines = format == OgrFormat::kGpx ? gpx_lines(route, file.dataset(), options.layer)
+                                                      : vector_lines(route, file.dataset(), format);
+  file.check_whole();
   const Line line = choose_line(route, std::move(lines), options);
   append_line(route, line);
   resolve_heights(route, line, options);
