@@ -7,6 +7,7 @@
 #include "tile/small_mission.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/mission/gnss_availability.h"

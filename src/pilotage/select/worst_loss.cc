@@ -90,8 +90,9 @@ LossAnywhere lose_gnss_anywhere(const Mission& mission, const std::vector<std::o
   }
   loss.step_m = std::max(loss.step_m, samples.back().distance_m - loss.points.back().distance_m);
   const auto badness = [&](const LossPoint& point) {
-    const double p = std::isnan(point.p_within_limit) ? 1 : point.p_within_limit;
-    return std::tuple(point.max_error_m > max_error_m, -p, point.max_error_m);
+    // Rounded, so that of equal points the first is the worst.
+    const double p = std::isnan(point.p_within_limit) ? 1 : std::round(point.p_within_limit * 1e9);
+    return std::tuple(point.max_error_m > max_error_m, -p, std::round(point.max_error_m * 1e6));
   };
   for (std::size_t i = 1; i < loss.points.size(); ++i) {
     if (badness(loss.points[i]) > badness(loss.points[loss.worst])) loss.worst = i;
