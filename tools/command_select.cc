@@ -80,6 +80,7 @@ Command make_select_command() {
     for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);
     if (selection.probability) result.text += describe_probability(selection);
     result.text += assumptions_line(mission.flight, selection) + "\n";
+    if (selection.loss_anywhere && !options.select.advise) result.text += selection.notes[1] + "\n";
     if (options.select.advise) {
       // The first note counts tiles.
       for (std::size_t i = 1; i < selection.notes.size(); ++i) result.text += selection.notes[i] + "\n";

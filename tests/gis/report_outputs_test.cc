@@ -56,16 +56,25 @@ bool has_python_gdal() {
 
 TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
   const TemporaryFolder folder;
-  const ReportInput input = testing::gis_scene();
+  ReportInput input = testing::gis_scene();
+  input.mission.flight.denied.stretches = {{10, 60}};
   const std::vector<std::string> names = write_all(folder, input);
   const std::set<std::string> written(names.begin(), names.end());
   EXPECT_EQ(names_in(folder), written);
   const std::vector<std::string> told = report_output_names("report", kEverything, input.mission.ground.levels, true);
   EXPECT_EQ(std::set<std::string>(told.begin(), told.end()), written);
-  EXPECT_EQ(written.size(), 21u);
+  EXPECT_EQ(written.size(), 22u);
   for (const std::string& name : names) EXPECT_TRUE(is_report_output("report", name)) << name;
   EXPECT_FALSE(is_report_output("report", "report.txt"));
   EXPECT_FALSE(is_report_output("report", "report_levels.tif"));
+}
+
+TEST(ReportOutputs, NoLayerOfDeniedStretchesWhereNothingSaysSo) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> names = write_all(folder, testing::gis_scene());
+  EXPECT_EQ(names.size(), 21u);
+  EXPECT_EQ(std::count(names.begin(), names.end(), "report_denied.geojson"), 0);
+  EXPECT_TRUE(is_report_output("report", "report_denied.geojson")) << "one of an earlier run is taken away";
 }
 
 TEST(ReportOutputs, OnlyWhatIsAskedForIsWritten) {

@@ -4,9 +4,19 @@
 #include "pilotage/raster/gdal_zip.h"
 
 namespace pilotage {
+namespace {
+
+// The route as a whole first, then its parts.
+std::vector<VectorLayer> line_layers(const ReportLayers& layers) {
+  std::vector<VectorLayer> lines = {layers.route, layers.legs, layers.gaps};
+  if (!layers.denied.features.empty()) lines.push_back(layers.denied);
+  return lines;
+}
+
+}  // namespace
 
 std::string legs_kml(const Report& report, const ReportLayers& layers) {
-  return kml_document(report.title, {layers.route, layers.legs, layers.gaps});
+  return kml_document(report.title, line_layers(layers));
 }
 
 std::string areas_kml(const Report& report, const ReportLayers& layers) {
@@ -15,8 +25,11 @@ std::string areas_kml(const Report& report, const ReportLayers& layers) {
 
 void write_kmz(const std::filesystem::path& path, const ReportInput& input, const Report& report,
                const ReportLayers& layers, bool overwrite) {
-  std::string document =
-      kml_document(report.title, {layers.decision, layers.route, layers.legs, layers.gaps, layers.areas, layers.tiles});
+  std::vector<VectorLayer> folders = line_layers(layers);
+  folders.insert(folders.begin(), layers.decision);
+  folders.push_back(layers.areas);
+  folders.push_back(layers.tiles);
+  std::string document = kml_document(report.title, folders);
   DegreeOverlay overlay = heat_overlay(input, report);
   document.insert(document.rfind("</Document>"), overlay.kml);  // GDAL writes no overlays
   std::vector<std::pair<std::string, std::string>> files{{"doc.kml", std::move(document)}};

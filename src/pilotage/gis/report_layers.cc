@@ -26,6 +26,7 @@ using Corners = std::vector<Eigen::Vector2d>;
 
 constexpr std::size_t kMaxLinePoints = 100'000;
 constexpr Rgb kRouteColor{0x20, 0x20, 0x20};
+constexpr Rgb kDeniedColor{0x6a, 0x3d, 0x9a};
 
 /// A column of a layer and where its value comes from.
 template <class Row>
@@ -342,6 +343,28 @@ VectorLayer gap_layer(const ReportInput& input, const Report& report) {
   return layer;
 }
 
+VectorLayer denied_layer(const ReportInput& input, const Report& report) {
+  VectorLayer layer = line_layer("denied", "GNSS denied", "Stretches of the route over which GNSS is denied.");
+  layer.columns = {{"from_distance_m", VectorType::kReal, "From, along the route [m]"},
+                   {"to_distance_m", VectorType::kReal, "To, along the route [m]"},
+                   {"length_m", VectorType::kReal, "Length [m]"}};
+  layer.qml = qgis_line_style("", {{"", "GNSS denied", kDeniedColor, 4, false}});
+  for (const DeniedStretch& stretch : report.denied) {
+    const double length_m = stretch.to_distance_m - stretch.from_distance_m;
+    VectorFeature feature;
+    feature.points = line_of(route_line_between(input.mission.flight.samples, stretch.from_distance_m,
+                                                stretch.to_distance_m, kMaxLinePoints));
+    feature.values = {number_value(stretch.from_distance_m), number_value(stretch.to_distance_m),
+                      number_value(length_m)};
+    feature.title = (report.loss_anywhere ? "GNSS lost for good: " : "GNSS denied: ") + length_text(length_m);
+    feature.note = "from " + length_text(stretch.from_distance_m) + " to " + length_text(stretch.to_distance_m) +
+                   (report.loss_anywhere ? "; the worst point to lose it" : "");
+    feature.style = {with_opacity(kDeniedColor, "60"), 14, ""};  // around the gaps
+    if (feature.points.size() >= 2) layer.features.push_back(std::move(feature));
+  }
+  return layer;
+}
+
 const std::vector<LayerField<Report>>& route_fields() {
   using Type = VectorType;
   static const std::vector<LayerField<Report>> fields = {
@@ -422,12 +445,19 @@ const MeasureScale& shown_scale(const Report& report) {
   return known == report.measures.end() ? report.measures.front() : *known;
 }
 
+std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers) {
+  std::vector<const VectorLayer*> drawn = {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps};
+  if (!layers.denied.features.empty()) drawn.push_back(&layers.denied);
+  drawn.push_back(&layers.route);
+  return drawn;
+}
+
 ReportLayers report_layers(const ReportInput& input, const Report& report) {
   ReportLayers layers{decision_layer(input, report), tile_layer(input, report), area_layer(input, report),
-                      leg_layer(input, report),      gap_layer(input, report),  route_layer(input, report),
-                      key_value_layer(report)};
+                      leg_layer(input, report),      gap_layer(input, report),  denied_layer(input, report),
+                      route_layer(input, report),    key_value_layer(report)};
   for (VectorLayer* layer :
-       {&layers.decision, &layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {
+       {&layers.decision, &layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.denied, &layers.route}) {
     std::vector<std::pair<std::string, std::string>> titles;
     for (const VectorColumn& column : layer->columns) titles.emplace_back(column.name, column.title);
     layer->qml = with_aliases(layer->qml, titles);

@@ -15,9 +15,13 @@ struct ReportLayers {
   VectorLayer areas;  ///< Outlines of the matching areas: selected cells of a level that touch along edges, joined.
   VectorLayer legs;   ///< WGS 84, as gaps and route.
   VectorLayer gaps;
+  VectorLayer denied;  ///< Where GNSS is denied; without a feature, and left out of the files, where nothing says so.
   VectorLayer route;
   VectorLayer report;  ///< Without a shape: the verdict and what the report was made of, as keys and values.
 };
+
+/// The layers that have a place in files, in their order: all with a shape but an empty `denied`.
+std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers);
 
 /// The measure in which tiles and heat maps are coloured: the first of the report that any tile has a value of,
 /// P(correct fix) where there is one; the first when none has.

@@ -94,9 +94,10 @@ Endings write_rasters(const OutputSource& source) {
 
 Endings write_gpkg(const OutputSource& source) {
   const ReportLayers& layers = source.layers;
-  write_geopackage(source.path(".gpkg"),
-                   {layers.decision, layers.tiles, layers.areas, layers.legs, layers.gaps, layers.route, layers.report},
-                   geopackage_timestamp(), true);
+  std::vector<VectorLayer> written = {layers.decision};
+  for (const VectorLayer* layer : drawn_layers(layers)) written.push_back(*layer);
+  written.push_back(layers.report);
+  write_geopackage(source.path(".gpkg"), written, geopackage_timestamp(), true);
   return {".gpkg"};
 }
 
@@ -112,9 +113,8 @@ Endings write_kml(const OutputSource& source) {
 }
 
 Endings write_geojsons(const OutputSource& source) {
-  const ReportLayers& layers = source.layers;
   Endings endings;
-  for (const VectorLayer* layer : {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.route}) {
+  for (const VectorLayer* layer : drawn_layers(source.layers)) {
     endings.push_back("_" + layer->name + ".geojson");
     write_geojson(source.path(endings.back()), *layer, true);
   }
@@ -138,7 +138,8 @@ const std::vector<OutputFormat>& output_formats() {
        write_kml},
       {ReportOutput::kGeojson, "geojson", "", true,
        [](Levels, bool) {
-         return Endings{"_tiles.geojson", "_areas.geojson", "_legs.geojson", "_gaps.geojson", "_route.geojson"};
+         return Endings{"_tiles.geojson", "_areas.geojson",  "_legs.geojson",
+                        "_gaps.geojson",  "_denied.geojson", "_route.geojson"};
        },
        write_geojsons}};
   return formats;

@@ -26,6 +26,7 @@ std::vector<InputFile> input_files(const Mission& mission) {
   }
   if (!mission.ground.elevation.empty()) files.push_back(input_dataset("elevation", mission.ground.elevation, ""));
   if (!mission.flight.route_file.empty()) files.push_back(input_file("route", mission.flight.route_file, ""));
+  for (const std::string& file : mission.flight.denied.files) files.push_back(input_file("denied", file, ""));
   return files;
 }
 

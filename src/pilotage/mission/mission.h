@@ -30,6 +30,21 @@ struct RoutePlace {
   double offset_m = 0;    ///< Distance of the tile's centre from that point.
 };
 
+/// A stretch of the route over which GNSS is denied.
+struct DeniedStretch {
+  double from_distance_m = 0;  ///< Along the route.
+  double to_distance_m = 0;
+};
+
+/// Where GNSS cannot be had. Neither of the two: from the first point on, for good.
+struct GnssDenial {
+  std::vector<DeniedStretch> stretches;  ///< In the order of the route and apart; none is empty.
+  bool anywhere = false;                 ///< It is lost at one point, whichever, for good: the worst point decides.
+  std::vector<std::string> files;        ///< Of polygons, as given; the stretches lie in them.
+
+  bool from_start() const { return stretches.empty() && !anywhere; }
+};
+
 /// A flight over a ground: the route, what sees, what navigates, and how far off it may be.
 struct Flight {
   std::string route_file;  ///< As given.
@@ -38,6 +53,7 @@ struct Flight {
   double min_agl_m = 0;               ///< Below it no matching is expected.
   Camera camera;
   InsOptions ins;
+  GnssDenial denied;
   double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.
   /// Height above sea level of the flat ground that is assumed where no elevation model is given; nothing where none
   /// is needed.

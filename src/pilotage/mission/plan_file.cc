@@ -8,6 +8,7 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/camera/camera_json.h"
 #include "pilotage/raster/gdal_crs.h"
@@ -128,6 +129,43 @@ FlightSample sample_from_json(JsonObject json, const Mission& mission) {
   return sample;
 }
 
+Json denial_to_json(const GnssDenial& denied) {
+  if (denied.anywhere) return {{"anywhere", true}};
+  Json json = {{"stretches", Json::array()}};
+  for (const DeniedStretch& stretch : denied.stretches) {
+    json["stretches"].push_back(
+        {{"from_distance_m", stretch.from_distance_m}, {"to_distance_m", stretch.to_distance_m}});
+  }
+  for (const std::string& file : denied.files) json["files"].push_back(name_as_utf8(file));
+  return json;
+}
+
+GnssDenial denial_from_json(JsonObject json) {
+  GnssDenial denied;
+  if (json.has("anywhere")) {
+    denied.anywhere = json.boolean("anywhere");
+    json.finish();
+    return denied;
+  }
+  for (JsonObject& entry : json.objects("stretches")) {
+    const DeniedStretch stretch{entry.number("from_distance_m"), entry.number("to_distance_m")};
+    entry.finish();
+    const double least_m = denied.stretches.empty() ? 0 : denied.stretches.back().to_distance_m;
+    if (!(stretch.from_distance_m >= least_m && stretch.to_distance_m > stretch.from_distance_m)) {
+      throw DataError(json.path("stretches") + ": " + format_number(stretch.from_distance_m) + " to " +
+                      format_number(stretch.to_distance_m) + " m is no stretch behind " + format_number(least_m) +
+                      " m");
+    }
+    denied.stretches.push_back(stretch);
+  }
+  if (denied.stretches.empty()) throw DataError(json.path("stretches") + " is empty");
+  if (json.has("files")) {
+    for (const std::string& file : json.texts("files")) denied.files.push_back(bytes_of_name(file));
+  }
+  json.finish();
+  return denied;
+}
+
 // A CRS that PROJ does not know is no mistake of the caller here: the file is wrong.
 Crs crs_from_json(JsonObject& json) {
   const std::string name = json.text("crs_name");
@@ -182,6 +220,7 @@ Json plan_to_json(const Mission& mission) {
                {"tiles", Json::array()}};
   if (mission.flight.max_error_assumed) json["max_error_assumed"] = true;
   if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
+  if (!mission.flight.denied.from_start()) json["denied"] = denial_to_json(mission.flight.denied);
   for (const ImageryDataset& image : mission.ground.imagery.datasets) {
     json["imagery"].push_back({{"dataset", name_as_utf8(image.dataset)},
                                {"gsd_m", image.gsd_m},
@@ -219,6 +258,7 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   mission.flight.max_error_m = object.number("max_error_m");
   mission.flight.max_error_assumed = object.has("max_error_assumed") && object.boolean("max_error_assumed");
   if (object.has("flat_ground_amsl_m")) mission.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");
+  if (object.has("denied")) mission.flight.denied = denial_from_json(object.object("denied"));
   mission.flight.min_agl_m = object.number("min_agl_m");
   mission.flight.corridor_half_width_m = object.number("corridor_half_width_m");
   mission.flight.footprint_width_m = object.number("footprint_width_m");

@@ -10,7 +10,7 @@
 
 namespace pilotage {
 
-/// A stretch of the route over which the aircraft gets no fix.
+/// A stretch of the route over which the aircraft has no GNSS and gets no fix.
 struct RouteGap {
   int leg = 0;                 ///< Leg on which it starts.
   double from_distance_m = 0;  ///< Along the route.
@@ -46,8 +46,8 @@ struct ErrorSample {
   double p_within_limit = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// The stretch over which most flights are lost: a fix was taken where it starts, none came after it, and where it ends
-/// the error is beyond its limit.
+/// The stretch over which most flights are lost: a fix was taken, or GNSS lost, where it starts, no fix came after it,
+/// and where it ends the error is beyond its limit.
 struct WorstStretch {
   int leg = 0;                 ///< Leg on which it starts.
   double from_distance_m = 0;  ///< Along the route.
@@ -83,6 +83,22 @@ struct LeftOut {
   std::vector<std::int64_t> beyond_budget;  ///< Tiles that would have been stored in a larger map. Ascending.
 };
 
+/// What comes of losing GNSS at one point of the route for good.
+struct LossPoint {
+  double distance_m = 0;  ///< Along the route.
+  int leg = 0;
+  double max_error_m = 0;  ///< Largest predicted error (k·σ).
+  /// P that the error stays within its limit to the route's end; NaN without probabilities.
+  double p_within_limit = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// The loss of GNSS at whatever point. The flight that the selection predicts is that of the worst.
+struct LossAnywhere {
+  std::vector<LossPoint> points;  ///< Those that were looked at, in the order of the route; at least one.
+  std::size_t worst = 0;          ///< Index of the one that decides.
+  double step_m = 0;              ///< The longest way between two of them, or from the last to the route's end.
+};
+
 /// What `select` decides: which tiles are stored, and what the route looks like with them.
 struct Selection {
   std::vector<std::int64_t> tile_ids;  ///< Ascending.
@@ -95,6 +111,7 @@ struct Selection {
   bool within_limit = true;       ///< No gap lets the error exceed the limit.
   std::int64_t estimated_bytes = 0;
   std::optional<RouteProbability> probability;  ///< Nothing when no tile has a P.
+  std::optional<LossAnywhere> loss_anywhere;    ///< Where the plan says that GNSS may be lost anywhere.
   std::vector<LegAdvice> advice;                ///< One for each leg that is not good enough, when asked for.
   std::vector<std::string> notes;
   std::optional<LeftOut> left_out;  ///< Nothing where a selection was not made by `select`.

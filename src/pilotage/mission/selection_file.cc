@@ -1,5 +1,6 @@
 #include "pilotage/mission/selection_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -82,6 +83,37 @@ RouteProbability probability_from_json(JsonObject object) {
   return probability;
 }
 
+Json loss_to_json(const LossAnywhere& loss) {
+  Json json = {
+      {"worst_distance_m", loss.points[loss.worst].distance_m}, {"step_m", loss.step_m}, {"points", Json::array()}};
+  for (const LossPoint& point : loss.points) {
+    json["points"].push_back({{"distance_m", point.distance_m},
+                              {"leg", point.leg + 1},
+                              {"max_error_m", point.max_error_m},
+                              {"p_within_limit", json_number(point.p_within_limit)}});
+  }
+  return json;
+}
+
+LossAnywhere loss_from_json(JsonObject object) {
+  LossAnywhere loss;
+  const double worst_m = object.number("worst_distance_m");
+  loss.step_m = object.number("step_m");
+  for (JsonObject& point : object.objects("points")) {
+    loss.points.push_back({point.number("distance_m"), leg_index(point), point.number("max_error_m"),
+                           point.number_or_nan("p_within_limit")});
+    point.finish();
+  }
+  const auto worst = std::find_if(loss.points.begin(), loss.points.end(),
+                                  [&](const LossPoint& point) { return point.distance_m == worst_m; });
+  if (worst == loss.points.end()) {
+    throw DataError(object.path("worst_distance_m") + " = " + format_number(worst_m) + " is none of its points");
+  }
+  loss.worst = static_cast<std::size_t>(worst - loss.points.begin());
+  object.finish();
+  return loss;
+}
+
 }  // namespace
 
 std::string probability_text(double p) {
@@ -108,6 +140,7 @@ Json selection_to_json(const Selection& selection) {
                         {"min_peak_margin", left_out->min_peak_margin},
                         {"beyond_budget", left_out->beyond_budget}};
   }
+  if (selection.loss_anywhere) json["loss_anywhere"] = loss_to_json(*selection.loss_anywhere);
   for (const LegAdvice& advice : selection.advice) {
     json["advice"].push_back({{"leg", advice.leg + 1},
                               {"side", side_name(advice.side)},
@@ -160,6 +193,7 @@ Selection selection_from_json(const Json& json, const std::string& name) {
   if (!object.value("probability").is_null()) {
     selection.probability = probability_from_json(object.object("probability"));
   }
+  if (object.has("loss_anywhere")) selection.loss_anywhere = loss_from_json(object.object("loss_anywhere"));
   for (JsonObject& advice : object.objects("advice")) {
     const int leg = leg_index(advice);
     const AdviceSide side = side_of(advice.text("side"), advice.path("side"));

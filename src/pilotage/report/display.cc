@@ -63,6 +63,12 @@ void add_route(const ReportInput& input, const Report& report, double reference_
     display.gap_lines_m.push_back(plane_line(
         route_line_between(samples, gap.gap.from_distance_m, gap.gap.to_distance_m, per_gap), reference_deg));
   }
+  for (const DeniedStretch& stretch : report.denied) {
+    display.denied_lines_m.push_back(
+        plane_line(route_line_between(samples, stretch.from_distance_m, stretch.to_distance_m,
+                                      std::max<std::size_t>(8, kMaxLinePoints / report.denied.size())),
+                   reference_deg));
+  }
   const std::size_t step = std::max<std::size_t>(1, (samples.size() + kMaxPlaces - 1) / kMaxPlaces);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (i % step != 0 && i + 1 != samples.size()) continue;

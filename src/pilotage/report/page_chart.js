@@ -14,7 +14,9 @@ function alongText(distance, error) {
   parts.push(error === null ? 'error unknown' : 'error ' + error.toFixed(1) + ' m of ' + report.route.max_error_m + ' m');
   const p = rows.length ? display.profile_p[lastBefore(rows, distance)] : [null, null];
   const fix = report.route.fixes.some((stretch) => distance >= stretch.from_distance_m && distance <= stretch.to_distance_m);
-  parts.push(fix ? 'over a chosen tile' + (p[0] === null ? '' : ', P(correct fix) ' + p[0].toFixed(2)) : 'no fix');
+  const aided = report.route.denied && !report.route.denied.some((stretch) => distance >= stretch.from_distance_m &&
+    distance <= stretch.to_distance_m);
+  parts.push(aided ? 'with GNSS' : fix ? 'over a chosen tile' + (p[0] === null ? '' : ', P(correct fix) ' + p[0].toFixed(2)) : 'no fix');
   if (p[1] !== null) parts.push('within the limit so far with P = ' + p[1].toFixed(3));
   return parts.join(' · ');
 }

@@ -22,6 +22,14 @@ function drawGaps(context, view) {
   });
   context.globalAlpha = 1;
 }
+// A wide band, so that it shows beside the gaps.
+function drawDenied(context, view) {
+  context.globalAlpha = 0.45;
+  context.strokeStyle = '#6a3d9a';
+  context.lineWidth = 30;
+  display.denied_lines_m.forEach((flat) => strokeLine(context, view, flat, []));
+  context.globalAlpha = 1;
+}
 function drawRoute(context, view) {
   context.lineJoin = 'round';
   const share = lineShare(view);
@@ -146,6 +154,7 @@ function makeMap() {
   addLayer('heat', 'heat', drawHeat);
   addLayer('refused', 'outline', drawRefused);
   addLayer('selected', 'outline', drawSelected);
+  if (display.denied_lines_m.length) addLayer('denied', 'route', drawDenied);
   addLayer('gaps', 'route', drawGaps);
   addLayer('route', 'route', drawRoute);
   addLayer('marks', 'cursor', drawMarks);

@@ -199,6 +199,14 @@ std::vector<int> rank_legs(const std::vector<ReportLeg>& legs) {
   return order;
 }
 
+// As the page shows it: from the worst point on where GNSS may be lost anywhere.
+std::vector<DeniedStretch> denied_stretches(const ReportInput& input) {
+  const std::vector<FlightSample>& samples = input.mission.flight.samples;
+  if (!input.selection.loss_anywhere || samples.empty()) return input.mission.flight.denied.stretches;
+  const LossAnywhere& loss = *input.selection.loss_anywhere;
+  return {{loss.points[loss.worst].distance_m, samples.back().distance_m}};
+}
+
 InertialReach inertial_reach(const ReportInput& input) {
   InertialReach reach;
   const Flight& flight = input.mission.flight;
@@ -246,6 +254,8 @@ Report make_report(const ReportInput& input) {
   report.worst_legs = rank_legs(report.legs);
   report.gaps = place_gaps(input);
   report.probability = selection.probability;
+  report.denied = denied_stretches(input);
+  report.loss_anywhere = selection.loss_anywhere;
   report.inertial_reach = inertial_reach(input);
   report.fixes = fix_stretches(selection.error_profile);
   report.error_profile = thin_profile(selection.error_profile, 2000);

@@ -76,6 +76,7 @@ struct ReportDisplay {
   std::vector<std::array<Eigen::Vector2d, 4>> cells_m;       ///< Per tile of the report: the cell it stands for.
   std::vector<std::vector<Eigen::Vector2d>> leg_lines_m;     ///< Per leg of the report.
   std::vector<std::vector<Eigen::Vector2d>> gap_lines_m;     ///< Per gap of the report.
+  std::vector<std::vector<Eigen::Vector2d>> denied_lines_m;  ///< Per denied stretch of the report.
   std::vector<std::pair<double, Eigen::Vector2d>> places_m;  ///< Points by distance along the route, ascending.
 };
 
@@ -110,6 +111,8 @@ struct Report {
   std::vector<int> worst_legs;  ///< Indices into `legs`, at most ten: smallest probability, then largest error first.
   std::vector<ReportGap> gaps;
   std::optional<RouteProbability> probability;  ///< As the selection's.
+  std::vector<DeniedStretch> denied;            ///< Where GNSS is; empty where it is lost at the first point.
+  std::optional<LossAnywhere> loss_anywhere;    ///< As the selection's; `denied` begins at its worst point.
   InertialReach inertial_reach;                 ///< Not part of report.json.
   std::vector<FixStretch> fixes;
   std::vector<ErrorSample> error_profile;  ///< Thinned to at most 2,000 samples; extremes are kept.

@@ -194,6 +194,15 @@ std::string gaps_html(const Report& report) {
   return html.empty() ? "<tr><td colspan=\"6\">No gap.</td></tr>" : html;
 }
 
+// What is drawn behind the route where GNSS is denied; nothing where it is lost at the first point.
+std::string denied_key_html(const Report& report) {
+  if (report.denied.empty()) return "";
+  return "<li><svg class=\"key\" viewBox=\"0 0 34 12\" aria-hidden=\"true\"><line class=\"denied-key\" x1=\"1\" "
+         "y1=\"6\" "
+         "x2=\"33\" y2=\"6\"/></svg> " +
+         std::string(report.loss_anywhere ? "GNSS lost for good" : "GNSS denied") + "</li>\n  ";
+}
+
 std::string imagery_html(const Report& report) {
   std::string html;
   for (const ImageryDataset& imagery : report.imagery) {
@@ -274,6 +283,8 @@ Json display_json(const Report& report) {
   for (const auto& line : display.leg_lines_m) json["leg_lines_m"].push_back(plane_line_json(line));
   json["gap_lines_m"] = Json::array();
   for (const auto& line : display.gap_lines_m) json["gap_lines_m"].push_back(plane_line_json(line));
+  json["denied_lines_m"] = Json::array();
+  for (const auto& line : display.denied_lines_m) json["denied_lines_m"].push_back(plane_line_json(line));
   json["places_m"] = Json::array();
   for (const auto& [distance_m, point] : display.places_m) {
     json["places_m"].push_back(
@@ -360,6 +371,7 @@ std::string report_html(const Report& report) {
                         {"places_heading", places_heading(report)},
                         {"places", places_html(report)},
                         {"evaluation", evaluation_html(report)},
+                        {"denied_key", denied_key_html(report)},
                         {"chart", strip_chart_svg(report)},
                         {"quality", quality_html(report)},
                         {"legs", legs_html(report)},

@@ -34,6 +34,29 @@ Json profile_json(const Report& report) {
   return json;
 }
 
+Json denied_json(const Report& report) {
+  Json json = Json::array();
+  for (const DeniedStretch& stretch : report.denied) {
+    json.push_back({{"from_distance_m", variant_to_json(number_value(stretch.from_distance_m))},
+                    {"to_distance_m", variant_to_json(number_value(stretch.to_distance_m))}});
+  }
+  return json;
+}
+
+Json loss_json(const LossAnywhere& loss) {
+  const auto number = [](double value) { return variant_to_json(number_value(value)); };
+  Json json = {{"worst_distance_m", number(loss.points[loss.worst].distance_m)},
+               {"worst_leg", loss.points[loss.worst].leg + 1},
+               {"step_m", number(loss.step_m)},
+               {"columns", {"distance_m", "max_error_m", "p_within_limit"}},
+               {"rows", Json::array()}};
+  for (const LossPoint& point : loss.points) {
+    json["rows"].push_back(
+        Json::array({number(point.distance_m), number(point.max_error_m), number(point.p_within_limit)}));
+  }
+  return json;
+}
+
 Json measures_json(const Report& report) {
   const auto number = [](double value) { return variant_to_json(number_value(value, 12)); };
   Json measures = Json::array();
@@ -186,6 +209,8 @@ void describe_route(Io& io, typename Io::template Ref<Report> report) {
   io.number("max_error_m", report.max_error_m);
   io.number("sigma_multiple", report.sigma_multiple);
   io.record("probability", report.probability);
+  if (!report.denied.empty()) io.only_written("denied", [&] { return denied_json(report); });
+  if (report.loss_anywhere) io.only_written("loss_anywhere", [&] { return loss_json(*report.loss_anywhere); });
   io.records("legs", report.legs);
   io.only_written("worst_legs", [&] {
     std::vector<int> numbers;

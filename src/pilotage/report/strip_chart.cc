@@ -149,6 +149,23 @@ std::string ribbons(const Report& report, const Axes& axes) {
   return svg + probability_ribbon(report, axes, fix_top + 21);
 }
 
+// Where GNSS is denied: a light band behind all else, with a bar and words above the plot.
+std::string denied_bands(const Report& report, const Axes& axes) {
+  std::string svg;
+  for (const DeniedStretch& stretch : report.denied) {
+    const double x1 = axes.x(stretch.from_distance_m);
+    const double x2 = axes.x(stretch.to_distance_m);
+    const std::string words = report.loss_anywhere ? "GNSS lost for good: the worst point" : "GNSS denied";
+    svg += band("denied", x1, kTop, x2, kBottom,
+                words + ", " + length_text(stretch.from_distance_m) + " to " + length_text(stretch.to_distance_m));
+    svg += kSvg.line("denied-edge", x1, kTop - 2, std::max(x2, x1 + 1), kTop - 2);
+    if (x2 - x1 >= 7.5 * static_cast<double>(words.size())) {
+      svg += kSvg.text("denied-label", (x1 + x2) / 2, kTop - 5, words);
+    }
+  }
+  return svg;
+}
+
 // Bad ones are hatched too, so that colour is not alone. Wide ones say how long they are.
 std::string gap_bands(const Report& report, const Axes& axes) {
   std::string svg =
@@ -197,7 +214,7 @@ std::string strip_chart_svg(const Report& report) {
                     "\" data-top=\"" + kSvg.number(kTop) + "\" data-bottom=\"" + kSvg.number(kBottom) +
                     "\" data-distance-m=\"" + format_number(axes.distance_m) + "\" data-error-m=\"" +
                     format_number(axes.error_m) + "\">\n";
-  svg += gap_bands(report, axes);
+  svg += denied_bands(report, axes) + gap_bands(report, axes);
   svg += grid_lines(axes) + error_curve(report, axes);
   if (std::isfinite(report.max_error_m)) {
     const double y = axes.y(report.max_error_m);

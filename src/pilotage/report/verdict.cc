@@ -17,6 +17,8 @@ std::string flights_text(double p) {
   return format_fixed(of_hundred, 0) + " of 100 flights " + (of_hundred == 1 ? "stays" : "stay");
 }
 
+constexpr std::size_t kMostStretchesNamed = 3;
+
 }  // namespace
 
 QualityStatus verdict_of(const std::vector<QualityRow>& rows) {
@@ -75,12 +77,34 @@ std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow
          verdict_detail(verdict, rows, selection);
 }
 
+std::string gnss_text(const Flight& flight, const Selection& selection) {
+  if (selection.loss_anywhere) {
+    const LossPoint& worst = selection.loss_anywhere->points[selection.loss_anywhere->worst];
+    return "GNSS lost for good at the worst point, " + length_text(worst.distance_m) + " (leg " +
+           std::to_string(worst.leg + 1) + ")";
+  }
+  const std::vector<DeniedStretch>& stretches = flight.denied.stretches;
+  if (stretches.empty()) return "GNSS lost at the first point";
+  std::vector<std::string> named;
+  double total_m = 0;
+  for (const DeniedStretch& stretch : stretches) {
+    named.push_back("from " + length_text(stretch.from_distance_m) + " to " + length_text(stretch.to_distance_m));
+    total_m += stretch.to_distance_m - stretch.from_distance_m;
+  }
+  const std::string where = stretches.size() <= kMostStretchesNamed
+                                ? join(named, " and ")
+                                : "over " + std::to_string(stretches.size()) + " stretches, " + length_text(total_m) +
+                                      " in all, the first " + named.front();
+  const bool comes_back = !flight.samples.empty() && stretches.front().to_distance_m < flight.samples.back().distance_m;
+  return "GNSS denied " + where + (comes_back ? ", trusted at once where it comes back" : "");
+}
+
 std::string assumptions_line(const Flight& flight, const Selection& selection) {
   const auto mark = [](bool assumed) { return std::string(assumed ? " (default)" : ""); };
   const InsGrade grade = flight.ins.grade.value_or(kAssumedInsGrade);
   const bool limit_assumed = flight.max_error_assumed && selection.max_error_m == flight.max_error_m;
-  return "assumes: " + options_detail::enum_to_name(grade) + " INS" + mark(!flight.ins.grade) +
-         ", GNSS lost at the first point, limit " + error_text(selection.max_error_m) + mark(limit_assumed) +
+  return "assumes: " + options_detail::enum_to_name(grade) + " INS" + mark(!flight.ins.grade) + ", " +
+         gnss_text(flight, selection) + ", limit " + error_text(selection.max_error_m) + mark(limit_assumed) +
          (flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "");
 }
 

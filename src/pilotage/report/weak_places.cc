@@ -100,10 +100,19 @@ Explanation explain_refused(const Report& report, double from_m, double to_m) {
   return {why, std::string(words_of(order.front().first).todo)};
 }
 
+// Whether GNSS is lost there: at the start, or where it is denied from, to a step of the plan's samples.
+bool loses_gnss_at(const Report& report, double from_m) {
+  constexpr double kStep_m = 10;
+  if (report.denied.empty()) return from_m <= 0;
+  return std::any_of(report.denied.begin(), report.denied.end(), [&](const DeniedStretch& stretch) {
+    return std::abs(stretch.from_distance_m - from_m) <= kStep_m;
+  });
+}
+
 // "From its start the inertial system alone stays within 50 m for 8 s = 119 m at 15 m/s." ; "" when it is not known.
 std::string reach_text(const Report& report, double from_m) {
   const InertialReach& reach = report.inertial_reach;
-  const bool at_start = from_m <= 0;
+  const bool at_start = loses_gnss_at(report, from_m);
   const double time_s = at_start ? reach.from_start_s : reach.after_fix_s;
   if (!std::isfinite(time_s)) return "";
   return std::string(at_start ? "From its start" : "After a fix") + " the inertial system alone stays within " +

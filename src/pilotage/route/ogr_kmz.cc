@@ -54,4 +54,15 @@ std::vector<KmzDocument> unpack_kmz(const std::string& name, std::string_view by
   return documents;
 }
 
+const KmzDocument& main_document(const std::string& name, const std::vector<KmzDocument>& documents) {
+  const KmzDocument* first = nullptr;
+  for (const KmzDocument& document : documents) {
+    if (document.path == "doc.kml") return document;
+    const bool is_kml = document.path.ends_with(".kml") || document.path.ends_with(".KML");
+    if (first == nullptr && is_kml) first = &document;
+  }
+  if (first == nullptr) throw DataError(name + ": cannot be read as KMZ: the archive holds no .kml file");
+  return *first;
+}
+
 }  // namespace pilotage

@@ -17,4 +17,7 @@ struct KmzDocument {
 /// that is looked at first.
 std::vector<KmzDocument> unpack_kmz(const std::string& name, std::string_view bytes);
 
+/// The document of a KMZ of any maker: doc.kml, else the first .kml. Throws DataError when there is none.
+const KmzDocument& main_document(const std::string& name, const std::vector<KmzDocument>& documents);
+
 }  // namespace pilotage

@@ -5,10 +5,8 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include <cpl_error.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
@@ -16,8 +14,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
-#include "pilotage/raster/gdal_handle.h"
-#include "pilotage/route/ogr_memory_file.h"
+#include "pilotage/route/ogr_file.h"
 #include "pilotage/route/ogr_track.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
@@ -26,28 +23,6 @@
 
 namespace pilotage {
 namespace {
-
-struct FormatInfo {
-  const char* title;
-  const char* extension;
-  std::vector<const char*> drivers;
-};
-
-FormatInfo format_info(OgrFormat format) {
-  switch (format) {
-    case OgrFormat::kKml:
-      return {"KML", "kml", {"LIBKML", "KML", nullptr}};
-    case OgrFormat::kKmz:
-      return {"KMZ", "kml", {"LIBKML", "KML", nullptr}};
-    case OgrFormat::kGpx:
-      return {"GPX", "gpx", {"GPX", nullptr}};
-    case OgrFormat::kGeoJson:
-      return {"GeoJSON", "geojson", {"GeoJSON", nullptr}};
-    case OgrFormat::kGeoPackage:
-      return {"GeoPackage", "gpkg", {"GPKG", nullptr}};
-  }
-  return {};
-}
 
 std::string text_field(const OGRFeature& feature, const char* field) {
   const int index = feature.GetFieldIndex(field);
@@ -101,40 +76,6 @@ void collect(const OGRGeometry& geometry, GeometryParts& parts, int depth = 0) {
     ++parts.others;
   }
 }
-
-/// Longitude and latitude out of the layer's CRS; coordinates that look like degrees need none.
-class ToWgs84 {
- public:
-  ToWgs84(OGRLayer& layer, const std::string& where) : where_(where) {
-    const OGRSpatialReference* crs = layer.GetSpatialRef();
-    if (crs == nullptr) return;
-    OGRSpatialReference wgs84;
-    wgs84.SetWellKnownGeogCS("WGS84");
-    wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    std::unique_ptr<OGRSpatialReference> source(crs->Clone());
-    source->StripVertical();
-    source->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    if (source->IsSame(&wgs84) != 0) return;
-    transform_.reset(OGRCreateCoordinateTransformation(source.get(), &wgs84));
-    if (!transform_) throw DataError(where_ + ": its coordinate reference system cannot be brought to WGS 84");
-  }
-
-  void apply(std::vector<LinePoint>& points) const {
-    if (!transform_) return;
-    for (LinePoint& point : points) {
-      const double x = point.x;
-      const double y = point.y;
-      if (transform_->Transform(1, &point.x, &point.y) == FALSE) {
-        throw DataError(where_ + ": the point " + format_number(x) + ", " + format_number(y) +
-                        " cannot be brought to WGS 84");
-      }
-    }
-  }
-
- private:
-  std::string where_;
-  std::unique_ptr<OGRCoordinateTransformation> transform_;
-};
 
 /// Lines of a layer, or its points as one line when it has no line.
 std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
@@ -289,24 +230,14 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   if (options.home_amsl_m && options.height_reference != HeightReference::kHome) {
     throw UsageError("home_amsl_m is of no use for " + name + " without height_reference = home");
   }
-  const GdalErrors errors;
-  const FormatInfo info = format_info(format);
-  const bool is_kml = format == OgrFormat::kKml || format == OgrFormat::kKmz;
-  const std::vector<KmlTrack> tracks = is_kml ? kml_tracks(name, bytes) : std::vector<KmlTrack>{};
-  const OgrMemoryFile file(bytes, info.extension);
-  const std::unique_ptr<GDALDataset> dataset(
-      GDALDataset::Open(file.path().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, info.drivers.data()));
-  if (!dataset) errors.throw_data_error(name + ": cannot be read as " + info.title);
+  const OgrFile file(name, bytes, format);
   Route route;
   route.name = name;
-  route.format = info.title;
-  CPLErrorReset();
-  std::vector<Line> lines =
-      format == OgrFormat::kGpx ? gpx_lines(route, *dataset, options.layer) : vector_lines(route, *dataset, format);
-  if (CPLGetLastErrorType() >= CE_Failure) {
-    throw DataError(name + ": is damaged: " + CPLGetLastErrorMsg());
-  }
-  apply_kml_tracks(route, tracks, lines);
+  route.format = file.title();
+  std::vector<Line> lines = format == OgrFormat::kGpx ? gpx_lines(route, file.dataset(), options.layer)
+                                                      : vector_lines(route, file.dataset(), format);
+  file.check_whole();
+  apply_kml_tracks(route, file.tracks(), lines);
   const Line line = choose_line(route, std::move(lines), options);
   append_line(route, line);
   resolve_heights(route, line, options);

@@ -7,8 +7,6 @@
 #include "pilotage/route/route.h"
 #include "pilotage/route/route_options.h"
 
-// The only file pair of this folder that includes OGR.
-
 namespace pilotage {
 
 enum class OgrFormat { kKml, kKmz, kGpx, kGeoJson, kGeoPackage };

@@ -64,18 +64,6 @@ Route parse_json_route(const std::string& name, std::string_view text, const Rou
                   ": is JSON, but neither a QGroundControl plan (\"fileType\": \"Plan\") nor GeoJSON (\"type\")");
 }
 
-/// The document of a KMZ of any maker: doc.kml, else the first.
-const KmzDocument& main_document(const std::string& name, const std::vector<KmzDocument>& documents) {
-  const KmzDocument* first = nullptr;
-  for (const KmzDocument& document : documents) {
-    if (document.path == "doc.kml") return document;
-    const bool is_kml = document.path.ends_with(".kml") || document.path.ends_with(".KML");
-    if (first == nullptr && is_kml) first = &document;
-  }
-  if (first == nullptr) throw DataError(name + ": cannot be read as KMZ: the archive holds no .kml file");
-  return *first;
-}
-
 Route parse_kmz_route(const std::string& name, std::string_view bytes, const RouteOptions& options) {
   const std::vector<KmzDocument> documents = unpack_kmz(name, bytes);
   std::string waylines;

@@ -40,6 +40,14 @@ std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& mission
   return tiles;
 }
 
+std::vector<std::optional<std::size_t>> tiles_without_gnss(std::vector<std::optional<std::size_t>> tiles,
+                                                           const GnssAvailability& gnss) {
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (gnss.at_sample[i]) tiles[i].reset();
+  }
+  return tiles;
+}
+
 std::vector<FixAttempt> fix_attempts(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                                      double fix_interval_s, std::optional<double> decorrelation_m) {
   const std::vector<double> flown = windows_flown(mission, fix_interval_s, decorrelation_m);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "pilotage/mission/gnss_availability.h"
 #include "pilotage/mission/mission.h"
 
 namespace pilotage {
@@ -18,6 +19,10 @@ struct FixAttempt {
 
 /// The tile under each sample of the route.
 std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& mission);
+
+/// Those of `tiles`, one for each sample, that are tried: none where GNSS is had.
+std::vector<std::optional<std::size_t>> tiles_without_gnss(std::vector<std::optional<std::size_t>> tiles,
+                                                           const GnssAvailability& gnss);
 
 /// The places where tiles can be tried, in the order of flight. The route is cut into windows of one decorrelation
 /// distance (`decorrelation_m`, else the width of the sample's tiles) or of one fix interval, whichever is longer. A

@@ -1,6 +1,7 @@
 #include "pilotage/select/fix_chain.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace pilotage {
 namespace {
@@ -9,23 +10,51 @@ constexpr double kFaint = 1e-4;  // P of a fix where there is none, to learn the
 constexpr double kMeanWeight = 1e-3;
 constexpr double kNothing = 1e-12;  // of a group of flights: what is left of it is not followed
 
-// From node to node, straight and at the speed of its first sample.
-std::vector<InsStep> node_steps(const FlightPath& path, const std::vector<std::size_t>& sample_of_node) {
-  const std::vector<FlightSample>& samples = path.mission->flight.samples;
-  std::vector<InsStep> steps;
+// From one node to the next. Where GNSS is had between them: to where it comes back, and on from where it is lost
+// again.
+struct NodeStep {
+  InsStep step;
+  std::optional<InsState> regained;  // the state at the second loss, or at the node where GNSS is still had
+  InsStep on;
+};
+
+// Straight and at the speed of its first sample.
+InsStep straight_step(const FlightPath& path, std::size_t from, std::size_t to) {
+  const FlightSample& at = path.mission->flight.samples[from];
+  double step_s = 0;
+  for (std::size_t i = from; i < to; ++i) step_s += path.steps[i].dt_s;
+  return make_ins_step(step_s, at.azimuth_deg, at.speed_mps, path.model);
+}
+
+std::vector<NodeStep> node_steps(const FlightPath& path, const std::vector<std::size_t>& sample_of_node) {
+  std::vector<NodeStep> steps;
   for (std::size_t k = 0; k + 1 < sample_of_node.size(); ++k) {
-    const FlightSample& from = samples[sample_of_node[k]];
-    double step_s = 0;
-    for (std::size_t i = sample_of_node[k]; i < sample_of_node[k + 1]; ++i) step_s += path.steps[i].dt_s;
-    steps.push_back(make_ins_step(step_s, from.azimuth_deg, from.speed_mps, path.model));
+    const std::size_t from = sample_of_node[k];
+    const std::size_t to = sample_of_node[k + 1];
+    const auto has_gnss = [&](std::size_t i) {
+      return path.gnss.at_sample[i] || (i > from && path.gnss.over_step[i - 1]);
+    };
+    std::size_t back = from;
+    while (back <= to && !has_gnss(back)) ++back;
+    NodeStep& step = steps.emplace_back();
+    step.step = straight_step(path, from, std::min(back, to));
+    if (back > to) continue;
+    std::size_t lost = to;
+    while (!has_gnss(lost)) --lost;
+    step.regained = state_with_gnss(path, lost);
+    step.on = straight_step(path, lost, to);
   }
   return steps;
 }
 
-std::size_t fly_on(const FlightPath& path, const std::vector<InsStep>& steps, std::size_t node, InsState state) {
+std::size_t fly_on(const FlightPath& path, const std::vector<NodeStep>& steps, std::size_t node, InsState state) {
+  const auto beyond = [&] { return !(position_error_m(state, path.model.sigma_multiple) <= path.max_error_m); };
   for (std::size_t next = node; next < steps.size(); ++next) {
-    state = propagate(state, steps[next]);
-    if (!(position_error_m(state, path.model.sigma_multiple) <= path.max_error_m)) return next;
+    state = propagate(state, steps[next].step);
+    if (beyond()) return next;
+    if (!steps[next].regained) continue;
+    state = propagate(*steps[next].regained, steps[next].on);
+    if (beyond()) return next;
   }
   return steps.size();
 }
@@ -38,7 +67,7 @@ FixChain make_fix_chain(const FlightPath& path, const std::vector<FixAttempt>& a
   std::vector<std::size_t> sample_of_node = {0};
   for (const FixAttempt& attempt : attempts) sample_of_node.push_back(attempt.sample);
   sample_of_node.push_back(sample_count - 1);
-  const std::vector<InsStep> steps = node_steps(path, sample_of_node);
+  const std::vector<NodeStep> steps = node_steps(path, sample_of_node);
 
   RouteChances chances = route_chances(attempts, p_of_tile, sample_count, 0);
   for (const FixAttempt& attempt : attempts) chances.p[attempt.sample] = std::max(chances.p[attempt.sample], kFaint);

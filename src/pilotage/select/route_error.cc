@@ -16,9 +16,12 @@ struct InsAtSample {
   InsState state;
 };
 
-InsAtSample ins_at_start(const Mission& mission, const InsErrorModel& model) {
-  const FlightSample& first = mission.flight.samples.front();
-  return {0, initial_ins_state(model, first.azimuth_deg, first.speed_mps)};
+// With GNSS at the sample, or at its loss there.
+InsAtSample ins_with_gnss(const Mission& mission, const InsErrorModel& model, std::size_t sample, double time_s) {
+  const FlightSample& at = mission.flight.samples[sample];
+  InsAtSample aircraft{sample, initial_ins_state(model, at.azimuth_deg, at.speed_mps)};
+  aircraft.state.time_s = time_s;
+  return aircraft;
 }
 
 double step_s(const Mission& mission, std::size_t from) {
@@ -26,24 +29,30 @@ double step_s(const Mission& mission, std::size_t from) {
   return (mission.flight.samples[from + 1].distance_m - a.distance_m) / a.speed_mps;
 }
 
-InsAtSample fly_one_sample(const InsAtSample& aircraft, const Mission& mission, const InsErrorModel& model) {
+InsAtSample fly_one_sample(const InsAtSample& aircraft, const Mission& mission, const GnssAvailability& gnss,
+                           const InsErrorModel& model) {
   const FlightSample& from = mission.flight.samples[aircraft.sample];
+  if (gnss.over_step[aircraft.sample]) {
+    return ins_with_gnss(mission, model, aircraft.sample + 1, aircraft.state.time_s + step_s(mission, aircraft.sample));
+  }
   return {aircraft.sample + 1,
           propagate(aircraft.state, step_s(mission, aircraft.sample), from.azimuth_deg, from.speed_mps, model)};
 }
 
-// The stretches without matchable ground, as gaps between fixes.
-std::vector<RouteGap> find_gaps(const Mission& mission, const std::vector<bool>& matchable,
-                                const std::vector<ErrorSample>& profile, double max_error_m) {
+// The stretches without matchable ground and GNSS, as gaps between fixes.
+std::vector<RouteGap> find_gaps(const Mission& mission, const GnssAvailability& gnss,
+                                const std::vector<bool>& matchable, const std::vector<ErrorSample>& profile,
+                                double max_error_m) {
   std::vector<RouteGap> gaps;
   const std::size_t count = mission.flight.samples.size();
+  const auto is_known = [&](std::size_t i) { return matchable[i] || gnss.at_sample[i]; };
   for (std::size_t i = 0; i < count;) {
-    if (matchable[i]) {
+    if (is_known(i)) {
       ++i;
       continue;
     }
-    const std::size_t first = i == 0 ? 0 : i - 1;
-    while (i < count && !matchable[i]) ++i;
+    const std::size_t first = i == 0 || gnss.over_step[i - 1] ? i : i - 1;
+    while (i < count && !is_known(i)) ++i;
     const std::size_t last = std::min(i, count - 1);
     RouteGap gap;
     gap.leg = mission.flight.samples[first].leg;
@@ -84,25 +93,28 @@ std::vector<LegStatus> leg_statuses(const Mission& mission, const std::vector<Er
 
 }  // namespace
 
-RouteError predict_route_error(const Mission& mission, const std::vector<bool>& matchable, double max_error_m,
-                               double fix_interval_s) {
+RouteError predict_route_error(const Mission& mission, const GnssAvailability& gnss, const std::vector<bool>& matchable,
+                               double max_error_m, double fix_interval_s) {
   const InsErrorModel model = make_ins_error_model(mission.flight.ins);
   RouteError result;
-  InsAtSample aircraft = ins_at_start(mission, model);
+  InsAtSample aircraft = ins_with_gnss(mission, model, 0, 0);
   double last_fix_s = -std::numeric_limits<double>::infinity();
   while (true) {
     const std::size_t i = aircraft.sample;
     const double error_m = position_error_m(aircraft.state, model.sigma_multiple);
     result.profile.push_back({mission.flight.samples[i].distance_m, error_m, matchable[i]});
     result.within_limit = result.within_limit && error_m <= max_error_m;
-    if (matchable[i] && aircraft.state.time_s - last_fix_s >= fix_interval_s) {
+    if (gnss.at_sample[i]) {
+      aircraft = ins_with_gnss(mission, model, i, aircraft.state.time_s);
+      last_fix_s = -std::numeric_limits<double>::infinity();
+    } else if (matchable[i] && aircraft.state.time_s - last_fix_s >= fix_interval_s) {
       aircraft.state = update_with_fix(aircraft.state, model.fix_sigma_m);
       last_fix_s = aircraft.state.time_s;
     }
     if (i + 1 == mission.flight.samples.size()) break;
-    aircraft = fly_one_sample(aircraft, mission, model);
+    aircraft = fly_one_sample(aircraft, mission, gnss, model);
   }
-  result.gaps = find_gaps(mission, matchable, result.profile, max_error_m);
+  result.gaps = find_gaps(mission, gnss, matchable, result.profile, max_error_m);
   result.legs = leg_statuses(mission, result.profile, max_error_m);
   double matchable_m = 0;
   double total_m = 0;
@@ -114,21 +126,31 @@ RouteError predict_route_error(const Mission& mission, const std::vector<bool>& 
   return result;
 }
 
+RouteError predict_route_error(const Mission& mission, const std::vector<bool>& matchable, double max_error_m,
+                               double fix_interval_s) {
+  return predict_route_error(mission, gnss_availability(mission.flight), matchable, max_error_m, fix_interval_s);
+}
+
 std::vector<std::size_t> fewest_fix_samples(const Mission& mission, const std::vector<bool>& matchable,
                                             double max_error_m) {
   const InsErrorModel model = make_ins_error_model(mission.flight.ins);
+  const GnssAvailability gnss = gnss_availability(mission.flight);
   const std::size_t count = mission.flight.samples.size();
   std::vector<std::size_t> fixes;
-  InsAtSample aircraft = ins_at_start(mission, model);
-  std::optional<InsAtSample> last_chance;  // at the last matchable sample flown over since the last fix
+  InsAtSample aircraft = ins_with_gnss(mission, model, 0, 0);
+  std::optional<InsAtSample> last_chance;  // at the last matchable sample flown over since the last fix, or GNSS
   while (aircraft.sample + 1 < count) {
-    aircraft = fly_one_sample(aircraft, mission, model);
+    aircraft = fly_one_sample(aircraft, mission, gnss, model);
     const bool over_limit = position_error_m(aircraft.state, model.sigma_multiple) > max_error_m;
-    const bool can_fix = matchable[aircraft.sample];
+    const bool has_gnss = gnss.at_sample[aircraft.sample];
+    const bool can_fix = matchable[aircraft.sample] && !has_gnss;
     if (over_limit && (last_chance || can_fix)) {
       aircraft = last_chance.value_or(aircraft);
       aircraft.state = update_with_fix(aircraft.state, model.fix_sigma_m);
       fixes.push_back(aircraft.sample);
+      last_chance.reset();
+    } else if (has_gnss) {
+      aircraft = ins_with_gnss(mission, model, aircraft.sample, aircraft.state.time_s);
       last_chance.reset();
     } else if (can_fix) {
       last_chance = aircraft;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "pilotage/mission/gnss_availability.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 
@@ -16,18 +17,22 @@ struct RouteError {
   bool within_limit = true;
 };
 
-/// Propagates the inertial error (ins/ins_state.h) along the plan's samples at the route's speed. GNSS is lost at the
-/// start of the route; over each sample with `matchable[i]` a fix of plan.flight.ins.fix_sigma_m is taken, at most one
+/// Propagates the inertial error (ins/ins_state.h) along the plan's samples at the route's speed. While `gnss` is had,
+/// the state is initial_ins_state() with heading and speed there; the profile holds the error just before GNSS comes
+/// back. Elsewhere, over each sample with `matchable[i]`, a fix of plan.flight.ins.fix_sigma_m is taken, at most one
 /// every `fix_interval_s`. The error is k·σ of position along the worst direction, k = plan.flight.ins.sigma_multiple.
-/// A gap runs from the last matchable sample before a stretch without matchable ground (or the start) to the first one
-/// after it (or the end).
+/// A gap runs from the last sample with a fix before a stretch without (or from where GNSS is lost) to the first sample
+/// after it with a fix or GNSS (or the end).
+RouteError predict_route_error(const Mission& mission, const GnssAvailability& gnss, const std::vector<bool>& matchable,
+                               double max_error_m, double fix_interval_s);
+/// With the GNSS that the plan assumes (gnss_availability).
 RouteError predict_route_error(const Mission& mission, const std::vector<bool>& matchable, double max_error_m,
                                double fix_interval_s);
 
 /// The fewest samples at which a fix must be taken so that the error stays within `max_error_m` wherever that can be
 /// done: fly on to the last matchable sample before the limit is reached, fix there, and so on (optimal for intervals
-/// on a line). Where no fix can be had in time, the next matchable sample is taken. Ascending indices into
-/// plan.flight.samples.
+/// on a line). Where no fix can be had in time, the next matchable sample is taken. None is taken where the plan has
+/// GNSS (gnss_availability). Ascending indices into plan.flight.samples.
 std::vector<std::size_t> fewest_fix_samples(const Mission& mission, const std::vector<bool>& matchable,
                                             double max_error_m);
 

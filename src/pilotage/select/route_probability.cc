@@ -83,8 +83,7 @@ std::vector<FlightBranch> merge_alike(const FlightPath& path, std::vector<FixedB
 }
 
 // Parts of all branches get a fix at the sample and become new branches.
-void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t sample,
-              FlightStretch& stretch) {
+void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t sample, FlightStretch& stretch) {
   const double p = chances.p[sample];
   if (!(p > 0)) return;
   std::vector<FixedBranch> fixed;
@@ -97,8 +96,9 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t b
     }
     const double share = std::clamp((p - branch.u_low) / (branch.u_high - branch.u_low), 0.0, 1.0);
     if (share > 0) {
-      if (!branch.fixed || branch.fix_sample < begin) stretch.p_fix += share * branch.probability;
+      if (!branch.fixed_on_stretch) stretch.p_fix += share * branch.probability;
       FlightBranch after = branch;
+      after.fixed_on_stretch = true;
       after.fix_sample = sample;
       after.fixed = true;
       after.fix_time_s = branch.state.time_s;
@@ -116,6 +116,30 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t b
     stretch.branches.push_back(group);
     stretch.fixes.push_back(group);
   }
+}
+
+// All branches take the state of GNSS at the sample. What is known of a window's draw stays: tries behind may belong to
+// the same window.
+void take_gnss(const FlightPath& path, std::size_t sample, std::vector<FlightBranch>& branches) {
+  const InsState state = state_with_gnss(path, sample);
+  std::vector<FlightBranch> aided;
+  for (FlightBranch& branch : branches) {
+    const auto same = std::find_if(aided.begin(), aided.end(), [&](const FlightBranch& other) {
+      return other.window == branch.window && same_draw(other, branch) &&
+             other.fixed_on_stretch == branch.fixed_on_stretch;
+    });
+    if (same != aided.end()) {
+      same->probability += branch.probability;
+      continue;
+    }
+    const double time_s = branch.state.time_s;
+    branch.fix_sample = sample;
+    branch.fixed = false;
+    branch.state = state;
+    branch.state.time_s = time_s;
+    aided.push_back(branch);
+  }
+  branches = std::move(aided);
 }
 
 std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vector<double>& p_within_limit,
@@ -146,12 +170,17 @@ FlightPath make_flight_path(const Mission& mission, double max_error_m) {
     const double step_s = (mission.flight.samples[i + 1].distance_m - from.distance_m) / from.speed_mps;
     path.steps.push_back(make_ins_step(step_s, from.azimuth_deg, from.speed_mps, path.model));
   }
+  path.gnss = gnss_availability(mission.flight);
   return path;
 }
 
-std::vector<FlightBranch> first_branches(const FlightPath& path) {
-  const FlightSample& first = path.mission->flight.samples.front();
-  return {{0, false, 1, initial_ins_state(path.model, first.azimuth_deg, first.speed_mps)}};
+InsState state_with_gnss(const FlightPath& path, std::size_t sample) {
+  const FlightSample& at = path.mission->flight.samples[sample];
+  return initial_ins_state(path.model, at.azimuth_deg, at.speed_mps);
+}
+
+std::vector<FlightBranch> first_branches(const FlightPath& path, std::size_t sample) {
+  return {{sample, false, 1, state_with_gnss(path, sample)}};
 }
 
 FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
@@ -159,12 +188,22 @@ FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, s
   assert(end <= chances.p.size() && chances.p.size() == path.mission->flight.samples.size());
   FlightStretch stretch;
   stretch.branches = std::move(branches);
+  for (FlightBranch& branch : stretch.branches) branch.fixed_on_stretch = false;
   for (std::size_t i = begin; i < end; ++i) {
     lose_flights(path, i, stretch);
     const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
     stretch.p_within_limit.push_back(std::min(before, total_probability(stretch.branches)));  // sums are rounded
-    take_fix(path, chances, begin, i, stretch);
+    if (path.gnss.at_sample[i]) {
+      take_gnss(path, i, stretch.branches);
+    } else {
+      take_fix(path, chances, i, stretch);
+    }
     if (i >= path.steps.size()) continue;
+    if (path.gnss.over_step[i]) {
+      for (FlightBranch& branch : stretch.branches) branch.state.time_s += path.steps[i].dt_s;
+      take_gnss(path, i + 1, stretch.branches);
+      continue;
+    }
     for (FlightBranch& branch : stretch.branches) branch.state = propagate(branch.state, path.steps[i]);
   }
   return stretch;

@@ -14,6 +14,7 @@
 #include "pilotage/select/route_error.h"
 #include "pilotage/select/route_probability.h"
 #include "pilotage/select/storage_count.h"
+#include "pilotage/select/worst_loss.h"
 
 namespace pilotage {
 namespace {
@@ -69,11 +70,38 @@ struct Chances {
   std::vector<double> p_of_tile;  // of the matchable ones
   double fix_interval_s = 0;
 
+  void set_gnss(const GnssAvailability& gnss, const std::vector<std::optional<std::size_t>>& tiles,
+                const SelectOptions& options) {
+    path.gnss = gnss;
+    attempts = fix_attempts(*path.mission, tiles_without_gnss(tiles, gnss), options.fix_interval_s,
+                            options.fix_decorrelation_m);
+  }
   RouteSurvival of(const std::vector<bool>& chosen) const {
     return predict_survival(path, route_chances(attempts, of_chosen(p_of_tile, chosen),
                                                 path.mission->flight.samples.size(), fix_interval_s));
   }
 };
+
+// "GNSS may be lost anywhere, for good: …", for the planner.
+std::string loss_note(const LossAnywhere& loss) {
+  const auto place = [](const LossPoint& point) {
+    return format_fixed(point.distance_m / 1000, 2) + " km (leg " + std::to_string(point.leg + 1) + ")";
+  };
+  const LossPoint& worst = loss.points[loss.worst];
+  const LossPoint& farthest_off =
+      *std::max_element(loss.points.begin(), loss.points.end(),
+                        [](const LossPoint& a, const LossPoint& b) { return a.max_error_m < b.max_error_m; });
+  const std::string points = std::to_string(loss.points.size()) + " points, at most " + format_fixed(loss.step_m, 0) +
+                             " m apart, were looked at; the worst is " + place(worst) + ": ";
+  std::string text = "GNSS may be lost anywhere, for good: " + points;
+  if (!std::isnan(worst.p_within_limit)) text += "P = " + probability_text(worst.p_within_limit) + ", ";
+  text += "largest error " + format_fixed(worst.max_error_m, 1) + " m";
+  if (farthest_off.max_error_m > worst.max_error_m) {
+    text += "; the largest of all, " + format_fixed(farthest_off.max_error_m, 1) + " m, comes of its loss at " +
+            place(farthest_off);
+  }
+  return text;
+}
 
 // The better of the stated order and of the search for the largest P; the order where they are alike.
 std::vector<bool> within_budget(const Chances& chances, const std::vector<TileScores>& scores,
@@ -107,8 +135,8 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
   const RouteSurvival survival = chances.of(chosen);
   const Mission& mission = *chances.path.mission;
   const std::vector<double> p_of_stored = of_chosen(chances.p_of_tile, chosen);
-  const ExpectedFixes expected =
-      expected_fixes(mission, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
+  const ExpectedFixes expected = expected_fixes(mission, tiles_without_gnss(tiles, chances.path.gnss), chosen,
+                                                p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
   selection.probability = RouteProbability{survival.p_within_limit.back(), options.min_route_probability,
                                            expected.correct, expected.wrong, survival.worst};
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -163,9 +191,9 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   std::vector<bool> chosen = wanted;
   std::optional<Chances> chances;
   if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
-    chances = Chances{make_flight_path(mission, max_error_m),
-                      fix_attempts(mission, tiles, options.fix_interval_s, options.fix_decorrelation_m),
-                      fix_chances(scores, matchable), options.fix_interval_s};
+    chances =
+        Chances{make_flight_path(mission, max_error_m), {}, fix_chances(scores, matchable), options.fix_interval_s};
+    chances->set_gnss(gnss_availability(mission.flight), tiles, options);
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
@@ -183,7 +211,17 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
     selection.tile_ids.push_back(mission.ground.tiles[i].tile_id);
     count.add(mission.ground.tiles[i]);
   }
-  RouteError error = predict_route_error(mission, samples_over(tiles, chosen), max_error_m, options.fix_interval_s);
+  const std::vector<bool> stored = samples_over(tiles, chosen);
+  GnssAvailability gnss = gnss_availability(mission.flight);
+  if (mission.flight.denied.anywhere) {
+    std::optional<LossTries> tries;
+    if (chances) tries = LossTries{&chances->path, of_chosen(chances->p_of_tile, chosen), options.fix_decorrelation_m};
+    const LossAnywhere loss = lose_gnss_anywhere(mission, tiles, stored, tries, max_error_m, options.fix_interval_s);
+    gnss = gnss_lost_at(mission.flight, loss.points[loss.worst].distance_m);
+    if (chances) chances->set_gnss(gnss, tiles, options);
+    selection.loss_anywhere = loss;
+  }
+  RouteError error = predict_route_error(mission, gnss, stored, max_error_m, options.fix_interval_s);
   selection.gaps = std::move(error.gaps);
   selection.legs = std::move(error.legs);
   selection.error_profile = std::move(error.profile);
@@ -195,6 +233,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   selection.notes.push_back(std::to_string(count_true(matchable)) + " of " +
                             std::to_string(mission.ground.tiles.size()) + " tiles can be matched; " +
                             std::to_string(selection.tile_ids.size()) + " are stored");
+  if (selection.loss_anywhere) selection.notes.push_back(loss_note(*selection.loss_anywhere));
   if (chances) {
     std::size_t without_p = 0;
     for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(scores[i].p_correct_fix);

@@ -33,6 +33,10 @@ bool is_matchable(const TileScores& score, const SelectOptions& options);
 /// Where at least one tile has a P, the flight's chances are computed (route_probability.h); a matchable tile without
 /// one counts as P = 1, and a note says so. `advise` looks for a parallel line for each leg that is not good enough.
 ///
+/// Fixes are tried, and gaps are, only where the plan's GNSS is denied. Where it may be lost anywhere, tiles are chosen
+/// for its loss at the first point, and what is predicted is the flight that loses it at the worst point
+/// (worst_loss.h).
+///
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
 /// of this plan.
 Selection select_tiles(const Mission& mission, const std::vector<TileScores>& scores, const StoredSize& size,

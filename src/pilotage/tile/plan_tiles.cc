@@ -26,6 +26,7 @@
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/sample_route.h"
 #include "pilotage/tile/corridor.h"
+#include "pilotage/tile/denied_stretches.h"
 #include "pilotage/tile/plan_levels.h"
 #include "pilotage/tile/route_cover.h"
 #include "pilotage/tile/working_gsd.h"
@@ -351,6 +352,9 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   mission.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(mission.flight.max_error_m);
   assume_flat_ground(options.route_options, mission);
   sample_plan_route(mission);
+  if (options.denied) {
+    mission.flight.denied = read_denial(*options.denied, mission.flight.samples, mission.warnings);
+  }
 
   const MissionCrs grid = mission_crs(options, mission.flight.route, mission.flight.corridor_half_width_m);
   mission.ground.crs = grid.crs;

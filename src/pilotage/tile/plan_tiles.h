@@ -18,6 +18,8 @@ namespace pilotage {
 /// find its frame in the map. The tile nearest to a point of the route is always cut, even when its centre lies outside
 /// a corridor narrower than the tiles' stride.
 ///
+/// Where GNSS is denied stands in the plan as read_denial() (denied_stretches.h) finds it.
+///
 /// Throws UsageError for options that are missing or outside their range, DataError when a file cannot be used, or when
 /// a part of the route lies outside the imagery (naming which part and how far) or a tile is larger than all of it,
 /// unless options.allow_uncovered.

@@ -26,6 +26,7 @@ struct TileOptions {
   RouteOptions route_options;
   CameraOptions camera;
   InsOptions ins;
+  std::optional<std::vector<std::string>> denied;
   std::optional<double> max_error_m;
   std::string crs;
   std::optional<double> gsd_m;
@@ -46,6 +47,10 @@ struct TileOptions {
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("camera", self.camera, "How the aircraft sees the ground.");
     fields.group("ins", self.ins, "How the position error grows without GNSS.");
+    fields.path("denied", self.denied,
+                "Where GNSS is denied: stretches in km along the route as 3.2-7.5, files of polygons (GeoJSON, KML, "
+                "KMZ, GeoPackage), or anywhere, for its loss at the worst point; if not given, all: from the first "
+                "point on.");
     fields.field("max_error_m", self.max_error_m, "Position error (k sigma) that the mission allows; 50 if not given.",
                  Range{1, 10000});
     fields.field("crs", self.crs,

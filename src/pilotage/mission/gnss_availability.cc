@@ -1,0 +1,44 @@
+#include "pilotage/mission/gnss_availability.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace pilotage {
+namespace {
+
+GnssAvailability availability(const Flight& flight, const std::vector<DeniedStretch>& stretches) {
+  const std::vector<FlightSample>& samples = flight.samples;
+  GnssAvailability gnss{std::vector<bool>(samples.size(), true),
+                        std::vector<bool>(samples.empty() ? 0 : samples.size() - 1, true)};
+  for (const DeniedStretch& stretch : stretches) {
+    const auto from = std::lower_bound(samples.begin(), samples.end(), stretch.from_distance_m,
+                                       [](const FlightSample& a, double b_m) { return a.distance_m < b_m; });
+    auto i = static_cast<std::size_t>(from - samples.begin());
+    if (i > 0) --i;
+    for (; i < samples.size() && samples[i].distance_m <= stretch.to_distance_m; ++i) {
+      const double at_m = samples[i].distance_m;
+      const bool last = i + 1 == samples.size();
+      if (!last && at_m < stretch.to_distance_m && samples[i + 1].distance_m > stretch.from_distance_m) {
+        gnss.over_step[i] = false;
+      }
+      // Of two samples at one place, where the course changes, GNSS is lost at the second.
+      const bool lost_here = at_m >= stretch.from_distance_m && (last || !gnss.over_step[i]);
+      if (lost_here && (at_m < stretch.to_distance_m || last)) gnss.at_sample[i] = false;
+    }
+  }
+  return gnss;
+}
+
+}  // namespace
+
+GnssAvailability gnss_availability(const Flight& flight) {
+  if (!flight.denied.stretches.empty()) return availability(flight, flight.denied.stretches);
+  return {std::vector<bool>(flight.samples.size(), false),
+          std::vector<bool>(flight.samples.empty() ? 0 : flight.samples.size() - 1, false)};
+}
+
+GnssAvailability gnss_lost_at(const Flight& flight, double distance_m) {
+  return availability(flight, {{distance_m, std::numeric_limits<double>::infinity()}});
+}
+
+}  // namespace pilotage
