@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <string_view>
 
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
@@ -61,7 +63,9 @@ double sum_of_valid(const Raster& raster) {
 
 TEST_P(RealImagery, GrayAgreesWithNumpy) {
   const RealRaster& expected = GetParam();
-  const GraySource source = open_gray(path_);
+  ImageryOptions every_pixel;
+  every_pixel.collar = CollarRule::kKeep;
+  const GraySource source = open_gray(path_, every_pixel);
   ASSERT_EQ(source.width_px, expected.width_px);
   ASSERT_EQ(source.height_px, expected.height_px);
   double valid = 0;
@@ -79,6 +83,20 @@ TEST_P(RealImagery, GrayAgreesWithNumpy) {
   EXPECT_NEAR(sum, expected.gray_sum, 1e-11 * expected.gray_sum);
   EXPECT_NEAR(sum_of_valid(source.read({source.width_px / 2, source.height_px / 2, 1, 1})), expected.center_gray,
               1e-11);
+}
+
+// Only pan3 has a collar: black above the edge of the scene.
+TEST_P(RealImagery, CollarsAreThoseThatOneSees) {
+  const RealRaster& expected = GetParam();
+  const GraySource source = open_gray(path_);
+  const Raster raster = source.read({0, 0, static_cast<int>(std::min<std::int64_t>(source.width_px, 600)), 200});
+  const int valid = cv::countNonZero(raster.valid);
+  if (std::string_view(expected.file) == "odd/pan3.tif") {
+    EXPECT_EQ(valid, 0);
+    EXPECT_EQ(cv::countNonZero(source.read({0, 240, 600, 360}).valid), 600 * 360);
+  } else {
+    EXPECT_EQ(inspect_imagery(path_).collar, nullptr) << expected.file;
+  }
 }
 
 TEST_P(RealImagery, GoesOntoAMissionGrid) {

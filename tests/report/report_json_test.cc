@@ -48,7 +48,7 @@ TEST(ReportJson, CarriesProbabilitiesAndRanksLegsByThem) {
   EXPECT_EQ(json["route"]["legs"][0]["status"], "good");
   EXPECT_EQ(json["route"]["probability"]["worst"]["leg"], 3);
   EXPECT_EQ(json["verdict"]["status"], "NO-GO");
-  EXPECT_NE(report_html(input).find("<td>0.800</td><td>0.750</td>"), std::string::npos);
+  EXPECT_NE(report_html(input).find("0.800</td><td data-label=\"P of a fix\">0.750</td>"), std::string::npos);
 }
 
 TEST(ReportJson, TheSchemaRefusesWhatIsWrong) {
