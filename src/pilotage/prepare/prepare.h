@@ -74,9 +74,10 @@ std::vector<std::string> earlier_outputs(const std::filesystem::path& folder);
 /// for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif (with
 /// score.second_epoch), selection.json, map.gpkg and the files of the report that `outputs` ask for, "report.html" and
 /// so on, and with a secret key map.gpkg.minisig and for a large map map.gpkg.chunks, into the output folder, which is
-/// made when it does not exist. All of them appear at the end, in place of those of an earlier run, the map last: at no moment an output of the one stands beside one of the other
-/// (base/output_file.h, replace_together). When anything fails, those of the earlier run stand there as before. Throws
-/// as the stages; DataError when an output exists and overwrite is not set.
+/// made when it does not exist. All of them appear at the end, in place of those of an earlier run, the map last: at no
+/// moment an output of the one stands beside one of the other (base/output_file.h, replace_together). When anything
+/// fails, those of the earlier run stand there as before. Throws as the stages; DataError when an output exists and
+/// overwrite is not set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage

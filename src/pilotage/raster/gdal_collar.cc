@@ -182,7 +182,7 @@ CollarFinding find_collar(const ImageryInfo& info, const ImageryOptions& options
   return found[key] = look_for_collar(info, options);
 }
 
-DatasetPtr make_collar_alpha(std::shared_ptr<const Collar> collar) {
+DatasetPtr make_collar_alpha(const std::shared_ptr<const Collar>& collar) {
   return DatasetPtr(new CollarDataset(collar));
 }
 

@@ -25,6 +25,6 @@ struct CollarFinding {
 CollarFinding find_collar(const ImageryInfo& info, const ImageryOptions& options);
 
 /// A raster of one band, 0 in the collar and 255 elsewhere; `collar` lives on in it.
-DatasetPtr make_collar_alpha(std::shared_ptr<const Collar> collar);
+DatasetPtr make_collar_alpha(const std::shared_ptr<const Collar>& collar);
 
 }  // namespace pilotage

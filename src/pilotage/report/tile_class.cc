@@ -7,22 +7,23 @@
 namespace pilotage {
 
 std::optional<TileClass> tile_class(const TileScores& score) {
-  using Limits = TileClassThresholds;
+  using ClassLimits = TileClassThresholds;
   if (score.status != TileStatus::kScored) return TileClass::kNoGo;
   if (!std::isnan(score.p_correct_fix)) {
-    if (score.p_correct_fix >= Limits::kGoodP) return TileClass::kGo;
-    return score.p_correct_fix >= Limits::kMatchableP ? TileClass::kMarginal : TileClass::kNoGo;
+    if (score.p_correct_fix >= ClassLimits::kGoodP) return TileClass::kGo;
+    return score.p_correct_fix >= ClassLimits::kMatchableP ? TileClass::kMarginal : TileClass::kNoGo;
   }
   if (std::isnan(score.degraded.margin)) return std::nullopt;
-  if (score.degraded.margin >= Limits::kGoodMargin) return TileClass::kGo;
-  return score.degraded.margin > Limits::kMatchableMargin ? TileClass::kMarginal : TileClass::kNoGo;
+  if (score.degraded.margin >= ClassLimits::kGoodMargin) return TileClass::kGo;
+  return score.degraded.margin > ClassLimits::kMatchableMargin ? TileClass::kMarginal : TileClass::kNoGo;
 }
 
 std::string tile_classes_meaning() {
-  using Limits = TileClassThresholds;
-  return "go: P(correct fix) from " + format_number(Limits::kGoodP) + "; marginal: from " +
-         format_number(Limits::kMatchableP) + "; no-go: less, or nothing to match. Where no P is known: a margin of " +
-         format_number(Limits::kGoodMargin) + " over every rival on degraded copies, any, none";
+  using ClassLimits = TileClassThresholds;
+  return "go: P(correct fix) from " + format_number(ClassLimits::kGoodP) + "; marginal: from " +
+         format_number(ClassLimits::kMatchableP) +
+         "; no-go: less, or nothing to match. Where no P is known: a margin of " +
+         format_number(ClassLimits::kGoodMargin) + " over every rival on degraded copies, any, none";
 }
 
 Rgb status_color(QualityStatus status) {
