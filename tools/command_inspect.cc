@@ -101,8 +101,8 @@ CommandResult inspect_route_file(const std::string& path, const RouteOptions& op
   }
 }
 
-CommandResult inspect_imagery_dataset(const std::string& dataset) {
-  const ImageryInfo info = inspect_imagery(dataset);
+CommandResult inspect_imagery_dataset(const std::string& dataset, const Progress& progress) {
+  const ImageryInfo info = inspect_imagery(dataset, {}, progress);
   CommandResult result;
   result.text = info.dataset + ": " + info.driver + ", " + std::to_string(info.width_px) + " × " +
                 std::to_string(info.height_px) + " px of " + info.band_type + ", " + join(info.band_colors, " ") +
@@ -224,7 +224,7 @@ Command make_inspect_command() {
       case InspectKind::kOutputs:
         return inspect_outputs(path, invocation.progress);
       default:
-        return inspect_imagery_dataset(path);
+        return inspect_imagery_dataset(path, invocation.progress);
     }
   });
   return command;

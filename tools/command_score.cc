@@ -41,7 +41,7 @@ struct ScoreCommandOptions {
 ScoreRun open_run(const ScoreCommandOptions& options, const Invocation& invocation) {
   const std::vector<std::string>& inputs = invocation.inputs;
   if (inputs.size() == 1 && inputs.front().ends_with(".json")) need_file(inputs.front(), "tile");
-  return open_score_run(inputs, options.run, invocation.seed);
+  return open_score_run(inputs, options.run, invocation.seed, invocation.progress);
 }
 
 // What belongs to the whole run is made by `merge`.

@@ -143,7 +143,8 @@ ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& 
   }
   frames_ = read_frame_table(options.evaluate);
   for (const std::string& dataset : run.options.score.second_epoch) {
-    const ImageryInfo info = inspect_imagery(dataset, second_date_options(run.ground.imagery.options));
+    const ImageryInfo info =
+        inspect_imagery(dataset, second_date_options(run.ground.imagery.options), invocation.progress);
     second_date_warnings_.insert(second_date_warnings_.end(), info.warnings.begin(), info.warnings.end());
   }
   if (options.second_epoch_output.empty()) return;

@@ -115,11 +115,12 @@ void refuse_too_many_tiles(std::int64_t tiles, const TileMatrix& matrix) {
 
 }  // namespace
 
-RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options) {
+RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options,
+                               const Progress& progress) {
   check_options(options);
   if (datasets.empty()) throw UsageError("there is no raster to score");
   std::vector<ImageryInfo> infos;
-  for (const std::string& dataset : datasets) infos.push_back(inspect_imagery(dataset, options.imagery));
+  for (const std::string& dataset : datasets) infos.push_back(inspect_imagery(dataset, options.imagery, progress));
   RasterGround result;
   Ground& ground = result.ground;
   for (const ImageryInfo& info : infos) {

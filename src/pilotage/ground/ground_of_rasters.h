@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
 #include "pilotage/ground/ground.h"
 
 #pragma GCC visibility push(default)
@@ -47,7 +48,8 @@ struct RasterGround {
 /// which need a common grid), of the mosaic on a north-up grid in crs. It has one level and no tiles yet: cut_tiles.
 /// Throws as inspect_imagery and choose_mission_crs; UsageError when there is no raster, or gsd_m is missing for
 /// several; DataError naming both sizes when a tile is larger than the imagery.
-RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options);
+RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options,
+                               const Progress& progress = {});
 
 /// Gives a ground of one level tiles of its matrix, `indices` (ascending) or all of them; tile_id = row · matrix_width
 /// + column. Throws DataError, before memory is taken, when these are more than kMostTiles.

@@ -96,7 +96,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   const MapPurpose purpose = make_purpose(options.purpose);
   std::vector<std::string> second_date_warnings;
   for (const std::string& dataset : options.score.second_epoch) {  // fails now, not after hours
-    const ImageryInfo info = inspect_imagery(dataset, second_date_options(options.tile.imagery_options));
+    const ImageryInfo info = inspect_imagery(dataset, second_date_options(options.tile.imagery_options), progress);
     second_date_warnings.insert(second_date_warnings.end(), info.warnings.begin(), info.warnings.end());
   }
 

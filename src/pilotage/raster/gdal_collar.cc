@@ -103,13 +103,20 @@ std::string say_collar(const std::string& dataset, const Collar& collar) {
          "--collar keep takes them for ground";
 }
 
-CollarFinding look_for_collar(const ImageryInfo& info, const ImageryOptions& options) {
+CollarFinding look_for_collar(const ImageryInfo& info, const ImageryOptions& options, const Progress& progress) {
   const RasterView view(info, options);
   if (!edge_shows_collar(view, info.width_px, info.height_px)) return {};
+  if (const auto pixels = std::int64_t{info.width_px} * info.height_px; pixels > kMostCollarSearch_px) {
+    return {nullptr,
+            info.dataset + ": has black or white at its edge, but " + std::to_string(pixels) +
+                " pixels, of which at most " + std::to_string(kMostCollarSearch_px) +
+                " are searched for a collar; all of it is taken for ground; --nodata says which value is none"};
+  }
   CollarSearch regions(info.width_px, info.height_px);
   std::vector<CollarColor> colors(static_cast<std::size_t>(info.width_px));
   const auto rows_at_once = static_cast<int>(std::clamp<std::int64_t>(kStripPixels / info.width_px, 1, info.height_px));
   for (int first = 0; first < info.height_px; first += rows_at_once) {
+    report_progress(progress, "looking for a collar", first, info.height_px);
     const cv::Mat strip = view.read_pixels({0, first, info.width_px, std::min(rows_at_once, info.height_px - first)});
     for (int row = 0; row < strip.rows; ++row) {
       colors_of_row(strip, row, colors);
@@ -171,7 +178,7 @@ LookedAt looked_at(const ImageryInfo& info) {
 
 }  // namespace
 
-CollarFinding find_collar(const ImageryInfo& info, const ImageryOptions& options) {
+CollarFinding find_collar(const ImageryInfo& info, const ImageryOptions& options, const Progress& progress) {
   constexpr std::size_t kMostKept = 4096;  // rasters; a mosaic of more is looked at again
   static std::mutex mutex;
   static auto& found = *new std::map<LookedAt, CollarFinding>;
@@ -179,7 +186,7 @@ CollarFinding find_collar(const ImageryInfo& info, const ImageryOptions& options
   const std::lock_guard lock(mutex);
   if (const auto known = found.find(key); known != found.end()) return known->second;
   if (found.size() >= kMostKept) found.clear();
-  return found[key] = look_for_collar(info, options);
+  return found[key] = look_for_collar(info, options, progress);
 }
 
 DatasetPtr make_collar_alpha(const std::shared_ptr<const Collar>& collar) {

@@ -331,7 +331,7 @@ ImageryInfo inspect_picture(const std::string& dataset) {
   return info;
 }
 
-ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options) {
+ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options, const Progress& progress) {
   check_options(options);
   const DatasetPtr opened = open_raster(dataset);
   const GdalErrors errors;
@@ -350,7 +350,7 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
   }
   add_warnings(*opened, georeference.from_points, info);
   if (info.mask == MaskKind::kNone && options.collar == CollarRule::kMask) {
-    const CollarFinding found = find_collar(info, options);
+    const CollarFinding found = find_collar(info, options, progress);
     info.collar = found.collar;
     if (!found.warning.empty()) info.warnings.push_back(found.warning);
   }

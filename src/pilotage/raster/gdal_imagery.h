@@ -7,16 +7,19 @@
 #include <vector>
 
 #include "pilotage/base/options.h"
+#include "pilotage/base/progress.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/geo/geo_transform.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gdal_crs.h"
 
+namespace pilotage {
+struct Collar;  // hidden
+}
+
 #pragma GCC visibility push(default)
 
 namespace pilotage {
-
-struct Collar;
 
 /// How imagery is brought onto a mission grid (docs/methods/imagery.md says why these).
 enum class Resampling {
@@ -122,8 +125,10 @@ struct ImageryInfo {
 /// part of one, a VRT; gdal_access.h). A raster whose only georeference is ground control points is accepted when they
 /// fit one affine transform exactly. Throws DataError, naming the dataset, when it cannot be opened, has no
 /// georeference, no CRS (and none is given), no bands, bands of a kind that cannot be made gray, or pixels at its edge
-/// that cannot be read; UsageError when `options` do not fit it.
-ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options = {});
+/// that cannot be read; UsageError when `options` do not fit it. Where black or white at its edge asks for it, all of
+/// the raster is read (docs/decisions/collars.md), and `progress` may interrupt that.
+ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options = {},
+                            const Progress& progress = {});
 
 /// The same of a picture whose place, if it has one, does not matter, such as a frame of a camera: map_from_pixel, crs,
 /// center and the ground sample distances keep their defaults. Throws DataError, naming the dataset, when it cannot be

@@ -5,14 +5,15 @@
 
 namespace pilotage {
 
-ScoreRun open_score_run(const std::vector<std::string>& inputs, const ScoreRunOptions& options, std::uint64_t seed) {
+ScoreRun open_score_run(const std::vector<std::string>& inputs, const ScoreRunOptions& options, std::uint64_t seed,
+                        const Progress& progress) {
   check_options(options);
   if (inputs.size() == 1 && inputs.front().ends_with(".json")) {
     refuse_raster_grid(options.grid, inputs.front());
     Mission mission = read_plan(inputs.front());
     return {inputs, options, seed, std::move(mission.ground), std::move(mission.flight), {}};
   }
-  RasterGround rasters = ground_of_rasters(inputs, options.grid);
+  RasterGround rasters = ground_of_rasters(inputs, options.grid, progress);
   return {inputs, options, seed, std::move(rasters.ground), {}, std::move(rasters.warnings)};
 }
 

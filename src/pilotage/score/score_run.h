@@ -38,7 +38,8 @@ struct ScoreRun {
 };
 
 /// Throws as read_plan and ground_of_rasters; UsageError when options of the raster grid are given with a plan.
-ScoreRun open_score_run(const std::vector<std::string>& inputs, const ScoreRunOptions& options, std::uint64_t seed);
+ScoreRun open_score_run(const std::vector<std::string>& inputs, const ScoreRunOptions& options, std::uint64_t seed,
+                        const Progress& progress = {});
 
 std::int64_t tile_count(const ScoreRun& run);
 

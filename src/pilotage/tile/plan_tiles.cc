@@ -40,9 +40,11 @@ void require(bool given, const char* what) {
   if (!given) throw UsageError(std::string(what) + " is missing; give it as --" + what + ", or in a mission file");
 }
 
-std::vector<ImageryInfo> inspect_all(const TileOptions& options) {
+std::vector<ImageryInfo> inspect_all(const TileOptions& options, const Progress& progress) {
   std::vector<ImageryInfo> infos;
-  for (const auto& dataset : options.imagery) infos.push_back(inspect_imagery(dataset, options.imagery_options));
+  for (const auto& dataset : options.imagery) {
+    infos.push_back(inspect_imagery(dataset, options.imagery_options, progress));
+  }
   return infos;
 }
 
@@ -332,7 +334,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   require(!options.route.empty(), "route");
 
   Mission mission;
-  const auto infos = inspect_all(options);
+  const auto infos = inspect_all(options, progress);
   add_imagery(mission, infos);
   warn_of_mistakes(options, infos, mission);
   mission.ground.elevation = options.elevation;
