@@ -193,22 +193,28 @@ TEST(Assumptions, SayWhereGnssIsDenied) {
   flight.samples[1].distance_m = 9000;
   Selection selection;
   flight.denied.stretches = {{3200, 7500}};
-  EXPECT_EQ(gnss_text(flight, selection), "GNSS denied from 3.2 km to 7.5 km, trusted at once where it comes back");
+  const std::string state = ", INS at its loss only as good as at the start (cautious)";
+  EXPECT_EQ(gnss_text(flight, selection),
+            "GNSS denied from 3.2 km to 7.5 km, trusted at once where it comes back" + state);
   flight.denied.stretches = {{300, 700}, {3200, 9000}};
   EXPECT_EQ(gnss_text(flight, selection),
-            "GNSS denied from 300 m to 700 m and from 3.2 km to 9.0 km, trusted at once where it comes back");
+            "GNSS denied from 300 m to 700 m and from 3.2 km to 9.0 km, trusted at once where it comes back" + state);
   flight.denied.stretches = {{3200, 9000}};
-  EXPECT_EQ(gnss_text(flight, selection), "GNSS denied from 3.2 km to 9.0 km");
+  EXPECT_EQ(gnss_text(flight, selection), "GNSS denied from 3.2 km to 9.0 km" + state);
+  flight.denied.stretches = {{0, 3200}};
+  EXPECT_EQ(gnss_text(flight, selection), "GNSS denied from 0 m to 3.2 km, trusted at once where it comes back");
   flight.denied.stretches = {{0, 1000}, {2000, 3000}, {4000, 4500}, {5000, 6000}};
   EXPECT_EQ(gnss_text(flight, selection),
             "GNSS denied over 4 stretches, 3.5 km in all, the first from 0 m to 1.0 km, trusted at once where it comes "
-            "back");
+            "back" +
+                state);
   flight.denied = {};
   flight.denied.anywhere = true;
   selection.loss_anywhere = LossAnywhere{{{0, 0, 20, 0.9}, {3210, 1, 30, 0.8}}, 1, 3210};
-  EXPECT_EQ(gnss_text(flight, selection), "GNSS lost for good at the worst point, 3.2 km (leg 2)");
+  EXPECT_EQ(gnss_text(flight, selection), "GNSS lost for good at the worst point, 3.2 km (leg 2)" + state);
   selection.max_error_m = 50;
-  EXPECT_THAT(assumptions_line(flight, selection), HasSubstr("the worst point, 3.2 km (leg 2), limit 50 m"));
+  EXPECT_THAT(assumptions_line(flight, selection),
+              HasSubstr("the worst point, 3.2 km (leg 2)" + state + ", limit 50 m"));
 }
 
 Selection with_probability(double p_within_limit) {
