@@ -163,7 +163,8 @@ class Browser:
 
     def pdf(self):
         """The page on paper, as its print style has it."""
-        return base64.b64decode(self._send("POST", self.session + "/print", {"shrinkToFit": False}))
+        # Not WebDriver's own command, which waits 10 s and no more: a machine under load is slow, not broken.
+        return base64.b64decode(self.devtools("Page.printToPDF", preferCSSPageSize=True)["data"])
 
     def resize(self, width, height):
         """The window's inside. A window itself cannot be as narrow as a phone."""
