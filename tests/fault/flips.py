@@ -19,7 +19,7 @@ def flips(pilotage, source, work, rest):
     run(pilotage.resolve(), "prepare", "mission.json", "-q", "-o", "out", cwd=work)
     run(pilotage.resolve(), "build", "out/plan.json", "--table", "out/tiles.csv", "--selection", "out/selection.json", "--sign-key", "key.sec",
         "-o", "map.gpkg", cwd=work)
-    print(run(flip_bytes, "map.gpkg", (work / "key.pub").read_text().split()[-1], count, 1, cwd=work))
+    print(run(pathlib.Path(flip_bytes).resolve(), "map.gpkg", (work / "key.pub").read_text().split()[-1], count, 1, cwd=work))
 
 
 main(flips)
