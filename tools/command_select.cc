@@ -79,7 +79,7 @@ Command make_select_command() {
                   " MB; matchable on " + format_fixed(100 * selection.matchable_fraction, 1) + " % of the route\n";
     for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);
     if (selection.probability) result.text += describe_probability(selection);
-    result.text += assumptions_line(mission.flight, selection) + "\n";
+    result.text += assumptions_line(mission, selection) + "\n";
     if (selection.loss_anywhere && !options.select.advise) result.text += selection.notes[1] + "\n";
     if (options.select.advise) {
       // The first note counts tiles.
@@ -89,7 +89,7 @@ Command make_select_command() {
     result.json.erase("tile_ids");
     result.json.erase("error_profile");
     result.json.erase("left_out");
-    result.json["assumptions"] = assumptions_line(mission.flight, selection);
+    result.json["assumptions"] = assumptions_line(mission, selection);
     result.json["selected_tiles"] = selection.tile_ids.size();
     if (options.select.require && !meets_gate(selection)) result.exit_code = kExitGateNotMet;
     return result;

@@ -150,9 +150,12 @@ TEST(Imagery, ReadsDatesInTheirManySpellings) {
     return inspect_imagery(make_raster(folder / "a.tif", spec)).acquired;
   };
   EXPECT_EQ(date_of("TIFFTAG_DATETIME", "", "2020:07:01 00:00:00"), "2020-07-01");
-  EXPECT_EQ(date_of("ACQUISITIONDATETIME", "IMAGERY", "2010-04-01 12:00:00"), "2010-04-01");
-  EXPECT_EQ(date_of("acquisition_start", "", "2018-11-30T10:00:00Z"), "2018-11-30");
-  EXPECT_EQ(date_of("NITF_IDATIM", "", "20150228120000"), "2015-02-28");
+  EXPECT_EQ(date_of("ACQUISITIONDATETIME", "IMAGERY", "2010-04-01 12:00:00"), "2010-04-01T12:00:00Z");
+  EXPECT_EQ(date_of("acquisition_start", "", "2018-11-30T10:00:00Z"), "2018-11-30T10:00:00Z");
+  EXPECT_EQ(date_of("acquisition_start", "", "2018-11-30T10:00:00+02:00"), "2018-11-30");
+  EXPECT_EQ(date_of("PRODUCT_START_TIME", "", "2021-06-12T10:30:21.024Z"), "2021-06-12T10:30:21Z");
+  EXPECT_EQ(date_of("PRODUCT_START_TIME", "", "2021-06-12T00:00:00.000Z"), "2021-06-12") << "no hour is known";
+  EXPECT_EQ(date_of("NITF_IDATIM", "", "20150228120000"), "2015-02-28T12:00:00Z");
   EXPECT_EQ(date_of("TIFFTAG_DATETIME", "", "0000:00:00 00:00:00"), "");
   EXPECT_EQ(date_of("TIFFTAG_DATETIME", "", "last week"), "");
   EXPECT_EQ(date_of("ACQUISITION_DATE", "", "2018-1-3"), "");

@@ -169,20 +169,26 @@ TEST(Headline, SaysNoMoreFlightsThanThereAre) {
             "come is not known");
 }
 
+std::string said_assumptions(const Flight& flight, const Selection& selection) {
+  Mission mission;
+  mission.flight = flight;
+  return assumptions_line(mission, selection);
+}
+
 TEST(Assumptions, WhatWasNotGivenIsCalledDefault) {
   Flight flight;
   flight.max_error_m = 50;
   flight.max_error_assumed = true;
   Selection selection;
   selection.max_error_m = 50;
-  EXPECT_EQ(assumptions_line(flight, selection),
+  EXPECT_EQ(said_assumptions(flight, selection),
             "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m (default)");
   selection.max_error_m = 35;  // select --max-error-m
   flight.ins.grade = InsGrade::kTactical;
-  EXPECT_EQ(assumptions_line(flight, selection), "assumes: tactical INS, GNSS lost at the first point, limit 35 m");
+  EXPECT_EQ(said_assumptions(flight, selection), "assumes: tactical INS, GNSS lost at the first point, limit 35 m");
   flight.ins.grade = InsGrade::kVisualOdometry;
   flight.flat_ground_amsl_m = 15;
-  EXPECT_EQ(assumptions_line(flight, selection),
+  EXPECT_EQ(said_assumptions(flight, selection),
             "assumes: visual-odometry INS, GNSS lost at the first point, limit 35 m, flat ground at home's height "
             "(default)");
 }
@@ -213,7 +219,7 @@ TEST(Assumptions, SayWhereGnssIsDenied) {
   selection.loss_anywhere = LossAnywhere{{{0, 0, 20, 0.9}, {3210, 1, 30, 0.8}}, 1, 3210};
   EXPECT_EQ(gnss_text(flight, selection), "GNSS lost for good at the worst point, 3.2 km (leg 2)" + state);
   selection.max_error_m = 50;
-  EXPECT_THAT(assumptions_line(flight, selection),
+  EXPECT_THAT(said_assumptions(flight, selection),
               HasSubstr("the worst point, 3.2 km (leg 2)" + state + ", limit 50 m"));
 }
 

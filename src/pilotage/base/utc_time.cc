@@ -8,11 +8,13 @@ namespace {
 
 constexpr std::string_view kForm = "0000-00-00T00:00:00Z";  // 0 stands for a digit
 
-bool has_form(std::string_view text) {
-  if (text.size() != kForm.size()) return false;
+constexpr std::size_t kDayLength = 10;
+
+bool has_form(std::string_view text, std::string_view form) {
+  if (text.size() != form.size()) return false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool digit = text[i] >= '0' && text[i] <= '9';
-    if (kForm[i] == '0' ? !digit : text[i] != kForm[i]) return false;
+    if (form[i] == '0' ? !digit : text[i] != form[i]) return false;
   }
   return true;
 }
@@ -23,13 +25,18 @@ int digits(std::string_view text, std::size_t at, std::size_t count) {
   return number;
 }
 
+std::chrono::year_month_day day_of(std::string_view text) {
+  using namespace std::chrono;
+  return {year(digits(text, 0, 4)), month(static_cast<unsigned>(digits(text, 5, 2))),
+          day(static_cast<unsigned>(digits(text, 8, 2)))};
+}
+
 }  // namespace
 
 std::optional<UtcTime> parse_utc_time(std::string_view text) {
   using namespace std::chrono;
-  if (!has_form(text)) return std::nullopt;
-  const year_month_day date(year(digits(text, 0, 4)), month(static_cast<unsigned>(digits(text, 5, 2))),
-                            day(static_cast<unsigned>(digits(text, 8, 2))));
+  if (!has_form(text, kForm)) return std::nullopt;
+  const year_month_day date = day_of(text);
   const int hour = digits(text, 11, 2);
   const int minute = digits(text, 14, 2);
   const int second = digits(text, 17, 2);
@@ -47,6 +54,15 @@ std::string format_utc_time(UtcTime time) {
                 static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
                 static_cast<int>(clock.seconds().count()));
   return buffer;
+}
+
+std::optional<UtcDate> parse_utc_date(std::string_view text) {
+  if (const auto time = parse_utc_time(text)) return UtcDate{*time, true};
+  if (!has_form(text, kForm.substr(0, kDayLength))) return std::nullopt;
+  const std::chrono::year_month_day date = day_of(text);
+  constexpr std::chrono::year kFirstPhotograph(1826);
+  if (!date.ok() || date.year() < kFirstPhotograph) return std::nullopt;
+  return UtcDate{std::chrono::sys_days(date), false};
 }
 
 }  // namespace pilotage

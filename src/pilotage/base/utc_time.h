@@ -19,6 +19,16 @@ std::optional<UtcTime> parse_utc_time(std::string_view text);
 /// The inverse. `time` must be one that parse_utc_time gives.
 std::string format_utc_time(UtcTime time);
 
+/// A day, or a moment of one, as imagery and flights are dated.
+struct UtcDate {
+  UtcTime time;            ///< Of a day alone: its beginning.
+  bool has_clock = false;  ///< It is a moment, not a day alone.
+};
+
+/// "2026-03-01", years 1826 (the oldest photograph) to 9999, or what parse_utc_time() takes. Nothing for any other
+/// text.
+std::optional<UtcDate> parse_utc_date(std::string_view text);
+
 }  // namespace pilotage
 
 #pragma GCC visibility pop

@@ -27,6 +27,7 @@ std::vector<InputFile> input_files(const Mission& mission) {
   if (!mission.ground.elevation.empty()) files.push_back(input_dataset("elevation", mission.ground.elevation, ""));
   if (!mission.flight.route_file.empty()) files.push_back(input_file("route", mission.flight.route_file, ""));
   for (const std::string& file : mission.flight.denied.files) files.push_back(input_file("denied", file, ""));
+  if (mission.flight.ground_hidden) files.push_back(input_file("clouds", mission.flight.ground_hidden->file, ""));
   return files;
 }
 

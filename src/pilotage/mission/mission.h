@@ -45,6 +45,12 @@ struct GnssDenial {
   bool from_start() const { return stretches.empty() && !anywhere; }
 };
 
+/// How often cloud or fog hides the ground from the aircraft, by a table of the planner's.
+struct GroundHidden {
+  double fraction = 0;  ///< Of the time, in the month of the flight and, where the table has hours, at its hour.
+  std::string file;     ///< As given.
+};
+
 /// A flight over a ground: the route, what sees, what navigates, and how far off it may be.
 struct Flight {
   std::string route_file;  ///< As given.
@@ -54,6 +60,8 @@ struct Flight {
   Camera camera;
   InsOptions ins;
   GnssDenial denied;
+  std::string flight_time;  ///< When it begins, as parse_utc_date() takes it; "" when the planner did not say.
+  std::optional<GroundHidden> ground_hidden;
   double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.
   /// Height above sea level of the flat ground that is assumed where no elevation model is given; nothing where none
   /// is needed.

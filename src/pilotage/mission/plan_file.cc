@@ -9,6 +9,7 @@
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utc_time.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/camera/camera_json.h"
 #include "pilotage/raster/gdal_crs.h"
@@ -166,6 +167,22 @@ GnssDenial denial_from_json(JsonObject json) {
   return denied;
 }
 
+void read_flight_time(JsonObject& json, Flight& flight) {
+  flight.flight_time = json.text("flight_time");
+  if (!parse_utc_date(flight.flight_time)) {
+    throw DataError(json.path("flight_time") + " = \"" + flight.flight_time + "\" is no day and no moment in UTC");
+  }
+}
+
+GroundHidden ground_hidden_from_json(JsonObject json) {
+  const GroundHidden hidden{json.number("fraction"), bytes_of_name(json.text("file"))};
+  if (!(hidden.fraction >= 0 && hidden.fraction <= 1)) {
+    throw DataError(json.path("fraction") + " = " + format_number(hidden.fraction) + " is not from 0 to 1");
+  }
+  json.finish();
+  return hidden;
+}
+
 // A CRS that PROJ does not know is no mistake of the caller here: the file is wrong.
 Crs crs_from_json(JsonObject& json) {
   const std::string name = json.text("crs_name");
@@ -221,6 +238,10 @@ Json plan_to_json(const Mission& mission) {
   if (mission.flight.max_error_assumed) json["max_error_assumed"] = true;
   if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
   if (!mission.flight.denied.from_start()) json["denied"] = denial_to_json(mission.flight.denied);
+  if (!mission.flight.flight_time.empty()) json["flight_time"] = mission.flight.flight_time;
+  if (const auto& hidden = mission.flight.ground_hidden) {
+    json["ground_hidden"] = {{"fraction", hidden->fraction}, {"file", name_as_utf8(hidden->file)}};
+  }
   for (const ImageryDataset& image : mission.ground.imagery.datasets) {
     json["imagery"].push_back({{"dataset", name_as_utf8(image.dataset)},
                                {"gsd_m", image.gsd_m},
@@ -259,6 +280,9 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   mission.flight.max_error_assumed = object.has("max_error_assumed") && object.boolean("max_error_assumed");
   if (object.has("flat_ground_amsl_m")) mission.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");
   if (object.has("denied")) mission.flight.denied = denial_from_json(object.object("denied"));
+  if (object.has("flight_time")) read_flight_time(object, mission.flight);
+  if (object.has("ground_hidden"))
+    mission.flight.ground_hidden = ground_hidden_from_json(object.object("ground_hidden"));
   mission.flight.min_agl_m = object.number("min_agl_m");
   mission.flight.corridor_half_width_m = object.number("corridor_half_width_m");
   mission.flight.footprint_width_m = object.number("footprint_width_m");

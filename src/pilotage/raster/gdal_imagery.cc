@@ -14,6 +14,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utc_time.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/block_limits.h"
 #include "pilotage/raster/gdal_collar.h"
@@ -216,26 +217,43 @@ std::string date_of(std::string_view text) {
   return digits.substr(0, 4) + "-" + digits.substr(4, 2) + "-" + digits.substr(6, 2);
 }
 
+/// `date` with the time of day behind it in `text`, which counts in UTC; `date` alone where there is none, and for
+/// midnight, which is written where nobody knows the hour.
+std::string with_time_of_day(const std::string& date, std::string_view text) {
+  std::string digits;
+  for (const char c : text) {
+    if (c == '.' || digits.size() == 14) break;  // fractions of a second are of no use here
+    if (c >= '0' && c <= '9') digits += c;
+  }
+  if (digits.size() != 14) return date;
+  const std::string time =
+      date + "T" + digits.substr(8, 2) + ":" + digits.substr(10, 2) + ":" + digits.substr(12, 2) + "Z";
+  return parse_utc_time(time) && !time.ends_with("T00:00:00Z") ? time : date;
+}
+
 /// From what tells the time of the exposure to what may tell the time of processing.
 std::string find_acquisition_date(GDALDataset& dataset) {
   struct Item {
     const char* domain;
     const char* name;
+    bool in_utc;  ///< By its definition; the clocks of cameras and of software keep the time of somewhere.
   };
-  static constexpr std::array<Item, 10> kItems{{{"IMAGERY", "ACQUISITIONDATETIME"},
-                                                {"", "ACQUISITION_DATE"},
-                                                {"", "acquisition_start"},
-                                                {"", "DATE_ACQUIRED"},
-                                                {"", "PRODUCT_START_TIME"},
-                                                {"", "NITF_IDATIM"},
-                                                {"", "EXIF_DateTimeOriginal"},
-                                                {"EXIF", "EXIF_DateTimeOriginal"},
-                                                {"", "EXIF_DateTime"},
-                                                {"", "TIFFTAG_DATETIME"}}};
+  static constexpr std::array<Item, 10> kItems{{{"IMAGERY", "ACQUISITIONDATETIME", true},
+                                                {"", "ACQUISITION_DATE", false},
+                                                {"", "acquisition_start", false},
+                                                {"", "DATE_ACQUIRED", false},
+                                                {"", "PRODUCT_START_TIME", true},
+                                                {"", "NITF_IDATIM", true},
+                                                {"", "EXIF_DateTimeOriginal", false},
+                                                {"EXIF", "EXIF_DateTimeOriginal", false},
+                                                {"", "EXIF_DateTime", false},
+                                                {"", "TIFFTAG_DATETIME", false}}};
   for (const Item& item : kItems) {
     const char* text = dataset.GetMetadataItem(item.name, item.domain);
     if (text == nullptr) continue;
-    if (const std::string date = date_of(text); !date.empty()) return date;
+    const std::string date = date_of(text);
+    const bool in_utc = item.in_utc || std::string_view(text).ends_with('Z');
+    if (!date.empty()) return in_utc ? with_time_of_day(date, text) : date;
   }
   return "";
 }

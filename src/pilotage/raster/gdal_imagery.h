@@ -114,7 +114,8 @@ struct ImageryInfo {
   double gsd_x_m = 0;
   double gsd_y_m = 0;
   GeodeticPoint center;
-  std::string acquired;  ///< "YYYY-MM-DD", or with less where the metadata say less; "" when they say nothing.
+  /// "YYYY-MM-DD", with the time as "YYYY-MM-DDThh:mm:ssZ" where the metadata tell it in UTC; "" when they say nothing.
+  std::string acquired;
   double scale = 1;  ///< Value = stored · scale + offset, as the first used band states it; gray values leave it out.
   double offset = 0;
   std::string unit;  ///< Of the first used band's values: "m", "ft", or "".

@@ -6,6 +6,7 @@
 
 #include "pilotage/base/text.h"
 #include "pilotage/report/disagreement.h"
+#include "pilotage/report/imagery_age.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -365,6 +366,7 @@ std::vector<QualityRow> quality_rows(const ReportInput& input) {
                                   footprint_row(input.mission),
                                   distortion_row(input.mission),
                                   imagery_date_row(input.mission)};
+  for (QualityRow& row : imagery_age_rows(input.mission)) rows.push_back(std::move(row));
   if (const auto found = georeference_disagreement(input)) {
     rows.insert(rows.begin() + 2, disagreement_row(*found, input.selection));
   }

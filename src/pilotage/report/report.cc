@@ -237,7 +237,7 @@ Report make_report(const ReportInput& input) {
   report.headline = valid_utf8(headline(selection));
   report.verdict_detail = valid_utf8(verdict_detail(report.verdict, report.quality, selection));
   report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, selection));
-  report.assumptions = assumptions_line(mission.flight, selection);
+  report.assumptions = assumptions_line(mission, selection);
   for (QualityRow& row : report.quality) row.value = valid_utf8(row.value);
 
   report.route_name = valid_utf8(mission.flight.route.name);
@@ -289,6 +289,7 @@ Report make_report(const ReportInput& input) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }
   report.evaluation = input.evaluation;
+  report.imagery_age = imagery_age(mission);
   report.weak_places = weak_places(report, selection.advice);
   report.display = make_display(input, report);
   return report;

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "pilotage/report/imagery_age.h"
 #include "pilotage/report/measure_scale.h"
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
@@ -131,6 +132,7 @@ struct Report {
   std::vector<ImageryDataset> imagery;
   std::string elevation;
   std::vector<InputFile> inputs;
+  std::optional<ImageryAge> imagery_age;  ///< Where the planner said when the flight is.
   nlohmann::ordered_json parameters;
   std::vector<std::string> warnings;
   std::vector<std::string> notes;

@@ -371,6 +371,7 @@ std::string report_html(const Report& report) {
                         {"places_heading", places_heading(report)},
                         {"places", places_html(report)},
                         {"evaluation", evaluation_html(report)},
+                        {"imagery_age", imagery_age_html(report.imagery_age)},
                         {"denied_key", denied_key_html(report)},
                         {"chart", strip_chart_svg(report)},
                         {"quality", quality_html(report)},

@@ -253,6 +253,7 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
   io.object("grid", [&](Io& grid) { describe_grid(grid, report); });
   io.records("imagery", report.imagery);
   io.value("elevation", report.elevation);
+  if (report.imagery_age) io.only_written("imagery_age", [&] { return imagery_age_json(*report.imagery_age); });
   io.records("inputs", report.inputs);
   io.value("parameters", report.parameters);
   io.value("warnings", report.warnings);

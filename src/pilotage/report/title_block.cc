@@ -33,16 +33,6 @@ std::string range_text(const std::pair<double, double>& range, int decimals, con
   return (low == high ? low : low + " to " + high) + " " + unit;
 }
 
-/// Seconds from the first sample to the last; NaN where a speed is not known.
-double flight_time_s(const std::vector<FlightSample>& samples) {
-  double time_s = 0;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double way_m = samples[i].distance_m - samples[i - 1].distance_m;
-    if (way_m > 0) time_s += way_m / samples[i].speed_mps;  // a sample carries the speed at which it is reached
-  }
-  return time_s;
-}
-
 /// The name of the camera that the route file names, where that is the one that flies; "" otherwise.
 std::string camera_name(const Flight& flight) {
   if (!flight.route.camera) return "";
@@ -74,11 +64,21 @@ std::string imagery_words(const Imagery& imagery) {
 
 }  // namespace
 
+double flight_time_s(const std::vector<FlightSample>& samples) {
+  double time_s = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double way_m = samples[i].distance_m - samples[i - 1].distance_m;
+    if (way_m > 0) time_s += way_m / samples[i].speed_mps;  // a sample carries the speed at which it is reached
+  }
+  return time_s;
+}
+
 std::vector<std::pair<std::string, std::string>> title_block(const ReportInput& input) {
   const Mission& mission = input.mission;
   const std::vector<FlightSample>& samples = mission.flight.samples;
   std::vector<std::pair<std::string, std::string>> block;
   if (const auto made = source_date()) block.emplace_back("Made", format_utc_time(*made));
+  if (!mission.flight.flight_time.empty()) block.emplace_back("Flight begins", mission.flight.flight_time + " (UTC)");
   if (const double time_s = flight_time_s(samples); std::isfinite(time_s) && time_s > 0) {
     block.emplace_back("Flight time", duration_text(time_s) + ": length over speed, without wind, climbs and turns");
   }

@@ -30,6 +30,6 @@ std::string gnss_text(const Flight& flight, const Selection& selection);
 
 /// What the verdict takes for granted: "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m
 /// (default)". "(default)" stands after what the planner did not give.
-std::string assumptions_line(const Flight& flight, const Selection& selection);
+std::string assumptions_line(const Mission& mission, const Selection& selection);
 
 }  // namespace pilotage

@@ -15,6 +15,8 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utc_time.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/camera/camera_products.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/ins/drift.h"
@@ -25,6 +27,7 @@
 #include "pilotage/raster/mission_crs.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/sample_route.h"
+#include "pilotage/tile/cloud_table.h"
 #include "pilotage/tile/corridor.h"
 #include "pilotage/tile/denied_stretches.h"
 #include "pilotage/tile/plan_levels.h"
@@ -318,11 +321,40 @@ void warn_of_mistakes(const TileOptions& options, const std::vector<ImageryInfo>
   }
 }
 
-void add_imagery(Mission& mission, const std::vector<ImageryInfo>& infos) {
-  for (const auto& info : infos) {
-    mission.ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
-                                               info.acquired, info.width_px, info.height_px});
+void check_date(const std::string& option, const std::string& text) {
+  if (parse_utc_date(text)) return;
+  throw UsageError(option + " = \"" + text + "\" is no day as 2023-06-14 and no moment in UTC as 2023-06-14T10:30:00Z");
+}
+
+void add_imagery(Mission& mission, const TileOptions& options, const std::vector<ImageryInfo>& infos) {
+  const std::vector<std::string> dates = options.imagery_date.value_or(std::vector<std::string>());
+  if (options.imagery_date && dates.size() != 1 && dates.size() != infos.size()) {
+    throw UsageError("imagery_date has " + std::to_string(dates.size()) + " dates for " + std::to_string(infos.size()) +
+                     " rasters; give one for all or one for each");
   }
+  for (const std::string& date : dates) check_date("imagery_date", date);
+  for (std::size_t i = 0; i < infos.size(); ++i) {
+    const ImageryInfo& info = infos[i];
+    const std::string& acquired = dates.empty() ? info.acquired : dates[dates.size() == 1 ? 0 : i];
+    mission.ground.imagery.datasets.push_back(
+        {info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), acquired, info.width_px, info.height_px});
+  }
+}
+
+// When it is flown, and how often the ground can be seen then.
+void add_flight_time(const TileOptions& options, Flight& flight) {
+  if (options.flight_time.empty()) {
+    if (!options.clouds.empty()) {
+      throw UsageError("clouds = \"" + name_as_utf8(options.clouds) +
+                       "\" needs flight_time: hidden ground is counted by month");
+    }
+    return;
+  }
+  check_date("flight_time", options.flight_time);
+  flight.flight_time = options.flight_time;
+  if (options.clouds.empty()) return;
+  const double fraction = hidden_fraction(options.clouds, *parse_utc_date(options.flight_time));
+  flight.ground_hidden = GroundHidden{fraction, options.clouds};
 }
 
 }  // namespace
@@ -335,7 +367,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
 
   Mission mission;
   const auto infos = inspect_all(options, progress);
-  add_imagery(mission, infos);
+  add_imagery(mission, options, infos);
   warn_of_mistakes(options, infos, mission);
   mission.ground.elevation = options.elevation;
   mission.flight.route_file = options.route;
@@ -350,6 +382,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   }
   mission.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
   mission.flight.max_error_assumed = !options.max_error_m;
+  add_flight_time(options, mission.flight);
   mission.flight.min_agl_m = options.min_agl_m;
   mission.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(mission.flight.max_error_m);
   assume_flat_ground(options.route_options, mission);

@@ -27,6 +27,9 @@ struct TileOptions {
   CameraOptions camera;
   InsOptions ins;
   std::optional<std::vector<std::string>> denied;
+  std::optional<std::vector<std::string>> imagery_date;
+  std::string flight_time;
+  std::string clouds;
   std::optional<double> max_error_m;
   std::string crs;
   std::optional<double> gsd_m;
@@ -43,6 +46,16 @@ struct TileOptions {
         "route", self.route,
         "Route file: QGroundControl plan, QGC WPL 110, DJI mission, Litchi CSV, KML, KMZ, GPX, GeoJSON, GeoPackage.");
     fields.path("elevation", self.elevation, "Elevation model: a GDAL dataset, metres above mean sea level.");
+    fields.field(
+        "imagery_date", self.imagery_date,
+        "Date of the imagery in UTC, as 2023-06-14 or 2023-06-14T10:30:00Z: one for all, or one for each; that "
+        "of its metadata if not given.");
+    fields.field(
+        "flight_time", self.flight_time,
+        "When the flight begins, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: for the age of the imagery and "
+        "for the sun.");
+    fields.path("clouds", self.clouds,
+                "Table (CSV) of how often cloud hides the ground: month, hour_utc (may be left out), hidden_fraction.");
     RouteOptions::describe(self.route_options, fields);
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("camera", self.camera, "How the aircraft sees the ground.");

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "pilotage/base/utc_time.h"
+#include "pilotage/geo/sun_position.h"
+#include "pilotage/mission/mission.h"
+#include "pilotage/report/quality.h"
+
+#pragma GCC visibility push(default)
+
+// How old the imagery is when it is flown over, and how differently the sun then lights the ground. Known where the
+// planner says when the flight is (TileOptions::flight_time).
+
+namespace pilotage {
+
+/// A raster of the reference imagery beside the flight.
+struct DatasetAge {
+  std::string dataset;
+  std::string acquired;                                          ///< "" when it is not known; then nothing else is.
+  double age_months = std::numeric_limits<double>::quiet_NaN();  ///< Months of 1/12 year; negative: after the flight.
+  double season_months = std::numeric_limits<double>::quiet_NaN();  ///< Apart in the year, 0 … 6.
+  bool hour_known = false;         ///< Otherwise the sun is that of noon by the sun of the day.
+  std::optional<SunPosition> sun;  ///< Over the middle of the route.
+};
+
+/// The sun over the middle of the route at a moment of the flight's day.
+struct FlightSun {
+  UtcTime time;
+  SunPosition sun;
+  /// How far the tip of the shadow of an object 10 m high lies from where the imagery shows it, over flat ground; the
+  /// largest over the rasters whose sun stands at least kLowSun_deg high. NaN without one, and when this sun is lower.
+  double shadow_shift_m = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct ImageryAge {
+  static constexpr double kLowSun_deg = 5;  ///< Lower than this shadows are longer than eleven times the height.
+
+  std::string flight_time;  ///< As given.
+  std::vector<DatasetAge> datasets;
+  std::optional<FlightSun> flight;  ///< Half-way through the flight; nothing when only its day is known.
+  std::vector<FlightSun> hours;     ///< At the full hours UTC of that day with the sun at least kLowSun_deg high.
+};
+
+/// Nothing without a time of the flight. Throws DataError when that is none, or the flight has no sample.
+std::optional<ImageryAge> imagery_age(const Mission& mission);
+
+/// The raster that is the oldest when it is flown over; nullptr when no date is known.
+const DatasetAge* oldest(const ImageryAge& age);
+
+/// What a planner should know of it, sentence by sentence; the last says when the shadows differ least and most.
+std::vector<std::string> imagery_age_sentences(const ImageryAge& age);
+
+/// ", imagery 35 months old, ground hidden 35 % of the time (clouds.csv)" for the line of assumptions; "" without a
+/// time of the flight.
+std::string imagery_age_assumptions(const Mission& mission);
+
+/// Rows for age and season, for the sun where the hour is known (it decides), and for clouds where a table was given.
+std::vector<QualityRow> imagery_age_rows(const Mission& mission);
+
+/// The section of the page; "" without a time of the flight.
+std::string imagery_age_html(const std::optional<ImageryAge>& age);
+
+/// As it stands in report.json.
+nlohmann::ordered_json imagery_age_json(const ImageryAge& age);
+
+}  // namespace pilotage
+
+#pragma GCC visibility pop
