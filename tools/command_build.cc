@@ -44,7 +44,8 @@ struct BuildCommandOptions {
 std::vector<InputFile> inputs_of(const Mission& mission, const std::vector<std::string>& second_epoch) {
   std::vector<InputFile> inputs = input_files(mission);
   for (const std::string& dataset : second_epoch) {
-    inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
+    const ImageryInfo info = inspect_imagery(dataset, second_date_options(mission.ground.imagery.options));
+    inputs.push_back(input_dataset("second_epoch", dataset, info.acquired));
   }
   return inputs;
 }

@@ -94,10 +94,9 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
   refuse_existing(run.output_folder, run.overwrite);
   const MapPurpose purpose = make_purpose(options.purpose);
-  std::vector<std::string> second_date_warnings;
+  std::vector<ImageryInfo> second_dates;
   for (const std::string& dataset : options.score.second_epoch) {  // fails now, not after hours
-    const ImageryInfo info = inspect_imagery(dataset, second_date_options(options.tile.imagery_options), progress);
-    second_date_warnings.insert(second_date_warnings.end(), info.warnings.begin(), info.warnings.end());
+    second_dates.push_back(inspect_imagery(dataset, second_date_options(options.tile.imagery_options), progress));
   }
 
   const Mission mission = plan_tiles(options.tile, progress);
@@ -138,8 +137,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   write_file(publish_later("selection.json"), json_text(selection_to_json(selection)), true);
 
   std::vector<InputFile> inputs = input_files(mission);  // hashed once, for map and report
-  for (const std::string& dataset : options.score.second_epoch) {
-    inputs.push_back(input_dataset("second_epoch", dataset, inspect_imagery(dataset).acquired));
+  for (const ImageryInfo& info : second_dates) {
+    inputs.push_back(input_dataset("second_epoch", info.dataset, info.acquired));
   }
   std::optional<SecondDate> second_date;
   if (scored.second_epoch) {
@@ -164,7 +163,9 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
   Report report = make_report(input);
-  report.warnings.insert(report.warnings.end(), second_date_warnings.begin(), second_date_warnings.end());
+  for (const ImageryInfo& info : second_dates) {
+    report.warnings.insert(report.warnings.end(), info.warnings.begin(), info.warnings.end());
+  }
   const std::vector<std::string> written =
       write_report_outputs(staging / "", kReport, input, report, options.outputs, false, progress);
   result.files.insert(result.files.end(), written.begin(), written.end());
