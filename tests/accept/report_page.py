@@ -87,8 +87,8 @@ def opens_quietly(page, path, report):
 
 
 def every_layer_toggles(page):
-    for name in ("imagery", "heat", "selected", "refused", "route", "gaps"):
-        for expected in (False, True):
+    for name in ("imagery", "heat", "selected", "refused", "route", "gaps", "grid"):
+        for expected in (True, False) if name == "grid" else (False, True):
             page.run("document.getElementById('show-' + arguments[0]).click()", name)
             shown = page.run("return pilotage.map.hasLayer(pilotage.layers[arguments[0]])", name)
             check(shown is expected, f"layer {name}: shown {shown}, its box says {expected}")
@@ -236,6 +236,11 @@ def chart_and_map_are_linked(page, report):
         before = max((row for row in profile if row[0] <= along), key=lambda row: row[0])
         after = min((row for row in profile if row[0] >= along), key=lambda row: row[0])
         error = float(re.search(r"error ([\d.]+) m", text_of(page, "along-text")).group(1))
+        heights = page.run("return pilotage.display.heights.findLast((row) => row[0] <= pilotage.state.along)")
+        said = float(re.search(r"(\d+) m above ground", text_of(page, "along-text")).group(1))
+        check(abs(said - (heights[2] - heights[1])) < 2, f"{said} m above ground at {along} m, where it is {heights}")
+        check(page.run("return document.getElementById('heights-cursor').getAttribute('x1')") ==
+              page.run("return document.querySelector('#chart-cursor line').getAttribute('x1')"), "the heights' cursor is elsewhere")
         check(min(before[1], after[1]) - 0.06 <= error <= max(before[1], after[1]) + 0.06, f"error {error} at {along} m")
     for share in (0.35, 0.8):
         into_view(page, "map")
@@ -317,7 +322,7 @@ return touched.filter((e) => e.offsetParent && e.getBoundingClientRect().height 
   .map((e) => (e.id || e.className || e.tagName) + ' ' + e.getBoundingClientRect().height)"""
 HIDDEN_TO_THE_SIDE = """return [...document.querySelectorAll('table.cards')].filter((t) => t.scrollWidth > document.documentElement.clientWidth ||
   [...t.querySelectorAll('th, td')].some((c) => c.offsetParent && c.getBoundingClientRect().right > window.innerWidth + 1)).map((t) => t.tBodies[0].id)"""
-LETTERS = """return Math.min(...[...document.querySelectorAll('#chart text')].map((t) => t.getBoundingClientRect())
+LETTERS = """return Math.min(...[...document.querySelectorAll('.chart svg text')].map((t) => t.getBoundingClientRect())
   .filter((box) => box.width > 0).map((box) => box.height))"""
 
 

@@ -184,6 +184,7 @@ void add_route(const ReportSceneOptions& options, ReportInput& input) {
     sample.leg = std::min(3, static_cast<int>(sample.distance_m / (length_m / 4)));
     sample.point = input.geodetic_from_map({x_m, start_y_m - sample.distance_m});
     sample.agl_m = 120;
+    sample.amsl_m = 300 + 60 * std::sin(sample.distance_m / 2000);
     sample.speed_mps = kSpeed_mps;
     input.mission.flight.samples.push_back(sample);
     const bool in_gap = sample.distance_m >= gap_from_m && sample.distance_m < gap_to_m;

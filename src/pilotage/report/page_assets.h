@@ -11,6 +11,7 @@ std::string_view page_css();
 std::string_view page_state_js();
 std::string_view page_ground_js();
 std::string_view page_canvas_js();
+std::string_view page_grid_js();
 std::string_view page_map_js();
 std::string_view page_tile_js();
 std::string_view page_panel_js();

@@ -17,6 +17,9 @@ function alongText(distance, error) {
   const aided = report.route.denied && !report.route.denied.some((stretch) => distance >= stretch.from_distance_m &&
     distance <= stretch.to_distance_m);
   parts.push(aided ? 'with GNSS' : fix ? 'over a chosen tile' + (p[0] === null ? '' : ', P(correct fix) ' + p[0].toFixed(2)) : 'no fix');
+  if (display.heights.length) {
+    parts.push((between(display.heights, distance, 2) - between(display.heights, distance, 1)).toFixed(0) + ' m above ground');
+  }
   if (p[1] !== null) parts.push('within the limit so far with P = ' + p[1].toFixed(3));
   return parts.join(' · ');
 }
@@ -34,6 +37,12 @@ function setAlong(distance, source) {
   cursor.querySelector('line').setAttribute('x2', x);
   cursor.querySelector('circle').setAttribute('cx', x);
   cursor.querySelector('circle').setAttribute('cy', y);
+  const heights = $('heights-cursor');
+  if (heights) {
+    heights.setAttribute('visibility', 'visible');
+    heights.setAttribute('x1', x);
+    heights.setAttribute('x2', x);
+  }
   const text = alongText(distance, error);
   $('along-text').textContent = text;
   $('along').setAttribute('aria-valuetext', text);
@@ -45,9 +54,11 @@ function setAlong(distance, source) {
 }
 // On a narrow screen the chart is higher than its width asks for; by how much its letters are to be widened again.
 function fitChart() {
-  const box = chart.getBoundingClientRect();
-  const view = chart.viewBox.baseVal;
-  if (box.width > 0) chart.style.setProperty('--chart-stretch', String(box.height / view.height / (box.width / view.width)));
+  for (const drawing of document.querySelectorAll('.chart svg')) {
+    const box = drawing.getBoundingClientRect();
+    const view = drawing.viewBox.baseVal;
+    if (box.width > 0) drawing.style.setProperty('--chart-stretch', String(box.height / view.height / (box.width / view.width)));
+  }
 }
 function linkChart() {
   fitChart();

@@ -157,6 +157,7 @@ function makeMap() {
   if (display.denied_lines_m.length) addLayer('denied', 'route', drawDenied);
   addLayer('gaps', 'route', drawGaps);
   addLayer('route', 'route', drawRoute);
+  addLayer('grid', 'route', drawGrid);
   addLayer('marks', 'cursor', drawMarks);
   addControls();
   setOpacity();

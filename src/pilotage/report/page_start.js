@@ -47,7 +47,7 @@ function mapPicture() {
     const to = map.latLngToContainerPoint(bounds.getSouthEast());
     context.drawImage(layers.imagery.getElement(), from.x, from.y, to.x - from.x, to.y - from.y);
   }
-  ['detail', 'heat', 'refused', 'selected', 'gaps', 'route', 'marks'].filter((name) => map.hasLayer(layers[name])).forEach((name) => {
+  ['detail', 'heat', 'refused', 'selected', 'denied', 'gaps', 'route', 'grid', 'marks'].filter((name) => layers[name] && map.hasLayer(layers[name])).forEach((name) => {
     const layer = layers[name];
     const corner = place(layer.corner);
     context.globalAlpha = name === 'heat' ? Number($('opacity').value) / 100 : 1;
@@ -66,6 +66,7 @@ function preparePrint() {
   map.setMinZoom(0);
   map.invalidateSize({ animate: false, pan: false });
   map.fitBounds(wholeBounds(), { animate: false });
+  if (!$('show-grid').checked) layers.grid.addTo(map);
   beforePrint.picture = mapPicture();
   $('map').classList.add('printing');
   $('map').append(beforePrint.picture);
@@ -75,6 +76,7 @@ function endPrint() {
   if (!map || !state.printing) return;
   state.printing = false;
   beforePrint.picture.remove();
+  if (!$('show-grid').checked) layers.grid.remove();
   $('map').classList.remove('printing');
   $('map').style.width = '';
   $('map').style.height = '';

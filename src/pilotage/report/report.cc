@@ -250,6 +250,8 @@ Report make_report(const ReportInput& input) {
   report.largest_error_m = largest_error_m(selection);
   report.max_error_m = selection.max_error_m;
   report.sigma_multiple = selection.sigma_multiple;
+  report.heights = height_profile(mission.flight);
+  report.waypoints = waypoints(mission.flight);
   report.legs = place_legs(input);
   report.worst_legs = rank_legs(report.legs);
   report.gaps = place_gaps(input);

@@ -11,10 +11,12 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "pilotage/report/height_profile.h"
 #include "pilotage/report/imagery_age.h"
 #include "pilotage/report/measure_scale.h"
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
+#include "pilotage/report/waypoints.h"
 #include "pilotage/report/weak_places.h"
 
 #pragma GCC visibility push(default)
@@ -108,6 +110,8 @@ struct Report {
   double largest_error_m = 0;  ///< Largest predicted error (k·σ) of the route; NaN when there is none.
   double max_error_m = 0;      ///< The limit.
   double sigma_multiple = 3;
+  HeightProfile heights;            ///< Not part of report.json.
+  std::vector<Waypoint> waypoints;  ///< Not part of report.json.
   std::vector<ReportLeg> legs;
   std::vector<int> worst_legs;  ///< Indices into `legs`, at most ten: smallest probability, then largest error first.
   std::vector<ReportGap> gaps;

@@ -295,6 +295,11 @@ Json display_json(const Report& report) {
     json["profile_p"].push_back(
         Json::array({json_number(rounded(sample.p_correct_fix, 4)), json_number(rounded(sample.p_within_limit, 6))}));
   }
+  json["heights"] = Json::array();  // distance, ground, flown
+  for (const HeightSample& sample : report.heights.samples) {
+    json["heights"].push_back({json_number(rounded(sample.distance_m, 7)), json_number(rounded(sample.ground_m, 5)),
+                               json_number(rounded(sample.flown_m, 5))});
+  }
   json["classes"] = Json::array();  // of each tile, null where nothing decides
   for (const ReportTile& tile : report.tiles) {
     const std::optional<TileClass> known = tile_class(tile.score);
@@ -339,8 +344,8 @@ std::string page_script() {
   std::string script = "(function () {\n'use strict';\n";
   for (const std::string_view part :
        {page_assets::page_state_js(), page_assets::page_ground_js(), page_assets::page_canvas_js(),
-        page_assets::page_map_js(), page_assets::page_tile_js(), page_assets::page_panel_js(),
-        page_assets::page_chart_js(), page_assets::page_start_js()}) {
+        page_assets::page_grid_js(), page_assets::page_map_js(), page_assets::page_tile_js(),
+        page_assets::page_panel_js(), page_assets::page_chart_js(), page_assets::page_start_js()}) {
     script += part;
   }
   return script + "}());\n";
@@ -374,6 +379,8 @@ std::string report_html(const Report& report) {
                         {"imagery_age", imagery_age_html(report.imagery_age)},
                         {"denied_key", denied_key_html(report)},
                         {"chart", strip_chart_svg(report)},
+                        {"heights", height_profile_svg(report.heights, chart_distance_m(report))},
+                        {"waypoints", waypoints_html(report.waypoints)},
                         {"quality", quality_html(report)},
                         {"legs", legs_html(report)},
                         {"gaps", gaps_html(report)},

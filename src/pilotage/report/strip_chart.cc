@@ -12,10 +12,7 @@
 namespace pilotage {
 namespace {
 
-constexpr double kWidth = 1200;
 constexpr double kHeight = 322;
-constexpr double kLeft = 64;
-constexpr double kRight = 1184;
 constexpr double kTop = 16;
 constexpr double kBottom = 200;
 
@@ -23,7 +20,9 @@ struct Axes {
   double distance_m = 1;  ///< At the right end.
   double error_m = 1;     ///< At the top.
 
-  double x(double at_m) const { return kLeft + std::clamp(at_m / distance_m, 0.0, 1.0) * (kRight - kLeft); }
+  double x(double at_m) const {
+    return kChartLeft + std::clamp(at_m / distance_m, 0.0, 1.0) * (kChartRight - kChartLeft);
+  }
   // What is unknown or unbounded is drawn at the top.
   double y(double at_m) const {
     const double share = std::isfinite(at_m) ? std::clamp(at_m / error_m, 0.0, 1.0) : 1.0;
@@ -40,12 +39,7 @@ std::string band(const std::string& type, double x1, double y1, double x2, doubl
 
 Axes make_axes(const Report& report) {
   Axes axes;
-  axes.distance_m = std::max(report.route_length_m, 1.0);
-  if (!report.error_profile.empty())
-    axes.distance_m = std::max(axes.distance_m, report.error_profile.back().distance_m);
-  for (const ReportGap& gap : report.gaps) {
-    if (std::isfinite(gap.gap.to_distance_m)) axes.distance_m = std::max(axes.distance_m, gap.gap.to_distance_m);
-  }
+  axes.distance_m = chart_distance_m(report);
   double most_m = std::isfinite(report.max_error_m) ? std::max(report.max_error_m, 1.0) : 1.0;
   for (const ErrorSample& sample : report.error_profile) {
     if (std::isfinite(sample.error_m)) most_m = std::max(most_m, sample.error_m);
@@ -58,8 +52,8 @@ std::string grid_lines(const Axes& axes) {
   std::string svg;
   const double step_m = tick_step(axes.error_m, 5);
   for (int i = 0; i * step_m <= axes.error_m; ++i) {
-    svg += kSvg.line("grid", kLeft, axes.y(i * step_m), kRight, axes.y(i * step_m));
-    svg += kSvg.text("tick-y", kLeft - 8, axes.y(i * step_m) + 5, format_number(i * step_m));
+    svg += kSvg.line("grid", kChartLeft, axes.y(i * step_m), kChartRight, axes.y(i * step_m));
+    svg += kSvg.text("tick-y", kChartLeft - 8, axes.y(i * step_m) + 5, format_number(i * step_m));
   }
   const bool kilometres = axes.distance_m >= 2000;
   const double unit_m = kilometres ? 1000 : 1;
@@ -70,7 +64,7 @@ std::string grid_lines(const Axes& axes) {
     svg += kSvg.text(i % 2 == 0 ? "tick-x" : "tick-x odd", x, kBottom + 22,
                      format_number(std::round(i * along_step_m / unit_m * 1e6) / 1e6));
   }
-  svg += kSvg.text("axis", (kLeft + kRight) / 2, kHeight - 6,
+  svg += kSvg.text("axis", (kChartLeft + kChartRight) / 2, kHeight - 6,
                    std::string("Distance along the route (") + (kilometres ? "km)" : "m)"));
   svg += "<text class=\"axis\" transform=\"translate(16 " + kSvg.number((kTop + kBottom) / 2) +
          ") rotate(-90)\">Predicted error (m)</text>\n";
@@ -79,7 +73,7 @@ std::string grid_lines(const Axes& axes) {
 
 std::string error_curve(const Report& report, const Axes& axes) {
   if (report.error_profile.empty())
-    return kSvg.text("axis", (kLeft + kRight) / 2, (kTop + kBottom) / 2, "No prediction along the route");
+    return kSvg.text("axis", (kChartLeft + kChartRight) / 2, (kTop + kBottom) / 2, "No prediction along the route");
   std::string path;
   for (const ErrorSample& sample : report.error_profile) {
     path +=
@@ -116,7 +110,7 @@ std::string probability_ribbon(const Report& report, const Axes& axes, double to
   }
   if (svg.empty()) return "";
   return "<g><title>P(correct fix) of the chosen tile under the route: pale 0, dark blue 1</title>" + svg + "</g>\n" +
-         kSvg.text("ribbon", kLeft - 8, top + 11.5, "P(fix)");
+         kSvg.text("ribbon", kChartLeft - 8, top + 11.5, "P(fix)");
 }
 
 std::string ribbons(const Report& report, const Axes& axes) {
@@ -135,7 +129,7 @@ std::string ribbons(const Report& report, const Axes& axes) {
     if (x2 - x1 >= 26)
       svg += kSvg.text(x2 - x1 >= 60 ? "leg-number" : "leg-number tight", (x1 + x2) / 2, leg_top + 12.5, number);
   }
-  svg += kSvg.text("ribbon", kLeft - 8, leg_top + 12.5, "Legs");
+  svg += kSvg.text("ribbon", kChartLeft - 8, leg_top + 12.5, "Legs");
   const double fix_top = leg_top + 25;  // far enough for the larger letters of a small screen
   std::string path;
   for (const FixStretch& fix : report.fixes) {
@@ -145,7 +139,7 @@ std::string ribbons(const Report& report, const Axes& axes) {
   }
   if (!path.empty())
     svg += "<path class=\"fixes\" d=\"" + path + "\"><title>Over selected tiles: fixes are expected</title></path>\n";
-  svg += kSvg.text("ribbon", kLeft - 8, fix_top + 11.5, "Fixes");
+  svg += kSvg.text("ribbon", kChartLeft - 8, fix_top + 11.5, "Fixes");
   return svg + probability_ribbon(report, axes, fix_top + 21);
 }
 
@@ -196,6 +190,15 @@ std::string gap_labels(const Report& report, const Axes& axes) {
 
 }  // namespace
 
+double chart_distance_m(const Report& report) {
+  double distance_m = std::max(report.route_length_m, 1.0);
+  if (!report.error_profile.empty()) distance_m = std::max(distance_m, report.error_profile.back().distance_m);
+  for (const ReportGap& gap : report.gaps) {
+    if (std::isfinite(gap.gap.to_distance_m)) distance_m = std::max(distance_m, gap.gap.to_distance_m);
+  }
+  return distance_m;
+}
+
 double tick_step(double extent, int most) {
   if (!(extent > 0) || !std::isfinite(extent)) return 1;
   const double power = std::pow(10, std::floor(std::log10(extent / most)));
@@ -207,10 +210,10 @@ double tick_step(double extent, int most) {
 
 std::string strip_chart_svg(const Report& report) {
   const Axes axes = make_axes(report);
-  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + kSvg.number(kWidth) + " " + kSvg.number(kHeight) +
+  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + kSvg.number(kChartWidth) + " " + kSvg.number(kHeight) +
                     "\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"" +
                     html_escape("Predicted position error along the route. " + report.verdict_text) +
-                    "\" data-left=\"" + kSvg.number(kLeft) + "\" data-right=\"" + kSvg.number(kRight) +
+                    "\" data-left=\"" + kSvg.number(kChartLeft) + "\" data-right=\"" + kSvg.number(kChartRight) +
                     "\" data-top=\"" + kSvg.number(kTop) + "\" data-bottom=\"" + kSvg.number(kBottom) +
                     "\" data-distance-m=\"" + format_number(axes.distance_m) + "\" data-error-m=\"" +
                     format_number(axes.error_m) + "\">\n";
@@ -218,12 +221,12 @@ std::string strip_chart_svg(const Report& report) {
   svg += grid_lines(axes) + error_curve(report, axes);
   if (std::isfinite(report.max_error_m)) {
     const double y = axes.y(report.max_error_m);
-    svg += kSvg.line("limit", kLeft, y, kRight, y);
-    svg +=
-        kSvg.text("limit-label", kLeft + 8, y < kTop + 24 ? y + 18 : y - 6, "limit " + error_text(report.max_error_m));
+    svg += kSvg.line("limit", kChartLeft, y, kChartRight, y);
+    svg += kSvg.text("limit-label", kChartLeft + 8, y < kTop + 24 ? y + 18 : y - 6,
+                     "limit " + error_text(report.max_error_m));
   }
   svg += gap_labels(report, axes);
-  svg += kSvg.line("axis-line", kLeft, kBottom, kRight, kBottom) + ribbons(report, axes);
+  svg += kSvg.line("axis-line", kChartLeft, kBottom, kChartRight, kBottom) + ribbons(report, axes);
   svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + kSvg.number(kTop) + "\" y2=\"" +
          kSvg.number(kBottom) + "\"/><circle class=\"cursor-dot\" r=\"5\"/></g>\n</svg>";
   return svg;
