@@ -203,6 +203,12 @@ std::string denied_key_html(const Report& report) {
          std::string(report.loss_anywhere ? "GNSS lost for good" : "GNSS denied") + "</li>\n  ";
 }
 
+std::string denied_box_html(const Report& report) {
+  if (report.denied.empty()) return "";
+  return "\n        <label><input type=\"checkbox\" id=\"show-denied\" checked> " +
+         std::string(report.loss_anywhere ? "GNSS lost" : "GNSS denied") + "</label>";
+}
+
 std::string imagery_html(const Report& report) {
   std::string html;
   for (const ImageryDataset& imagery : report.imagery) {
@@ -372,6 +378,7 @@ std::string report_html(const Report& report) {
                         {"places", places_html(report)},
                         {"evaluation", evaluation_html(report)},
                         {"denied_key", denied_key_html(report)},
+                        {"denied_box", denied_box_html(report)},
                         {"chart", strip_chart_svg(report)},
                         {"quality", quality_html(report)},
                         {"legs", legs_html(report)},
