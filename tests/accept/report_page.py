@@ -378,7 +378,7 @@ def loss_anywhere_is_drawn(page, pilotage, source, work, pictures):
     check(min(ps) < 0.9 < max(ps), f"P is the same wherever GNSS is lost: {min(ps)} to {max(ps)}")
     for y, p in zip(ys, ps):
         check(abs((356 - y) / 50 - p) < 0.002, f"P = {p} is drawn at {y}")
-    check(page.run("const c = document.getElementById('chart'); return c.viewBox.baseVal.height") == 394, "the chart's height")
+    check(page.run("const c = document.getElementById('chart'); return c.viewBox.baseVal.height") == 402, "the chart's height")
     into_view(page, "chart")
     for at in (len(ps) // 2, -1):
         page.move(*page.run(CHART_PLACE, loss["rows"][at][0] + 0.5))

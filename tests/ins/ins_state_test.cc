@@ -237,6 +237,22 @@ TEST(InsState, GnssIsAMeasurementThatLeavesTheFiguresOfItsLoss) {
   EXPECT_LT((hold_with_gnss(all, 70, 20, model).covariance - all.covariance).norm(), 1e-12);
 }
 
+// A million metres off, and back to a centimetre.
+TEST(InsState, GnssComesBackAfterAnHour) {
+  InsOptions options;
+  options.grade = InsGrade::kConsumer;
+  options.start_sigma_m = 0.01;
+  const InsErrorModel model = make_ins_error_model(options);
+  InsState state = propagate(initial_ins_state(model, 30, 50), 3600, 30, 50, model);
+  EXPECT_GT(position_error_m(state, 1), 1e5);
+  state = hold_with_gnss(state, 200, 50, model);
+  EXPECT_NEAR(position_error_m(state, 1), 0.01, 1e-4);
+  EXPECT_LE(std::sqrt(state.covariance(2, 2)), model.start_velocity_sigma_mps * (1 + 1e-6));
+  EXPECT_GT(smallest_eigenvalue(state.covariance), -1e-9);
+  state = hold_with_gnss(propagate(state, 1, 200, 50, model), 200, 50, model);
+  EXPECT_LE(position_error_m(state, 1), 0.01 * (1 + 1e-9));
+}
+
 // What is known better than at the loss of GNSS stays, and a start is what it was.
 TEST(InsState, GnssTakesNothingAway) {
   const InsErrorModel model = everything();

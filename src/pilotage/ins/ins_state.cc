@@ -163,14 +163,20 @@ void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odome
   state.speed_mps = speed_mps;
 }
 
+using Vector = Eigen::Matrix<double, InsState::kSize, 1>;
+
 /// A measurement of the combination `h` of the errors that leaves it with the variance `most`; nothing where it has no
-/// more. With the variance v before, the noise is most v / (v − most), and the update P − P h hᵀ P (v − most) / v².
-void hold(Matrix& covariance, const Eigen::Matrix<double, InsState::kSize, 1>& h, double most) {
-  const Eigen::Matrix<double, InsState::kSize, 1> ph = covariance * h;
+/// more. With the variance v before, its noise is most v / (v − most). Joseph form, one rank at a time: after an hour
+/// without GNSS v may be 10¹² times what is left of it.
+void hold(Matrix& covariance, const Vector& h, double most) {
+  const Vector ph = covariance * h;
   const double variance = h.dot(ph);
   if (!(variance > most)) return;
-  const Matrix learned = (variance - most) / (variance * variance) * ph * ph.transpose();
-  covariance -= 0.5 * (learned + learned.transpose());
+  const Vector gain = (variance - most) / (variance * variance) * ph;
+  Matrix next = covariance - gain * ph.transpose();
+  next -= (next * h).eval() * gain.transpose();
+  next += most * variance / (variance - most) * gain * gain.transpose();
+  covariance = 0.5 * (next + next.transpose());
 }
 
 /// The same for both axes of the error ellipse of two states. Along its axes the two errors are uncorrelated, so the
@@ -180,7 +186,7 @@ void hold_ellipse(Matrix& covariance, int first, double most) {
   const double angle_rad = 0.5 * std::atan2(2 * ellipse(0, 1), ellipse(0, 0) - ellipse(1, 1));
   for (const Eigen::Vector2d& axis : {Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)),
                                       Eigen::Vector2d(-std::sin(angle_rad), std::cos(angle_rad))}) {
-    Eigen::Matrix<double, InsState::kSize, 1> h = Eigen::Matrix<double, InsState::kSize, 1>::Zero();
+    Vector h = Vector::Zero();
     h.segment<2>(first) = axis;
     hold(covariance, h, most);
   }
@@ -279,8 +285,7 @@ InsState hold_with_gnss(const InsState& state, double heading_deg, double speed_
   }
   if (model.start_tilt_sigma_rad > 0) hold_ellipse(next.covariance, kTilt, square(model.start_tilt_sigma_rad));
   if (model.start_heading_sigma_rad > 0) {
-    hold(next.covariance, Eigen::Matrix<double, InsState::kSize, 1>::Unit(kHeading),
-         square(model.start_heading_sigma_rad));
+    hold(next.covariance, Vector::Unit(kHeading), square(model.start_heading_sigma_rad));
   }
   return next;
 }

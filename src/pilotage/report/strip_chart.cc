@@ -59,7 +59,7 @@ Axes make_axes(const Report& report) {
     if (std::isfinite(sample.error_m)) most_m = std::max(most_m, sample.error_m);
   }
   axes.error_m = most_m * 1.08;
-  if (has_loss_curve(report)) axes.height = kHeight + kLossBottom - kLossTop + 22;
+  if (has_loss_curve(report)) axes.height = kHeight + kLossBottom - kLossTop + 30;
   return axes;
 }
 
@@ -180,7 +180,7 @@ std::string loss_curve(const Report& report, const Axes& axes) {
          "\"><title>P that the flight stays within the limit, by where GNSS is lost for good: " + "at worst " +
          probability_text(worst.p_within_limit) + ", lost at " + length_text(worst.distance_m) + "; asked for " +
          probability_text(asked) + "</title></path>\n";
-  return svg + kSvg.text("loss-label", kLeft + 8, kLossBottom - 8,
+  return svg + kSvg.text("loss-label", kLeft, kLossBottom + 16,
                          "P within the limit, if GNSS is lost here (dashed: asked for)");
 }
 
