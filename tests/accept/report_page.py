@@ -3,6 +3,7 @@
 report_page.py PILOTAGE SOURCE_FOLDER WRITE_REPORT_SCENE FOLDER_OF_SCREENSHOTS"""
 
 import json
+import math
 import pathlib
 import re
 import shutil
@@ -86,8 +87,8 @@ def opens_quietly(page, path, report):
     check(top < 300, f"the verdict reaches down to {top} px")
 
 
-def every_layer_toggles(page):
-    for name in ("imagery", "heat", "selected", "refused", "route", "gaps", "grid"):
+def every_layer_toggles(page, more=()):
+    for name in ("imagery", "heat", "selected", "refused", "route", "gaps", "grid", *more):
         for expected in (True, False) if name == "grid" else (False, True):
             page.run("document.getElementById('show-' + arguments[0]).click()", name)
             shown = page.run("return pilotage.map.hasLayer(pilotage.layers[arguments[0]])", name)
@@ -364,6 +365,41 @@ def looks(page, folder):
         page.wait("return (document.documentElement.dataset.theme || null) === arguments[0]", f"the {scheme} system", wanted)
 
 
+def loss_anywhere_is_drawn(page, pilotage, source, work, pictures):
+    """The P of the flight by where GNSS is lost, below the chart and in words; its band can be taken off the map."""
+    mission = work / "anywhere"
+    mission.mkdir()
+    run("sh", source / "tests/data/small_mission/make", cwd=mission)
+    run(pilotage, "prepare", "mission.json", "--denied", "anywhere", "--ins-grade", "consumer",
+        "--max-error-m", "25", "-q", "-o", "out", cwd=mission)
+    loss = Report(mission / "out/report.json").json["route"]["loss_anywhere"]
+    page.open(mission / "out/report.html")
+    check(page.run("return document.querySelectorAll('#chart .loss').length") == 1, "P by the place of loss is not drawn")
+    drawn = page.run("return document.querySelector('#chart .loss').getAttribute('d')")
+    places = re.findall(r"[ML]([0-9.]+) ([0-9.]+)", drawn)
+    check(len(places) == len(loss["rows"]), f"{len(places)} points drawn of {len(loss['rows'])}")
+    ys = [float(y) for _, y in places]
+    ps = [row[2] for row in loss["rows"]]
+    check(min(ps) < 0.9 < max(ps), f"P is the same wherever GNSS is lost: {min(ps)} to {max(ps)}")
+    for y, p in zip(ys, ps):
+        check(abs((356 - y) / 50 - p) < 0.002, f"P = {p} is drawn at {y}")
+    check(page.run("const c = document.getElementById('chart'); return c.viewBox.baseVal.height") == 402, "the chart's height")
+    into_view(page, "chart")
+    for at in (len(ps) // 2, -1):
+        page.move(*page.run(CHART_PLACE, loss["rows"][at][0] + 0.5))
+        said = text_of(page, "along-text")
+        rounded_down = math.floor(ps[at] * 1000 + 1e-9) / 1000
+        check(f"if GNSS is lost here, with P = {rounded_down:.3f}" in said, f"at {loss['rows'][at]} the page says {said}")
+    every_layer_toggles(page, ["denied"])
+    for width, theme in ((1400, "light"), (390, "light"), (1400, "dark")):
+        page.resize(width, 1000)
+        page.prefer(theme)
+        into_view(page, "chart")
+        page.screenshot(pictures / f"loss_anywhere_{width}_{theme}.png")
+    page.prefer("light")
+    page.resize(1400, 1000)
+
+
 def printed_by_the_program(pilotage, source, work):
     """report --pdf on a crop of the sample mission, twice: the same bytes."""
     mission = work / "mission"
@@ -404,6 +440,10 @@ def test(pilotage, source, work, rest):
         check("not drawn" in text_of(page, "map"), "beyond 85° the page does not say that there is no map")
         said = page.console()
         check(not said, f"without a map the console has: {said}")
+        if (source / "maps/sample/ortho.tif").exists() and shutil.which("gdal_translate"):
+            loss_anywhere_is_drawn(page, pilotage, source, work, pictures)
+            said = page.console()
+            check(not said, f"with GNSS lost anywhere the console has: {said}")
     shutil.copy(work / "printed.pdf", pictures / "printed.pdf")
     if (source / "maps/sample/ortho.tif").exists() and shutil.which("gdal_translate"):
         printed_by_the_program(pilotage, source, work)

@@ -207,6 +207,98 @@ TEST(InsState, FixesTeachPositionThenVelocity) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<InsState::Covariance>(state.covariance).eigenvalues().minCoeff(), -1e-12);
 }
 
+double smallest_eigenvalue(const InsState::Covariance& matrix) {
+  return Eigen::SelfAdjointEigenSolver<InsState::Covariance>(matrix).eigenvalues().minCoeff();
+}
+
+TEST(InsState, GnssIsAMeasurementThatLeavesTheFiguresOfItsLoss) {
+  InsErrorModel model = everything();
+  const InsState before = propagate(initial_ins_state(model, 0, 20), 60, 0, 20, model);
+  const double variance = before.covariance(0, 0);
+  const double most = model.start_sigma_m * model.start_sigma_m;
+  const InsState fixed = update_with_fix(before, std::sqrt(most * variance / (variance - most)));
+  InsErrorModel position_alone = model;
+  position_alone.start_velocity_sigma_mps = 0;
+  position_alone.start_tilt_sigma_rad = 0;
+  position_alone.start_heading_sigma_rad = 0;
+  const InsState held = hold_with_gnss(before, 0, 20, position_alone);
+  EXPECT_LT((held.covariance - fixed.covariance).norm(), 1e-9 * before.covariance.norm());
+  EXPECT_GT(held.covariance(2, 2), 2 * model.start_velocity_sigma_mps * model.start_velocity_sigma_mps);
+
+  // After a turn, so that the ellipses lie askew.
+  const InsState turned = propagate(before, 60, 70, 20, model);
+  const InsState all = hold_with_gnss(turned, 70, 20, model);
+  EXPECT_LE(position_error_m(all, 1), model.start_sigma_m);
+  EXPECT_GT(position_error_m(all, 1), 0.9 * model.start_sigma_m);
+  EXPECT_LE(attitude_error(all, 1).tilt_rad, model.start_tilt_sigma_rad * (1 + 1e-9));
+  EXPECT_LE(attitude_error(all, 1).heading_rad, model.start_heading_sigma_rad * (1 + 1e-9));
+  EXPECT_GT(smallest_eigenvalue(turned.covariance - all.covariance), -1e-9) << "nothing becomes worse";
+  EXPECT_GT(smallest_eigenvalue(all.covariance), -1e-12);
+  EXPECT_LT((hold_with_gnss(all, 70, 20, model).covariance - all.covariance).norm(), 1e-12);
+}
+
+// A million metres off, and back to a centimetre.
+TEST(InsState, GnssComesBackAfterAnHour) {
+  InsOptions options;
+  options.grade = InsGrade::kConsumer;
+  options.start_sigma_m = 0.01;
+  const InsErrorModel model = make_ins_error_model(options);
+  InsState state = propagate(initial_ins_state(model, 30, 50), 3600, 30, 50, model);
+  EXPECT_GT(position_error_m(state, 1), 1e5);
+  state = hold_with_gnss(state, 200, 50, model);
+  EXPECT_NEAR(position_error_m(state, 1), 0.01, 1e-4);
+  EXPECT_LE(std::sqrt(state.covariance(2, 2)), model.start_velocity_sigma_mps * (1 + 1e-6));
+  EXPECT_GT(smallest_eigenvalue(state.covariance), -1e-9);
+  state = hold_with_gnss(propagate(state, 1, 200, 50, model), 200, 50, model);
+  EXPECT_LE(position_error_m(state, 1), 0.01 * (1 + 1e-9));
+}
+
+// What is known better than at the loss of GNSS stays, and a start is what it was.
+TEST(InsState, GnssTakesNothingAway) {
+  const InsErrorModel model = everything();
+  const InsState start = initial_ins_state(model, 40, 20);
+  EXPECT_LT((hold_with_gnss(start, 40, 20, model).covariance - start.covariance).norm(), 1e-12);
+  InsState known = update_with_fix(start, 0.5);
+  for (int i = 0; i < 20; ++i) known = update_with_fix(propagate(known, 5, 40, 20, model), 0.5);
+  const InsState held = hold_with_gnss(known, 40, 20, model);
+  EXPECT_EQ((held.covariance.topLeftCorner<6, 6>()), (known.covariance.topLeftCorner<6, 6>()));
+  EXPECT_LT(held.covariance(6, 6), known.covariance(6, 6))
+      << "position fixes on a straight line say nothing of heading";
+}
+
+// A filter with a receiver whose velocity is off by 0.1 m/s each second and whose position by 3 m each 200 s, errors
+// that are independent: worse than receivers are. Holding the errors must not claim more than such a filter knows.
+TEST(InsState, GnssTeachesNoMoreThanAReceiverDoes) {
+  for (const InsGrade grade :
+       {InsGrade::kConsumer, InsGrade::kIndustrial, InsGrade::kTactical, InsGrade::kNavigation}) {
+    InsOptions options;
+    options.grade = grade;
+    const InsErrorModel model = make_ins_error_model(options);
+    InsState held = initial_ins_state(model, 90, 20);
+    InsState aided = held;
+    for (int t = 1; t <= 1800; ++t) {
+      held = hold_with_gnss(propagate(held, 1, 90, 20, model), 90, 20, model);
+      aided = propagate(aided, 1, 90, 20, model);
+      const Eigen::Matrix2d innovation = aided.covariance.block<2, 2>(2, 2) + 0.01 * Eigen::Matrix2d::Identity();
+      const Eigen::Matrix<double, InsState::kSize, 2> ph = aided.covariance.middleCols<2>(2);
+      aided.covariance -= (ph * innovation.inverse() * ph.transpose()).eval();
+      if (t % 200 == 0) aided = update_with_fix(aided, 3);
+      if (t != 60 && t % 300 != 0) continue;
+      // Velocity, tilt, biases of both axes, and what they do together over the next minute.
+      for (const int i : {2, 3, 4, 5, 7, 8, 9, 10}) {
+        EXPECT_GT(held.covariance(i, i), 0.98 * aided.covariance(i, i))
+            << static_cast<int>(grade) << " " << t << " " << i;
+      }
+      InsState lost = aided;
+      lost.covariance.topRows<2>().setZero();
+      lost.covariance.leftCols<2>().setZero();
+      lost.covariance.block<2, 2>(0, 0).diagonal().setConstant(9);
+      EXPECT_GT(position_error_m(propagate(held, 60, 90, 20, model), 1),
+                0.98 * position_error_m(propagate(lost, 60, 90, 20, model), 1));
+    }
+  }
+}
+
 TEST(InsState, ArgumentsAreChecked) {
   const InsErrorModel model = everything();
   const InsState state = initial_ins_state(model, 0, 20);

@@ -199,7 +199,7 @@ TEST(Assumptions, SayWhereGnssIsDenied) {
   flight.samples[1].distance_m = 9000;
   Selection selection;
   flight.denied.stretches = {{3200, 7500}};
-  const std::string state = ", INS at its loss only as good as at the start (cautious)";
+  const std::string state = ", fixes taken where it is had, too";
   EXPECT_EQ(gnss_text(flight, selection),
             "GNSS denied from 3.2 km to 7.5 km, trusted at once where it comes back" + state);
   flight.denied.stretches = {{300, 700}, {3200, 9000}};
@@ -208,7 +208,10 @@ TEST(Assumptions, SayWhereGnssIsDenied) {
   flight.denied.stretches = {{3200, 9000}};
   EXPECT_EQ(gnss_text(flight, selection), "GNSS denied from 3.2 km to 9.0 km" + state);
   flight.denied.stretches = {{0, 3200}};
-  EXPECT_EQ(gnss_text(flight, selection), "GNSS denied from 0 m to 3.2 km, trusted at once where it comes back");
+  EXPECT_EQ(gnss_text(flight, selection),
+            "GNSS denied from 0 m to 3.2 km, trusted at once where it comes back" + state);
+  flight.denied.stretches = {{0, 9000}};
+  EXPECT_EQ(gnss_text(flight, selection), "GNSS denied from 0 m to 9.0 km");
   flight.denied.stretches = {{0, 1000}, {2000, 3000}, {4000, 4500}, {5000, 6000}};
   EXPECT_EQ(gnss_text(flight, selection),
             "GNSS denied over 4 stretches, 3.5 km in all, the first from 0 m to 1.0 km, trusted at once where it comes "

@@ -163,6 +163,35 @@ void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odome
   state.speed_mps = speed_mps;
 }
 
+using Vector = Eigen::Matrix<double, InsState::kSize, 1>;
+
+/// A measurement of the combination `h` of the errors that leaves it with the variance `most`; nothing where it has no
+/// more. With the variance v before, its noise is most v / (v − most). Joseph form, one rank at a time: after an hour
+/// without GNSS v may be 10¹² times what is left of it.
+void hold(Matrix& covariance, const Vector& h, double most) {
+  const Vector ph = covariance * h;
+  const double variance = h.dot(ph);
+  if (!(variance > most)) return;
+  const Vector gain = (variance - most) / (variance * variance) * ph;
+  Matrix next = covariance - gain * ph.transpose();
+  next -= (next * h).eval() * gain.transpose();
+  next += most * variance / (variance - most) * gain * gain.transpose();
+  covariance = 0.5 * (next + next.transpose());
+}
+
+/// The same for both axes of the error ellipse of two states. Along its axes the two errors are uncorrelated, so the
+/// second update does not move the first.
+void hold_ellipse(Matrix& covariance, int first, double most) {
+  const Eigen::Matrix2d ellipse = covariance.block<2, 2>(first, first);
+  const double angle_rad = 0.5 * std::atan2(2 * ellipse(0, 1), ellipse(0, 0) - ellipse(1, 1));
+  for (const Eigen::Vector2d& axis : {Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)),
+                                      Eigen::Vector2d(-std::sin(angle_rad), std::cos(angle_rad))}) {
+    Vector h = Vector::Zero();
+    h.segment<2>(first) = axis;
+    hold(covariance, h, most);
+  }
+}
+
 double largest_variance(const Eigen::Matrix2d& covariance) {
   const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
   return mean + std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
@@ -243,6 +272,21 @@ InsState update_with_fix(const InsState& state, double fix_sigma_m) {
   Eigen::Matrix<double, 2, InsState::kSize> h = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
   h.block<2, 2>(0, kPosition).setIdentity();
   update(next.covariance, h, fix_sigma_m * fix_sigma_m);
+  return next;
+}
+
+InsState hold_with_gnss(const InsState& state, double heading_deg, double speed_mps, const InsErrorModel& model) {
+  const auto square = [](double x) { return x * x; };
+  InsState next = state;
+  manoeuvre(next, heading_deg, speed_mps, model.is_odometry());
+  hold_ellipse(next.covariance, kPosition, square(model.start_sigma_m));
+  if (model.start_velocity_sigma_mps > 0) {
+    hold_ellipse(next.covariance, kVelocity, square(model.start_velocity_sigma_mps));
+  }
+  if (model.start_tilt_sigma_rad > 0) hold_ellipse(next.covariance, kTilt, square(model.start_tilt_sigma_rad));
+  if (model.start_heading_sigma_rad > 0) {
+    hold(next.covariance, Vector::Unit(kHeading), square(model.start_heading_sigma_rad));
+  }
   return next;
 }
 

@@ -64,6 +64,13 @@ InsState propagate(const InsState& state, const InsStep& step);
 /// finite.
 InsState update_with_fix(const InsState& state, double fix_sigma_m);
 
+/// What GNSS does to the errors while it is had, flying in direction `heading_deg` at `speed_mps` (a change of either
+/// happens before): position, velocity, tilt and heading are known at least to the model's figures for the loss of
+/// GNSS (start_sigma_m and so on), along every axis. What is known better stays. Each error that is larger takes a
+/// Kalman update whose noise leaves just that figure, so the other errors learn as much as holding this one takes, and
+/// no more; a figure of 0 that is not the position's says nothing and holds nothing. The covariance never grows by it.
+InsState hold_with_gnss(const InsState& state, double heading_deg, double speed_mps, const InsErrorModel& model);
+
 /// k times the standard deviation of position along the worst direction (largest axis of the error ellipse): a circle
 /// of this radius holds the error with 98.9 % (round ellipse) to 99.7 % (thin one) for k = 3.
 double position_error_m(const InsState& state, double sigma_multiple);

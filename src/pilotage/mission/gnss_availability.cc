@@ -8,8 +8,7 @@ namespace {
 
 GnssAvailability availability(const Flight& flight, const std::vector<DeniedStretch>& stretches) {
   const std::vector<FlightSample>& samples = flight.samples;
-  GnssAvailability gnss{std::vector<bool>(samples.size(), true),
-                        std::vector<bool>(samples.empty() ? 0 : samples.size() - 1, true)};
+  GnssAvailability gnss = gnss_everywhere(flight, true);
   for (const DeniedStretch& stretch : stretches) {
     const auto from = std::lower_bound(samples.begin(), samples.end(), stretch.from_distance_m,
                                        [](const FlightSample& a, double b_m) { return a.distance_m < b_m; });
@@ -33,12 +32,16 @@ GnssAvailability availability(const Flight& flight, const std::vector<DeniedStre
 
 GnssAvailability gnss_availability(const Flight& flight) {
   if (!flight.denied.stretches.empty()) return availability(flight, flight.denied.stretches);
-  return {std::vector<bool>(flight.samples.size(), false),
-          std::vector<bool>(flight.samples.empty() ? 0 : flight.samples.size() - 1, false)};
+  return gnss_everywhere(flight, false);
 }
 
 GnssAvailability gnss_lost_at(const Flight& flight, double distance_m) {
   return availability(flight, {{distance_m, std::numeric_limits<double>::infinity()}});
+}
+
+GnssAvailability gnss_everywhere(const Flight& flight, bool had) {
+  const std::size_t count = flight.samples.size();
+  return {std::vector<bool>(count, had), std::vector<bool>(count == 0 ? 0 : count - 1, had)};
 }
 
 }  // namespace pilotage

@@ -9,7 +9,7 @@ namespace pilotage {
 
 /// Where the aircraft has GNSS along the samples of its route.
 struct GnssAvailability {
-  std::vector<bool> at_sample;  ///< The position is that of GNSS; no match is needed.
+  std::vector<bool> at_sample;  ///< GNSS holds the errors there (ins/ins_state.h); no match is needed.
   std::vector<bool> over_step;  ///< From each sample to the next, one fewer: all the way.
 };
 
@@ -21,5 +21,8 @@ GnssAvailability gnss_availability(const Flight& flight);
 
 /// The same of a flight that loses GNSS at `distance_m` along the route for good.
 GnssAvailability gnss_lost_at(const Flight& flight, double distance_m);
+
+/// The same of a flight that has GNSS all the way, or nowhere.
+GnssAvailability gnss_everywhere(const Flight& flight, bool had);
 
 }  // namespace pilotage

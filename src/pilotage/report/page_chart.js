@@ -21,6 +21,9 @@ function alongText(distance, error) {
     parts.push((between(display.heights, distance, 2) - between(display.heights, distance, 1)).toFixed(0) + ' m above ground');
   }
   if (p[1] !== null) parts.push('within the limit so far with P = ' + p[1].toFixed(3));
+  const losses = report.route.loss_anywhere ? report.route.loss_anywhere.rows : [];
+  const lost = losses.length ? losses[lastBefore(losses, distance)] : null;
+  if (lost && lost[2] !== null) parts.push('all the way, if GNSS is lost here, with P = ' + (Math.floor(lost[2] * 1000 + 1e-9) / 1000).toFixed(3));
   return parts.join(' · ');
 }
 // `source`: 'map', 'chart', 'slider' or 'button'; the map follows all but itself.

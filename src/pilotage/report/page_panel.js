@@ -122,7 +122,7 @@ function makePanel() {
   $('opacity').addEventListener('input', setOpacity);
   $('threshold').addEventListener('input', () => { $('threshold-on').checked = true; updateThreshold(); });
   $('threshold-on').addEventListener('change', updateThreshold);
-  ['imagery', 'heat', 'selected', 'refused', 'route', 'gaps', 'grid'].forEach((name) => {
+  ['imagery', 'heat', 'selected', 'refused', 'route', 'gaps', 'denied', 'grid'].filter((name) => $('show-' + name)).forEach((name) => {
     $('show-' + name).addEventListener('change', () => {
       const shown = $('show-' + name).checked;
       const names = name === 'imagery' ? ['imagery', 'detail'] : [name];

@@ -203,6 +203,12 @@ std::string denied_key_html(const Report& report) {
          std::string(report.loss_anywhere ? "GNSS lost for good" : "GNSS denied") + "</li>\n  ";
 }
 
+std::string denied_box_html(const Report& report) {
+  if (report.denied.empty()) return "";
+  return "\n        <label><input type=\"checkbox\" id=\"show-denied\" checked> " +
+         std::string(report.loss_anywhere ? "GNSS lost" : "GNSS denied") + "</label>";
+}
+
 std::string imagery_html(const Report& report) {
   std::string html;
   for (const ImageryDataset& imagery : report.imagery) {
@@ -378,6 +384,7 @@ std::string report_html(const Report& report) {
                         {"evaluation", evaluation_html(report)},
                         {"imagery_age", imagery_age_html(report.imagery_age)},
                         {"denied_key", denied_key_html(report)},
+                        {"denied_box", denied_box_html(report)},
                         {"chart", strip_chart_svg(report)},
                         {"heights", height_profile_svg(report.heights, chart_distance_m(report))},
                         {"waypoints", waypoints_html(report.waypoints)},

@@ -15,8 +15,12 @@ namespace {
 constexpr double kHeight = 322;
 constexpr double kTop = 16;
 constexpr double kBottom = 200;
+// Below the ribbons, where GNSS may be lost anywhere.
+constexpr double kLossTop = kBottom + 106;
+constexpr double kLossBottom = kLossTop + 50;
 
 struct Axes {
+  double height = kHeight;
   double distance_m = 1;  ///< At the right end.
   double error_m = 1;     ///< At the top.
 
@@ -37,6 +41,10 @@ std::string band(const std::string& type, double x1, double y1, double x2, doubl
   return kSvg.rect(type, x1, y1, std::max(x2 - x1, 1.0), y2 - y1, title);
 }
 
+bool has_loss_curve(const Report& report) {
+  return report.loss_anywhere && report.probability && !report.loss_anywhere->points.empty();
+}
+
 Axes make_axes(const Report& report) {
   Axes axes;
   axes.distance_m = chart_distance_m(report);
@@ -45,6 +53,7 @@ Axes make_axes(const Report& report) {
     if (std::isfinite(sample.error_m)) most_m = std::max(most_m, sample.error_m);
   }
   axes.error_m = most_m * 1.08;
+  if (has_loss_curve(report)) axes.height = kHeight + kLossBottom - kLossTop + 30;
   return axes;
 }
 
@@ -64,7 +73,7 @@ std::string grid_lines(const Axes& axes) {
     svg += kSvg.text(i % 2 == 0 ? "tick-x" : "tick-x odd", x, kBottom + 22,
                      format_number(std::round(i * along_step_m / unit_m * 1e6) / 1e6));
   }
-  svg += kSvg.text("axis", (kChartLeft + kChartRight) / 2, kHeight - 6,
+  svg += kSvg.text("axis", (kChartLeft + kChartRight) / 2, axes.height - 6,
                    std::string("Distance along the route (") + (kilometres ? "km)" : "m)"));
   svg += "<text class=\"axis\" transform=\"translate(16 " + kSvg.number((kTop + kBottom) / 2) +
          ") rotate(-90)\">Predicted error (m)</text>\n";
@@ -143,6 +152,32 @@ std::string ribbons(const Report& report, const Axes& axes) {
   return svg + probability_ribbon(report, axes, fix_top + 21);
 }
 
+// P of the whole flight by the place where GNSS is lost, on a scale of its own below the ribbons.
+std::string loss_curve(const Report& report, const Axes& axes) {
+  if (!has_loss_curve(report)) return "";
+  const auto y = [](double p) { return kLossBottom - std::clamp(p, 0.0, 1.0) * (kLossBottom - kLossTop); };
+  std::string svg;
+  for (const double p : {0.0, 1.0}) {
+    svg += kSvg.line("grid", kChartLeft, y(p), kChartRight, y(p));
+    svg += kSvg.text("tick-y", kChartLeft - 8, y(p) + 5, format_number(p));
+  }
+  const double asked = report.probability->min_p_within_limit;
+  svg += kSvg.line("limit", kChartLeft, y(asked), kChartRight, y(asked));
+  std::string path;
+  for (const LossPoint& point : report.loss_anywhere->points) {
+    if (std::isnan(point.p_within_limit)) continue;
+    path +=
+        (path.empty() ? "M" : "L") + kSvg.number(axes.x(point.distance_m)) + " " + kSvg.number(y(point.p_within_limit));
+  }
+  const LossPoint& worst = report.loss_anywhere->points[report.loss_anywhere->worst];
+  svg += "<path class=\"curve loss\" d=\"" + path +
+         "\"><title>P that the flight stays within the limit, by where GNSS is lost for good: " + "at worst " +
+         probability_text(worst.p_within_limit) + ", lost at " + length_text(worst.distance_m) + "; asked for " +
+         probability_text(asked) + "</title></path>\n";
+  return svg + kSvg.text("loss-label", kChartLeft, kLossBottom + 16,
+                         "P within the limit, if GNSS is lost here (dashed: asked for)");
+}
+
 // Where GNSS is denied: a light band behind all else, with a bar and words above the plot.
 std::string denied_bands(const Report& report, const Axes& axes) {
   std::string svg;
@@ -210,7 +245,7 @@ double tick_step(double extent, int most) {
 
 std::string strip_chart_svg(const Report& report) {
   const Axes axes = make_axes(report);
-  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + kSvg.number(kChartWidth) + " " + kSvg.number(kHeight) +
+  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + kSvg.number(kChartWidth) + " " + kSvg.number(axes.height) +
                     "\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"" +
                     html_escape("Predicted position error along the route. " + report.verdict_text) +
                     "\" data-left=\"" + kSvg.number(kChartLeft) + "\" data-right=\"" + kSvg.number(kChartRight) +
@@ -226,7 +261,8 @@ std::string strip_chart_svg(const Report& report) {
                      "limit " + error_text(report.max_error_m));
   }
   svg += gap_labels(report, axes);
-  svg += kSvg.line("axis-line", kChartLeft, kBottom, kChartRight, kBottom) + ribbons(report, axes);
+  svg += kSvg.line("axis-line", kChartLeft, kBottom, kChartRight, kBottom) + ribbons(report, axes) +
+         loss_curve(report, axes);
   svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + kSvg.number(kTop) + "\" y2=\"" +
          kSvg.number(kBottom) + "\"/><circle class=\"cursor-dot\" r=\"5\"/></g>\n</svg>";
   return svg;

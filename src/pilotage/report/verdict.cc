@@ -20,6 +20,10 @@ std::string flights_text(double p) {
 
 constexpr std::size_t kMostStretchesNamed = 3;
 
+// What the inertial system has learned of fixes before a loss counts; a navigator that looks at the ground only when
+// GNSS is gone knows less.
+constexpr const char* kFixesWithGnss = ", fixes taken where it is had, too";
+
 }  // namespace
 
 QualityStatus verdict_of(const std::vector<QualityRow>& rows) {
@@ -78,19 +82,11 @@ std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow
          verdict_detail(verdict, rows, selection);
 }
 
-namespace {
-
-// The filter that flies is better off after a while with GNSS than the model says, so fixes before a loss seem to be
-// worth more than GNSS before it: the reader must know on which side the numbers err.
-constexpr const char* kStateAtLoss = ", INS at its loss only as good as at the start (cautious)";
-
-}  // namespace
-
 std::string gnss_text(const Flight& flight, const Selection& selection) {
   if (selection.loss_anywhere) {
     const LossPoint& worst = selection.loss_anywhere->points[selection.loss_anywhere->worst];
     return "GNSS lost for good at the worst point, " + length_text(worst.distance_m) + " (leg " +
-           std::to_string(worst.leg + 1) + ")" + (worst.distance_m > 0 ? kStateAtLoss : "");
+           std::to_string(worst.leg + 1) + ")" + (worst.distance_m > 0 ? kFixesWithGnss : "");
   }
   const std::vector<DeniedStretch>& stretches = flight.denied.stretches;
   if (stretches.empty()) return "GNSS lost at the first point";
@@ -105,8 +101,9 @@ std::string gnss_text(const Flight& flight, const Selection& selection) {
                                 : "over " + std::to_string(stretches.size()) + " stretches, " + length_text(total_m) +
                                       " in all, the first " + named.front();
   const bool comes_back = !flight.samples.empty() && stretches.front().to_distance_m < flight.samples.back().distance_m;
+  const bool had = comes_back || stretches.back().from_distance_m > 0;
   return "GNSS denied " + where + (comes_back ? ", trusted at once where it comes back" : "") +
-         (stretches.back().from_distance_m > 0 ? kStateAtLoss : "");
+         (had ? kFixesWithGnss : "");
 }
 
 std::string assumptions_line(const Mission& mission, const Selection& selection) {

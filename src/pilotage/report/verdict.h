@@ -25,7 +25,8 @@ std::string verdict_detail(QualityStatus verdict, const std::vector<QualityRow>&
 std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const Selection& selection);
 
 /// Where the verdict takes GNSS to be lost: "GNSS lost at the first point"; "GNSS denied from 3.2 km to 7.5 km, trusted
-/// at once where it comes back"; "GNSS lost for good at the worst point, 3.2 km (leg 2)".
+/// at once where it comes back, fixes taken where it is had, too"; "GNSS lost for good at the worst point, 3.2 km (leg
+/// 2)".
 std::string gnss_text(const Flight& flight, const Selection& selection);
 
 /// What the verdict takes for granted: "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m

@@ -20,7 +20,7 @@ struct FixAttempt {
 /// The tile under each sample of the route.
 std::vector<std::optional<std::size_t>> tiles_under_route(const Mission& mission);
 
-/// Those of `tiles`, one for each sample, that are tried: none where GNSS is had.
+/// Those of `tiles`, one for each sample, that a flight cannot do without: none where GNSS is had.
 std::vector<std::optional<std::size_t>> tiles_without_gnss(std::vector<std::optional<std::size_t>> tiles,
                                                            const GnssAvailability& gnss);
 

@@ -10,12 +10,17 @@ constexpr double kFaint = 1e-4;  // P of a fix where there is none, to learn the
 constexpr double kMeanWeight = 1e-3;
 constexpr double kNothing = 1e-12;  // of a group of flights: what is left of it is not followed
 
-// From one node to the next. Where GNSS is had between them: to where it comes back, and on from where it is lost
-// again.
+// From one node to the next. Where GNSS is had between them: to where it comes back, with it to where it is lost again
+// (or to the node, where it is still had), and on from there.
 struct NodeStep {
+  struct WithGnss {
+    std::size_t back = 0;
+    std::size_t lost = 0;
+    InsStep step;
+    InsStep on;
+  };
   InsStep step;
-  std::optional<InsState> regained;  // the state at the second loss, or at the node where GNSS is still had
-  InsStep on;
+  std::optional<WithGnss> gnss;
 };
 
 // Straight and at the speed of its first sample.
@@ -41,8 +46,7 @@ std::vector<NodeStep> node_steps(const FlightPath& path, const std::vector<std::
     if (back > to) continue;
     std::size_t lost = to;
     while (!has_gnss(lost)) --lost;
-    step.regained = state_with_gnss(path, lost);
-    step.on = straight_step(path, lost, to);
+    step.gnss = NodeStep::WithGnss{back, lost, straight_step(path, back, lost), straight_step(path, lost, to)};
   }
   return steps;
 }
@@ -52,8 +56,10 @@ std::size_t fly_on(const FlightPath& path, const std::vector<NodeStep>& steps, s
   for (std::size_t next = node; next < steps.size(); ++next) {
     state = propagate(state, steps[next].step);
     if (beyond()) return next;
-    if (!steps[next].regained) continue;
-    state = propagate(*steps[next].regained, steps[next].on);
+    if (!steps[next].gnss) continue;
+    const NodeStep::WithGnss& gnss = *steps[next].gnss;
+    state = propagate(held_with_gnss(path, gnss.back, state), gnss.step);
+    state = propagate(held_with_gnss(path, gnss.lost, state), gnss.on);
     if (beyond()) return next;
   }
   return steps.size();

@@ -20,7 +20,7 @@ struct FixChain {
 
 /// The error after a fix at an attempt is that of a flight whose other fixes come with `p_of_tile`; attempts that have
 /// none there get one with a probability that changes nothing. The limit is looked at from attempt to attempt, and
-/// where GNSS comes back, from which flights go on as from a new start.
+/// where GNSS comes back; it holds the errors there and where it is lost again (hold_with_gnss).
 FixChain make_fix_chain(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                         const std::vector<double>& p_of_tile);
 

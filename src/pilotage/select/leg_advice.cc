@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "pilotage/base/text.h"
 #include "pilotage/mission/tile_under.h"
@@ -68,7 +67,6 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
       for (std::size_t i = samples.begin; i < samples.end; ++i) {
         moved[i] = tile_under(mission, moved_aside(mission, samples, i, right_m));
       }
-      moved = tiles_without_gnss(std::move(moved), path.gnss);
       const auto attempts = fix_attempts(mission, moved, options.fix_interval_s, options.decorrelation_m);
       const RouteChances chances = route_chances(attempts, p_of_tile, moved.size(), options.fix_interval_s);
       const FlightStretch flown = fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg]);

@@ -14,14 +14,12 @@ namespace {
 struct InsAtSample {
   std::size_t sample = 0;
   InsState state;
+  double last_fix_s = -std::numeric_limits<double>::infinity();
 };
 
-// With GNSS at the sample, or at its loss there.
-InsAtSample ins_with_gnss(const Mission& mission, const InsErrorModel& model, std::size_t sample, double time_s) {
-  const FlightSample& at = mission.flight.samples[sample];
-  InsAtSample aircraft{sample, initial_ins_state(model, at.azimuth_deg, at.speed_mps)};
-  aircraft.state.time_s = time_s;
-  return aircraft;
+InsAtSample ins_at_start(const Mission& mission, const InsErrorModel& model) {
+  const FlightSample& first = mission.flight.samples.front();
+  return {0, initial_ins_state(model, first.azimuth_deg, first.speed_mps)};
 }
 
 double step_s(const Mission& mission, std::size_t from) {
@@ -29,14 +27,26 @@ double step_s(const Mission& mission, std::size_t from) {
   return (mission.flight.samples[from + 1].distance_m - a.distance_m) / a.speed_mps;
 }
 
-InsAtSample fly_one_sample(const InsAtSample& aircraft, const Mission& mission, const GnssAvailability& gnss,
-                           const InsErrorModel& model) {
+void hold_with_gnss(InsAtSample& aircraft, const Mission& mission, const InsErrorModel& model) {
+  const FlightSample& at = mission.flight.samples[aircraft.sample];
+  aircraft.state = hold_with_gnss(aircraft.state, at.azimuth_deg, at.speed_mps, model);
+}
+
+void fly_one_sample(InsAtSample& aircraft, const Mission& mission, const GnssAvailability& gnss,
+                    const InsErrorModel& model) {
   const FlightSample& from = mission.flight.samples[aircraft.sample];
-  if (gnss.over_step[aircraft.sample]) {
-    return ins_with_gnss(mission, model, aircraft.sample + 1, aircraft.state.time_s + step_s(mission, aircraft.sample));
-  }
-  return {aircraft.sample + 1,
-          propagate(aircraft.state, step_s(mission, aircraft.sample), from.azimuth_deg, from.speed_mps, model)};
+  aircraft.state = propagate(aircraft.state, step_s(mission, aircraft.sample), from.azimuth_deg, from.speed_mps, model);
+  ++aircraft.sample;
+  if (gnss.over_step[aircraft.sample - 1]) hold_with_gnss(aircraft, mission, model);
+}
+
+// What GNSS and the ground give at a sample.
+void take_position(InsAtSample& aircraft, const Mission& mission, const GnssAvailability& gnss,
+                   const std::vector<bool>& matchable, const InsErrorModel& model, double fix_interval_s) {
+  if (gnss.at_sample[aircraft.sample]) hold_with_gnss(aircraft, mission, model);
+  if (!matchable[aircraft.sample] || !(aircraft.state.time_s - aircraft.last_fix_s >= fix_interval_s)) return;
+  aircraft.state = update_with_fix(aircraft.state, model.fix_sigma_m);
+  aircraft.last_fix_s = aircraft.state.time_s;
 }
 
 // The stretches without matchable ground and GNSS, as gaps between fixes.
@@ -97,22 +107,15 @@ RouteError predict_route_error(const Mission& mission, const GnssAvailability& g
                                double max_error_m, double fix_interval_s) {
   const InsErrorModel model = make_ins_error_model(mission.flight.ins);
   RouteError result;
-  InsAtSample aircraft = ins_with_gnss(mission, model, 0, 0);
-  double last_fix_s = -std::numeric_limits<double>::infinity();
+  InsAtSample aircraft = ins_at_start(mission, model);
   while (true) {
     const std::size_t i = aircraft.sample;
     const double error_m = position_error_m(aircraft.state, model.sigma_multiple);
     result.profile.push_back({mission.flight.samples[i].distance_m, error_m, matchable[i]});
     result.within_limit = result.within_limit && error_m <= max_error_m;
-    if (gnss.at_sample[i]) {
-      aircraft = ins_with_gnss(mission, model, i, aircraft.state.time_s);
-      last_fix_s = -std::numeric_limits<double>::infinity();
-    } else if (matchable[i] && aircraft.state.time_s - last_fix_s >= fix_interval_s) {
-      aircraft.state = update_with_fix(aircraft.state, model.fix_sigma_m);
-      last_fix_s = aircraft.state.time_s;
-    }
+    take_position(aircraft, mission, gnss, matchable, model, fix_interval_s);
     if (i + 1 == mission.flight.samples.size()) break;
-    aircraft = fly_one_sample(aircraft, mission, gnss, model);
+    fly_one_sample(aircraft, mission, gnss, model);
   }
   result.gaps = find_gaps(mission, gnss, matchable, result.profile, max_error_m);
   result.legs = leg_statuses(mission, result.profile, max_error_m);
@@ -131,16 +134,44 @@ RouteError predict_route_error(const Mission& mission, const std::vector<bool>& 
   return predict_route_error(mission, gnss_availability(mission.flight), matchable, max_error_m, fix_interval_s);
 }
 
+std::vector<double> largest_errors_of_losses(const Mission& mission, const std::vector<std::size_t>& losses,
+                                             const std::vector<bool>& matchable, double fix_interval_s) {
+  const InsErrorModel model = make_ins_error_model(mission.flight.ins);
+  const GnssAvailability had = gnss_everywhere(mission.flight, true);
+  const GnssAvailability lost = gnss_everywhere(mission.flight, false);
+  const std::size_t count = mission.flight.samples.size();
+  const auto error_m = [&](const InsAtSample& at) { return position_error_m(at.state, model.sigma_multiple); };
+  std::vector<double> largest_m;
+  InsAtSample with_gnss = ins_at_start(mission, model);
+  double with_gnss_m = error_m(with_gnss);
+  for (const std::size_t loss : losses) {
+    while (with_gnss.sample < loss) {
+      take_position(with_gnss, mission, had, matchable, model, fix_interval_s);
+      fly_one_sample(with_gnss, mission, had, model);
+      with_gnss_m = std::max(with_gnss_m, error_m(with_gnss));
+    }
+    InsAtSample aircraft = with_gnss;
+    double most_m = with_gnss_m;
+    while (aircraft.sample + 1 < count) {
+      take_position(aircraft, mission, lost, matchable, model, fix_interval_s);
+      fly_one_sample(aircraft, mission, lost, model);
+      most_m = std::max(most_m, error_m(aircraft));
+    }
+    largest_m.push_back(most_m);
+  }
+  return largest_m;
+}
+
 std::vector<std::size_t> fewest_fix_samples(const Mission& mission, const std::vector<bool>& matchable,
                                             double max_error_m) {
   const InsErrorModel model = make_ins_error_model(mission.flight.ins);
   const GnssAvailability gnss = gnss_availability(mission.flight);
   const std::size_t count = mission.flight.samples.size();
   std::vector<std::size_t> fixes;
-  InsAtSample aircraft = ins_with_gnss(mission, model, 0, 0);
+  InsAtSample aircraft = ins_at_start(mission, model);
   std::optional<InsAtSample> last_chance;  // at the last matchable sample flown over since the last fix, or GNSS
   while (aircraft.sample + 1 < count) {
-    aircraft = fly_one_sample(aircraft, mission, gnss, model);
+    fly_one_sample(aircraft, mission, gnss, model);
     const bool over_limit = position_error_m(aircraft.state, model.sigma_multiple) > max_error_m;
     const bool has_gnss = gnss.at_sample[aircraft.sample];
     const bool can_fix = matchable[aircraft.sample] && !has_gnss;
@@ -150,7 +181,7 @@ std::vector<std::size_t> fewest_fix_samples(const Mission& mission, const std::v
       fixes.push_back(aircraft.sample);
       last_chance.reset();
     } else if (has_gnss) {
-      aircraft = ins_with_gnss(mission, model, aircraft.sample, aircraft.state.time_s);
+      hold_with_gnss(aircraft, mission, model);
       last_chance.reset();
     } else if (can_fix) {
       last_chance = aircraft;

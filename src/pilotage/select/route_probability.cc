@@ -88,7 +88,7 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t s
   if (!(p > 0)) return;
   std::vector<FixedBranch> fixed;
   for (FlightBranch& branch : stretch.branches) {
-    if (branch.fixed && branch.state.time_s - branch.fix_time_s < chances.fix_interval_s - 1e-9) continue;
+    if (branch.state.time_s - branch.fix_time_s < chances.fix_interval_s - 1e-9) continue;
     if (branch.window != chances.window[sample]) {
       branch.window = chances.window[sample];
       branch.u_low = 0;
@@ -100,7 +100,6 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t s
       FlightBranch after = branch;
       after.fixed_on_stretch = true;
       after.fix_sample = sample;
-      after.fixed = true;
       after.fix_time_s = branch.state.time_s;
       after.probability *= share;
       after.u_high = std::min(branch.u_high, p);
@@ -118,28 +117,11 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t s
   }
 }
 
-// All branches take the state of GNSS at the sample. What is known of a window's draw stays: tries behind may belong to
-// the same window.
 void take_gnss(const FlightPath& path, std::size_t sample, std::vector<FlightBranch>& branches) {
-  const InsState state = state_with_gnss(path, sample);
-  std::vector<FlightBranch> aided;
   for (FlightBranch& branch : branches) {
-    const auto same = std::find_if(aided.begin(), aided.end(), [&](const FlightBranch& other) {
-      return other.window == branch.window && same_draw(other, branch) &&
-             other.fixed_on_stretch == branch.fixed_on_stretch;
-    });
-    if (same != aided.end()) {
-      same->probability += branch.probability;
-      continue;
-    }
-    const double time_s = branch.state.time_s;
     branch.fix_sample = sample;
-    branch.fixed = false;
-    branch.state = state;
-    branch.state.time_s = time_s;
-    aided.push_back(branch);
+    branch.state = held_with_gnss(path, sample, branch.state);
   }
-  branches = std::move(aided);
 }
 
 std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vector<double>& p_within_limit,
@@ -174,13 +156,14 @@ FlightPath make_flight_path(const Mission& mission, double max_error_m) {
   return path;
 }
 
-InsState state_with_gnss(const FlightPath& path, std::size_t sample) {
+InsState held_with_gnss(const FlightPath& path, std::size_t sample, const InsState& state) {
   const FlightSample& at = path.mission->flight.samples[sample];
-  return initial_ins_state(path.model, at.azimuth_deg, at.speed_mps);
+  return hold_with_gnss(state, at.azimuth_deg, at.speed_mps, path.model);
 }
 
-std::vector<FlightBranch> first_branches(const FlightPath& path, std::size_t sample) {
-  return {{sample, false, 1, state_with_gnss(path, sample)}};
+std::vector<FlightBranch> first_branches(const FlightPath& path) {
+  const FlightSample& first = path.mission->flight.samples.front();
+  return {{0, 1, initial_ins_state(path.model, first.azimuth_deg, first.speed_mps)}};
 }
 
 FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
@@ -193,18 +176,11 @@ FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, s
     lose_flights(path, i, stretch);
     const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
     stretch.p_within_limit.push_back(std::min(before, total_probability(stretch.branches)));  // sums are rounded
-    if (path.gnss.at_sample[i]) {
-      take_gnss(path, i, stretch.branches);
-    } else {
-      take_fix(path, chances, i, stretch);
-    }
+    if (path.gnss.at_sample[i]) take_gnss(path, i, stretch.branches);
+    take_fix(path, chances, i, stretch);
     if (i >= path.steps.size()) continue;
-    if (path.gnss.over_step[i]) {
-      for (FlightBranch& branch : stretch.branches) branch.state.time_s += path.steps[i].dt_s;
-      take_gnss(path, i + 1, stretch.branches);
-      continue;
-    }
     for (FlightBranch& branch : stretch.branches) branch.state = propagate(branch.state, path.steps[i]);
+    if (path.gnss.over_step[i]) take_gnss(path, i + 1, stretch.branches);
   }
   return stretch;
 }

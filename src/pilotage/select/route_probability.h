@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,16 +25,15 @@ struct FlightPath {
   double horizon_s = 0;  ///< Time from a fix to the limit; histories are told apart by the error after it.
 };
 FlightPath make_flight_path(const Mission& mission, double max_error_m);
-/// The state with GNSS at a sample: initial_ins_state() with heading and speed there.
-InsState state_with_gnss(const FlightPath& path, std::size_t sample);
+/// hold_with_gnss() at a sample.
+InsState held_with_gnss(const FlightPath& path, std::size_t sample, const InsState& state);
 
 /// Flights that are still within the limit, had their last fix at the same sample and nearly the same error after it.
 struct FlightBranch {
-  std::size_t fix_sample = 0;  ///< Of the last fix; with `fixed` false where GNSS was had last: no fix since.
-  bool fixed = false;
+  std::size_t fix_sample = 0;  ///< Of the last fix, or where GNSS was had last when that is behind it.
   double probability = 0;
   InsState state;
-  double fix_time_s = 0;     ///< Of the last fix, as state.time_s.
+  double fix_time_s = -std::numeric_limits<double>::infinity();  ///< Of the last fix, as state.time_s.
   std::int64_t window = -1;  ///< Of the last try. Its draw u is known to be in [u_low, u_high).
   double u_low = 0;
   double u_high = 1;
@@ -50,8 +50,8 @@ struct FlightStretch {
   std::vector<std::pair<std::size_t, std::size_t>> losses;
 };
 
-/// The one branch of the flights that have GNSS at a sample, or just lose it there; the route starts with it at 0.
-std::vector<FlightBranch> first_branches(const FlightPath& path, std::size_t sample = 0);
+/// The one branch at the route's first sample.
+std::vector<FlightBranch> first_branches(const FlightPath& path);
 
 /// Flies the samples [begin, end) with the flights of `branches`, which stand at sample `begin`; `p_fix[i]` is the P of
 /// a correct fix at sample i, independent of each other (fix_attempts.h).
@@ -64,7 +64,7 @@ std::vector<FlightBranch> first_branches(const FlightPath& path, std::size_t sam
 /// Automatic Control 15(1), 1970). Because the update with a fix is concave in the covariance, what is carried is never
 /// below the mean covariance of the flights it stands for (as B. Sinopoli et al., Kalman filtering with intermittent
 /// observations, IEEE Trans. Automatic Control 49(9), 2004). Branches that hold less than 1e-9 of the flights count as
-/// lost. Where GNSS is had, branches within the limit take its state and become one, but for what is known of the draw.
+/// lost. Where GNSS is had it holds the errors of each branch (hold_with_gnss), and fixes are taken as elsewhere.
 FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
                           std::vector<FlightBranch> branches);
 

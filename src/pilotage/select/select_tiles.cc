@@ -66,20 +66,15 @@ std::vector<double> of_chosen(std::vector<double> p_of_tile, const std::vector<b
 // What the selection knows beside the tiles it chooses.
 struct Chances {
   FlightPath path;
-  std::vector<FixAttempt> attempts;
-  std::vector<double> p_of_tile;  // of the matchable ones
+  std::vector<FixAttempt> attempts;         // with GNSS or without
+  std::vector<FixAttempt> needed_attempts;  // where GNSS is denied: a budget is spent there first
+  std::vector<double> p_of_tile;            // of the matchable ones
   double fix_interval_s = 0;
 
-  void set_gnss(const GnssAvailability& gnss, const std::vector<std::optional<std::size_t>>& tiles,
-                const SelectOptions& options) {
-    path.gnss = gnss;
-    attempts = fix_attempts(*path.mission, tiles_without_gnss(tiles, gnss), options.fix_interval_s,
-                            options.fix_decorrelation_m);
+  RouteChances along(const std::vector<bool>& chosen) const {
+    return route_chances(attempts, of_chosen(p_of_tile, chosen), path.mission->flight.samples.size(), fix_interval_s);
   }
-  RouteSurvival of(const std::vector<bool>& chosen) const {
-    return predict_survival(path, route_chances(attempts, of_chosen(p_of_tile, chosen),
-                                                path.mission->flight.samples.size(), fix_interval_s));
-  }
+  RouteSurvival of(const std::vector<bool>& chosen) const { return predict_survival(path, along(chosen)); }
 };
 
 // "GNSS may be lost anywhere, for good: …", for the planner.
@@ -96,11 +91,11 @@ std::string loss_note(const LossAnywhere& loss) {
   std::string text = "GNSS may be lost anywhere, for good: " + points;
   if (!std::isnan(worst.p_within_limit)) text += "P = " + probability_text(worst.p_within_limit) + ", ";
   text += "largest error " + format_fixed(worst.max_error_m, 1) + " m";
-  if (farthest_off.max_error_m > worst.max_error_m) {
+  if (format_fixed(farthest_off.max_error_m, 1) != format_fixed(worst.max_error_m, 1)) {
     text += "; the largest of all, " + format_fixed(farthest_off.max_error_m, 1) + " m, comes of its loss at " +
             place(farthest_off);
   }
-  return text;
+  return text + "; fixes are taken where it is had, too";
 }
 
 // The better of the stated order and of the search for the largest P; the order where they are alike.
@@ -114,7 +109,7 @@ std::vector<bool> within_budget(const Chances& chances, const std::vector<TileSc
   double best_worth = worth(best);
   const std::vector<double> p_of_wanted = of_chosen(chances.p_of_tile, wanted);
   const auto improve = [&](const std::vector<bool>& start, const std::vector<bool>& history, bool flown) {
-    const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.attempts, p_of_wanted, start,
+    const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.needed_attempts, p_of_wanted, start,
                                                               history, size, budget, chances.fix_interval_s, flown);
     const std::vector<bool> filled = tiles_in_order(mission, scores, wanted, sparse, under_route, size, budget);
     const double filled_worth = worth(filled);
@@ -135,8 +130,8 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
   const RouteSurvival survival = chances.of(chosen);
   const Mission& mission = *chances.path.mission;
   const std::vector<double> p_of_stored = of_chosen(chances.p_of_tile, chosen);
-  const ExpectedFixes expected = expected_fixes(mission, tiles_without_gnss(tiles, chances.path.gnss), chosen,
-                                                p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
+  const ExpectedFixes expected =
+      expected_fixes(mission, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
   selection.probability = RouteProbability{survival.p_within_limit.back(), options.min_route_probability,
                                            expected.correct, expected.wrong, survival.worst};
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -191,9 +186,12 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   std::vector<bool> chosen = wanted;
   std::optional<Chances> chances;
   if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
-    chances =
-        Chances{make_flight_path(mission, max_error_m), {}, fix_chances(scores, matchable), options.fix_interval_s};
-    chances->set_gnss(gnss_availability(mission.flight), tiles, options);
+    const auto tries = [&](const std::vector<std::optional<std::size_t>>& over) {
+      return fix_attempts(mission, over, options.fix_interval_s, options.fix_decorrelation_m);
+    };
+    chances = Chances{make_flight_path(mission, max_error_m), tries(tiles),
+                      tries(tiles_without_gnss(tiles, gnss_availability(mission.flight))),
+                      fix_chances(scores, matchable), options.fix_interval_s};
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
@@ -214,11 +212,11 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   const std::vector<bool> stored = samples_over(tiles, chosen);
   GnssAvailability gnss = gnss_availability(mission.flight);
   if (mission.flight.denied.anywhere) {
-    std::optional<LossTries> tries;
-    if (chances) tries = LossTries{&chances->path, of_chosen(chances->p_of_tile, chosen), options.fix_decorrelation_m};
-    const LossAnywhere loss = lose_gnss_anywhere(mission, tiles, stored, tries, max_error_m, options.fix_interval_s);
+    const LossAnywhere loss =
+        lose_gnss_anywhere(mission, stored, chances ? &chances->path : nullptr,
+                           chances ? chances->along(chosen) : RouteChances{}, max_error_m, options.fix_interval_s);
     gnss = gnss_lost_at(mission.flight, loss.points[loss.worst].distance_m);
-    if (chances) chances->set_gnss(gnss, tiles, options);
+    if (chances) chances->path.gnss = gnss;
     selection.loss_anywhere = loss;
   }
   RouteError error = predict_route_error(mission, gnss, stored, max_error_m, options.fix_interval_s);

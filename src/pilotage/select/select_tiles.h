@@ -33,9 +33,9 @@ bool is_matchable(const TileScores& score, const SelectOptions& options);
 /// Where at least one tile has a P, the flight's chances are computed (route_probability.h); a matchable tile without
 /// one counts as P = 1, and a note says so. `advise` looks for a parallel line for each leg that is not good enough.
 ///
-/// Fixes are tried, and gaps are, only where the plan's GNSS is denied. Where it may be lost anywhere, tiles are chosen
-/// for its loss at the first point, and what is predicted is the flight that loses it at the worst point
-/// (worst_loss.h).
+/// Gaps are, and areas and a budget are sought for, only where the plan's GNSS is denied; fixes are taken over all that
+/// is stored. Where GNSS may be lost anywhere, tiles are chosen for its loss at the first point, the worst there is,
+/// and what is predicted is the flight that loses it at the worst point that is found (worst_loss.h).
 ///
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
 /// of this plan.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <tuple>
+#include <utility>
 
 #include "pilotage/base/nan.h"
-#include "pilotage/select/fix_attempts.h"
 #include "pilotage/select/route_error.h"
 
 namespace pilotage {
@@ -34,14 +34,21 @@ std::vector<std::size_t> within_bound(const std::vector<std::size_t>& starts, st
   return every(starts, step);
 }
 
-// P of the flight that loses GNSS at the sample to be within the limit at the route's end.
-double p_after_loss(FlightPath& path, const std::vector<std::optional<std::size_t>>& tiles, const LossTries& tries,
-                    std::size_t sample, double fix_interval_s) {
-  const Mission& mission = *path.mission;
-  const std::vector<FixAttempt> attempts =
-      fix_attempts(mission, tiles_without_gnss(tiles, path.gnss), fix_interval_s, tries.decorrelation_m);
-  const RouteChances chances = route_chances(attempts, tries.p_of_tile, tiles.size(), fix_interval_s);
-  return fly_stretch(path, chances, sample, tiles.size(), first_branches(path, sample)).p_within_limit.back();
+// P of each flight that loses GNSS at one of the samples to be within the limit at the route's end.
+std::vector<double> p_of_losses(FlightPath path, const RouteChances& chances, const std::vector<std::size_t>& losses) {
+  const Flight& flight = path.mission->flight;
+  FlightPath with_gnss = path;
+  with_gnss.gnss = gnss_everywhere(flight, true);
+  path.gnss = gnss_everywhere(flight, false);
+  std::vector<double> p;
+  std::vector<FlightBranch> branches = first_branches(path);
+  std::size_t at = 0;
+  for (const std::size_t loss : losses) {
+    branches = fly_stretch(with_gnss, chances, at, loss, std::move(branches)).branches;
+    at = loss;
+    p.push_back(fly_stretch(path, chances, loss, flight.samples.size(), branches).p_within_limit.back());
+  }
+  return p;
 }
 
 }  // namespace
@@ -67,36 +74,32 @@ std::vector<std::size_t> loss_samples(const Mission& mission) {
   return result;
 }
 
-LossAnywhere lose_gnss_anywhere(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
-                                const std::vector<bool>& stored, const std::optional<LossTries>& tries,
-                                double max_error_m, double fix_interval_s) {
+LossAnywhere lose_gnss_anywhere(const Mission& mission, const std::vector<bool>& stored, const FlightPath* path,
+                                const RouteChances& chances, double max_error_m, double fix_interval_s) {
   const std::vector<FlightSample>& samples = mission.flight.samples;
-  std::optional<FlightPath> path;
-  if (tries) path = *tries->path;
+  const std::vector<std::size_t> losses = loss_samples(mission);
+  const std::vector<double> largest_m = largest_errors_of_losses(mission, losses, stored, fix_interval_s);
+  const std::vector<double> p_within_limit =
+      path != nullptr ? p_of_losses(*path, chances, losses) : std::vector<double>(losses.size(), kNaN);
   LossAnywhere loss;
-  for (const std::size_t sample : loss_samples(mission)) {
-    const double distance_m = samples[sample].distance_m;
-    const GnssAvailability gnss = gnss_lost_at(mission.flight, distance_m);
-    LossPoint point{distance_m, samples[sample].leg, 0, kNaN};
-    for (const ErrorSample& at : predict_route_error(mission, gnss, stored, max_error_m, fix_interval_s).profile) {
-      point.max_error_m = std::max(point.max_error_m, at.error_m);
-    }
-    if (path) {
-      path->gnss = gnss;
-      point.p_within_limit = p_after_loss(*path, tiles, *tries, sample, fix_interval_s);
-    }
-    if (!loss.points.empty()) loss.step_m = std::max(loss.step_m, distance_m - loss.points.back().distance_m);
-    loss.points.push_back(point);
+  for (std::size_t i = 0; i < losses.size(); ++i) {
+    const FlightSample& at = samples[losses[i]];
+    if (i > 0) loss.step_m = std::max(loss.step_m, at.distance_m - loss.points.back().distance_m);
+    loss.points.push_back({at.distance_m, at.leg, largest_m[i], p_within_limit[i]});
   }
   loss.step_m = std::max(loss.step_m, samples.back().distance_m - loss.points.back().distance_m);
-  const auto badness = [&](const LossPoint& point) {
-    // Rounded, so that of equal points the first is the worst.
-    const double p = std::isnan(point.p_within_limit) ? 1 : std::round(point.p_within_limit * 1e9);
-    return std::tuple(point.max_error_m > max_error_m, -p, std::round(point.max_error_m * 1e6));
+  // What differs by less than merging rounds, or is printed, counts as equal.
+  std::vector<std::size_t> worst;
+  const auto keep_worst = [&](const auto& badness, double alike) {
+    double most = -std::numeric_limits<double>::infinity();
+    for (const std::size_t i : worst) most = std::max(most, badness(loss.points[i]));
+    std::erase_if(worst, [&](std::size_t i) { return badness(loss.points[i]) < most - alike; });
   };
-  for (std::size_t i = 1; i < loss.points.size(); ++i) {
-    if (badness(loss.points[i]) > badness(loss.points[loss.worst])) loss.worst = i;
-  }
+  for (std::size_t i = 0; i < loss.points.size(); ++i) worst.push_back(i);
+  keep_worst([&](const LossPoint& point) { return point.max_error_m > max_error_m ? 1.0 : 0.0; }, 0);
+  keep_worst([](const LossPoint& point) { return std::isnan(point.p_within_limit) ? 0 : -point.p_within_limit; }, 1e-3);
+  keep_worst([](const LossPoint& point) { return point.max_error_m; }, 0.1);
+  loss.worst = worst.front();
   return loss;
 }
 
