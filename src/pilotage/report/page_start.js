@@ -47,7 +47,8 @@ function mapPicture() {
     const to = map.latLngToContainerPoint(bounds.getSouthEast());
     context.drawImage(layers.imagery.getElement(), from.x, from.y, to.x - from.x, to.y - from.y);
   }
-  ['detail', 'heat', 'refused', 'selected', 'gaps', 'route', 'marks'].filter((name) => map.hasLayer(layers[name])).forEach((name) => {
+  ['detail', 'heat', 'refused', 'selected', 'gaps', 'route', ...moreLayers.map(([name]) => name), 'marks']
+    .filter((name) => layers[name] && map.hasLayer(layers[name])).forEach((name) => {
     const layer = layers[name];
     const corner = place(layer.corner);
     context.globalAlpha = name === 'heat' ? Number($('opacity').value) / 100 : 1;
@@ -85,7 +86,7 @@ function endPrint() {
 
 makePanel();
 makeTileControls();
-linkChart();
+if (flown) linkChart();
 makeButtons();
 if (display.drawn) makeMap(); else $('map').append(element('p', display.missing, 'missing'));
 window.addEventListener('beforeprint', preparePrint);
