@@ -37,9 +37,10 @@ Command make_merge_command() {
                     .help = "The folder of `score --shards`, or the shards' files.",
                     .min = 1,
                     .max = InputSpec::kMany};
-  command.output = {.kind = OutputKind::kFile,
-                    .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure.",
-                    .flags = {"table", "second-epoch-output"}};
+  command.output = {
+      .kind = OutputKind::kFile,
+      .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure, with a QGIS style (.qml) beside it.",
+      .flags = {"table", "second-epoch-output"}};
   command.reads_rasters = true;
   bind_options<ScoreOutputOptions>(command, [](const ScoreOutputOptions& options, const Invocation& invocation) {
     MergedShards merged = read_shards(shard_files(invocation.inputs), version_line(), invocation.progress);

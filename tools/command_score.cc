@@ -185,10 +185,13 @@ Command make_score_command() {
        "pilotage score ortho.tif --shard 3/16 --shards parts"}};
   command.inputs = {
       .name = "RASTER", .help = "GDAL datasets, or one tile plan (plan.json).", .min = 1, .max = InputSpec::kMany};
-  command.output = {.kind = OutputKind::kFile,
-                    .help = "Score raster (Cloud-Optimised GeoTIFF), one band per measure; not with --shard.",
-                    .required = false,
-                    .flags = {"table", "second-epoch-output", "shards"}};
+  command.output = {
+      .kind = OutputKind::kFile,
+      .help =
+          "Score raster (Cloud-Optimised GeoTIFF), one band per measure, with a QGIS style (.qml) beside it; not with "
+          "--shard.",
+      .required = false,
+      .flags = {"table", "second-epoch-output", "shards"}};
   command.reads_rasters = true;
   bind_options<ScoreCommandOptions>(command, [](const ScoreCommandOptions& options, const Invocation& invocation) {
     if (options.plan_shards > 0 && !options.shard.empty()) throw UsageError("--plan-shards or --shard, not both");

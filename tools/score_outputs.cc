@@ -11,6 +11,8 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/registered_place.h"
+#include "pilotage/gis/qgis_style.h"
+#include "pilotage/gis/score_files.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
@@ -132,6 +134,10 @@ ScoreOutputs::ScoreOutputs(const ScoreOutputOptions& options, const Invocation& 
                      std::to_string(run.ground.levels.size()) + " level(s)");
   }
   if (!options.table.empty()) table_.emplace(options.table, invocation.overwrite);
+  if (const std::filesystem::path style = style_path(invocation.output); style != invocation.output) {
+    refuse_shared_files(invocation.named_inputs, {{"-o", style}});
+    style_.emplace(style, invocation.overwrite);
+  }
   if (options.evaluate.wanted()) {
     check_evaluation(options.evaluate);
     std::vector<NamedFile> outputs;
@@ -165,6 +171,10 @@ CommandResult ScoreOutputs::write(const Ground& ground, const GroundScores& scor
                      invocation_.progress);
   std::vector<const OutputFile*> outputs{&scores};
   if (table_) outputs.push_back(&*table_);
+  if (const auto shown = shown_measure(raster, scored.scores); style_ && shown) {
+    style_->write(qgis_heat_style(shown->scale, shown->band));
+    outputs.push_back(&*style_);
+  }
   std::optional<OutputFile> disagreement;
   if (!options_.second_epoch_output.empty()) {
     const SecondEpoch& epoch = *scored.second_epoch;

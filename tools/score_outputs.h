@@ -50,6 +50,7 @@ class ScoreOutputs {
   const Invocation& invocation_;
   const ScoreRun& run_;
   std::optional<OutputFile> table_;
+  std::optional<OutputFile> style_;
   std::optional<EvaluationFiles> evaluation_;
   std::vector<std::string> second_date_warnings_;
   FrameTable frames_;

@@ -58,7 +58,7 @@ TEST(QgisStyle, ScaleClassesCoverTheScaleWithoutGaps) {
 }
 
 TEST(QgisStyle, RulesHaveASymbolEach) {
-  const std::string tiles = qgis_tile_style(variance_scale());
+  const std::string tiles = qgis_tile_style(variance_scale(), true);
   EXPECT_EQ(count_elements(tiles, "symbol"), 7);  // five classes, not known, selected
   EXPECT_EQ(count_elements(tiles, "rule"), 7);
   EXPECT_THAT(tiles, HasSubstr("filter=\"&quot;gray_variance&quot; &lt; 14\""));  // below the scale as well

@@ -58,6 +58,9 @@ struct CameraOptions {
 /// Whether `options` begin to describe a camera; a mount alone does not.
 bool names_camera(const CameraOptions& options);
 
+/// What a planner should know of a field of view so narrow that it was meant in radians; "" when it is not.
+std::string narrow_view_warning(const CameraOptions& options);
+
 /// The camera that `options` describe; when they give no way at all, the one of the route, with the mount of the
 /// options. Options win over the route's camera. Throws UsageError when more than one way is begun, when one is
 /// incomplete (naming what is missing), when pixels would not be square within 5 %, or when there is nothing to go by;

@@ -12,7 +12,6 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
-#include "pilotage/gis/report_layers.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_degrees.h"
 #include "pilotage/report/tile_class.h"
@@ -113,8 +112,8 @@ class LegendPainter {
   int y_ = 0;
 };
 
-/// What every colour in report.kmz means. `shown`: the measure of the heat map, null where there is none.
-cv::Mat legend(const MeasureScale* shown) {
+/// What every colour in the KMZ means. `shown`: the measure of the heat map, null where there is none.
+cv::Mat legend(const MeasureScale* shown, bool flown) {
   constexpr std::array<std::pair<QualityStatus, const char*>, 3> kStatuses{
       {{QualityStatus::kGood, "good"}, {QualityStatus::kMarginal, "marginal"}, {QualityStatus::kBad, "bad"}}};
   LegendPainter painter(360, 480);
@@ -122,11 +121,13 @@ cv::Mat legend(const MeasureScale* shown) {
   for (const RasterClass& known : tile_classes()) {
     painter.box({known.rgb[0], known.rgb[1], known.rgb[2]}, known.name);
   }
-  painter.outline(status_color(QualityStatus::kGood), "matching area: its tiles are stored");
-  painter.heading("Legs (thin lines): within the limit?");
-  for (const auto& [status, name] : kStatuses) painter.line(status_color(status), 4, name);
-  painter.heading("Stretches without a fix (wide lines)");
-  for (const auto& [status, name] : kStatuses) painter.line(status_color(status), 10, name);
+  if (flown) {
+    painter.outline(status_color(QualityStatus::kGood), "matching area: its tiles are stored");
+    painter.heading("Legs (thin lines): within the limit?");
+    for (const auto& [status, name] : kStatuses) painter.line(status_color(status), 4, name);
+    painter.heading("Stretches without a fix (wide lines)");
+    for (const auto& [status, name] : kStatuses) painter.line(status_color(status), 10, name);
+  }
   if (shown != nullptr) {
     const std::string unit = shown->measure.heat.unit == "1" ? "" : " [" + shown->measure.heat.unit + "]";
     painter.heading("Heat map (to be switched on): " + shown->measure.heat.title + unit);
@@ -144,17 +145,15 @@ std::string legend_overlay() {
 
 }  // namespace
 
-DegreeOverlay heat_overlay(const ReportInput& input, const Report& report) {
+DegreeOverlay heat_overlay(const ScoreTable& table, const MeasureScale& shown, bool flown) {
   DegreeOverlay overlay;
-  const MeasureScale& shown = shown_scale(report);
   const bool measured = !std::isnan(shown.least);
   overlay.kml = legend_overlay();
-  overlay.pictures.emplace_back(kLegend, png(legend(measured ? &shown : nullptr)));
+  overlay.pictures.emplace_back(kLegend, png(legend(measured ? &shown : nullptr, flown)));
   if (!measured) return overlay;
-  const Crs crs = input.mission.ground.crs;
-  const ScoreTable table(input.mission.ground, input.scores);
+  const Crs crs = table.ground.crs;
   const std::string name = html_escape(shown.measure.heat.title);
-  for (const GridLevel& level : input.mission.ground.levels) {
+  for (const GridLevel& level : table.ground.levels) {
     const ScoreRaster raster = score_raster(table, level.matrix.level);
     const auto band = std::find_if(raster.bands.begin(), raster.bands.end(),
                                    [&](const ScoreBand& entry) { return entry.name == shown.measure.name; });

@@ -4,7 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "pilotage/report/report.h"
+#include "pilotage/ground/score_table.h"
+#include "pilotage/report/measure_scale.h"
 
 namespace pilotage {
 
@@ -14,11 +15,11 @@ struct DegreeOverlay {
   std::vector<std::pair<std::string, std::string>> pictures;  ///< File name and PNG.
 };
 
-/// A legend on the screen of everything that report.kmz draws, and heat maps of the first measure of the report that
-/// has values, level by level, for the reader to switch on: at first the classes of the layer "decision" are seen.
-/// A picture covers
-/// at most 256 × 256 cells with 8 × 8 pixels each, so that edges of cells stay within an eighth of a cell however long
-/// the route is. Throws DataError when a picture has no place in WGS 84.
-DegreeOverlay heat_overlay(const ReportInput& input, const Report& report);
+/// A legend on the screen of everything that the KMZ of a report draws, with `flown` legs and stretches without a fix,
+/// and heat maps of `shown`, level by level, for the reader to switch on: at first the classes of the layer "decision"
+/// are seen. A picture covers at most 256 × 256 cells with 8 × 8 pixels each, so that edges of cells stay within an
+/// eighth of a cell however long the route is. No heat map where no tile has a value. Throws DataError when a picture
+/// has no place in WGS 84.
+DegreeOverlay heat_overlay(const ScoreTable& table, const MeasureScale& shown, bool flown);
 
 }  // namespace pilotage

@@ -1,6 +1,7 @@
 #include "pilotage/gis/kml_files.h"
 
 #include "pilotage/gis/degree_overlay.h"
+#include "pilotage/gis/ground_layers.h"
 #include "pilotage/raster/gdal_zip.h"
 
 namespace pilotage {
@@ -30,7 +31,8 @@ void write_kmz(const std::filesystem::path& path, const ReportInput& input, cons
   folders.push_back(layers.areas);
   folders.push_back(layers.tiles);
   std::string document = kml_document(report.title, folders);
-  DegreeOverlay overlay = heat_overlay(input, report);
+  DegreeOverlay overlay =
+      heat_overlay(ScoreTable(input.mission.ground, input.scores), shown_scale(report.measures), true);
   document.insert(document.rfind("</Document>"), overlay.kml);  // GDAL writes no overlays
   std::vector<std::pair<std::string, std::string>> files{{"doc.kml", std::move(document)}};
   for (auto& picture : overlay.pictures) files.push_back(std::move(picture));

@@ -170,7 +170,7 @@ std::vector<ScaleClass> scale_classes(const MeasureScale& scale) {
   return classes;
 }
 
-std::string qgis_tile_style(const MeasureScale& scale) {
+std::string qgis_tile_style(const MeasureScale& scale, bool selection) {
   constexpr Rgb kThin{0x80, 0x80, 0x80};
   constexpr Rgb kStrong{0x20, 0x20, 0x20};
   const std::string column = "\"" + scale.measure.name + "\"";
@@ -187,7 +187,9 @@ std::string qgis_tile_style(const MeasureScale& scale) {
   }
   rules.push_back({column + " IS NULL", scale.measure.heat.title + ": not known", "fill", "1",
                    fill_layer("b_diagonal", kThin, kThin, "solid", 0.1)});
-  rules.push_back({"\"selected\"", "matching area", "fill", "1", fill_layer("no", kStrong, kStrong, "solid", 0.4)});
+  if (selection) {
+    rules.push_back({"\"selected\"", "matching area", "fill", "1", fill_layer("no", kStrong, kStrong, "solid", 0.4)});
+  }
   return rules_style(rules);
 }
 

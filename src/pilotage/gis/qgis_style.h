@@ -31,9 +31,9 @@ struct ScaleClass {
 };
 std::vector<ScaleClass> scale_classes(const MeasureScale& scale);
 
-/// Polygons with the column of the measure, coloured by scale_classes, hatched where it is NULL; those with "selected"
-/// have a strong outline.
-std::string qgis_tile_style(const MeasureScale& scale);
+/// Polygons with the column of the measure, coloured by scale_classes, hatched where it is NULL; with `selection` those
+/// whose column "selected" is true have a strong outline.
+std::string qgis_tile_style(const MeasureScale& scale, bool selection);
 
 /// An outline without a fill.
 std::string qgis_outline_style(Rgb color, double width_mm);

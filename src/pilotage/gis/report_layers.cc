@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/text.h"
+#include "pilotage/gis/ground_layers.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/report/sampled_route.h"
 #include "pilotage/report/tile_class.h"
@@ -49,150 +50,6 @@ std::vector<VectorValue> values_of(const std::vector<LayerField<Row>>& fields, c
   return values;
 }
 
-std::string with_opacity(Rgb color, const char* opacity) {
-  return hex_color(color) + opacity;
-}
-
-/// The stride-sized cell around a tile's centre, as on the page and in the score raster. Millimetres are the grid on
-/// which neighbours have the same corners.
-Corners cell_of(const GroundTile& tile, const TileMatrix& matrix) {
-  const double share = std::min(1.0, static_cast<double>(matrix.stride_px) / std::max(1, matrix.tile_size_px));
-  const Eigen::Vector2d center = tile.bounds.center_m();
-  const Eigen::Vector2d half = Eigen::Vector2d(tile.bounds.width_m(), tile.bounds.height_m()) * share / 2;
-  const auto corner = [&](double right, double up) -> Eigen::Vector2d {
-    return ((center + Eigen::Vector2d(right * half.x(), up * half.y())) * 1000).array().round().matrix() / 1000;
-  };
-  return {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)};
-}
-
-const GridLevel& level_of(const ReportInput& input, int level) {
-  return *std::find_if(input.mission.ground.levels.begin(), input.mission.ground.levels.end(),
-                       [&](const GridLevel& entry) { return entry.matrix.level == level; });
-}
-
-VectorStyle tile_style(const MeasureScale& scale, const std::vector<ScaleClass>& classes, const TileScores& score) {
-  const double value = scale.measure.get(score);
-  VectorStyle style{"#404040ff", 1, "#80808040"};
-  for (const ScaleClass& next : classes) {  // the last that is reached; the first takes what lies below the scale
-    if (!std::isnan(value) && (value >= next.low || &next == &classes.front())) {
-      style.fill_color = with_opacity(next.color, "b0");
-    }
-  }
-  return style;
-}
-
-VectorLayer tile_layer(const ReportInput& input, const Report& report) {
-  VectorLayer layer;
-  layer.name = "tiles";
-  layer.title = "Tiles";
-  layer.description = "The ground around the centre of each tile, with every measure of it.";
-  layer.shape = VectorShape::kPolygon;
-  layer.crs = input.mission.ground.crs;
-  layer.visible = false;
-  for (const TileField& field : tile_fields()) {
-    const std::string unit = field.unit.empty() ? "" : " [" + field.unit + "]";
-    layer.columns.push_back({field.name, field.type, field.label + unit});
-  }
-  const MeasureScale& scale = shown_scale(report);
-  const std::vector<ScaleClass> classes = scale_classes(scale);
-  layer.qml = qgis_tile_style(scale);
-  for (const ReportTile& tile : report.tiles) {
-    VectorFeature feature;
-    feature.points = cell_of(tile.tile, level_of(input, tile.tile.level).matrix);
-    for (const TileField& field : tile_fields()) feature.values.push_back(field.value(tile));
-    feature.title = "Tile " + std::to_string(tile.tile.tile_id);
-    feature.style = tile_style(scale, classes, tile.score);
-    layer.features.push_back(std::move(feature));
-  }
-  return layer;
-}
-
-/// Tiles of a level for which `belongs` holds and that touch along edges, largest group first; of equals the one with
-/// the smallest tile_id.
-template <class Belongs>
-std::vector<std::vector<const ReportTile*>> connected_tiles(const Report& report, const Belongs& belongs) {
-  using Cell = std::tuple<int, std::int64_t, std::int64_t>;
-  std::map<Cell, const ReportTile*> waiting;
-  for (const ReportTile& tile : report.tiles) {
-    if (belongs(tile)) waiting[{tile.tile.level, tile.tile.row, tile.tile.column}] = &tile;
-  }
-  std::vector<std::vector<const ReportTile*>> groups;
-  while (!waiting.empty()) {
-    std::vector<const ReportTile*> group;
-    std::vector<Cell> reached{waiting.begin()->first};
-    while (!reached.empty()) {
-      const auto [level, row, column] = reached.back();
-      reached.pop_back();
-      const auto found = waiting.extract({level, row, column});
-      if (found.empty()) continue;
-      group.push_back(found.mapped());
-      for (const auto& [down, right] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
-        reached.push_back({level, row + down, column + right});
-      }
-    }
-    groups.push_back(std::move(group));
-  }
-  std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  return groups;
-}
-
-/// The outline of a group of tiles with its number of them and, where it is known, the range of their P(correct fix):
-/// values after the first are its level, tiles, and both ends of that range.
-VectorFeature outline_of(const ReportInput& input, const std::vector<const ReportTile*>& group, VectorValue first) {
-  std::vector<Corners> cells;
-  std::optional<std::pair<double, double>> range;
-  for (const ReportTile* tile : group) {
-    cells.push_back(cell_of(tile->tile, level_of(input, tile->tile.level).matrix));
-    const double p = tile->score.p_correct_fix;
-    if (std::isnan(p)) continue;
-    range = range ? std::pair(std::min(range->first, p), std::max(range->second, p)) : std::pair(p, p);
-  }
-  VectorFeature feature = join_polygons(cells);
-  feature.note = std::to_string(group.size()) + (group.size() == 1 ? " tile" : " tiles");
-  if (range) {
-    feature.note += ", P(correct fix) " + number_text(range->first, 2) + " to " + number_text(range->second, 2);
-  }
-  feature.values = {std::move(first), static_cast<std::int64_t>(group.front()->tile.level),
-                    static_cast<std::int64_t>(group.size())};
-  for (const bool largest : {false, true}) {
-    if (!range) feature.values.emplace_back(std::monostate{});
-    if (range) feature.values.push_back(number_value(largest ? range->second : range->first));
-  }
-  return feature;
-}
-
-VectorLayer decision_layer(const ReportInput& input, const Report& report) {
-  VectorLayer layer;
-  layer.name = "decision";
-  layer.title = "Decision: go, marginal, no-go";
-  layer.description = "The ground by whether a fix can be counted on there: " + tile_classes_meaning() + ".";
-  layer.shape = VectorShape::kPolygon;
-  layer.crs = input.mission.ground.crs;
-  layer.columns = {{"class", VectorType::kText, "Class"},
-                   {"level", VectorType::kInteger, "Level"},
-                   {"tiles", VectorType::kInteger, "Tiles"},
-                   {"min_p_correct_fix", VectorType::kReal, "Smallest P(correct fix)"},
-                   {"max_p_correct_fix", VectorType::kReal, "Largest P(correct fix)"}};
-  std::vector<FillClass> fills;
-  for (std::size_t i = 0; i < tile_classes().size(); ++i) {
-    const RasterClass& known = tile_classes()[i];
-    const Rgb color{known.rgb[0], known.rgb[1], known.rgb[2]};
-    fills.push_back({known.name, known.name, color});
-    const auto is_of_class = [&](const ReportTile& tile) {
-      const std::optional<TileClass> found = tile_class(tile.score);
-      return found && static_cast<std::size_t>(*found) == i;
-    };
-    for (const auto& group : connected_tiles(report, is_of_class)) {
-      VectorFeature feature = outline_of(input, group, known.name);
-      feature.title = known.name;
-      feature.style = {with_opacity(color, "ff"), 1, with_opacity(color, "90")};
-      layer.features.push_back(std::move(feature));
-    }
-  }
-  layer.qml = qgis_fill_style("class", fills);
-  return layer;
-}
-
 VectorLayer area_layer(const ReportInput& input, const Report& report) {
   VectorLayer layer;
   layer.name = "areas";
@@ -207,8 +64,8 @@ VectorLayer area_layer(const ReportInput& input, const Report& report) {
                    {"max_p_correct_fix", VectorType::kReal, "Largest P(correct fix)"}};
   layer.qml = qgis_outline_style(status_color(QualityStatus::kGood), 0.6);
   std::int64_t number = 0;
-  for (const auto& group : connected_tiles(report, [](const ReportTile& tile) { return tile.selected; })) {
-    VectorFeature feature = outline_of(input, group, ++number);
+  for (const auto& group : connected_tiles(report.tiles, [](const ReportTile& tile) { return tile.selected; })) {
+    VectorFeature feature = outline_of(input.mission.ground, group, ++number);
     feature.title = "Matching area " + std::to_string(number);
     feature.style = {with_opacity(status_color(QualityStatus::kGood), "ff"), 2, ""};
     layer.features.push_back(std::move(feature));
@@ -439,12 +296,6 @@ VectorLayer key_value_layer(const Report& report) {
 
 }  // namespace
 
-const MeasureScale& shown_scale(const Report& report) {
-  const auto known = std::find_if(report.measures.begin(), report.measures.end(),
-                                  [](const MeasureScale& scale) { return !std::isnan(scale.least); });
-  return known == report.measures.end() ? report.measures.front() : *known;
-}
-
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers) {
   std::vector<const VectorLayer*> drawn = {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps};
   if (!layers.denied.features.empty()) drawn.push_back(&layers.denied);
@@ -453,9 +304,14 @@ std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers) {
 }
 
 ReportLayers report_layers(const ReportInput& input, const Report& report) {
-  ReportLayers layers{decision_layer(input, report), tile_layer(input, report), area_layer(input, report),
-                      leg_layer(input, report),      gap_layer(input, report),  denied_layer(input, report),
-                      route_layer(input, report),    key_value_layer(report)};
+  ReportLayers layers{decision_layer(input.mission.ground, report.tiles),
+                      tile_layer(input.mission.ground, report.tiles, tile_fields(), shown_scale(report.measures)),
+                      area_layer(input, report),
+                      leg_layer(input, report),
+                      gap_layer(input, report),
+                      denied_layer(input, report),
+                      route_layer(input, report),
+                      key_value_layer(report)};
   for (VectorLayer* layer :
        {&layers.decision, &layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.denied, &layers.route}) {
     std::vector<std::pair<std::string, std::string>> titles;

@@ -23,10 +23,6 @@ struct ReportLayers {
 /// The layers that have a place in files, in their order: all with a shape but an empty `denied`.
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers);
 
-/// The measure in which tiles and heat maps are coloured: the first of the report that any tile has a value of,
-/// P(correct fix) where there is one; the first when none has.
-const MeasureScale& shown_scale(const Report& report);
-
 /// `report` is make_report(input). Features come in the order of report.json; route is
 /// empty when the plan has no route.
 ReportLayers report_layers(const ReportInput& input, const Report& report);

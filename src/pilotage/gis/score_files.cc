@@ -8,10 +8,6 @@
 namespace pilotage {
 namespace {
 
-std::filesystem::path style_path(std::filesystem::path raster_path) {
-  return raster_path.replace_extension(".qml");
-}
-
 std::string category_names(const std::vector<RasterClass>& classes) {
   std::string text = "<PAMDataset>\n  <PAMRasterBand band=\"1\">\n    <CategoryNames>\n";
   for (const RasterClass& next : classes) text += "      <Category>" + html_escape(next.name) + "</Category>\n";
@@ -19,6 +15,10 @@ std::string category_names(const std::vector<RasterClass>& classes) {
 }
 
 }  // namespace
+
+std::filesystem::path style_path(std::filesystem::path raster_path) {
+  return raster_path.replace_extension(".qml");
+}
 
 std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::vector<TileScores>& scores) {
   for (const Measure* measure : heat_maps()) {

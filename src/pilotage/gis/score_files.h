@@ -23,7 +23,10 @@ std::optional<ShownMeasure> shown_measure(const ScoreRaster& raster, const std::
 /// there is no tile; CV_8U, empty when there is no row. Throws as score_raster.
 cv::Mat class_values(const ScoreTable& table, int level);
 
-/// Writes the heat map's style beside `raster_path`: the same name with .qml. Returns its file name.
+/// Where QGIS looks for the style of a raster: the same name with .qml.
+std::filesystem::path style_path(std::filesystem::path raster_path);
+
+/// Writes the heat map's style beside `raster_path` (style_path). Returns its file name.
 std::string write_heat_style(const std::filesystem::path& raster_path, const ShownMeasure& shown, bool overwrite);
 
 /// Writes the class raster with its style (.qml) and the names of its classes (.aux.xml, where GDAL looks for them).

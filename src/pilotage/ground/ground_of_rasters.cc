@@ -118,22 +118,24 @@ void refuse_too_many_tiles(std::int64_t tiles, const TileMatrix& matrix) {
 RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options,
                                const Progress& progress) {
   check_options(options);
-  if (datasets.empty()) throw UsageError("there is no raster to score");
   std::vector<ImageryInfo> infos;
   for (const std::string& dataset : datasets) infos.push_back(inspect_imagery(dataset, options.imagery, progress));
-  RasterGround result;
-  Ground& ground = result.ground;
+  return {ground_of_inspected(infos, options), imagery_warnings(infos, 0)};
+}
+
+Ground ground_of_inspected(const std::vector<ImageryInfo>& infos, const RasterGridOptions& options) {
+  if (infos.empty()) throw UsageError("there is no raster to score");
+  Ground ground;
   for (const ImageryInfo& info : infos) {
     ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
                                        info.acquired, info.width_px, info.height_px});
   }
   ground.imagery.options = options.imagery;
-  ground.imagery.own_grid = datasets.size() == 1 && !options.gsd_m && options.crs.empty();
+  ground.imagery.own_grid = infos.size() == 1 && !options.gsd_m && options.crs.empty();
   const PixelGrid grid = ground.imagery.own_grid ? own_grid(infos.front()) : resampled_grid(infos, options);
   ground.crs = grid.crs;
   ground.levels.push_back(cut_level(grid, options));
-  result.warnings = imagery_warnings(infos, 0);
-  return result;
+  return ground;
 }
 
 void cut_tiles(Ground& ground, std::span<const std::int64_t> indices, int threads) {

@@ -51,6 +51,9 @@ struct RasterGround {
 RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const RasterGridOptions& options,
                                const Progress& progress = {});
 
+/// The ground alone, of rasters that were inspected with options.imagery; nothing is opened. Throws likewise.
+Ground ground_of_inspected(const std::vector<ImageryInfo>& infos, const RasterGridOptions& options);
+
 /// Gives a ground of one level tiles of its matrix, `indices` (ascending) or all of them; tile_id = row · matrix_width
 /// + column. Throws DataError, before memory is taken, when these are more than kMostTiles.
 void cut_tiles(Ground& ground, std::span<const std::int64_t> indices, int threads = 0);

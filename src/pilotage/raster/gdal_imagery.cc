@@ -375,6 +375,11 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
   return info;
 }
 
+bool looks_like_heights(const ImageryInfo& info) {
+  return info.gray_bands.size() == 1 && (info.band_type == "Float32" || info.band_type == "Float64" ||
+                                         info.band_type == "Int16" || info.band_type == "Int32");
+}
+
 Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs) {
   constexpr int kSteps = 64;  // per edge; the bulge between two steps of a curved edge is below 1/16,000 of its own
   const CrsTransform from(info.crs);

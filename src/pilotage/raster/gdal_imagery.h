@@ -136,6 +136,10 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
 /// opened, has no bands, or bands of a kind that cannot be made gray.
 ImageryInfo inspect_picture(const std::string& dataset);
 
+/// Whether its values are of a kind in which heights are delivered and pictures hardly ever: one band of floating-point
+/// or signed numbers.
+bool looks_like_heights(const ImageryInfo& info);
+
 /// The rectangle around a raster in another CRS; its edges are followed point by point because they may curve. Empty
 /// when no point of it has an image there.
 Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs);

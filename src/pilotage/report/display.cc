@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "pilotage/base/text.h"
 #include "pilotage/report/display_plane.h"
@@ -20,12 +21,9 @@ constexpr std::size_t kMaxPlaces = 2000;
 using PlaneFunction = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
 
 // A longitude in the middle of what is drawn, so that everything lies within 180° of it.
-double reference_lon_deg(const ReportInput& input) {
-  if (!input.mission.ground.tiles.empty())
-    return input.mission.ground.tiles[input.mission.ground.tiles.size() / 2].center.lon_deg;
-  if (!input.mission.flight.samples.empty())
-    return input.mission.flight.samples[input.mission.flight.samples.size() / 2].point.lon_deg;
-  return 0;
+double reference_lon_deg(const Ground& ground, const std::vector<FlightSample>& samples) {
+  if (!ground.tiles.empty()) return ground.tiles[ground.tiles.size() / 2].center.lon_deg;
+  return samples.empty() ? 0 : samples[samples.size() / 2].point.lon_deg;
 }
 
 std::vector<Eigen::Vector2d> plane_line(const std::vector<GeodeticPoint>& points, double reference_deg) {
@@ -76,15 +74,25 @@ void add_route(const ReportInput& input, const Report& report, double reference_
   }
 }
 
+// The cells of the tiles.
+ReportDisplay cells_of(const Ground& ground, const std::vector<ReportTile>& tiles,
+                       const PlaneFunction& display_from_map) {
+  ReportDisplay display;
+  for (const ReportTile& tile : tiles) {
+    display.cells_m.push_back(cell_corners(tile.tile, ground.level_of(tile.tile), display_from_map));
+  }
+  return display;
+}
+
 // The pictures of the report's tiles, in their order.
-void add_pictures(const ReportInput& input, const Report& report, ReportDisplay& display) {
-  const TilePictures& pictures = input.pictures;
+void add_pictures(const ShownGround& shown, const std::vector<ReportTile>& tiles, ReportDisplay& display) {
+  const TilePictures& pictures = shown.pictures;
   if (pictures.sheet.empty()) return;
   std::map<std::int64_t, std::size_t> index;
-  for (std::size_t i = 0; i < input.mission.ground.tiles.size(); ++i) index[input.mission.ground.tiles[i].tile_id] = i;
+  for (std::size_t i = 0; i < shown.ground.tiles.size(); ++i) index[shown.ground.tiles[i].tile_id] = i;
   cv::Mat sheet(pictures.sheet.size(), pictures.sheet.type(), cv::Scalar::all(0));
-  for (std::size_t i = 0; i < report.tiles.size(); ++i) {
-    pictures.sheet(pictures.place(index.at(report.tiles[i].tile.tile_id))).copyTo(sheet(pictures.place(i)));
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    pictures.sheet(pictures.place(index.at(tiles[i].tile.tile_id))).copyTo(sheet(pictures.place(i)));
   }
   display.pictures_jpeg = encode_jpeg(sheet, kPicturesMaxBytes);
   display.picture_side_px = pictures.side_px;
@@ -110,33 +118,20 @@ Bounds drawn_bounds(const ReportDisplay& display) {
   return bounds.grown(std::max({bounds.width_m(), bounds.height_m(), 100.0}) * 0.04);
 }
 
-}  // namespace
-
-ReportDisplay make_display(const ReportInput& input, const Report& report) {
-  ReportDisplay display;
-  const double reference_deg = reference_lon_deg(input);
-  const PlaneFunction display_from_map = mercator_from_map(input.geodetic_from_map, reference_deg);
-  std::map<int, const GridLevel*> levels;
-  for (const GridLevel& level : input.mission.ground.levels) levels[level.matrix.level] = &level;
-  for (const ReportTile& tile : report.tiles) {
-    display.cells_m.push_back(cell_corners(tile.tile, *levels.at(tile.tile.level), display_from_map));
-  }
-  add_route(input, report, reference_deg, display);
-  add_pictures(input, report, display);
-
+// What has all its shapes gets its edges and the imagery between them; or nothing is drawn, and why is told.
+ReportDisplay with_imagery(ReportDisplay display, const ShownGround& shown, const PlaneFunction& display_from_map,
+                           const std::string& nothing_there) {
   const Bounds bounds = drawn_bounds(display);
   if (bounds.empty()) {
-    const ReportDisplay before = display;
-    display = {};
-    display.pictures_jpeg = before.pictures_jpeg;  // shown beside the numbers of a tile
-    display.picture_side_px = before.picture_side_px;
-    display.picture_columns = before.picture_columns;
-    display.missing = report.tiles.empty() && report.legs.empty()
-                          ? "There is no tile and no route to draw."
-                          : "The map is not drawn: a part of the mission lies beyond " +
-                                format_number(kMercatorMaxLat_deg) +
-                                "° of latitude or outside the mission grid's projection. All numbers stand below.";
-    return display;
+    const bool nothing = display.cells_m.empty() && display.leg_lines_m.empty();
+    ReportDisplay none;
+    none.pictures_jpeg = display.pictures_jpeg;  // shown beside the numbers of a tile
+    none.picture_side_px = display.picture_side_px;
+    none.picture_columns = display.picture_columns;
+    none.missing = nothing ? nothing_there
+                           : "The map is not drawn: a part of it lies beyond " + format_number(kMercatorMaxLat_deg) +
+                                 "° of latitude or outside the grid's projection. All numbers stand below.";
+    return none;
   }
   const DisplayGrid grid = display_grid(bounds, kImagerySide_px);
   display.drawn = true;
@@ -144,14 +139,38 @@ ReportDisplay make_display(const ReportInput& input, const Report& report) {
   display.min_y_m = grid.edges_m.min_y_m;
   display.max_x_m = grid.edges_m.max_x_m;
   display.max_y_m = grid.edges_m.max_y_m;
-  if (!input.imagery.pixels.empty()) {
-    const Raster& imagery = input.imagery;
+  if (!shown.imagery.pixels.empty()) {
+    const Raster& imagery = shown.imagery;
     const Eigen::Vector2d start =
         imagery.map_from_pixel.map_from_pixel(Eigen::Vector2d(imagery.pixels.cols, imagery.pixels.rows) / 2);
     const cv::Mat map_xy = map_from_display(grid, display_from_map, start);
     display.imagery_jpeg = encode_jpeg(warp_imagery(imagery, map_xy), kImageryMaxBytes);
   }
   return display;
+}
+
+}  // namespace
+
+ShownGround shown_ground(const ReportInput& input) {
+  return {input.mission.ground, input.imagery, input.pictures, input.geodetic_from_map};
+}
+
+ReportDisplay make_display(const ShownGround& shown, const std::vector<ReportTile>& tiles) {
+  const PlaneFunction display_from_map =
+      mercator_from_map(shown.geodetic_from_map, reference_lon_deg(shown.ground, {}));
+  ReportDisplay display = cells_of(shown.ground, tiles, display_from_map);
+  add_pictures(shown, tiles, display);
+  return with_imagery(std::move(display), shown, display_from_map, "There is no tile to draw.");
+}
+
+ReportDisplay make_display(const ReportInput& input, const Report& report) {
+  const ShownGround shown = shown_ground(input);
+  const double reference_deg = reference_lon_deg(shown.ground, input.mission.flight.samples);
+  const PlaneFunction display_from_map = mercator_from_map(shown.geodetic_from_map, reference_deg);
+  ReportDisplay display = cells_of(shown.ground, report.tiles, display_from_map);
+  add_route(input, report, reference_deg, display);
+  add_pictures(shown, report.tiles, display);
+  return with_imagery(std::move(display), shown, display_from_map, "There is no tile and no route to draw.");
 }
 
 }  // namespace pilotage

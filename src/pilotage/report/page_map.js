@@ -1,6 +1,7 @@
 // The map: imagery, heat map, areas, route, and the marks that link it to the chart and to a tile.
 let map = null;
 const layers = {};  // by the word of its checkbox, "show-…"
+const moreLayers = [];  // of one page alone: [name, pane, draw]
 
 const legStyles = {
   good: { color: '#0072b2', width: 4, dash: [] },
@@ -90,7 +91,7 @@ function drawMarks(context, view) {
     tracePath(path, view, tileOutline(state.tile), true);
     strokeTwice(context, path, ['#000', 5], ['#ffe94d', 2.5]);
   }
-  if (state.along === null || !display.places_m.length) return;
+  if (state.along === null || !flown || !display.places_m.length) return;
   const [x, y] = placeAlong(state.along);
   context.beginPath();
   context.arc(view.x(x), view.y(y), 8, 0, 2 * Math.PI);
@@ -149,14 +150,17 @@ function makeMap() {
   map.setMaxBounds(bounds.pad(0.6));
   map.setMinZoom(map.getZoom() - 2);
   ['imagery', 'detail', 'heat', 'outline', 'route', 'cursor'].forEach((name, k) => { map.createPane(name).style.zIndex = 250 + 20 * k; });
-  if (display.imagery) layers.imagery = L.imageOverlay(display.imagery, bounds, { pane: 'imagery', alt: 'Imagery of the corridor' }).addTo(map);
+  if (display.imagery) layers.imagery = L.imageOverlay(display.imagery, bounds, { pane: 'imagery', alt: flown ? 'Imagery of the corridor' : 'Imagery of the area' }).addTo(map);
   addLayer('detail', 'detail', drawDetail);
   addLayer('heat', 'heat', drawHeat);
-  addLayer('refused', 'outline', drawRefused);
-  addLayer('selected', 'outline', drawSelected);
-  if (display.denied_lines_m.length) addLayer('denied', 'route', drawDenied);
-  addLayer('gaps', 'route', drawGaps);
-  addLayer('route', 'route', drawRoute);
+  if (flown) {
+    addLayer('refused', 'outline', drawRefused);
+    addLayer('selected', 'outline', drawSelected);
+    if (display.denied_lines_m.length) addLayer('denied', 'route', drawDenied);
+    addLayer('gaps', 'route', drawGaps);
+    addLayer('route', 'route', drawRoute);
+  }
+  moreLayers.forEach(([name, pane, draw]) => addLayer(name, pane, draw));
   addLayer('grid', 'route', drawGrid);
   addLayer('marks', 'cursor', drawMarks);
   addControls();
@@ -165,9 +169,9 @@ function makeMap() {
     const place = L.Projection.SphericalMercator.project(event.latlng);
     const found = tileAt(place.x, place.y, state.level);
     if (found >= 0) showTile(found, false);
-    hoverRoute(event);
+    if (flown) hoverRoute(event);
   });
-  map.on('mousemove', hoverRoute);
+  if (flown) map.on('mousemove', hoverRoute);
   if (layers.imagery) layers.imagery.on('load', () => layers.detail.redraw());
   window.requestAnimationFrame(() => loadSheet(() => layers.detail.redraw()));
 }

@@ -56,6 +56,7 @@ function showScale() {
   $('scale-unit').textContent = scale.unit === '1' ? '(no unit)' : scale.unit;
 }
 function routeShare() {
+  if (!flown) return null;
   const under = tilesUnderRoute();
   if (under.length < 2) return null;
   return under.filter((i) => i >= 0 && passes(i)).length / under.length;
@@ -75,7 +76,7 @@ function countThreshold() {
   const share = routeShare();
   const value = withUnit(formatted(state.threshold, decimalsNow()), scaleNow().unit);
   $('threshold-text').textContent = value;
-  $('threshold-count').textContent = above + ' of ' + all + ' tiles at or above ' + value + '; ' + selectedBelow + ' chosen tiles below' +
+  $('threshold-count').textContent = above + ' of ' + all + ' tiles at or above ' + value + (flown ? '; ' + selectedBelow + ' chosen tiles below' : '') +
     (share === null ? '' : '; ' + Math.floor(100 * share + 1e-9) + ' % of the route over tiles at or above');
 }
 function updateThreshold() {
@@ -122,9 +123,10 @@ function makePanel() {
   $('opacity').addEventListener('input', setOpacity);
   $('threshold').addEventListener('input', () => { $('threshold-on').checked = true; updateThreshold(); });
   $('threshold-on').addEventListener('change', updateThreshold);
-  ['imagery', 'heat', 'selected', 'refused', 'route', 'gaps', 'denied', 'grid'].filter((name) => $('show-' + name)).forEach((name) => {
-    $('show-' + name).addEventListener('change', () => {
-      const shown = $('show-' + name).checked;
+  document.querySelectorAll('.checks input').forEach((box) => {
+    const name = box.id.slice('show-'.length);
+    box.addEventListener('change', () => {
+      const shown = box.checked;
       const names = name === 'imagery' ? ['imagery', 'detail'] : [name];
       names.filter((layer) => map && layers[layer]).forEach((layer) => { if (shown) layers[layer].addTo(map); else layers[layer].remove(); });
     });

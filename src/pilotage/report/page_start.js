@@ -47,7 +47,8 @@ function mapPicture() {
     const to = map.latLngToContainerPoint(bounds.getSouthEast());
     context.drawImage(layers.imagery.getElement(), from.x, from.y, to.x - from.x, to.y - from.y);
   }
-  ['detail', 'heat', 'refused', 'selected', 'denied', 'gaps', 'route', 'grid', 'marks'].filter((name) => layers[name] && map.hasLayer(layers[name])).forEach((name) => {
+  ['detail', 'heat', 'refused', 'selected', 'denied', 'gaps', 'route', ...moreLayers.map(([name]) => name), 'grid', 'marks']
+    .filter((name) => layers[name] && map.hasLayer(layers[name])).forEach((name) => {
     const layer = layers[name];
     const corner = place(layer.corner);
     context.globalAlpha = name === 'heat' ? Number($('opacity').value) / 100 : 1;
@@ -87,7 +88,7 @@ function endPrint() {
 
 makePanel();
 makeTileControls();
-linkChart();
+if (flown) linkChart();
 makeButtons();
 if (display.drawn) makeMap(); else $('map').append(element('p', display.missing, 'missing'));
 window.addEventListener('beforeprint', preparePrint);

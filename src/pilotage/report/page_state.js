@@ -3,6 +3,7 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const report = data.report;
 const display = data.display;
 const tiles = report.tiles.rows;
+const flown = Boolean(report.route);  // a survey has ground and no route
 const column = {};
 report.tiles.columns.forEach((name, i) => { column[name] = i; });
 const $ = (id) => document.getElementById(id);
@@ -58,7 +59,7 @@ function element(tag, text, className) {
   return node;
 }
 function svgElement(tag, attributes) {
-  const node = document.createElementNS($('chart').namespaceURI, tag);
+  const node = document.createElementNS(document.querySelector('svg').namespaceURI, tag);
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, String(value));
   return node;
 }

@@ -46,11 +46,11 @@ function showTile(i, move) {
   $('tile').hidden = false;
   $('tile-number').value = id;
   $('tile-title').textContent = 'Tile ' + id;
-  $('tile-state').textContent = selected ? 'chosen' : 'refused';
-  $('tile-state').className = 'badge ' + (selected ? 'good' : 'refused');
-  $('tile-reasons').textContent = [p === null || !selected ? '' : 'P(correct fix) ' + p.toFixed(2) + '.', valueOf(row, 'reason'), valueOf(row, 'reasons')]
+  $('tile-state').textContent = flown ? (selected ? 'chosen' : 'refused') : className(i);
+  $('tile-state').className = 'badge ' + (flown ? (selected ? 'good' : 'refused') : ['good', 'marginal', 'bad'][display.classes[i]] || 'refused');
+  $('tile-reasons').textContent = [p === null || (flown && !selected) ? '' : 'P(correct fix) ' + p.toFixed(2) + '.', valueOf(row, 'reason'), valueOf(row, 'reasons')]
     .filter((text) => text).join(' ');
-  $('tile-hint').textContent = 'Tile ' + id + (selected ? ': chosen for the map.' : ': refused.');
+  $('tile-hint').textContent = 'Tile ' + id + ': ' + (flown ? (selected ? 'chosen for the map.' : 'refused.') : className(i) + '.');
   const center = formatted(valueOf(row, 'center_lat_deg'), 6) + ', ' + formatted(valueOf(row, 'center_lon_deg'), 6);
   $('tile-center').textContent = center;
   $('tile-copy').dataset.copy = center;

@@ -21,7 +21,7 @@ ReportInput make_report_input(const Mission& mission, const std::vector<TileScor
   input.scores = scores;
   input.selection = selection;
   input.imagery = read_overview(mission.ground, kOverviewSide_px);
-  input.pictures = read_tile_pictures(mission, threads, progress);
+  input.pictures = read_tile_pictures(mission.ground, threads, progress);
   const auto transform = std::make_shared<CrsTransform>(mission.ground.crs);
   input.geodetic_from_map = [transform](const Eigen::Vector2d& point) {
     constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();

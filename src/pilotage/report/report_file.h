@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -22,5 +23,10 @@ Report report_from_json(const nlohmann::ordered_json& json, const std::string& f
 
 /// The part `grid` of report.json.
 nlohmann::ordered_json grid_json(const Report& report);
+
+/// The parts `grid.levels`, `imagery` and `inputs`.
+nlohmann::ordered_json levels_json(const std::vector<GridLevel>& levels);
+nlohmann::ordered_json imagery_json(const std::vector<ImageryDataset>& imagery);
+nlohmann::ordered_json inputs_json(const std::vector<InputFile>& inputs);
 
 }  // namespace pilotage

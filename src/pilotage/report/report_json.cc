@@ -10,6 +10,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/variant_json.h"
+#include "pilotage/report/ground_json.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/report_file.h"
 #include "pilotage/report/report_records.h"
@@ -53,42 +54,6 @@ Json loss_json(const LossAnywhere& loss) {
   for (const LossPoint& point : loss.points) {
     json["rows"].push_back(
         Json::array({number(point.distance_m), number(point.max_error_m), number(point.p_within_limit)}));
-  }
-  return json;
-}
-
-Json measures_json(const Report& report) {
-  const auto number = [](double value) { return variant_to_json(number_value(value, 12)); };
-  Json measures = Json::array();
-  for (const MeasureScale& scale : report.measures) {
-    const HeatMap& heat = scale.measure.heat;
-    measures.push_back({{"name", scale.measure.name},
-                        {"label", heat.title},
-                        {"unit", heat.unit},
-                        {"meaning", heat.meaning},
-                        {"low", number(scale.low)},
-                        {"high", number(scale.high)},
-                        {"least", number(scale.least)},
-                        {"most", number(scale.most)}});
-  }
-  return measures;
-}
-
-Json tiles_json(const Report& report) {
-  Json json;
-  json["columns"] = Json::array();
-  json["labels"] = Json::array();
-  json["units"] = Json::array();
-  for (const TileField& field : tile_fields()) {
-    json["columns"].push_back(field.name);
-    json["labels"].push_back(field.label);
-    json["units"].push_back(field.unit);
-  }
-  json["rows"] = Json::array();
-  for (const ReportTile& tile : report.tiles) {
-    Json row = Json::array();
-    for (const TileField& field : tile_fields()) row.push_back(variant_to_json(field.value(tile)));
-    json["rows"].push_back(row);
   }
   return json;
 }
@@ -249,7 +214,7 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
     selection.only_written("all_tiles", [&] { return report.tiles.size(); });
     selection.value("estimated_bytes", report.estimated_bytes);
   });
-  io.only_written("measures", [&] { return measures_json(report); });
+  io.only_written("measures", [&] { return measures_json(report.measures); });
   io.object("grid", [&](Io& grid) { describe_grid(grid, report); });
   io.records("imagery", report.imagery);
   io.value("elevation", report.elevation);
@@ -258,7 +223,7 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
   io.value("parameters", report.parameters);
   io.value("warnings", report.warnings);
   io.value("notes", report.notes);
-  io.only_written("tiles", [&] { return tiles_json(report); });
+  io.only_written("tiles", [&] { return tiles_json(tile_fields(), report.tiles); });
 }
 
 }  // namespace report_records
@@ -330,6 +295,29 @@ Json grid_json(const Report& report) {
   report_records::Writer writer(json);
   describe_grid(writer, report);
   return json;
+}
+
+namespace {
+
+template <class Record>
+Json records_json(const std::vector<Record>& records) {
+  Json json;
+  report_records::Writer(json).records("all", records);
+  return std::move(json["all"]);
+}
+
+}  // namespace
+
+Json levels_json(const std::vector<GridLevel>& levels) {
+  return records_json(levels);
+}
+
+Json imagery_json(const std::vector<ImageryDataset>& imagery) {
+  return records_json(imagery);
+}
+
+Json inputs_json(const std::vector<InputFile>& inputs) {
+  return records_json(inputs);
 }
 
 Json report_json(const Report& report) {

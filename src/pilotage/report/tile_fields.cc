@@ -4,12 +4,14 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/text.h"
 #include "pilotage/ground/measures.h"
 #include "pilotage/ground/tile_table.h"
+#include "pilotage/report/tile_class.h"
 
 namespace pilotage {
 namespace {
@@ -48,6 +50,11 @@ std::vector<TileField> place_fields() {
       {"route_offset_m", "Beside the route", "m", Type::kReal, [](Tile t) { return number_value(t.place.offset_m); }}};
 }
 
+VectorValue class_name(Tile tile) {
+  const std::optional<TileClass> known = tile_class(tile.score);
+  return known ? VectorValue(tile_classes()[static_cast<std::size_t>(*known)].name) : VectorValue();
+}
+
 std::vector<TileField> make_tile_fields() {
   std::vector<TileField> fields = identity_fields();
   std::vector<TileField> rest = place_fields();
@@ -80,6 +87,21 @@ VectorValue degrees_value(double degrees) {
 
 const std::vector<TileField>& tile_fields() {
   static const std::vector<TileField> fields = make_tile_fields();
+  return fields;
+}
+
+const std::vector<TileField>& ground_tile_fields() {
+  static const std::vector<TileField> fields = [] {
+    std::vector<TileField> of_ground;
+    for (const TileField& field : tile_fields()) {
+      if (field.name == "selected") {
+        of_ground.push_back({"class", "Class", "", Type::kText, class_name});
+      } else if (field.name != "reason" && field.name != "route_distance_m" && field.name != "route_offset_m") {
+        of_ground.push_back(field);
+      }
+    }
+    return of_ground;
+  }();
   return fields;
 }
 

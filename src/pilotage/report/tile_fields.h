@@ -30,4 +30,7 @@ struct TileField {
 /// Which tile it is, what the report says of it, where it lies, and every measure, P(correct fix) before the others.
 const std::vector<TileField>& tile_fields();
 
+/// The same of ground that nobody flies over: its class (tile_class.h) instead of what a selection and a route say.
+const std::vector<TileField>& ground_tile_fields();
+
 }  // namespace pilotage

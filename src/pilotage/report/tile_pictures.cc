@@ -26,7 +26,7 @@ struct PictureGrid {
   ColorSource colors;
 };
 
-PictureGrid open_pictures(const Mission& mission, const GridLevel& level, int side_px) {
+PictureGrid open_pictures(const Ground& ground, const GridLevel& level, int side_px) {
   const TileMatrix& matrix = level.matrix;
   PictureGrid grid;
   grid.scale = static_cast<double>(matrix.tile_size_px) / side_px;
@@ -35,9 +35,8 @@ PictureGrid open_pictures(const Mission& mission, const GridLevel& level, int si
   const auto pixels = [&](std::int64_t extent_px) {
     return std::max<std::int64_t>(side_px, std::llround(std::ceil(static_cast<double>(extent_px) / grid.scale)));
   };
-  grid.colors =
-      open_colors_on_grid(dataset_names(mission.ground.imagery), mission.ground.crs, place,
-                          pixels(matrix.grid_width_px), pixels(matrix.grid_height_px), mission.ground.imagery.options);
+  grid.colors = open_colors_on_grid(dataset_names(ground.imagery), ground.crs, place, pixels(matrix.grid_width_px),
+                                    pixels(matrix.grid_height_px), ground.imagery.options);
   return grid;
 }
 
@@ -106,25 +105,25 @@ int tile_picture_side_px(std::size_t tiles) {
   return count * kSides_px.back() * kSides_px.back() <= kMaxPixelsSmallest ? kSides_px.back() : 0;
 }
 
-TilePictures read_tile_pictures(const Mission& mission, int threads, const Progress& progress) {
+TilePictures read_tile_pictures(const Ground& ground, int threads, const Progress& progress) {
   TilePictures result;
-  result.side_px = tile_picture_side_px(mission.ground.tiles.size());
-  if (result.side_px == 0 || mission.ground.tiles.empty()) return {};
+  result.side_px = tile_picture_side_px(ground.tiles.size());
+  if (result.side_px == 0 || ground.tiles.empty()) return {};
   std::map<int, PictureGrid> grids;
   std::map<int, const GridLevel*> levels;
-  for (const GridLevel& level : mission.ground.levels) {
-    grids.emplace(level.matrix.level, open_pictures(mission, level, result.side_px));
+  for (const GridLevel& level : ground.levels) {
+    grids.emplace(level.matrix.level, open_pictures(ground, level, result.side_px));
     levels[level.matrix.level] = &level;
   }
-  std::vector<Raster> pictures(mission.ground.tiles.size());
+  std::vector<Raster> pictures(ground.tiles.size());
   std::mutex mutex;
   std::int64_t done = 0;
-  parallel_for(mission.ground.tiles.size(), threads, [&](std::size_t i, int) {
-    const GroundTile& tile = mission.ground.tiles[i];
+  parallel_for(ground.tiles.size(), threads, [&](std::size_t i, int) {
+    const GroundTile& tile = ground.tiles[i];
     const PictureGrid& grid = grids.at(tile.level);
     pictures[i] = grid.colors.read(picture_window(grid, *levels.at(tile.level), tile, result.side_px));
     const std::lock_guard lock(mutex);
-    report_progress(progress, "pictures of tiles", ++done, static_cast<std::int64_t>(mission.ground.tiles.size()));
+    report_progress(progress, "pictures of tiles", ++done, static_cast<std::int64_t>(ground.tiles.size()));
   });
   const ColorSource& source = grids.begin()->second.colors;
   const std::vector<Linear> stretch = stretch_of(pictures, source.depth, source.channels);

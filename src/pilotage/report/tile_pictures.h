@@ -5,13 +5,13 @@
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/progress.h"
-#include "pilotage/mission/mission.h"
+#include "pilotage/ground/ground.h"
 
 #pragma GCC visibility push(default)
 
 namespace pilotage {
 
-/// Small pictures of the tiles of a plan on one sheet, CV_8UC3 (red, green, blue): that of plan.ground.tiles[i] is the
+/// Small pictures of the tiles of a ground on one sheet, CV_8UC3 (red, green, blue): that of ground.tiles[i] is the
 /// square of side_px pixels in column i % columns and row i / columns. Pixels without imagery are gray. Empty: no
 /// pictures.
 struct TilePictures {
@@ -29,10 +29,10 @@ struct TilePictures {
 /// do not run into each other); 32 up to 16 million pixels; 0 (no pictures) beyond.
 int tile_picture_side_px(std::size_t tiles);
 
-/// Reads every tile of the plan at the resolution of its picture, in place to half a pixel of it. What is not 8 bits
+/// Reads every tile of the ground at the resolution of its picture, in place to half a pixel of it. What is not 8 bits
 /// deep is stretched linearly between the 2nd and the 98th percentile of each channel over all pictures. The same for
 /// any number of threads (0 = all cores). Throws DataError when the imagery cannot be read, Interrupted.
-TilePictures read_tile_pictures(const Mission& mission, int threads = 0, const Progress& progress = {});
+TilePictures read_tile_pictures(const Ground& ground, int threads = 0, const Progress& progress = {});
 
 }  // namespace pilotage
 

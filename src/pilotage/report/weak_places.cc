@@ -1,56 +1,20 @@
 #include "pilotage/report/weak_places.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <tuple>
 #include <utility>
 
 #include "pilotage/base/text.h"
+#include "pilotage/report/reason_words.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
-
-struct ReasonWords {
-  ReasonCode code;
-  std::string_view what;
-  std::string_view todo;
-};
-
-constexpr std::array<ReasonWords, 11> kReasonWords = {{
-    {ReasonCode::kTooLittleGround, "no imagery", "Add imagery there."},
-    {ReasonCode::kFlat, "hardly any contrast",
-     "Lead the route over ground with structure: roads, buildings, edges of fields."},
-    {ReasonCode::kFewFeatures, "too few features",
-     "Lead the route over ground with structure: roads, buildings, edges of fields."},
-    {ReasonCode::kRepeats, "ground that repeats itself",
-     "Pass beside the pattern, or fly higher so that a frame shows more than it."},
-    {ReasonCode::kVegetation, "vegetation",
-     "Lead the route along roads or buildings, or use imagery of the same season."},
-    {ReasonCode::kWater, "open water", "Lead the route over land, along the shore."},
-    {ReasonCode::kEdgeOnly, "a single straight edge", "Cross the road or shore instead of following it."},
-    {ReasonCode::kRelief, "steep ground", "Fly higher above it."},
-    {ReasonCode::kCoarse, "too few map pixels in a frame", "Use finer imagery, or fly higher."},
-    {ReasonCode::kChanged, "ground that has changed between the dates", "Use newer imagery there."},
-    {ReasonCode::kWeak, "too little of everything",
-     "Lead the route over ground with structure: roads, buildings, edges of fields."},
-}};
-
-// What follows from other reasons is told after them.
-bool is_symptom(ReasonCode code) {
-  return code == ReasonCode::kFlat || code == ReasonCode::kFewFeatures || code == ReasonCode::kWeak;
-}
-
-const ReasonWords& words_of(ReasonCode code) {
-  return *std::find_if(kReasonWords.begin(), kReasonWords.end(),
-                       [&](const ReasonWords& words) { return words.code == code; });
-}
 
 constexpr const char* kLessDrift = "Fly with a better inertial grade or a velocity aid, or allow a larger error.";
 constexpr const char* kMoreStructure = "Lead the route over ground with structure: roads, buildings, edges of fields.";
@@ -67,37 +31,24 @@ bool lies_between(const ReportTile& tile, double from_m, double to_m) {
 
 // The commonest reasons of the tiles that are not selected there, at most three, causes before what follows from them.
 Explanation explain_refused(const Report& report, double from_m, double to_m) {
-  std::map<ReasonCode, int> counts;
-  int tiles = 0;
+  std::vector<const TileScores*> refused;
   for (const ReportTile& tile : report.tiles) {
-    if (tile.selected || !lies_between(tile, from_m, to_m)) continue;
-    ++tiles;
-    if (tile.score.status == TileStatus::kTooLittleGround) {
-      ++counts[ReasonCode::kTooLittleGround];
-    } else if (tile.score.status == TileStatus::kFlat) {
-      ++counts[ReasonCode::kFlat];
-    } else {
-      for (const ReasonCode code : tile.score.reasons) ++counts[code];
-    }
+    if (!tile.selected && lies_between(tile, from_m, to_m)) refused.push_back(&tile.score);
   }
-  if (tiles == 0) return {};
-  if (counts.empty()) {
-    return {"Its " + std::to_string(tiles) + " tiles show no single reason; click them on the map.", ""};
-  }
-  std::vector<std::pair<ReasonCode, int>> order(counts.begin(), counts.end());
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
-    return std::pair(is_symptom(a.first), -a.second) < std::pair(is_symptom(b.first), -b.second);
-  });
+  if (refused.empty()) return {};
+  const std::string tiles = std::to_string(refused.size());
+  ReasonCounts order = count_reasons(refused);
+  if (order.empty()) return {"Its " + tiles + " tiles show no single reason; click them on the map.", ""};
   order.resize(std::min<std::size_t>(order.size(), 3));
   std::vector<std::string> parts;
   for (const auto& [code, count] : order) {
-    parts.push_back(std::string(words_of(code).what) +
-                    (parts.empty() ? " (" + std::to_string(count) + " of " + std::to_string(tiles) + " tiles)"
+    parts.push_back(std::string(reason_words(code).what) +
+                    (parts.empty() ? " (" + std::to_string(count) + " of " + tiles + " tiles)"
                                    : " (" + std::to_string(count) + ")"));
   }
   std::string why = join(parts, ", ") + ".";
   why[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(why[0])));
-  return {why, std::string(words_of(order.front().first).todo)};
+  return {why, std::string(reason_words(order.front().first).todo)};
 }
 
 // Whether GNSS is lost there: at the start, or where it is denied from, to a step of the plan's samples.

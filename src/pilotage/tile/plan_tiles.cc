@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
@@ -115,15 +114,6 @@ void place_samples(std::vector<FlightSample>& samples, const Crs& crs) {
     }
     sample.point_map_m = *point;
   }
-}
-
-// The side of the square with the area of the footprint of a level flight at this height.
-double footprint_side_m(const Camera& camera, double agl_m) {
-  const Footprint shape = footprint(camera, Attitude{}, agl_m);
-  if (shape.polygon_m.empty()) {
-    throw DataError("the camera sees no ground from " + format_number(agl_m) + " m in level flight; look at its mount");
-  }
-  return std::sqrt(shape.area_m2);
 }
 
 // Runs of consecutive samples of one level, on the grid.
@@ -308,17 +298,12 @@ std::string tile_larger_than_imagery(const Mission& mission, const std::vector<I
 // Input that can be used, but is hardly what was meant.
 void warn_of_mistakes(const TileOptions& options, const std::vector<ImageryInfo>& infos, Mission& mission) {
   for (const ImageryInfo& info : infos) {
-    const bool heights = info.gray_bands.size() == 1 && (info.band_type == "Float32" || info.band_type == "Float64" ||
-                                                         info.band_type == "Int16" || info.band_type == "Int32");
-    if (!heights) continue;
+    if (!looks_like_heights(info)) continue;
     mission.warnings.push_back(info.dataset + ": its one band of " + info.band_type +
                                " values looks like an elevation model, not like imagery; give it as --elevation");
   }
-  constexpr double kWidestInRadians = std::numbers::pi;
-  if (const auto& hfov = options.camera.hfov_deg; hfov && *hfov < kWidestInRadians) {
-    mission.warnings.push_back("camera.hfov_deg = " + format_number(*hfov) + " is a view only " + format_number(*hfov) +
-                               " degrees wide; if that is in radians, give " + format_fixed(*hfov / kRadPerDeg, 1));
-  }
+  const std::string warning = narrow_view_warning(options.camera);
+  if (!warning.empty()) mission.warnings.push_back(warning);
 }
 
 void check_date(const std::string& option, const std::string& text) {

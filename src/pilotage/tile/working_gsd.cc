@@ -5,6 +5,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/camera/projection.h"
 
 namespace pilotage {
 namespace {
@@ -16,6 +17,14 @@ constexpr double kRounding_m = 0.01;
 constexpr double kImageryTolerance = 0.01;  // ground GSD varies over a raster by its scale distortion
 
 }  // namespace
+
+double footprint_side_m(const Camera& camera, double agl_m) {
+  const Footprint shape = footprint(camera, Attitude{}, agl_m);
+  if (shape.polygon_m.empty()) {
+    throw DataError("the camera sees no ground from " + format_number(agl_m) + " m in level flight; look at its mount");
+  }
+  return std::sqrt(shape.area_m2);
+}
 
 WorkingGsd choose_working_gsd(std::optional<double> wanted_gsd_m, double imagery_gsd_m, double camera_gsd_m,
                               double footprint_side_m) {

@@ -3,12 +3,18 @@
 #include <optional>
 #include <string>
 
+#include "pilotage/camera/camera.h"
+
 namespace pilotage {
 
 struct WorkingGsd {
   double gsd_m = 0;
   std::string reason;  ///< Why this one, as a sentence for the planner.
 };
+
+/// Side of the square with the area that a frame shows from this height in level flight: a tile is as large, whatever
+/// the heading. Throws DataError when the camera sees no ground.
+double footprint_side_m(const Camera& camera, double agl_m);
 
 /// The ground sample distance at which imagery and frames are compared.
 ///

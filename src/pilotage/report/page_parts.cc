@@ -1,0 +1,122 @@
+#include "pilotage/report/page_parts.h"
+
+#include <cmath>
+#include <cstdint>
+#include <regex>
+
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/markup.h"
+#include "pilotage/report/page_assets.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+// "55°29'42.7\" N"
+std::string dms(double degrees, char positive, char negative) {
+  if (!std::isfinite(degrees)) return "–";
+  const auto tenths = static_cast<std::int64_t>(std::llround(std::abs(degrees) * 36000));  // of a second
+  const auto two = [](std::int64_t number) { return (number < 10 ? "0" : "") + std::to_string(number); };
+  return std::to_string(tenths / 36000) + "°" + two(tenths / 600 % 60) + "'" + two(tenths / 10 % 60) + "." +
+         std::to_string(tenths % 10) + "\" " + (degrees < 0 ? negative : positive);
+}
+
+void append_parameters(const std::string& prefix, const nlohmann::ordered_json& json, std::string& html) {
+  if (json.is_object()) {
+    for (const auto& item : json.items()) {
+      append_parameters(prefix.empty() ? item.key() : prefix + "." + item.key(), item.value(), html);
+    }
+    return;
+  }
+  html +=
+      "<tr>" + heading_html(prefix) + cell_html(json.is_string() ? json.get<std::string>() : json.dump()) + "</tr>\n";
+}
+
+// The last line of Leaflet's files points debuggers to a map file that the page does not have.
+std::string without_source_map(const std::string& text) {
+  return std::regex_replace(text, std::regex(R"((//|/\*)# sourceMappingURL=[^\n]*)"), "");
+}
+
+// Leaflet's own pictures (layer button, default marker) are not used; a reference to a file that is not there must not
+// stay.
+std::string without_files(const std::string& css) {
+  return std::regex_replace(css, std::regex(R"(url\([^)]*\))"), "none");
+}
+
+}  // namespace
+
+std::string cell_html(const std::string& text) {
+  return "<td>" + html_escape(text) + "</td>";
+}
+
+std::string cell_html(const std::string& label, const std::string& text) {
+  return "<td data-label=\"" + label + "\">" + html_escape(text) + "</td>";
+}
+
+std::string heading_html(const std::string& text) {
+  return "<th scope=\"row\">" + html_escape(text) + "</th>";
+}
+
+std::string list_html(const std::vector<std::string>& texts) {
+  std::string html;
+  for (const std::string& text : texts) html += "<li>" + html_escape(text) + "</li>\n";
+  return html.empty() ? "<li>None.</li>" : html;
+}
+
+std::string title_block_html(const std::vector<std::pair<std::string, std::string>>& block) {
+  std::string html;
+  for (const auto& [label, value] : block) {
+    html += "<div><dt>" + html_escape(label) + "</dt><dd>" + html_escape(value) + "</dd></div>";
+  }
+  return html;
+}
+
+std::string imagery_html(const std::vector<ImageryDataset>& imagery) {
+  std::string html;
+  for (const ImageryDataset& raster : imagery) {
+    html += "<tr>" + heading_html(raster.dataset) + cell_html(raster.acquired.empty() ? "unknown" : raster.acquired) +
+            cell_html(number_text(raster.gsd_m, 3) + " m/px") + cell_html(raster.crs) +
+            cell_html(std::to_string(raster.width_px) + " × " + std::to_string(raster.height_px) + " px") + "</tr>\n";
+  }
+  return html;
+}
+
+std::string inputs_html(const std::vector<InputFile>& inputs) {
+  std::string html;
+  for (const InputFile& file : inputs) {
+    html += "<tr>" + heading_html(file.role) + cell_html(file.name) + cell_html(file.date) + "<td class=\"digest\">" +
+            html_escape(file.digest) + "</td></tr>\n";
+  }
+  return html;
+}
+
+std::string parameters_html(const nlohmann::ordered_json& parameters) {
+  std::string html;
+  append_parameters("", parameters, html);
+  return html;
+}
+
+std::string lat_lon(GeodeticPoint point) {
+  return number_text(point.lat_deg, 6) + ", " + number_text(point.lon_deg, 6);
+}
+
+std::string lat_lon_dms(GeodeticPoint point) {
+  return dms(point.lat_deg, 'N', 'S') + " " + dms(point.lon_deg, 'E', 'W');
+}
+
+std::string page_leaflet_css() {
+  return without_source_map(without_files(std::string(page_assets::leaflet_css())));
+}
+
+std::string page_leaflet_js() {
+  return without_source_map(std::string(page_assets::leaflet_js()));
+}
+
+std::string page_script(std::initializer_list<std::string_view> parts) {
+  std::string script = "(function () {\n'use strict';\n";
+  for (const std::string_view part : parts) script += part;
+  return script + "}());\n";
+}
+
+}  // namespace pilotage

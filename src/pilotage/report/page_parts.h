@@ -1,0 +1,44 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/ground/ground.h"
+#include "pilotage/mission/input_files.h"
+
+// Pieces of HTML that the pages of a route and of an area share; text is escaped here.
+
+namespace pilotage {
+
+std::string cell_html(const std::string& text);
+/// On a small screen a row becomes a card, in which each value says what it is.
+std::string cell_html(const std::string& label, const std::string& text);
+std::string heading_html(const std::string& text);  ///< Of a row.
+
+/// Items of a list; "None." without one.
+std::string list_html(const std::vector<std::string>& texts);
+/// Labels and values of the title block.
+std::string title_block_html(const std::vector<std::pair<std::string, std::string>>& block);
+std::string imagery_html(const std::vector<ImageryDataset>& imagery);  ///< Rows: imagery, date, GSD, CRS, size.
+std::string inputs_html(const std::vector<InputFile>& inputs);         ///< Rows: input, name, date, digest.
+/// Rows of all options; nested ones have dotted names, as in a configuration file.
+std::string parameters_html(const nlohmann::ordered_json& parameters);
+
+/// "53.123456, 7.123456": latitude first, as planners write it.
+std::string lat_lon(GeodeticPoint point);
+/// The same in degrees, minutes and seconds.
+std::string lat_lon_dms(GeodeticPoint point);
+
+/// Leaflet, without what would make a browser ask for another file.
+std::string page_leaflet_css();
+std::string page_leaflet_js();
+/// A page's scripts, joined in one scope of their own.
+std::string page_script(std::initializer_list<std::string_view> parts);
+
+}  // namespace pilotage

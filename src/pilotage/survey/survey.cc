@@ -1,0 +1,226 @@
+#include "pilotage/survey/survey.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "pilotage/base/nan.h"
+#include "pilotage/base/options.h"
+#include "pilotage/base/source_date.h"
+#include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
+#include "pilotage/matchability/reasons.h"
+#include "pilotage/report/display.h"
+#include "pilotage/report/display_plane.h"
+#include "pilotage/report/page_text.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+// Frames that P(correct fix) was tested on, of maps of about this ground sample distance
+// (docs/methods/matchability.md).
+constexpr int kSmallestTested_px = 72;
+constexpr int kLargestTested_px = 222;
+constexpr double kTestedGsd_m = 0.6;
+constexpr double kLikeTested = 1.25;  // a convention: pixels that differ by less are called alike
+
+std::string camera_phrase(const SurveyedGround& area) {
+  const Camera& camera = area.camera;
+  const double width_deg = 2 * std::atan(camera.width_px / 2.0 / camera.fx_px) * 180 / std::numbers::pi;
+  std::string text = (area.camera_name.empty() ? "a camera" : area.camera_name) + " of " +
+                     std::to_string(camera.width_px) + " × " + std::to_string(camera.height_px) + " px, " +
+                     number_text(width_deg, 1) + "° wide, ";
+  const CameraMount& mount = camera.mount;
+  if (mount.pitch_deg == 0 && mount.roll_deg == 0) {
+    text += "looking straight down";
+  } else {
+    text +=
+        "mounted with pitch " + format_number(mount.pitch_deg) + "° and roll " + format_number(mount.roll_deg) + "°";
+  }
+  return text + " in level flight from " + number_text(area.agl_m, 0) + " m above ground: a frame shows " +
+         number_text(area.footprint_width_m, 0) + " × " + number_text(area.footprint_height_m, 0) + " m";
+}
+
+std::string dates_of(const std::vector<ImageryDataset>& datasets) {
+  std::vector<std::string> dates;
+  for (const ImageryDataset& raster : datasets) {
+    dates.push_back(raster.acquired.empty() ? "date not known" : raster.acquired);
+  }
+  std::sort(dates.begin(), dates.end());
+  dates.erase(std::unique(dates.begin(), dates.end()), dates.end());
+  return join(dates, ", ");
+}
+
+std::string model_phrase(const SurveyInput& input, bool known) {
+  if (!known) return "P(correct fix) is not there: ground is judged by the margin of its degraded copies";
+  const GridLevel& level = input.area.ground.levels.front();
+  const int side_px = level.matrix.tile_size_px;
+  const bool like = side_px >= kSmallestTested_px && side_px <= kLargestTested_px &&
+                    level.gsd_m <= kTestedGsd_m * kLikeTested && level.gsd_m >= kTestedGsd_m / kLikeTested;
+  const std::string parameters =
+      input.model.empty() ? "fitted on other places" : "with the parameters of " + input.model;
+  return "P(correct fix) is modelled from one date, " + parameters +
+         ", and not measured here; it was tested on frames of " + std::to_string(kSmallestTested_px) + " to " +
+         std::to_string(kLargestTested_px) + " px of maps of " + number_text(kTestedGsd_m, 1) + " m/px, these are " +
+         std::to_string(side_px) + " px at " + number_text(level.gsd_m, 2) + " m/px" +
+         (like ? "" : ": beyond what was tested");
+}
+
+std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {
+  const SurveyedGround& area = input.area;
+  std::vector<std::string> phrases = {camera_phrase(area)};
+  phrases.push_back(input.matcher == FlyingMatcher::kFeatures ? "matched by features, on a map without chips"
+                                                              : "matched by features and chips");
+  phrases.push_back("a frame's place is known to within " + number_text(area.search_radius_m, 0) +
+                    " m along each axis" + (area.search_radius_assumed ? " (default)" : ""));
+  phrases.push_back("imagery: " + dates_of(area.ground.imagery.datasets) +
+                    (input.second_dates.empty() ? "; no second date, so what seasons and years change is not measured"
+                                                : "; second date: " + dates_of(input.second_dates) +
+                                                      ", which is shown beside P and is no part of it"));
+  phrases.push_back(model_phrase(input, known));
+  return phrases;
+}
+
+std::string detail_of(const Survey& survey) {
+  const AreaStatistics& all = survey.statistics;
+  const auto part = [&](const char* name, std::int64_t tiles) {
+    return std::string(name) + " " + area_text(all.area_km2 * all.share(tiles)) + " (" +
+           percent_text(all.share(tiles)) + ")";
+  };
+  std::string text = part("marginal", all.tiles.marginal) + ", " + part("no-go", all.tiles.no_go);
+  if (all.tiles.not_known > 0) text += ", " + part("not known", all.tiles.not_known);
+  if (!std::isnan(all.median_p_correct_fix)) {
+    text += "; median P(correct fix) " + number_text(all.median_p_correct_fix, 2);
+  }
+  if (survey.farthest_from_go_m > 0) {
+    text +=
+        "; no place is farther than " + length_text(survey.farthest_from_go_m) + " from go ground, as the crow flies";
+  }
+  return text;
+}
+
+std::vector<ReportTile> tiles_of(const SurveyInput& input) {
+  const Ground& ground = input.area.ground;
+  const ReasonContext context = reason_context(ground.crs, ground.levels.front());
+  std::vector<ReportTile> tiles;
+  for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
+    tiles.push_back({ground.tiles[i], {}, input.scores[i], false, "", ""});
+    tiles.back().reasons = reasons_text(tile_reasons(input.scores[i], context));
+  }
+  return tiles;
+}
+
+std::vector<std::pair<std::string, std::string>> title_block_of(const SurveyedGround& area) {
+  std::vector<std::pair<std::string, std::string>> block;
+  if (const auto made = source_date()) block.emplace_back("Made", format_utc_time(*made));
+  const GridLevel& level = area.ground.levels.front();
+  const auto metres = [&](int px) { return number_text(px * level.gsd_m, 0) + " m"; };
+  block.emplace_back("Tiles", metres(level.matrix.tile_size_px) + " wide, one every " + metres(level.matrix.stride_px));
+  block.emplace_back("Imagery", dates_of(area.ground.imagery.datasets));
+  block.emplace_back("CRS", area.ground.crs.name());
+  return block;
+}
+
+std::string title_of(const SurveyInput& input) {
+  if (!input.title.empty()) return input.title;
+  return std::filesystem::path(input.area.ground.imagery.datasets.front().dataset).filename().string();
+}
+
+std::vector<std::array<Eigen::Vector2d, 4>> corners_of(const SurveyInput& input,
+                                                       const std::vector<SquareKilometre>& squares) {
+  const std::vector<GroundTile>& tiles = input.area.ground.tiles;
+  const double reference_deg = tiles.empty() ? 0 : tiles[tiles.size() / 2].center.lon_deg;  // as make_display
+  const auto plane = mercator_from_map(input.geodetic_from_map, reference_deg);
+  std::vector<std::array<Eigen::Vector2d, 4>> corners;
+  for (const SquareKilometre& square : squares) {
+    const auto corner = [&](std::int64_t east, std::int64_t north) {
+      return plane(
+          {1000.0 * static_cast<double>(square.east_km + east), 1000.0 * static_cast<double>(square.north_km + north)});
+    };
+    corners.push_back({corner(0, 1), corner(1, 1), corner(1, 0), corner(0, 0)});
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::string area_text(double area_km2) {
+  return number_text(area_km2, area_km2 < 9.995 ? 2 : area_km2 < 99.95 ? 1 : 0) + " km²";
+}
+
+std::vector<std::string> reason_names(const ReasonCounts& reasons) {
+  std::vector<std::string> names;
+  for (const auto& [code, count] : reasons) {
+    if (names.size() < 3) names.push_back(options_detail::enum_to_name(code));
+  }
+  return names;
+}
+
+std::string weak_because(const AreaStatistics& statistics) {
+  const std::int64_t weak = statistics.tiles.all() - statistics.tiles.go;
+  std::vector<std::string> parts;
+  for (const auto& [code, count] : statistics.reasons) {
+    if (parts.size() == 3) break;
+    parts.push_back(std::string(reason_words(code).what) + " (" +
+                    percent_text(static_cast<double>(count) / static_cast<double>(weak)) +
+                    (parts.empty() ? " of the weak ground)" : ")"));
+  }
+  return join(parts, ", ");
+}
+
+Survey make_survey(const SurveyInput& input) {
+  const Ground& ground = input.area.ground;
+  const ScoreTable table(ground, input.scores);
+  Survey survey;
+  survey.title = name_as_utf8(title_of(input));
+  survey.software_version = input.software_version;
+  survey.area = input.area;
+  survey.area.ground.tiles.clear();
+  std::vector<const TileScores*> all;
+  for (const TileScores& tile : input.scores) all.push_back(&tile);
+  survey.statistics = area_statistics(all, cell_km2(ground.levels.front()));
+  survey.squares = square_kilometres(table);
+  survey.farthest_from_go_m = farthest_from_go_m(table);
+
+  const bool known = !std::isnan(survey.statistics.median_p_correct_fix);
+  const double share = survey.statistics.share(survey.statistics.tiles.go);
+  survey.go_share = percent_text(share);
+  survey.headline = std::string(known ? "a fix may be expected over " : "the ground stands out from all around over ") +
+                    survey.go_share + " of the area: " + area_text(share * survey.statistics.area_km2) + " of " +
+                    area_text(survey.statistics.area_km2) + (known ? "" : "; how often fixes come there is not known");
+  survey.detail = detail_of(survey);
+  survey.assumptions = assumptions_of(input, known);
+  survey.not_looked_at =
+      "a route and the errors that grow between fixes, wind, errors of attitude and height, light and weather on the "
+      "day, obstacles; no go and no no-go for a flight";
+  survey.title_block = title_block_of(input.area);
+  for (auto& phrase : survey.assumptions) phrase = valid_utf8(phrase);
+  for (auto& [label, value] : survey.title_block) value = valid_utf8(value);
+
+  for (const Measure* measure : heat_maps()) survey.measures.push_back(measure_scale(*measure, input.scores));
+  survey.tiles = tiles_of(input);
+  survey.matcher = input.matcher;
+  survey.model = name_as_utf8(input.model);
+  survey.second_dates = input.second_dates;
+  for (auto* datasets : {&survey.area.ground.imagery.datasets, &survey.second_dates}) {
+    for (ImageryDataset& dataset : *datasets) {
+      dataset.dataset = name_as_utf8(dataset.dataset);
+      dataset.crs = valid_utf8(dataset.crs);
+      dataset.acquired = valid_utf8(dataset.acquired);
+    }
+  }
+  for (const InputFile& file : input.inputs) {
+    survey.inputs.push_back(
+        {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
+  }
+  survey.parameters = valid_utf8_json(input.parameters);
+  for (const std::string& text : input.area.warnings) survey.warnings.push_back(valid_utf8(text));
+  for (const std::string& text : input.area.notes) survey.notes.push_back(valid_utf8(text));
+  survey.display = make_display({ground, input.imagery, input.pictures, input.geodetic_from_map}, survey.tiles);
+  survey.square_corners_m = corners_of(input, survey.squares);
+  return survey;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,172 @@
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/markup.h"
+#include "pilotage/base/text.h"
+#include "pilotage/report/ground_json.h"
+#include "pilotage/report/page_assets.h"
+#include "pilotage/report/page_parts.h"
+#include "pilotage/report/page_text.h"
+#include "pilotage/report/tile_class.h"
+#include "pilotage/report/wording.h"
+#include "pilotage/survey/survey.h"
+#include "pilotage/survey/survey_assets.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostRows = 400;  // of the table of squares; all stand in survey_squares.csv
+constexpr std::size_t kMostCauses = 3;
+
+std::string with_capital(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+// What makes the ground weak, over the whole area.
+std::string causes_html(const Survey& survey) {
+  const AreaStatistics& all = survey.statistics;
+  const auto weak = static_cast<double>(all.tiles.all() - all.tiles.go);
+  std::string html;
+  for (std::size_t i = 0; i < std::min(kMostCauses, all.reasons.size()); ++i) {
+    const auto& [code, count] = all.reasons[i];
+    const ReasonWords& words = reason_words(code);
+    const double share = all.share(count);
+    html += "<li class=\"marginal\"><p><span class=\"where\">" + with_capital(std::string(words.what)) +
+            "</span></p><p>" + area_text(share * all.area_km2) + ", " +
+            percent_text(static_cast<double>(count) / weak) + " of the ground that is not go.</p><p class=\"todo\">" +
+            std::string(words.todo) + "</p></li>\n";
+  }
+  if (!html.empty()) return html;
+  return weak == 0 ? "<li class=\"good\"><p>All of the area is go ground.</p></li>\n"
+                   : "<li class=\"marginal\"><p>No single reason; click tiles on the map.</p></li>\n";
+}
+
+// The shares as one bar, in the colours of the map.
+std::string bar_html(const AreaStatistics& statistics) {
+  const ClassCounts& tiles = statistics.tiles;
+  std::string svg =
+      "<svg class=\"share-bar\" viewBox=\"0 0 100 10\" preserveAspectRatio=\"none\" aria-hidden=\"true\">";
+  double from = 0;
+  std::size_t known = 0;
+  for (const std::int64_t count : {tiles.go, tiles.marginal, tiles.no_go}) {
+    const RasterClass& look = tile_classes()[known++];
+    const double width = 100 * statistics.share(count);
+    svg += "<rect x=\"" + format_fixed(from, 2) + "\" y=\"0\" width=\"" + format_fixed(width, 2) +
+           "\" height=\"10\" fill=\"" + hex_color({look.rgb[0], look.rgb[1], look.rgb[2]}) + "\"/>";
+    from += width;
+  }
+  return svg + "</svg>";
+}
+
+std::string place_cell(const SquareKilometre& square, std::size_t index) {
+  const std::string place = html_escape(lat_lon(square.center));
+  return "<td class=\"coordinates\" data-label=\"Middle\"><code>" + place +
+         "</code> <button type=\"button\" class=\"copy\" data-copy=\"" + place + "\" aria-label=\"Copy the middle of " +
+         square.name() + "\">Copy</button> <button type=\"button\" class=\"show-square\" data-square=\"" +
+         std::to_string(index) + "\" aria-label=\"Show " + square.name() + " on the map\">Show</button></td>";
+}
+
+std::string squares_html(const Survey& survey) {
+  std::string html;
+  for (std::size_t i = 0; i < std::min(kMostRows, survey.squares.size()); ++i) {
+    const SquareKilometre& square = survey.squares[i];
+    const AreaStatistics& statistics = square.statistics;
+    const auto share = [&](std::int64_t tiles) { return percent_text(statistics.share(tiles)); };
+    html += "<tr>" + heading_html(square.name()) + "<td data-label=\"Shares\">" + bar_html(statistics) + "</td>" +
+            cell_html("Go", share(statistics.tiles.go)) + cell_html("Marginal", share(statistics.tiles.marginal)) +
+            cell_html("No-go", share(statistics.tiles.no_go)) +
+            cell_html("Median P", number_text(statistics.median_p_correct_fix, 2)) +
+            cell_html("Surveyed", area_text(statistics.area_km2)) +
+            cell_html("Weak because", with_capital(weak_because(statistics))) + place_cell(square, i) + "</tr>\n";
+  }
+  return html;
+}
+
+std::string squares_note(const Survey& survey) {
+  std::string note =
+      "E and N are the kilometres of its lower left corner in the grid's CRS. A tile counts where its centre lies, "
+      "with all the ground it stands for; the median is over tiles with a P.";
+  if (survey.squares.size() > kMostRows) {
+    note += " The first " + std::to_string(kMostRows) + " of " + std::to_string(survey.squares.size()) +
+            "; all stand in survey_squares.csv.";
+  }
+  return note;
+}
+
+std::string survey_grid_html(const Survey& survey) {
+  const SurveyedGround& area = survey.area;
+  const GridLevel& level = area.ground.levels.front();
+  const auto row = [](const std::string& label, const std::string& text) {
+    return "<tr>" + heading_html(label) + cell_html(text) + "</tr>\n";
+  };
+  std::string html =
+      row("Grid", area.ground.crs.name()) +
+      row("Camera footprint", number_text(area.footprint_width_m, 1) + " × " + number_text(area.footprint_height_m, 1) +
+                                  " m from " + number_text(area.agl_m, 0) + " m above ground") +
+      row("Tiles", number_text(level.gsd_m, 3) + " m/px; " + std::to_string(level.matrix.tile_size_px) + " px every " +
+                       std::to_string(level.matrix.stride_px) + " px; search ±" +
+                       std::to_string(level.search_radius_px) + " px");
+  if (!area.ground.elevation.empty()) html += row("Elevation", area.ground.elevation);
+  return html;
+}
+
+Json survey_display_json(const Survey& survey) {
+  Json json = ground_display_json(survey.display, survey.tiles, survey.measures);
+  json["squares"] = Json::array();
+  for (std::size_t i = 0; i < survey.squares.size(); ++i) {
+    const auto& corners = survey.square_corners_m[i];
+    const bool shown =
+        std::all_of(corners.begin(), corners.end(), [](const auto& corner) { return corner.allFinite(); });
+    const AreaStatistics& statistics = survey.squares[i].statistics;
+    json["squares"].push_back(
+        {{"name", survey.squares[i].name()},
+         {"go", percent_text(statistics.share(statistics.tiles.go))},
+         {"corners_m", shown ? plane_line_json({corners.begin(), corners.end()}) : Json::array()}});
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string survey_html(const Survey& survey) {
+  Json data;
+  data["report"] = survey_json(survey);
+  data["display"] = survey_display_json(survey);
+  std::vector<std::string> assumptions = survey.assumptions;
+  for (std::string& phrase : assumptions) phrase = with_capital(phrase) + ".";
+  assumptions.push_back("Not looked at: " + survey.not_looked_at + ".");
+  return fill_template(
+      page_assets::survey_html(),
+      {{"title", html_escape(survey.title)},
+       {"leaflet_css", page_leaflet_css()},
+       {"leaflet_js", page_leaflet_js()},
+       {"page_css", std::string(page_assets::page_css())},
+       {"page_js",
+        page_script({page_assets::page_state_js(), page_assets::page_ground_js(), page_assets::page_canvas_js(),
+                     page_assets::page_grid_js(), page_assets::page_map_js(), page_assets::page_tile_js(),
+                     page_assets::page_panel_js(), page_assets::survey_squares_js(), page_assets::page_start_js()})},
+       {"data", script_json(data)},
+       {"go_share", html_escape(survey.go_share)},
+       {"answer", html_escape(with_capital(survey.headline)) + "."},
+       {"detail", html_escape(with_capital(survey.detail)) + "."},
+       {"assumptions", list_html(assumptions)},
+       {"title_block", title_block_html(survey.title_block)},
+       {"causes", causes_html(survey)},
+       {"squares", squares_html(survey)},
+       {"squares_note", html_escape(squares_note(survey))},
+       {"imagery", imagery_html(survey.area.ground.imagery.datasets) + imagery_html(survey.second_dates)},
+       {"inputs", inputs_html(survey.inputs)},
+       {"grid", survey_grid_html(survey)},
+       {"parameters", parameters_html(survey.parameters)},
+       {"warnings", list_html(survey.warnings)},
+       {"notes", list_html(survey.notes)},
+       {"version", html_escape(survey.software_version)}});
+}
+
+}  // namespace pilotage

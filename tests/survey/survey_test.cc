@@ -1,0 +1,103 @@
+#include "pilotage/survey/survey.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pilotage/ground/ground_of_rasters.h"
+#include "pilotage/raster/gdal_crs.h"
+
+namespace pilotage {
+namespace {
+
+// Ten tiles in a row, `go` of them found often, one seldom, the others never.
+SurveyInput ten_tiles(int go) {
+  SurveyInput input;
+  SurveyedGround& area = input.area;
+  area.camera.width_px = 4000;
+  area.camera.height_px = 3000;
+  area.camera.fx_px = area.camera.fy_px = 4000;
+  area.agl_m = 120;
+  area.footprint_width_m = 120;
+  area.footprint_height_m = 90;
+  area.search_radius_m = 50;
+  Ground& ground = area.ground;
+  ground.crs = Crs::from_user_input("EPSG:32633");
+  GridLevel level;
+  level.gsd_m = 0.6;
+  level.min_agl_m = level.max_agl_m = 120;
+  level.search_radius_px = 84;
+  level.matrix = {0, GeoTransform::north_up(500010, 5'000'900, 0.6), 1100, 200, 200, 100};
+  ground.levels.push_back(level);
+  ground.imagery.datasets.push_back({"folder/<b>ortho</b>.tif", 0.5, "UTM", "2023-06-14", 1320, 240});
+  cut_all_tiles(ground, 1);
+  for (int i = 0; i < 10; ++i) {
+    TileScores tile;
+    tile.valid_fraction = 1;
+    tile.p_correct_fix = i < go ? 0.9 : i == go ? 0.3 : 0;
+    if (i >= go) tile.reasons = {ReasonCode::kWater};
+    input.scores.push_back(tile);
+  }
+  input.geodetic_from_map = [crs = ground.crs](const Eigen::Vector2d& point) {
+    return CrsTransform(crs).geodetic_from_map(point).value();
+  };
+  return input;
+}
+
+TEST(Survey, HeadlineSaysTheShareOfTheAreaAndNoVerdict) {
+  const Survey survey = make_survey(ten_tiles(7));
+  EXPECT_EQ(survey.headline, "a fix may be expected over 70 % of the area: 0.03 km² of 0.04 km²");
+  EXPECT_THAT(survey.detail, ::testing::StartsWith("marginal 0.00 km² (10 %), no-go 0.01 km² (20 %); median P(correct "
+                                                   "fix) 0.90; no place is farther than 180 m from go ground"));
+  EXPECT_THAT(survey_html(survey), ::testing::Not(::testing::HasSubstr("NO-GO")));
+}
+
+TEST(Survey, SaysWhatItAssumesAndWhatItDidNotLookAt) {
+  SurveyInput input = ten_tiles(7);
+  const std::string page = survey_html(make_survey(input));
+  for (const char* said : {"4000 × 3000 px, 53.1° wide, looking straight down in level flight from 120 m above ground",
+                           "on a map without chips", "known to within 50 m", "imagery: 2023-06-14; no second date",
+                           "modelled from one date", "these are 200 px at 0.60 m/px", "Not looked at: a route"}) {
+    EXPECT_THAT(page, ::testing::HasSubstr(said));
+  }
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("beyond what was tested")));
+  input.area.ground.levels.front().gsd_m = 0.9;
+  input.area.search_radius_assumed = true;
+  input.matcher = FlyingMatcher::kFeaturesAndChips;
+  input.model = "here.json";
+  input.second_dates.push_back({"later.tif", 0.5, "UTM", "2024-09", 10, 10});
+  const std::string other = survey_html(make_survey(input));
+  for (const char* said : {"features and chips", "(default)", "second date: 2024-09",
+                           "with the parameters of here.json", "at 0.90 m/px: beyond what was tested"}) {
+    EXPECT_THAT(other, ::testing::HasSubstr(said));
+  }
+}
+
+// Without P the ground is judged by margins, and nobody may read that as how often fixes come.
+TEST(Survey, WithoutAProbabilityNoFixIsPromised) {
+  SurveyInput input = ten_tiles(7);
+  for (TileScores& tile : input.scores) {
+    tile.degraded.margin = tile.p_correct_fix > 0.5 ? 0.2 : -0.1;
+    tile.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  }
+  const Survey survey = make_survey(input);
+  EXPECT_EQ(survey.headline,
+            "the ground stands out from all around over 70 % of the area: 0.03 km² of 0.04 km²; how often fixes come "
+            "there is not known");
+  EXPECT_THAT(survey.detail, ::testing::Not(::testing::HasSubstr("median")));
+}
+
+TEST(Survey, TableSaysWhatMakesASquareWeak) {
+  const Survey survey = make_survey(ten_tiles(7));
+  EXPECT_EQ(weak_because(survey.statistics), "open water (100 % of the weak ground)");
+  EXPECT_EQ(weak_because(make_survey(ten_tiles(10)).statistics), "");
+  EXPECT_THAT(squares_csv(survey), ::testing::EndsWith(",10,7,1,2,0,0.7,0.1,0.2,0.9,water\n"));
+}
+
+TEST(Survey, NamesFromFilesAreTextOnThePage) {
+  const std::string page = survey_html(make_survey(ten_tiles(3)));
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("<b>ortho")));
+  EXPECT_THAT(page, ::testing::HasSubstr("&lt;b&gt;ortho"));
+}
+
+}  // namespace
+}  // namespace pilotage
