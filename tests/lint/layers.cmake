@@ -26,6 +26,7 @@ endforeach()
 set(may_include_flightlog ${below_stages} match)
 set(may_include_gis ${below_stages} report)
 set(may_include_prepare ${below_stages} tile score select build_map report gis)
+set(may_include_reroute ${below_stages} tile score select build_map report gis prepare)
 set(may_include_evaluate ${below_stages} build_map match flightlog)
 set(may_include_simulate ${below_stages} match flightlog)
 
