@@ -12,7 +12,7 @@
 namespace pilotage {
 namespace {
 
-constexpr double kLeastImagery = 0.5;
+constexpr double kLeastTileImagery = 0.5;
 // Columns and rows to the neighbours in 16 directions.
 constexpr std::array<std::pair<int, int>, 16> kNeighbours = {{{0, 1},
                                                               {1, 2},
@@ -76,7 +76,7 @@ SearchGround::SearchGround(const Mission& area, const std::vector<double>& p_of_
   stride_m_ = matrix.stride_px * std::abs(matrix.map_from_pixel.x_per_col);
   for (std::size_t i = 0; i < area.ground.tiles.size(); ++i) {
     const GroundTile& tile = area.ground.tiles[i];
-    if (tile.level != level_ || !(tile.valid_fraction >= kLeastImagery)) continue;
+    if (tile.level != level_ || !(tile.valid_fraction >= kLeastTileImagery)) continue;
     if (!(area.flight.places[i].offset_m <= within_m)) continue;
     const Eigen::Vector2d center_m = tile.bounds.center_m();
     if (!zones.forbidden_by(center_m).empty()) continue;
@@ -102,7 +102,7 @@ bool SearchGround::may_be_flown_over(const Eigen::Vector2d& point_m) const {
   // The tile may be there, and only its centre in a zone or too far away; those are looked at for themselves.
   if (matrix.contains(column, row)) {
     const auto tile = find_tile(area_.ground, tile_id_of(area_.ground.levels, level_, column, row));
-    if (tile && area_.ground.tiles[*tile].valid_fraction >= kLeastImagery) return true;
+    if (tile && area_.ground.tiles[*tile].valid_fraction >= kLeastTileImagery) return true;
   }
   return std::any_of(anchors_m_.begin(), anchors_m_.end(),
                      [&](const Eigen::Vector2d& anchor_m) { return (anchor_m - point_m).norm() < stride_m_; });
