@@ -72,5 +72,5 @@ foreach(file IN LISTS files)
   endforeach()
 endforeach()
 finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {route, ins, mapdb <- match, registration, ground} <- \
-{mission, matchability} <- stages; a stage never includes another stage, except prepare (the stages it is made of), gis (report), flightlog (match), \
+{mission, matchability} <- stages; a stage never includes another stage, except prepare (the stages it is made of), reroute (prepare and its stages), gis (report), flightlog (match), \
 evaluate (build_map, match and flightlog) and simulate (match and flightlog)")

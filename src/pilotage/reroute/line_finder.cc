@@ -22,6 +22,9 @@ constexpr double kLeastImagery = 0.5;
 constexpr double kLowestShareOfAgl = 0.8;  // of the planned height above ground, before a waypoint is put in
 constexpr int kMostHeightPoints = 32;
 constexpr int kMostTries = 9;
+constexpr int kMostLooks = 60;        // at lines, while one is tightened
+constexpr double kLeastSaving_m = 1;  // that is worth a look
+constexpr double kReserve = 0.15;     // of what is left to certainty, for the tiles of the new line's own grid
 
 std::string place_text(GeodeticPoint point) {
   return "lon " + format_fixed(point.lon_deg, 6) + ", lat " + format_fixed(point.lat_deg, 6);
@@ -338,17 +341,61 @@ std::vector<SearchedTile> LineFinder::searched() const {
   return tiles;
 }
 
+double LineFinder::cost_m(const LinePoints& points) const {
+  return line_worth(*ground_, model_, kept_, points, {0, false, options_.line.turn_cost_m}).cost_m;
+}
+
+LineCandidate LineFinder::candidate(LinePoints points) {
+  LineCandidate line;
+  line.cost_m = cost_m(points);
+  line.plan = plan_of(points);
+  line.predicted = predict(line.plan);
+  line.points = std::move(points);
+  return line;
+}
+
 const LineCandidate* LineFinder::try_share(double min_share, bool good_reach, std::vector<LineCandidate>& tried) {
   report_progress(progress_, "searching for a line", 0, 0);
   auto points = find(min_share, good_reach);
   if (!points) return nullptr;
-  LineCandidate line;
-  line.cost_m = line_worth(*ground_, model_, kept_, *points, {0, false, options_.line.turn_cost_m}).cost_m;
-  line.plan = plan_of(*points);
-  line.predicted = predict(line.plan);
-  line.points = std::move(*points);
-  tried.push_back(std::move(line));
+  tried.push_back(candidate(std::move(*points)));
   return &tried.back();
+}
+
+LineCandidate LineFinder::tightened(LineCandidate line) {
+  const double asked = options_.mission.select.min_route_probability;
+  int looks = kMostLooks;
+  const auto try_points = [&](LinePoints points, std::size_t stretch, std::size_t k) {
+    const std::vector<Eigen::Vector2d>& now = points[stretch];
+    for (std::size_t i = k; i < std::min(k + 2, now.size()); ++i) {
+      if (!ground_->clear(now[i - 1], now[i])) return false;
+    }
+    if (!(cost_m(points) < line.cost_m - kLeastSaving_m)) return false;
+    --looks;
+    report_progress(progress_, "searching for a line", 0, 0);
+    LineCandidate next = candidate(std::move(points));
+    const bool with_reserve = next.predicted.status == QualityStatus::kGood &&
+                              (!next.predicted.selection.probability ||
+                               next.predicted.selection.probability->p_within_limit >= asked + kReserve * (1 - asked));
+    if (with_reserve) line = std::move(next);
+    return with_reserve;
+  };
+  for (bool shorter = true; shorter;) {
+    shorter = false;
+    for (std::size_t stretch = 0; stretch < line.points.size(); ++stretch) {
+      for (std::size_t k = 1; k + 1 < line.points[stretch].size() && looks > 0;) {
+        LinePoints without = line.points;
+        without[stretch].erase(without[stretch].begin() + static_cast<std::ptrdiff_t>(k));
+        LinePoints nearer = line.points;
+        nearer[stretch][k] = nearer[stretch][k] / 2 + (nearer[stretch][k - 1] + nearer[stretch][k + 1]) / 4;
+        const bool gone = try_points(std::move(without), stretch, k);
+        const bool moved = !gone && looks > 0 && try_points(std::move(nearer), stretch, k);
+        shorter = shorter || gone || moved;
+        if (!gone) ++k;
+      }
+    }
+  }
+  return line;
 }
 
 std::vector<LineCandidate> LineFinder::find_lines() {
@@ -370,7 +417,15 @@ std::vector<LineCandidate> LineFinder::find_lines() {
     (line != nullptr && !is_go(line) ? low : high) = rigor;
     rigor = std::isfinite(high) ? (low + high) / 2 : rigor + 1;
   }
-  if (any_go) return tried;
+  if (any_go) {
+    const LineCandidate* best = nullptr;
+    for (const LineCandidate& line : tried) {
+      if (is_go(&line) && (best == nullptr || line.cost_m < best->cost_m)) best = &line;
+    }
+    LineCandidate tight = tightened(*best);
+    if (tight.cost_m < best->cost_m) tried.push_back(std::move(tight));
+    return tried;
+  }
   // Nothing is GO: the line that most flights survive, with whatever gaps. By halves and doubles, because the largest
   // share may be of any order.
   double least = 1e-6;

@@ -39,8 +39,8 @@ class LineFinder {
   const std::vector<MovableRun>& runs() const { return runs_; }
 
   /// The lines worth a look: the cheapest of all, then ones that more of the flights survive by the search's model, by
-  /// bisection, until the cheapest that the selection calls GO is found; where there is none, those that most flights
-  /// survive. Empty when no line leads from the one end to the other.
+  /// bisection, until the cheapest that the selection calls GO is found, and that one tightened; where there is none,
+  /// those that most flights survive. Empty when no line leads from the one end to the other.
   std::vector<LineCandidate> find_lines();
 
   /// The tiles of the first level, for the map.
@@ -70,6 +70,11 @@ class LineFinder {
   std::vector<PlanWaypoint> waypoints_of(const MovableRun& run, std::vector<Eigen::Vector2d> points) const;
   std::optional<LinePoints> find(double min_share, bool good_reach);
   const LineCandidate* try_share(double min_share, bool good_reach, std::vector<LineCandidate>& tried);
+  double cost_m(const LinePoints& points) const;
+  LineCandidate candidate(LinePoints points);
+  /// The line with waypoints taken out or brought half way to the straight line between their neighbours, as long as it
+  /// becomes cheaper and is predicted GO, with some reserve.
+  LineCandidate tightened(LineCandidate line);
   MovedPlan plan_of(const LinePoints& points) const;
   JudgedLine predict(const MovedPlan& plan);
 

@@ -153,15 +153,16 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
     ++result.lines_verified;
     JudgedLine verified;
     try {
-      verified = judge_as_prepare(options.mission, options_for_plan(options.mission.tile, staging / name), run, progress);
+      verified =
+          judge_as_prepare(options.mission, options_for_plan(options.mission.tile, staging / name), run, progress);
     } catch (const DataError& error) {  // what `prepare` would refuse: a hole in the imagery, GNSS all the way
       refused = error.what();
       continue;
     }
     const ForbiddenWay forbidden = forbidden_way(zones, verified.mission.flight.samples);
     if (forbidden.length_m > 0) {
-      refused = name + ": leads " + format_fixed(forbidden.length_m, 1) + " m through a no-fly zone or out of the fence (" +
-                forbidden.source + ")";
+      refused = name + ": leads " + format_fixed(forbidden.length_m, 1) +
+                " m through a no-fly zone or out of the fence (" + forbidden.source + ")";
       continue;
     }
     const bool is_better = !after || is_safer(verified, *after);
