@@ -84,7 +84,7 @@ TEST(FixAge, ReachIsThatOfTheInertialModel) {
   InsOptions options;
   options.grade = InsGrade::kConsumer;
   const InsErrorModel ins = make_ins_error_model(options);
-  const FixAgeModel model = make_fix_age_model(ins, 15, 50, 0.8, 100, 10);
+  const FixAgeModel model = make_fix_age_model(ins, 15, 50, 0.8, 100, 10, 3);
   InsState state = initial_ins_state(ins, 0, 15);
   for (int i = 0; i < 3; ++i) state = update_with_fix(propagate(state, 100.0 / 15, 0, 15, ins), ins.fix_sigma_m);
   const double reach_m = model.bin_m * static_cast<double>(model.bins);

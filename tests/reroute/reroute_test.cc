@@ -29,8 +29,8 @@ std::string lon_lat(GeodeticPoint point) {
   return "[" + format_number(point.lon_deg) + "," + format_number(point.lat_deg) + "]";
 }
 
-// 1,100 m × 700 m of ground that no place of repeats, but for a field as plain as water across the way: 300 m wide, from
-// the lower edge up to 330 m below the upper one. The planned line runs straight over it.
+// 1,100 m × 700 m of ground that no place of repeats, but for a field as plain as water across the way: 300 m wide,
+// from the lower edge up to 330 m below the upper one. The planned line runs straight over it.
 RerouteOptions over_plain_ground(const fs::path& folder) {
   testing::RasterSpec spec;
   spec.width = 1100;

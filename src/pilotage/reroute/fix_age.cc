@@ -9,8 +9,6 @@
 namespace pilotage {
 namespace {
 
-constexpr int kFixesBefore = 3;
-
 // How long the state flies straight until its error is `limit_m`, at most kLongestGap_s.
 double reach_s(const InsErrorModel& model, const InsState& state, double limit_m) {
   const auto within = [&](double time_s) {
@@ -35,10 +33,10 @@ double reach_s(const InsErrorModel& model, const InsState& state, double limit_m
 }  // namespace
 
 FixAgeModel make_fix_age_model(const InsErrorModel& model, double speed_mps, double limit_m, double good_share,
-                               double window_m, double step_m) {
+                               double window_m, double step_m, int fixes_before) {
   const InsState start = initial_ins_state(model, 0, speed_mps);
   InsState fixed = start;
-  for (int i = 0; i < kFixesBefore; ++i) {
+  for (int i = 0; i < fixes_before; ++i) {
     fixed = propagate(fixed, window_m / speed_mps, 0, speed_mps, model);
     fixed = update_with_fix(fixed, model.fix_sigma_m);
   }

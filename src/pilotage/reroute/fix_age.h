@@ -24,11 +24,11 @@ struct FixAgeModel {
   double start_good_age_m = 0;  ///< As start_age_m, of good_reach_m.
 };
 
-/// The model of a flight at `speed_mps`: a flight that has had three fixes, one a window, reaches `limit_m` after
-/// bins · bin_m. `step_m` is how finely lines are flown.
+/// The model of a flight at `speed_mps`: a flight that has had `fixes_before` fixes, one a window, reaches `limit_m`
+/// after bins · bin_m. `step_m` is how finely lines are flown.
 /// All arguments positive; `good_share` of the limit is what the verdict calls good.
 FixAgeModel make_fix_age_model(const InsErrorModel& model, double speed_mps, double limit_m, double good_share,
-                               double window_m, double step_m);
+                               double window_m, double step_m, int fixes_before);
 
 /// Flights on a line, by the way flown since their last fix: within[a] is the share of all that are within the limit
 /// and had it at most a + 1 bins ago. Never falls with a; the last is the share within the limit.

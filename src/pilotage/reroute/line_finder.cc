@@ -16,11 +16,13 @@
 namespace pilotage {
 namespace {
 
-constexpr double kSampleStep_m = 10;  // as plan_tiles
-constexpr double kOnePlace_m = 1;
+constexpr double kSampleStep_m = 10;      // as plan_tiles
+constexpr double kLeastShareOfWay = 0.2;  // between the ends of what moves; below it the route is a loop
 constexpr double kLeastImagery = 0.5;
 constexpr double kLowestShareOfAgl = 0.8;  // of the planned height above ground, before a waypoint is put in
 constexpr int kMostHeightPoints = 32;
+constexpr double kFewestFixes = 3;  // that the model of the search takes a flight to have had
+constexpr double kMostFixes = 40;
 constexpr int kMostTries = 9;
 constexpr int kMostLooks = 60;        // at lines, while one is tightened
 constexpr double kLeastSaving_m = 1;  // that is worth a look
@@ -127,11 +129,13 @@ void LineFinder::place_anchors() {
     const std::string which = runs_.size() == 1 ? "the" : "moved stretch " + std::to_string(i + 1) + ": its";
     refuse_bad_end(from, which + " start");
     refuse_bad_end(to, which + " end");
-    if ((to.point_map_m - from.point_map_m).norm() < kOnePlace_m) {
+    const double apart_m = (to.point_map_m - from.point_map_m).norm();
+    if (apart_m < kLeastShareOfWay * (to.distance_m - from.distance_m)) {
       throw DataError("legs " + std::to_string(runs_[i].first + 1) + " to " + std::to_string(runs_[i].last + 1) +
-                      " of " + planned_.name +
-                      " lead back to where they begin, so that the cheapest line is none; "
-                      "keep every waypoint (--keep-waypoints), or some legs (--keep)");
+                      " of " + planned_.name + ", " + format_fixed((to.distance_m - from.distance_m) / 1000, 2) +
+                      " km, lead back to " + format_fixed(apart_m, 0) +
+                      " m from where they begin, so that the cheapest line would leave the mission out; keep every "
+                      "waypoint (--keep-waypoints), or some legs (--keep)");
     }
     anchors_m_.push_back(from.point_map_m);
     anchors_m_.push_back(to.point_map_m);
@@ -203,8 +207,10 @@ void LineFinder::make_model() {
   const double window_m =
       std::max({options_.mission.select.fix_decorrelation_m.value_or(level.matrix.tile_size_px * level.gsd_m),
                 options_.mission.select.fix_interval_s * speed_mps, 1.0});
+  // How far the filter has settled half way: it knows velocity and tilt the better, the more fixes came before.
+  const double fixes = std::clamp(samples.back().distance_m / window_m / 2, kFewestFixes, kMostFixes);
   model_ = make_fix_age_model(make_ins_error_model(area_.flight.ins), speed_mps, area_.flight.max_error_m,
-                              QualityThresholds::kErrorShareGood, window_m, stride_m / 2);
+                              QualityThresholds::kErrorShareGood, window_m, stride_m / 2, static_cast<int>(fixes));
 }
 
 // At a share of the length of a run.

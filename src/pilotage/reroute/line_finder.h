@@ -32,7 +32,7 @@ class LineFinder {
  public:
   /// `area` is the mission of the planned line with all tiles around it, and `scores` are theirs; the new line's
   /// corridor has `corridor_half_width_m`. Throws DataError when an end of what may move lies in a zone or outside the
-  /// imagery, when both ends are one place, or when a leg that is kept is not clear of zones.
+  /// imagery, when both ends are nearer than a fifth of the way, or when a leg that is kept is not clear of zones.
   LineFinder(const RerouteOptions& options, const PlannedLine& planned, Mission area, std::vector<TileScores> scores,
              const NoFlyZones& zones, double corridor_half_width_m, int threads, const Progress& progress);
 

@@ -174,15 +174,22 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
     if (is_go) break;
   }
   if (chosen == nullptr) throw DataError("no line that was found can be flown; of the last: " + refused);
-  write_file(staging / name, json_text(chosen->plan.json, 4), true);
+  MovedPlan plan = chosen->plan;
+  const bool planned_is_clear = !(forbidden_way(zones, before.mission.flight.samples).length_m > 0);
+  if (after->status != QualityStatus::kGood && planned_is_clear && !is_safer(*after, before)) {
+    after = before;
+    plan = MovedPlan{planned.json, {}, {}, {}};
+    result.notes.emplace_back("no line that was found is better than the planned one, which stays as it is");
+  }
+  write_file(staging / name, json_text(plan.json, 4), true);
 
   result.found_go = after->status == QualityStatus::kGood;
   result.before = figures_of(before, zones);
   result.after = figures_of(*after, zones);
   result.assumptions = assumptions_line(after->mission.flight, after->selection);
-  result.removed_items = chosen->plan.removed;
-  result.lost_items = chosen->plan.lost;
-  result.shifted_items = chosen->plan.shifted;
+  result.removed_items = plan.removed;
+  result.lost_items = plan.lost;
+  result.shifted_items = plan.shifted;
   for (const std::string& warning : after->mission.warnings) {
     if (std::find(result.warnings.begin(), result.warnings.end(), warning) == result.warnings.end()) {
       result.warnings.push_back(warning);

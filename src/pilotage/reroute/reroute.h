@@ -79,7 +79,7 @@ std::vector<std::filesystem::path> reroute_outputs(const std::filesystem::path& 
 ///
 /// Throws as the stages; UsageError for stretches of `denied` in kilometres, which another line does not have, for legs
 /// to keep that do not exist or are all there are; DataError when the start or the end lies outside the imagery or in a
-/// no-fly zone, when both are one place, when a leg that is kept enters a zone, and when no line leads from the one to
+/// no-fly zone, when both are nearer than a fifth of the way between them, when a leg that is kept enters a zone, and when no line leads from the one to
 /// the other; as prepare() when an output exists.
 RerouteResult reroute(const RerouteOptions& options, const RerouteRun& run, const Progress& progress = {});
 
