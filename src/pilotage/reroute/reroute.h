@@ -12,8 +12,6 @@
 #include "pilotage/reroute/reroute_options.h"
 #include "pilotage/route/route.h"
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// A line and what `prepare` says of it.
@@ -33,7 +31,7 @@ struct RerouteLine {
 
 /// A tile of the ground that was searched, for the map.
 struct SearchedTile {
-  double p_correct_fix = 0;  ///< 0 where none is counted on.
+  double p_fix = 0;  ///< 0 where none is counted on.
   std::vector<GeodeticPoint> corners;
 };
 
@@ -79,10 +77,8 @@ std::vector<std::filesystem::path> reroute_outputs(const std::filesystem::path& 
 ///
 /// Throws as the stages; UsageError for stretches of `denied` in kilometres, which another line does not have, for legs
 /// to keep that do not exist or are all there are; DataError when the start or the end lies outside the imagery or in a
-/// no-fly zone, when both are nearer than a fifth of the way between them, when a leg that is kept enters a zone, and when no line leads from the one to
-/// the other; as prepare() when an output exists.
+/// no-fly zone, when both are nearer than a fifth of the way between them, when a leg that is kept enters a zone, and
+/// when no line leads from the one to the other; as prepare() when an output exists.
 RerouteResult reroute(const RerouteOptions& options, const RerouteRun& run, const Progress& progress = {});
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop

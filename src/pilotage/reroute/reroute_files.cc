@@ -143,7 +143,7 @@ std::string map_svg(const RerouteResult& result) {
   std::string text = "<svg viewBox=\"0 0 " + svg.number(picture.width) + " " + svg.number(picture.height) +
                      "\" role=\"img\" aria-label=\"Map of the planned and the new line\">\n";
   for (const SearchedTile& tile : result.searched) {
-    text += "<polygon class=\"cell\" fill=\"" + cell_colour(tile.p_correct_fix) + "\" points=\"" +
+    text += "<polygon class=\"cell\" fill=\"" + cell_colour(tile.p_fix) + "\" points=\"" +
             points_text(picture, svg, tile.corners) + "\"/>\n";
   }
   for (const auto& ring : result.no_fly_rings) {

@@ -7,8 +7,6 @@
 #include "pilotage/base/options.h"
 #include "pilotage/prepare/prepare.h"
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 /// What may move of a planned line, and what it costs.
@@ -57,5 +55,3 @@ struct RerouteOptions {
 };
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop
