@@ -57,7 +57,7 @@ RerouteOptions over_plain_ground(const fs::path& folder) {
   tile.camera.width_px = 640;
   tile.camera.height_px = 480;
   tile.ins.grade = InsGrade::kConsumer;
-  tile.max_error_m = 40;
+  tile.max_error_m = 50;
   options.mission.score.degraded_copies = 1;
   return options;
 }
