@@ -7,6 +7,7 @@ namespace pilotage {
 // Each in its own command_<word>.cc; main.cc lists them by the way of the data.
 Command make_prepare_command();
 Command make_survey_command();
+Command make_reroute_command();
 Command make_tile_command();
 Command make_score_command();
 Command make_merge_command();

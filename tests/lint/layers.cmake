@@ -27,6 +27,7 @@ set(may_include_flightlog ${below_stages} match)
 set(may_include_gis ${below_stages} report)
 set(may_include_prepare ${below_stages} tile score select build_map report gis)
 set(may_include_survey ${below_stages} tile score report gis)
+set(may_include_reroute ${below_stages} tile score select build_map report gis prepare)
 set(may_include_evaluate ${below_stages} build_map match flightlog)
 set(may_include_simulate ${below_stages} match flightlog)
 
@@ -72,5 +73,5 @@ foreach(file IN LISTS files)
   endforeach()
 endforeach()
 finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {route, ins, mapdb <- match, registration, ground} <- \
-{mission, matchability} <- stages; a stage never includes another stage, except prepare and survey (the stages they are made of), gis (report), flightlog (match), \
+{mission, matchability} <- stages; a stage never includes another stage, except prepare and survey (the stages they are made of), reroute (prepare and its stages), gis (report), flightlog (match), \
 evaluate (build_map, match and flightlog) and simulate (match and flightlog)")

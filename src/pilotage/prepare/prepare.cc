@@ -72,7 +72,8 @@ nlohmann::ordered_json described(PrepareOptions options) {
   return options_to_json(list_options(options));
 }
 
-/// P(correct fix) is that of the map that will be built.
+}  // namespace
+
 ScoreOptions score_options_of(const PrepareOptions& options) {
   ScoreOptions score = options.score;
   score.features = options.build.features;
@@ -83,8 +84,6 @@ ScoreOptions score_options_of(const PrepareOptions& options) {
   }
   return score;
 }
-
-}  // namespace
 
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);

@@ -66,6 +66,10 @@ struct PrepareResult {
   std::vector<std::string> warnings;  ///< For the planner.
 };
 
+/// How tiles are scored for the map that will be built: P(correct fix) is that of its features and chips. Throws
+/// UsageError for a matcher that the map does not serve.
+ScoreOptions score_options_of(const PrepareOptions& options);
+
 /// Names of the outputs of an earlier run in a folder, sorted: what prepare() replaces there, and a signature and a
 /// list of chunks of the map.
 std::vector<std::string> earlier_outputs(const std::filesystem::path& folder);

@@ -186,15 +186,51 @@ void note_areas(Route& route, JsonObject& plan) {
   if (count > 0) add_note(route, std::to_string(count) + " geofence areas and rally points are not flown to.");
 }
 
-}  // namespace
-
-Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json, const RouteOptions& options) {
-  JsonObject plan(json, name);
+JsonObject open_mission(JsonObject& plan) {
   const std::string file_type = plan.text("fileType");
   if (file_type != "Plan") throw DataError(plan.path("fileType") + " = \"" + file_type + "\" is not \"Plan\"");
   require_version(plan, {1});
   JsonObject mission_json = plan.object("mission");
   require_version(mission_json, {2});
+  return mission_json;
+}
+
+// Appends the items of the plan to route and mission; the number of each element of its list of items.
+std::vector<int> read_items(Route& route, MavlinkMission& mission, JsonObject& mission_json) {
+  std::vector<int> numbers;
+  int number = 1;  // QGroundControl counts home as 0; of a survey it counts every command
+  for (JsonObject& item : mission_json.objects("items")) {
+    const std::string type = item.text("type");
+    if (type == "SimpleItem") {
+      number = number_of(item, mission, number);
+      mission.items.push_back(parse_simple_item(item, number));
+      numbers.push_back(number);
+    } else if (type == "ComplexItem") {
+      const std::size_t before = mission.items.size();
+      const int last = append_complex_item(route, mission, item, number);
+      numbers.push_back(mission.items.size() > before ? mission.items[before].index : number);
+      number = last;
+    } else {
+      throw DataError(item.path("type") + " = \"" + type + "\" is neither SimpleItem nor ComplexItem");
+    }
+    ++number;
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<int> qgc_item_numbers(const std::string& name, const nlohmann::ordered_json& json) {
+  JsonObject plan(json, name);
+  JsonObject mission_json = open_mission(plan);
+  Route route;
+  MavlinkMission mission;
+  return read_items(route, mission, mission_json);
+}
+
+Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json, const RouteOptions& options) {
+  JsonObject plan(json, name);
+  JsonObject mission_json = open_mission(plan);
 
   Route route;
   route.name = name;
@@ -203,19 +239,7 @@ Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json
   mission.home = parse_home(mission_json);
   mission.hovers = plan_hovers(mission_json);
   mission.speed_mps = planned_speed_mps(mission_json, mission.hovers);
-  int number = 1;  // QGroundControl counts home as 0; of a survey it counts every command
-  for (JsonObject& item : mission_json.objects("items")) {
-    const std::string type = item.text("type");
-    if (type == "SimpleItem") {
-      number = number_of(item, mission, number);
-      mission.items.push_back(parse_simple_item(item, number));
-    } else if (type == "ComplexItem") {
-      number = append_complex_item(route, mission, item, number);
-    } else {
-      throw DataError(item.path("type") + " = \"" + type + "\" is neither SimpleItem nor ComplexItem");
-    }
-    ++number;
-  }
+  read_items(route, mission, mission_json);
   append_mission(route, mission, options);
   std::stable_sort(route.items.begin(), route.items.end(),
                    [](const RouteItem& a, const RouteItem& b) { return a.index < b.index; });

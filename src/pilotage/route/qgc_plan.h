@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -21,5 +22,9 @@ namespace pilotage {
 ///   - Geofence and rally points are not flown to.
 /// Throws DataError naming the item for anything else.
 Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json, const RouteOptions& options);
+
+/// The number (RouteItem::index) of each element of the plan's list of items, in its order; of a survey that of its
+/// first command. Throws as parse_qgc_plan, as far as the items themselves are concerned.
+std::vector<int> qgc_item_numbers(const std::string& name, const nlohmann::ordered_json& json);
 
 }  // namespace pilotage

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pilotage/mission/mission.h"
+#include "pilotage/mission/selection.h"
+#include "pilotage/reroute/no_fly_zones.h"
+#include "pilotage/reroute/reroute.h"
+
+namespace pilotage {
+
+/// A line with what the selection predicts of it, and the verdict on that.
+struct JudgedLine {
+  Mission mission;
+  std::vector<TileScores> scores;
+  Selection selection;
+  QualityStatus status = QualityStatus::kBad;
+  std::string text;  ///< The verdict in one line, as `prepare` prints it.
+};
+
+/// Fills status and text from the rest, by the rows and the words of the report (report/quality.h, report/verdict.h).
+void judge(JudgedLine& line);
+
+/// Is a a better line than b, whatever they cost? By verdict, then P, then largest error.
+bool is_safer(const JudgedLine& a, const JudgedLine& b);
+
+/// Its figures for the result.
+RerouteLine figures_of(const JudgedLine& line, const NoFlyZones& zones);
+
+/// Plans, scores and selects a mission as `prepare` does, and judges it. Throws as the stages.
+JudgedLine judge_as_prepare(const PrepareOptions& options, const TileOptions& tile, const RerouteRun& run,
+                            const Progress& progress);
+
+}  // namespace pilotage
