@@ -19,6 +19,7 @@
 #include "pilotage/camera/projection.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
+#include "pilotage/ins/ins_products.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -330,6 +331,7 @@ void add_imagery(Mission& mission, const std::vector<ImageryInfo>& infos) {
 Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   check_options(options);
   if (!options.camera.name.empty()) camera_product(options.camera.name);  // "list" asks for nothing else
+  if (options.ins.name) ins_product(*options.ins.name);
   require(!options.imagery.empty(), "imagery");
   require(!options.route.empty(), "route");
 
@@ -343,7 +345,14 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   mission.flight.route = read_route(options.route, options.route_options);
   mission.flight.camera = make_camera(options.camera, mission.flight.route.camera);
   mission.flight.ins = options.ins;
-  if (!options.ins.grade) {
+  if (options.ins.name) {
+    const InsProduct& product = ins_product(*options.ins.name);
+    if (!product.confirmed) {
+      mission.warnings.push_back("the figures of the " + std::string(product.name) +
+                                 " are not confirmed: compare them with " + std::string(product.source) +
+                                 ", and give those that differ (--ins-angle-random-walk-deg-rt-h, …)");
+    }
+  } else if (!options.ins.grade) {
     mission.warnings.emplace_back(
         "no inertial grade is given (--ins-grade): tactical is assumed; with a lower grade the aircraft drifts "
         "faster, and the same flight may be lost");
