@@ -326,6 +326,23 @@ void add_imagery(Mission& mission, const std::vector<ImageryInfo>& infos) {
   }
 }
 
+/// A map that ground control points place is wrong by what they miss, and so is each fix that is taken on it: the error
+/// of a fix along one axis grows by the share of one axis of the worst raster's residual.
+void add_map_error(const std::vector<ImageryInfo>& infos, Mission& mission) {
+  double rms_m = 0;
+  for (const auto& info : infos) {
+    if (info.control_points) rms_m = std::max(rms_m, info.control_points->rms_m);
+  }
+  if (rms_m == 0) return;
+  double& fix_sigma_m = mission.flight.ins.fix_sigma_m;
+  const double with_map_m = std::hypot(fix_sigma_m, rms_m / std::numbers::sqrt2);
+  mission.notes.push_back("Error of a fix: " + format_fixed(with_map_m, 2) + " m each axis, of which " +
+                          format_fixed(fix_sigma_m, 2) + " m are the matcher's and " +
+                          format_fixed(rms_m / std::numbers::sqrt2, 2) +
+                          " m the map's, whose place comes from ground control points");
+  fix_sigma_m = with_map_m;
+}
+
 }  // namespace
 
 Mission plan_tiles(const TileOptions& options, const Progress& progress) {
@@ -357,6 +374,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
         "no inertial grade is given (--ins-grade): tactical is assumed; with a lower grade the aircraft drifts "
         "faster, and the same flight may be lost");
   }
+  add_map_error(infos, mission);
   mission.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
   mission.flight.max_error_assumed = !options.max_error_m;
   mission.flight.min_agl_m = options.min_agl_m;
