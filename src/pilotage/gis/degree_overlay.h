@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "pilotage/report/report.h"
 
 namespace pilotage {
@@ -20,5 +22,9 @@ struct DegreeOverlay {
 /// at most 256 × 256 cells with 8 × 8 pixels each, so that edges of cells stay within an eighth of a cell however long
 /// the route is. Throws DataError when a picture has no place in WGS 84.
 DegreeOverlay heat_overlay(const ReportInput& input, const Report& report);
+
+/// The heat map of a measure: values (CV_64F, NaN where there is none) in the colours of its scale, CV_8UC4 with red
+/// first, transparent where there is no value.
+cv::Mat heat_picture(const cv::Mat& values, const MeasureScale& scale);
 
 }  // namespace pilotage

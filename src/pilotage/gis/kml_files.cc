@@ -19,6 +19,10 @@ std::string legs_kml(const Report& report, const ReportLayers& layers) {
   return kml_document(report.title, line_layers(layers));
 }
 
+std::string route_kml(const ReportInput& input, const Report& report, const ReportLayers& layers) {
+  return kml_document(report.title, {layers.route, waypoint_layer(input)});
+}
+
 std::string areas_kml(const Report& report, const ReportLayers& layers) {
   return kml_document(report.title, {layers.areas});
 }

@@ -445,6 +445,35 @@ const MeasureScale& shown_scale(const Report& report) {
   return known == report.measures.end() ? report.measures.front() : *known;
 }
 
+VectorLayer waypoint_layer(const ReportInput& input) {
+  VectorLayer layer = line_layer("waypoints", "Waypoints", "Points of the plan, by the numbers of its items.");
+  layer.shape = VectorShape::kPoint;
+  using Type = VectorType;
+  layer.columns = {{"item", Type::kInteger, "Item of the plan"},
+                   {"kind", Type::kText, "Kind"},
+                   {"amsl_m", Type::kReal, "Height above sea level [m]"},
+                   {"agl_m", Type::kReal, "Height above ground [m]"},
+                   {"speed_mps", Type::kReal, "Speed on the way there [m/s]"}};
+  const std::vector<RouteVertex>& vertices = input.mission.flight.route.vertices;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const RouteVertex& vertex = vertices[i];
+    const auto is_of_item = [&](std::size_t other) {
+      return vertex.source_item >= 0 && vertices[other].source_item == vertex.source_item;
+    };
+    const bool ends_a_curve = vertex.kind == "spline waypoint";
+    const bool repeats = ends_a_curve ? i + 1 < vertices.size() && is_of_item(i + 1) : i > 0 && is_of_item(i - 1);
+    if (repeats) continue;
+    VectorFeature feature;
+    feature.points = {{vertex.point.lon_deg, vertex.point.lat_deg}};
+    feature.values = {item_value(vertex.source_item), vertex.kind, number_value(vertex.amsl_m),
+                      number_value(vertex.agl_m), number_value(vertex.speed_mps)};
+    feature.title = vertex.source_item < 0 ? vertex.kind : std::to_string(vertex.source_item);
+    feature.note = vertex.kind;
+    layer.features.push_back(std::move(feature));
+  }
+  return layer;
+}
+
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers) {
   std::vector<const VectorLayer*> drawn = {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps};
   if (!layers.denied.features.empty()) drawn.push_back(&layers.denied);

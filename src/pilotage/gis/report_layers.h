@@ -20,6 +20,10 @@ struct ReportLayers {
   VectorLayer report;  ///< Without a shape: the verdict and what the report was made of, as keys and values.
 };
 
+/// The points that the aircraft flies through, with the numbers that the planning program shows for its items; of the
+/// many points of one item (a survey, a curve) the first, or for a spline the waypoint at its end. For KML alone.
+VectorLayer waypoint_layer(const ReportInput& input);
+
 /// The layers that have a place in files, in their order: all with a shape but an empty `denied`.
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers);
 
