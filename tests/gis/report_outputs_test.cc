@@ -17,6 +17,8 @@
 
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/gis/degree_overlay.h"
+#include "pilotage/gis/score_files.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/report/tile_class.h"
 
@@ -63,7 +65,7 @@ TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
   EXPECT_EQ(names_in(folder), written);
   const std::vector<std::string> told = report_output_names("report", kEverything, input.mission.ground.levels, true);
   EXPECT_EQ(std::set<std::string>(told.begin(), told.end()), written);
-  EXPECT_EQ(written.size(), 22u);
+  EXPECT_EQ(written.size(), 26u);
   for (const std::string& name : names) EXPECT_TRUE(is_report_output("report", name)) << name;
   EXPECT_FALSE(is_report_output("report", "report.txt"));
   EXPECT_FALSE(is_report_output("report", "report_levels.tif"));
@@ -72,9 +74,88 @@ TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
 TEST(ReportOutputs, NoLayerOfDeniedStretchesWhereNothingSaysSo) {
   const TemporaryFolder folder;
   const std::vector<std::string> names = write_all(folder, testing::gis_scene());
-  EXPECT_EQ(names.size(), 21u);
+  EXPECT_EQ(names.size(), 25u);
   EXPECT_EQ(std::count(names.begin(), names.end(), "report_denied.geojson"), 0);
   EXPECT_TRUE(is_report_output("report", "report_denied.geojson")) << "one of an earlier run is taken away";
+}
+
+// The numbers in the file are those that the planning program shows, so that a leg that must move is found there.
+TEST(ReportOutputs, WaypointsHaveTheNumbersOfThePlan) {
+  const TemporaryFolder folder;
+  ReportInput input = testing::gis_scene();
+  std::vector<RouteVertex>& vertices = input.mission.flight.route.vertices;
+  vertices.clear();
+  const auto add = [&](double lon_deg, int item, const std::string& kind) {
+    RouteVertex vertex;
+    vertex.point = {lon_deg, 51.96};
+    vertex.source_item = item;
+    vertex.kind = kind;
+    vertices.push_back(vertex);
+  };
+  add(7.600, -1, "home");
+  add(7.601, 2, "waypoint");
+  add(7.602, 5, "spline waypoint");
+  add(7.603, 5, "spline waypoint");
+  add(7.604, 7, "survey");
+  add(7.605, 7, "survey");
+  input.mission.flight.route.items = {{2, 16, "waypoint", "1 vertex"}};  // a mission's items have commands
+  write_all(folder, input, {ReportOutput::kRoute});
+  const auto dataset = open(folder / "report_route.kml");
+  OGRLayer* waypoints = dataset->GetLayerByName("Waypoints");
+  ASSERT_NE(waypoints, nullptr);
+  std::vector<std::pair<std::string, double>> found;
+  while (const std::unique_ptr<OGRFeature> feature{waypoints->GetNextFeature()}) {
+    found.emplace_back(feature->GetFieldAsString("Name"), feature->GetGeometryRef()->toPoint()->getX());
+  }
+  ASSERT_EQ(found.size(), 4U);
+  EXPECT_EQ(found[0], std::pair(std::string("home"), 7.600));
+  EXPECT_EQ(found[1], std::pair(std::string("2"), 7.601));
+  EXPECT_EQ(found[2], std::pair(std::string("5"), 7.603)) << "a curve ends at its waypoint";
+  EXPECT_EQ(found[3], std::pair(std::string("7"), 7.604)) << "a survey begins at its first point";
+}
+
+TEST(ReportOutputs, TheHeatMapAsMbtilesShowsTheCellsInTheirColours) {
+  const TemporaryFolder folder;
+  const ReportInput input = testing::gis_scene();
+  const Report report = make_report(input);
+  write_all(folder, input, {ReportOutput::kMbtiles, ReportOutput::kCog});
+  const auto dataset = open(folder / "report.mbtiles");
+  EXPECT_EQ(std::string(dataset->GetDriverName()), "MBTiles");
+  EXPECT_EQ(dataset->GetRasterCount(), 4);
+  EXPECT_GE(dataset->GetRasterBand(1)->GetOverviewCount(), 1);
+  std::array<double, 6> place{};
+  ASSERT_EQ(dataset->GetGeoTransform(place.data()), CE_None);
+  const ScoreTable table(input.mission.ground, input.scores);
+  const ScoreRaster raster = score_raster(table, 0);
+  const auto shown = shown_measure(raster, input.scores);
+  ASSERT_TRUE(shown.has_value());
+  const cv::Mat& values = raster.bands[static_cast<std::size_t>(shown->band - 1)].values;
+  const cv::Mat picture = heat_picture(values, shown->scale);
+  const CrsTransform from_grid(input.mission.ground.crs);
+  const CrsTransform to_web(Crs::from_user_input("EPSG:3857"));
+  int colored = 0;
+  for (int row = 0; row < values.rows; ++row) {
+    for (int col = 0; col < values.cols; ++col) {
+      const auto point = from_grid.geodetic_from_map(raster.map_from_pixel.map_from_pixel({col + 0.5, row + 0.5}));
+      const auto web = to_web.map_from_geodetic(*point);
+      const int x = static_cast<int>(std::floor((web->x() - place[0]) / place[1]));
+      const int y = static_cast<int>(std::floor((web->y() - place[3]) / place[5]));
+      std::array<std::uint8_t, 4> pixel{};
+      ASSERT_EQ(dataset->RasterIO(GF_Read, x, y, 1, 1, pixel.data(), 1, 1, GDT_Byte, 4, nullptr, 0, 0, 0), CE_None);
+      const auto wanted = picture.at<cv::Vec4b>(row, col);
+      EXPECT_EQ(pixel[3], wanted[3]) << col << ", " << row;
+      if (wanted[3] == 0) continue;
+      for (int band = 0; band < 3; ++band) EXPECT_EQ(pixel[static_cast<std::size_t>(band)], wanted[band]);
+      ++colored;
+    }
+  }
+  EXPECT_GT(colored, 3);
+}
+
+// EPSG:3857 ends there, and a picture of both sides would go around the world.
+TEST(ReportOutputs, NoMbtilesOverTheAntimeridian) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(write_all(folder, testing::gis_scene({179.988, -16.5}), {ReportOutput::kMbtiles}).empty());
 }
 
 TEST(ReportOutputs, OnlyWhatIsAskedForIsWritten) {

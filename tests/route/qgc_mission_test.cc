@@ -37,8 +37,6 @@ TEST(QgcMission, OthersAreRefusedByName) {
   EXPECT_THAT(route_error(old_mission("2", "")),
               HasSubstr("of version 2, and \"1.0\" is read; open it in QGroundControl"));
   EXPECT_THAT(route_error(old_mission("\"1.0\"", "{}")), HasSubstr("holds complex items (surveys)"));
-  EXPECT_THAT(route_error(R"({"version": {}, "route": {"name": "a", "segments": []}})"),
-              HasSubstr("is a route of UgCS, whose JSON is not read here"));
   EXPECT_THAT(route_error("#saved by Mission Planner 1.3.80\n47 8\n47.1 8\n"), HasSubstr("an area and no path"));
 }
 

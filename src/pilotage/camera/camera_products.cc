@@ -1,13 +1,11 @@
 #include "pilotage/camera/camera_products.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "pilotage/base/error.h"
-#include "pilotage/base/text.h"
+#include "pilotage/base/product_name.h"
 
 namespace pilotage {
 namespace {
@@ -64,15 +62,6 @@ const std::vector<CameraProduct>& product_list() {
   return kProducts;
 }
 
-std::string plain(std::string_view name) {
-  std::string letters;
-  for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter) != 0) letters += static_cast<char>(std::tolower(letter));
-  }
-  return letters;
-}
-
 /// Focal length in widths of the image.
 double focal_widths(const CameraProduct& product) {
   constexpr double kRad = std::numbers::pi / 180;
@@ -89,26 +78,10 @@ std::span<const CameraProduct> camera_products() {
 }
 
 const CameraProduct& camera_product(std::string_view name) {
-  const std::string wanted = plain(name);
-  std::vector<std::string> names;
-  std::vector<std::string> with_a_word;
-  std::vector<std::string> plain_names;
-  for (const CameraProduct& product : product_list()) {
-    if (wanted == plain(product.name) || (!product.also.empty() && wanted == plain(product.also))) return product;
-    names.emplace_back(product.name);
-    plain_names.push_back(plain(product.name));
-    if (!wanted.empty() && plain_names.back().find(wanted) != std::string::npos) with_a_word.push_back(names.back());
-  }
-  if (wanted == "list") throw UsageError("the cameras known by name: " + join(names, "; "));
-  if (with_a_word.empty()) {
-    const std::string nearest = nearest_word(wanted, plain_names);
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (!nearest.empty() && plain_names[i] == nearest) with_a_word.push_back(names[i]);
-    }
-  }
-  throw UsageError("no camera \"" + std::string(name.substr(0, 60)) + "\" is known by name" +
-                   (with_a_word.empty() ? "" : "; did you mean " + join(with_a_word, ", or ") + "?") +
-                   " --camera-name list names all; any camera can be given by its field of view or its sensor");
+  std::vector<ProductName> names;
+  for (const CameraProduct& product : product_list()) names.push_back({product.name, product.also});
+  return product_list()[product_of_name(
+      name, names, {"camera", "--camera-name", "any camera can be given by its field of view or its sensor"})];
 }
 
 const CameraProduct* dji_camera_product(int payload) {

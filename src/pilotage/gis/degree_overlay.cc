@@ -32,20 +32,6 @@ std::string png(const cv::Mat& rgba) {
   return {bytes.begin(), bytes.end()};
 }
 
-cv::Mat colored(const cv::Mat& values, const MeasureScale& scale) {
-  const auto colors = color_table(scale.measure.heat.colors);
-  cv::Mat rgba(values.size(), CV_8UC4, cv::Scalar::all(0));
-  for (int row = 0; row < values.rows; ++row) {
-    for (int col = 0; col < values.cols; ++col) {
-      const int index = shade(scale, values.at<double>(row, col));
-      if (index < 0) continue;
-      const Rgb color = colors[static_cast<std::size_t>(index)];
-      rgba.at<cv::Vec4b>(row, col) = {color.red, color.green, color.blue, 255};
-    }
-  }
-  return rgba;
-}
-
 std::string ground_overlay(const std::string& name, const std::string& file, const DegreePicture& picture) {
   // The colour's first byte is the opacity: the ground stays visible below.
   return "<GroundOverlay><name>" + name + "</name><visibility>0</visibility><color>b0ffffff</color><Icon><href>" +
@@ -145,6 +131,20 @@ std::string legend_overlay() {
 
 }  // namespace
 
+cv::Mat heat_picture(const cv::Mat& values, const MeasureScale& scale) {
+  const auto colors = color_table(scale.measure.heat.colors);
+  cv::Mat rgba(values.size(), CV_8UC4, cv::Scalar::all(0));
+  for (int row = 0; row < values.rows; ++row) {
+    for (int col = 0; col < values.cols; ++col) {
+      const int index = shade(scale, values.at<double>(row, col));
+      if (index < 0) continue;
+      const Rgb color = colors[static_cast<std::size_t>(index)];
+      rgba.at<cv::Vec4b>(row, col) = {color.red, color.green, color.blue, 255};
+    }
+  }
+  return rgba;
+}
+
 DegreeOverlay heat_overlay(const ScoreTable& table, const MeasureScale& shown, bool flown) {
   DegreeOverlay overlay;
   const bool measured = !std::isnan(shown.least);
@@ -158,7 +158,7 @@ DegreeOverlay heat_overlay(const ScoreTable& table, const MeasureScale& shown, b
     const auto band = std::find_if(raster.bands.begin(), raster.bands.end(),
                                    [&](const ScoreBand& entry) { return entry.name == shown.measure.name; });
     if (band == raster.bands.end()) continue;
-    const cv::Mat rgba = colored(band->values, shown);
+    const cv::Mat rgba = heat_picture(band->values, shown);
     const std::string number = std::to_string(level.matrix.level);
     overlay.kml += "<Folder><name>Heat map: " + name + ", level " + number + "</name><visibility>0</visibility>\n";
     for (int y = 0; y < rgba.rows; y += kBlockCells) {

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "pilotage/ground/score_table.h"
 #include "pilotage/report/measure_scale.h"
 
@@ -21,5 +23,9 @@ struct DegreeOverlay {
 /// eighth of a cell however long the route is. No heat map where no tile has a value. Throws DataError when a picture
 /// has no place in WGS 84.
 DegreeOverlay heat_overlay(const ScoreTable& table, const MeasureScale& shown, bool flown);
+
+/// The heat map of a measure: values (CV_64F, NaN where there is none) in the colours of its scale, CV_8UC4 with red
+/// first, transparent where there is no value.
+cv::Mat heat_picture(const cv::Mat& values, const MeasureScale& scale);
 
 }  // namespace pilotage

@@ -20,6 +20,10 @@ std::string legs_kml(const Report& report, const ReportLayers& layers) {
   return kml_document(report.title, line_layers(layers));
 }
 
+std::string route_kml(const Report& report, const ReportLayers& layers) {
+  return kml_document(report.title, {layers.route, waypoint_layer(report)});
+}
+
 std::string areas_kml(const Report& report, const ReportLayers& layers) {
   return kml_document(report.title, {layers.areas});
 }

@@ -15,6 +15,9 @@ namespace pilotage {
 /// KML of the route, its legs by status, and the gaps.
 std::string legs_kml(const Report& report, const ReportLayers& layers);
 
+/// KML of the whole route and its waypoints, which are named by the numbers of the plan's items.
+std::string route_kml(const Report& report, const ReportLayers& layers);
+
 /// KML of the matching areas, the largest first.
 std::string areas_kml(const Report& report, const ReportLayers& layers);
 

@@ -296,6 +296,32 @@ VectorLayer key_value_layer(const Report& report) {
 
 }  // namespace
 
+VectorLayer waypoint_layer(const Report& report) {
+  VectorLayer layer = line_layer("waypoints", "Waypoints", "Points of the plan, by the numbers of its items.");
+  layer.shape = VectorShape::kPoint;
+  using Type = VectorType;
+  layer.columns = {{"item", Type::kInteger, "Item of the plan"},
+                   {"kind", Type::kText, "Kind"},
+                   {"amsl_m", Type::kReal, "Height above sea level [m]"},
+                   {"agl_m", Type::kReal, "Height above ground [m]"},
+                   {"speed_mps", Type::kReal, "Speed on the way there [m/s]"},
+                   {"distance_m", Type::kReal, "Along the route [m]"},
+                   {"time_s", Type::kReal, "Time since the start [s]"}};
+  for (std::size_t i = 0; i < std::min(report.waypoints.size(), kMostWaypointsListed); ++i) {
+    const Waypoint& next = report.waypoints[i];
+    VectorFeature feature;
+    feature.points = {{next.point.lon_deg, next.point.lat_deg}};
+    feature.values = {item_value(next.item),        next.kind,
+                      number_value(next.amsl_m),    number_value(next.agl_m),
+                      number_value(next.speed_mps), number_value(next.distance_m),
+                      number_value(next.time_s)};
+    feature.title = next.item >= 0 ? std::to_string(next.item) : next.kind;
+    feature.note = next.kind;
+    layer.features.push_back(std::move(feature));
+  }
+  return layer;
+}
+
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers) {
   std::vector<const VectorLayer*> drawn = {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps};
   if (!layers.denied.features.empty()) drawn.push_back(&layers.denied);

@@ -20,6 +20,10 @@ struct ReportLayers {
   VectorLayer report;  ///< Without a shape: the verdict and what the report was made of, as keys and values.
 };
 
+/// The report's waypoints, at most kMostWaypointsListed, named by the numbers that the planning program shows for its
+/// items. For KML alone.
+VectorLayer waypoint_layer(const Report& report);
+
 /// The layers that have a place in files, in their order: all with a shape but an empty `denied`.
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers);
 

@@ -10,6 +10,7 @@
 #include "pilotage/gis/kml_files.h"
 #include "pilotage/gis/report_layers.h"
 #include "pilotage/gis/score_files.h"
+#include "pilotage/gis/stac_item.h"
 #include "pilotage/mapdb/geopackage_rows.h"
 
 namespace pilotage {
@@ -31,6 +32,7 @@ struct OutputSource {
   const Report& report;
   const ReportLayers& layers;  ///< Empty when no format that is asked for draws layers.
   bool with_scores = false;
+  std::vector<std::string> written{};  ///< Names of the files that the formats before wrote.
 
   fs::path path(const std::string& ending) const { return folder / (stem + ending); }
 };
@@ -112,6 +114,53 @@ Endings write_kml(const OutputSource& source) {
   return {"_legs.kml", "_areas.kml"};
 }
 
+Endings write_route(const OutputSource& source) {
+  write_file(source.path("_route.kml"), route_kml(source.input, source.report, source.layers), true);
+  return {"_route.kml"};
+}
+
+/// Whether the tiles lie on both sides of the antimeridian.
+bool over_antimeridian(const Ground& ground) {
+  const auto [west, east] =
+      std::minmax_element(ground.tiles.begin(), ground.tiles.end(),
+                          [](const GroundTile& a, const GroundTile& b) { return a.center.lon_deg < b.center.lon_deg; });
+  return !ground.tiles.empty() && east->center.lon_deg - west->center.lon_deg > 180;
+}
+
+/// The heat map of every level that has one. None over the antimeridian, where EPSG:3857 ends: the picture would go
+/// around the world.
+Endings write_heat_maps(const OutputSource& source) {
+  Endings endings;
+  if (over_antimeridian(source.input.mission.ground)) return endings;
+  const ScoreTable table(source.input.mission.ground, source.input.scores);
+  for (const GridLevel& level : source.input.mission.ground.levels) {
+    const ScoreRaster raster = score_raster(table, level.matrix.level);
+    if (raster.bands.empty()) continue;
+    const auto shown = shown_measure(raster, source.input.scores);
+    if (!shown) continue;
+    endings.push_back(level_suffix(level.matrix.level) + ".mbtiles");
+    write_heat_mbtiles(source.path(endings.back()), raster, *shown, source.input.mission.ground.crs,
+                       source.report.title, true);
+  }
+  return endings;
+}
+
+Endings mbtiles_endings(const std::vector<GridLevel>& levels, bool /*with_scores*/) {
+  Endings endings;
+  for (const GridLevel& level : levels) endings.push_back(level_suffix(level.matrix.level) + ".mbtiles");
+  return endings;
+}
+
+/// Last of all: its assets are the others, and the map database where it lies beside them.
+Endings write_stac(const OutputSource& source) {
+  constexpr const char* kMap = "map.gpkg";
+  std::vector<std::string> files = source.written;
+  std::error_code error;
+  if (fs::is_regular_file(source.folder / kMap, error)) files.insert(files.begin(), kMap);
+  write_file(source.path("_stac.json"), stac_item(source.input, source.report, files), true);
+  return {"_stac.json"};
+}
+
 Endings write_geojsons(const OutputSource& source) {
   Endings endings;
   for (const VectorLayer* layer : drawn_layers(source.layers)) {
@@ -136,12 +185,17 @@ const std::vector<OutputFormat>& output_formats() {
          return Endings{"_legs.kml", "_areas.kml"};
        },
        write_kml},
+      {ReportOutput::kRoute, "route", "KML with the plan's numbers", true,
+       [](Levels, bool) { return Endings{"_route.kml"}; }, write_route},
       {ReportOutput::kGeojson, "geojson", "", true,
        [](Levels, bool) {
          return Endings{"_tiles.geojson", "_areas.geojson",  "_legs.geojson",
                         "_gaps.geojson",  "_denied.geojson", "_route.geojson"};
        },
-       write_geojsons}};
+       write_geojsons},
+      {ReportOutput::kMbtiles, "mbtiles", "heat map for web maps", false, mbtiles_endings, write_heat_maps},
+      {ReportOutput::kStac, "stac", "item for a catalogue", false, [](Levels, bool) { return Endings{"_stac.json"}; },
+       write_stac}};
   return formats;
 }
 
@@ -204,17 +258,16 @@ std::vector<std::string> write_report_outputs(const fs::path& folder, const std:
     return format.draws_layers && asks_for(outputs, format.output);
   });
   const ReportLayers layers = draws_layers ? report_layers(input, report) : ReportLayers{};
-  const OutputSource source{folder, stem, input, report, layers, with_scores};
-  std::vector<std::string> names;
+  OutputSource source{folder, stem, input, report, layers, with_scores};
   const auto steps = static_cast<std::int64_t>(formats.size());
   std::int64_t step = 0;
   for (const OutputFormat& format : formats) {
     report_progress(progress, "writing the report", step++, steps);
     if (!asks_for(outputs, format.output)) continue;
-    for (const std::string& ending : format.write(source)) names.push_back(stem + ending);
+    for (const std::string& ending : format.write(source)) source.written.push_back(stem + ending);
   }
   report_progress(progress, "writing the report", steps, steps);
-  return names;
+  return source.written;
 }
 
 }  // namespace pilotage

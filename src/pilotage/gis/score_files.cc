@@ -1,7 +1,11 @@
 #include "pilotage/gis/score_files.h"
 
+#include <opencv2/imgproc.hpp>
+
 #include "pilotage/base/markup.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/gis/degree_overlay.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/report/tile_class.h"
 
@@ -40,6 +44,27 @@ std::string write_heat_style(const std::filesystem::path& raster_path, const Sho
   const std::filesystem::path path = style_path(raster_path);
   write_file(path, qgis_heat_style(shown.scale, shown.band), overwrite);
   return path.filename().string();
+}
+
+void write_heat_mbtiles(const std::filesystem::path& path, const ScoreRaster& raster, const ShownMeasure& shown,
+                        const Crs& crs, const std::string& title, bool overwrite) {
+  constexpr int kPixelsOfCell = 8;  // so that the edges of cells stay within an eighth of a cell in the map's pixels
+  constexpr std::size_t kMostPixels = std::size_t{1} << 26;
+  const cv::Mat cells = heat_picture(raster.bands[static_cast<std::size_t>(shown.band - 1)].values, shown.scale);
+  int pixels = kPixelsOfCell;
+  while (pixels > 1 &&
+         cells.total() * static_cast<std::size_t>(pixels) * static_cast<std::size_t>(pixels) > kMostPixels) {
+    --pixels;
+  }
+  cv::Mat picture;
+  cv::resize(cells, picture, {}, pixels, pixels, cv::INTER_NEAREST);
+  GeoTransform place = raster.map_from_pixel;
+  for (double* step : {&place.x_per_col, &place.x_per_row, &place.y_per_col, &place.y_per_row}) *step /= pixels;
+  const Measure& measure = shown.scale.measure;
+  write_mbtiles(path, picture, crs, place, title,
+                measure.heat.title + (measure.heat.unit == "1" ? "" : " [" + measure.heat.unit + "]") + ", " +
+                    format_number(shown.scale.low) + " to " + format_number(shown.scale.high),
+                overwrite);
 }
 
 void write_classes(const std::filesystem::path& path, const cv::Mat& values, const Crs& crs,

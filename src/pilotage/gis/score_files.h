@@ -29,6 +29,11 @@ std::filesystem::path style_path(std::filesystem::path raster_path);
 /// Writes the heat map's style beside `raster_path` (style_path). Returns its file name.
 std::string write_heat_style(const std::filesystem::path& raster_path, const ShownMeasure& shown, bool overwrite);
 
+/// Writes the heat map as MBTiles (write_mbtiles). Each cell has 8 × 8 pixels, fewer where that would be above 64
+/// million.
+void write_heat_mbtiles(const std::filesystem::path& path, const ScoreRaster& raster, const ShownMeasure& shown,
+                        const Crs& crs, const std::string& title, bool overwrite);
+
 /// Writes the class raster with its style (.qml) and the names of its classes (.aux.xml, where GDAL looks for them).
 void write_classes(const std::filesystem::path& path, const cv::Mat& values, const Crs& crs,
                    const GeoTransform& map_from_pixel, bool overwrite);

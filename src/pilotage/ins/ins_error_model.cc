@@ -2,6 +2,7 @@
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
+#include "pilotage/ins/ins_products.h"
 
 namespace pilotage {
 namespace {
@@ -44,11 +45,33 @@ GradeFigures grade_figures(InsGrade grade) {
   return {};
 }
 
+/// Of the grade, or of the product with what its data sheet leaves open taken from its class.
+GradeFigures figures_of(const InsOptions& options) {
+  if (!options.name) return grade_figures(options.grade.value_or(kAssumedInsGrade));
+  const InsProduct& product = ins_product(*options.name);
+  if (options.grade) {
+    throw UsageError("--ins-grade and --ins-name exclude each other: " + std::string(product.name) +
+                     " is of the class " + options_detail::enum_to_name(product.grade) +
+                     "; give the inertial system in one way");
+  }
+  GradeFigures figures = grade_figures(product.grade);
+  const auto take = [](double stated, double& figure) {
+    if (stated > 0) figure = stated;
+  };
+  take(product.accel_bias_mg, figures.accel_bias_mg);
+  take(product.gyro_bias_deg_h, figures.gyro_bias_deg_h);
+  take(product.velocity_random_walk_mps_rt_h, figures.velocity_random_walk_mps_rt_h);
+  take(product.angle_random_walk_deg_rt_h, figures.angle_random_walk_deg_rt_h);
+  take(product.accel_scale_ppm, figures.accel_scale_ppm);
+  take(product.gyro_scale_ppm, figures.gyro_scale_ppm);
+  return figures;
+}
+
 }  // namespace
 
 InsErrorModel make_ins_error_model(const InsOptions& options) {
   check_options(options);
-  const GradeFigures grade = grade_figures(options.grade.value_or(kAssumedInsGrade));
+  const GradeFigures grade = figures_of(options);
   InsErrorModel model;
   model.accel_bias_mps2 = options.accel_bias_mg.value_or(grade.accel_bias_mg) * 1e-3 * kStandardGravity_mps2;
   model.gyro_bias_radps = options.gyro_bias_deg_h.value_or(grade.gyro_bias_deg_h) * kRadPerDeg / kHour_s;

@@ -28,8 +28,9 @@ struct InsErrorModel {
   bool is_odometry() const { return odometry_drift > 0; }
 };
 
-/// Grade and given figures to one model. Throws UsageError when a figure is outside its range, or when grade `custom`
-/// comes with no figure that makes an error grow.
+/// Grade or product, and given figures, to one model. Throws UsageError when a figure is outside its range, when grade
+/// `custom` comes with no figure that makes an error grow, when both a grade and a product are named, and as
+/// ins_product.
 InsErrorModel make_ins_error_model(const InsOptions& options);
 
 }  // namespace pilotage

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "pilotage/base/options.h"
 
@@ -22,10 +23,12 @@ inline EnumNames<InsGrade> enum_names(InsGrade) {
 /// What is assumed where no grade is given.
 inline constexpr InsGrade kAssumedInsGrade = InsGrade::kTactical;
 
-/// How the position error grows without fixes: a grade, and figures that replace those of the grade. Units are those of
+/// How the position error grows without fixes: a grade or a product (ins_products.h), and figures that replace those of
+/// either. Units are those of
 /// datasheets; every figure is one standard deviation of one axis. With grade `custom` a figure not given is 0.
 struct InsOptions {
   std::optional<InsGrade> grade;
+  std::optional<std::string> name;
   double sigma_multiple = 3;
   double fix_sigma_m = 2;
   double start_sigma_m = 3;
@@ -48,7 +51,11 @@ struct InsOptions {
     fields.field(
         "grade", self.grade,
         "Class of the inertial system, which sets every figure below that is not given; tactical is assumed, with a "
-        "warning, if not given.");
+        "warning, if neither it nor a name is given.");
+    fields.field(
+        "name", self.name,
+        "An inertial unit by the name it is sold under, as \"VN-100\", in place of the grade: the figures that "
+        "its data sheet states, the others of its class; list names all.");
     fields.field("sigma_multiple", self.sigma_multiple, "k: errors are stated as k standard deviations.",
                  Range{0.5, 10});
     fields.field("fix_sigma_m", self.fix_sigma_m, "Error of a position fix by sight, each axis.", Range{0.01, 1000});

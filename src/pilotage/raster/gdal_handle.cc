@@ -12,6 +12,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/raster/gdal_guard.h"
+#include "pilotage/raster/gdal_tile_folder.h"
 
 namespace pilotage {
 namespace {
@@ -38,15 +39,15 @@ void register_gdal() {
 // What to do with the tiles of a web map, which GDAL does not open by their folder or address; "" for anything else.
 std::string tiles_remedy(const std::string& dataset) {
   if (dataset.find("{z}") != std::string::npos) {
-    return "is the address of a web map's tiles; describe it in an XML file for GDAL's WMS driver "
+    return "is the address of a web map's tiles; give the folder that holds them as z/x/y, or describe the address in "
+           "an XML file for GDAL's WMS driver "
            "(gdal.org/drivers/raster/wms.html, service TMS) and give that with --allow-network, or save the area as "
            "MBTiles or GeoTIFF";
   }
   std::error_code error;
   if (!std::filesystem::is_directory(dataset, error)) return "";
-  return "is a folder; of tiles with a place of their own make one raster (gdalbuildvrt all.vrt FOLDER/*.tif), of "
-         "tiles named z/x/y make MBTiles, or describe them for GDAL's WMS driver (service TMS, file:// address, "
-         "--allow-network)";
+  return "is a folder, but not of tiles named z/x/y.png, .jpg or .webp; of rasters with a place of their own make one "
+         "(gdalbuildvrt all.vrt FOLDER/*.tif)";
 }
 
 }  // namespace
@@ -97,6 +98,7 @@ void require_mask(GDALDataset& opened, const std::string& dataset) {
 }  // namespace
 
 DatasetPtr open_raster(const std::string& dataset) {
+  if (is_tile_folder(dataset)) return open_tile_folder(dataset);
   const GdalErrors errors;
   const std::string remedy = tiles_remedy(dataset);
   if (remedy.empty()) check_access(dataset);

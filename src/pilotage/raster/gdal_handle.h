@@ -41,8 +41,8 @@ struct DatasetCloser {
 };
 using DatasetPtr = std::unique_ptr<GDALDataset, DatasetCloser>;
 
-/// Opens a raster to read; throws DataError with the dataset's name. A mask that lies beside it (.msk) and is not
-/// opened is an error, too: GDAL would take every pixel for ground.
+/// Opens a raster, or a folder of tiles z/x/y (gdal_tile_folder.h), to read; throws DataError with the dataset's name.
+/// A mask that lies beside it (.msk) and is not opened is an error, too: GDAL would take every pixel for ground.
 DatasetPtr open_raster(const std::string& dataset);
 
 }  // namespace pilotage

@@ -18,7 +18,9 @@
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/block_limits.h"
 #include "pilotage/raster/gdal_collar.h"
+#include "pilotage/raster/gdal_control_points.h"
 #include "pilotage/raster/gdal_handle.h"
+#include "pilotage/raster/gdal_tile_folder.h"
 
 namespace pilotage {
 namespace {
@@ -49,10 +51,9 @@ Georeference find_georeference(GDALDataset& dataset, const std::string& name) {
     result.map_from_pixel = from_gdal(numbers);
     result.reference = dataset.GetSpatialRef();
   } else if (dataset.GetGCPCount() > 0) {
+    // Others were warped by their points before this.
     if (GDALGCPsToGeoTransform(dataset.GetGCPCount(), dataset.GetGCPs(), numbers.data(), FALSE) == 0) {
-      throw DataError(
-          name + ": has " + std::to_string(dataset.GetGCPCount()) +
-          " ground control points that no affine transform fits; warp it first, for instance with gdalwarp -tps");
+      throw DataError(name + ": its ground control points are no affine transform");
     }
     result = {from_gdal(numbers), dataset.GetGCPSpatialRef(), true};
   } else if (dataset.GetMetadata("RPC") != nullptr) {
@@ -306,6 +307,12 @@ void read_bands(GDALDataset& dataset, const ImageryOptions& options, ImageryInfo
 void add_warnings(GDALDataset& dataset, bool from_points, ImageryInfo& info) {
   const auto warn = [&](const std::string& text) { info.warnings.push_back(info.dataset + ": " + text); };
   if (from_points) warn("its place comes from ground control points, which one affine transform fits");
+  if (info.control_points) {
+    const ControlPointFit& fit = *info.control_points;
+    warn("its place comes from " + std::to_string(fit.points) + " ground control points, by a polynomial of order " +
+         std::to_string(fit.order) + ": left out of the fit, they miss their places by " + format_fixed(fit.rms_m, 2) +
+         " m (rms), at most " + format_fixed(fit.largest_m, 2) + " m");
+  }
   if (GDALDataTypeIsComplex(dataset.GetRasterBand(info.gray_bands.front())->GetRasterDataType()) != 0) {
     warn("holds complex values; gray is their magnitude");
   }
@@ -351,15 +358,22 @@ ImageryInfo inspect_picture(const std::string& dataset) {
 
 ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options, const Progress& progress) {
   check_options(options);
-  const DatasetPtr opened = open_raster(dataset);
+  const DatasetPtr file = open_raster(dataset);
   const GdalErrors errors;
-  ImageryInfo info = start_info(*opened, dataset);
+  ImageryInfo info = start_info(*file, dataset);
+  if (is_tile_folder(dataset)) info.warnings = tile_folder_warnings(dataset);
+  info.control_points = fit_control_points(*file, dataset, options.imagery_crs);
+  const DatasetPtr placed =
+      info.control_points ? place_by_control_points(*file, dataset, *info.control_points) : nullptr;
+  GDALDataset* const opened = placed != nullptr ? placed.get() : file.get();
+  info.width_px = opened->GetRasterXSize();
+  info.height_px = opened->GetRasterYSize();
   const Georeference georeference = find_georeference(*opened, dataset);
   info.map_from_pixel = georeference.map_from_pixel;
   if (!georeference.from_points) warn_of_moved_place(*opened, georeference, info);
   info.crs = find_crs(georeference.reference, dataset, options.imagery_crs, info.warnings);
   read_bands(*opened, options, info);
-  info.acquired = find_acquisition_date(*opened);
+  info.acquired = find_acquisition_date(*file);
   try {
     measure_gsd(info);
   } catch (const DataError& error) {

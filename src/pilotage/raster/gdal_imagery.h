@@ -89,6 +89,15 @@ inline EnumNames<MaskKind> enum_names(MaskKind) {
           {MaskKind::kAlpha, "alpha band"}};
 }
 
+/// How ground control points place a raster that has nothing else to say where it lies.
+struct ControlPointFit {
+  int points = 0;
+  int order = 0;         ///< Of the polynomial: 1 or 2.
+  double rms_m = 0;      ///< By how much points miss their places that were left out of the fit: metres on the ground.
+  double largest_m = 0;  ///< The same, the worst of them.
+  Crs crs;               ///< Of the points.
+};
+
 /// What a raster is.
 struct ImageryInfo {
   std::string dataset;  ///< As given: a GDAL dataset string.
@@ -106,6 +115,9 @@ struct ImageryInfo {
   /// Black or white around the ground of a raster without a mask, taken for no data as ImageryOptions::collar asks for;
   /// null where there is none.
   std::shared_ptr<const Collar> collar;
+  /// Where ground control points that are no affine transform place the raster: it is read warped by them, and the
+  /// size and place above are those of the warped raster.
+  std::optional<ControlPointFit> control_points;
   int overviews = 0;
   int block_width_px = 1;  ///< Of the blocks in which the file holds the first used band.
   int block_height_px = 1;
@@ -123,11 +135,12 @@ struct ImageryInfo {
 };
 
 /// Opens a raster and says what it is. `dataset` is what GDAL opens by the drivers that are allowed (a file, a
-/// part of one, a VRT; gdal_access.h). A raster whose only georeference is ground control points is accepted when they
-/// fit one affine transform exactly. Throws DataError, naming the dataset, when it cannot be opened, has no
-/// georeference, no CRS (and none is given), no bands, bands of a kind that cannot be made gray, or pixels at its edge
-/// that cannot be read; UsageError when `options` do not fit it. Where black or white at its edge asks for it, all of
-/// the raster is read (docs/decisions/collars.md), and `progress` may interrupt that.
+/// part of one, a VRT; gdal_access.h), or a folder of tiles z/x/y. A raster whose only georeference is ground control
+/// points is warped by them (docs/methods/imagery.md), unless they are one affine transform exactly. Throws DataError,
+/// naming the dataset, when it cannot be opened, has no georeference (or points that do not place it well), no CRS (and
+/// none is given), no bands, bands of a kind that cannot be made gray, or pixels at its edge that cannot be read;
+/// UsageError when `options` do not fit it. Where black or white at its edge asks for it, all of the raster is read
+/// (docs/decisions/collars.md), and `progress` may interrupt that.
 ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& options = {},
                             const Progress& progress = {});
 

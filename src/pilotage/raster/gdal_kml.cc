@@ -45,8 +45,9 @@ class StyleList {
   std::string elements_;
 };
 
+constexpr int kDecimals = 7;  // about a centimetre
+
 std::string coordinates(const OGRSimpleCurve& curve) {
-  constexpr int kDecimals = 7;  // about a centimetre
   std::string text = "<coordinates>";
   for (int i = 0; i < curve.getNumPoints(); ++i) {
     if (i > 0) text += " ";
@@ -57,6 +58,9 @@ std::string coordinates(const OGRSimpleCurve& curve) {
 
 std::string shape_text(const OGRGeometry& shape) {
   switch (wkbFlatten(shape.getGeometryType())) {
+    case wkbPoint:
+      return "<Point><coordinates>" + format_fixed(shape.toPoint()->getX(), kDecimals) + "," +
+             format_fixed(shape.toPoint()->getY(), kDecimals) + ",0</coordinates></Point>";
     case wkbLineString:
       return "<LineString><tessellate>1</tessellate>" + coordinates(*shape.toLineString()) + "</LineString>";
     case wkbPolygon: {

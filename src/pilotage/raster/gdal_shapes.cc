@@ -21,6 +21,12 @@ void add_points(OGRSimpleCurve& curve, const std::vector<Eigen::Vector2d>& point
 }
 
 GeometryPtr shape_of(const VectorLayer& layer, const VectorFeature& feature) {
+  if (layer.shape == VectorShape::kPoint) {
+    if (feature.points.size() != 1 || !feature.points.front().allFinite()) {
+      throw UsageError("layer " + layer.name + ": a feature is not one finite point");
+    }
+    return std::make_unique<OGRPoint>(feature.points.front().x(), feature.points.front().y());
+  }
   if (layer.shape == VectorShape::kPolygon) return polygon_shape(feature.points, feature.holes, layer.name);
   auto line = std::make_unique<OGRLineString>();
   add_points(*line, feature.points, 2, layer.name);

@@ -1,5 +1,6 @@
 #include "pilotage/raster/gdal_vector.h"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 
@@ -35,6 +36,7 @@ OGRwkbGeometryType layer_type(const VectorLayer& layer, const std::vector<Geomet
   if (layer.shape == VectorShape::kNone) return wkbNone;
   bool parts = false;
   for (const GeometryPtr& shape : shapes) parts = parts || has_parts(*shape);
+  if (layer.shape == VectorShape::kPoint) return wkbPoint;
   if (layer.shape == VectorShape::kLine) return parts ? wkbMultiLineString : wkbLineString;
   return parts ? wkbMultiPolygon : wkbPolygon;
 }
@@ -159,6 +161,35 @@ VectorFeature join_polygons(const std::vector<std::vector<Eigen::Vector2d>>& pol
     feature.holes.push_back(corners(*outline.getInteriorRing(i)));
   }
   return feature;
+}
+
+DegreeShape degree_shape(const VectorLayer& layer, const VectorFeature& feature) {
+  VectorLayer alone = layer;
+  alone.features = {feature};
+  const std::vector<GeometryPtr> shapes = shapes_of(alone, true);
+  if (shapes.empty()) throw UsageError("layer " + layer.name + " has no shapes");
+  const GdalErrors errors;
+  const CPLStringList options = list_of({"COORDINATE_PRECISION=7"});
+  DegreeShape result;
+  char* const text =
+      OGR_G_ExportToJsonEx(OGRGeometry::ToHandle(shapes.front().get()), const_cast<char**>(options.List()));
+  result.geojson = text != nullptr ? text : "";
+  CPLFree(text);
+  if (result.geojson.empty()) errors.throw_data_error("layer " + layer.name + ": a shape cannot be written");
+  OGREnvelope box;
+  shapes.front()->getEnvelope(&box);
+  result = {result.geojson, box.MinX, box.MinY, box.MaxX, box.MaxY};
+  constexpr double kHalfTurn_deg = 180;
+  if (!has_parts(*shapes.front()) || box.MinX > -kHalfTurn_deg || box.MaxX < kHalfTurn_deg) return result;
+  // Cut at the antimeridian: the parts west of it begin the box, those east of it end it.
+  result.west_deg = kHalfTurn_deg;
+  result.east_deg = -kHalfTurn_deg;
+  for (const OGRGeometry* part : *shapes.front()->toGeometryCollection()) {
+    part->getEnvelope(&box);
+    if (box.MinX > 0) result.west_deg = std::min(result.west_deg, box.MinX);
+    if (box.MaxX < 0) result.east_deg = std::max(result.east_deg, box.MaxX);
+  }
+  return result;
 }
 
 void write_geojson(const std::filesystem::path& path, const VectorLayer& layer, bool overwrite) {

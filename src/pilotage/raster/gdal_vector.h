@@ -23,7 +23,7 @@ struct VectorColumn {
 /// std::monostate is NULL. The type is that of the column.
 using VectorValue = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
 
-enum class VectorShape { kNone, kLine, kPolygon };
+enum class VectorShape { kNone, kPoint, kLine, kPolygon };
 
 /// Colours are "#rrggbbaa".
 struct VectorStyle {
@@ -33,8 +33,8 @@ struct VectorStyle {
 };
 
 struct VectorFeature {
-  /// Of a line: at least two points. Of a polygon: its corners, the first not repeated. In the layer's CRS; of a
-  /// geographic one in degrees, longitude first, neighbours joined the short way round.
+  /// Of a point: it alone. Of a line: at least two points. Of a polygon: its corners, the first not repeated. In the
+  /// layer's CRS; of a geographic one in degrees, longitude first, neighbours joined the short way round.
   std::vector<Eigen::Vector2d> points;
   std::vector<std::vector<Eigen::Vector2d>> holes;  ///< Of a polygon, as `points`.
   std::vector<VectorValue> values;                  ///< One per column.
@@ -71,7 +71,18 @@ void write_geojson(const std::filesystem::path& path, const VectorLayer& layer, 
 void write_geopackage(const std::filesystem::path& path, const std::vector<VectorLayer>& layers,
                       const std::string& timestamp, bool overwrite);
 
-/// KML 2.2: a document with one folder for each layer that has a shape, styles inside, lines and polygons draped over
+/// The shape of one feature as a geometry of RFC 7946 (WGS 84, seven decimals, cut at the antimeridian), and the box
+/// around it, which reaches over the antimeridian where west_deg > east_deg. Throws as write_geojson.
+struct DegreeShape {
+  std::string geojson;
+  double west_deg = 0;
+  double south_deg = 0;
+  double east_deg = 0;
+  double north_deg = 0;
+};
+DegreeShape degree_shape(const VectorLayer& layer, const VectorFeature& feature);
+
+/// KML 2.2: a document with one folder for each layer that has a shape, styles inside, points, lines and polygons on
 /// the ground, all columns as extended data with their titles. GDAL's own writer takes minutes for some thousand
 /// polygons, so the text is put together here. Throws as write_geojson.
 std::string kml_document(const std::string& title, const std::vector<VectorLayer>& layers);

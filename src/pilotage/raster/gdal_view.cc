@@ -14,6 +14,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/raster/gdal_collar.h"
+#include "pilotage/raster/gdal_control_points.h"
 
 namespace pilotage {
 namespace {
@@ -72,6 +73,7 @@ RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, F
     : info_(info), channels_(info.palette ? 3 : static_cast<int>(info.gray_bands.size())) {
   stack_.push_back(open_raster(info.dataset));
   const GdalErrors errors;
+  if (info.control_points) stack_.push_back(place_by_control_points(top(), info.dataset, *info.control_points));
   if (top().GetRasterXSize() != info.width_px || top().GetRasterYSize() != info.height_px) {
     throw DataError(info.dataset + ": has changed while it was read");
   }

@@ -155,4 +155,36 @@ void write_class_raster(const std::filesystem::path& path, const std::string& na
             {"COMPRESS=DEFLATE", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=MODE", "NUM_THREADS=1"}, {});
 }
 
+void write_mbtiles(const std::filesystem::path& path, const cv::Mat& rgba, const Crs& crs,
+                   const GeoTransform& map_from_pixel, const std::string& title, const std::string& description,
+                   bool overwrite) {
+  check_size("picture", rgba, rgba.size(), CV_8UC4);
+  const DatasetPtr memory = create_in_memory(rgba.size(), 4, GDT_Byte, crs, map_from_pixel, path.string());
+  std::vector<cv::Mat> channels;
+  cv::split(rgba, channels);
+  for (int band = 1; band <= 4; ++band) {
+    fill(*memory->GetRasterBand(band), channels[static_cast<std::size_t>(band - 1)], GDT_Byte, path.string());
+    memory->GetRasterBand(band)->SetColorInterpretation(static_cast<GDALColorInterp>(GCI_RedBand + band - 1));
+  }
+  const GdalErrors errors;
+  OutputFile output(path, overwrite);
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("MBTiles");
+  if (driver == nullptr) throw DataError(path.string() + ": this GDAL has no MBTiles driver");
+  const std::string name = "NAME=" + title;
+  const std::string text = "DESCRIPTION=" + description;
+  const char* const options[] = {"TYPE=overlay", "TILE_FORMAT=PNG", "RESAMPLING=NEAREST",
+                                 name.c_str(),   text.c_str(),      nullptr};
+  DatasetPtr written(driver->CreateCopy(output.temporary_path().c_str(), memory.get(), TRUE,
+                                        const_cast<char**>(options), nullptr, nullptr));
+  if (written == nullptr) errors.throw_data_error(path.string() + ": cannot be written");
+  std::array<int, 4> coarser{2, 4, 8, 16};
+  if (written->BuildOverviews("NEAREST", static_cast<int>(coarser.size()), coarser.data(), 0, nullptr, nullptr,
+                              nullptr) != CE_None) {
+    errors.throw_data_error(path.string() + ": its coarser levels cannot be written");
+  }
+  written.reset();
+  if (errors.failed()) errors.throw_data_error(path.string() + ": cannot be written");
+  output.commit();
+}
+
 }  // namespace pilotage

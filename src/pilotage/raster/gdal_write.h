@@ -45,4 +45,12 @@ void write_class_raster(const std::filesystem::path& path, const std::string& na
                         const std::vector<RasterClass>& classes, const Crs& crs, const GeoTransform& map_from_pixel,
                         bool overwrite);
 
+/// Writes MBTiles of a picture, for web maps and programs in the field: PNG tiles in EPSG:3857 on the zoom level next
+/// to the picture's own resolution and up to four coarser ones, every pixel that of the nearest in the picture. `rgba`:
+/// CV_8UC4, red first; where the last is 0 nothing is drawn. `title` and `description` stand in the table metadata. The
+/// same input gives the same bytes. Throws DataError.
+void write_mbtiles(const std::filesystem::path& path, const cv::Mat& rgba, const Crs& crs,
+                   const GeoTransform& map_from_pixel, const std::string& title, const std::string& description,
+                   bool overwrite);
+
 }  // namespace pilotage

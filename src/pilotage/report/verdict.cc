@@ -5,6 +5,7 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/text.h"
+#include "pilotage/ins/ins_products.h"
 #include "pilotage/report/imagery_age.h"
 #include "pilotage/report/wording.h"
 
@@ -109,10 +110,9 @@ std::string gnss_text(const Flight& flight, const Selection& selection) {
 std::string assumptions_line(const Mission& mission, const Selection& selection) {
   const Flight& flight = mission.flight;
   const auto mark = [](bool assumed) { return std::string(assumed ? " (default)" : ""); };
-  const InsGrade grade = flight.ins.grade.value_or(kAssumedInsGrade);
   const bool limit_assumed = flight.max_error_assumed && selection.max_error_m == flight.max_error_m;
-  return "assumes: " + options_detail::enum_to_name(grade) + " INS" + mark(!flight.ins.grade) + ", " +
-         gnss_text(flight, selection) + ", limit " + error_text(selection.max_error_m) + mark(limit_assumed) +
+  return "assumes: " + ins_text(flight.ins) + ", " + gnss_text(flight, selection) + ", limit " +
+         error_text(selection.max_error_m) + mark(limit_assumed) +
          (flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
          imagery_age_assumptions(mission);
 }

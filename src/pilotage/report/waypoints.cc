@@ -11,8 +11,6 @@
 namespace pilotage {
 namespace {
 
-constexpr std::size_t kMostRows = 500;
-
 std::string waypoint_cell(const std::string& label, const std::string& text) {
   return "<td data-label=\"" + label + "\">" + html_escape(text) + "</td>";
 }
@@ -55,13 +53,19 @@ std::vector<Waypoint> waypoints(const Flight& flight) {
   std::vector<Waypoint> all;
   for (std::size_t i = 0; i < route.vertices.size(); ++i) {
     const RouteVertex& vertex = route.vertices[i];
+    const auto is_of_item = [&](std::size_t other) {
+      return numbered && vertex.source_item >= 0 && route.vertices[other].source_item == vertex.source_item;
+    };
+    const bool ends_a_curve = vertex.kind == "spline waypoint";
+    if (ends_a_curve ? i + 1 < route.vertices.size() && is_of_item(i + 1) : i > 0 && is_of_item(i - 1)) continue;
     Waypoint& next = all.emplace_back();
-    next.number = static_cast<int>(i) + 1;
+    next.number = static_cast<int>(all.size());
     next.item = numbered ? vertex.source_item : -1;
     next.kind = vertex.kind;
     next.point = vertex.point;
     next.amsl_m = vertex.amsl_m;
     next.agl_m = vertex.agl_m;
+    next.speed_mps = vertex.speed_mps;
     const auto found = reached.find(static_cast<int>(i));
     if (found == reached.end()) continue;
     next.distance_m = found->second.sample->distance_m;
@@ -74,7 +78,7 @@ std::vector<Waypoint> waypoints(const Flight& flight) {
 
 std::string waypoints_html(const std::vector<Waypoint>& all) {
   std::string html;
-  for (std::size_t i = 0; i < std::min(all.size(), kMostRows); ++i) {
+  for (std::size_t i = 0; i < std::min(all.size(), kMostWaypointsListed); ++i) {
     const Waypoint& next = all[i];
     html += "<tr><th scope=\"row\">" + std::to_string(next.number) + "</th>" +
             waypoint_cell("Item of the plan", next.item < 0 ? "–" : std::to_string(next.item)) +
@@ -86,8 +90,8 @@ std::string waypoints_html(const std::vector<Waypoint>& all) {
             waypoint_cell("Along the route", std::isfinite(next.distance_m) ? length_text(next.distance_m) : "–") +
             waypoint_cell("Time", clock_text_of(next.time_s)) + "</tr>\n";
   }
-  if (all.size() > kMostRows) {
-    html += "<tr><td colspan=\"8\">… and " + std::to_string(all.size() - kMostRows) +
+  if (all.size() > kMostWaypointsListed) {
+    html += "<tr><td colspan=\"8\">… and " + std::to_string(all.size() - kMostWaypointsListed) +
             " more, which stand in plan.json.</td></tr>\n";
   }
   return html.empty() ? "<tr><td colspan=\"8\">The route has no waypoint.</td></tr>\n" : html;

@@ -17,6 +17,7 @@
 #include "pilotage/route/qgc_plan.h"
 #include "pilotage/route/qgc_wpl.h"
 #include "pilotage/route/route_size.h"
+#include "pilotage/route/ugcs_json.h"
 
 namespace pilotage {
 namespace {
@@ -56,8 +57,9 @@ Route parse_json_route(const std::string& name, std::string_view text, const Rou
     refuse_vector_options(name, options);
     return parse_qgc_mission(name, json, options);
   }
-  if (json.contains("route") && json["route"].is_object() && json["route"].contains("segments")) {
-    throw DataError(name + ": is a route of UgCS, whose JSON is not read here; export it from UgCS as KML");
+  if (is_ugcs_route(json)) {
+    refuse_vector_options(name, options);
+    return parse_ugcs_json(name, json, options);
   }
   if (is_geojson(json)) return parse_ogr_route(name, text, OgrFormat::kGeoJson, options);
   throw DataError(name +
@@ -142,7 +144,7 @@ Route parse_route(const std::string& name, std::string_view bytes, const RouteOp
   }
   throw DataError(name +
                   ": is not a route file that is known here: QGroundControl .plan, QGC WPL 110, DJI mission (KMZ, "
-                  ".wpml), Litchi CSV, KML, KMZ, GPX, GeoJSON or GeoPackage");
+                  ".wpml), Litchi CSV, UgCS JSON, KML, KMZ, GPX, GeoJSON or GeoPackage");
 }
 
 Route read_route(const std::filesystem::path& path, const RouteOptions& options) {

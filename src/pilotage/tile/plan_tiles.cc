@@ -20,6 +20,7 @@
 #include "pilotage/camera/projection.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
+#include "pilotage/ins/ins_products.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -342,11 +343,29 @@ void add_flight_time(const TileOptions& options, Flight& flight) {
   flight.ground_hidden = GroundHidden{fraction, options.clouds};
 }
 
+/// A map that ground control points place is wrong by what they miss, and so is each fix that is taken on it: the error
+/// of a fix along one axis grows by the share of one axis of the worst raster's residual.
+void add_map_error(const std::vector<ImageryInfo>& infos, Mission& mission) {
+  double rms_m = 0;
+  for (const auto& info : infos) {
+    if (info.control_points) rms_m = std::max(rms_m, info.control_points->rms_m);
+  }
+  if (rms_m == 0) return;
+  double& fix_sigma_m = mission.flight.ins.fix_sigma_m;
+  const double with_map_m = std::hypot(fix_sigma_m, rms_m / std::numbers::sqrt2);
+  mission.notes.push_back("Error of a fix: " + format_fixed(with_map_m, 2) + " m each axis, of which " +
+                          format_fixed(fix_sigma_m, 2) + " m are the matcher's and " +
+                          format_fixed(rms_m / std::numbers::sqrt2, 2) +
+                          " m the map's, whose place comes from ground control points");
+  fix_sigma_m = with_map_m;
+}
+
 }  // namespace
 
 Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   check_options(options);
   if (!options.camera.name.empty()) camera_product(options.camera.name);  // "list" asks for nothing else
+  if (options.ins.name) ins_product(*options.ins.name);
   require(!options.imagery.empty(), "imagery");
   require(!options.route.empty(), "route");
 
@@ -360,11 +379,19 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   mission.flight.route = read_route(options.route, options.route_options);
   mission.flight.camera = make_camera(options.camera, mission.flight.route.camera);
   mission.flight.ins = options.ins;
-  if (!options.ins.grade) {
+  if (options.ins.name) {
+    const InsProduct& product = ins_product(*options.ins.name);
+    if (!product.confirmed) {
+      mission.warnings.push_back("the figures of the " + std::string(product.name) +
+                                 " are not confirmed: compare them with " + std::string(product.source) +
+                                 ", and give those that differ (--ins-angle-random-walk-deg-rt-h, …)");
+    }
+  } else if (!options.ins.grade) {
     mission.warnings.emplace_back(
         "no inertial grade is given (--ins-grade): tactical is assumed; with a lower grade the aircraft drifts "
         "faster, and the same flight may be lost");
   }
+  add_map_error(infos, mission);
   mission.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
   mission.flight.max_error_assumed = !options.max_error_m;
   add_flight_time(options, mission.flight);
