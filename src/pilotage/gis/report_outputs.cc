@@ -115,7 +115,7 @@ Endings write_kml(const OutputSource& source) {
 }
 
 Endings write_route(const OutputSource& source) {
-  write_file(source.path("_route.kml"), route_kml(source.input, source.report, source.layers), true);
+  write_file(source.path("_route.kml"), route_kml(source.report, source.layers), true);
   return {"_route.kml"};
 }
 
