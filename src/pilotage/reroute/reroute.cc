@@ -186,7 +186,7 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   result.found_go = after->status == QualityStatus::kGood;
   result.before = figures_of(before, zones);
   result.after = figures_of(*after, zones);
-  result.assumptions = assumptions_line(after->mission.flight, after->selection);
+  result.assumptions = assumptions_line(after->mission, after->selection);
   result.removed_items = plan.removed;
   result.lost_items = plan.lost;
   result.shifted_items = plan.shifted;
