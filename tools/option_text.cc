@@ -150,9 +150,11 @@ std::vector<std::pair<std::string, std::string>> environment_variables() {
 }
 
 std::vector<std::pair<CommandGroup, std::string>> command_groups() {
-  return {{CommandGroup::kPrepare, "Prepare a map"}, {CommandGroup::kStages, "Stage by stage"},
-          {CommandGroup::kInspect, "Look at files"}, {CommandGroup::kFlight, "In flight"},
-          {CommandGroup::kStudy, "Study"},           {CommandGroup::kHelp, "Set up"}};
+  return {{CommandGroup::kPrepare, "Prepare a map"},
+          {CommandGroup::kStages, "Stage by stage"},
+          {CommandGroup::kInspect, "Look at files"},
+          {CommandGroup::kFlight, "In flight, and after it"},
+          {CommandGroup::kHelp, "Set up"}};
 }
 
 std::string usage_of(const Command& command) {

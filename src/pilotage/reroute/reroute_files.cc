@@ -10,6 +10,7 @@
 #include "pilotage/base/markup.h"
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/report/tile_class.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -48,7 +49,7 @@ Json line_feature(const char* role, const RerouteLine& line) {
             {"verdict", std::string(verdict_name(line.verdict))},
             {"p_within_limit", line.p_within_limit ? json_number(*line.p_within_limit) : Json(nullptr)},
             {"length_m", to_decimals(line.length_m, 2)},
-            {"stroke", std::string(role) == "planned" ? "#b00020" : "#0050c8"}}},
+            {"stroke", std::string(role) == "planned" ? "#777777" : "#000000"}}},
           {"geometry", {{"type", "LineString"}, {"coordinates", std::move(coordinates)}}}};
 }
 
@@ -129,12 +130,21 @@ std::string points_text(const Picture& picture, const SvgWriter& svg, const std:
   return text;
 }
 
-// Dark for ground that is not recognised, light for ground that is: told apart without colours, too.
-std::string cell_colour(double p) {
-  const auto part = [&](double low, double high) {
-    return std::to_string(static_cast<int>(std::lround(low + std::clamp(p, 0.0, 1.0) * (high - low))));
-  };
-  return "rgb(" + part(96, 226) + "," + part(88, 240) + "," + part(112, 205) + ")";
+// The class and the colour that every other map gives such a tile.
+std::string cell_color(double p_fix) {
+  TileScores score;
+  score.p_correct_fix = p_fix;
+  const RasterClass& shown = tile_classes()[static_cast<std::size_t>(tile_class(score).value_or(TileClass::kNoGo))];
+  return hex_color({shown.rgb[0], shown.rgb[1], shown.rgb[2]});
+}
+
+std::string classes_key() {
+  std::string html;
+  for (const RasterClass& shown : tile_classes()) {
+    html += "<span class=\"key\" style=\"background:" + hex_color({shown.rgb[0], shown.rgb[1], shown.rgb[2]}) +
+            "\"></span> " + html_escape(shown.name) + " ";
+  }
+  return html;
 }
 
 std::string map_svg(const RerouteResult& result) {
@@ -143,7 +153,7 @@ std::string map_svg(const RerouteResult& result) {
   std::string text = "<svg viewBox=\"0 0 " + svg.number(picture.width) + " " + svg.number(picture.height) +
                      "\" role=\"img\" aria-label=\"Map of the planned and the new line\">\n";
   for (const SearchedTile& tile : result.searched) {
-    text += "<polygon class=\"cell\" fill=\"" + cell_colour(tile.p_fix) + "\" points=\"" +
+    text += "<polygon class=\"cell\" fill=\"" + cell_color(tile.p_fix) + "\" points=\"" +
             points_text(picture, svg, tile.corners) + "\"/>\n";
   }
   for (const auto& ring : result.no_fly_rings) {
@@ -153,8 +163,9 @@ std::string map_svg(const RerouteResult& result) {
     text += "<polygon class=\"fence\" points=\"" + points_text(picture, svg, ring) + "\"/>\n";
   }
   for (const auto& [type, line] : {std::pair("planned", &result.before), std::pair("new", &result.after)}) {
-    text +=
-        "<polyline class=\"" + std::string(type) + "\" points=\"" + points_text(picture, svg, line->points) + "\"/>\n";
+    const std::string points = points_text(picture, svg, line->points);
+    text += "<polyline class=\"halo\" points=\"" + points + "\"/>\n";
+    text += "<polyline class=\"" + std::string(type) + "\" points=\"" + points + "\"/>\n";
   }
   for (const GeodeticPoint point : result.after.points) {
     text += "<circle class=\"stop\" cx=\"" + svg.number(picture.x(point)) + "\" cy=\"" + svg.number(picture.y(point)) +
@@ -162,8 +173,10 @@ std::string map_svg(const RerouteResult& result) {
   }
   const GeodeticPoint start = result.after.points.front();
   const GeodeticPoint end = result.after.points.back();
-  text += svg.text("name", picture.x(start) + 7, picture.y(start) - 7, "start");
-  text += svg.text("name", picture.x(end) + 7, picture.y(end) - 7, "end");
+  constexpr double kWordWidth = 60;
+  const bool together = std::hypot(picture.x(start) - picture.x(end), picture.y(start) - picture.y(end)) < kWordWidth;
+  text += svg.text("name", picture.x(start) + 7, picture.y(start) - 7, together ? "start, end" : "start");
+  if (!together) text += svg.text("name", picture.x(end) + 7, picture.y(end) - 7, "end");
   return text + "</svg>\n";
 }
 
@@ -173,10 +186,11 @@ constexpr const char* kStyle =
     "h1{font-size:1.4rem}h2{font-size:1.1rem}table{border-collapse:collapse}"
     "th,td{padding:.25rem .8rem;border-bottom:1px solid #ccc;text-align:right}th:first-child{text-align:left}"
     "svg{width:100%;height:auto;background:#eee;border:1px solid #999}"
-    ".cell{stroke:none}.zone{fill:#b0002055;stroke:#7a0016;stroke-width:1.5}"
+    ".cell{stroke:none;fill-opacity:.55}.key{display:inline-block;width:1.6em;height:.9em;vertical-align:-.1em}"
+    ".zone{fill:#b0002055;stroke:#7a0016;stroke-width:1.5}"
     ".fence{fill:none;stroke:#7a0016;stroke-width:2;stroke-dasharray:10 4}"
-    ".planned{fill:none;stroke:#b00020;stroke-width:3;stroke-dasharray:8 6}"
-    ".new{fill:none;stroke:#0050c8;stroke-width:4}.stop{fill:#fff;stroke:#0050c8;stroke-width:2}"
+    ".halo{fill:none;stroke:#fff;stroke-width:7}.planned{fill:none;stroke:#000;stroke-width:2.5;stroke-dasharray:9 7}"
+    ".new{fill:none;stroke:#000;stroke-width:4}.stop{fill:#fff;stroke:#000;stroke-width:2}"
     ".name{font:bold 15px system-ui,sans-serif;paint-order:stroke;stroke:#fff;stroke-width:4px}";
 
 std::string table_row(const std::string& name, const std::string& before, const std::string& after,
@@ -237,8 +251,10 @@ Json reroute_to_geojson(const RerouteResult& result) {
 std::string reroute_to_html(const RerouteResult& result, const std::string& title) {
   const RerouteLine& before = result.before;
   const RerouteLine& after = result.after;
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" +
-                     html_escape(title) + ": another line</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+      html_escape(title) + ": another line</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
   html += "<h1>" + html_escape(title) + ": another line</h1>\n";
   html += "<p><b>New line:</b> " + html_escape(after.verdict_text) + "</p>\n";
   html += "<p><b>Planned line:</b> " + html_escape(before.verdict_text) + "</p>\n";
@@ -246,8 +262,9 @@ std::string reroute_to_html(const RerouteResult& result, const std::string& titl
   if (!result.found_go) html += "<p><b>No line was found that is GO; this is the best one.</b></p>\n";
   html += map_svg(result);
   html +=
-      "<p>Dashed: the planned line. Solid: the new line and its waypoints. Ground: the lighter, the likelier a correct "
-      "fix. Shaded: no-fly zones; dashed outline: fence.</p>\n";
+      "<p>Dashed: the planned line. Solid: the new line and its waypoints. Shaded: no-fly zones; dashed outline: "
+      "fence.</p>\n<p>Ground: " +
+      classes_key() + "(" + html_escape(tile_classes_meaning()) + ")</p>\n";
   html += "<table>\n<tr><th></th><th>planned</th><th>new</th><th>change</th></tr>\n";
   html += table_row("Verdict", std::string(verdict_name(before.verdict)), std::string(verdict_name(after.verdict)), "");
   html += table_row("P of the route", p_text(before), p_text(after), "");
