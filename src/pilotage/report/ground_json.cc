@@ -57,8 +57,7 @@ nlohmann::ordered_json plane_line_json(const std::vector<Eigen::Vector2d>& line)
 
 nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const std::vector<ReportTile>& tiles,
                                            const std::vector<MeasureScale>& measures) {
-  using Json = nlohmann::ordered_json;
-  Json json;
+  nlohmann::ordered_json json;
   json["drawn"] = display.drawn;
   json["missing"] = display.missing;
   json["edges_m"] = {display.min_x_m, display.min_y_m, display.max_x_m, display.max_y_m};
@@ -66,27 +65,27 @@ nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const s
   json["pictures"] = display.pictures_jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(display.pictures_jpeg);
   json["picture_side_px"] = display.picture_side_px;
   json["picture_columns"] = display.picture_columns;
-  json["cells_m"] = Json::array();
+  json["cells_m"] = nlohmann::ordered_json::array();
   for (const auto& corners : display.cells_m) {
     json["cells_m"].push_back(plane_line_json({corners.begin(), corners.end()}));
   }
-  json["classes"] = Json::array();  // of each tile, null where nothing decides
+  json["classes"] = nlohmann::ordered_json::array();  // of each tile, null where nothing decides
   for (const ReportTile& tile : tiles) {
     const std::optional<TileClass> known = tile_class(tile.score);
-    json["classes"].push_back(known ? Json(static_cast<int>(*known)) : Json());
+    json["classes"].push_back(known ? nlohmann::ordered_json(static_cast<int>(*known)) : nlohmann::ordered_json());
   }
-  json["class_names"] = Json::array();
-  json["class_colors"] = Json::array();
+  json["class_names"] = nlohmann::ordered_json::array();
+  json["class_colors"] = nlohmann::ordered_json::array();
   for (const RasterClass& next : tile_classes()) {
     json["class_names"].push_back(next.name);
     json["class_colors"].push_back(hex_color({next.rgb[0], next.rgb[1], next.rgb[2]}));
   }
   json["class_meaning"] = tile_classes_meaning();
-  json["shades"] = Json::array();
-  json["color_maps"] = Json::array();
-  json["decimals"] = Json::array();
+  json["shades"] = nlohmann::ordered_json::array();
+  json["color_maps"] = nlohmann::ordered_json::array();
+  json["decimals"] = nlohmann::ordered_json::array();
   for (const MeasureScale& scale : measures) {
-    Json shades = Json::array();
+    nlohmann::ordered_json shades = nlohmann::ordered_json::array();
     for (const ReportTile& tile : tiles) shades.push_back(shade(scale, scale.measure.get(tile.score)));
     json["shades"].push_back(std::move(shades));
     json["color_maps"].push_back(scale.measure.heat.colors == ColorMap::kBlues ? "blues" : "cividis");

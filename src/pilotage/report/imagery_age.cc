@@ -21,6 +21,8 @@
 namespace pilotage {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr double kDaysPerMonth = 365.2425 / 12;
 constexpr double kShadowHeight_m = 10;
 // Rules of thumb, and said to be: no measurement stands behind them.
@@ -283,8 +285,7 @@ std::string imagery_age_html(const std::optional<ImageryAge>& age) {
   return html + "</tbody></table></div></details>\n</section>\n";
 }
 
-nlohmann::ordered_json imagery_age_json(const ImageryAge& age) {
-  using Json = nlohmann::ordered_json;
+Json imagery_age_json(const ImageryAge& age) {
   const auto number = [](double value) { return variant_to_json(number_value(value)); };
   const auto sun_json = [&](const SunPosition& sun) {
     return Json{{"azimuth_deg", number(sun.azimuth_deg)}, {"elevation_deg", number(sun.elevation_deg)}};

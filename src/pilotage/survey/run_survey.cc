@@ -60,7 +60,7 @@ void drop_tiles_without_imagery(Ground& ground, std::vector<TileScores>& scores)
   for (std::size_t i = 0; i < scores.size(); ++i) {
     if (!(scores[i].valid_fraction > 0)) continue;
     if (kept != i) {
-      ground.tiles[kept] = std::move(ground.tiles[i]);
+      ground.tiles[kept] = ground.tiles[i];
       scores[kept] = std::move(scores[i]);
     }
     ++kept;
