@@ -4,16 +4,12 @@
 #include <cmath>
 #include <map>
 
-#include "pilotage/base/markup.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/report/page_parts.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
-
-std::string waypoint_cell(const std::string& label, const std::string& text) {
-  return "<td data-label=\"" + label + "\">" + html_escape(text) + "</td>";
-}
 
 /// A time on the way as "1:02:03" or "2:03".
 std::string clock_text_of(double time_s) {
@@ -80,15 +76,15 @@ std::string waypoints_html(const std::vector<Waypoint>& all) {
   std::string html;
   for (std::size_t i = 0; i < std::min(all.size(), kMostWaypointsListed); ++i) {
     const Waypoint& next = all[i];
-    html += "<tr><th scope=\"row\">" + std::to_string(next.number) + "</th>" +
-            waypoint_cell("Item of the plan", next.item < 0 ? "–" : std::to_string(next.item)) +
-            waypoint_cell("Kind", valid_utf8(next.kind)) +
-            waypoint_cell("Latitude, longitude",
-                          number_text(next.point.lat_deg, 6) + ", " + number_text(next.point.lon_deg, 6)) +
-            waypoint_cell("Above sea level", number_text(next.amsl_m, 0) + (std::isfinite(next.amsl_m) ? " m" : "")) +
-            waypoint_cell("Above ground", number_text(next.agl_m, 0) + (std::isfinite(next.agl_m) ? " m" : "")) +
-            waypoint_cell("Along the route", std::isfinite(next.distance_m) ? length_text(next.distance_m) : "–") +
-            waypoint_cell("Time", clock_text_of(next.time_s)) + "</tr>\n";
+    html += "<tr>" + heading_html(std::to_string(next.number)) +
+            cell_html("Item of the plan", next.item < 0 ? "–" : std::to_string(next.item)) +
+            cell_html("Kind", valid_utf8(next.kind)) +
+            cell_html("Latitude, longitude",
+                      number_text(next.point.lat_deg, 6) + ", " + number_text(next.point.lon_deg, 6)) +
+            cell_html("Above sea level", number_text(next.amsl_m, 0) + (std::isfinite(next.amsl_m) ? " m" : "")) +
+            cell_html("Above ground", number_text(next.agl_m, 0) + (std::isfinite(next.agl_m) ? " m" : "")) +
+            cell_html("Along the route", std::isfinite(next.distance_m) ? length_text(next.distance_m) : "–") +
+            cell_html("Time", clock_text_of(next.time_s)) + "</tr>\n";
   }
   if (all.size() > kMostWaypointsListed) {
     html += "<tr><td colspan=\"8\">… and " + std::to_string(all.size() - kMostWaypointsListed) +
