@@ -158,9 +158,7 @@ std::vector<ReportGap> place_gaps(const ReportInput& input) {
 
 std::vector<ReportLeg> place_legs(const ReportInput& input) {
   const Route& route = input.mission.flight.route;
-  // Items of mission files have commands, and numbers that QGroundControl shows.
-  const bool numbered =
-      std::any_of(route.items.begin(), route.items.end(), [](const RouteItem& item) { return item.command >= 0; });
+  const bool numbered = has_item_numbers(route);
   std::map<int, double> starts_m;
   for (const FlightSample& sample : input.mission.flight.samples) starts_m.try_emplace(sample.leg, sample.distance_m);
   std::vector<ReportLeg> legs;

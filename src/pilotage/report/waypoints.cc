@@ -23,10 +23,13 @@ std::string clock_text_of(double time_s) {
 
 }  // namespace
 
+bool has_item_numbers(const Route& route) {
+  return std::any_of(route.items.begin(), route.items.end(), [](const RouteItem& item) { return item.command >= 0; });
+}
+
 std::vector<Waypoint> waypoints(const Flight& flight) {
   const Route& route = flight.route;
-  const bool numbered =
-      std::any_of(route.items.begin(), route.items.end(), [](const RouteItem& item) { return item.command >= 0; });
+  const bool numbered = has_item_numbers(route);
   // Where each vertex is first reached: the first sample of the leg that begins there, the last of one that ends there.
   struct Reached {
     const FlightSample* sample;

@@ -27,6 +27,9 @@ struct Waypoint {
 /// Most waypoints that the page and the KML of the route list: tracks have a point every second.
 inline constexpr std::size_t kMostWaypointsListed = 500;
 
+/// Whether the route's items have the numbers that QGroundControl shows: those of mission files, which have commands.
+bool has_item_numbers(const Route& route);
+
 /// The waypoints of a flight, in the order of the route's vertices. Of the many points of one item (a survey, a circle)
 /// the first, or for a spline the one at its end, is its waypoint. A height that the route does not tell is that of
 /// the flight's sample there: above sea level and above ground, where an elevation model tells one from the other.
