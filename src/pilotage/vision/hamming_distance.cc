@@ -29,7 +29,8 @@ namespace {
 
 }  // namespace
 
-#if defined(__x86_64__)
+// The choice between clones is made while the program is loaded, when the thread sanitizer cannot be called yet.
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("popcnt", "default")))
 #endif
 NearestDescriptor
