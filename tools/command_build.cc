@@ -87,7 +87,7 @@ Command make_build_command() {
     const std::optional<std::string>& sign_key = options.signing.sign_key;
     SignOptions sign = checked_sign_options(options.signing);
     const MapPurpose purpose = make_purpose(options.purpose);
-    const StageFiles files = read_stage_files(options.files, invocation);
+    const StageFiles files = read_stage_files(invocation.inputs.front(), options.files);
     OutputFile map(invocation.output, invocation.overwrite);  // appears when it is signed, too
     // An old signature must not stand beside a new map, so it is an output even when nothing is signed; likewise a list
     // of chunks.

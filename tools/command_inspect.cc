@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "stage_files.h"
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
@@ -14,6 +15,8 @@
 #include "pilotage/mapdb/map_inspect.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/report/explain.h"
+#include "pilotage/report/plan_report.h"
 #include "pilotage/report/report_file.h"
 #include "pilotage/route/describe_route.h"
 #include "pilotage/route/read_route.h"
@@ -33,11 +36,16 @@ EnumNames<InspectKind> enum_names(InspectKind) {
 
 struct InspectOptions {
   InspectKind kind = InspectKind::kAuto;
+  std::string explain;
   RouteOptions route;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.field("kind", self.kind, "What the file is; found out if not given.");
+    fields.field(
+        "explain", self.explain,
+        "Of an output folder of prepare: say in words why a leg (\"leg 3\") or a tile (\"tile 1204\") is judged as "
+        "it is.");
     RouteOptions::describe(self.route, fields);
   }
 };
@@ -130,8 +138,24 @@ CommandResult inspect_imagery_dataset(const std::string& dataset, const Progress
   return result;
 }
 
+/// By the plan, scores and selection that lie in the folder of `report`; throws IntegrityError where they are another
+/// run's.
+std::vector<std::string> explain_outputs(const std::filesystem::path& folder, const Report& report,
+                                         const std::string& what) {
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  const StageFiles files =
+      read_stage_files(file("plan.json"), {.table = file("tiles.csv"), .selection = file("selection.json")});
+  const Report again = make_report(report_numbers_input(files.mission, files.scores, files.selection));
+  if (again.verdict_text != report.verdict_text) {
+    throw IntegrityError(
+        folder.string() + ": plan.json, tiles.csv and selection.json are not those of report.json: by them it is \"" +
+        again.verdict_text + "\", report.json says \"" + report.verdict_text + "\"; run `pilotage prepare` again");
+  }
+  return explain(again, files.selection.advice, what);
+}
+
 /// The outputs of one run of `prepare`: the report must speak of the map that lies beside it.
-CommandResult inspect_outputs(const std::filesystem::path& folder, const Progress& progress) {
+CommandResult inspect_outputs(const std::filesystem::path& folder, const std::string& what, const Progress& progress) {
   const std::filesystem::path page = folder / "report.json";
   const std::filesystem::path map = folder / "map.gpkg";
   std::error_code ignored;
@@ -161,6 +185,11 @@ CommandResult inspect_outputs(const std::filesystem::path& folder, const Progres
                  {"map_digest", digest},
                  {"verdict", report.verdict_text},
                  {"assumptions", report.assumptions}};
+  if (what.empty()) return result;
+  const std::vector<std::string> lines = explain_outputs(folder, report, what);
+  result.text += "\n" + join(lines, "\n") + "\n";
+  result.json["explained"] = what;
+  result.json["explanation"] = lines;
   return result;
 }
 
@@ -207,7 +236,8 @@ Command make_inspect_command() {
   command.summary = "Say what a map, a route, a raster or an output folder holds";
   command.examples = {{"A map database.", "pilotage inspect map.gpkg --json"},
                       {"A route, and what became of each of its items.", "pilotage inspect route.plan"},
-                      {"Whether report and map are of one run.", "pilotage inspect out/"}};
+                      {"Whether report and map are of one run.", "pilotage inspect out/"},
+                      {"Why a leg is judged as it is.", "pilotage inspect out/ --explain \"leg 3\""}};
   command.inputs = {.name = "FILE",
                     .help = "Map database, route file, GDAL dataset, or output folder of prepare.",
                     .min = 1,
@@ -216,13 +246,18 @@ Command make_inspect_command() {
   command.reads_rasters = true;
   bind_options<InspectOptions>(command, [](const InspectOptions& options, const Invocation& invocation) {
     const std::string& path = invocation.inputs.front();
-    switch (options.kind == InspectKind::kAuto ? kind_of(path) : options.kind) {
+    const InspectKind kind = options.kind == InspectKind::kAuto ? kind_of(path) : options.kind;
+    if (!options.explain.empty() && kind != InspectKind::kOutputs) {
+      throw UsageError("explain = \"" + options.explain +
+                       "\": legs and tiles are those of an output folder of prepare, and " + path + " is none");
+    }
+    switch (kind) {
       case InspectKind::kMap:
         return inspect_map_file(path);
       case InspectKind::kRoute:
         return inspect_route_file(path, options.route);
       case InspectKind::kOutputs:
-        return inspect_outputs(path, invocation.progress);
+        return inspect_outputs(path, options.explain, invocation.progress);
       default:
         return inspect_imagery_dataset(path, invocation.progress);
     }

@@ -84,7 +84,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   }
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
-  const StageFiles files = read_stage_files(options.files, invocation);
+  const StageFiles files = read_stage_files(invocation.inputs.front(), options.files);
   check_outputs(place, report_output_names(place.stem, options.outputs, files.mission.ground.levels, true), invocation);
   const ReportInput input = read_report_input(options, files, invocation);
   const Report report = make_report(input);

@@ -35,18 +35,18 @@ std::vector<TileScores> read_scores(const std::string& table, const Ground& grou
   return scores_of(ground, tile_table_from_csv(table, read_file(table)), table, plan);
 }
 
-StageFiles read_stage_files(const StageFileOptions& options, const Invocation& invocation) {
+StageFiles read_stage_files(const std::string& plan, const StageFileOptions& options) {
   if (options.selection.empty()) {
     throw UsageError("selection is missing; give --selection selection.json, which `pilotage select` writes");
   }
-  Mission mission = read_stage_plan(invocation.inputs.front());
-  std::vector<TileScores> scores = read_scores(options.table, mission.ground, invocation.inputs.front());
+  Mission mission = read_stage_plan(plan);
+  std::vector<TileScores> scores = read_scores(options.table, mission.ground, plan);
   need_file(options.selection, "select");
   StageFiles files{std::move(mission), std::move(scores), read_selection(options.selection)};
   for (const std::int64_t id : files.selection.tile_ids) tile_index(files.mission.ground, id, options.selection);
   if (files.selection.legs.size() != files.mission.flight.route.legs.size()) {
-    throw DataError(options.selection + ": has " + std::to_string(files.selection.legs.size()) + " legs, " +
-                    invocation.inputs.front() + " has " + std::to_string(files.mission.flight.route.legs.size()));
+    throw DataError(options.selection + ": has " + std::to_string(files.selection.legs.size()) + " legs, " + plan +
+                    " has " + std::to_string(files.mission.flight.route.legs.size()));
   }
   return files;
 }

@@ -45,8 +45,8 @@ Mission read_stage_plan(const std::string& path);
 /// when `table` is empty, DataError when it cannot be read or is of other tiles.
 std::vector<TileScores> read_scores(const std::string& table, const Ground& ground, const std::string& plan);
 
-/// The plan that is the command's input, its scores and its selection. Throws as read_scores, likewise for the others;
-/// DataError when the scores or the selection are of another plan.
-StageFiles read_stage_files(const StageFileOptions& options, const Invocation& invocation);
+/// The plan of a file, its scores and its selection. Throws as read_scores, likewise for the others; DataError when the
+/// scores or the selection are of another plan.
+StageFiles read_stage_files(const std::string& plan, const StageFileOptions& options);
 
 }  // namespace pilotage

@@ -13,22 +13,28 @@ constexpr int kOverviewSide_px = 1600;
 
 }  // namespace
 
-ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                              const std::vector<InputFile>& inputs, const std::string& software_version, int threads,
-                              const Progress& progress) {
+ReportInput report_numbers_input(const Mission& mission, const std::vector<TileScores>& scores,
+                                 const Selection& selection) {
   ReportInput input;
   input.mission = mission;
   input.scores = scores;
   input.selection = selection;
-  input.imagery = read_overview(mission.ground, kOverviewSide_px);
-  input.pictures = read_tile_pictures(mission.ground, threads, progress);
   const auto transform = std::make_shared<CrsTransform>(mission.ground.crs);
   input.geodetic_from_map = [transform](const Eigen::Vector2d& point) {
     constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
     return transform->geodetic_from_map(point).value_or(GeodeticPoint{kNowhere, kNowhere});
   };
-  input.inputs = inputs;
   input.assumptions = mission.notes;
+  return input;
+}
+
+ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
+                              const std::vector<InputFile>& inputs, const std::string& software_version, int threads,
+                              const Progress& progress) {
+  ReportInput input = report_numbers_input(mission, scores, selection);
+  input.imagery = read_overview(mission.ground, kOverviewSide_px);
+  input.pictures = read_tile_pictures(mission.ground, threads, progress);
+  input.inputs = inputs;
   input.software_version = software_version;
   return input;
 }

@@ -13,6 +13,10 @@
 
 namespace pilotage {
 
+/// What a report computes its numbers and sentences from; it will have no pictures.
+ReportInput report_numbers_input(const Mission& mission, const std::vector<TileScores>& scores,
+                                 const Selection& selection);
+
 /// Reads what a report shows beyond plan, scores, selection and `inputs` (input_files of the plan): a picture of the
 /// corridor and one of each tile. The same for any number of threads (0 = all cores). Throws DataError when imagery
 /// cannot be read, Interrupted.

@@ -7,6 +7,7 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
+#include "pilotage/report/explain.h"
 #include "pilotage/report/ground_json.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/page_parts.h"
@@ -118,18 +119,12 @@ std::string leg_probability_text(const Report& report, double p) {
   return std::isnan(p) && report.probability ? "not reached within the limit" : probability_text(p);
 }
 
-// The plan's own numbers: "2 → 3"; "–" where the file has none, as for home.
-std::string items_text(const ReportLeg& leg) {
-  const auto number = [](int item) { return item < 0 ? std::string("–") : std::to_string(item); };
-  return leg.from_item < 0 && leg.to_item < 0 ? "–" : number(leg.from_item) + " → " + number(leg.to_item);
-}
-
 std::string legs_html(const Report& report) {
   std::string html;
   for (const int index : report.worst_legs) {
     const ReportLeg& leg = report.legs[static_cast<std::size_t>(index)];
     html += "<tr>" + heading_html("Leg " + std::to_string(leg.status.leg + 1)) +
-            cell_html("Items of the plan", items_text(leg)) + badge_cell(status_name(leg.quality)) +
+            cell_html("Items of the plan", leg_items_text(leg)) + badge_cell(status_name(leg.quality)) +
             cell_html("Largest error", comparison_text(leg.status.max_error_m, report.max_error_m)) +
             cell_html("P within limit", leg_probability_text(report, leg.status.p_within_limit)) +
             cell_html("P of a fix", leg_probability_text(report, leg.status.p_fix)) +
