@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
 
 #pragma GCC visibility push(default)
@@ -18,6 +19,15 @@ struct Interrupted {};
 /// Calls `progress` if there is one; throws Interrupted when it asks to stop.
 inline void report_progress(const Progress& progress, std::string_view what, std::int64_t done, std::int64_t total) {
   if (progress && !progress(what, done, total)) throw Interrupted{};
+}
+
+/// The progress of one part of longer work: says "2 of 5: score" where the part says "score". `part` counts from 1.
+inline Progress part_of(const Progress& progress, int part, int parts) {
+  if (!progress) return {};
+  return [progress, prefix = std::to_string(part) + " of " + std::to_string(parts) + ": "](
+             std::string_view what, std::int64_t done, std::int64_t total) {
+    return progress(prefix + std::string(what), done, total);
+  };
 }
 
 }  // namespace pilotage

@@ -93,12 +93,18 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
   refuse_existing(run.output_folder, run.overwrite);
   const MapPurpose purpose = make_purpose(options.purpose);
+  constexpr int kParts = 5;
+  const Progress planning = part_of(progress, 1, kParts);
+  const Progress scoring = part_of(progress, 2, kParts);
+  const Progress selecting = part_of(progress, 3, kParts);
+  const Progress building = part_of(progress, 4, kParts);
+  const Progress reporting = part_of(progress, 5, kParts);
   std::vector<ImageryInfo> second_dates;
   for (const std::string& dataset : options.score.second_epoch) {  // fails now, not after hours
-    second_dates.push_back(inspect_imagery(dataset, second_date_options(options.tile.imagery_options), progress));
+    second_dates.push_back(inspect_imagery(dataset, second_date_options(options.tile.imagery_options), planning));
   }
 
-  const Mission mission = plan_tiles(options.tile, progress);
+  const Mission mission = plan_tiles(options.tile, planning);
   const StagingFolder staging(run.output_folder);
   PrepareResult result;
   const auto publish_later = [&](const std::string& name) {
@@ -107,31 +113,31 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   };
   write_file(publish_later("plan.json"), json_text(plan_to_json(mission)), true);
 
-  report_progress(progress, "reading imagery", 0, 0);  // until there are tiles to count
+  report_progress(scoring, "reading imagery", 0, 0);  // until there are tiles to count
   std::optional<GroundImagery> imagery = open_imagery(mission.ground);
-  const GroundScores scored = score_ground(mission.ground, score_options, run.seed, run.threads, progress, &*imagery);
+  const GroundScores scored = score_ground(mission.ground, score_options, run.seed, run.threads, scoring, &*imagery);
   const std::vector<TileScores>& scores = scored.scores;
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
     write_score_raster(publish_later(kDisagreement), layer.bands, mission.ground.crs, layer.map_from_pixel, true,
-                       progress);
+                       scoring);
   }
-  report_progress(progress, "writing scores", 0, 0);
+  report_progress(scoring, "writing scores", 0, 0);
   const ScoreTable table(mission.ground, scores);
   write_file(publish_later("tiles.csv"), tile_table_to_csv(mission.ground, scores), true);
   for (const GridLevel& level : mission.ground.levels) {
     const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
     const fs::path path = publish_later(score_raster_name(level.matrix.level));
-    write_score_raster(path, raster.bands, mission.ground.crs, raster.map_from_pixel, true, progress);
+    write_score_raster(path, raster.bands, mission.ground.crs, raster.map_from_pixel, true, scoring);
     const auto shown = shown_measure(raster, scores);
     if (shown && asks_for(options.outputs, ReportOutput::kCog)) {
       result.files.push_back(write_heat_style(path, *shown, true));
     }
   }
 
-  report_progress(progress, "selecting", 0, 0);
+  report_progress(selecting, "selecting", 0, 0);
   const Selection selection = select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select);
   write_file(publish_later("selection.json"), json_text(selection_to_json(selection)), true);
 
@@ -145,7 +151,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     second_date = SecondDate{options.score.second_epoch, registration.fit.field};
   }
   result.map = build_map(publish_later(kMap), mission, scores, selection, inputs, run.software_version, options.build,
-                         true, run.threads, progress, second_date, &*imagery, purpose);
+                         true, run.threads, building, second_date, &*imagery, purpose);
   if (run.secret_key) {
     SignOptions sign = run.sign;
     sign.signature_path = publish_later(signature_path_of(kMap));
@@ -156,8 +162,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   imagery.reset();  // the report reads it at other scales
 
   ReportInput input =
-      make_report_input(mission, scores, selection, inputs, run.software_version, run.threads, progress);
-  report_progress(progress, "writing the report", 0, 0);
+      make_report_input(mission, scores, selection, inputs, run.software_version, run.threads, reporting);
+  report_progress(reporting, "writing the report", 0, 0);
   input.parameters = described(options);
   input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
@@ -166,7 +172,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     report.warnings.insert(report.warnings.end(), info.warnings.begin(), info.warnings.end());
   }
   const std::vector<std::string> written =
-      write_report_outputs(staging / "", kReport, input, report, options.outputs, false, progress);
+      write_report_outputs(staging / "", kReport, input, report, options.outputs, false, reporting);
   result.files.insert(result.files.end(), written.begin(), written.end());
   std::vector<std::string> in_order = result.files;
   std::stable_partition(in_order.begin(), in_order.end(), [](const std::string& name) { return name != kMap; });

@@ -104,7 +104,11 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   const NoFlyZones zones = read_zones(planned, options.line);
   TileOptions as_planned = options.mission.tile;
   as_planned.allow_uncovered = true;  // a planned line that leaves the imagery is what another one is looked for
-  const JudgedLine before = judge_as_prepare(options.mission, as_planned, run, progress);
+  constexpr int kParts = 3;
+  const Progress judging = part_of(progress, 1, kParts);
+  const Progress searching = part_of(progress, 2, kParts);
+  const Progress verifying = part_of(progress, 3, kParts);
+  const JudgedLine before = judge_as_prepare(options.mission, as_planned, run, judging);
   result.warnings = before.mission.warnings;
 
   TileOptions around = options.mission.tile;
@@ -117,13 +121,13 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   around.corridor_half_width_m = result.search_within_m;
   around.denied.reset();
   around.allow_uncovered = true;
-  Mission area = plan_tiles(around, progress);
+  Mission area = plan_tiles(around, searching);
   result.tiles = static_cast<std::int64_t>(area.ground.tiles.size());
   std::vector<TileScores> scores =
-      score_ground(area.ground, search_scores(score_options_of(options.mission)), run.seed, run.threads, progress)
+      score_ground(area.ground, search_scores(score_options_of(options.mission)), run.seed, run.threads, searching)
           .scores;
   LineFinder finder(options, planned, std::move(area), std::move(scores), zones,
-                    before.mission.flight.corridor_half_width_m, run.threads, progress);
+                    before.mission.flight.corridor_half_width_m, run.threads, searching);
   for (const MovableRun& moved : finder.runs()) {
     for (std::size_t leg = moved.first; leg <= moved.last; ++leg) result.moved_legs.push_back(static_cast<int>(leg));
   }
@@ -154,7 +158,7 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
     JudgedLine verified;
     try {
       verified =
-          judge_as_prepare(options.mission, options_for_plan(options.mission.tile, staging / name), run, progress);
+          judge_as_prepare(options.mission, options_for_plan(options.mission.tile, staging / name), run, verifying);
     } catch (const DataError& error) {  // what `prepare` would refuse: a hole in the imagery, GNSS all the way
       refused = error.what();
       continue;

@@ -124,9 +124,13 @@ std::vector<std::string> earlier_survey_outputs(const fs::path& folder) {
 SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOptions& options, const SurveyRun& run,
                         const Progress& progress) {
   refuse_existing_survey(run.output_folder, run.overwrite);
+  constexpr int kParts = 3;
+  const Progress planning = part_of(progress, 1, kParts);
+  const Progress scoring = part_of(progress, 2, kParts);
+  const Progress reporting = part_of(progress, 3, kParts);
   SurveyInput input;
-  input.area = plan_survey(imagery, options, progress);
-  input.second_dates = inspect_second_dates(options, input.area.warnings, progress);  // fails now, not after hours
+  input.area = plan_survey(imagery, options, planning);
+  input.second_dates = inspect_second_dates(options, input.area.warnings, planning);  // fails now, not after hours
   Ground& ground = input.area.ground;
   cut_all_tiles(ground, run.threads);
 
@@ -136,23 +140,23 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
     result.files.push_back(name);
     return staging / name;
   };
-  GroundScores scored = score_ground(ground, options.score, run.seed, run.threads, progress);
+  GroundScores scored = score_ground(ground, options.score, run.seed, run.threads, scoring);
   if (scored.second_epoch) {
     const SecondEpoch& epoch = *scored.second_epoch;
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
     write_score_raster(publish_later("survey_disagreement.tif"), layer.bands, ground.crs, layer.map_from_pixel, true,
-                       progress);
+                       scoring);
   }
   input.scores = std::move(scored.scores);
   drop_tiles_without_imagery(ground, input.scores);
   warn_of_missing_heights(ground, input.scores, input.area.warnings);
 
-  report_progress(progress, "writing scores", 0, 0);
+  report_progress(scoring, "writing scores", 0, 0);
   const ScoreTable table(ground, input.scores);
   write_file(publish_later("survey_tiles.csv"), tile_table_to_csv(ground, input.scores), true);
   const ScoreRaster raster = score_raster(table, 0);
   const fs::path scores_path = publish_later("survey_scores.tif");
-  write_score_raster(scores_path, raster.bands, ground.crs, raster.map_from_pixel, true, progress);
+  write_score_raster(scores_path, raster.bands, ground.crs, raster.map_from_pixel, true, scoring);
   if (const auto shown = shown_measure(raster, input.scores)) {
     result.files.push_back(write_heat_style(scores_path, *shown, true));
   }
@@ -163,7 +167,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   input.matcher = options.score.matcher;
   input.model = options.score.model;
   input.imagery = read_overview(ground, kSurveyOverviewSide_px);
-  input.pictures = read_tile_pictures(ground, run.threads, progress);
+  input.pictures = read_tile_pictures(ground, run.threads, reporting);
   const auto transform = std::make_shared<CrsTransform>(ground.crs);
   input.geodetic_from_map = [transform](const Eigen::Vector2d& point) {
     constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
@@ -173,7 +177,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   input.parameters = options_to_json(list_options(described));
   input.inputs = survey_inputs(input, options);
   input.software_version = run.software_version;
-  report_progress(progress, "writing the report", 0, 0);
+  report_progress(reporting, "writing the report", 0, 0);
   const Survey survey = make_survey(input);
   write_file(publish_later("survey_squares.csv"), squares_csv(survey), true);
   write_survey_geopackage(publish_later("survey.gpkg"), survey, table);
