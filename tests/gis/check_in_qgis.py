@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Opens the files of a report in QGIS's own library and checks that each comes up styled.
+"""Opens the files of a report or of a survey in QGIS's own library and checks that each comes up styled and draws what it means.
 
 check_in_qgis.py FOLDER [PICTURES]: with PICTURES, a folder, also draws them there, to be looked at.
 """
@@ -12,6 +12,7 @@ from qgis.PyQt.QtCore import QSize
 from qgis.PyQt.QtGui import QColor
 
 problems = []
+CLASSES = ["go", "marginal", "no-go"]
 
 
 def check(what, found, expected):
@@ -19,8 +20,8 @@ def check(what, found, expected):
         problems.append(f"{what}: {found!r}, expected {expected!r}")
 
 
-def vector_layer(folder, name, labels):
-    layer = QgsVectorLayer(f"{folder}/report.gpkg|layername={name}", name, "ogr")
+def vector_layer(file, name, labels):
+    layer = QgsVectorLayer(f"{file}|layername={name}", name, "ogr")
     check(f"{name} opens", layer.isValid(), True)
     check(f"{name}: renderer", layer.renderer().type(), "RuleRenderer")
     check(f"{name}: legend", [item.label() for item in layer.renderer().legendSymbolItems()], labels)
@@ -29,9 +30,9 @@ def vector_layer(folder, name, labels):
     return layer
 
 
-def vectors(folder):
+def tile_layer(file, more_labels):
     classes = [f"P(correct fix) {low:.2f} – {low + 0.2:.2f}" for low in (0, 0.2, 0.4, 0.6, 0.8)]
-    tiles = vector_layer(folder, "tiles", classes + ["P(correct fix): not known", "matching area"])
+    tiles = vector_layer(file, "tiles", classes + ["P(correct fix): not known"] + more_labels)
     names = [field.name() for field in tiles.fields()]
     check("alias", tiles.attributeAlias(names.index("p_correct_fix")), "P(correct fix)")
     check("alias with unit", tiles.attributeAlias(names.index("relief_m")), "Highest minus lowest ground [m]")
@@ -42,9 +43,18 @@ def vectors(folder):
         context.setFields(tiles.fields())
         hits = sum(1 for rule in rules if rule.filter().evaluate(context))
         check(f"classes of tile {feature['tile_id']}", hits, 1)
-    return [vector_layer(folder, "route", ["route"]), vector_layer(folder, "legs", ["good", "marginal", "bad"]),
-            vector_layer(folder, "gaps", [f"without a fix, {status}" for status in ("good", "marginal", "bad")]), vector_layer(folder, "areas", [""]), tiles,
-            vector_layer(folder, "decision", ["go", "marginal", "no-go"])]
+    return tiles
+
+
+def report_vectors(file):
+    tiles = tile_layer(file, ["matching area"])
+    return [vector_layer(file, "route", ["route"]), vector_layer(file, "legs", ["good", "marginal", "bad"]),
+            vector_layer(file, "gaps", [f"without a fix, {status}" for status in ("good", "marginal", "bad")]), vector_layer(file, "areas", [""]),
+            tiles, vector_layer(file, "decision", CLASSES)]
+
+
+def survey_vectors(file):
+    return [vector_layer(file, "squares", [""]), tile_layer(file, []), vector_layer(file, "decision", CLASSES)]
 
 
 def heat_map(folder, name):
@@ -56,9 +66,9 @@ def heat_map(folder, name):
     check(f"{name}: range", (renderer.classificationMin(), renderer.classificationMax()), (0.0, 1.0))
     shader = renderer.shader().rasterShaderFunction()
     items = shader.colorRampItemList()
-    check(f"{name}: colours", (len(items), items[0].color.name(), items[-1].color.name()), (33, "#440154", "#fde725"))
+    check(f"{name}: colours", (len(items), items[0].color.name(), items[-1].color.name()), (33, "#f4f1ea", "#003262"))
     check(f"{name}: interpolated", shader.colorRampType(), shader.Interpolated)
-    check(f"{name}: colour ramp", shader.sourceColorRamp().color1().name(), "#440154")
+    check(f"{name}: colour ramp", shader.sourceColorRamp().color1().name(), "#f4f1ea")
     check(f"{name}: legend", shader.legendSettings().maximumLabel(), "1.00 P(correct fix)")
     return layer
 
@@ -68,11 +78,11 @@ def class_raster(folder, name):
     check(f"{name} opens", layer.isValid(), True)
     check(f"{name}: renderer", layer.renderer().type(), "paletted")
     check(f"{name}: classes", [(entry.value, entry.label) for entry in layer.renderer().classes()],
-          [(0.0, "go"), (1.0, "marginal"), (2.0, "no-go")])
+          [(float(number), name) for number, name in enumerate(CLASSES)])
     return layer
 
 
-def draw(layers, path):
+def picture(layers):
     settings = QgsMapSettings()
     settings.setLayers(layers)
     settings.setBackgroundColor(QColor("white"))
@@ -84,21 +94,46 @@ def draw(layers, path):
     job = QgsMapRendererSequentialJob(settings)
     job.start()
     job.waitForFinished()
-    job.renderedImage().save(path)
+    return job.renderedImage(), extent
+
+
+def check_drawn(decision):
+    """At the middle of each tile the map shows the colour of its class. Of tiles of one level, which do not lie over each other."""
+    image, extent = picture([decision])
+    symbols = {rule.label(): rule.symbol() for rule in decision.renderer().rootRule().children()}
+    check("decision: colours of classes", sorted(symbols), sorted(CLASSES))
+    per_pixel = max(extent.width() / image.width(), extent.height() / image.height())
+    seen = {name: 0 for name in CLASSES}
+    for feature in decision.getFeatures():
+        middle = feature.geometry().centroid().asPoint()
+        x = round(image.width() / 2 + (middle.x() - extent.center().x()) / per_pixel)
+        y = round(image.height() / 2 - (middle.y() - extent.center().y()) / per_pixel)
+        symbol = symbols[feature["class"]]
+        drawn, meant = image.pixelColor(x, y), symbol.color()
+        opacity = meant.alphaF() * symbol.opacity() * decision.opacity()  # over white
+        expected = [255 + (channel - 255) * opacity for channel in (meant.red(), meant.green(), meant.blue())]
+        if all(abs(a - b) < 24 for a, b in zip((drawn.red(), drawn.green(), drawn.blue()), expected)):
+            seen[feature["class"]] += 1
+        else:
+            problems.append(f"decision at {middle.x():.0f}, {middle.y():.0f}: drawn {drawn.name()}, its class {feature['class']} is {meant.name()}")
+    check("decision: something is drawn", sum(seen.values()) > 0, True)
+    return seen
 
 
 def main():
     folder = sys.argv[1]
     application = QgsApplication([], False)  # keeps the library alive
     application.initQgis()
-    layers = vectors(folder)
-    heat = heat_map(folder, "report_scores.tif")
-    classes = class_raster(folder, "report_classes.tif")
+    is_survey = os.path.exists(f"{folder}/survey.gpkg")
+    stem = "survey" if is_survey else "report"
+    layers = (survey_vectors if is_survey else report_vectors)(f"{folder}/{stem}.gpkg")
+    heat = heat_map(folder, f"{stem}_scores.tif")
+    classes = class_raster(folder, f"{stem}_classes.tif")
+    seen = check_drawn(layers[-1]) if is_survey else None
     if len(sys.argv) > 2:
-        draw(layers, f"{sys.argv[2]}/layers.png")
-        draw(layers[:3] + [heat], f"{sys.argv[2]}/heat.png")
-        draw([classes], f"{sys.argv[2]}/classes.png")
-    print("\n".join(problems) or f"checked in QGIS {Qgis.QGIS_VERSION}", flush=True)
+        for name, shown in (("layers", layers), ("decision", layers[-1:]), ("heat", layers[:-2] + [heat]), ("classes", [classes])):
+            picture(shown)[0].save(f"{sys.argv[2]}/{stem}_{name}.png")
+    print("\n".join(problems[:20]) or f"checked in QGIS {Qgis.QGIS_VERSION}" + (f": tiles drawn in the colour of their class: {seen}" if seen else ""), flush=True)
     os._exit(1 if problems else 0)  # QGIS and Python do not always agree on who goes first
 
 
