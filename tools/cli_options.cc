@@ -29,7 +29,9 @@ CLI::Option* add_field(CLI::App& app, const OptionField& field) {
   const std::string typed = argument.substr(0, argument.find('='));
   std::vector<std::string> known = {"--help", "--version"};
   for (const OptionList* list : lists) {
-    for (const OptionField& field : list->fields) known.push_back("--" + field.flag);
+    for (const OptionField& field : list->fields) {
+      if (!field.flag.empty()) known.push_back("--" + field.flag);
+    }
   }
   const std::string nearest = typed.starts_with("--") ? nearest_word(typed, known) : "";
   throw UsageError("unknown option " + typed +
@@ -49,6 +51,14 @@ void refuse_empty_assignments(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+void take_flags_away(OptionList& options, const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    for (OptionField& field : options.fields) {
+      if (field.path == path || field.path.starts_with(path + ".")) field.flag.clear();
+    }
+  }
+}
+
 ParsedLine parse_line(const std::vector<const OptionList*>& lists, const std::vector<std::string>& arguments) {
   refuse_empty_assignments(arguments);
   ParsedLine line;
@@ -60,7 +70,9 @@ ParsedLine parse_line(const std::vector<const OptionList*>& lists, const std::ve
   app.add_option("inputs", line.inputs)->expected(0, -1);
   std::vector<std::pair<const OptionField*, CLI::Option*>> options;
   for (const OptionList* list : lists) {
-    for (const OptionField& field : list->fields) options.emplace_back(&field, add_field(app, field));
+    for (const OptionField& field : list->fields) {
+      if (!field.flag.empty()) options.emplace_back(&field, add_field(app, field));
+    }
   }
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

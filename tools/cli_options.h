@@ -18,6 +18,10 @@ struct ParsedLine {
   bool version = false;
 };
 
+/// Of these options, and all of these groups (dotted paths), only a configuration file may speak: they get no flags.
+/// For what another command with the same file uses and this one does not.
+void take_flags_away(OptionList& options, const std::vector<std::string>& paths);
+
 /// Splits a command line by the flags of `lists`:
 ///   --flag VALUE, --flag=VALUE; lists: several values joined by commas, or the flag repeated (lists of paths: only
 ///   repeated); booleans: --flag, --no-flag, --flag=true|false; "--" ends the flags.

@@ -1,3 +1,4 @@
+#include "cli_options.h"
 #include "commands.h"
 
 #include "pilotage/base/text.h"
@@ -60,6 +61,7 @@ Command make_reroute_command() {
     if (!done.found_go) result.exit_code = kExitGateNotMet;
     return result;
   });
+  take_flags_away(command.options, {"outputs", "purpose"});  // of a mission file, for `prepare` alone
   return command;
 }
 

@@ -35,7 +35,9 @@ CompletionCommand describe(const Command& command) {
   CompletionCommand described{command.word,           command.summary,     {},
                               command.inputs.max > 0, command.inputs.name, command.inputs.choices};
   for (const OptionList* list : {&command.options, &common_fields}) {
-    for (const OptionField& field : list->fields) described.flags.push_back(flag_of(command, field));
+    for (const OptionField& field : list->fields) {
+      if (!field.flag.empty()) described.flags.push_back(flag_of(command, field));
+    }
   }
   for (const OptionEntry& entry : options_of_the_program()) {
     described.flags.push_back({entry.letter.empty() ? "" : entry.letter.substr(1),

@@ -117,7 +117,7 @@ std::vector<OptionSection> describe_options(const OptionList& list) {
   const auto add_section = [&](const std::string& heading, const std::string& group) {
     OptionSection section{heading.ends_with('.') ? heading.substr(0, heading.size() - 1) : heading, {}};
     for (const OptionField& field : list.fields) {
-      if (parent_of(field.path) == group) section.entries.push_back(describe_option(field));
+      if (!field.flag.empty() && parent_of(field.path) == group) section.entries.push_back(describe_option(field));
     }
     if (!section.entries.empty()) sections.push_back(std::move(section));
   };

@@ -63,7 +63,7 @@ enum class OptionType { kBool, kInteger, kNumber, kString, kStringList, kNumberL
 /// One field of an options struct, bound to a live object: `set` checks type and range and writes through.
 struct OptionField {
   std::string path;  ///< Dotted JSON path, "camera.hfov_deg".
-  std::string flag;  ///< Command-line flag without the dashes, "camera-hfov-deg".
+  std::string flag;  ///< Command-line flag without the dashes, "camera-hfov-deg"; "" for what only files may hold.
   std::string help;
   OptionType type = OptionType::kString;
   bool optional = false;             ///< The field is a std::optional: it may be left unset.
