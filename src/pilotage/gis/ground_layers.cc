@@ -129,6 +129,30 @@ VectorFeature outline_of(const Ground& ground, const std::vector<const ReportTil
   return feature;
 }
 
+VectorLayer key_value_layer(const std::string& name, const std::string& title, const std::string& description,
+                            const std::vector<std::pair<std::string, std::string>>& rows,
+                            const std::vector<InputFile>& inputs) {
+  VectorLayer layer;
+  layer.name = name;
+  layer.title = title;
+  layer.description = description;
+  layer.columns = {{"key", VectorType::kText, ""}, {"value", VectorType::kText, ""}};
+  const auto add = [&](const std::string& key, const std::string& value) {
+    VectorFeature row;
+    row.values = {key, value};
+    layer.features.push_back(std::move(row));
+  };
+  for (const auto& [key, value] : rows) add(key, value);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::string prefix = "inputs." + std::to_string(i) + ".";
+    add(prefix + "role", inputs[i].role);
+    add(prefix + "name", inputs[i].name);
+    add(prefix + "date", inputs[i].date);
+    add(prefix + "digest", inputs[i].digest);
+  }
+  return layer;
+}
+
 VectorLayer decision_layer(const Ground& ground, const std::vector<ReportTile>& tiles) {
   VectorLayer layer;
   layer.name = "decision";

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pilotage/raster/gdal_vector.h"
@@ -23,6 +24,12 @@ const MeasureScale& shown_scale(const std::vector<MeasureScale>& measures);
 /// the ground's CRS. Hidden in KML until it is asked for.
 VectorLayer tile_layer(const Ground& ground, const std::vector<ReportTile>& tiles, const std::vector<TileField>& fields,
                        const MeasureScale& scale);
+
+/// A table without shapes of a text `value` for each text `key`: `rows`, then role, name, date and digest of each input
+/// ("inputs.0.role" …).
+VectorLayer key_value_layer(const std::string& name, const std::string& title, const std::string& description,
+                            const std::vector<std::pair<std::string, std::string>>& rows,
+                            const std::vector<InputFile>& inputs);
 
 /// Layer `decision`: outlines of the ground of one class (tile_class.h), in the ground's CRS.
 VectorLayer decision_layer(const Ground& ground, const std::vector<ReportTile>& tiles);

@@ -264,34 +264,18 @@ VectorLayer route_layer(const ReportInput& input, const Report& report) {
   return layer;
 }
 
-VectorLayer key_value_layer(const Report& report) {
-  VectorLayer layer;
-  layer.name = "report";
-  layer.title = "Report";
-  layer.description = "The verdict and what the report was made of.";
-  layer.columns = {{"key", VectorType::kText, ""}, {"value", VectorType::kText, ""}};
-  const auto add = [&](const std::string& key, const std::string& value) {
-    VectorFeature row;
-    row.values = {key, value};
-    layer.features.push_back(std::move(row));
-  };
-  add("title", report.title);
-  add("software_version", report.software_version);
-  add("verdict.status", std::string(verdict_name(report.verdict)));
-  add("verdict.text", report.verdict_text);
-  add("verdict.assumptions", report.assumptions);
-  for (const QualityRow& row : report.quality) add("quality." + row.name, row.value);
-  add("selection.selected_tiles", std::to_string(report.selected_tiles));
-  add("selection.all_tiles", std::to_string(report.tiles.size()));
-  add("selection.estimated_bytes", std::to_string(report.estimated_bytes));
-  for (std::size_t i = 0; i < report.inputs.size(); ++i) {
-    const std::string prefix = "inputs." + std::to_string(i) + ".";
-    add(prefix + "role", report.inputs[i].role);
-    add(prefix + "name", report.inputs[i].name);
-    add(prefix + "date", report.inputs[i].date);
-    add(prefix + "digest", report.inputs[i].digest);
-  }
-  return layer;
+VectorLayer report_table(const Report& report) {
+  std::vector<std::pair<std::string, std::string>> rows = {
+      {"title", report.title},
+      {"software_version", report.software_version},
+      {"verdict.status", std::string(verdict_name(report.verdict))},
+      {"verdict.text", report.verdict_text},
+      {"verdict.assumptions", report.assumptions}};
+  for (const QualityRow& row : report.quality) rows.emplace_back("quality." + row.name, row.value);
+  rows.emplace_back("selection.selected_tiles", std::to_string(report.selected_tiles));
+  rows.emplace_back("selection.all_tiles", std::to_string(report.tiles.size()));
+  rows.emplace_back("selection.estimated_bytes", std::to_string(report.estimated_bytes));
+  return key_value_layer("report", "Report", "The verdict and what the report was made of.", rows, report.inputs);
 }
 
 }  // namespace
@@ -337,7 +321,7 @@ ReportLayers report_layers(const ReportInput& input, const Report& report) {
                       gap_layer(input, report),
                       denied_layer(input, report),
                       route_layer(input, report),
-                      key_value_layer(report)};
+                      report_table(report)};
   for (VectorLayer* layer :
        {&layers.decision, &layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.denied, &layers.route}) {
     std::vector<std::pair<std::string, std::string>> titles;

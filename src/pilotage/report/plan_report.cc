@@ -13,17 +13,21 @@ constexpr int kOverviewSide_px = 1600;
 
 }  // namespace
 
+std::function<GeodeticPoint(Eigen::Vector2d)> geodetic_from_map_of(const Crs& crs) {
+  const auto transform = std::make_shared<CrsTransform>(crs);
+  return [transform](const Eigen::Vector2d& point) {
+    constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+    return transform->geodetic_from_map(point).value_or(GeodeticPoint{kNowhere, kNowhere});
+  };
+}
+
 ReportInput report_numbers_input(const Mission& mission, const std::vector<TileScores>& scores,
                                  const Selection& selection) {
   ReportInput input;
   input.mission = mission;
   input.scores = scores;
   input.selection = selection;
-  const auto transform = std::make_shared<CrsTransform>(mission.ground.crs);
-  input.geodetic_from_map = [transform](const Eigen::Vector2d& point) {
-    constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
-    return transform->geodetic_from_map(point).value_or(GeodeticPoint{kNowhere, kNowhere});
-  };
+  input.geodetic_from_map = geodetic_from_map_of(mission.ground.crs);
   input.assumptions = mission.notes;
   return input;
 }

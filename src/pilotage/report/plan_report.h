@@ -1,17 +1,24 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "pilotage/base/progress.h"
 #include "pilotage/ground/tile_scores.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
+#include "pilotage/raster/crs.h"
 #include "pilotage/report/report_input.h"
 
 #pragma GCC visibility push(default)
 
 namespace pilotage {
+
+/// Longitude and latitude of points of a CRS; NaN where a point has none.
+std::function<GeodeticPoint(Eigen::Vector2d)> geodetic_from_map_of(const Crs& crs);
 
 /// What a report computes its numbers and sentences from; it will have no pictures.
 ReportInput report_numbers_input(const Mission& mission, const std::vector<TileScores>& scores,

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <memory>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -24,6 +22,7 @@
 #include "pilotage/ground/tile_table.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
+#include "pilotage/report/plan_report.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/survey/survey.h"
 #include "pilotage/survey/survey_layers.h"
@@ -168,11 +167,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   input.model = options.score.model;
   input.imagery = read_overview(ground, kSurveyOverviewSide_px);
   input.pictures = read_tile_pictures(ground, run.threads, reporting);
-  const auto transform = std::make_shared<CrsTransform>(ground.crs);
-  input.geodetic_from_map = [transform](const Eigen::Vector2d& point) {
-    constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
-    return transform->geodetic_from_map(point).value_or(GeodeticPoint{kNowhere, kNowhere});
-  };
+  input.geodetic_from_map = geodetic_from_map_of(ground.crs);
   SurveyOptions described = options;
   input.parameters = options_to_json(list_options(described));
   input.inputs = survey_inputs(input, options);

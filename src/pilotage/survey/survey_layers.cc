@@ -62,30 +62,14 @@ VectorLayer square_layer(const Survey& survey, const Crs& crs) {
 }
 
 VectorLayer survey_table(const Survey& survey) {
-  VectorLayer layer;
-  layer.name = "survey";
-  layer.title = "Survey";
-  layer.description = "What the survey says of the area, and what that rests on.";
-  layer.columns = {{"key", VectorType::kText, ""}, {"value", VectorType::kText, ""}};
-  const auto add = [&](const std::string& key, const std::string& value) {
-    VectorFeature row;
-    row.values = {key, value};
-    layer.features.push_back(std::move(row));
-  };
-  add("title", survey.title);
-  add("software_version", survey.software_version);
-  add("headline", survey.headline);
-  add("detail", survey.detail);
-  add("assumptions", join(survey.assumptions, "; "));
-  add("not_looked_at", survey.not_looked_at);
-  for (std::size_t i = 0; i < survey.inputs.size(); ++i) {
-    const std::string prefix = "inputs." + std::to_string(i) + ".";
-    add(prefix + "role", survey.inputs[i].role);
-    add(prefix + "name", survey.inputs[i].name);
-    add(prefix + "date", survey.inputs[i].date);
-    add(prefix + "digest", survey.inputs[i].digest);
-  }
-  return layer;
+  return key_value_layer("survey", "Survey", "What the survey says of the area, and what that rests on.",
+                         {{"title", survey.title},
+                          {"software_version", survey.software_version},
+                          {"headline", survey.headline},
+                          {"detail", survey.detail},
+                          {"assumptions", join(survey.assumptions, "; ")},
+                          {"not_looked_at", survey.not_looked_at}},
+                         survey.inputs);
 }
 
 /// Those with a shape.
