@@ -111,6 +111,24 @@ TEST(Reroute, LeadsAroundGroundThatIsNotRecognised) {
   EXPECT_EQ(route.vertices.front().point.lon_deg, start.lon_deg) << "the ends stay, to the last bit";
   EXPECT_EQ(route.vertices.front().point.lat_deg, start.lat_deg);
   for (const char* name : {"better.json", "better.geojson", "better.html"}) EXPECT_TRUE(fs::exists(folder / name));
+
+  // The page shows the imagery below the tiles, in its place.
+  const DegreePicture& seen = result.imagery;
+  const auto gray_at = [&](double east_m, double south_m) {
+    const GeodeticPoint place = on_map(east_m, south_m);
+    const double x = (place.lon_deg - seen.west_deg) / (seen.east_deg - seen.west_deg) * seen.rgba.cols;
+    const double y = (seen.north_deg - place.lat_deg) / (seen.north_deg - seen.south_deg) * seen.rgba.rows;
+    return seen.rgba.at<cv::Vec4b>(static_cast<int>(y), static_cast<int>(x))[0];
+  };
+  int plain = 0;
+  for (double east_m = 410; east_m < 700; east_m += 20) {
+    for (double south_m = 340; south_m < 480; south_m += 20) plain += gray_at(east_m, south_m) == 90;
+  }
+  EXPECT_EQ(plain, 15 * 7);
+  int as_plain = 0;
+  for (double east_m = 410; east_m < 700; east_m += 20) as_plain += gray_at(east_m, 320) == 90;
+  EXPECT_LT(as_plain, 5);
+  EXPECT_THAT(read_file(folder / "better.html"), HasSubstr("href=\"data:image/jpeg;base64,"));
 }
 
 TEST(Reroute, SameBytesForAnyNumberOfThreads) {

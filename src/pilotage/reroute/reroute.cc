@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
@@ -14,6 +15,7 @@
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/report/verdict.h"
 #include "pilotage/reroute/judged_line.h"
 #include "pilotage/reroute/line_finder.h"
@@ -70,6 +72,19 @@ void check_line_options(const RerouteOptions& options) {
   }
 }
 
+constexpr int kPictureSide_px = 1000;
+
+DegreePicture overview_in_degrees(const Ground& ground) {
+  const Raster overview = read_overview(ground, kPictureSide_px);
+  std::vector<cv::Mat> channels;
+  cv::split(overview.pixels, channels);
+  while (channels.size() < 3) channels.push_back(channels.front());
+  channels.push_back(overview.valid);
+  cv::Mat rgba;
+  cv::merge(channels, rgba);
+  return picture_in_degrees(rgba, ground.crs, overview.map_from_pixel, 1, kPictureSide_px);
+}
+
 }  // namespace
 
 std::vector<fs::path> reroute_outputs(const fs::path& output) {
@@ -123,6 +138,7 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   around.allow_uncovered = true;
   Mission area = plan_tiles(around, searching);
   result.tiles = static_cast<std::int64_t>(area.ground.tiles.size());
+  result.imagery = overview_in_degrees(area.ground);
   std::vector<TileScores> scores =
       score_ground(area.ground, search_scores(score_options_of(options.mission)), run.seed, run.threads, searching)
           .scores;

@@ -8,6 +8,7 @@
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/raster/gdal_degrees.h"
 #include "pilotage/report/quality.h"
 #include "pilotage/reroute/reroute_options.h"
 #include "pilotage/route/route.h"
@@ -53,6 +54,7 @@ struct RerouteResult {
   std::vector<std::string> files;  ///< Written, beside each other.
 
   std::vector<SearchedTile> searched;
+  DegreePicture imagery;                                 ///< Of the ground that was searched.
   std::vector<std::vector<GeodeticPoint>> no_fly_rings;  ///< Outlines and holes of what must not be entered,
   std::vector<std::vector<GeodeticPoint>> fence_rings;   ///< and of what must not be left.
 };

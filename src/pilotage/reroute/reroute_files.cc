@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/markup.h"
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/report/display_plane.h"
+#include "pilotage/report/page_text.h"
 #include "pilotage/report/tile_class.h"
 #include "pilotage/report/wording.h"
 
@@ -147,11 +150,30 @@ std::string classes_key() {
   return html;
 }
 
+// Below the cells; nothing where there is none.
+std::string imagery_svg(const Picture& picture, const SvgWriter& svg, const DegreePicture& imagery) {
+  constexpr std::size_t kMaxBytes = 300'000;
+  if (imagery.rgba.empty()) return "";
+  cv::Mat rgb;
+  cv::cvtColor(imagery.rgba, rgb, cv::COLOR_RGBA2RGB);
+  cv::Mat opacity;
+  cv::extractChannel(imagery.rgba, opacity, 3);
+  rgb.setTo(cv::Scalar::all(238), opacity == 0);  // the background's gray
+  const double left = picture.x({imagery.west_deg, imagery.north_deg});
+  const double top = picture.y({imagery.west_deg, imagery.north_deg});
+  const double width = (imagery.east_deg - imagery.west_deg) * picture.x_per_deg;
+  const double height = (imagery.north_deg - imagery.south_deg) * picture.y_per_deg;
+  return "<image preserveAspectRatio=\"none\" x=\"" + svg.number(left) + "\" y=\"" + svg.number(top) + "\" width=\"" +
+         svg.number(width) + "\" height=\"" + svg.number(height) + "\" href=\"data:image/jpeg;base64," +
+         base64(encode_jpeg(rgb, kMaxBytes)) + "\"/>\n";
+}
+
 std::string map_svg(const RerouteResult& result) {
   const Picture picture = picture_of(result);
   const SvgWriter svg;
   std::string text = "<svg viewBox=\"0 0 " + svg.number(picture.width) + " " + svg.number(picture.height) +
                      "\" role=\"img\" aria-label=\"Map of the planned and the new line\">\n";
+  text += imagery_svg(picture, svg, result.imagery);
   for (const SearchedTile& tile : result.searched) {
     text += "<polygon class=\"cell\" fill=\"" + cell_color(tile.p_fix) + "\" points=\"" +
             points_text(picture, svg, tile.corners) + "\"/>\n";
@@ -186,7 +208,7 @@ constexpr const char* kStyle =
     "h1{font-size:1.4rem}h2{font-size:1.1rem}table{border-collapse:collapse}"
     "th,td{padding:.25rem .8rem;border-bottom:1px solid #ccc;text-align:right}th:first-child{text-align:left}"
     "svg{width:100%;height:auto;background:#eee;border:1px solid #999}"
-    ".cell{stroke:none;fill-opacity:.55}.key{display:inline-block;width:1.6em;height:.9em;vertical-align:-.1em}"
+    ".cell{stroke:none;fill-opacity:.4}.key{display:inline-block;width:1.6em;height:.9em;vertical-align:-.1em}"
     ".zone{fill:#b0002055;stroke:#7a0016;stroke-width:1.5}"
     ".fence{fill:none;stroke:#7a0016;stroke-width:2;stroke-dasharray:10 4}"
     ".halo{fill:none;stroke:#fff;stroke-width:7}.planned{fill:none;stroke:#000;stroke-width:2.5;stroke-dasharray:9 7}"
