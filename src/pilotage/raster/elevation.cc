@@ -172,4 +172,15 @@ double Elevation::resolution_m() const {
   return std::max(impl_->info.gsd_x_m, impl_->info.gsd_y_m);
 }
 
+void refuse_imagery_as_elevation(const std::string& elevation, const std::vector<std::string>& imagery) {
+  if (elevation.empty()) return;
+  if (std::find(imagery.begin(), imagery.end(), elevation) != imagery.end()) {
+    throw UsageError("elevation = " + elevation + " is the imagery, too; an elevation model holds heights");
+  }
+  const ImageryInfo info = inspect_imagery(elevation, height_options(""));
+  if (info.band_colors.size() < 3 && !info.palette) return;
+  throw DataError(elevation + ": has " + std::to_string(info.band_colors.size()) +
+                  " band(s) of colours; it looks like imagery, not like an elevation model, which has one of heights");
+}
+
 }  // namespace pilotage

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pilotage/geo/geodetic_point.h"
 
@@ -33,5 +34,10 @@ class Elevation {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// An orthophoto in place of an elevation model would make steep ground of bright roofs. Throws UsageError when
+/// `elevation` is one of the `imagery`, DataError when it has bands of colours or a palette, and as inspect_imagery. ""
+/// is none, and passes.
+void refuse_imagery_as_elevation(const std::string& elevation, const std::vector<std::string>& imagery);
 
 }  // namespace pilotage

@@ -9,6 +9,7 @@
 #include "pilotage/camera/camera_products.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/ground/ground_of_rasters.h"
+#include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/mission_crs.h"
 #include "pilotage/tile/working_gsd.h"
@@ -27,21 +28,6 @@ std::vector<ImageryInfo> inspect_area(const std::vector<std::string>& imagery, c
                     "band if it is a picture (--bands 1)");
   }
   return infos;
-}
-
-// An orthophoto in its place would make steep ground of bright roofs.
-void check_elevation(const std::string& elevation, const std::vector<std::string>& imagery) {
-  if (elevation.empty()) return;
-  if (std::find(imagery.begin(), imagery.end(), elevation) != imagery.end()) {
-    throw UsageError("elevation = " + elevation + " is the imagery, too; an elevation model holds heights");
-  }
-  ImageryOptions first_band;
-  first_band.bands = {1};
-  first_band.collar = CollarRule::kKeep;  // 0 is a height
-  const ImageryInfo info = inspect_imagery(elevation, first_band);
-  if (info.band_colors.size() < 3 && !info.palette) return;
-  throw DataError(elevation + ": has " + std::to_string(info.band_colors.size()) +
-                  " band(s) of colours; it looks like imagery, not like an elevation model, which has one of heights");
 }
 
 std::string size_text(double width_m, double height_m) {
@@ -98,7 +84,7 @@ SurveyedGround plan_survey(const std::vector<std::string>& imagery, const Survey
   area.search_radius_assumed = !options.search_radius_m;
 
   const std::vector<ImageryInfo> infos = inspect_area(imagery, options.imagery_options, progress);
-  check_elevation(options.elevation, imagery);
+  refuse_imagery_as_elevation(options.elevation, imagery);
   double imagery_gsd_m = 0;
   for (const ImageryInfo& info : infos) imagery_gsd_m = std::max({imagery_gsd_m, info.gsd_x_m, info.gsd_y_m});
   const GroundSampleDistance camera_gsd = gsd_m(area.camera, area.agl_m);

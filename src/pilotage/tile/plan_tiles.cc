@@ -368,6 +368,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   if (options.ins.name) ins_product(*options.ins.name);
   require(!options.imagery.empty(), "imagery");
   require(!options.route.empty(), "route");
+  refuse_imagery_as_elevation(options.elevation, options.imagery);
 
   Mission mission;
   const auto infos = inspect_all(options, progress);
