@@ -64,22 +64,40 @@ FixAges ages_at_start(const FixAgeModel& model) {
   return ages;
 }
 
-void fly_step(const FixAgeModel& model, const FlownStep& step, FixAges& ages) {
+AgeStep age_step(const FixAgeModel& model, const FlownStep& step) {
   const double older = step.length_m / model.bin_m;
-  const auto whole = static_cast<std::size_t>(std::min(older, static_cast<double>(model.bins)));
-  const auto part = static_cast<float>(older - std::floor(older));
-  const auto before = [&](std::size_t bin, std::size_t by) { return bin >= by ? ages.within[bin - by] : 0.0F; };
-  for (std::size_t bin = model.bins; bin-- > 0;) {
-    ages.within[bin] = (1 - part) * before(bin, whole) + part * before(bin, whole + 1);
+  AgeStep aged;
+  aged.length_m = step.length_m;
+  aged.bins = static_cast<std::uint32_t>(std::min(older, static_cast<double>(model.bins)));
+  aged.bin_part = static_cast<float>(older - std::floor(older));
+  aged.matchable = step.p > 0;
+  if (aged.matchable) {
+    aged.fixed = static_cast<float>(1 - std::pow(1 - static_cast<double>(step.p), step.length_m / model.window_m));
   }
+  return aged;
+}
+
+void take_step(const FixAgeModel& model, const AgeStep& step, FixAges& ages) {
+  // All bins, also those behind the model's last, and from values of their own: so the compiler makes wide loops.
+  constexpr std::size_t kBins = FixAges::kMostBins;
+  const std::size_t whole = std::min<std::size_t>(step.bins, kBins);
+  const float part = step.bin_part;
+  const float rest = 1 - part;
+  std::array<float, 2 * kBins + 1> before;
+  const auto youngest = before.begin() + kBins + 1;
+  std::fill(youngest - static_cast<std::ptrdiff_t>(whole + 1), youngest, 0.0F);  // nobody is younger
+  std::copy(ages.within.begin(), ages.within.end(), youngest);
+  std::array<float, kBins> grown;
+  const float* younger = before.data() + kBins - whole;
+  for (std::size_t bin = 0; bin < kBins; ++bin) grown[bin] = rest * younger[bin + 1] + part * younger[bin];
   ages.since_matchable_m += step.length_m;
-  if (!(step.p > 0)) return;
-  ages.since_matchable_m = 0;
-  const auto fixed = static_cast<float>(1 - std::pow(1 - static_cast<double>(step.p), step.length_m / model.window_m));
-  const float all = ages.within[model.bins - 1];
-  for (std::size_t bin = 0; bin < model.bins; ++bin) {
-    ages.within[bin] = fixed * all + (1 - fixed) * ages.within[bin];
+  if (step.matchable) {
+    ages.since_matchable_m = 0;
+    const float all = step.fixed * grown[model.bins - 1];
+    const float missed = 1 - step.fixed;
+    for (std::size_t bin = 0; bin < kBins; ++bin) grown[bin] = all + missed * grown[bin];
   }
+  ages.within = grown;
 }
 
 }  // namespace pilotage

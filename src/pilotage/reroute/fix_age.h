@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "pilotage/ins/ins_error_model.h"
 
@@ -24,6 +25,15 @@ struct FixAgeModel {
   double start_good_age_m = 0;  ///< As start_age_m, of good_reach_m.
 };
 
+/// What a step does to ages by a model, computed once for steps that are flown often.
+struct AgeStep {
+  float length_m = 0;
+  std::uint32_t bins = 0;  ///< By so many whole bins flights grow older,
+  float bin_part = 0;      ///< and this share of them by one more.
+  bool matchable = false;  ///< A fix can be had there,
+  float fixed = 0;         ///< and comes to this share: 1 − (1 − p)^(length / window).
+};
+
 /// The model of a flight at `speed_mps`: a flight that has had `fixes_before` fixes, one a window, reaches `limit_m`
 /// after bins · bin_m. `step_m` is how finely lines are flown.
 /// All arguments positive; `good_share` of the limit is what the verdict calls good.
@@ -41,13 +51,17 @@ struct FixAges {
 /// All flights at the loss of GNSS.
 FixAges ages_at_start(const FixAgeModel& model);
 
-/// Flies a step: all grow older by its length, then a fix comes to a share 1 − (1 − p)^(length / window) of them. Every
-/// entry of `within` afterwards is a sum of entries before with weights that are not negative, which is what makes
-/// dominance exact.
-void fly_step(const FixAgeModel& model, const FlownStep& step, FixAges& ages);
+AgeStep age_step(const FixAgeModel& model, const FlownStep& step);
+
+/// All grow older by a step's length, then a fix comes to a share of them. Every entry of `within` afterwards
+/// is a sum of entries before with weights that are not negative, which is what makes dominance exact.
+void take_step(const FixAgeModel& model, const AgeStep& step, FixAges& ages);
+inline void fly_step(const FixAgeModel& model, const FlownStep& step, FixAges& ages) {
+  take_step(model, age_step(model, step), ages);
+}
 
 /// The share of the flights that are within the limit.
-inline double share_within(const FixAgeModel& model, const FixAges& ages) {
+inline float share_within(const FixAgeModel& model, const FixAges& ages) {
   return ages.within[model.bins - 1];
 }
 

@@ -21,6 +21,14 @@ struct Label {
   std::uint32_t parent = kNoParent;
 };
 
+/// Of a label that has been looked at what tells most others apart: labels lie far from each other in memory.
+struct Settled {
+  double cost_m = 0;
+  double heading_rad = 0;
+  float share_within = 0;
+  std::uint32_t label = 0;
+};
+
 struct QueueEntry {
   double least_cost_m = 0;  ///< Of any whole line that goes on from the label.
   std::uint32_t label = 0;
@@ -39,6 +47,8 @@ class Searcher {
   Searcher(const LineGraph& graph, const FixAgeModel& model, const std::vector<KeptWay>& kept,
            const std::vector<SearchStretch>& stretches, const LineDemand& demand, const LabelLimits& limits)
       : graph_(graph), model_(model), kept_(kept), stretches_(stretches), demand_(demand), limits_(limits) {
+    steps_.reserve(graph.steps.size());
+    for (const FlownStep& step : graph.steps) steps_.push_back(age_step(model, step));
     settled_.resize(stretches.size() * graph.places_m.size());
     way_after_m_.assign(stretches.size() + 1, 0.0);
     for (std::size_t i = stretches.size(); i-- > 0;) {
@@ -75,10 +85,14 @@ class Searcher {
     return share_within(model_, ages) >= demand_.min_share_within && share_within(model_, ages) > 0;
   }
 
-  bool fly(const FlownStep* steps, std::size_t count, FixAges& ages) const {
-    for (std::size_t i = 0; i < count; ++i) {
-      fly_step(model_, steps[i], ages);
-      if (!is_good_enough(ages)) return false;
+  bool fly(const AgeStep& step, FixAges& ages) const {
+    take_step(model_, step, ages);
+    return is_good_enough(ages);
+  }
+
+  bool fly_move(const LineMove& move, FixAges& ages) const {
+    for (std::uint32_t i = 0; i < move.step_count; ++i) {
+      if (!fly(steps_[move.first_step + i], ages)) return false;
     }
     return true;
   }
@@ -89,7 +103,8 @@ class Searcher {
     label.cost_m += way.length_m + way.turn_rad / (std::numbers::pi / 2) * demand_.turn_cost_m +
                     cost_of_turn(label.heading_rad, way.first_heading_rad, demand_.turn_cost_m);
     label.heading_rad = way.last_heading_rad;
-    return fly(way.steps.data(), way.steps.size(), label.ages);
+    return std::all_of(way.steps.begin(), way.steps.end(),
+                       [&](const FlownStep& step) { return fly(age_step(model_, step), label.ages); });
   }
 
   void push(const Label& label) {
@@ -102,31 +117,32 @@ class Searcher {
     queue_.push({least_m, static_cast<std::uint32_t>(labels_.size() - 1)});
   }
 
-  std::vector<std::uint32_t>& settled_at(const Label& label) {
+  std::vector<Settled>& settled_at(const Label& label) {
     return settled_[label.stretch * graph_.places_m.size() + label.place];
   }
 
-  bool dominates(const Label& a, const Label& b) const {
-    const double turn_m = cost_of_turn(a.heading_rad, b.heading_rad, demand_.turn_cost_m);
-    if (a.cost_m + turn_m > b.cost_m + kSameCost_m) return false;
-    if (demand_.good_reach && a.ages.since_matchable_m > b.ages.since_matchable_m) return false;
+  bool dominates(const Settled& settled, const Label& b) const {
     const auto tolerance = static_cast<float>(limits_.tolerance);
+    if (settled.share_within + tolerance < share_within(model_, b.ages)) return false;
+    const double turn_m = cost_of_turn(settled.heading_rad, b.heading_rad, demand_.turn_cost_m);
+    if (settled.cost_m + turn_m > b.cost_m + kSameCost_m) return false;
+    const Label& a = labels_[settled.label];
+    if (demand_.good_reach && a.ages.since_matchable_m > b.ages.since_matchable_m) return false;
     for (std::size_t bin = model_.bins; bin-- > 0;) {
       if (a.ages.within[bin] + tolerance < b.ages.within[bin]) return false;
     }
     return true;
   }
 
-  bool is_dominated(const Label& label, const std::vector<std::uint32_t>& settled) const {
-    return std::any_of(settled.begin(), settled.end(),
-                       [&](std::uint32_t other) { return dominates(labels_[other], label); });
+  bool is_dominated(const Label& label, const std::vector<Settled>& settled) const {
+    return std::any_of(settled.begin(), settled.end(), [&](const Settled& other) { return dominates(other, label); });
   }
 
   bool settle(std::uint32_t index) {
     const Label& label = labels_[index];
-    std::vector<std::uint32_t>& settled = settled_at(label);
+    std::vector<Settled>& settled = settled_at(label);
     if (settled.size() >= limits_.most_labels || is_dominated(label, settled)) return false;
-    settled.push_back(index);
+    settled.push_back({label.cost_m, label.heading_rad, share_within(model_, label.ages), index});
     return true;
   }
 
@@ -154,7 +170,7 @@ class Searcher {
       next.place = move.to;
       next.cost_m += move.length_m + cost_of_turn(next.heading_rad, move.heading_rad, demand_.turn_cost_m);
       next.heading_rad = move.heading_rad;
-      if (fly(&graph_.steps[move.first_step], move.step_count, next.ages)) arrive(next);
+      if (fly_move(move, next.ages)) arrive(next);
     }
   }
 
@@ -184,16 +200,18 @@ class Searcher {
   const std::vector<SearchStretch>& stretches_;
   const LineDemand& demand_;
   const LabelLimits& limits_;
+  std::vector<AgeStep> steps_;       ///< The graph's.
   std::vector<double> way_after_m_;  ///< Least way behind the end of each stretch.
   std::vector<Label> labels_;
-  std::vector<std::vector<std::uint32_t>> settled_;  ///< Of each stretch and place.
+  std::vector<std::vector<Settled>> settled_;  ///< Of each stretch and place.
   std::priority_queue<QueueEntry> queue_;
 };
 
 }  // namespace
 
 double turn_cost_m(double from_rad, double to_rad, double cost_of_90_deg_m) {
-  const double turn_rad = std::abs(std::remainder(to_rad - from_rad, 2 * std::numbers::pi));
+  double turn_rad = std::abs(to_rad - from_rad);
+  if (turn_rad > std::numbers::pi) turn_rad = std::abs(std::remainder(turn_rad, 2 * std::numbers::pi));
   return turn_rad / (std::numbers::pi / 2) * cost_of_90_deg_m;
 }
 
