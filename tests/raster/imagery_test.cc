@@ -8,6 +8,7 @@
 #include <opencv2/core/hal/interface.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/output_file.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/gdal_imagery.h"
 
@@ -161,6 +162,23 @@ TEST(Imagery, ReadsDatesInTheirManySpellings) {
   EXPECT_EQ(date_of("TIFFTAG_DATETIME", "", "last week"), "");
   EXPECT_EQ(date_of("ACQUISITION_DATE", "", "2018-1-3"), "");
   EXPECT_EQ(date_of("nothing", "", "2018-01-03"), "");
+}
+
+// A date that cannot be read is not a date that is missing: libtiff leaves the tag out and goes on.
+TEST(Imagery, ATagThatCannotBeReadIsAnError) {
+  const testing::TemporaryFolder folder;
+  RasterSpec spec;
+  spec.finish = [](GDALDataset& dataset) { dataset.SetMetadataItem("TIFFTAG_DATETIME", "2019:08:17 10:11:12"); };
+  const std::string path = make_raster(folder / "dated.tif", spec);
+  EXPECT_EQ(inspect_imagery(path).acquired, "2019-08-17");
+  std::string bytes = read_file(path);
+  const std::string entry = {0x32, 0x01, 0x02, 0x00, 20, 0, 0, 0};  // tag 306, text of 20 bytes; then where it lies
+  const std::size_t at = bytes.find(entry);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + entry.size() + 3] = 0x7F;  // beyond the file's end
+  write_file(path, bytes, true);
+  EXPECT_THAT(testing::error_of<DataError>([&] { inspect_imagery(path); }),
+              AllOf(HasSubstr(path + ": cannot be read whole: "), HasSubstr("\"DateTime\"")));
 }
 
 TEST(Imagery, BoundsFollowCurvedEdges) {

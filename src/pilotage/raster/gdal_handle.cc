@@ -66,11 +66,15 @@ void GdalErrors::throw_data_error(const std::string& what) const {
   throw DataError(message().empty() ? what : what + ": " + message());
 }
 
+void GdalErrors::require_whole(const std::string& what) const {
+  if (!unread_.empty()) throw DataError(what + ": cannot be read whole: " + unread_);
+}
+
 void GdalErrors::add(bool is_failure, const char* text) {
   if (!is_failure) {
     warning_ = text;
     for (const char* words : {"IO error during reading", "Premature end of JPEG file"}) {
-      read_in_part_ = read_in_part_ || warning_.find(words) != std::string::npos;
+      if (unread_.empty() && warning_.find(words) != std::string::npos) unread_ = warning_;
     }
   } else if (failure_.empty()) {
     failure_ = text;
@@ -109,6 +113,7 @@ DatasetPtr open_raster(const std::string& dataset) {
     errors.throw_data_error(dataset + ": cannot be opened as a raster");
   }
   require_mask(*opened, dataset);
+  errors.require_whole(dataset);
   return opened;
 }
 

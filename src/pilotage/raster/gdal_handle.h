@@ -22,7 +22,10 @@ class GdalErrors {
   bool failed() const { return !failure_.empty(); }
   /// A read that GDAL calls done was not whole: libjpeg fills what is missing with gray, libtiff leaves what it could
   /// not read as it was, and both only warn.
-  bool read_in_part() const { return failed() || read_in_part_; }
+  bool read_in_part() const { return failed() || !unread_.empty(); }
+  /// DataError "`what`: cannot be read whole: …" where something was not: libtiff goes on without a tag, and the raster
+  /// without its date or its place.
+  void require_whole(const std::string& what) const;
   /// DataError "`what`: `message()`"; std::bad_alloc when memory has run out.
   [[noreturn]] void throw_data_error(const std::string& what) const;
 
@@ -33,7 +36,7 @@ class GdalErrors {
   bool out_of_memory_ = false;
   std::string failure_;
   std::string warning_;
-  bool read_in_part_ = false;
+  std::string unread_;  ///< The first warning of a read that was not whole.
 };
 
 struct DatasetCloser {

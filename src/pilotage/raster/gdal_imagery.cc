@@ -353,6 +353,7 @@ ImageryInfo inspect_picture(const std::string& dataset) {
   ImageryInfo info = start_info(*opened, dataset);
   read_bands(*opened, {}, info);
   info.acquired = find_acquisition_date(*opened);
+  errors.require_whole(dataset);
   return info;
 }
 
@@ -374,6 +375,7 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
   info.crs = find_crs(georeference.reference, dataset, options.imagery_crs, info.warnings);
   read_bands(*opened, options, info);
   info.acquired = find_acquisition_date(*file);
+  errors.require_whole(dataset);
   try {
     measure_gsd(info);
   } catch (const DataError& error) {
