@@ -8,6 +8,7 @@
 
 #include "gis/gis_scene.h"
 #include "mapdb/run_command.h"
+#include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
@@ -15,6 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <ogrsf_frmts.h>
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/gis/degree_overlay.h"
@@ -60,15 +62,29 @@ TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
   const TemporaryFolder folder;
   ReportInput input = testing::gis_scene();
   input.mission.flight.denied.stretches = {{10, 60}};
+  for (RouteVertex& vertex : input.mission.flight.route.vertices) {
+    vertex.amsl_m = 300;
+    vertex.speed_mps = 15;
+  }
   const std::vector<std::string> names = write_all(folder, input);
   const std::set<std::string> written(names.begin(), names.end());
   EXPECT_EQ(names_in(folder), written);
   const std::vector<std::string> told = report_output_names("report", kEverything, input.mission.ground.levels, true);
   EXPECT_EQ(std::set<std::string>(told.begin(), told.end()), written);
-  EXPECT_EQ(written.size(), 26u);
+  EXPECT_EQ(written.size(), 27u);
   for (const std::string& name : names) EXPECT_TRUE(is_report_output("report", name)) << name;
   EXPECT_FALSE(is_report_output("report", "report.txt"));
   EXPECT_FALSE(is_report_output("report", "report_levels.tif"));
+}
+
+// Asked for by name, its absence would be a surprise; as a part of all outputs it is not.
+TEST(ReportOutputs, ARouteThatADjiMissionCannotHoldIsRefusedByName) {
+  const TemporaryFolder folder;
+  const ReportInput input = testing::gis_scene();
+  EXPECT_EQ(testing::error_of<DataError>([&] { write_all(folder, input, {ReportOutput::kDji}); }),
+            "valley.plan: waypoint 1 has no height, which a DJI mission needs");
+  const std::vector<std::string> names = write_all(folder, input);
+  EXPECT_EQ(std::count(names.begin(), names.end(), "report_dji.kmz"), 0);
 }
 
 TEST(ReportOutputs, NoLayerOfDeniedStretchesWhereNothingSaysSo) {

@@ -193,7 +193,7 @@ TEST(Reroute, RefusesWhatItCannotDo) {
               }),
               HasSubstr("lies outside the imagery"));
   EXPECT_THAT(testing::error_of<UsageError>([&] { reroute(good, run_to(folder / "x.kml")); }),
-              HasSubstr("name it *.plan"));
+              HasSubstr("named *.plan, or a DJI mission besides, named *.kmz"));
   EXPECT_FALSE(fs::exists(folder / "x.plan"));
 }
 

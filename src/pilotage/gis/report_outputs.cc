@@ -5,13 +5,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/camera/camera_products.h"
 #include "pilotage/gis/kml_files.h"
 #include "pilotage/gis/report_layers.h"
 #include "pilotage/gis/score_files.h"
 #include "pilotage/gis/stac_item.h"
 #include "pilotage/mapdb/geopackage_rows.h"
+#include "pilotage/route/dji_wpml_writer.h"
 
 namespace pilotage {
 namespace {
@@ -32,6 +35,7 @@ struct OutputSource {
   const Report& report;
   const ReportLayers& layers;  ///< Empty when no format that is asked for draws layers.
   bool with_scores = false;
+  const std::vector<ReportOutput>& outputs;
   std::vector<std::string> written{};  ///< Names of the files that the formats before wrote.
 
   fs::path path(const std::string& ending) const { return folder / (stem + ending); }
@@ -119,6 +123,31 @@ Endings write_route(const OutputSource& source) {
   return {"_route.kml"};
 }
 
+/// The product that sees, where the options name it, or else the route file; "" where neither does.
+std::string camera_product_of(const ReportInput& input) {
+  const auto camera = input.parameters.find("camera");
+  if (camera != input.parameters.end() && camera->is_object() && camera->contains("name")) {
+    const std::string name = camera->at("name").get<std::string>();
+    if (!name.empty()) return std::string(camera_product(name).name);
+  }
+  const auto& named = input.mission.flight.route.camera;
+  return named ? named->name : "";
+}
+
+/// None for a route that a DJI mission cannot hold, unless it was asked for by name.
+Endings write_dji(const OutputSource& source) {
+  DjiMission mission;
+  try {
+    mission = dji_mission_of(source.input.mission.flight.route, camera_product_of(source.input));
+  } catch (const DataError&) {
+    const auto& outputs = source.outputs;
+    if (std::find(outputs.begin(), outputs.end(), ReportOutput::kDji) != outputs.end()) throw;
+    return {};
+  }
+  write_dji_mission(source.path("_dji.kmz"), mission, true);
+  return {"_dji.kmz"};
+}
+
 /// Whether the tiles lie on both sides of the antimeridian.
 bool over_antimeridian(const Ground& ground) {
   const auto [west, east] =
@@ -187,6 +216,7 @@ const std::vector<OutputFormat>& output_formats() {
        write_kml},
       {ReportOutput::kRoute, "route", "KML with the plan's numbers", true,
        [](Levels, bool) { return Endings{"_route.kml"}; }, write_route},
+      {ReportOutput::kDji, "dji", "DJI mission", false, [](Levels, bool) { return Endings{"_dji.kmz"}; }, write_dji},
       {ReportOutput::kGeojson, "geojson", "", true,
        [](Levels, bool) {
          return Endings{"_tiles.geojson", "_areas.geojson",  "_legs.geojson",
@@ -258,7 +288,7 @@ std::vector<std::string> write_report_outputs(const fs::path& folder, const std:
     return format.draws_layers && asks_for(outputs, format.output);
   });
   const ReportLayers layers = draws_layers ? report_layers(input, report) : ReportLayers{};
-  OutputSource source{folder, stem, input, report, layers, with_scores};
+  OutputSource source{folder, stem, input, report, layers, with_scores, outputs};
   const auto steps = static_cast<std::int64_t>(formats.size());
   std::int64_t step = 0;
   for (const OutputFormat& format : formats) {

@@ -14,7 +14,7 @@ namespace pilotage {
 
 /// Files in which a report can be handed on (docs/commands/report.md). A new one is a value here and a row of the table
 /// in report_outputs.cc.
-enum class ReportOutput { kHtml, kJson, kCog, kGpkg, kKmz, kKml, kRoute, kGeojson, kMbtiles, kStac, kAll };
+enum class ReportOutput { kHtml, kJson, kCog, kGpkg, kKmz, kKml, kRoute, kDji, kGeojson, kMbtiles, kStac, kAll };
 
 EnumNames<ReportOutput> enum_names(ReportOutput);
 

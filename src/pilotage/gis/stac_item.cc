@@ -23,13 +23,14 @@ struct FileKind {
   const char* role;
 };
 
-constexpr std::array<FileKind, 11> kFileKinds{
+constexpr std::array<FileKind, 12> kFileKinds{
     {{".html", "text/html", "overview"},
      {".json", "application/json", "metadata"},
      {".tif.aux.xml", "application/xml", "metadata"},
      {".tif", "image/tiff; application=geotiff; profile=cloud-optimized", "data"},
      {".qml", "application/xml", "metadata"},
      {".gpkg", "application/geopackage+sqlite3", "data"},
+     {"_dji.kmz", "application/vnd.google-earth.kmz", "data"},
      {".kmz", "application/vnd.google-earth.kmz", "visual"},
      {".kml", "application/vnd.google-earth.kml+xml", "visual"},
      {".geojson", "application/geo+json", "data"},

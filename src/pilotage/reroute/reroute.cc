@@ -15,12 +15,14 @@
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/camera/camera_products.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/report/verdict.h"
 #include "pilotage/reroute/judged_line.h"
 #include "pilotage/reroute/line_finder.h"
 #include "pilotage/reroute/planned_line.h"
 #include "pilotage/reroute/reroute_files.h"
+#include "pilotage/route/dji_wpml_writer.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/tile/plan_tiles.h"
@@ -32,6 +34,8 @@ namespace fs = std::filesystem;
 
 constexpr double kMostTilesByDefault = 6000;
 constexpr int kMostVerified = 4;
+constexpr const char* kPlan = ".plan";
+constexpr const char* kDjiMission = ".kmz";
 
 // Only what P(correct fix) needs is measured of the ground around the line, where that is what tiles are chosen by.
 ScoreOptions search_scores(ScoreOptions options) {
@@ -85,18 +89,28 @@ DegreePicture overview_in_degrees(const Ground& ground) {
   return picture_in_degrees(rgba, ground.crs, overview.map_from_pixel, 1, kPictureSide_px);
 }
 
+// The product that sees, where the options name it, or else the route file; "" where neither does.
+std::string camera_product_of(const RerouteOptions& options, const Route& route) {
+  const std::string& name = options.mission.tile.camera.name;
+  if (!name.empty()) return std::string(camera_product(name).name);
+  return route.camera ? route.camera->name : "";
+}
+
 }  // namespace
 
 std::vector<fs::path> reroute_outputs(const fs::path& output) {
   std::vector<fs::path> files = {output};
-  for (const char* ending : {".json", ".geojson", ".html"}) files.push_back(fs::path(output).replace_extension(ending));
+  std::vector<std::string> endings = {".json", ".geojson", ".html"};
+  if (output.extension() != kPlan) endings.insert(endings.begin(), kPlan);
+  for (const std::string& ending : endings) files.push_back(fs::path(output).replace_extension(ending));
   return files;
 }
 
 RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const Progress& progress) {
   check_line_options(given);
-  if (run.output.extension() != ".plan") {
-    throw UsageError(name_as_utf8(run.output.string()) + ": the new route is a QGroundControl plan; name it *.plan");
+  if (run.output.extension() != kPlan && run.output.extension() != kDjiMission) {
+    throw UsageError(name_as_utf8(run.output.string()) +
+                     ": the new route is a QGroundControl plan, named *.plan, or a DJI mission besides, named *.kmz");
   }
   const std::vector<fs::path> outputs = reroute_outputs(run.output);
   for (const fs::path& file : outputs) {
@@ -115,6 +129,7 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   }
 
   const Route route = read_route(options.mission.tile.route, options.mission.tile.route_options);
+  if (run.output.extension() == kDjiMission) dji_mission_of(route, "");  // what it cannot hold, before the work
   const PlannedLine planned = read_planned_line(options.mission.tile, options.line, route, result.notes);
   const NoFlyZones zones = read_zones(planned, options.line);
   TileOptions as_planned = options.mission.tile;
@@ -165,7 +180,7 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   std::optional<JudgedLine> after;
   const LineCandidate* chosen = nullptr;
   std::string refused;
-  const std::string name = run.output.filename().string();
+  const std::string name = run.output.filename().replace_extension(kPlan).string();
   for (const LineCandidate& line : tried) {
     const bool go = line.predicted.status == QualityStatus::kGood;
     if (result.lines_verified == kMostVerified || (chosen != nullptr && !go)) break;
@@ -221,10 +236,17 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
     rings.insert(rings.end(), zone.area.rings.begin(), zone.area.rings.end());
   }
   for (const fs::path& file : outputs) result.files.push_back(file.filename().string());
-  write_file(staging / result.files[1], json_text(reroute_to_json(result)), true);
-  write_file(staging / result.files[2], json_text(reroute_to_geojson(result)), true);
-  write_file(staging / result.files[3], reroute_to_html(result, planned.name), true);
-  std::vector<std::string> last_the_plan = {result.files[1], result.files[2], result.files[3], result.files[0]};
+  const std::string stem = fs::path(name).stem().string();
+  write_file(staging / (stem + ".json"), json_text(reroute_to_json(result)), true);
+  write_file(staging / (stem + ".geojson"), json_text(reroute_to_geojson(result)), true);
+  write_file(staging / (stem + ".html"), reroute_to_html(result, planned.name), true);
+  if (run.output.extension() == kDjiMission) {
+    const TileOptions rerouted = options_for_plan(options.mission.tile, staging / name);
+    const Route flown = read_route(rerouted.route, rerouted.route_options);
+    write_dji_mission(staging / run.output.filename(), dji_mission_of(flown, camera_product_of(options, route)), true);
+  }
+  std::vector<std::string> last_the_plan = result.files;
+  std::rotate(last_the_plan.begin(), last_the_plan.begin() + 1, last_the_plan.end());
   staging.publish(last_the_plan, result.files);
   return result;
 }

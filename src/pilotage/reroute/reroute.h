@@ -60,13 +60,15 @@ struct RerouteResult {
 };
 
 struct RerouteRun {
-  std::filesystem::path output;  ///< The new plan, "better.plan"; the other files have its name with other endings.
+  /// The new plan, "better.plan", or "better.kmz" for a DJI mission besides; the other files have its name with other
+  /// endings.
+  std::filesystem::path output;
   bool overwrite = false;
   std::uint64_t seed = 1;
   int threads = 0;
 };
 
-/// The files that reroute() writes for a plan of this name: itself, .json, .geojson, .html.
+/// The files that reroute() writes for an output of this name: itself, .plan, .json, .geojson, .html.
 std::vector<std::filesystem::path> reroute_outputs(const std::filesystem::path& output);
 
 /// The cheapest line from the start of a planned one to its end on which the flight is GO, and a QGroundControl plan of
@@ -78,9 +80,10 @@ std::vector<std::filesystem::path> reroute_outputs(const std::filesystem::path& 
 /// landing pattern. The search believes GNSS to be lost at the first point, wherever options.mission.tile.denied says.
 ///
 /// Throws as the stages; UsageError for stretches of `denied` in kilometres, which another line does not have, for legs
-/// to keep that do not exist or are all there are; DataError when the start or the end lies outside the imagery or in a
-/// no-fly zone, when both are nearer than a fifth of the way between them, when a leg that is kept enters a zone, and
-/// when no line leads from the one to the other; as prepare() when an output exists.
+/// to keep that do not exist or are all there are; as dji_mission_of() for a DJI mission; DataError when the start or
+/// the end lies outside the imagery or in a no-fly zone, when both are nearer than a fifth of the way between them,
+/// when a leg that is kept enters a zone, and when no line leads from the one to the other; as prepare() when an output
+/// exists.
 RerouteResult reroute(const RerouteOptions& options, const RerouteRun& run, const Progress& progress = {});
 
 }  // namespace pilotage
