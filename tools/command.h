@@ -37,6 +37,8 @@ struct InputSpec {
   bool is_config = false;                 ///< The one input is a configuration file: `pilotage prepare mission.json`.
   bool is_command = false;                ///< Words of commands: `pilotage manual score`.
   std::vector<std::string> choices = {};  ///< Words that are allowed; empty: files and other names.
+  bool may_stream = false;                ///< "-" is standard input, which is_config takes, too.
+  std::vector<std::string> stream_flags = {};  ///< Options for which "-" is standard input: "frames".
 };
 
 /// What `-o` means. With kFile, an output that exists is refused before any work is done unless --overwrite is given;
@@ -50,6 +52,9 @@ struct OutputSpec {
   std::vector<std::string> flags = {};  ///< Of options that name further outputs: "table".
   /// All files that are written or replaced when this is given for -o; with kFile and without a function that file.
   std::function<std::vector<std::filesystem::path>(const std::string& output)> files = {};
+  /// `-o -` prints the output, and this is the name that its kind is told by: "plan.json". "" where there is no such
+  /// output: several files that belong together, or one that is not for pipes.
+  std::string stream_name = {};
 };
 
 struct Command;
@@ -60,7 +65,8 @@ struct Invocation {
   /// These, and what options name, for refuse_shared_files. A command whose outputs depend on its options or on what it
   /// reads compares them itself; those of OutputSpec are compared before it runs.
   std::vector<NamedFile> named_inputs;
-  std::string output;  ///< "" when none was given.
+  std::string output;          ///< "" when none was given.
+  bool prints_output = false;  ///< `-o -`: of what is written only the file `output` is kept, and printed.
   bool overwrite = false;
   int threads = 0;  ///< 0 = all cores.
   std::uint64_t seed = 1;

@@ -92,7 +92,8 @@ Command make_calibrate_command() {
                     .help = "Folders that `score --evaluate` wrote, each with the place it shows.",
                     .min = 1,
                     .max = InputSpec::kMany};
-  command.output = {.kind = OutputKind::kFile, .help = "Parameters for `score --model` (JSON)."};
+  command.output = {
+      .kind = OutputKind::kFile, .help = "Parameters for `score --model` (JSON).", .stream_name = "model.json"};
   bind_options<CalibrateOptions>(command, [](const CalibrateOptions& options, const Invocation& invocation) {
     OutputFile output(invocation.output, invocation.overwrite);
     std::vector<NamedFolder> inputs;

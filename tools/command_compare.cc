@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "standard_streams.h"
 #include "version.h"
 
 #include "pilotage/base/error.h"
@@ -51,20 +52,24 @@ Command make_compare_command() {
       {"Two of them on the frames as they are, only the numbers.",
        "pilotage compare reference.tif --frames frames.csv --camera camera.yaml --methods sift,surf --raw "
        "-o numbers.csv"}};
-  command.inputs = {
-      .name = "REFERENCE", .help = "GDAL datasets, later ones on top.", .min = 1, .max = InputSpec::kMany};
+  command.inputs = {.name = "REFERENCE",
+                    .help = "GDAL datasets, later ones on top.",
+                    .min = 1,
+                    .max = InputSpec::kMany,
+                    .stream_flags = {"frames"}};
   command.output = {.kind = OutputKind::kFile,
                     .help =
                         "NAME.md: also writes NAME.csv, NAME.json and a picture for each method. NAME.csv or "
                         "NAME.json: that file alone.",
-                    .files = [](const std::string& output) { return comparison_outputs(output); }};
+                    .files = [](const std::string& output) { return comparison_outputs(output); },
+                    .stream_name = "comparison.csv"};
   command.reads_rasters = true;
   bind_options<CompareCommandOptions>(command, [](const CompareCommandOptions& options, const Invocation& invocation) {
     if (options.frames.empty()) throw UsageError("frames is missing; give --frames frames.csv");
     check_comparison_output(invocation.output, options.compare, invocation.overwrite);
     const Camera camera = make_camera(options.camera);
-    const FrameTable table =
-        frame_table_from_csv(options.frames, read_file(options.frames), {options.compare.truth, FrameColumns::kAll});
+    const FrameTable table = frame_table_from_csv(options.frames, read_named_input(options.frames),
+                                                  {options.compare.truth, FrameColumns::kAll});
     const Comparison comparison = compare(
         invocation.inputs, table.frames,
         [&](const FrameRecord& frame) { return read_gray8_picture(frame_path(options.frames, frame.file)); }, camera,

@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "stage_files.h"
+#include "standard_streams.h"
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
@@ -99,7 +100,9 @@ CommandResult list_routes(const std::string& path, const std::vector<RouteChoice
 
 CommandResult inspect_route_file(const std::string& path, const RouteOptions& options) {
   try {
-    const Route route = read_route(path, options);
+    const Route route = path == kStandardStream
+                            ? parse_route("standard input", read_standard_input(kMaxRouteBytes), options)
+                            : read_route(path, options);
     CommandResult result;
     result.text = describe_route_text(route);
     result.json = route_to_json(route);
@@ -209,6 +212,7 @@ bool ends_with_any(std::string path, std::initializer_list<std::string_view> end
 }
 
 InspectKind kind_of(const std::string& path) {
+  if (path == kStandardStream) return InspectKind::kRoute;
   std::error_code ignored;
   if (std::filesystem::exists(std::filesystem::path(path) / "report.json", ignored)) return InspectKind::kOutputs;
   if (ends_with_any(path, {".gpkg"}) && looks_like_map(path)) return InspectKind::kMap;
@@ -238,10 +242,12 @@ Command make_inspect_command() {
                       {"A route, and what became of each of its items.", "pilotage inspect route.plan"},
                       {"Whether report and map are of one run.", "pilotage inspect out/"},
                       {"Why a leg is judged as it is.", "pilotage inspect out/ --explain \"leg 3\""}};
-  command.inputs = {.name = "FILE",
-                    .help = "Map database, route file, GDAL dataset, or output folder of prepare.",
-                    .min = 1,
-                    .max = 1};
+  command.inputs = {
+      .name = "FILE",
+      .help = "Map database, route file, GDAL dataset, or output folder of prepare; a route may be \"-\".",
+      .min = 1,
+      .max = 1,
+      .may_stream = true};
   command.output = {.kind = OutputKind::kNone, .help = "", .required = false};
   command.reads_rasters = true;
   bind_options<InspectOptions>(command, [](const InspectOptions& options, const Invocation& invocation) {
@@ -250,6 +256,9 @@ Command make_inspect_command() {
     if (!options.explain.empty() && kind != InspectKind::kOutputs) {
       throw UsageError("explain = \"" + options.explain +
                        "\": legs and tiles are those of an output folder of prepare, and " + path + " is none");
+    }
+    if (path == kStandardStream && kind != InspectKind::kRoute) {
+      throw UsageError("FILE = \"-\" is a route on standard input; a map, a raster or a folder needs its name");
     }
     switch (kind) {
       case InspectKind::kMap:

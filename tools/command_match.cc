@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "signed_input.h"
+#include "standard_streams.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
@@ -153,7 +154,8 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const MapReader& m
     if (value) throw UsageError(flag_of(field) + " and --frames exclude each other: the table says it of each frame");
   }
   const FrameColumns required = options.from_exif ? FrameColumns::kFileOnly : FrameColumns::kAll;
-  const FrameTable table = frame_table_from_csv(options.frames, read_file(options.frames), {options.truth, required});
+  const FrameTable table =
+      frame_table_from_csv(options.frames, read_named_input(options.frames), {options.truth, required});
   const bool has_truth = std::any_of(table.frames.begin(), table.frames.end(),
                                      [](const FrameRecord& frame) { return frame.truth.has_value(); });
   if (!has_truth && (options.require_correct_rate || options.require_false_rate)) {
@@ -203,9 +205,15 @@ Command make_match_command() {
                        "pilotage match map.gpkg --frames frames.csv --camera camera.yaml -o fixes.csv"},
                       {"Only on a map that this key signed.",
                        "pilotage match map.gpkg --public-key key.pub --frames frames.csv -o fixes.csv"}};
-  command.inputs = {
-      .name = "MAP [FRAME]", .help = "The map database, and the picture unless --frames is given.", .min = 1, .max = 2};
-  command.output = {.kind = OutputKind::kFile, .help = "A table (CSV), one line for each frame.", .required = false};
+  command.inputs = {.name = "MAP [FRAME]",
+                    .help = "The map database, and the picture unless --frames is given.",
+                    .min = 1,
+                    .max = 2,
+                    .stream_flags = {"frames"}};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "A table (CSV), one line for each frame.",
+                    .required = false,
+                    .stream_name = "fixes.csv"};
   command.reads_rasters = true;
   bind_options<MatchCommandOptions>(command, [](const MatchCommandOptions& options, const Invocation& invocation) {
     const bool single = invocation.inputs.size() > 1;

@@ -38,7 +38,8 @@ Command make_reroute_command() {
                     .help =
                         "The new QGroundControl plan; figures, both lines and a page stand beside it as .json, "
                         ".geojson and .html.",
-                    .files = [](const std::string& output) { return reroute_outputs(output); }};
+                    .files = [](const std::string& output) { return reroute_outputs(output); },
+                    .stream_name = "standard-output.plan"};
   command.reads_rasters = true;
   bind_options<RerouteOptions>(command, [](const RerouteOptions& options, const Invocation& invocation) {
     const RerouteRun run{invocation.output, invocation.overwrite, invocation.seed, invocation.threads};
@@ -54,7 +55,7 @@ Command make_reroute_command() {
     for (const auto* items : {&done.lost_items, &done.shifted_items, &done.notes}) {
       for (const std::string& item : *items) result.text += item + "\n";
     }
-    result.text += "page: " + reroute_outputs(run.output).back().string() + "\n";
+    if (!invocation.prints_output) result.text += "page: " + reroute_outputs(run.output).back().string() + "\n";
     result.json = reroute_to_json(done);
     result.json["output"] = invocation.output;
     result.warnings = done.warnings;

@@ -64,7 +64,7 @@ Command make_select_command() {
                       {"The fewest areas, or fail.",
                        "pilotage select plan.json --table tiles.csv --sparse --require -o selection.json"}};
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
-  command.output = {.kind = OutputKind::kFile, .help = "The selection (JSON)."};
+  command.output = {.kind = OutputKind::kFile, .help = "The selection (JSON).", .stream_name = "selection.json"};
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
     Mission mission = read_stage_plan(invocation.inputs.front());
     mission.flight.max_error_m = options.max_error_m.value_or(mission.flight.max_error_m);

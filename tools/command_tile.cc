@@ -15,7 +15,7 @@ Command make_tile_command() {
   command.summary = "Cut the corridor into tiles the size of the footprint";
   command.examples = {{"The sample mission.", "pilotage tile maps/sample/mission.json -o plan.json"}};
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
-  command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON)."};
+  command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON).", .stream_name = "plan.json"};
   command.reads_rasters = true;
   bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
     const Mission mission = plan_tiles(options, invocation.progress);

@@ -1,6 +1,7 @@
 #include "common_options.h"
 
 #include <algorithm>
+#include <filesystem>
 
 namespace pilotage {
 
@@ -15,7 +16,10 @@ OptionList common_fields_for(const Command& command, CommonOptions& common) {
                        [&](const OptionField& own) { return own.flag == field.flag; });
   });
   for (OptionField& field : list.fields) {
-    if (field.flag == "output" && !command.output.help.empty()) field.help = command.output.help;
+    if (field.flag != "output") continue;
+    if (!command.output.help.empty()) field.help = command.output.help;
+    const std::filesystem::path printed = command.output.stream_name;
+    if (!printed.empty()) field.help += " \"-\" prints the " + printed.extension().string() + ".";
   }
   return list;
 }

@@ -75,6 +75,13 @@ Names files_behind(const NamedFile& input) {
 
 }  // namespace
 
+std::vector<std::string> paths_of(const OptionField& field) {
+  const OptionValue value = field.get();
+  if (const auto* text = std::get_if<std::string>(&value)) return {*text};
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) return *texts;
+  return {};
+}
+
 void refuse_shared_files(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs) {
   std::error_code ignored;
   const bool replaces = std::any_of(outputs.begin(), outputs.end(),

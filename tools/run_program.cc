@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <ostream>
 #include <regex>
 #include <sstream>
@@ -13,13 +14,13 @@
 #include "input_guard.h"
 #include "interruption.h"
 #include "option_text.h"
+#include "standard_streams.h"
 #include "terminal.h"
 #include "version.h"
 #include <nlohmann/json.hpp>
 #include <opencv2/core/base.hpp>
 #include <opencv2/core/utility.hpp>
 
-#include "pilotage/base/config_file.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
@@ -144,14 +145,6 @@ void check_inputs(const Command& command, const std::vector<std::string>& inputs
   }
 }
 
-/// The strings of an option that holds paths.
-std::vector<std::string> paths_of(const OptionField& field) {
-  const OptionValue value = field.get();
-  if (const auto* text = std::get_if<std::string>(&value)) return {*text};
-  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) return *texts;
-  return {};
-}
-
 /// What options that hold paths name: the outputs among them, or all others.
 std::vector<NamedFile> files_of_options(const Command& command, bool outputs) {
   std::vector<NamedFile> files;
@@ -217,7 +210,7 @@ void fill_options(const Command& command, const CommonOptions& common, const Par
     if (!config.empty()) throw UsageError("--config and " + command.inputs.name + " name the same thing; give one");
     config = line.inputs.front();
   }
-  if (!config.empty()) load_config_file(command.options, config);
+  if (!config.empty()) load_named_config(command.options, config);
   apply_flags(command.options, line);
 }
 
@@ -247,14 +240,18 @@ Invocation make_invocation(const std::vector<Command>& commands, const Command& 
   return invocation;
 }
 
-void print_result(const Command& command, const CommonOptions& common, const CommandResult& result, std::ostream& out,
-                  std::ostream& err) {
+/// Where standard output carries the output of a command (`spool`), all words go to standard error.
+void print_result(const Command& command, const CommonOptions& common, const CommandResult& result,
+                  const std::optional<OutputSpool>& spool, std::ostream& out, std::ostream& err) {
   if (!common.quiet) {
     for (const std::string& warning : result.warnings) {
       err << "pilotage " << command.word << ": " << in_colour(err, "33", "warning:") << " " << shown(warning) << "\n";
     }
   }
-  if (common.json) {
+  if (spool) {
+    if (!common.quiet) err << shown(result.text);
+    out << read_file(spool->file());
+  } else if (common.json) {
     Json json = result.json.is_null() ? Json::object() : result.json;
     if (!json.contains("warnings")) json["warnings"] = result.warnings;
     out << dump(json);
@@ -278,12 +275,15 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   }
   if (!common.print_config || !line.inputs.empty()) check_inputs(command, line.inputs);
   fill_options(command, common, line);
+  check_streams(command, common, line.inputs);
   if (common.print_config) return print(out, dump(options_to_json(command.options)));
 
   for (const std::string& key_value : common.gdal_config) set_gdal_config(key_value);
   if (common.allow_network || common.allow_any_vrt || !common.gdal_driver.empty()) {
     set_raster_access({common.allow_network, common.allow_any_vrt, common.gdal_driver});
   }
+  std::optional<OutputSpool> spool;
+  if (common.output == kStandardStream) common.output = spool.emplace(command.output.stream_name).file();
   const std::vector<NamedFile> inputs = named_inputs(command, common, line.inputs);
   check_shared_files(command, common, inputs);
   check_output(command, common);
@@ -291,6 +291,7 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   ProgressMeter meter = make_progress_meter(common.quiet ? ProgressMode::kNone : common.progress, err);
   Invocation invocation = make_invocation(commands, command, common, line, meter);
   invocation.named_inputs = inputs;
+  invocation.prints_output = spool.has_value();
   cv::setNumThreads(1);  // work is shared out by parallel_for; OpenCV's own threads would come on top of it
   CommandResult result;
   try {
@@ -302,7 +303,7 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
     throw;
   }
   meter.clear();
-  print_result(command, common, result, out, err);
+  print_result(command, common, result, spool, out, err);
   return result.exit_code;
 }
 

@@ -14,8 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kMaxConfigBytes = std::uintmax_t{16} << 20;
-
 /// The value at a dotted path, or nullptr.
 Json* find_value(Json& root, const std::string& path) {
   Json* at = &root;
@@ -50,12 +48,17 @@ std::string path_beside(const std::string& path, const std::filesystem::path& fo
 }
 
 void load_config_file(const OptionList& list, const std::filesystem::path& file) {
-  Json json = parse_json(file.string(), read_file(file, kMaxConfigBytes));
+  load_config(list, file.string(), read_file(file, kMaxConfigBytes), file.parent_path());
+}
+
+void load_config(const OptionList& list, const std::string& name, std::string_view text,
+                 const std::filesystem::path& folder) {
+  Json json = parse_json(name, text);
   for (const OptionField& field : list.fields) {
     if (!field.is_path) continue;
-    if (Json* value = find_value(json, field.path)) resolve(*value, file.parent_path());
+    if (Json* value = find_value(json, field.path)) resolve(*value, folder);
   }
-  set_options_from_json(list, json, file.string());
+  set_options_from_json(list, json, name);
 }
 
 }  // namespace pilotage

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "pilotage/base/options.h"
 
@@ -17,5 +19,12 @@ std::string path_beside(const std::string& path, const std::filesystem::path& fo
 /// through path_beside(). Throws DataError when the file cannot be read or is not JSON, UsageError when a key or a
 /// value is not allowed.
 void load_config_file(const OptionList& list, const std::filesystem::path& file);
+
+/// The same of the text of a configuration file that would stand in `folder`; `name` stands in messages.
+void load_config(const OptionList& list, const std::string& name, std::string_view text,
+                 const std::filesystem::path& folder);
+
+/// Largest configuration file that is read.
+inline constexpr std::uintmax_t kMaxConfigBytes = std::uintmax_t{16} << 20;
 
 }  // namespace pilotage
