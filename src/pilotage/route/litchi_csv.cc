@@ -1,7 +1,6 @@
 #include "pilotage/route/litchi_csv.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "pilotage/route/corner_cut.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_size.h"
+#include "pilotage/route/table_column.h"
 
 namespace pilotage {
 namespace {
@@ -21,39 +21,17 @@ namespace {
 constexpr double kFoot_m = 0.3048;
 constexpr double kMilePerHour_mps = 0.44704;
 
-std::string column_key(std::string_view column) {
-  std::string key;
-  for (const char c : column) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isspace(letter) == 0) key += static_cast<char>(std::tolower(letter));
-  }
-  return key;
-}
-
-/// Where a column stands, and what a number in it is to be multiplied with.
-struct LitchiColumn {
-  std::size_t at = 0;
-  double factor = 1;
-};
-
 struct LitchiColumns {
-  LitchiColumn lat;
-  LitchiColumn lon;
-  LitchiColumn altitude;
-  std::optional<LitchiColumn> mode;
-  std::optional<LitchiColumn> speed;
-  std::optional<LitchiColumn> curve;
-  std::optional<LitchiColumn> gimbal;
+  TableColumn lat;
+  TableColumn lon;
+  TableColumn altitude;
+  std::optional<TableColumn> mode;
+  std::optional<TableColumn> speed;
+  std::optional<TableColumn> curve;
+  std::optional<TableColumn> gimbal;
 };
 
-std::optional<LitchiColumn> find_column(const std::vector<std::string>& columns, std::string_view key, double factor) {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (column_key(columns[i]) == key) return LitchiColumn{i, factor};
-  }
-  return std::nullopt;
-}
-
-std::optional<LitchiColumn> find_length(const std::vector<std::string>& columns, const std::string& key) {
+std::optional<TableColumn> find_length(const std::vector<std::string>& columns, const std::string& key) {
   const auto metres = find_column(columns, key + "(m)", 1);
   return metres ? metres : find_column(columns, key + "(ft)", kFoot_m);
 }
@@ -68,7 +46,8 @@ LitchiColumns litchi_columns(const std::string& name, const std::vector<std::str
     throw DataError(name +
                     ": is a table, and the tables known here are missions of Litchi, whose first row names the columns "
                     "latitude, longitude and altitude(m) or altitude(ft), separated by commas, and may name "
-                    "altitudemode, speed(m/s) and curvesize(m); this one has " +
+                    "altitudemode, speed(m/s) and curvesize(m), and those of UgCS, which name Latitude, Longitude and "
+                    "AltitudeAMSL or AltitudeAGL; this one has " +
                     join(shown, ", ") + (columns.size() > shown.size() ? ", …" : "") +
                     ". Name the columns so, or save the route as KML, GPX or GeoJSON");
   }
@@ -79,17 +58,6 @@ LitchiColumns litchi_columns(const std::string& name, const std::vector<std::str
   found.curve = find_length(columns, "curvesize");
   found.gimbal = find_column(columns, "gimbalpitchangle", 1);
   return found;
-}
-
-double cell_number(const std::vector<std::string>& cells, const LitchiColumn& column,
-                   const std::vector<std::string>& columns, const std::string& where) {
-  std::string_view cell = cells[column.at];
-  while (!cell.empty() && cell.front() == ' ') cell.remove_prefix(1);
-  while (!cell.empty() && cell.back() == ' ') cell.remove_suffix(1);
-  const auto number = parse_number(cell);
-  if (number && std::isfinite(*number)) return *number * column.factor;
-  throw DataError(where + columns[column.at].substr(0, 30) + " is \"" + std::string(cell.substr(0, 40)) +
-                  "\", expected a finite number");
 }
 
 /// What the rows need to be told about together.
@@ -145,8 +113,8 @@ Route parse_litchi_csv(const std::string& name, std::string_view text, const Rou
   int last = -1;
   while (const std::vector<std::string>* cells = table.next()) {
     const std::string where = table.where();
-    const auto number = [&](const LitchiColumn& column) { return cell_number(*cells, column, table.columns(), where); };
-    const auto number_or = [&](const std::optional<LitchiColumn>& column, double otherwise) {
+    const auto number = [&](const TableColumn& column) { return cell_number(*cells, column, table.columns(), where); };
+    const auto number_or = [&](const std::optional<TableColumn>& column, double otherwise) {
       return column ? number(*column) : otherwise;
     };
     RouteVertex vertex;

@@ -17,6 +17,7 @@
 #include "pilotage/route/qgc_plan.h"
 #include "pilotage/route/qgc_wpl.h"
 #include "pilotage/route/route_size.h"
+#include "pilotage/route/ugcs_csv.h"
 #include "pilotage/route/ugcs_json.h"
 
 namespace pilotage {
@@ -140,11 +141,12 @@ Route parse_route(const std::string& name, std::string_view bytes, const RouteOp
   }
   if (is_table(text)) {
     refuse_vector_options(name, options);
+    if (is_ugcs_table(text)) return parse_ugcs_csv(name, text, options);
     return parse_litchi_csv(name, text, options);
   }
   throw DataError(name +
                   ": is not a route file that is known here: QGroundControl .plan, QGC WPL 110, DJI mission (KMZ, "
-                  ".wpml), Litchi CSV, UgCS JSON, KML, KMZ, GPX, GeoJSON or GeoPackage");
+                  ".wpml), Litchi CSV, UgCS JSON or CSV, KML, KMZ, GPX, GeoJSON or GeoPackage");
 }
 
 Route read_route(const std::filesystem::path& path, const RouteOptions& options) {

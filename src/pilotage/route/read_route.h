@@ -12,9 +12,9 @@
 
 namespace pilotage {
 
-/// Reads a route: QGroundControl .plan and .mission, QGC WPL 110, DJI missions (KMZ, .wpml), Litchi CSV, KML, KMZ, GPX,
-/// GeoJSON or GeoPackage, told apart by content and not by extension. Every assumption made stands in Route::notes and
-/// the fate of each item in Route::items.
+/// Reads a route: QGroundControl .plan and .mission, QGC WPL 110, DJI missions (KMZ, .wpml), Litchi CSV, UgCS JSON or
+/// CSV, KML, KMZ, GPX, GeoJSON or GeoPackage, told apart by content and not by extension. Every assumption made stands
+/// in Route::notes and the fate of each item in Route::items.
 ///
 /// Throws UsageError for options outside their range, and DataError naming the file and the item when the file cannot
 /// be read or is none of these formats; is of a wrong version or fileType; has fewer than two positions; has a latitude

@@ -42,9 +42,9 @@ struct TileOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("imagery", self.imagery, "Georeferenced imagery: GDAL datasets, later ones on top.");
-    fields.path(
-        "route", self.route,
-        "Route file: QGroundControl plan, QGC WPL 110, DJI mission, Litchi CSV, KML, KMZ, GPX, GeoJSON, GeoPackage.");
+    fields.path("route", self.route,
+                "Route file: QGroundControl plan, QGC WPL 110, DJI mission, Litchi CSV, UgCS, KML, KMZ, GPX, GeoJSON, "
+                "GeoPackage.");
     fields.path("elevation", self.elevation, "Elevation model: a GDAL dataset, metres above mean sea level.");
     fields.field(
         "imagery_date", self.imagery_date,
