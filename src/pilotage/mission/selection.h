@@ -83,6 +83,12 @@ struct LeftOut {
   std::vector<std::int64_t> beyond_budget;  ///< Tiles that would have been stored in a larger map. Ascending.
 };
 
+/// When a flight tries to fix, as the prediction takes it.
+struct FixTries {
+  double interval_s = 0;                  ///< No fix comes sooner after another.
+  std::optional<double> decorrelation_m;  ///< Way over which tries fare alike; nothing: the width of a tile.
+};
+
 /// What comes of losing GNSS at one point of the route for good.
 struct LossPoint {
   double distance_m = 0;  ///< Along the route.
@@ -115,6 +121,7 @@ struct Selection {
   std::vector<LegAdvice> advice;                ///< One for each leg that is not good enough, when asked for.
   std::vector<std::string> notes;
   std::optional<LeftOut> left_out;  ///< Nothing where a selection was not made by `select`.
+  std::optional<FixTries> tries;    ///< The same.
 };
 
 /// "0.987": three decimals, rounded down, so that what is not certain never reads 1.000; "–" for NaN.

@@ -140,6 +140,10 @@ Json selection_to_json(const Selection& selection) {
                         {"min_peak_margin", left_out->min_peak_margin},
                         {"beyond_budget", left_out->beyond_budget}};
   }
+  if (const auto& tries = selection.tries) {
+    json["tries"] = {{"interval_s", tries->interval_s}};
+    if (tries->decorrelation_m) json["tries"]["decorrelation_m"] = *tries->decorrelation_m;
+  }
   if (selection.loss_anywhere) json["loss_anywhere"] = loss_to_json(*selection.loss_anywhere);
   for (const LegAdvice& advice : selection.advice) {
     json["advice"].push_back({{"leg", advice.leg + 1},
@@ -226,6 +230,12 @@ Selection selection_from_json(const Json& json, const std::string& name) {
     selection.left_out = LeftOut{left_out.number("min_p_correct_fix"), left_out.number("min_peak_margin"),
                                  tile_ids_of(left_out, "beyond_budget")};
     left_out.finish();
+  }
+  if (object.has("tries")) {
+    JsonObject tries = object.object("tries");
+    selection.tries = FixTries{tries.number("interval_s"), std::nullopt};
+    if (tries.has("decorrelation_m")) selection.tries->decorrelation_m = tries.number("decorrelation_m");
+    tries.finish();
   }
   object.finish();
   return selection;

@@ -5,23 +5,28 @@ const axes = ['left', 'right', 'top', 'bottom', 'distanceM', 'errorM'].reduce((a
   return all;
 }, {});
 
+// The flight that the chart shows: the report's, or one with other settings (page_what_if.js).
+const plannedFlight = { whatIf: false, limit_m: report.route.max_error_m, rows: report.route.error_profile.rows, p: display.profile_p,
+  denied: report.route.denied, losses: report.route.loss_anywhere ? report.route.loss_anywhere.rows : [] };
+let shownFlight = plannedFlight;
+
 function alongText(distance, error) {
-  const rows = report.route.error_profile.rows;
-  const parts = [(distance / 1000).toFixed(2) + ' km'];
+  const rows = shownFlight.rows;
+  const parts = [(shownFlight.whatIf ? 'What if: ' : '') + (distance / 1000).toFixed(2) + ' km'];
   const leg = report.route.legs.find((entry) => entry.from_distance_m !== null && distance >= entry.from_distance_m &&
     distance <= entry.from_distance_m + entry.length_m);
   if (leg) parts.push('leg ' + leg.leg);
-  parts.push(error === null ? 'error unknown' : 'error ' + error.toFixed(1) + ' m of ' + report.route.max_error_m + ' m');
-  const p = rows.length ? display.profile_p[lastBefore(rows, distance)] : [null, null];
+  parts.push(error === null ? 'error unknown' : 'error ' + error.toFixed(1) + ' m of ' + shownFlight.limit_m + ' m');
+  const p = rows.length ? shownFlight.p[lastBefore(rows, distance)] : [null, null];
   const fix = report.route.fixes.some((stretch) => distance >= stretch.from_distance_m && distance <= stretch.to_distance_m);
-  const aided = report.route.denied && !report.route.denied.some((stretch) => distance >= stretch.from_distance_m &&
+  const aided = shownFlight.denied && !shownFlight.denied.some((stretch) => distance >= stretch.from_distance_m &&
     distance <= stretch.to_distance_m);
   parts.push(aided ? 'with GNSS' : fix ? 'over a chosen tile' + (p[0] === null ? '' : ', P(correct fix) ' + p[0].toFixed(2)) : 'no fix');
   if (display.heights.length) {
     parts.push((between(display.heights, distance, 2) - between(display.heights, distance, 1)).toFixed(0) + ' m above ground');
   }
   if (p[1] !== null) parts.push('within the limit so far with P = ' + p[1].toFixed(3));
-  const losses = report.route.loss_anywhere ? report.route.loss_anywhere.rows : [];
+  const losses = shownFlight.losses;
   const lost = losses.length ? losses[lastBefore(losses, distance)] : null;
   if (lost && lost[2] !== null) parts.push('all the way, if GNSS is lost here, with P = ' + (Math.floor(lost[2] * 1000 + 1e-9) / 1000).toFixed(3));
   return parts.join(' · ');
@@ -29,7 +34,7 @@ function alongText(distance, error) {
 // `source`: 'map', 'chart', 'slider' or 'button'; the map follows all but itself.
 function setAlong(distance, source) {
   state.along = distance;
-  const rows = report.route.error_profile.rows;
+  const rows = shownFlight.rows;
   const error = rows.length ? between(rows, distance, 1) : null;
   const x = axes.left + distance / axes.distanceM * (axes.right - axes.left);
   const share = error === null ? 1 : Math.min(1, error / axes.errorM);

@@ -59,9 +59,11 @@ function mapPicture() {
 function preparePrint() {
   beforePrint.folded = [...document.querySelectorAll('details:not([open])')];
   beforePrint.folded.forEach((details) => { details.open = true; });
-  if (!map || state.printing) return;
-  Object.assign(beforePrint, { center: map.getCenter(), zoom: map.getZoom(), minZoom: map.getMinZoom() });
+  if (state.printing) return;
   state.printing = true;
+  if (flown) showFlight();
+  if (!map) return;
+  Object.assign(beforePrint, { center: map.getCenter(), zoom: map.getZoom(), minZoom: map.getMinZoom() });
   $('map').style.width = paper_px.width + 'px';
   $('map').style.height = paper_px.height + 'px';
   map.setMinZoom(0);
@@ -74,8 +76,10 @@ function preparePrint() {
 }
 function endPrint() {
   beforePrint.folded.forEach((details) => { details.open = false; });
-  if (!map || !state.printing) return;
+  if (!state.printing) return;
   state.printing = false;
+  if (flown) showFlight();
+  if (!map) return;
   beforePrint.picture.remove();
   if (!$('show-grid').checked) layers.grid.remove();
   $('map').classList.remove('printing');
@@ -88,10 +92,13 @@ function endPrint() {
 
 makePanel();
 makeTileControls();
-if (flown) linkChart();
+if (flown) {
+  linkChart();
+  makeWhatIf();
+}
 makeButtons();
 if (display.drawn) makeMap(); else $('map').append(element('p', display.missing, 'missing'));
 window.addEventListener('beforeprint', preparePrint);
 window.addEventListener('afterprint', endPrint);
 // For the browser's console and for tests.
-window.pilotage = { report, display, state, layers, map, placeAlong, toLatLng, tileOutline };
+window.pilotage = { report, display, state, layers, map, placeAlong, toLatLng, tileOutline, whatIf: flown ? whatIf : null };

@@ -17,7 +17,7 @@ const state = {
   threshold: null,  // a value of the measure, or null
   tile: -1,         // index into tiles
   along: null,      // metres along the route
-  printing: false,  // the map is drawn for paper
+  printing: false,  // map and chart are drawn for paper
 };
 
 // Whether the ground can be counted on: classes instead of a scale, and no threshold.

@@ -19,6 +19,7 @@
 #include "pilotage/report/sampled_route.h"
 #include "pilotage/report/title_block.h"
 #include "pilotage/report/verdict.h"
+#include "pilotage/report/what_if.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -291,6 +292,7 @@ Report make_report(const ReportInput& input) {
   report.evaluation = input.evaluation;
   report.imagery_age = imagery_age(mission);
   report.weak_places = weak_places(report, selection.advice);
+  report.what_if = what_if_data(input, report.quality);
   report.display = make_display(input, report);
   return report;
 }

@@ -221,6 +221,7 @@ std::string report_html(const Report& report) {
   Json data;
   data["report"] = report_json(report);
   data["display"] = display_json(report);
+  data["what_if"] = report.what_if;
   const std::string verdict(verdict_name(report.verdict));
   return fill_template(
       page_assets::page_html(),
@@ -231,7 +232,9 @@ std::string report_html(const Report& report) {
        {"page_js",
         page_script({page_assets::page_state_js(), page_assets::page_ground_js(), page_assets::page_canvas_js(),
                      page_assets::page_grid_js(), page_assets::page_map_js(), page_assets::page_tile_js(),
-                     page_assets::page_panel_js(), page_assets::page_chart_js(), page_assets::page_start_js()})},
+                     page_assets::page_panel_js(), page_assets::page_chart_js(), page_assets::page_ins_js(),
+                     page_assets::page_flight_js(), page_assets::page_verdict_js(), page_assets::page_what_if_js(),
+                     page_assets::page_start_js()})},
        {"data", script_json(data)},
        {"verdict_status", std::string(status_name(report.verdict))},
        {"verdict_word", verdict},

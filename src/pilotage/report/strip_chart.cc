@@ -57,13 +57,18 @@ Axes make_axes(const Report& report) {
   return axes;
 }
 
-std::string grid_lines(const Axes& axes) {
+std::string error_lines(const Axes& axes) {
   std::string svg;
   const double step_m = tick_step(axes.error_m, 5);
   for (int i = 0; i * step_m <= axes.error_m; ++i) {
     svg += kSvg.line("grid", kChartLeft, axes.y(i * step_m), kChartRight, axes.y(i * step_m));
     svg += kSvg.text("tick-y", kChartLeft - 8, axes.y(i * step_m) + 5, format_number(i * step_m));
   }
+  return svg;
+}
+
+std::string distance_ticks(const Axes& axes) {
+  std::string svg;
   const bool kilometres = axes.distance_m >= 2000;
   const double unit_m = kilometres ? 1000 : 1;
   const double along_step_m = tick_step(axes.distance_m / unit_m, 12) * unit_m;
@@ -197,9 +202,7 @@ std::string denied_bands(const Report& report, const Axes& axes) {
 
 // Bad ones are hatched too, so that colour is not alone. Wide ones say how long they are.
 std::string gap_bands(const Report& report, const Axes& axes) {
-  std::string svg =
-      "<defs><pattern id=\"chart-hatch\" width=\"9\" height=\"9\" patternUnits=\"userSpaceOnUse\" "
-      "patternTransform=\"rotate(45)\"><line y2=\"9\"/></pattern></defs>\n";
+  std::string svg;
   for (const ReportGap& gap : report.gaps) {
     const double x1 = axes.x(gap.gap.from_distance_m);
     const double x2 = axes.x(gap.gap.to_distance_m);
@@ -252,17 +255,21 @@ std::string strip_chart_svg(const Report& report) {
                     "\" data-top=\"" + kSvg.number(kTop) + "\" data-bottom=\"" + kSvg.number(kBottom) +
                     "\" data-distance-m=\"" + format_number(axes.distance_m) + "\" data-error-m=\"" +
                     format_number(axes.error_m) + "\">\n";
-  svg += denied_bands(report, axes) + gap_bands(report, axes);
-  svg += grid_lines(axes) + error_curve(report, axes);
+  svg +=
+      "<defs><pattern id=\"chart-hatch\" width=\"9\" height=\"9\" patternUnits=\"userSpaceOnUse\" "
+      "patternTransform=\"rotate(45)\"><line y2=\"9\"/></pattern></defs>\n";
+  // What the page draws anew for other settings (page_what_if.js).
+  svg += "<g id=\"chart-plot\">\n" + denied_bands(report, axes) + gap_bands(report, axes) + error_lines(axes) +
+         error_curve(report, axes);
   if (std::isfinite(report.max_error_m)) {
     const double y = axes.y(report.max_error_m);
     svg += kSvg.line("limit", kChartLeft, y, kChartRight, y);
     svg += kSvg.text("limit-label", kChartLeft + 8, y < kTop + 24 ? y + 18 : y - 6,
                      "limit " + error_text(report.max_error_m));
   }
-  svg += gap_labels(report, axes);
-  svg += kSvg.line("axis-line", kChartLeft, kBottom, kChartRight, kBottom) + ribbons(report, axes) +
-         loss_curve(report, axes);
+  svg += gap_labels(report, axes) + "</g>\n";
+  svg += distance_ticks(axes) + kSvg.line("axis-line", kChartLeft, kBottom, kChartRight, kBottom) +
+         ribbons(report, axes) + "<g id=\"chart-loss\">" + loss_curve(report, axes) + "</g>\n";
   svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + kSvg.number(kTop) + "\" y2=\"" +
          kSvg.number(kBottom) + "\"/><circle class=\"cursor-dot\" r=\"5\"/></g>\n</svg>";
   return svg;

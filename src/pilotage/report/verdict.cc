@@ -107,14 +107,20 @@ std::string gnss_text(const Flight& flight, const Selection& selection) {
          (had ? kFixesWithGnss : "");
 }
 
+std::string further_assumptions(const Mission& mission) {
+  return (mission.flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
+         imagery_age_assumptions(mission);
+}
+
+bool limit_is_default(const Flight& flight, const Selection& selection) {
+  return flight.max_error_assumed && selection.max_error_m == flight.max_error_m;
+}
+
 std::string assumptions_line(const Mission& mission, const Selection& selection) {
   const Flight& flight = mission.flight;
-  const auto mark = [](bool assumed) { return std::string(assumed ? " (default)" : ""); };
-  const bool limit_assumed = flight.max_error_assumed && selection.max_error_m == flight.max_error_m;
   return "assumes: " + ins_text(flight.ins) + ", " + gnss_text(flight, selection) + ", limit " +
-         error_text(selection.max_error_m) + mark(limit_assumed) +
-         (flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
-         imagery_age_assumptions(mission);
+         error_text(selection.max_error_m) + (limit_is_default(flight, selection) ? " (default)" : "") +
+         further_assumptions(mission);
 }
 
 }  // namespace pilotage

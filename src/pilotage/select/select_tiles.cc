@@ -201,6 +201,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   }
 
   Selection selection;
+  selection.tries = FixTries{options.fix_interval_s, options.fix_decorrelation_m};
   selection.left_out = LeftOut{options.min_p_correct_fix, options.min_peak_margin, {}};
   StorageCount count(mission, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {

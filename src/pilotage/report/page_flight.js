@@ -1,0 +1,338 @@
+// The flight with other settings, over the map as it is built: the formulas of src/pilotage/select (route_error.cc,
+// fix_attempts.cc, route_probability.cc, worst_loss.cc) on the same numbers. Long work is done by generators, which yield
+// so that the page stays alive.
+const whatIfData = data.what_if || null;  // null: nothing tells when a flight tries to fix
+
+function numbersOf(base64) {
+  const text = atob(base64);
+  const bytes = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
+  return new Float64Array(bytes.buffer);
+}
+function alongSamples(runs) {
+  const values = [];
+  for (const [count, value] of runs) for (let i = 0; i < count; ++i) values.push(value);
+  return values;
+}
+function readFlight() {
+  const numbers = numbersOf(whatIfData.samples);
+  const count = numbers.length / 2;
+  const p = alongSamples(whatIfData.tile_runs);
+  return { count, distance_m: numbers.subarray(0, count), azimuth_deg: numbers.subarray(count), leg: alongSamples(whatIfData.leg_runs),
+    speed_mps: alongSamples(whatIfData.speed_runs), apart_m: alongSamples(whatIfData.apart_runs), p, stored: p.map((known) => known !== null) };
+}
+// The first index from `first` up to `end` at which `values` reach `value`.
+function lowerBound(values, value, first = 0, end = values.length) {
+  let low = first, high = end;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (values[middle] < value) low = middle + 1; else high = middle;
+  }
+  return low;
+}
+
+// ---- GNSS (mission/gnss_availability.cc) ----
+const gnssEverywhere = (count, had) => ({ at: Array(count).fill(had), over: Array(Math.max(0, count - 1)).fill(had) });
+function gnssDenied(flight, stretches) {
+  const gnss = gnssEverywhere(flight.count, true);
+  for (const [from_m, to_m] of stretches) {
+    for (let i = Math.max(0, lowerBound(flight.distance_m, from_m) - 1); i < flight.count && flight.distance_m[i] <= to_m; ++i) {
+      const at_m = flight.distance_m[i];
+      const last = i + 1 === flight.count;
+      if (!last && at_m < to_m && flight.distance_m[i + 1] > from_m) gnss.over[i] = false;
+      if (at_m >= from_m && (last || !gnss.over[i]) && (at_m < to_m || last)) gnss.at[i] = false;
+    }
+  }
+  return gnss;
+}
+const plannedGnss = (flight) => (whatIfData.denied.length ? gnssDenied(flight, whatIfData.denied) : gnssEverywhere(flight.count, false));
+
+// ---- What tries may give (select/fix_attempts.cc) ----
+function routeChances(flight, interval_s) {
+  const flown = [0];
+  for (let i = 1; i < flight.count; ++i) {
+    const window_m = Math.max(flight.apart_m[i - 1], interval_s * flight.speed_mps[i - 1], 1);
+    flown.push(flown[i - 1] + (flight.distance_m[i] - flight.distance_m[i - 1]) / window_m);
+  }
+  const chances = { p: Array(flight.count).fill(0), window: Array(flight.count).fill(0), interval_s };
+  let first = 0;
+  for (const [count, p] of whatIfData.tile_runs) {
+    const end = first + count;
+    if (p !== null) {
+      const from = first === 0 ? flown[0] : (flown[first - 1] + flown[first]) / 2;
+      const to = end === flight.count ? flown[end - 1] : (flown[end - 1] + flown[end]) / 2;
+      const parts = Math.max(1, Math.round(to - from));
+      for (let part = 0; part < parts; ++part) {
+        const middle = from + (to - from) * (part + 0.5) / parts;
+        let nearest = lowerBound(flown, middle, first, end);
+        if (nearest === end || (nearest !== first && middle - flown[nearest - 1] <= flown[nearest] - middle)) --nearest;
+        chances.p[nearest] = p;
+        chances.window[nearest] = Math.floor(middle);
+      }
+    }
+    first = end;
+  }
+  return chances;
+}
+
+// ---- The flight whose every try comes (select/route_error.cc) ----
+const step_s = (flight, i) => (flight.distance_m[i + 1] - flight.distance_m[i]) / flight.speed_mps[i];
+function makePath(flight, model, limit_m, gnss) {
+  const reach_s = longestBridgeableGap_s(model, flight.speed_mps[0], limit_m);
+  const steps = flight.count <= 5000 ? [] : null;  // kept where they are few
+  const make = (i) => makeInsStep(step_s(flight, i), flight.azimuth_deg[i], flight.speed_mps[i], model);
+  const step = (i) => (steps ? steps[i] || (steps[i] = make(i)) : make(i));
+  return { flight, model, limit_m, gnss, horizon_s: Math.min(600, Math.max(1, reach_s)), step };
+}
+const heldAt = (path, i, state) => holdWithGnss(state, path.flight.azimuth_deg[i], path.flight.speed_mps[i], path.model);
+const insAtStart = (path) => initialInsState(path.model, path.flight.azimuth_deg[0], path.flight.speed_mps[0]);
+
+function flyOneSample(path, gnss, aircraft) {
+  aircraft.state = insPropagate(aircraft.state, path.step(aircraft.sample));
+  ++aircraft.sample;
+  if (gnss.over[aircraft.sample - 1]) aircraft.state = heldAt(path, aircraft.sample, aircraft.state);
+}
+function takePosition(path, gnss, interval_s, aircraft) {
+  if (gnss.at[aircraft.sample]) aircraft.state = heldAt(path, aircraft.sample, aircraft.state);
+  if (!path.flight.stored[aircraft.sample] || !(aircraft.state.time_s - aircraft.lastFix_s >= interval_s)) return;
+  aircraft.state = updateWithFix(aircraft.state, path.model);
+  aircraft.lastFix_s = aircraft.state.time_s;
+}
+function* errorsAlong(path, interval_s) {
+  const aircraft = { sample: 0, state: insAtStart(path), lastFix_s: -Infinity };
+  const errors_m = [];
+  for (;;) {
+    errors_m.push(positionError_m(aircraft.state, path.model));
+    takePosition(path, path.gnss, interval_s, aircraft);
+    if (aircraft.sample + 1 === path.flight.count) return errors_m;
+    flyOneSample(path, path.gnss, aircraft);
+    yield;
+  }
+}
+function gapsBetweenFixes(path, errors_m) {
+  const { flight, gnss } = path;
+  const known = (i) => flight.stored[i] || gnss.at[i];
+  const gaps = [];
+  for (let i = 0; i < flight.count;) {
+    if (known(i)) { ++i; continue; }
+    const first = i === 0 || gnss.over[i - 1] ? i : i - 1;
+    while (i < flight.count && !known(i)) ++i;
+    const last = Math.min(i, flight.count - 1);
+    const gap = { leg: flight.leg[first], from_distance_m: flight.distance_m[first], to_distance_m: flight.distance_m[last],
+      duration_s: 0, error_m: 0, p_first_excess: null };
+    for (let k = first; k < last; ++k) gap.duration_s += step_s(flight, k);
+    for (let k = first; k <= last; ++k) gap.error_m = Math.max(gap.error_m, errors_m[k]);
+    gap.within_limit = gap.error_m <= path.limit_m;
+    if (gap.to_distance_m > gap.from_distance_m) gaps.push(gap);
+  }
+  return gaps;
+}
+function legsOf(path, errors_m) {
+  const legs = whatIfData.leg_lengths_m.map((length_m, leg) => ({ leg, length_m, max_error_m: 0, p_within_limit: null }));
+  errors_m.forEach((error_m, i) => {
+    const leg = legs[path.flight.leg[i]];
+    leg.max_error_m = Math.max(leg.max_error_m, error_m);
+  });
+  legs.forEach((leg) => { leg.within_limit = leg.max_error_m <= path.limit_m; });
+  return legs;
+}
+
+// ---- Flights whose tries come or do not (select/route_probability.cc) ----
+const totalProbability = (branches) => branches.reduce((sum, branch) => sum + branch.probability, 0);
+const firstBranches = (path) => [{ fixSample: 0, probability: 1, state: insAtStart(path), fixTime_s: -Infinity, window: -1, low: 0, high: 1 }];
+
+function loseFlights(path, sample, stretch) {
+  const least = 1e-9 * totalProbability(stretch.branches);
+  stretch.branches = stretch.branches.filter((branch) => {
+    const beyond = !(positionError_m(branch.state, path.model) <= path.limit_m);
+    if (beyond) stretch.losses.push([branch.fixSample, sample]);
+    return !(beyond || branch.probability <= least);
+  });
+}
+function groupEnds(fixed, share) {
+  const ends = [];
+  for (let i = 0; i < fixed.length;) {
+    const first = fixed[i];
+    const most_m = first.error_m * (1 + share);
+    for (++i; i < fixed.length && fixed[i].error_m <= most_m && fixed[i].branch.low === first.branch.low &&
+      fixed[i].branch.high === first.branch.high;) ++i;
+    ends.push(i);
+  }
+  return ends;
+}
+function mergeAlike(path, branches) {
+  const one = branches[0].state;
+  const horizon = makeInsStep(path.horizon_s, one.heading_deg, one.speed_mps, path.model);
+  const fixed = branches.map((branch) => ({ branch, error_m: positionError_m(insPropagate(branch.state, horizon), path.model) }));
+  fixed.sort((a, b) => a.branch.low - b.branch.low || a.branch.high - b.branch.high || a.error_m - b.error_m);
+  let share = 0.02;
+  let ends = groupEnds(fixed, share);
+  while (ends.length > 12 && share < 1) ends = groupEnds(fixed, share *= 2);
+  let first = 0;
+  return ends.map((end) => {
+    const members = fixed.slice(first, end).map((after) => after.branch);
+    first = end;
+    const probability = totalProbability(members);
+    const covariance = new Float64Array(insSize * insSize);
+    for (const member of members) {
+      const weight = member.probability / probability;
+      for (let n = 0; n < covariance.length; ++n) covariance[n] += weight * member.state.covariance[n];
+    }
+    return { ...members[0], probability, state: { ...members[0].state, covariance } };
+  });
+}
+function takeFix(path, chances, sample, stretch) {
+  const p = chances.p[sample];
+  if (!(p > 0)) return;
+  const fixed = [];
+  for (const branch of stretch.branches) {
+    if (branch.state.time_s - branch.fixTime_s < chances.interval_s - 1e-9) continue;
+    if (branch.window !== chances.window[sample]) Object.assign(branch, { window: chances.window[sample], low: 0, high: 1 });
+    const share = Math.min(1, Math.max(0, (p - branch.low) / (branch.high - branch.low)));
+    if (share > 0) {
+      fixed.push({ ...branch, fixSample: sample, fixTime_s: branch.state.time_s, probability: branch.probability * share,
+        high: Math.min(branch.high, p), state: updateWithFix(branch.state, path.model) });
+    }
+    branch.probability *= 1 - share;
+    branch.low = Math.max(branch.low, p);
+  }
+  stretch.branches = stretch.branches.filter((branch) => !(branch.probability <= 0));
+  if (fixed.length) stretch.branches.push(...mergeAlike(path, fixed));
+}
+function takeGnss(path, sample, branches) {
+  for (const branch of branches) Object.assign(branch, { fixSample: sample, state: heldAt(path, sample, branch.state) });
+}
+function* flyStretch(path, chances, begin, end, branches) {
+  const stretch = { p_within_limit: [], losses: [], branches: branches.map((branch) => ({ ...branch })) };
+  for (let i = begin; i < end; ++i) {
+    loseFlights(path, i, stretch);
+    const before = stretch.p_within_limit.length ? stretch.p_within_limit[stretch.p_within_limit.length - 1] : 1;
+    stretch.p_within_limit.push(Math.min(before, totalProbability(stretch.branches)));
+    if (path.gnss.at[i]) takeGnss(path, i, stretch.branches);
+    takeFix(path, chances, i, stretch);
+    if (i + 1 >= path.flight.count) continue;
+    for (const branch of stretch.branches) {
+      branch.state = insPropagate(branch.state, path.step(i));
+      yield;
+    }
+    if (path.gnss.over[i]) takeGnss(path, i + 1, stretch.branches);
+  }
+  return stretch;
+}
+function* survivalAlong(path, chances) {
+  const { flight } = path;
+  const survival = { p_within_limit: [], legs_p: Array(whatIfData.leg_lengths_m.length).fill(null), worst: null };
+  const losses = [];
+  let branches = firstBranches(path);
+  let before = 1;
+  for (let begin = 0; begin < flight.count;) {
+    let end = begin;
+    while (end < flight.count && flight.leg[end] === flight.leg[begin]) ++end;
+    const stretch = yield* flyStretch(path, chances, begin, end, branches);
+    const after = stretch.p_within_limit[stretch.p_within_limit.length - 1];
+    if (before > 0) survival.legs_p[flight.leg[begin]] = Math.min(1, after / before);
+    for (const p of stretch.p_within_limit) survival.p_within_limit.push(p);
+    for (const loss of stretch.losses) losses.push(loss);
+    branches = stretch.branches;
+    before = after;
+    begin = end;
+  }
+  for (const [from, to] of losses) {
+    const p_first_excess = (from === 0 && to === 0 ? 1 : survival.p_within_limit[from]) - survival.p_within_limit[to];
+    if (survival.worst && p_first_excess <= survival.worst.p_first_excess) continue;
+    survival.worst = { leg: flight.leg[from], from_distance_m: flight.distance_m[from], to_distance_m: flight.distance_m[to], p_first_excess };
+  }
+  return survival;
+}
+
+// ---- GNSS lost anywhere (select/worst_loss.cc) ----
+function lossSamples(flight) {
+  const flown = (starts) => starts.reduce((sum, start) => sum + flight.count - start, 0);
+  const within = (starts) => {
+    const every = (step) => starts.filter((_, i) => i % step === 0);
+    let step = 1;
+    while (step < starts.length && flown(every(step)) > 60000) ++step;
+    return every(step);
+  };
+  const all = [...Array(flight.count).keys()];
+  const at = new Map();
+  for (const start of [...within(all), ...within(all.filter((i) => i === 0 || flight.leg[i] !== flight.leg[i - 1]))]) {
+    let i = start;
+    while (i + 1 < flight.count && flight.distance_m[i + 1] === flight.distance_m[i]) ++i;
+    at.set(flight.distance_m[i], i);
+  }
+  if (at.size > 1) at.delete(flight.distance_m[flight.count - 1]);
+  return [...at.values()].sort((a, b) => a - b);
+}
+function* loseAnywhere(path, chances, interval_s) {
+  const { flight } = path;
+  const had = gnssEverywhere(flight.count, true), lost = gnssEverywhere(flight.count, false);
+  const withGnss = { sample: 0, state: insAtStart(path), lastFix_s: -Infinity };
+  let withGnss_m = positionError_m(withGnss.state, path.model);
+  const paths = { had: { ...path, gnss: had }, lost: { ...path, gnss: lost } };
+  let branches = firstBranches(path);
+  let at = 0;
+  const points = [];
+  for (const loss of lossSamples(flight)) {
+    while (withGnss.sample < loss) {
+      takePosition(path, had, interval_s, withGnss);
+      flyOneSample(path, had, withGnss);
+      withGnss_m = Math.max(withGnss_m, positionError_m(withGnss.state, path.model));
+      yield;
+    }
+    const aircraft = { ...withGnss };
+    let max_error_m = withGnss_m;
+    while (aircraft.sample + 1 < flight.count) {
+      takePosition(path, lost, interval_s, aircraft);
+      flyOneSample(path, lost, aircraft);
+      max_error_m = Math.max(max_error_m, positionError_m(aircraft.state, path.model));
+      yield;
+    }
+    const point = { distance_m: flight.distance_m[loss], leg: flight.leg[loss], max_error_m, p_within_limit: null };
+    if (chances) {
+      branches = (yield* flyStretch(paths.had, chances, at, loss, branches)).branches;
+      at = loss;
+      const rest = yield* flyStretch(paths.lost, chances, loss, flight.count, branches);
+      point.p_within_limit = rest.p_within_limit[rest.p_within_limit.length - 1];
+    }
+    points.push(point);
+  }
+  let worst = points;
+  const keep = (badness, alike) => {
+    const most = Math.max(...worst.map(badness));
+    worst = worst.filter((point) => !(badness(point) < most - alike));
+  };
+  keep((point) => (point.max_error_m > path.limit_m ? 1 : 0), 0);
+  keep((point) => (point.p_within_limit === null ? 0 : -point.p_within_limit), 1e-3);
+  keep((point) => point.max_error_m, 0.1);
+  return { points, worst: worst[0] };
+}
+
+// The flight with `settings` { limit_m, model, speed_mps (null: as planned), interval_s }, as a selection has it.
+function* predictFlight(settings) {
+  const planned = readFlight();
+  const flight = settings.speed_mps === null ? planned : { ...planned, speed_mps: planned.speed_mps.map(() => settings.speed_mps) };
+  const path = makePath(flight, settings.model, settings.limit_m, plannedGnss(flight));
+  const chances = whatIfData.min_route_probability === null ? null : routeChances(flight, settings.interval_s);
+  const predicted = { max_error_m: settings.limit_m, probability: null, loss: null };
+  if (whatIfData.anywhere) {
+    predicted.loss = yield* loseAnywhere(path, chances, settings.interval_s);
+    path.gnss = gnssDenied(flight, [[predicted.loss.worst.distance_m, Infinity]]);
+  }
+  const errors_m = yield* errorsAlong(path, settings.interval_s);
+  predicted.gaps = gapsBetweenFixes(path, errors_m);
+  predicted.legs = legsOf(path, errors_m);
+  predicted.within_limit = errors_m.every((error_m) => error_m <= settings.limit_m);
+  predicted.profile = errors_m.map((error_m, i) => ({ distance_m: flight.distance_m[i], error_m, p_correct_fix: chances ? flight.p[i] || 0 : null,
+    p_within_limit: null }));
+  if (!chances) return predicted;
+  const survival = yield* survivalAlong(path, chances);
+  const p = survival.p_within_limit;
+  predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: whatIfData.min_route_probability, worst: survival.worst };
+  predicted.profile.forEach((sample, i) => { sample.p_within_limit = p[i]; });
+  predicted.legs.forEach((leg) => { leg.p_within_limit = survival.legs_p[leg.leg]; });
+  for (const gap of predicted.gaps) {
+    const before = gap.from_distance_m > 0 ? p[lowerBound(flight.distance_m, gap.from_distance_m)] : 1;
+    gap.p_first_excess = before - p[lowerBound(flight.distance_m, gap.to_distance_m)];
+  }
+  return predicted;
+}

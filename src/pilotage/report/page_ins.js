@@ -1,0 +1,301 @@
+// The error model of the inertial system: the formulas of src/pilotage/ins/ins_state.cc and drift.cc on the same numbers.
+// A covariance is a row after row Float64Array of 16 × 16; the order of the states is that of ins_state.h.
+const insSize = 16;
+const insState = { position: 0, velocity: 2, tilt: 4, heading: 6, accelBias: 7, gyroBias: 9, gyroBiasZ: 11, accelScale: 12, gyroScale: 13, aid: 14 };
+const insGravity_mps2 = 9.80665, insEarthRadius_m = 6371000;
+const insMaxStep_s = 10, insMaxStepOfCorrelation = 0.1, insAidStep_s = 0.5, insAidNoise = 0.1;
+const insRadPerDeg = Math.PI / 180;
+const insIndex = (row, column) => insSize * row + column;
+const square = (x) => x * x;
+
+function insProduct(a, b) {
+  const product = new Float64Array(insSize * insSize);
+  for (let i = 0; i < insSize; ++i) {
+    for (let k = 0; k < insSize; ++k) {
+      const factor = a[insSize * i + k];
+      if (factor === 0) continue;
+      for (let j = 0; j < insSize; ++j) product[insSize * i + j] += factor * b[insSize * k + j];
+    }
+  }
+  return product;
+}
+function insIdentity() {
+  const identity = new Float64Array(insSize * insSize);
+  for (let i = 0; i < insSize; ++i) identity[insIndex(i, i)] = 1;
+  return identity;
+}
+// Columns: forward and right of a heading, in east-north.
+function enuFromBody(heading_deg) {
+  const s = Math.sin(heading_deg * insRadPerDeg), c = Math.cos(heading_deg * insRadPerDeg);
+  return [[s, c], [c, -s]];
+}
+const isOdometry = (model) => model.odometry_drift > 0;
+const isAided = (model) => !isOdometry(model) && model.velocity_aid_sigma_mps > 0;
+
+// d(error)/dt = F · error for constant heading and speed.
+function insSystem(model, heading_deg, speed_mps) {
+  const turn = enuFromBody(heading_deg);
+  const f = new Float64Array(insSize * insSize);
+  const set = (row, column, value) => { f[insIndex(row, column)] = value; };
+  for (const i of [0, 1]) {
+    if (isOdometry(model)) {
+      for (const j of [0, 1]) set(insState.position + i, insState.aid + j, speed_mps * turn[i][j]);
+      set(insState.position + i, insState.heading, speed_mps * turn[i][1]);
+    } else {
+      set(insState.position + i, insState.velocity + i, 1);
+      set(insState.velocity + i, insState.tilt + i, insGravity_mps2);
+      for (const j of [0, 1]) set(insState.velocity + i, insState.accelBias + j, turn[i][j]);
+      set(insState.tilt + i, insState.velocity + i, -1 / insEarthRadius_m);
+      if (model.velocity_aid_sigma_mps > 0) set(insState.aid + i, insState.aid + i, -1 / model.velocity_aid_correlation_s);
+    }
+    for (const j of [0, 1]) set(insState.tilt + i, insState.gyroBias + j, turn[i][j]);
+  }
+  set(insState.heading, insState.gyroBiasZ, 1);
+  const decay = model.bias_correlation_s > 0 ? -1 / model.bias_correlation_s : 0;
+  for (let i = insState.accelBias; i <= insState.gyroBiasZ; ++i) set(i, i, decay);
+  return f;
+}
+// Spectral densities of the white noise that drives each state.
+function insNoiseDensity(model) {
+  const q = new Float64Array(insSize);
+  if (!isOdometry(model)) {
+    q.fill(square(model.velocity_random_walk_mps_rt_s), insState.velocity, insState.tilt);
+    q.fill(2 * square(model.velocity_aid_sigma_mps) / model.velocity_aid_correlation_s, insState.aid, insSize);
+  }
+  q.fill(square(model.angle_random_walk_rad_rt_s), insState.tilt, insState.accelBias);
+  if (model.bias_correlation_s > 0) {
+    q.fill(2 * square(model.accel_bias_mps2) / model.bias_correlation_s, insState.accelBias, insState.gyroBias);
+    q.fill(2 * square(model.gyro_bias_radps) / model.bias_correlation_s, insState.gyroBias, insState.accelScale);
+  }
+  return q;
+}
+// exp(F t) by its series; `powers` are F, F², …
+function insTransition(powers, time_s) {
+  const phi = insIdentity();
+  let factor = 1;
+  powers.forEach((power, k) => {
+    factor *= time_s / (k + 1);
+    for (let n = 0; n < phi.length; ++n) phi[n] += factor * power[n];
+  });
+  return phi;
+}
+const gaussNodes = [0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263];
+const gaussWeights = [0.17392742256872692, 0.3260725774312731, 0.3260725774312731, 0.17392742256872692];
+// ∫ Φ(s) Q Φ(s)ᵀ ds from 0 to `time_s`.
+function insStepNoise(powers, q, time_s) {
+  const sum = new Float64Array(insSize * insSize);
+  gaussNodes.forEach((node, n) => {
+    const partial = insTransition(powers, node * time_s);
+    const weight = gaussWeights[n] * time_s;
+    for (let i = 0; i < insSize; ++i) {
+      for (let k = 0; k < insSize; ++k) {
+        const factor = partial[insSize * i + k] * q[k];
+        if (factor === 0) continue;
+        for (let j = 0; j < insSize; ++j) sum[insSize * i + j] += weight * (factor * partial[insSize * j + k]);
+      }
+    }
+  });
+  return sum;
+}
+// A step of straight flight, worked out for the many states that fly it.
+function makeInsStep(time_s, heading_deg, speed_mps, model) {
+  const step = { time_s, heading_deg, speed_mps, odometry: isOdometry(model), aided: isAided(model), parts: 0 };
+  if (time_s === 0) return step;
+  let longest_s = step.aided ? insAidStep_s : insMaxStep_s;
+  if (model.bias_correlation_s > 0) longest_s = Math.min(longest_s, insMaxStepOfCorrelation * model.bias_correlation_s);
+  if (step.aided) longest_s = Math.min(longest_s, insMaxStepOfCorrelation * model.velocity_aid_correlation_s);
+  step.parts = Math.ceil(time_s / longest_s);
+  const part_s = time_s / step.parts;
+  const powers = [insSystem(model, heading_deg, speed_mps)];
+  while (powers.length < 8) powers.push(insProduct(powers[powers.length - 1], powers[0]));
+  const phi = insTransition(powers, part_s);
+  step.phi = [];  // of each row the columns that are not 0, and what stands there
+  for (let i = 0; i < insSize; ++i) {
+    const columns = [...Array(insSize).keys()].filter((k) => phi[insIndex(i, k)] !== 0);
+    step.phi.push([columns, columns.map((k) => phi[insIndex(i, k)])]);
+  }
+  step.noise = insStepNoise(powers, insNoiseDensity(model), part_s);
+  return step;
+}
+
+// Kalman update in Joseph form with two measurements of the same variance; a measurement is [state, factor] pairs.
+function insUpdate(covariance, measured, variance) {
+  const ph = measured.map((combination) => {
+    const column = new Float64Array(insSize);
+    for (const [state, factor] of combination) for (let i = 0; i < insSize; ++i) column[i] += factor * covariance[insSize * i + state];
+    return column;
+  });
+  const along = (combination, column) => combination.reduce((sum, [state, factor]) => sum + factor * column[state], 0);
+  const a = along(measured[0], ph[0]) + variance, b = along(measured[0], ph[1]), d = along(measured[1], ph[1]) + variance;
+  const determinant = a * d - b * b;
+  const gain = [new Float64Array(insSize), new Float64Array(insSize)];
+  for (let i = 0; i < insSize; ++i) {
+    gain[0][i] = (d * ph[0][i] - b * ph[1][i]) / determinant;
+    gain[1][i] = (a * ph[1][i] - b * ph[0][i]) / determinant;
+  }
+  const kept = new Float64Array(insSize * insSize);
+  for (let i = 0; i < insSize; ++i) {
+    for (let j = 0; j < insSize; ++j) kept[insSize * i + j] = covariance[insSize * i + j] - gain[0][i] * ph[0][j] - gain[1][i] * ph[1][j];
+  }
+  const keptH = measured.map((combination) => {
+    const column = new Float64Array(insSize);
+    for (const [state, factor] of combination) for (let i = 0; i < insSize; ++i) column[i] += factor * kept[insSize * i + state];
+    return column;
+  });
+  for (let i = 0; i < insSize; ++i) {
+    for (let j = 0; j < insSize; ++j) {
+      kept[insSize * i + j] += -keptH[0][i] * gain[0][j] - keptH[1][i] * gain[1][j] +
+        variance * (gain[0][i] * gain[0][j] + gain[1][i] * gain[1][j]);
+    }
+  }
+  symmetric(kept);
+  return kept;
+}
+function symmetric(covariance) {
+  for (let i = 0; i < insSize; ++i) {
+    for (let j = 0; j < i; ++j) {
+      const mean = 0.5 * (covariance[insSize * i + j] + covariance[insSize * j + i]);
+      covariance[insSize * i + j] = covariance[insSize * j + i] = mean;
+    }
+  }
+}
+const fixMeasured = [[[insState.position, 1]], [[insState.position + 1, 1]]];
+const aidMeasured = [0, 1].map((i) => [[insState.velocity + i, 1], [insState.aid + i, -1]]);
+
+// std::remainder(x, 360)
+function turnBetween_deg(from_deg, to_deg) {
+  const x = to_deg - from_deg;
+  let turn = x % 360;
+  if (turn > 180) turn -= 360; else if (turn < -180) turn += 360;
+  return turn;
+}
+// What a turn and an acceleration at one instant do to the errors. Changes the state.
+function insManoeuvre(state, heading_deg, speed_mps, odometry) {
+  const turn_rad = turnBetween_deg(state.heading_deg, heading_deg) * insRadPerDeg;
+  if (turn_rad === 0 && speed_mps === state.speed_mps) return;
+  const rows = [];  // [row, [[row added to it, factor], …]]; what is added is not changed before
+  if (!odometry) {
+    const after = enuFromBody(heading_deg), before = enuFromBody(state.heading_deg);
+    const change_mps = [0, 1].map((i) => after[i][0] * speed_mps - before[i][0] * state.speed_mps);
+    const turned = [change_mps[1], -change_mps[0]];
+    for (const i of [0, 1]) {
+      rows.push([insState.velocity + i, [[insState.accelScale, change_mps[i]], [insState.heading, turned[i]],
+        [insState.gyroScale, 0.5 * turn_rad * turned[i]]]]);
+    }
+  }
+  rows.push([insState.heading, [[insState.gyroScale, turn_rad]]]);
+  const covariance = new Float64Array(state.covariance);
+  for (const [row, added] of rows) {
+    for (const [other, factor] of added) for (let j = 0; j < insSize; ++j) covariance[insSize * row + j] += factor * covariance[insSize * other + j];
+  }
+  for (const [row, added] of rows) {
+    for (const [other, factor] of added) for (let j = 0; j < insSize; ++j) covariance[insSize * j + row] += factor * covariance[insSize * j + other];
+  }
+  Object.assign(state, { covariance, heading_deg, speed_mps });
+}
+const insScratch = new Float64Array(insSize * insSize);
+function insPropagate(state, step) {
+  const next = { ...state };
+  insManoeuvre(next, step.heading_deg, step.speed_mps, step.odometry);
+  for (let part = 0; part < step.parts; ++part) {
+    const grown = new Float64Array(step.noise);
+    insScratch.fill(0);
+    for (let i = 0; i < insSize; ++i) {
+      const [columns, factors] = step.phi[i];
+      for (let n = 0; n < columns.length; ++n) {
+        const factor = factors[n], from = insSize * columns[n];
+        for (let j = 0; j < insSize; ++j) insScratch[insSize * i + j] += factor * next.covariance[from + j];
+      }
+    }
+    for (let j = 0; j < insSize; ++j) {
+      const [columns, factors] = step.phi[j];
+      for (let i = j; i < insSize; ++i) {
+        let sum = 0;
+        for (let n = 0; n < columns.length; ++n) sum += insScratch[insSize * i + columns[n]] * factors[n];
+        grown[insSize * i + j] += sum;
+        grown[insSize * j + i] = grown[insSize * i + j];
+      }
+    }
+    next.covariance = step.aided ? insUpdate(grown, aidMeasured, insAidNoise * insAidNoise / (step.time_s / step.parts)) : grown;
+  }
+  next.time_s += step.time_s;
+  return next;
+}
+function initialInsState(model, heading_deg, speed_mps) {
+  const covariance = new Float64Array(insSize * insSize);
+  const set = (first, count, sigma) => { for (let i = first; i < first + count; ++i) covariance[insIndex(i, i)] = square(sigma); };
+  set(insState.position, 2, model.start_sigma_m);
+  set(insState.tilt, 2, model.start_tilt_sigma_rad);
+  set(insState.heading, 1, model.start_heading_sigma_rad);
+  set(insState.gyroBias, 3, model.gyro_bias_radps);
+  set(insState.gyroScale, 1, model.gyro_scale);
+  if (isOdometry(model)) {
+    for (const i of [0, 1]) covariance[insIndex(insState.aid + i, insState.aid + i)] = square(model.odometry_drift) / 2;
+  } else {
+    set(insState.velocity, 2, model.start_velocity_sigma_mps);
+    set(insState.accelBias, 2, model.accel_bias_mps2);
+    set(insState.accelScale, 1, model.accel_scale);
+    set(insState.aid, 2, model.velocity_aid_sigma_mps);
+  }
+  return { covariance, heading_deg, speed_mps, time_s: 0 };
+}
+const updateWithFix = (state, model) => ({ ...state, covariance: insUpdate(state.covariance, fixMeasured, square(model.fix_sigma_m)) });
+
+// A measurement of the combination [state, factor]… that leaves it with the variance `most`; nothing where it has no more.
+function insHold(covariance, combination, most) {
+  const ph = new Float64Array(insSize);
+  for (const [state, factor] of combination) for (let i = 0; i < insSize; ++i) ph[i] += factor * covariance[insSize * i + state];
+  const variance = combination.reduce((sum, [state, factor]) => sum + factor * ph[state], 0);
+  if (!(variance > most)) return;
+  const gain = ph.map((value) => (variance - most) / (variance * variance) * value);
+  for (let i = 0; i < insSize; ++i) for (let j = 0; j < insSize; ++j) covariance[insSize * i + j] -= gain[i] * ph[j];
+  const nextH = new Float64Array(insSize);
+  for (const [state, factor] of combination) for (let i = 0; i < insSize; ++i) nextH[i] += factor * covariance[insSize * i + state];
+  const weight = most * variance / (variance - most);
+  for (let i = 0; i < insSize; ++i) {
+    for (let j = 0; j < insSize; ++j) covariance[insSize * i + j] += -nextH[i] * gain[j] + weight * gain[i] * gain[j];
+  }
+  symmetric(covariance);
+}
+function insHoldEllipse(covariance, first, most) {
+  const a = covariance[insIndex(first, first)], b = covariance[insIndex(first, first + 1)], d = covariance[insIndex(first + 1, first + 1)];
+  const angle_rad = 0.5 * Math.atan2(2 * b, a - d);
+  const c = Math.cos(angle_rad), s = Math.sin(angle_rad);
+  for (const axis of [[c, s], [-s, c]]) insHold(covariance, [[first, axis[0]], [first + 1, axis[1]]], most);
+}
+// What GNSS does to the errors while it is had.
+function holdWithGnss(state, heading_deg, speed_mps, model) {
+  const next = { ...state, covariance: new Float64Array(state.covariance) };
+  insManoeuvre(next, heading_deg, speed_mps, isOdometry(model));
+  insHoldEllipse(next.covariance, insState.position, square(model.start_sigma_m));
+  if (model.start_velocity_sigma_mps > 0) insHoldEllipse(next.covariance, insState.velocity, square(model.start_velocity_sigma_mps));
+  if (model.start_tilt_sigma_rad > 0) insHoldEllipse(next.covariance, insState.tilt, square(model.start_tilt_sigma_rad));
+  if (model.start_heading_sigma_rad > 0) insHold(next.covariance, [[insState.heading, 1]], square(model.start_heading_sigma_rad));
+  return next;
+}
+// k·σ of position along the worst direction.
+function positionError_m(state, model) {
+  const [a, b, d] = [state.covariance[0], state.covariance[1], state.covariance[insSize + 1]];
+  return model.sigma_multiple * Math.sqrt(0.5 * (a + d) + Math.hypot(0.5 * (a - d), b));
+}
+// How long k·σ stays within the limit in straight flight after a fix: the first crossing.
+function longestBridgeableGap_s(model, speed_mps, limit_m) {
+  const resolution_s = 1e-3, longest_s = 86400;
+  let inside = initialInsState({ ...model, start_sigma_m: model.fix_sigma_m }, 0, speed_mps);
+  if (positionError_m(inside, model) > limit_m) return 0;
+  let step_s = 1;
+  while (inside.time_s < longest_s) {
+    const time_s = Math.min(step_s, longest_s - inside.time_s);
+    const next = insPropagate(inside, makeInsStep(time_s, 0, speed_mps, model));
+    if (positionError_m(next, model) <= limit_m) {
+      inside = next;
+      step_s = Math.min(step_s * 1.25, 60);
+    } else if (time_s > resolution_s) {
+      step_s = time_s / 2;
+      if (step_s < resolution_s) return inside.time_s;
+    } else {
+      return inside.time_s;
+    }
+  }
+  return longest_s;
+}

@@ -1,0 +1,259 @@
+// "What if": limit, inertial system, speed and interval between tries changed here; verdict and chart of the map as it is
+// built. The report's own verdict, map and tables stay, and so does what is printed.
+const whatIf = { predicted: null, run: 0, trusted: null, timer: 0, planned: whatIfData &&
+  { limit_m: whatIfData.max_error_m, model: whatIfData.models[0], speed_mps: null, interval_s: whatIfData.fix_interval_s } };
+
+// ---- Chart ----
+const chartNumber = (value) => Math.round(value * 10) / 10;
+const chartX = (distance_m) => axes.left + Math.min(1, Math.max(0, distance_m / axes.distanceM)) * (axes.right - axes.left);
+function chartBand(type, from_m, to_m, top, bottom, title) {
+  const x = chartX(from_m);
+  const band = svgElement('rect', { class: type, x: chartNumber(x), y: chartNumber(top), width: chartNumber(Math.max(chartX(to_m) - x, 1)),
+    height: chartNumber(bottom - top) });
+  const words = svgElement('title', {});
+  words.textContent = title;
+  band.append(words);
+  return band;
+}
+const chartLine = (type, x1, y1, x2, y2) => svgElement('line', { class: type, x1: chartNumber(x1), y1: chartNumber(y1), x2: chartNumber(x2), y2: chartNumber(y2) });
+function chartWords(type, x, y, words) {
+  const text = svgElement('text', { class: type, x: chartNumber(x), y: chartNumber(y) });
+  text.textContent = words;
+  return text;
+}
+// 1, 2 or 5 times a power of ten (tick_step).
+function tickStep(extent, most) {
+  const power = Math.pow(10, Math.floor(Math.log10(extent / most)));
+  return ([1, 2, 5].find((factor) => extent / (factor * power) <= most) || 10) * power;
+}
+// At most `most` samples that draw the same curve (thin_profile).
+function thinProfile(profile, most) {
+  if (profile.length <= most) return profile;
+  const stretches = Math.floor(most / 4);
+  const kept = [];
+  for (let i = 0; i < stretches; ++i) {
+    const first = Math.floor(profile.length * i / stretches), last = Math.floor(profile.length * (i + 1) / stretches);
+    let least = first, largest = first;
+    for (let k = first; k < last; ++k) {
+      if (profile[k].error_m < profile[least].error_m) least = k;
+      if (profile[k].error_m >= profile[largest].error_m) largest = k;
+    }
+    [...new Set([first, least, largest, last - 1])].sort((a, b) => a - b).forEach((k) => kept.push(profile[k]));
+  }
+  return kept;
+}
+const curvePath = (points) => points.map(([x, y], i) => (i ? 'L' : 'M') + chartNumber(x) + ' ' + chartNumber(y)).join('');
+const plannedChart = {};  // what is put back on reset and on paper
+function keepPlannedChart() {
+  plannedChart.plot = [...$('chart-plot').childNodes];
+  plannedChart.loss = [...$('chart-loss').childNodes];
+  plannedChart.errorM = axes.errorM;
+  plannedChart.legs = [...chart.querySelectorAll('.leg')].map((leg) => ({ leg, type: leg.getAttribute('class'), title: leg.querySelector('title').textContent }));
+}
+function plotOf(predicted) {
+  const profile = thinProfile(predicted.profile, 2000);
+  axes.errorM = Math.max(predicted.max_error_m, 1, predicted.largest_error_m) * 1.08;
+  const y = (error_m) => axes.bottom - Math.min(1, Math.max(0, error_m / axes.errorM)) * (axes.bottom - axes.top);
+  const parts = [];
+  for (const stretch of shownFlight.denied || []) {
+    const words = predicted.loss ? 'GNSS lost for good: the worst point' : 'GNSS denied';
+    const x1 = chartX(stretch.from_distance_m), x2 = chartX(stretch.to_distance_m);
+    parts.push(chartBand('denied', stretch.from_distance_m, stretch.to_distance_m, axes.top, axes.bottom, words));
+    parts.push(chartLine('denied-edge', x1, axes.top - 2, Math.max(x2, x1 + 1), axes.top - 2));
+    if (x2 - x1 >= 7.5 * words.length) parts.push(chartWords('denied-label', (x1 + x2) / 2, axes.top - 5, words));
+  }
+  for (const gap of predicted.gaps) {
+    const title = 'What if: gap of ' + lengthWords(gap.to_distance_m - gap.from_distance_m) + ', error at its end ' +
+      comparisonWords(gap.error_m, predicted.max_error_m);
+    const types = gap.status === 2 ? ['gap bad', 'hatch'] : ['gap ' + statusNames[gap.status]];
+    for (const type of types) parts.push(chartBand(type, gap.from_distance_m, gap.to_distance_m, axes.top, axes.bottom, title));
+  }
+  const step_m = tickStep(axes.errorM, 5);
+  for (let i = 0; i * step_m <= axes.errorM; ++i) {
+    parts.push(chartLine('grid', axes.left, y(i * step_m), axes.right, y(i * step_m)));
+    parts.push(chartWords('tick-y', axes.left - 8, y(i * step_m) + 5, String(Number((i * step_m).toPrecision(12)))));
+  }
+  const path = curvePath(profile.map((sample) => [chartX(sample.distance_m), y(sample.error_m)]));
+  const ends = [profile[profile.length - 1], profile[0]].map((sample) => 'L' + chartNumber(chartX(sample.distance_m)) + ' ' + chartNumber(axes.bottom));
+  parts.push(svgElement('path', { class: 'area', d: path + ends.join('') + 'Z' }), svgElement('path', { class: 'curve', d: path }));
+  const planned = plannedFlight.rows.filter((row) => row[1] !== null).map((row) => [chartX(row[0]), y(row[1])]);
+  parts.push(svgElement('path', { class: 'curve as-planned', d: curvePath(planned) }));
+  const limit = y(predicted.max_error_m);
+  parts.push(chartLine('limit', axes.left, limit, axes.right, limit));
+  parts.push(chartWords('limit-label', axes.left + 8, limit < axes.top + 24 ? limit + 18 : limit - 6, 'what if: limit ' + errorWords(predicted.max_error_m)));
+  for (const gap of predicted.gaps) {
+    const x1 = chartX(gap.from_distance_m), x2 = chartX(gap.to_distance_m);
+    if (x2 - x1 < 70) continue;
+    parts.push(chartWords('gap-label', (x1 + x2) / 2, axes.bottom - 8, (gap.status === 2 ? '✕ ' : '') + lengthWords(gap.to_distance_m - gap.from_distance_m)));
+  }
+  return parts;
+}
+function drawWhatIf(predicted) {
+  $('chart-plot').replaceChildren(...plotOf(predicted));
+  plannedChart.legs.forEach(({ leg }, i) => {
+    const at = report.route.legs.filter((entry) => entry.from_distance_m !== null)[i].leg - 1;
+    const status = predicted.legs[at];
+    leg.setAttribute('class', 'leg ' + statusNames[status.status]);
+    leg.querySelector('title').textContent = 'What if: leg ' + (at + 1) + ': largest error ' + comparisonWords(status.max_error_m, predicted.max_error_m) +
+      (status.p_within_limit === null ? '' : ', within the limit with P = ' + probabilityWords(status.p_within_limit));
+  });
+  const loss = chart.querySelector('#chart-loss .loss');
+  if (!predicted.loss || !loss) return;
+  const [top, bottom] = [...chart.querySelectorAll('#chart-loss .grid')].map((line) => Number(line.getAttribute('y1'))).sort((a, b) => a - b);
+  const again = svgElement('path', { class: 'curve loss', d: curvePath(predicted.loss.points.map((point) =>
+    [chartX(point.distance_m), bottom - Math.min(1, Math.max(0, point.p_within_limit)) * (bottom - top)])) });
+  $('chart-loss').replaceChildren(...plannedChart.loss.map((node) => (node === loss ? again : node)));
+}
+function drawPlanned() {
+  axes.errorM = plannedChart.errorM;
+  $('chart-plot').replaceChildren(...plannedChart.plot);
+  $('chart-loss').replaceChildren(...plannedChart.loss);
+  for (const { leg, type, title } of plannedChart.legs) {
+    leg.setAttribute('class', type);
+    leg.querySelector('title').textContent = title;
+  }
+}
+// The chart of what is asked, or the report's; never the former on paper.
+function showFlight() {
+  const predicted = state.printing ? null : whatIf.predicted;
+  if (predicted === null) {
+    shownFlight = plannedFlight;
+    drawPlanned();
+  } else {
+    const last_m = axes.distanceM;
+    shownFlight = { whatIf: true, limit_m: predicted.max_error_m, rows: predicted.profile.map((sample) => [sample.distance_m, sample.error_m]),
+      p: predicted.profile.map((sample) => [sample.p_correct_fix, sample.p_within_limit]),
+      denied: predicted.loss ? [{ from_distance_m: predicted.loss.worst.distance_m, to_distance_m: last_m }] : plannedFlight.denied,
+      losses: predicted.loss ? predicted.loss.points.map((point) => [point.distance_m, point.max_error_m, point.p_within_limit]) : [] };
+    drawWhatIf(predicted);
+  }
+  const asked = predicted !== null;
+  chart.parentElement.classList.toggle('asked', asked);
+  $('what-if-on-chart').hidden = !asked;
+  chart.setAttribute('aria-label', asked ? 'What if: predicted position error along the route. ' + predicted.text : plannedChart.label);
+  if (state.along !== null) setAlong(state.along, 'what if');
+}
+
+// ---- Settings and words ----
+const plannedSpeed = () => [...new Set(whatIfData.speed_runs.map((run) => run[1]))].join(', ') + ' m/s';
+// What the form asks for; null where a number is not allowed.
+function settingsAsked() {
+  const fields = ['limit', 'speed', 'interval'].map((name) => $('what-if-' + name));
+  if (!fields.every((field) => field.checkValidity())) return null;
+  const [limit_m, speed_mps, interval_s] = fields.map((field) => (field.value === '' ? null : Number(field.value)));
+  const planned = whatIf.planned;
+  return { limit_m: limit_m === null ? planned.limit_m : limit_m, model: whatIfData.models[Number($('what-if-ins').value)], speed_mps,
+    interval_s: interval_s === null ? planned.interval_s : interval_s };
+}
+function changesOf(settings) {
+  const planned = whatIf.planned;
+  const changes = [];
+  if (settings.limit_m !== planned.limit_m) changes.push('limit ' + settings.limit_m + ' m instead of ' + planned.limit_m + ' m');
+  if (settings.model !== planned.model) changes.push(settings.model.text + ' instead of ' + planned.model.text);
+  if (settings.speed_mps !== null) changes.push('speed ' + settings.speed_mps + ' m/s instead of ' + plannedSpeed());
+  if (settings.interval_s !== planned.interval_s) changes.push('a try every ' + settings.interval_s + ' s instead of every ' + planned.interval_s + ' s');
+  return changes;
+}
+const whatIfHeadline = (predicted) => {
+  const words = predicted.headline + '.';
+  return words[0].toUpperCase() + words.slice(1);
+};
+function sayWhatIf(predicted, settings) {
+  const changes = changesOf(settings).join('; ');
+  $('what-if-verdict').hidden = false;
+  $('what-if-verdict').className = statusNames[predicted.verdict];
+  $('what-if-word').textContent = 'What if: ' + verdictNames[predicted.verdict];
+  $('what-if-word').className = 'badge ' + statusNames[predicted.verdict];
+  $('what-if-changes').textContent = changes;
+  $('what-if-answer').textContent = whatIfHeadline(predicted);
+  $('what-if-detail').textContent = predicted.detail;
+  $('what-if-assumes').textContent = predicted.assumptions;
+  const sun = settings.speed_mps !== null && whatIfData.others.some((row) => row.name === 'flight_sun');
+  $('what-if-sun').hidden = !sun;
+  $('what-if-chart-words').textContent = 'What if: ' + changes + '. ' + verdictNames[predicted.verdict] + ', predicted in this page; the report itself says ' +
+    document.querySelector('.verdict .word').textContent + '. Thin line: the report\'s prediction.';
+}
+function resetWhatIf() {
+  ++whatIf.run;
+  clearTimeout(whatIf.timer);
+  const planned = whatIf.planned;
+  $('what-if-limit').value = planned.limit_m;
+  $('what-if-ins').value = '0';
+  $('what-if-speed').value = '';
+  $('what-if-interval').value = planned.interval_s;
+  forgetWhatIf('');
+}
+function forgetWhatIf(words) {
+  whatIf.predicted = null;
+  $('what-if-verdict').hidden = true;
+  $('what-if-state').textContent = words;
+  showFlight();
+}
+
+// ---- Work ----
+// Runs a generator in slices, so that the page stays alive; null when another run has begun.
+async function inSlices(work, run) {
+  for (;;) {
+    const end = performance.now() + 30;
+    while (performance.now() < end) {
+      for (let i = 0; i < 20; ++i) {
+        const step = work.next();
+        if (step.done) return step.value;
+      }
+    }
+    await new Promise((go) => { setTimeout(go, 0); });
+    if (run !== whatIf.run) return null;
+  }
+}
+// The page's prediction of what is planned is the report's, but for the last digits: else nothing is offered.
+function sameAsReport(predicted) {
+  const near = (a, b, share) => Math.abs(a - b) <= share * Math.max(1, Math.abs(b));
+  const route = report.route.probability;
+  return near(predicted.largest_error_m, report.route.largest_error_m, 1e-5) && (route === null) === (predicted.probability === null) &&
+    (route === null || near(predicted.probability.p_within_limit, route.p_within_limit, 1e-5));
+}
+async function askWhatIf() {
+  const run = ++whatIf.run;
+  const settings = settingsAsked();
+  if (settings === null) return forgetWhatIf('A number lies outside what is allowed: limit 1 to 10000 m, speed 0.1 to 1000 m/s, interval 0.01 to 3600 s.');
+  if (!changesOf(settings).length) return forgetWhatIf('');
+  $('what-if-state').textContent = 'Computing …';
+  if (whatIf.trusted === null) {
+    const planned = await inSlices(predictFlight(whatIf.planned), run);
+    if (planned === null) return null;
+    whatIf.trusted = sameAsReport(judgeFlight(planned, whatIf.planned));
+  }
+  if (!whatIf.trusted) return forgetWhatIf('Not offered: for the settings of the report this page computes other numbers than the report has.');
+  const predicted = await inSlices(predictFlight(settings), run);
+  if (predicted === null) return null;
+  whatIf.predicted = judgeFlight(predicted, settings);
+  $('what-if-state').textContent = '';
+  sayWhatIf(whatIf.predicted, settings);
+  showFlight();
+  return null;
+}
+function makeWhatIf() {
+  keepPlannedChart();
+  plannedChart.label = chart.getAttribute('aria-label');
+  if (whatIfData === null) return;
+  whatIfData.models.forEach((model, i) => {
+    const option = element('option', i === 0 ? 'as planned: ' + model.text : model.text);
+    option.value = String(i);
+    $('what-if-ins').append(option);
+  });
+  $('what-if-speed').placeholder = plannedSpeed();
+  resetWhatIf();
+  $('what-if').hidden = false;
+  const later = () => {
+    clearTimeout(whatIf.timer);
+    whatIf.timer = setTimeout(askWhatIf, 300);
+  };
+  for (const name of ['limit', 'ins', 'speed', 'interval']) $('what-if-' + name).addEventListener('input', later);
+  $('what-if-form').addEventListener('submit', (event) => { event.preventDefault(); askWhatIf(); });
+  document.querySelectorAll('button.what-if-reset').forEach((button) => {
+    button.addEventListener('click', () => {
+      resetWhatIf();
+      $('what-if-limit').focus({ preventScroll: button.closest('#what-if') !== null });
+    });
+  });
+}

@@ -1,0 +1,158 @@
+#include "pilotage/report/what_if.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/utf8.h"
+#include "pilotage/ins/ins_error_model.h"
+#include "pilotage/ins/ins_products.h"
+#include "pilotage/mission/tile_under.h"
+#include "pilotage/report/disagreement.h"
+#include "pilotage/report/page_text.h"
+#include "pilotage/report/verdict.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "the page reads little-endian numbers");
+
+std::string base64_of(const std::vector<double>& numbers) {
+  std::string bytes(numbers.size() * sizeof(double), '\0');
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  return base64(bytes);
+}
+
+// [number of neighbours with one key, their value] along the samples.
+template <class Key, class Value>
+Json runs_of(std::size_t count, Key key_of, Value value_of) {
+  Json runs = Json::array();
+  for (std::size_t first = 0; first < count;) {
+    std::size_t end = first + 1;
+    while (end < count && key_of(end) == key_of(first)) ++end;
+    runs.push_back(Json::array({end - first, value_of(first)}));
+    first = end;
+  }
+  return runs;
+}
+
+Json model_json(const InsOptions& options) {
+  const InsErrorModel model = make_ins_error_model(options);
+  return {{"text", ins_text(options)},
+          {"accel_bias_mps2", model.accel_bias_mps2},
+          {"gyro_bias_radps", model.gyro_bias_radps},
+          {"velocity_random_walk_mps_rt_s", model.velocity_random_walk_mps_rt_s},
+          {"angle_random_walk_rad_rt_s", model.angle_random_walk_rad_rt_s},
+          {"accel_scale", model.accel_scale},
+          {"gyro_scale", model.gyro_scale},
+          {"bias_correlation_s", model.bias_correlation_s},
+          {"start_velocity_sigma_mps", model.start_velocity_sigma_mps},
+          {"start_tilt_sigma_rad", model.start_tilt_sigma_rad},
+          {"start_heading_sigma_rad", model.start_heading_sigma_rad},
+          {"odometry_drift", model.odometry_drift},
+          {"velocity_aid_sigma_mps", model.velocity_aid_sigma_mps},
+          {"velocity_aid_correlation_s", model.velocity_aid_correlation_s},
+          {"start_sigma_m", model.start_sigma_m},
+          {"fix_sigma_m", model.fix_sigma_m},
+          {"sigma_multiple", model.sigma_multiple}};
+}
+
+Json models_json(const InsOptions& planned) {
+  Json models = Json::array({model_json(planned)});
+  models.back()["grade"] = nullptr;
+  for (const auto& [grade, name] : enum_names(InsGrade{})) {
+    if (grade == InsGrade::kCustom) continue;
+    InsOptions options = planned;
+    options.name.reset();
+    options.grade = grade;
+    models.push_back(model_json(options));
+    models.back()["grade"] = name;
+  }
+  return models;
+}
+
+// Way over which tries fare alike at a sample.
+double apart_m(const Mission& mission, const FlightSample& sample, const FixTries& tries) {
+  if (tries.decorrelation_m) return *tries.decorrelation_m;
+  if (sample.level == FlightSample::kNoLevel) return mission.flight.footprint_width_m;
+  const TileMatrix& matrix = mission.ground.levels[static_cast<std::size_t>(sample.level)].matrix;
+  return matrix.tile_size_px * std::abs(matrix.map_from_pixel.x_per_col);
+}
+
+Json flight_json(const ReportInput& input) {
+  const Mission& mission = input.mission;
+  const std::vector<FlightSample>& samples = mission.flight.samples;
+  const std::set<std::int64_t> stored(input.selection.tile_ids.begin(), input.selection.tile_ids.end());
+  std::vector<double> numbers;
+  std::vector<std::optional<std::size_t>> tiles;
+  for (const FlightSample& sample : samples) {
+    numbers.push_back(sample.distance_m);
+    tiles.push_back(tile_under(mission, sample));
+    if (tiles.back() && !stored.contains(mission.ground.tiles[*tiles.back()].tile_id)) tiles.back().reset();
+  }
+  for (const FlightSample& sample : samples) numbers.push_back(sample.azimuth_deg);
+  const auto same = [&](auto value_of) { return runs_of(samples.size(), value_of, value_of); };
+  Json json;
+  json["samples"] = base64_of(numbers);
+  json["leg_runs"] = same([&](std::size_t i) { return samples[i].leg; });
+  json["speed_runs"] = same([&](std::size_t i) { return samples[i].speed_mps; });
+  json["apart_runs"] = same([&](std::size_t i) { return apart_m(mission, samples[i], *input.selection.tries); });
+  json["tile_runs"] = runs_of(
+      samples.size(), [&](std::size_t i) { return tiles[i]; },
+      [&](std::size_t i) -> Json {
+        if (!tiles[i]) return nullptr;
+        const double p = input.scores[*tiles[i]].p_correct_fix;
+        return std::isnan(p) ? 1.0 : p;  // as select counts it
+      });
+  json["leg_lengths_m"] = Json::array();
+  for (const RouteLeg& leg : mission.flight.route.legs) json["leg_lengths_m"].push_back(leg.length_m);
+  json["denied"] = Json::array();
+  for (const DeniedStretch& stretch : mission.flight.denied.stretches) {
+    json["denied"].push_back({stretch.from_distance_m, stretch.to_distance_m});
+  }
+  json["anywhere"] = mission.flight.denied.anywhere;
+  return json;
+}
+
+}  // namespace
+
+Json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quality) {
+  const Flight& flight = input.mission.flight;
+  const Selection& selection = input.selection;
+  const bool flown = !flight.samples.empty() && std::all_of(flight.samples.begin(), flight.samples.end(),
+                                                            [](const auto& s) { return s.speed_mps > 0; });
+  if (!selection.tries || !flown) return nullptr;
+  Json json = flight_json(input);
+  json["models"] = models_json(flight.ins);
+  json["max_error_m"] = selection.max_error_m;
+  json["fix_interval_s"] = selection.tries->interval_s;
+  json["min_route_probability"] = selection.probability ? Json(selection.probability->min_p_within_limit) : Json();
+  json["matchable_fraction"] = selection.matchable_fraction;
+  json["disagreement"] = nullptr;
+  if (const auto apart = georeference_disagreement(input)) {
+    json["disagreement"] = {{"largest_m", apart->largest_m}, {"median_m", apart->median_m}};
+  }
+  static const std::set<std::string> kPredicted = {"largest_error", "longest_gap", "route_probability",
+                                                   "georeference_disagreement"};
+  json["others"] = Json::array();
+  for (const QualityRow& row : quality) {
+    if (!row.decides || kPredicted.contains(row.name)) continue;
+    json["others"].push_back({{"name", row.name},
+                              {"label", row.label},
+                              {"value", valid_utf8(row.value)},
+                              {"status", status_name(row.status)}});
+  }
+  json["assumes"] = {{"gnss", gnss_text(flight, selection)},
+                     {"limit_default", limit_is_default(flight, selection)},
+                     {"further", further_assumptions(input.mission)}};
+  return json;
+}
+
+}  // namespace pilotage
