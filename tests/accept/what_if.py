@@ -55,11 +55,12 @@ def drawn_alike(first, second, what):
     check(apart < 0.11, f"{what}: drawn {apart} units apart")
 
 
-def settings_of(draw):
+def settings_of(draw, planned_grade):
     """One to four changes."""
+    others = [grade for grade in GRADES if grade != planned_grade]
     setting = {"limit": None, "grade": None, "speed": None, "interval": None}
     for name in draw.sample(sorted(setting), draw.randint(1, 4)):
-        setting[name] = {"limit": lambda: round(10 ** draw.uniform(1.1, 2.5), draw.randint(0, 1)), "grade": lambda: draw.choice(GRADES),
+        setting[name] = {"limit": lambda: round(10 ** draw.uniform(1.1, 2.5), draw.randint(0, 1)), "grade": lambda: draw.choice(others),
                          "speed": lambda: round(draw.uniform(6, 45), 1),
                          "interval": lambda: round(10 ** draw.uniform(-0.3, 1.5), 2)}[name]()
     return setting
@@ -206,7 +207,7 @@ def test(pilotage, source, work, rest):
     crop = work / "crop"
     crop.mkdir()
     run("sh", source / "tests/data/small_mission/make", cwd=crop)
-    run(pilotage, "prepare", "mission.json", "--denied", "0.1-0.25km", "-q", "-o", "denied", cwd=crop)
+    run(pilotage, "prepare", "mission.json", "--denied", "0.1-0.25", "-q", "-o", "denied", cwd=crop)
     run(pilotage, "prepare", "mission.json", "--denied", "anywhere", "--ins-grade", "consumer", "--max-error-m", "25",
         "--second-epoch", source.resolve() / "maps/sample/ortho_second_epoch.tif", "-q", "-o", "anywhere", cwd=crop)
     sample = work / "sample"
@@ -221,7 +222,7 @@ def test(pilotage, source, work, rest):
             page.open(prepared.out / "report.html")
             check(page.run("return !document.getElementById('what-if').hidden"), "no settings are offered")
             for _ in range(count):
-                setting = settings_of(draw)
+                setting = settings_of(draw, prepared.plan["ins"]["grade"])
                 report, html = prepared.predicted_by_the_program(setting)
                 same_prediction(setting, prepared.predicted_by_the_page(page, setting), report, html)
                 words.add(report["verdict"]["text"].split(":")[0])

@@ -26,6 +26,7 @@ Selection make_selection() {
   selection.estimated_bytes = 123456789;
   selection.notes = {"a \"note\""};
   selection.left_out = LeftOut{0.25, 1.0 / 16, {1, 7}};
+  selection.tries = FixTries{1.0 / 3, 45.5};
   return selection;
 }
 
@@ -45,9 +46,22 @@ TEST(SelectionFile, ReadsBackExactly) {
   ASSERT_TRUE(read.probability && read.probability->worst);
   EXPECT_EQ(read.probability->worst->to_distance_m, 2000.5);
   EXPECT_EQ(read.advice[0].side, AdviceSide::kLeft);
+  ASSERT_TRUE(read.tries);
+  EXPECT_EQ(read.tries->interval_s, 1.0 / 3);
+  EXPECT_EQ(read.tries->decorrelation_m, 45.5);
   ASSERT_TRUE(read.left_out);
   EXPECT_EQ(read.left_out->min_p_correct_fix, 0.25);
   EXPECT_EQ(read.left_out->beyond_budget, (std::vector<std::int64_t>{1, 7}));
+}
+
+TEST(SelectionFile, HowTriesAreMadeMayBeMissing) {
+  Selection selection = make_selection();
+  selection.tries->decorrelation_m.reset();
+  EXPECT_FALSE(selection_from_json(selection_to_json(selection), "selection.json").tries->decorrelation_m);
+  selection.tries.reset();
+  const auto json = selection_to_json(selection);
+  EXPECT_FALSE(json.contains("tries"));
+  EXPECT_FALSE(selection_from_json(json, "selection.json").tries);
 }
 
 TEST(SelectionFile, NoProbabilityIsNull) {

@@ -1,5 +1,7 @@
 #include "pilotage/report/evaluation_note.h"
 
+#include <cmath>
+
 #include "report/report_scene.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
@@ -7,6 +9,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/report.h"
 
@@ -57,6 +60,33 @@ TEST(EvaluationNote, StandsOnThePageAsTextAndPicture) {
   EXPECT_NE(html.find("Gray &lt;variance&gt;"), std::string::npos);
   EXPECT_NE(html.find("<img src=\"data:image/svg+xml;base64," + base64(kDiagram)), std::string::npos);
   EXPECT_EQ(html.find("alert(1)"), std::string::npos) << "the diagram is a picture; nothing in it can run";
+}
+
+TEST(EvaluationNote, SaysWhatWasFoundAtTilesOfTheSamePlace) {
+  const testing::TemporaryFolder folder;
+  write_file(folder / "evaluation.json", kEvaluation, false);
+  ReportInput input = testing::report_scene({});
+  const GroundTile& tile = input.mission.ground.tiles[3];
+  const std::string head = "tile_id,center_lon_deg,center_lat_deg,outcome,error_m\n";
+  const auto row = [&](double lon_deg, const std::string& rest) {
+    return std::to_string(tile.tile_id) + "," + format_number(lon_deg) + "," + format_number(tile.center.lat_deg) +
+           "," + rest + "\n";
+  };
+  write_file(folder / "evaluation.csv",
+             head + row(tile.center.lon_deg, "correct,1.25") + row(tile.center.lon_deg + 0.01, "false,9") +
+                 row(tile.center.lon_deg, "not_covered,"),
+             false);
+  input.evaluation = read_evaluation_note(folder.path());
+  ASSERT_EQ(input.evaluation->found.size(), 3U);
+  EXPECT_EQ(input.evaluation->found[0].error_m, 1.25);
+  EXPECT_TRUE(std::isnan(input.evaluation->found[2].error_m));
+  EXPECT_THAT(report_html(input), HasSubstr("\"found\":[[3,\"correct\",1.25],[3,\"not_covered\",null]]"))
+      << "a tile of that number elsewhere is another one";
+  for (const std::string& text :
+       {head + row(7, "splendid,1"), head + row(7, "correct,far"), std::string("tile_id\n")}) {
+    write_file(folder / "evaluation.csv", text, true);
+    EXPECT_THROW(read_evaluation_note(folder.path()), DataError) << text;
+  }
 }
 
 TEST(EvaluationNote, RefusesOtherFiles) {

@@ -66,8 +66,11 @@ TEST(SelectTiles, ProbabilitiesOfTheFlight) {
   scores[0].p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   SelectOptions options;
   options.min_route_probability = 0.999999;
+  options.fix_interval_s = 1.5;
   const Selection selection = select_tiles(mission, scores, kStoredSize, options);
-  ASSERT_TRUE(selection.probability);
+  ASSERT_TRUE(selection.probability && selection.tries);
+  EXPECT_EQ(selection.tries->interval_s, 1.5);
+  EXPECT_FALSE(selection.tries->decorrelation_m);
   const double p = selection.probability->p_within_limit;
   EXPECT_GT(p, 0);
   EXPECT_LT(p, 0.999999);

@@ -15,6 +15,7 @@ namespace {
 constexpr int kImagerySide_px = 1600;
 constexpr std::size_t kImageryMaxBytes = 1200000;
 constexpr std::size_t kPicturesMaxBytes = 700000;
+constexpr std::size_t kSeenMaxBytes = 300000;
 constexpr std::size_t kMaxLinePoints = 4000;
 constexpr std::size_t kMaxPlaces = 2000;
 
@@ -99,6 +100,11 @@ void add_pictures(const ShownGround& shown, const std::vector<ReportTile>& tiles
   display.picture_columns = pictures.columns;
 }
 
+std::string seen_jpeg(const SeenFrames& seen) {
+  if (seen.frames.empty()) return "";
+  return encode_jpeg(seen.sheet, kSeenMaxBytes);
+}
+
 // What is drawn, with a margin of 4 %; empty when a point lies outside the plane.
 Bounds drawn_bounds(const ReportDisplay& display) {
   Bounds bounds;
@@ -170,7 +176,9 @@ ReportDisplay make_display(const ReportInput& input, const Report& report) {
   ReportDisplay display = cells_of(shown.ground, report.tiles, display_from_map);
   add_route(input, report, reference_deg, display);
   add_pictures(shown, report.tiles, display);
-  return with_imagery(std::move(display), shown, display_from_map, "There is no tile and no route to draw.");
+  display = with_imagery(std::move(display), shown, display_from_map, "There is no tile and no route to draw.");
+  display.seen_jpeg = seen_jpeg(input.seen);
+  return display;
 }
 
 }  // namespace pilotage

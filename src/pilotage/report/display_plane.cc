@@ -231,9 +231,9 @@ cv::Mat warp_imagery(const Raster& imagery, const cv::Mat& map_xy) {
   return picture;
 }
 
-std::string encode_jpeg(const cv::Mat& rgb, std::size_t max_bytes) {
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+std::string encode_jpeg(const cv::Mat& picture, std::size_t max_bytes) {
+  cv::Mat bgr = picture;
+  if (picture.channels() == 3) cv::cvtColor(picture, bgr, cv::COLOR_RGB2BGR);
   std::vector<std::uint8_t> bytes;
   for (const int quality : {88, 80, 70, 60, 45, 30}) {
     if (!cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {

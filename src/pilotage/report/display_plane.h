@@ -47,8 +47,8 @@ cv::Mat map_from_display(const DisplayGrid& grid,
 /// the picture is coarser. Pixels without imagery are the gray of the map's background.
 cv::Mat warp_imagery(const Raster& imagery, const cv::Mat& map_xy);
 
-/// Baseline JPEG of a red-green-blue picture with the best quality of 88, 80, 70, 60, 45, 30 that keeps it within
-/// `max_bytes` (the last when none does). Throws DataError when the encoder refuses.
-std::string encode_jpeg(const cv::Mat& rgb, std::size_t max_bytes);
+/// Baseline JPEG of a red-green-blue or gray picture with the best quality of 88, 80, 70, 60, 45, 30 that keeps it
+/// within `max_bytes` (the last when none does). Throws DataError when the encoder refuses.
+std::string encode_jpeg(const cv::Mat& picture, std::size_t max_bytes);
 
 }  // namespace pilotage

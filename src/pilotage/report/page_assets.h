@@ -16,6 +16,7 @@ std::string_view page_map_js();
 std::string_view page_tile_js();
 std::string_view page_panel_js();
 std::string_view page_chart_js();
+std::string_view page_seen_js();
 std::string_view page_ins_js();
 std::string_view page_flight_js();
 std::string_view page_verdict_js();

@@ -55,6 +55,7 @@ function setAlong(distance, source) {
   $('along-text').textContent = text;
   $('along').setAttribute('aria-valuetext', text);
   if (source !== 'slider') $('along').value = String(Math.round(1000 * distance / axes.distanceM));
+  showSeen(distance);
   redrawMarks();
   if (!map || source === 'map' || !display.places_m.length) return;
   const point = toLatLng(...placeAlong(distance));

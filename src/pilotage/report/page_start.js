@@ -94,6 +94,7 @@ makePanel();
 makeTileControls();
 if (flown) {
   linkChart();
+  makeSeen();
   makeWhatIf();
 }
 makeButtons();

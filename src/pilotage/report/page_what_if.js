@@ -149,7 +149,7 @@ function changesOf(settings) {
   const planned = whatIf.planned;
   const changes = [];
   if (settings.limit_m !== planned.limit_m) changes.push('limit ' + settings.limit_m + ' m instead of ' + planned.limit_m + ' m');
-  if (settings.model !== planned.model) changes.push(settings.model.text + ' instead of ' + planned.model.text);
+  if (settings.model.text !== planned.model.text) changes.push(settings.model.text + ' instead of ' + planned.model.text);
   if (settings.speed_mps !== null) changes.push('speed ' + settings.speed_mps + ' m/s instead of ' + plannedSpeed());
   if (settings.interval_s !== planned.interval_s) changes.push('a try every ' + settings.interval_s + ' s instead of every ' + planned.interval_s + ' s');
   return changes;

@@ -34,10 +34,12 @@ ReportInput report_numbers_input(const Mission& mission, const std::vector<TileS
 
 ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
                               const std::vector<InputFile>& inputs, const std::string& software_version, int threads,
-                              const Progress& progress) {
+                              const Progress& progress, const OpenLevel& second_date) {
   ReportInput input = report_numbers_input(mission, scores, selection);
   input.imagery = read_overview(mission.ground, kOverviewSide_px);
   input.pictures = read_tile_pictures(mission.ground, threads, progress);
+  input.seen = render_seen_frames(mission, second_date ? second_date : open_own_imagery(mission), threads, progress);
+  input.seen.second_date = static_cast<bool>(second_date);
   input.inputs = inputs;
   input.software_version = software_version;
   return input;

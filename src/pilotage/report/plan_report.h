@@ -25,11 +25,12 @@ ReportInput report_numbers_input(const Mission& mission, const std::vector<TileS
                                  const Selection& selection);
 
 /// Reads what a report shows beyond plan, scores, selection and `inputs` (input_files of the plan): a picture of the
-/// corridor and one of each tile. The same for any number of threads (0 = all cores). Throws DataError when imagery
-/// cannot be read, Interrupted.
+/// corridor, one of each tile, and what the camera will see along the route: rendered from `second_date` where that is
+/// given, a second date as the imagery shows the ground, else from the imagery itself. The same for any number of
+/// threads (0 = all cores). Throws DataError when imagery cannot be read, Interrupted.
 ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
                               const std::vector<InputFile>& inputs, const std::string& software_version,
-                              int threads = 0, const Progress& progress = {});
+                              int threads = 0, const Progress& progress = {}, const OpenLevel& second_date = {});
 
 }  // namespace pilotage
 

@@ -293,6 +293,8 @@ Report make_report(const ReportInput& input) {
   report.imagery_age = imagery_age(mission);
   report.weak_places = weak_places(report, selection.advice);
   report.what_if = what_if_data(input, report.quality);
+  report.seen = input.seen;
+  report.seen.sheet.release();
   report.display = make_display(input, report);
   return report;
 }

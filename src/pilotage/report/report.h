@@ -76,6 +76,7 @@ struct ReportDisplay {
   std::string pictures_jpeg;  ///< A sheet with one picture per tile of the report; "" without pictures.
   int picture_side_px = 0;    ///< Of a picture on that sheet.
   int picture_columns = 1;    ///< Pictures in a row of it.
+  std::string seen_jpeg;      ///< The sheet of what the camera sees along the route; "" without frames.
   std::vector<std::array<Eigen::Vector2d, 4>> cells_m;       ///< Per tile of the report: the cell it stands for.
   std::vector<std::vector<Eigen::Vector2d>> leg_lines_m;     ///< Per leg of the report.
   std::vector<std::vector<Eigen::Vector2d>> gap_lines_m;     ///< Per gap of the report.
@@ -144,6 +145,7 @@ struct Report {
 
   nlohmann::ordered_json what_if;  ///< What the page predicts other settings from (what_if.h). Not part of report.json.
 
+  SeenFrames seen;        ///< As the input's, without its sheet. Not part of report.json.
   ReportDisplay display;  ///< Not part of report.json.
 };
 

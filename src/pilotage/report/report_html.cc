@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -188,6 +189,44 @@ std::string grid_html(const Report& report) {
   return html;
 }
 
+// The frames along the route; null without any.
+Json seen_json(const Report& report) {
+  const SeenFrames& seen = report.seen;
+  if (report.display.seen_jpeg.empty()) return nullptr;
+  Json json{{"jpeg", "data:image/jpeg;base64," + base64(report.display.seen_jpeg)},
+            {"width_px", seen.width_px},
+            {"height_px", seen.height_px},
+            {"step_px", {seen.step_x_px, seen.step_y_px}},
+            {"columns", seen.columns},
+            {"second_date", seen.second_date},
+            {"frames", Json::array()}};  // distance, azimuth, above ground, width on the ground, index of the tile
+  for (const SeenFrame& frame : seen.frames) {
+    json["frames"].push_back({rounded(frame.distance_m, 7), rounded(frame.azimuth_deg, 6), rounded(frame.agl_m, 5),
+                              rounded(frame.width_m, 5), frame.tile ? Json(*frame.tile) : Json()});
+  }
+  return json;
+}
+
+// What an evaluation found at the tiles: index of the tile, outcome, error.
+Json found_json(const Report& report) {
+  Json json = Json::array();
+  if (!report.evaluation) return json;
+  std::map<std::int64_t, std::size_t> index;
+  for (std::size_t i = 0; i < report.tiles.size(); ++i) index[report.tiles[i].tile.tile_id] = i;
+  for (const EvaluationNote::Found& found : report.evaluation->found) {
+    const auto at = index.find(found.tile_id);
+    if (at == index.end()) continue;
+    const GeodeticPoint center = report.tiles[at->second].tile.center;
+    constexpr double kSamePlace_deg = 1e-6;  // a decimetre
+    if (std::abs(center.lon_deg - found.center.lon_deg) > kSamePlace_deg ||
+        std::abs(center.lat_deg - found.center.lat_deg) > kSamePlace_deg) {
+      continue;
+    }
+    json.push_back({at->second, found.outcome, json_number(rounded(found.error_m, 4))});
+  }
+  return json;
+}
+
 Json display_json(const Report& report) {
   const ReportDisplay& display = report.display;
   Json json = ground_display_json(display, report.tiles, report.measures);
@@ -207,6 +246,8 @@ Json display_json(const Report& report) {
     json["profile_p"].push_back(
         Json::array({json_number(rounded(sample.p_correct_fix, 4)), json_number(rounded(sample.p_within_limit, 6))}));
   }
+  json["seen"] = seen_json(report);
+  json["found"] = found_json(report);
   json["heights"] = Json::array();  // distance, ground, flown
   for (const HeightSample& sample : report.heights.samples) {
     json["heights"].push_back({json_number(rounded(sample.distance_m, 7)), json_number(rounded(sample.ground_m, 5)),
@@ -232,9 +273,9 @@ std::string report_html(const Report& report) {
        {"page_js",
         page_script({page_assets::page_state_js(), page_assets::page_ground_js(), page_assets::page_canvas_js(),
                      page_assets::page_grid_js(), page_assets::page_map_js(), page_assets::page_tile_js(),
-                     page_assets::page_panel_js(), page_assets::page_chart_js(), page_assets::page_ins_js(),
-                     page_assets::page_flight_js(), page_assets::page_verdict_js(), page_assets::page_what_if_js(),
-                     page_assets::page_start_js()})},
+                     page_assets::page_panel_js(), page_assets::page_chart_js(), page_assets::page_seen_js(),
+                     page_assets::page_ins_js(), page_assets::page_flight_js(), page_assets::page_verdict_js(),
+                     page_assets::page_what_if_js(), page_assets::page_start_js()})},
        {"data", script_json(data)},
        {"verdict_status", std::string(status_name(report.verdict))},
        {"verdict_word", verdict},

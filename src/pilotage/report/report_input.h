@@ -15,6 +15,7 @@
 #include "pilotage/mission/selection.h"
 #include "pilotage/raster/raster.h"
 #include "pilotage/report/evaluation_note.h"
+#include "pilotage/report/seen_frames.h"
 #include "pilotage/report/tile_pictures.h"
 
 #pragma GCC visibility push(default)
@@ -33,6 +34,7 @@ struct ReportInput {
   Raster imagery;
 
   TilePictures pictures;                     ///< Of plan.ground.tiles, in their order; may be empty.
+  SeenFrames seen;                           ///< What the camera will see along the route; may have no frame.
   std::optional<EvaluationNote> evaluation;  ///< What the scores are worth, where that was measured.
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be
