@@ -89,6 +89,7 @@ Command make_select_command() {
     result.json.erase("tile_ids");
     result.json.erase("error_profile");
     result.json.erase("left_out");
+    result.json.erase("tries");
     result.json["assumptions"] = assumptions_line(mission, selection);
     result.json["selected_tiles"] = selection.tile_ids.size();
     if (options.select.require && !meets_gate(selection)) result.exit_code = kExitGateNotMet;

@@ -66,11 +66,8 @@ TEST(SelectTiles, ProbabilitiesOfTheFlight) {
   scores[0].p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   SelectOptions options;
   options.min_route_probability = 0.999999;
-  options.fix_interval_s = 1.5;
   const Selection selection = select_tiles(mission, scores, kStoredSize, options);
-  ASSERT_TRUE(selection.probability && selection.tries);
-  EXPECT_EQ(selection.tries->interval_s, 1.5);
-  EXPECT_FALSE(selection.tries->decorrelation_m);
+  ASSERT_TRUE(selection.probability);
   const double p = selection.probability->p_within_limit;
   EXPECT_GT(p, 0);
   EXPECT_LT(p, 0.999999);
@@ -89,6 +86,17 @@ TEST(SelectTiles, ProbabilitiesOfTheFlight) {
   EXPECT_NEAR(selection.probability->expected_fixes, 0.8 * 258 / 2, 3);
   EXPECT_NEAR(selection.probability->expected_false_fixes, 0.001 * 0.2 * 258 / 2, 0.002);
   EXPECT_EQ(selection.notes.size(), 2U) << "one tile has no probability";
+}
+
+TEST(SelectTiles, SaysHowItTries) {
+  const Mission mission = straight_mission(500);
+  SelectOptions options;
+  options.fix_interval_s = 1.5;
+  EXPECT_FALSE(select_tiles(mission, good_scores(mission), kStoredSize, options).tries.value().decorrelation_m);
+  options.fix_decorrelation_m = 80;
+  const FixTries tries = select_tiles(mission, good_scores(mission), kStoredSize, options).tries.value();
+  EXPECT_EQ(tries.interval_s, 1.5);
+  EXPECT_EQ(tries.decorrelation_m, 80);
 }
 
 TEST(SelectTiles, TakesEveryMatchableTileByDefault) {

@@ -212,7 +212,7 @@ function* flyStretch(path, chances, begin, end, branches) {
     if (i + 1 >= path.flight.count) continue;
     for (const branch of stretch.branches) {
       branch.state = insPropagate(branch.state, path.step(i));
-      yield;
+      yield i / path.flight.count;
     }
     if (path.gnss.over[i]) takeGnss(path, i + 1, stretch.branches);
   }

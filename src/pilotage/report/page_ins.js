@@ -109,10 +109,16 @@ function makeInsStep(time_s, heading_deg, speed_mps, model) {
   const powers = [insSystem(model, heading_deg, speed_mps)];
   while (powers.length < 8) powers.push(insProduct(powers[powers.length - 1], powers[0]));
   const phi = insTransition(powers, part_s);
-  step.phi = [];  // of each row the columns that are not 0, and what stands there
-  for (let i = 0; i < insSize; ++i) {
-    const columns = [...Array(insSize).keys()].filter((k) => phi[insIndex(i, k)] !== 0);
-    step.phi.push([columns, columns.map((k) => phi[insIndex(i, k)])]);
+  // What of Φ is not 0, row after row: entries first[i] … first[i + 1] − 1 are those of row i.
+  const entries = phi.reduce((count, value) => count + (value !== 0), 0);
+  Object.assign(step, { first: new Int32Array(insSize + 1), columns: new Int32Array(entries), factors: new Float64Array(entries) });
+  for (let n = 0, i = 0; i < insSize; ++i) {
+    for (let k = 0; k < insSize; ++k) {
+      if (phi[insIndex(i, k)] === 0) continue;
+      step.columns[n] = k;
+      step.factors[n++] = phi[insIndex(i, k)];
+    }
+    step.first[i + 1] = n;
   }
   step.noise = insStepNoise(powers, insNoiseDensity(model), part_s);
   return step;
@@ -169,57 +175,64 @@ function turnBetween_deg(from_deg, to_deg) {
   if (turn > 180) turn -= 360; else if (turn < -180) turn += 360;
   return turn;
 }
-// What a turn and an acceleration at one instant do to the errors. Changes the state.
-function insManoeuvre(state, heading_deg, speed_mps, odometry) {
-  const turn_rad = turnBetween_deg(state.heading_deg, heading_deg) * insRadPerDeg;
-  if (turn_rad === 0 && speed_mps === state.speed_mps) return;
-  const rows = [];  // [row, [[row added to it, factor], …]]; what is added is not changed before
-  if (!odometry) {
-    const after = enuFromBody(heading_deg), before = enuFromBody(state.heading_deg);
-    const change_mps = [0, 1].map((i) => after[i][0] * speed_mps - before[i][0] * state.speed_mps);
-    const turned = [change_mps[1], -change_mps[0]];
-    for (const i of [0, 1]) {
-      rows.push([insState.velocity + i, [[insState.accelScale, change_mps[i]], [insState.heading, turned[i]],
-        [insState.gyroScale, 0.5 * turn_rad * turned[i]]]]);
-    }
-  }
-  rows.push([insState.heading, [[insState.gyroScale, turn_rad]]]);
-  const covariance = new Float64Array(state.covariance);
-  for (const [row, added] of rows) {
-    for (const [other, factor] of added) for (let j = 0; j < insSize; ++j) covariance[insSize * row + j] += factor * covariance[insSize * other + j];
-  }
-  for (const [row, added] of rows) {
-    for (const [other, factor] of added) for (let j = 0; j < insSize; ++j) covariance[insSize * j + row] += factor * covariance[insSize * j + other];
-  }
-  Object.assign(state, { covariance, heading_deg, speed_mps });
+function addRow(covariance, to, from, factor) {
+  for (let j = 0; j < insSize; ++j) covariance[insSize * to + j] += factor * covariance[insSize * from + j];
 }
-const insScratch = new Float64Array(insSize * insSize);
-function insPropagate(state, step) {
-  const next = { ...state };
-  insManoeuvre(next, step.heading_deg, step.speed_mps, step.odometry);
-  for (let part = 0; part < step.parts; ++part) {
-    const grown = new Float64Array(step.noise);
-    insScratch.fill(0);
-    for (let i = 0; i < insSize; ++i) {
-      const [columns, factors] = step.phi[i];
-      for (let n = 0; n < columns.length; ++n) {
-        const factor = factors[n], from = insSize * columns[n];
-        for (let j = 0; j < insSize; ++j) insScratch[insSize * i + j] += factor * next.covariance[from + j];
-      }
+function addColumn(covariance, to, from, factor) {
+  for (let j = 0; j < insSize; ++j) covariance[insSize * j + to] += factor * covariance[insSize * j + from];
+}
+// What a turn and an acceleration at one instant do to a covariance, which is changed.
+function insManoeuvre(covariance, before, heading_deg, speed_mps, odometry) {
+  const turn_rad = turnBetween_deg(before.heading_deg, heading_deg) * insRadPerDeg;
+  if (turn_rad === 0 && speed_mps === before.speed_mps) return;
+  const forward = enuFromBody(heading_deg), forwardBefore = enuFromBody(before.heading_deg);
+  const east_mps = forward[0][0] * speed_mps - forwardBefore[0][0] * before.speed_mps;
+  const north_mps = forward[1][0] * speed_mps - forwardBefore[1][0] * before.speed_mps;
+  for (const add of [addRow, addColumn]) {  // what is added is not changed before
+    for (let i = 0; i < 2 && !odometry; ++i) {
+      const turned = i === 0 ? north_mps : -east_mps;
+      add(covariance, insState.velocity + i, insState.accelScale, i === 0 ? east_mps : north_mps);
+      add(covariance, insState.velocity + i, insState.heading, turned);
+      add(covariance, insState.velocity + i, insState.gyroScale, 0.5 * turn_rad * turned);
     }
-    for (let j = 0; j < insSize; ++j) {
-      const [columns, factors] = step.phi[j];
-      for (let i = j; i < insSize; ++i) {
-        let sum = 0;
-        for (let n = 0; n < columns.length; ++n) sum += insScratch[insSize * i + columns[n]] * factors[n];
-        grown[insSize * i + j] += sum;
-        grown[insSize * j + i] = grown[insSize * i + j];
-      }
-    }
-    next.covariance = step.aided ? insUpdate(grown, aidMeasured, insAidNoise * insAidNoise / (step.time_s / step.parts)) : grown;
+    add(covariance, insState.heading, insState.gyroScale, turn_rad);
   }
-  next.time_s += step.time_s;
-  return next;
+}
+const insBefore = new Float64Array(insSize * insSize), insHalf = new Float64Array(insSize * insSize);
+// One part of a step: Φ P Φᵀ and what it adds, of `insBefore`.
+function insGrown(step) {
+  const { first, columns, factors } = step;
+  const grown = new Float64Array(step.noise);
+  for (let i = 0; i < insSize; ++i) {
+    const to = insSize * i;
+    for (let j = 0; j < insSize; ++j) insHalf[to + j] = 0;
+    for (let n = first[i]; n < first[i + 1]; ++n) {
+      const factor = factors[n], from = insSize * columns[n];
+      for (let j = 0; j < insSize; ++j) insHalf[to + j] += factor * insBefore[from + j];
+    }
+  }
+  for (let j = 0; j < insSize; ++j) {
+    for (let i = j; i < insSize; ++i) {
+      const from = insSize * i;
+      let sum = grown[from + j];
+      for (let n = first[j]; n < first[j + 1]; ++n) sum += insHalf[from + columns[n]] * factors[n];
+      grown[from + j] = sum;
+      grown[insSize * j + i] = sum;
+    }
+  }
+  return grown;
+}
+function insPropagate(state, step) {
+  insBefore.set(state.covariance);
+  insManoeuvre(insBefore, state, step.heading_deg, step.speed_mps, step.odometry);
+  let covariance = null;
+  for (let part = 0; part < step.parts; ++part) {
+    covariance = insGrown(step);
+    if (step.aided) covariance = insUpdate(covariance, aidMeasured, insAidNoise * insAidNoise / (step.time_s / step.parts));
+    if (part + 1 < step.parts) insBefore.set(covariance);
+  }
+  return { covariance: covariance || new Float64Array(insBefore), heading_deg: step.heading_deg, speed_mps: step.speed_mps,
+    time_s: state.time_s + step.time_s };
 }
 function initialInsState(model, heading_deg, speed_mps) {
   const covariance = new Float64Array(insSize * insSize);
@@ -266,7 +279,8 @@ function insHoldEllipse(covariance, first, most) {
 // What GNSS does to the errors while it is had.
 function holdWithGnss(state, heading_deg, speed_mps, model) {
   const next = { ...state, covariance: new Float64Array(state.covariance) };
-  insManoeuvre(next, heading_deg, speed_mps, isOdometry(model));
+  insManoeuvre(next.covariance, state, heading_deg, speed_mps, isOdometry(model));
+  Object.assign(next, { heading_deg, speed_mps });
   insHoldEllipse(next.covariance, insState.position, square(model.start_sigma_m));
   if (model.start_velocity_sigma_mps > 0) insHoldEllipse(next.covariance, insState.velocity, square(model.start_velocity_sigma_mps));
   if (model.start_tilt_sigma_rad > 0) insHoldEllipse(next.covariance, insState.tilt, square(model.start_tilt_sigma_rad));

@@ -98,7 +98,7 @@ function makeSeen() {
   $('seen-note').textContent = (display.seen.second_date ? 'The frame is rendered from the second date (' + second.join(', ') + '), registered to the map: its season, its shadows, its light. '
     : 'The frame is rendered from the very imagery of the map: it shows no other season, no other shadows, no other light. ') +
     'Gray, as the matcher takes it; level flight over flat ground; the direction of flight is up. Of ' + display.seen.frames.length +
-    ' places along the route the one nearest to the slider.';
+    ' places along the route the one nearest to the slider. Plain gray: no picture there.';
   $('seen').hidden = false;
   showSeen(0);
 }

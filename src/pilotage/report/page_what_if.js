@@ -97,7 +97,7 @@ function drawWhatIf(predicted) {
     leg.querySelector('title').textContent = 'What if: leg ' + (at + 1) + ': largest error ' + comparisonWords(status.max_error_m, predicted.max_error_m) +
       (status.p_within_limit === null ? '' : ', within the limit with P = ' + probabilityWords(status.p_within_limit));
   });
-  const loss = chart.querySelector('#chart-loss .loss');
+  const loss = plannedChart.loss.find((node) => node instanceof Element && node.classList.contains('loss'));
   if (!predicted.loss || !loss) return;
   const [top, bottom] = [...chart.querySelectorAll('#chart-loss .grid')].map((line) => Number(line.getAttribute('y1'))).sort((a, b) => a - b);
   const again = svgElement('path', { class: 'curve loss', d: curvePath(predicted.loss.points.map((point) =>
@@ -171,7 +171,7 @@ function sayWhatIf(predicted, settings) {
   const sun = settings.speed_mps !== null && whatIfData.others.some((row) => row.name === 'flight_sun');
   $('what-if-sun').hidden = !sun;
   $('what-if-chart-words').textContent = 'What if: ' + changes + '. ' + verdictNames[predicted.verdict] + ', predicted in this page; the report itself says ' +
-    document.querySelector('.verdict .word').textContent + '. Thin line: the report\'s prediction.';
+    document.querySelector('.verdict .word').textContent + '. Dotted: the report\'s prediction.';
 }
 function resetWhatIf() {
   ++whatIf.run;
@@ -187,6 +187,7 @@ function forgetWhatIf(words) {
   whatIf.predicted = null;
   $('what-if-verdict').hidden = true;
   $('what-if-state').textContent = words;
+  $('what-if-progress').hidden = true;
   showFlight();
 }
 
@@ -196,9 +197,10 @@ async function inSlices(work, run) {
   for (;;) {
     const end = performance.now() + 30;
     while (performance.now() < end) {
-      for (let i = 0; i < 20; ++i) {
+      for (let i = 0; i < 5; ++i) {
         const step = work.next();
         if (step.done) return step.value;
+        if (step.value !== undefined && !whatIfData.anywhere) $('what-if-progress').value = step.value;
       }
     }
     await new Promise((go) => { setTimeout(go, 0); });
@@ -218,6 +220,7 @@ async function askWhatIf() {
   if (settings === null) return forgetWhatIf('A number lies outside what is allowed: limit 1 to 10000 m, speed 0.1 to 1000 m/s, interval 0.01 to 3600 s.');
   if (!changesOf(settings).length) return forgetWhatIf('');
   $('what-if-state').textContent = 'Computing …';
+  $('what-if-progress').hidden = false;
   if (whatIf.trusted === null) {
     const planned = await inSlices(predictFlight(whatIf.planned), run);
     if (planned === null) return null;
@@ -228,6 +231,7 @@ async function askWhatIf() {
   if (predicted === null) return null;
   whatIf.predicted = judgeFlight(predicted, settings);
   $('what-if-state').textContent = '';
+  $('what-if-progress').hidden = true;
   sayWhatIf(whatIf.predicted, settings);
   showFlight();
   return null;
