@@ -400,6 +400,34 @@ def loss_anywhere_is_drawn(page, pilotage, source, work, pictures):
     page.resize(1400, 1000)
 
 
+def frame_follows_the_slider(page, pictures):
+    """On a prepared mission: what the camera will see, the tile turned the same way, and where both come from."""
+    page.run("pilotage.map.invalidateSize()")
+    frames = page.run("return pilotage.display.seen.frames")
+    check(2 <= len(frames) <= 48, f"{len(frames)} frames")
+    check(len(page.run("return pilotage.display.seen.jpeg")) < 4e5 + 100, "the frames take more than 300 kB")
+    last = None
+    for k in (0, len(frames) // 2, len(frames) - 1):
+        page.run("""const along = document.getElementById('along'); along.value = 1000 * arguments[0] / document.getElementById('chart').dataset.distanceM;
+          along.dispatchEvent(new Event('input'))""", frames[k][0])
+        said = text_of(page, "seen-frame-text")
+        check(said.startswith(f"The camera at {frames[k][0] / 1000:.2f} km") and f"{frames[k][1]:.0f}°" in said, f"frame {k}: {said}")
+        grays = [page.run(COPY + """const canvas = document.getElementById(arguments[0]);
+          return copy(canvas, 0, 0, canvas.width, canvas.height).filter((_, n) => n % 64 === 0)""", name) for name in ("seen-frame", "seen-tile")]
+        check(all(len(set(values)) > 8 for values in grays), f"frame {k}: a picture shows nothing")
+        check(grays[0] != last, f"frame {k} is that of another place")
+        last = grays[0]
+        tile = page.run("return pilotage.report.tiles.rows[arguments[0]][pilotage.report.tiles.columns.indexOf('tile_id')]", frames[k][4])
+        check(text_of(page, "seen-tile-text").startswith(f"Tile {tile} "), f"frame {k}: {text_of(page, 'seen-tile-text')}")
+    check("from the very imagery of the map" in text_of(page, "seen-note"), "the page does not say what the frame is rendered from")
+    check("No other date" in text_of(page, "seen-found"), "another date is named, and there was none")
+    for width in (1280, 390):
+        page.resize(width, 900)
+        into_view(page, "seen")
+        page.screenshot(pictures / f"seen_{width}.png")
+    page.resize(1400, 1000)
+
+
 def printed_by_the_program(pilotage, source, work):
     """report --pdf on a crop of the sample mission, twice: the same bytes."""
     mission = work / "mission"
@@ -442,6 +470,7 @@ def test(pilotage, source, work, rest):
         check(not said, f"without a map the console has: {said}")
         if (source / "maps/sample/ortho.tif").exists() and shutil.which("gdal_translate"):
             loss_anywhere_is_drawn(page, pilotage, source, work, pictures)
+            frame_follows_the_slider(page, pictures)
             said = page.console()
             check(not said, f"with GNSS lost anywhere the console has: {said}")
     shutil.copy(work / "printed.pdf", pictures / "printed.pdf")
