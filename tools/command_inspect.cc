@@ -148,7 +148,7 @@ std::vector<std::string> explain_outputs(const std::filesystem::path& folder, co
   const auto file = [&](const char* name) { return (folder / name).string(); };
   const StageFiles files =
       read_stage_files(file("plan.json"), {.table = file("tiles.csv"), .selection = file("selection.json")});
-  const Report again = make_report(report_numbers_input(files.mission, files.scores, files.selection));
+  const Report again = make_report(make_report_input(files.mission, files.scores, files.selection));
   if (again.verdict_text != report.verdict_text) {
     throw IntegrityError(
         folder.string() + ": plan.json, tiles.csv and selection.json are not those of report.json: by them it is \"" +

@@ -67,8 +67,9 @@ void check_outputs(const OutputPlace& place, const std::vector<std::string>& nam
 
 ReportInput read_report_input(const ReportCommandOptions& options, const StageFiles& files,
                               const Invocation& invocation) {
-  ReportInput input = make_report_input(files.mission, files.scores, files.selection, input_files(files.mission),
-                                        version_line(), invocation.threads, invocation.progress);
+  ReportInput input =
+      make_report_input(files.mission, files.scores, files.selection, input_files(files.mission), version_line());
+  if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, invocation.threads, invocation.progress);
   input.title = options.title;
   if (!options.evaluation.empty()) {
     input.evaluation = read_evaluation_note(options.evaluation);

@@ -165,8 +165,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   if (second_date) {
     open_second = [&](const GridLevel& level) { return open_second_date(*second_date, mission.ground, level); };
   }
-  ReportInput input =
-      make_report_input(mission, scores, selection, inputs, run.software_version, run.threads, reporting, open_second);
+  ReportInput input = make_report_input(mission, scores, selection, inputs, run.software_version);
+  if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, run.threads, reporting, open_second);
   report_progress(reporting, "writing the report", 0, 0);
   input.parameters = described(options);
   input.title = purpose.mission_name.value_or("");

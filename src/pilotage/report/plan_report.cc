@@ -21,28 +21,25 @@ std::function<GeodeticPoint(Eigen::Vector2d)> geodetic_from_map_of(const Crs& cr
   };
 }
 
-ReportInput report_numbers_input(const Mission& mission, const std::vector<TileScores>& scores,
-                                 const Selection& selection) {
+ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
+                              const std::vector<InputFile>& inputs, const std::string& software_version) {
   ReportInput input;
   input.mission = mission;
   input.scores = scores;
   input.selection = selection;
   input.geodetic_from_map = geodetic_from_map_of(mission.ground.crs);
+  input.inputs = inputs;
   input.assumptions = mission.notes;
+  input.software_version = software_version;
   return input;
 }
 
-ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                              const std::vector<InputFile>& inputs, const std::string& software_version, int threads,
-                              const Progress& progress, const OpenLevel& second_date) {
-  ReportInput input = report_numbers_input(mission, scores, selection);
+void add_pictures(ReportInput& input, int threads, const Progress& progress, const OpenLevel& second_date) {
+  const Mission& mission = input.mission;
   input.imagery = read_overview(mission.ground, kOverviewSide_px);
   input.pictures = read_tile_pictures(mission.ground, threads, progress);
   input.seen = render_seen_frames(mission, second_date ? second_date : open_own_imagery(mission), threads, progress);
   input.seen.second_date = static_cast<bool>(second_date);
-  input.inputs = inputs;
-  input.software_version = software_version;
-  return input;
 }
 
 }  // namespace pilotage

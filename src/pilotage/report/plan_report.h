@@ -20,17 +20,16 @@ namespace pilotage {
 /// Longitude and latitude of points of a CRS; NaN where a point has none.
 std::function<GeodeticPoint(Eigen::Vector2d)> geodetic_from_map_of(const Crs& crs);
 
-/// What a report computes its numbers and sentences from; it will have no pictures.
-ReportInput report_numbers_input(const Mission& mission, const std::vector<TileScores>& scores,
-                                 const Selection& selection);
-
-/// Reads what a report shows beyond plan, scores, selection and `inputs` (input_files of the plan): a picture of the
-/// corridor, one of each tile, and what the camera will see along the route: rendered from `second_date` where that is
-/// given, a second date as the imagery shows the ground, else from the imagery itself. The same for any number of
-/// threads (0 = all cores). Throws DataError when imagery cannot be read, Interrupted.
+/// What a report computes its numbers and sentences from. `inputs`: input_files of the plan.
 ReportInput make_report_input(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                              const std::vector<InputFile>& inputs, const std::string& software_version,
-                              int threads = 0, const Progress& progress = {}, const OpenLevel& second_date = {});
+                              const std::vector<InputFile>& inputs = {}, const std::string& software_version = "");
+
+/// Reads what the page shows besides: a picture of the corridor, one of each tile, and what the camera will see along
+/// the route: rendered from `second_date` where that is given, a second date as the imagery shows the ground, else from
+/// the imagery itself. The same for any number of threads (0 = all cores). Throws DataError when imagery cannot be
+/// read, Interrupted.
+void add_pictures(ReportInput& input, int threads = 0, const Progress& progress = {},
+                  const OpenLevel& second_date = {});
 
 }  // namespace pilotage
 
