@@ -48,8 +48,8 @@
 ///     tile_table_to_csv(); tile_table_from_csv() and scores_of(). measures() lists what they hold.
 ///  3. select_tiles(): Mission, its scores, stored_size() → Selection. read_selection(), selection_to_json().
 ///  4. build_map(): all of these and input_files() of the plan → map.gpkg.
-///  5. make_report_input(), add_pictures(), make_report(), write_report_outputs(): all of these → the files of the report.
-///     Without a route run_survey() says of an area where a camera could find its place.
+///  5. make_report_input(), add_pictures(), make_report(), write_report_outputs(): all of these → the files of
+///     the report. Without a route run_survey() says of an area where a camera could find its place.
 ///  6. verify_map(), require_intact(): every digest of the map, before it flies; sign_file() for those
 ///     to whom it is handed on, who open it with the key (pilotage/onboard.h).
 ///
