@@ -17,19 +17,12 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::report_with_gap;
 using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
-Report scene_with_gap(double drift) {
-  testing::ReportSceneOptions options;
-  options.matchable_from = 0.3;
-  options.matchable_to = 0.9;
-  options.drift = drift;
-  return make_report(testing::report_scene(options));
-}
-
 TEST(Explain, ALegInAGapSaysHowItIsJudgedWhyAndWhatToDo) {
-  const Report report = scene_with_gap(0.03);
+  const Report report = report_with_gap(0.03);
   const ReportLeg& leg = report.legs[2];
   ASSERT_EQ(leg.quality, QualityStatus::kBad);
   const std::vector<std::string> lines = explain_leg(report, {}, 3);
@@ -46,7 +39,7 @@ TEST(Explain, ALegInAGapSaysHowItIsJudgedWhyAndWhatToDo) {
 }
 
 TEST(Explain, AGoodLegSaysOnlyWhichTilesAreMissing) {
-  const Report report = scene_with_gap(0.001);
+  const Report report = report_with_gap(0.001);
   ASSERT_EQ(report.legs[2].quality, QualityStatus::kGood);
   const std::vector<std::string> lines = explain_leg(report, {}, 3);
   EXPECT_THAT(lines, Not(Contains(StartsWith("What to change: "))));
@@ -54,7 +47,7 @@ TEST(Explain, AGoodLegSaysOnlyWhichTilesAreMissing) {
 }
 
 TEST(Explain, CountsTheTilesAlongALeg) {
-  const Report report = scene_with_gap(0.03);
+  const Report report = report_with_gap(0.03);
   const ReportLeg& leg = report.legs[0];
   const double to_m = leg.from_distance_m + leg.status.length_m;
   const auto along = [&](const ReportTile& tile) {
@@ -68,7 +61,7 @@ TEST(Explain, CountsTheTilesAlongALeg) {
 }
 
 TEST(Explain, ATileSaysWhetherItIsStoredAndItsMeasures) {
-  const Report report = scene_with_gap(0.03);
+  const Report report = report_with_gap(0.03);
   for (const bool selected : {true, false}) {
     const auto tile = std::find_if(report.tiles.begin(), report.tiles.end(), [&](const ReportTile& candidate) {
       return candidate.selected == selected && !(selected ? std::string("-") : candidate.reasons).empty();
@@ -85,7 +78,7 @@ TEST(Explain, ATileSaysWhetherItIsStoredAndItsMeasures) {
 }
 
 TEST(Explain, RefusesWhatIsNotThere) {
-  const Report report = scene_with_gap(0.03);
+  const Report report = report_with_gap(0.03);
   const auto said = [&](const std::string& what) { return [&, what] { explain(report, {}, what); }; };
   EXPECT_THAT(said("leg 0"), ThrowsMessage<UsageError>(HasSubstr("the route has legs 1 to 4")));
   EXPECT_THAT(said("leg 5"), ThrowsMessage<UsageError>(HasSubstr("the route has legs 1 to 4")));

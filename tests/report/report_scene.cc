@@ -252,4 +252,12 @@ ReportInput report_scene(const ReportSceneOptions& options) {
   return input;
 }
 
+Report report_with_gap(double drift) {
+  ReportSceneOptions options;
+  options.matchable_from = 0.3;
+  options.matchable_to = 0.9;
+  options.drift = drift;
+  return make_report(report_scene(options));
+}
+
 }  // namespace pilotage::testing

@@ -25,4 +25,7 @@ Crs local_crs(const std::string& name);
 /// one gap.
 ReportInput report_scene(const ReportSceneOptions& options);
 
+/// The report of a mission with a gap from 30 to 90 % of its route.
+Report report_with_gap(double drift);
+
 }  // namespace pilotage::testing

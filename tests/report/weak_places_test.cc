@@ -14,17 +14,10 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-Report with_gaps(double drift) {
-  testing::ReportSceneOptions options;
-  options.matchable_from = 0.3;
-  options.matchable_to = 0.9;
-  options.drift = drift;
-  return make_report(testing::report_scene(options));
-}
+using testing::report_with_gap;
 
 TEST(WeakPlaces, AGapOverTheLimitSaysWhereWhyAndWhatToDo) {
-  const Report report = with_gaps(0.03);
+  const Report report = report_with_gap(0.03);
   ASSERT_EQ(report.weak_places.size(), 1U) << "legs that the gap explains are not told again";
   const WeakPlace& place = report.weak_places[0];
   EXPECT_EQ(place.status, QualityStatus::kBad);
@@ -48,7 +41,7 @@ TEST(WeakPlaces, AGapOverTheLimitSaysWhereWhyAndWhatToDo) {
 }
 
 TEST(WeakPlaces, WorstFirstAndNoMoreThanAsked) {
-  Report report = with_gaps(0.018);
+  Report report = report_with_gap(0.018);
   report.gaps.push_back(report.gaps[0]);
   report.gaps.push_back(report.gaps[0]);
   report.gaps[1].gap.error_m = 70;
@@ -64,7 +57,7 @@ TEST(WeakPlaces, WorstFirstAndNoMoreThanAsked) {
 }
 
 TEST(WeakPlaces, ALegOverItsShareWithoutAGapIsAPlaceToo) {
-  Report report = with_gaps(0.01);
+  Report report = report_with_gap(0.01);
   report.gaps.clear();
   report.legs[2].quality = QualityStatus::kMarginal;
   report.legs[2].status.max_error_m = 45;
@@ -75,7 +68,7 @@ TEST(WeakPlaces, ALegOverItsShareWithoutAGapIsAPlaceToo) {
 }
 
 TEST(WeakPlaces, TooSmallAProbabilityNamesTheStretchWhereFlightsAreLost) {
-  Report report = with_gaps(0.01);
+  Report report = report_with_gap(0.01);
   report.gaps.clear();
   report.probability = RouteProbability{0.7, 0.9, 10, 0.01, WorstStretch{1, 900, 1500, 0.25}};
   ASSERT_EQ(weak_places(report, {}).size(), 1U);
@@ -86,7 +79,7 @@ TEST(WeakPlaces, TooSmallAProbabilityNamesTheStretchWhereFlightsAreLost) {
 }
 
 TEST(WeakPlaces, TheSelectionsAdviceComesBeforeGeneralWords) {
-  const Report report = with_gaps(0.03);
+  const Report report = report_with_gap(0.03);
   const std::vector<LegAdvice> advice = {{0, AdviceSide::kLeft, 10, 0.1, 0.9, true},  // a leg before the gap
                                          {2, AdviceSide::kRight, 40, 0.5, 0.91, true},
                                          {3, AdviceSide::kNone, 0, 0.6, 0.6, false}};  // no better
@@ -119,7 +112,7 @@ TEST(WeakPlaces, WhereChosenTilesAreTooWeakItIsNotCalledUncovered) {
 }
 
 TEST(WeakPlaces, WithoutTilesItSaysSo) {
-  Report report = with_gaps(0.03);
+  Report report = report_with_gap(0.03);
   report.tiles.clear();
   EXPECT_EQ(weak_places(report, {})[0].why, "No tile of the plan lies there.");
 }

@@ -8,7 +8,6 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/camera/camera_products.h"
 #include "pilotage/gis/kml_files.h"
 #include "pilotage/gis/report_layers.h"
 #include "pilotage/gis/score_files.h"
@@ -123,22 +122,19 @@ Endings write_route(const OutputSource& source) {
   return {"_route.kml"};
 }
 
-/// The product that sees, where the options name it, or else the route file; "" where neither does.
-std::string camera_product_of(const ReportInput& input) {
+/// As the options of `prepare` name it; "" where they do not, and of a report by itself.
+std::string named_camera(const ReportInput& input) {
   const auto camera = input.parameters.find("camera");
-  if (camera != input.parameters.end() && camera->is_object() && camera->contains("name")) {
-    const std::string name = camera->at("name").get<std::string>();
-    if (!name.empty()) return std::string(camera_product(name).name);
-  }
-  const auto& named = input.mission.flight.route.camera;
-  return named ? named->name : "";
+  if (camera == input.parameters.end() || !camera->is_object() || !camera->contains("name")) return "";
+  return camera->at("name").get<std::string>();
 }
 
 /// None for a route that a DJI mission cannot hold, unless it was asked for by name.
 Endings write_dji(const OutputSource& source) {
   DjiMission mission;
   try {
-    mission = dji_mission_of(source.input.mission.flight.route, camera_product_of(source.input));
+    const Route& route = source.input.mission.flight.route;
+    mission = dji_mission_of(route, camera_product_of(named_camera(source.input), route));
   } catch (const DataError&) {
     const auto& outputs = source.outputs;
     if (std::find(outputs.begin(), outputs.end(), ReportOutput::kDji) != outputs.end()) throw;

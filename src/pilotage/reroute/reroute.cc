@@ -15,7 +15,6 @@
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
-#include "pilotage/camera/camera_products.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/report/verdict.h"
 #include "pilotage/reroute/judged_line.h"
@@ -80,20 +79,9 @@ constexpr int kPictureSide_px = 1000;
 
 DegreePicture overview_in_degrees(const Ground& ground) {
   const Raster overview = read_overview(ground, kPictureSide_px);
-  std::vector<cv::Mat> channels;
-  cv::split(overview.pixels, channels);
-  while (channels.size() < 3) channels.push_back(channels.front());
-  channels.push_back(overview.valid);
   cv::Mat rgba;
-  cv::merge(channels, rgba);
+  cv::merge(std::vector<cv::Mat>{overview.pixels, overview.valid}, rgba);
   return picture_in_degrees(rgba, ground.crs, overview.map_from_pixel, 1, kPictureSide_px);
-}
-
-// The product that sees, where the options name it, or else the route file; "" where neither does.
-std::string camera_product_of(const RerouteOptions& options, const Route& route) {
-  const std::string& name = options.mission.tile.camera.name;
-  if (!name.empty()) return std::string(camera_product(name).name);
-  return route.camera ? route.camera->name : "";
 }
 
 }  // namespace
@@ -243,7 +231,8 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   if (run.output.extension() == kDjiMission) {
     const TileOptions rerouted = options_for_plan(options.mission.tile, staging / name);
     const Route flown = read_route(rerouted.route, rerouted.route_options);
-    write_dji_mission(staging / run.output.filename(), dji_mission_of(flown, camera_product_of(options, route)), true);
+    write_dji_mission(staging / run.output.filename(),
+                      dji_mission_of(flown, camera_product_of(options.mission.tile.camera.name, route)), true);
   }
   std::vector<std::string> last_the_plan = result.files;
   std::rotate(last_the_plan.begin(), last_the_plan.begin() + 1, last_the_plan.end());

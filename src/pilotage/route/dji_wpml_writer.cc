@@ -205,6 +205,11 @@ DjiMission dji_mission_of(const Route& route, const std::string& camera) {
           document(mission_config(waypoints, aircraft, "") + wayline_folder(waypoints, over_ground))};
 }
 
+std::string camera_product_of(const std::string& named, const Route& route) {
+  if (!named.empty()) return std::string(camera_product(named).name);
+  return route.camera ? route.camera->name : "";
+}
+
 void write_dji_mission(const std::filesystem::path& path, const DjiMission& mission, bool overwrite) {
   write_zip(path, {{"wpmz/template.kml", mission.mission_template}, {"wpmz/waylines.wpml", mission.waylines}},
             overwrite);

@@ -27,6 +27,10 @@ struct DjiMission {
 /// or no heights, or heights of both kinds: a wayline has one.
 DjiMission dji_mission_of(const Route& route, const std::string& camera);
 
+/// The product that sees: the one that the options call `named`, however it is spelt there, or else that of the route
+/// file; "" where neither names one. Throws as camera_product().
+std::string camera_product_of(const std::string& named, const Route& route);
+
 /// Both as a KMZ. Throws DataError as write_zip().
 void write_dji_mission(const std::filesystem::path& path, const DjiMission& mission, bool overwrite);
 
