@@ -68,7 +68,7 @@ State inverse_sigmas(const PosePrior& prior) {
   State inverse;
   const auto of = [](double sigma) { return 1 / std::max(sigma, 1e-6); };
   inverse << of(prior.position_sigma_m), of(prior.position_sigma_m), of(prior.tilt_sigma_rad), of(prior.tilt_sigma_rad),
-      prior.yaw_sigma_rad > kUnknownYawRad ? 0 : of(prior.yaw_sigma_rad), of(prior.log_height_sigma);
+      of(prior.yaw_sigma_rad), of(prior.log_height_sigma);
   return inverse;
 }
 

@@ -19,7 +19,7 @@ struct GroundPair {
 struct PosePrior {
   double position_sigma_m = 1;
   double tilt_sigma_rad = 0.02;
-  double yaw_sigma_rad = 0.02;  ///< Above kUnknownYawRad yaw is free.
+  double yaw_sigma_rad = 0.02;
   double log_height_sigma = 0.03;
 };
 
