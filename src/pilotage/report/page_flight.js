@@ -253,12 +253,12 @@ function* survivalAlong(path, levels) {
 }
 
 // ---- GNSS lost anywhere (select/worst_loss.cc) ----
-function lossSamples(flight) {
+function lossSamples(flight, levels) {
   const flown = (starts) => starts.reduce((sum, start) => sum + flight.count - start, 0);
   const within = (starts) => {
     const every = (step) => starts.filter((_, i) => i % step === 0);
     let step = 1;
-    while (step < starts.length && flown(every(step)) > 60000) ++step;
+    while (step < starts.length && levels * flown(every(step)) > 60000) ++step;
     return every(step);
   };
   const all = [...Array(flight.count).keys()];
@@ -280,7 +280,7 @@ function* loseAnywhere(path, levels, interval_s) {
   const branches = levels ? levels.map(() => firstBranches(path)) : [];
   let at = 0;
   const points = [];
-  for (const loss of lossSamples(flight)) {
+  for (const loss of lossSamples(flight, levels ? levels.length : 1)) {
     while (withGnss.sample < loss) {
       takePosition(path, had, interval_s, withGnss);
       flyOneSample(path, had, withGnss);

@@ -28,9 +28,9 @@ std::vector<std::size_t> every(const std::vector<std::size_t>& starts, std::size
 }
 
 // Every k-th with the smallest k that keeps the bound; the first alone when none does.
-std::vector<std::size_t> within_bound(const std::vector<std::size_t>& starts, std::size_t count) {
+std::vector<std::size_t> within_bound(const std::vector<std::size_t>& starts, std::size_t count, std::size_t levels) {
   std::size_t step = 1;
-  while (step < starts.size() && samples_flown(every(starts, step), count) > kSamplesFlownAfterLoss) ++step;
+  while (step < starts.size() && levels * samples_flown(every(starts, step), count) > kSamplesFlownAfterLoss) ++step;
   return every(starts, step);
 }
 
@@ -57,7 +57,7 @@ std::vector<double> p_of_losses(FlightPath path, std::span<const LevelChances> l
 
 }  // namespace
 
-std::vector<std::size_t> loss_samples(const Mission& mission) {
+std::vector<std::size_t> loss_samples(const Mission& mission, std::size_t levels) {
   const std::vector<FlightSample>& samples = mission.flight.samples;
   std::vector<std::size_t> all;
   std::vector<std::size_t> legs;
@@ -66,7 +66,7 @@ std::vector<std::size_t> loss_samples(const Mission& mission) {
     if (i == 0 || samples[i].leg != samples[i - 1].leg) legs.push_back(i);
   }
   std::map<double, std::size_t> at;  // of two samples at one place, where the course changes, the second
-  for (const auto& starts : {within_bound(all, samples.size()), within_bound(legs, samples.size())}) {
+  for (const auto& starts : {within_bound(all, samples.size(), levels), within_bound(legs, samples.size(), levels)}) {
     for (std::size_t i : starts) {
       while (i + 1 < samples.size() && samples[i + 1].distance_m == samples[i].distance_m) ++i;
       at[samples[i].distance_m] = i;
@@ -81,7 +81,7 @@ std::vector<std::size_t> loss_samples(const Mission& mission) {
 LossAnywhere lose_gnss_anywhere(const Mission& mission, const std::vector<bool>& stored, const FlightPath* path,
                                 std::span<const LevelChances> levels, double max_error_m, double fix_interval_s) {
   const std::vector<FlightSample>& samples = mission.flight.samples;
-  const std::vector<std::size_t> losses = loss_samples(mission);
+  const std::vector<std::size_t> losses = loss_samples(mission, std::max<std::size_t>(levels.size(), 1));
   const std::vector<double> largest_m = largest_errors_of_losses(mission, losses, stored, fix_interval_s);
   const std::vector<double> p_within_limit =
       path != nullptr ? p_of_losses(*path, levels, losses) : std::vector<double>(losses.size(), kNaN);
