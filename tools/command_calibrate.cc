@@ -29,9 +29,10 @@ struct CalibrateOptions {
   static void describe(Self& self, Fields& fields) {
     fields.field("anchors", self.anchors,
                  "Places whose share of correct fixes flights can expect: they set the level of P. Without it: all.");
-    fields.field("terms", self.terms,
-                 "What P is made of, each as INPUT or INPUT:MOST with the standard deviations above its mean from which "
-                 "on it promises no more. Default: vote_contrast:3, gray_contrast:0.5, described_area:3.");
+    fields.field(
+        "terms", self.terms,
+        "What P is made of, each as INPUT or INPUT:MOST with the standard deviations above its mean from which "
+        "on it promises no more. Default: vote_contrast:3, gray_contrast:0.5, described_area:3.");
     fields.path(
         "adapt", self.adapt,
         "Fit nothing, but learn the level of this model (\"default\": the program's own) from what was found here.");
@@ -146,10 +147,11 @@ void add_fit_text(const MatcherModel& model, const std::vector<FitSet>& sets, Co
     correct += std::count_if(set.samples.begin(), set.samples.end(), [](const FitSample& s) { return s.correct; });
   }
   result.text += flying_matcher_name(model.matcher) + ": " + std::to_string(samples) + " tiles of " +
-                 std::to_string(sets.size()) + " evaluations, " + std::to_string(correct) +
-                 " correct; level " + format_fixed(model.level.mean, 2) + " ± " + format_fixed(model.level.sigma, 2) +
-                 " (logits, 1 sigma), places differ by " + format_fixed(model.level.spread, 2) + " (80 %: " +
-                 format_fixed(model.level.spread_low, 2) + " … " + format_fixed(model.level.spread_high, 2) + ")\n";
+                 std::to_string(sets.size()) + " evaluations, " + std::to_string(correct) + " correct; level " +
+                 format_fixed(model.level.mean, 2) + " ± " + format_fixed(model.level.sigma, 2) +
+                 " (logits, 1 sigma), places differ by " + format_fixed(model.level.spread, 2) +
+                 " (80 %: " + format_fixed(model.level.spread_low, 2) + " … " +
+                 format_fixed(model.level.spread_high, 2) + ")\n";
 }
 
 }  // namespace

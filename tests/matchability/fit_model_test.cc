@@ -24,8 +24,8 @@ FitSet drawn_set(const std::string& place, bool anchor, double level, double are
   FitSet set{place, anchor, {}};
   for (int i = 0; i < count; ++i) {
     const MatchabilityInputs inputs = drawn_inputs(5 + 0.5 * random.normal(), -1 + 0.3 * random.normal(), area);
-    const double z = level + 2 * (inputs[ModelInput::kVoteContrast] - 5) +
-                     3 * (inputs[ModelInput::kGrayContrast] + 1) + 0.8 * (area - 9);
+    const double z = level + 2 * (inputs[ModelInput::kVoteContrast] - 5) + 3 * (inputs[ModelInput::kGrayContrast] + 1) +
+                     0.8 * (area - 9);
     const FitSample sample{inputs, random.uniform() < 1 / (1 + std::exp(-z))};
     for (int overlapping = 0; overlapping < 4; ++overlapping) set.samples.push_back(sample);
   }
@@ -92,8 +92,7 @@ TEST(FitModel, TheIntervalHoldsFourOfFiveNewPlaces) {
 
 TEST(FitModel, FewPlacesTellLittleOfHowTheyDiffer) {
   Random random(7);
-  const MatcherModel few =
-      fit_matcher_model(FlyingMatcher::kFeatures, drawn_places(3, true, 0, 1, 60, random), kFree);
+  const MatcherModel few = fit_matcher_model(FlyingMatcher::kFeatures, drawn_places(3, true, 0, 1, 60, random), kFree);
   const MatcherModel many =
       fit_matcher_model(FlyingMatcher::kFeatures, drawn_places(24, true, 0, 1, 30, random), kFree);
   EXPECT_GT(few.level.spread_high / few.level.spread_low, 1.5 * many.level.spread_high / many.level.spread_low);

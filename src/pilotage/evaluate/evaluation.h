@@ -33,8 +33,8 @@ struct Evaluation {
   /// not depend on a level. Its prior is that of P, four tiles count as one (level_posterior).
   double level_z = std::numeric_limits<double>::quiet_NaN();
   /// p_correct_fix where any tile has one, across places; with it, where P depends on a level, P at the level that this
-  /// place turns out to have (p_correct_fix_at_level): inside the place. Then always gray_variance, frieden_deficit, clean_peak_margin and
-  /// degraded_peak_margin, the measures of the paper.
+  /// place turns out to have (p_correct_fix_at_level): inside the place. Then always gray_variance, frieden_deficit,
+  /// clean_peak_margin and degraded_peak_margin, the measures of the paper.
   std::vector<JudgedPredictor> predictors;
   std::vector<std::string> warnings;
 

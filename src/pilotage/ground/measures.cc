@@ -152,8 +152,8 @@ void add_features(std::vector<Measure>& list) {
        "This is the measure to judge by.",
        ColorMap::kBlues, 2}));
   list.push_back(of_tile("level_sigma", "", "standard deviation of the level of the place, logits",
-                         "Level of the place: not known better than (logits, 1 sigma)", Kind::kNumber,
-                         Group::kFeatures, &TileScores::level_sigma));
+                         "Level of the place: not known better than (logits, 1 sigma)", Kind::kNumber, Group::kFeatures,
+                         &TileScores::level_sigma));
   list.push_back(of_tile("level_tiles", "", "tiles of this ground, judged on another date, that the level rests on",
                          "Tiles of this ground that the level rests on", Kind::kNumber, Group::kFeatures,
                          &TileScores::level_tiles));

@@ -5,8 +5,8 @@
 
 namespace pilotage {
 
-/// How often fixes succeed at a place and in a season is not known from one date: the *level* of the place, a summand of
-/// the logit of P that all its tiles share (docs/methods/matchability.md). What is known of it is a normal
+/// How often fixes succeed at a place and in a season is not known from one date: the *level* of the place, a summand
+/// of the logit of P that all its tiles share (docs/methods/matchability.md). What is known of it is a normal
 /// distribution; this is a value it may have, in standard deviations from its mean, and how much it counts.
 struct LevelNode {
   double z = 0;

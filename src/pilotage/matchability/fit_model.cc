@@ -263,8 +263,7 @@ LevelDistribution level_distribution(const std::vector<Place>& places, const Slo
   std::vector<std::vector<double>> others;
   for (const Place& place : places) {
     const std::vector<double> logits = logits_of(place, slopes.data(), slopes.size());
-    (place.anchor ? anchors : others)
-        .push_back(likelihood_of_levels(logits, place.correct, 1 / kTilesThatShareGround));
+    (place.anchor ? anchors : others).push_back(likelihood_of_levels(logits, place.correct, 1 / kTilesThatShareGround));
   }
   LevelDistribution result;
   std::vector<std::vector<double>> of_means;
@@ -309,8 +308,8 @@ PlaceLevel level_of_new_place(const std::vector<Place>& places, const Slopes& sl
   level.spread = quantile_of(known.spreads, known.of_spreads, 0.5);
   level.spread_low = quantile_of(known.spreads, known.of_spreads, 0.1);
   level.spread_high = quantile_of(known.spreads, known.of_spreads, 0.9);
-  level.places = static_cast<int>(
-      std::count_if(places.begin(), places.end(), [](const Place& place) { return place.anchor; }));
+  level.places =
+      static_cast<int>(std::count_if(places.begin(), places.end(), [](const Place& place) { return place.anchor; }));
   return level;
 }
 
@@ -397,8 +396,8 @@ MatcherModel adapt_level(const MatcherModel& model, const std::vector<FitSet>& s
     }
   }
   if (logits.empty()) throw DataError("no tile was judged; there is nothing to adapt to");
-  const LevelPosterior posterior =
-      level_posterior({model.level.mean, std::max(model.level.sigma, 1e-3)}, logits, correct, 1 / kTilesThatShareGround);
+  const LevelPosterior posterior = level_posterior({model.level.mean, std::max(model.level.sigma, 1e-3)}, logits,
+                                                   correct, 1 / kTilesThatShareGround);
   MatcherModel adapted = model;
   adapted.level.mean = posterior.mean;
   adapted.level.sigma = posterior.sigma;

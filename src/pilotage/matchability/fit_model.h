@@ -37,7 +37,8 @@ std::vector<TermChoice> default_terms();
 /// Slopes maximise the marginal likelihood: for each place the level is integrated out at 21 nodes around its mode
 /// (adaptive quadrature: J. Pinheiro, D. Bates, J. Comput. Graph. Stat. 4(1), 1995; trapezoidal rule), and L-BFGS of
 /// Ceres climbs its logarithm, whose gradient is the posterior mean of that of the likelihood (R. Fisher's identity).
-/// A ridge of 0.3 holds slopes on standardised inputs. Tiles of a place overlap and share their fate: four count as one.
+/// A ridge of 0.3 holds slopes on standardised inputs. Tiles of a place overlap and share their fate: four count as
+/// one.
 ///
 /// With the slopes held, μ and τ have a posterior on a grid: flat in μ, half-Cauchy of scale 2.5 in τ (A. Gelman,
 /// Bayesian Analysis 1(3), 2006). From it follows what the level of an anchor not among these may be; `level` is the

@@ -158,9 +158,8 @@ Json matchability_model_to_json(const MatchabilityModel& model) {
   for (const MatcherModel& matcher : model.matchers) {
     Json terms = Json::array();
     for (const ModelTerm& term : matcher.terms) terms.push_back(term_to_json(term));
-    matchers.push_back({{"matcher", flying_matcher_name(matcher.matcher)},
-                        {"terms", terms},
-                        {"level", level_to_json(matcher.level)}});
+    matchers.push_back(
+        {{"matcher", flying_matcher_name(matcher.matcher)}, {"terms", terms}, {"level", level_to_json(matcher.level)}});
   }
   return {{"format_version", kFormatVersion},
           {"date", model.date},

@@ -66,8 +66,8 @@ inline constexpr int kDescriptorBorder_px = 16;
 /// must be there. Noise of a tile without features counts as 0. `black` is the gray value that becomes 0 in 8 bits.
 MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px, double black = 0);
 
-/// One input's part of the sum: coefficient · (x − mean) / spread, held to at most abs(coefficient) · most, so that ground
-/// unlike any that the model has seen cannot promise more.
+/// One input's part of the sum: coefficient · (x − mean) / spread, held to at most abs(coefficient) · most, so that
+/// ground unlike any that the model has seen cannot promise more.
 struct ModelTerm {
   ModelInput input = ModelInput::kVoteContrast;
   double coefficient = 0;
@@ -85,9 +85,9 @@ struct PlaceLevel {
   double sigma = 0;
   double spread = 0;  ///< Standard deviation of the levels of places (τ): the median of what is known of it,
   double spread_low = 0;
-  double spread_high = 0;   ///< and its 80 % interval.
-  int places = 0;           ///< Anchors that the mean rests on.
-  std::int64_t tiles = 0;   ///< Tiles of this ground, judged on another date, that it rests on (adapt_level).
+  double spread_high = 0;  ///< and its 80 % interval.
+  int places = 0;          ///< Anchors that the mean rests on.
+  std::int64_t tiles = 0;  ///< Tiles of this ground, judged on another date, that it rests on (adapt_level).
 };
 
 /// logit P = Σ terms + level; P of a tile is the mean over what the level may be (ground/place_level.h).
@@ -119,8 +119,8 @@ struct FixPrediction {
 /// features, where match() refuses.
 FixPrediction predict_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features);
 
-/// The same for what flies. A map with chips has all that one without has: it has the prediction with the larger P where
-/// the model has parameters for both. Throws DataError when it has none for `matcher`.
+/// The same for what flies. A map with chips has all that one without has: it has the prediction with the larger P
+/// where the model has parameters for both. Throws DataError when it has none for `matcher`.
 FixPrediction predict_correct_fix(const MatchabilityModel& model, FlyingMatcher matcher,
                                   const MatchabilityInputs& inputs, double map_features);
 

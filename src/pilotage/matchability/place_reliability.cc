@@ -47,7 +47,8 @@ PredictedPlace predict_place(const MatcherModel& model, const PlaceName& name, c
       predictions.push_back({p, sample.correct, block});
     }
   }
-  for (double* sum : {&place.p, &place.p_low, &place.p_high, &place.log_score}) *sum /= static_cast<double>(place.tiles);
+  for (double* sum : {&place.p, &place.p_low, &place.p_high, &place.log_score})
+    *sum /= static_cast<double>(place.tiles);
   return place;
 }
 

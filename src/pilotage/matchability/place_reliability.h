@@ -15,8 +15,8 @@ struct PredictedPlace {
   bool anchor = false;
   std::int64_t tiles = 0;
   std::int64_t correct = 0;
-  double p = 0;       ///< Mean P of its tiles, over what the level of a place of its kind may be,
-  double p_low = 0;   ///< and where the level lies at the ends of its 80 % interval.
+  double p = 0;      ///< Mean P of its tiles, over what the level of a place of its kind may be,
+  double p_low = 0;  ///< and where the level lies at the ends of its 80 % interval.
   double p_high = 0;
   double log_score = 0;  ///< Mean of −ln(P of what happened).
   bool held() const {

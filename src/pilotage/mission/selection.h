@@ -63,7 +63,7 @@ struct ProbabilityInterval {
 
 /// What the flight's chances are, where the tiles' P of a correct fix are known (docs/methods/selection.md).
 struct RouteProbability {
-  double p_within_limit = 0;  ///< P that the error stays within its limit from start to end, over all levels.
+  double p_within_limit = 0;          ///< P that the error stays within its limit from start to end, over all levels.
   double min_p_within_limit = 0;      ///< What was asked for; the verdict is held against it.
   double expected_fixes = 0;          ///< Correct fixes on the flight, one try every fix interval.
   double expected_false_fixes = 0;    ///< Upper bound, by the rate of false fixes that the matcher promises.

@@ -139,7 +139,8 @@ std::string rests_on_text(const RouteProbability& probability) {
            " tiles of which were judged, and takes the flight's day to differ as they do";
   }
   if (probability.level_tiles == 0) {
-    return "P rests on one date of this ground: how often fixes come at this place, in that season, is taken from other "
+    return "P rests on one date of this ground: how often fixes come at this place, in that season, is taken from "
+           "other "
            "places, which differ by as much as the interval says";
   }
   return "";

@@ -76,8 +76,9 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
       for (std::size_t k = 0; k < tile_chances.levels.size(); ++k) {
         const TileChances::AtLevel& level = tile_chances.levels[k];
         const RouteChances chances = route_chances(attempts, level.p, moved.size(), options.fix_interval_s);
-        staying += level.weight * fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg][k])
-                                      .p_within_limit.back();
+        staying +=
+            level.weight *
+            fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg][k]).p_within_limit.back();
       }
       const double p_after = std::min(1.0, staying / entering);
       if (p_after <= best.p_after) return;

@@ -80,9 +80,9 @@ struct RouteSurvival {
   std::optional<WorstStretch> worst;
 };
 
-/// The flight at each level of the place, which all its tries share, and the mean over the levels: of P within the limit
-/// at each sample, and of what both of a leg's numbers are the ratios of. The worst stretch is that over which the mean
-/// falls most. One flight meets one level, so that a chain of tries is worth less than if each met its own.
+/// The flight at each level of the place, which all its tries share, and the mean over the levels: of P within the
+/// limit at each sample, and of what both of a leg's numbers are the ratios of. The worst stretch is that over which
+/// the mean falls most. One flight meets one level, so that a chain of tries is worth less than if each met its own.
 RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChances> levels);
 RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances);  ///< At a single level.
 

@@ -51,8 +51,8 @@ std::size_t count_true(const std::vector<bool>& flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
 }
 
-// How many tiles of this ground, judged on another date, the level of the stored tiles rests on: the fewest, because all
-// of a map are scored by one model; NaN where a P does not say.
+// How many tiles of this ground, judged on another date, the level of the stored tiles rests on: the fewest, because
+// all of a map are scored by one model; NaN where a P does not say.
 double level_tiles(const std::vector<TileScores>& scores, const std::vector<bool>& chosen) {
   double fewest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < scores.size(); ++i) {
@@ -132,8 +132,12 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
   const std::vector<double> p_of_stored = of_chosen(chances.of_tiles, chosen).p;
   const ExpectedFixes expected =
       expected_fixes(mission, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
-  selection.probability = RouteProbability{survival.p_within_limit.back(), options.min_route_probability,
-                                           expected.correct, expected.wrong, survival.worst, {}};
+  selection.probability = RouteProbability{survival.p_within_limit.back(),
+                                           options.min_route_probability,
+                                           expected.correct,
+                                           expected.wrong,
+                                           survival.worst,
+                                           {}};
   if (survival.p_at_level.size() > 1) {
     selection.probability->interval =
         ProbabilityInterval{survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]};
@@ -217,10 +221,9 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   const std::vector<bool> stored = samples_over(tiles, chosen);
   GnssAvailability gnss = gnss_availability(mission.flight);
   if (mission.flight.denied.anywhere) {
-    const LossAnywhere loss =
-        lose_gnss_anywhere(mission, stored, chances ? &chances->path : nullptr,
-                           chances ? chances->along(chosen) : std::vector<LevelChances>{}, max_error_m,
-                           options.fix_interval_s);
+    const LossAnywhere loss = lose_gnss_anywhere(mission, stored, chances ? &chances->path : nullptr,
+                                                 chances ? chances->along(chosen) : std::vector<LevelChances>{},
+                                                 max_error_m, options.fix_interval_s);
     gnss = gnss_lost_at(mission.flight, loss.points[loss.worst].distance_m);
     if (chances) chances->path.gnss = gnss;
     selection.loss_anywhere = loss;

@@ -7,9 +7,9 @@
 
 namespace pilotage {
 
-/// P of a correct fix of each tile, 0 of one that is not counted on: over all that the level of the place may be, and at
-/// each of the levels that a flight is predicted at. All tiles share the level: where one is found less often than its
-/// P says, so are the others (ground/place_level.h).
+/// P of a correct fix of each tile, 0 of one that is not counted on: over all that the level of the place may be, and
+/// at each of the levels that a flight is predicted at. All tiles share the level: where one is found less often than
+/// its P says, so are the others (ground/place_level.h).
 struct TileChances {
   struct AtLevel {
     double weight = 1;

@@ -48,8 +48,8 @@ std::vector<double> p_of_losses(FlightPath path, std::span<const LevelChances> l
     for (std::size_t i = 0; i < losses.size(); ++i) {
       branches = fly_stretch(with_gnss, level.chances, at, losses[i], std::move(branches)).branches;
       at = losses[i];
-      p[i] += level.weight *
-              fly_stretch(path, level.chances, at, flight.samples.size(), branches).p_within_limit.back();
+      p[i] +=
+          level.weight * fly_stretch(path, level.chances, at, flight.samples.size(), branches).p_within_limit.back();
     }
   }
   return p;
