@@ -7,7 +7,7 @@ calibrate`: with each choice of inputs of TERMS, of which the one with the best 
 Everything is kept in DIR, and what is there is not done again. PILOTAGE_DATA names the folder of the imagery.
 Sentinel-2 places are taken as rasters of 0.6 m/px: what counts is how ground looks in pixels. The anchors, which set
 how often fixes succeed and how that differs from place to place, are pairs whose pixels are about as fine as that. The
-port takes no part in any choice or fit: it evaluates."""
+port takes no part in this: it evaluates."""
 
 import argparse
 import csv
