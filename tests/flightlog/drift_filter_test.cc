@@ -12,6 +12,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kSpeed_mps = 20;
+constexpr double kGravity_mps2 = 9.80665;
 
 InsErrorModel tactical() {
   InsOptions options;
@@ -68,12 +69,16 @@ TEST(DriftFilter, CovarianceIsThatOfItsErrors) {
   for (int flight = 0; flight < kFlights; ++flight) {
     Eigen::Vector2d error = draw(5);
     Eigen::Vector2d velocity = draw(model.start_velocity_sigma_mps);
-    const Eigen::Vector2d acceleration = 9.80665 * draw(model.start_tilt_sigma_rad) + draw(model.accel_bias_mps2);
+    Eigen::Vector2d acceleration = kGravity_mps2 * draw(model.start_tilt_sigma_rad) + draw(model.accel_bias_mps2);
+    const Eigen::Vector2d jerk = kGravity_mps2 * draw(model.gyro_bias_radps);
     DriftFilter filter(model, 0, kSpeed_mps);
     filter.start(error + draw(2), isotropic_covariance_m2(2));
     for (int i = 0; i < 15; ++i) {
-      error += velocity * 4 + acceleration * 8;
-      velocity += acceleration * 4;
+      for (int step = 0; step < 40; ++step) {  // of 0.1 s
+        error += 0.1 * velocity;
+        velocity += 0.1 * acceleration + draw(model.velocity_random_walk_mps_rt_s * std::sqrt(0.1));
+        acceleration += 0.1 * jerk + kGravity_mps2 * draw(model.angle_random_walk_rad_rt_s * std::sqrt(0.1));
+      }
       filter.fly_on(4, 0, kSpeed_mps);
       if (i < 14) filter.update(error + draw(2), isotropic_covariance_m2(2));
     }
