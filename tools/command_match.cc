@@ -17,6 +17,8 @@
 #include "pilotage/flightlog/match_evaluation.h"
 #include "pilotage/flightlog/match_flight.h"
 #include "pilotage/flightlog/match_json.h"
+#include "pilotage/flightlog/match_sequence.h"
+#include "pilotage/ins/ins_error_model.h"
 
 namespace pilotage {
 namespace {
@@ -29,6 +31,9 @@ struct MatchCommandOptions {
   std::optional<double> prior_lon_deg;
   std::optional<double> prior_lat_deg;
   std::optional<double> prior_sigma_m;
+  std::optional<double> prior_east_sigma_m;
+  std::optional<double> prior_north_sigma_m;
+  std::optional<double> prior_covariance_en_m2;
   std::optional<double> height_agl_m;
   std::optional<double> yaw_deg;
   std::optional<double> pitch_deg;
@@ -45,6 +50,8 @@ struct MatchCommandOptions {
   std::optional<double> require_correct_rate;
   std::optional<double> require_false_rate;
   MatchOptions match;
+  bool sequential = false;
+  InsOptions ins;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -54,6 +61,12 @@ struct MatchCommandOptions {
     fields.field("prior_lat_deg", self.prior_lat_deg, "Where the aircraft believes to be.", Range{-90, 90});
     fields.field("prior_sigma_m", self.prior_sigma_m,
                  "Standard deviation of that, along each of the two horizontal axes.", Range{0, 100000});
+    fields.field("prior_east_sigma_m", self.prior_east_sigma_m,
+                 "Instead, with the next two: standard deviation towards the east.", Range{0, 100000});
+    fields.field("prior_north_sigma_m", self.prior_north_sigma_m, "Standard deviation towards the north.",
+                 Range{0, 100000});
+    fields.field("prior_covariance_en_m2", self.prior_covariance_en_m2, "Covariance of east and north.",
+                 Range{-1e10, 1e10});
     fields.field("height_agl_m", self.height_agl_m, "Height above the ground.", Range{-1000, 100000});
     fields.field("yaw_deg", self.yaw_deg, "Heading of the nose, clockwise from true north.", Range{-360, 360});
     fields.field("pitch_deg", self.pitch_deg, "Above 0 raises the nose.", Range{-360, 360});
@@ -79,6 +92,10 @@ struct MatchCommandOptions {
                  Range{0, 1});
     fields.group("match", self.match, "How sure the prior is, how far is searched, what is accepted.",
                  FlagPrefix::kNone);
+    fields.field("sequential", self.sequential,
+                 "With --frames: one frame after the other, in the order of their times; fixes narrow the prior of the "
+                 "next frame, and weak places that agree with the track become fixes.");
+    fields.group("ins", self.ins, "How the inertial position drifts between the frames of --sequential.");
   }
 };
 
@@ -87,6 +104,9 @@ std::vector<std::pair<std::string, std::optional<double>>> fields_of_one_frame(c
   return {{"prior_lon_deg", options.prior_lon_deg},
           {"prior_lat_deg", options.prior_lat_deg},
           {"prior_sigma_m", options.prior_sigma_m},
+          {"prior_east_sigma_m", options.prior_east_sigma_m},
+          {"prior_north_sigma_m", options.prior_north_sigma_m},
+          {"prior_covariance_en_m2", options.prior_covariance_en_m2},
           {"height_agl_m", options.height_agl_m},
           {"yaw_deg", options.yaw_deg},
           {"pitch_deg", options.pitch_deg},
@@ -100,13 +120,27 @@ std::string flag_of(std::string field) {
   return "--" + field;
 }
 
+/// NaN when nothing is said of it.
+Eigen::Matrix2d prior_covariance_of(const MatchCommandOptions& options) {
+  const bool ellipse = options.prior_east_sigma_m || options.prior_north_sigma_m || options.prior_covariance_en_m2;
+  if (!ellipse) return isotropic_covariance_m2(options.prior_sigma_m.value_or(kNaN));
+  if (options.prior_sigma_m) {
+    throw UsageError("--prior-sigma-m and --prior-east-sigma-m ... exclude each other: say it in one way");
+  }
+  if (!options.prior_east_sigma_m || !options.prior_north_sigma_m) {
+    throw UsageError("--prior-east-sigma-m and --prior-north-sigma-m go together: give both or --prior-sigma-m");
+  }
+  return prior_covariance(*options.prior_east_sigma_m, *options.prior_north_sigma_m,
+                          options.prior_covariance_en_m2.value_or(0));
+}
+
 FrameRecord record_of_options(const MatchCommandOptions& options, const std::string& path) {
   FrameRecord frame;
   frame.file = path;
   frame.time_s = kNaN;
   frame.prior = {options.prior_lon_deg ? wrap_lon_deg(*options.prior_lon_deg) : kNaN,
                  options.prior_lat_deg.value_or(kNaN)};
-  frame.prior_sigma_m = options.prior_sigma_m.value_or(kNaN);
+  frame.prior_covariance_en_m2 = prior_covariance_of(options);
   frame.height_agl_m = options.height_agl_m.value_or(kNaN);
   frame.attitude = {options.yaw_deg.value_or(kNaN), options.pitch_deg.value_or(kNaN), options.roll_deg.value_or(kNaN)};
   if (options.require_correct_rate || options.require_false_rate) {
@@ -165,6 +199,28 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const MapReader& m
   return complete_frames(options.frames, table, sources_of(options, map));
 }
 
+struct MatchedFrames {
+  std::vector<FrameMatch> matches;
+  std::optional<SequenceSummary> sequence;
+  std::vector<std::string> warnings;
+};
+
+MatchedFrames match_frames(const MatchCommandOptions& options, const std::function<MapReader()>& open_map,
+                           const std::vector<FlightFrame>& frames, const Invocation& invocation) {
+  if (!options.sequential) {
+    return {
+        match_flight(open_map, frames, options.match, options.truth, invocation.threads, invocation.progress), {}, {}};
+  }
+  MatchedSequence done = match_sequence(open_map, frames, options.match, make_ins_error_model(options.ins),
+                                        options.truth, invocation.progress);
+  MatchedFrames matched{std::move(done.matches), done.summary, {}};
+  if (!options.ins.grade && !options.ins.name) {
+    matched.warnings.push_back(
+        "no inertial grade is given (--ins-grade): " + options_detail::enum_to_name(kAssumedInsGrade) + " is assumed");
+  }
+  return matched;
+}
+
 CommandResult frame_result(const MatchCommandOptions& options, const FrameMatch& match, const FlightFrames& frames) {
   CommandResult result;
   result.text = frame_match_text(match, options.timings) + taken_text(frames.taken);
@@ -173,15 +229,17 @@ CommandResult frame_result(const MatchCommandOptions& options, const FrameMatch&
   return result;
 }
 
-CommandResult flight_result(const MatchCommandOptions& options, const std::vector<FrameMatch>& matches,
+CommandResult flight_result(const MatchCommandOptions& options, const MatchedFrames& matched,
                             const FlightFrames& frames, const std::string& output) {
-  const MatchEvaluation evaluation = evaluate_matches(matches, options.correct_within_m);
+  MatchEvaluation evaluation = evaluate_matches(matched.matches, options.correct_within_m);
+  evaluation.sequence = matched.sequence;
   CommandResult result;
   result.text = evaluation_text(evaluation, options.timings) + taken_text(frames.taken);
   result.json = to_json(evaluation, options.timings);
   result.json["output"] = output.empty() ? Json(nullptr) : Json(output);
   result.json["taken"] = to_json(frames.taken);
   result.warnings = frames.warnings;
+  result.warnings.insert(result.warnings.end(), matched.warnings.begin(), matched.warnings.end());
   const bool no_fix_is_false = evaluation.false_fixes.of == 0;
   const bool met =
       (!options.require_fix || evaluation.accepted > 0) &&
@@ -220,6 +278,10 @@ Command make_match_command() {
     if (single == !options.frames.empty()) {
       throw UsageError(single ? "FRAME and --frames exclude each other" : "FRAME is missing: a picture, or --frames");
     }
+    if (single && options.sequential) throw UsageError("--sequential is for flights: give --frames");
+    if (!options.sequential && (options.ins.grade || options.ins.name)) {
+      throw UsageError("--ins-grade and --ins-name are for --sequential");
+    }
     const std::string& path = invocation.inputs.front();
     const MapRequirements required = requirements_of_flight(options);
     const std::optional<SignedInput> input = read_signed_input(options.trust, path);
@@ -228,13 +290,12 @@ Command make_match_command() {
     check_purpose(checked, required);
     const std::optional<std::string> expired = expiry_warning(checked, options.trust);
     const FlightFrames frames = single ? one_frame(options, invocation, checked) : whole_flight(options, checked);
-    const std::vector<FrameMatch> matches =
-        match_flight(open_map, frames.frames, options.match, options.truth, invocation.threads, invocation.progress);
+    const MatchedFrames matched = match_frames(options, open_map, frames.frames, invocation);
     if (!invocation.output.empty()) {
-      write_file(invocation.output, fix_table_to_csv(matches, options.timings), invocation.overwrite);
+      write_file(invocation.output, fix_table_to_csv(matched.matches, options.timings), invocation.overwrite);
     }
-    CommandResult result = single ? frame_result(options, matches.front(), frames)
-                                  : flight_result(options, matches, frames, invocation.output);
+    CommandResult result = single ? frame_result(options, matched.matches.front(), frames)
+                                  : flight_result(options, matched, frames, invocation.output);
     if (expired) result.warnings.push_back(*expired);
     return result;
   });

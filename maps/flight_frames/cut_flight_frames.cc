@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "drifting_priors.h"
 #include <opencv2/imgcodecs.hpp>
 
 #include "pilotage/base/error.h"
@@ -16,6 +17,7 @@
 #include "pilotage/camera/render_frame.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
+#include "pilotage/geo/position_covariance.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/route/read_route.h"
@@ -41,6 +43,8 @@ struct Setup {
   GraySource ground;  // in 8 bits
   std::optional<GraySource> also;
   std::vector<RoutePlace> route;  ///< One for each frame, or none: frames lie anywhere.
+  std::vector<FlownPlace> flown;  ///< With priors that drift: one for each frame.
+  std::vector<DriftingPrior> drifting;
   Camera camera;
   double agl_m = 0;
 };
@@ -48,7 +52,9 @@ struct Setup {
 /// The line of a frame in frames.csv.
 struct FrameRow {
   std::string file;
+  double time_s = 0;
   GeodeticPoint nadir, center, prior;
+  Eigen::Matrix2d prior_covariance_en_m2 = Eigen::Matrix2d::Zero();
   Attitude attitude, told_attitude;
   double agl_m = 0, told_agl_m = 0;
 };
@@ -119,8 +125,22 @@ Eigen::Vector2d random_nadir_px(Random& random, const Setup& setup) {
       {region[0] + across * (region[2] - region[0]), region[1] + down * (region[3] - region[1])});
 }
 
+/// What the prior is off by to the east and to the north.
+Eigen::Vector2d prior_error_m(Random& random, const Setup& setup, std::size_t index) {
+  const FlightFrameOptions& options = setup.options;
+  if (options.prior_drifts) {
+    const double direction = Random(setup.seed).uniform(0, 2 * std::numbers::pi);
+    return setup.drifting[index].error_en_m +
+           options.prior_shift_m * Eigen::Vector2d(std::cos(direction), std::sin(direction));
+  }
+  const double east_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
+  const double north_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
+  const double direction = random.uniform(0, 2 * std::numbers::pi);
+  return {east_m + options.prior_shift_m * std::cos(direction), north_m + options.prior_shift_m * std::sin(direction)};
+}
+
 /// Truth and belief of a frame whose truth is `row`'s attitude and height at `place`.
-void fill_positions(Random& random, const Setup& setup, const GroundPlace& place, FrameRow& row) {
+void fill_positions(Random& random, const Setup& setup, const GroundPlace& place, std::size_t index, FrameRow& row) {
   const FlightFrameOptions& options = setup.options;
   const CrsTransform transform(setup.ground.crs);
   const GeoTransform& map_from_pixel = setup.ground.map_from_pixel;
@@ -129,11 +149,11 @@ void fill_positions(Random& random, const Setup& setup, const GroundPlace& place
   const auto center_m = ground_from_pixel(*view, {setup.camera.cx_px, setup.camera.cy_px});
   if (!center_m) throw DataError("the principal point shows no ground");
   row.center = geodetic_from_pixel(transform, map_from_pixel, place.pixel_from_ground(*center_m));
-  const double east_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
-  const double north_m = random.uniform(-options.prior_offset_m, options.prior_offset_m);
-  const double direction = random.uniform(0, 2 * std::numbers::pi);
-  row.prior = LocalFrame(row.nadir).geodetic_from_enu(
-      {east_m + options.prior_shift_m * std::cos(direction), north_m + options.prior_shift_m * std::sin(direction), 0});
+  const Eigen::Vector2d off_m = prior_error_m(random, setup, index);
+  row.prior = LocalFrame(row.nadir).geodetic_from_enu({off_m.x(), off_m.y(), 0});
+  row.prior_covariance_en_m2 =
+      options.prior_drifts ? setup.drifting[index].covariance_en_m2 : isotropic_covariance_m2(options.prior_sigma_m);
+  row.time_s = options.prior_drifts ? setup.flown[index].time_s : static_cast<double>(index);
   row.told_attitude = row.attitude;
   for (double* angle_deg : {&row.told_attitude.yaw_deg, &row.told_attitude.pitch_deg, &row.told_attitude.roll_deg}) {
     *angle_deg += options.attitude_sigma_deg * random.normal();
@@ -187,7 +207,7 @@ FrameRow cut_frame(const Setup& setup, std::size_t index) {
     if (!also_shows_ground(setup, place, row.attitude)) continue;
     const RenderedFrame frame = render_frame(ground, place, setup.camera, row.attitude, row.agl_m);
     if (frame.valid_fraction < setup.options.min_valid) continue;
-    fill_positions(random, setup, place, row);
+    fill_positions(random, setup, place, index, row);
     if (!cv::imwrite((setup.folder / row.file).string(), frame.gray, {cv::IMWRITE_JPEG_QUALITY, 95})) {
       throw DataError((setup.folder / row.file).string() + ": cannot be written");
     }
@@ -197,21 +217,29 @@ FrameRow cut_frame(const Setup& setup, std::size_t index) {
                   " places shows imagery all over the frame");
 }
 
-std::string csv_text(const std::vector<FrameRow>& rows, double prior_sigma_m) {
-  std::string text =
-      "file,time_s,prior_lon_deg,prior_lat_deg,prior_sigma_m,height_agl_m,yaw_deg,pitch_deg,roll_deg,true_lon_deg,"
-      "true_lat_deg,true_nadir_lon_deg,true_nadir_lat_deg,true_yaw_deg,true_height_agl_m,true_pitch_deg,"
-      "true_roll_deg\n";
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const FrameRow& row = rows[i];
+std::vector<double> prior_sigmas(const FrameRow& row, bool drifts) {
+  const Eigen::Matrix2d& covariance = row.prior_covariance_en_m2;
+  if (!drifts) return {std::sqrt(covariance(0, 0))};
+  return {std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1)), covariance(0, 1)};
+}
+
+std::string csv_text(const std::vector<FrameRow>& rows, bool drifts) {
+  std::string text = std::string("file,time_s,prior_lon_deg,prior_lat_deg,") +
+                     (drifts ? "prior_east_sigma_m,prior_north_sigma_m,prior_covariance_en_m2" : "prior_sigma_m") +
+                     ",height_agl_m,yaw_deg,pitch_deg,roll_deg,true_lon_deg,"
+                     "true_lat_deg,true_nadir_lon_deg,true_nadir_lat_deg,true_yaw_deg,true_height_agl_m,true_pitch_deg,"
+                     "true_roll_deg\n";
+  for (const FrameRow& row : rows) {
     text += row.file;
+    std::vector<double> numbers{row.time_s, row.prior.lon_deg, row.prior.lat_deg};
+    for (const double number : prior_sigmas(row, drifts)) numbers.push_back(number);
     for (const double number :
-         {static_cast<double>(i), row.prior.lon_deg, row.prior.lat_deg, prior_sigma_m, row.told_agl_m,
-          row.told_attitude.yaw_deg, row.told_attitude.pitch_deg, row.told_attitude.roll_deg, row.center.lon_deg,
-          row.center.lat_deg, row.nadir.lon_deg, row.nadir.lat_deg, row.attitude.yaw_deg, row.agl_m,
+         {row.told_agl_m, row.told_attitude.yaw_deg, row.told_attitude.pitch_deg, row.told_attitude.roll_deg,
+          row.center.lon_deg, row.center.lat_deg, row.nadir.lon_deg, row.nadir.lat_deg, row.attitude.yaw_deg, row.agl_m,
           row.attitude.pitch_deg, row.attitude.roll_deg}) {
-      text += "," + format_number(number);
+      numbers.push_back(number);
     }
+    for (const double number : numbers) text += "," + format_number(number);
     text += "\n";
   }
   return text;
@@ -236,6 +264,16 @@ std::string camera_yaml(const Camera& camera) {
                   : matrix("distortion_coefficients", 5, {d[0], d[1], d[2], d[3], d[4]}));
 }
 
+/// Places at equal distances, so at equal times.
+void add_drift(Setup& setup, double length_m) {
+  const FlightFrameOptions& options = setup.options;
+  const double interval_s = length_m / options.frames / options.speed_mps;
+  for (const RoutePlace& place : setup.route) {
+    setup.flown.push_back({static_cast<double>(setup.flown.size()) * interval_s, place.azimuth_deg});
+  }
+  setup.drifting = drifting_priors(setup.flown, options.speed_mps, make_ins_error_model(options.ins), setup.seed);
+}
+
 Setup make_setup(const std::string& imagery, const std::filesystem::path& folder, const FlightFrameOptions& options,
                  std::uint64_t seed) {
   if (!options.region.empty() && options.region.size() != 4) throw UsageError("--region needs four numbers");
@@ -246,7 +284,12 @@ Setup make_setup(const std::string& imagery, const std::filesystem::path& folder
   setup.folder = folder;
   setup.ground = stretch_to_8bit(open_gray(imagery, options.imagery));
   if (!options.also.empty()) setup.also = stretch_to_8bit(open_gray(options.also, {}));
-  if (!options.route.empty()) setup.route = places_along(read_route(options.route), options.frames);
+  if (options.prior_drifts && options.route.empty()) throw UsageError("--prior-drifts needs --route");
+  if (!options.route.empty()) {
+    const Route route = read_route(options.route);
+    setup.route = places_along(route, options.frames);
+    if (options.prior_drifts) add_drift(setup, route_length_m(route));
+  }
   setup.camera = make_frame_camera(options);
   const Footprint at_1_m = footprint(setup.camera, {}, 1);
   if (!(at_1_m.across_m > 0)) throw UsageError("the camera sees no ground straight down");
@@ -264,7 +307,7 @@ double cut_flight_frames(const std::string& imagery, const std::filesystem::path
   std::vector<FrameRow> rows(static_cast<std::size_t>(options.frames));
   parallel_for(rows.size(), threads, [&](std::size_t index, int) { rows[index] = cut_frame(setup, index); });
   write_file(folder / "camera.yaml", camera_yaml(setup.camera), overwrite);
-  table.write(csv_text(rows, options.prior_sigma_m));
+  table.write(csv_text(rows, options.prior_drifts));
   table.commit();
   return setup.agl_m;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pilotage/base/options.h"
+#include "pilotage/ins/ins_options.h"
 #include "pilotage/raster/gdal_imagery.h"
 
 namespace pilotage {
@@ -30,6 +31,9 @@ struct FlightFrameOptions {
   double prior_offset_m = 60;
   double prior_shift_m = 0;
   double prior_sigma_m = 30;
+  bool prior_drifts = false;
+  double speed_mps = 20;
+  InsOptions ins;
   double min_valid = 0.999;
   std::string also;
   std::vector<double> region;
@@ -58,6 +62,11 @@ struct FlightFrameOptions {
                  "The prior is off by this besides, in any direction: beyond the window nothing may be found.",
                  Range{0, 1e6});
     fields.field("prior_sigma_m", self.prior_sigma_m, "What the prior says of itself.", Range{0.01, 1e5});
+    fields.field("prior_drifts", self.prior_drifts,
+                 "The priors are those of one inertial system (--ins-...) that flies the route: one error that drifts, "
+                 "with the covariance of its error model, instead of errors by themselves. The shift is one for all.");
+    fields.field("speed_mps", self.speed_mps, "Along the route, with --prior-drifts.", Range{0.1, 1000});
+    fields.group("ins", self.ins, "The inertial system of --prior-drifts.");
     fields.field("min_valid", self.min_valid, "Least share of a frame that shows imagery.", Range{0, 1});
     fields.path("also", self.also,
                 "A second raster, the map's: frames are only where it shows ground all over the frame too.");

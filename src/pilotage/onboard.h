@@ -5,10 +5,12 @@
 #include "pilotage/mapdb/key_list.h"
 #include "pilotage/mapdb/map_purpose.h"
 #include "pilotage/mapdb/map_reader.h"
+#include "pilotage/match/confirmation.h"
 #include "pilotage/match/fix_altitude.h"
 #include "pilotage/match/match.h"
 #include "pilotage/match/mavlink_position.h"
 #include "pilotage/match/nav_sat_fix.h"
+#include "pilotage/match/position_measurement.h"
 #include "pilotage/version.h"
 
 /// @file
@@ -24,7 +26,7 @@
 /// // For each frame: 8-bit gray pixels of the camera's size, and what the navigation filter believes.
 /// pilotage::MatchPrior prior;
 /// prior.position = {lon_deg, lat_deg};           // WGS 84, longitude first
-/// prior.sigma_m = 25;
+/// prior.covariance_en_m2 = pilotage::isotropic_covariance_m2(25);
 /// prior.height_agl_m = 120;
 /// prior.attitude = {yaw_deg, pitch_deg, roll_deg};
 /// const pilotage::MatchResult result = pilotage::match(frame, prior, camera, map);
@@ -45,7 +47,8 @@
 ///  2. Camera is the lens that took the frame. MapReader::camera() is the one the map was planned for; for frames of
 ///     another size ask camera_for_size(). A map serves any camera whose frames show about as much ground.
 ///  3. match() with MatchPrior and MatchOptions gives a MatchResult: a MatchStatus, a Fix exactly when the status is
-///     kFix, a candidate that is never to be used for navigation, and MatchStats.
+///     kFix, a candidate that is never to be used for navigation by itself, and MatchStats. without_prior() is what a
+///     filter takes that gave the prior; agrees_with_track() and false_confirmation_rate() judge a candidate by it.
 ///  4. nav_sat_fix() gives the fields of ROS's sensor_msgs/NavSatFix, mavlink_global_position_sensor() those of
 ///     MAVLink's GLOBAL_POSITION_SENSOR. Neither ROS nor MAVLink is needed to build them.
 ///

@@ -49,7 +49,8 @@ struct Scene {
     grid = *local_grid(*reader, *level, prior.position, 500);
     const Eigen::Vector2d pivot_m = rectified.ground_from_pixel(middle);
     center_px = grid.px_from_geodetic(prior.position) + Eigen::Vector2d(pivot_m.x(), -pivot_m.y()) / grid.gsd_m();
-    space.half_width_px = (3 * prior.sigma_m + 2 * prior.height_agl_m * std::tan(std::numbers::pi / 180)) / 0.5;
+    space.half_width_px =
+        (3 * largest_sigma_m(prior.covariance_en_m2) + 2 * prior.height_agl_m * std::tan(std::numbers::pi / 180)) / 0.5;
     local = read(*reader);
     space.center_px = center_px - local.reference_px;
     space.yaw_sigma_rad = std::numbers::pi / 180;

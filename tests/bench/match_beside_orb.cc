@@ -125,7 +125,7 @@ void measure(const std::string& map_path, const std::string& raster_path, const 
     ++frames;
     const cv::Mat frame = read_gray8_picture(frame_path(table_path, record.file));
     const Camera camera = camera_for_size(record.file, given, frame.cols, frame.rows);
-    const MatchPrior prior{record.prior, record.prior_sigma_m, record.height_agl_m, record.attitude};
+    const MatchPrior prior{record.prior, record.prior_covariance_en_m2, record.height_agl_m, record.attitude};
     auto start = std::chrono::steady_clock::now();
     const MatchResult result = match(frame, prior, camera, reader, options);
     ours.milliseconds.push_back(milliseconds_since(start));
@@ -137,7 +137,8 @@ void measure(const std::string& map_path, const std::string& raster_path, const 
     if (!grid) continue;
     const double corner_m = std::hypot(camera.width_px / camera.fx_px, camera.height_px / camera.fy_px) / 2;
     const OrbMap map =
-        orb_map(raster, *grid, prior, options.search_sigmas * prior.sigma_m + corner_m * prior.height_agl_m);
+        orb_map(raster, *grid, prior,
+                options.search_sigmas * largest_sigma_m(prior.covariance_en_m2) + corner_m * prior.height_agl_m);
     start = std::chrono::steady_clock::now();
     const auto center = center_by_orb(frame, prior, camera, map);
     orb.milliseconds.push_back(milliseconds_since(start));

@@ -51,7 +51,7 @@ struct OneFrame {
     const LocalFrame local(nadir);
     record.file = "frame.png";
     record.prior = local.geodetic_from_enu({25, -18, 0});
-    record.prior_sigma_m = 15;
+    record.prior_covariance_en_m2 = isotropic_covariance_m2(15);
     record.height_agl_m = kAglM;
     record.attitude = attitude;
     const auto view = make_view(lens, attitude, kAglM);

@@ -34,6 +34,7 @@ TEST(FixTable, ColumnsAreThePromisedOnes) {
             "center_lat_deg,center_east_sigma_m,center_north_sigma_m,center_covariance_en_m2,yaw_deg,yaw_sigma_deg,"
             "pitch_deg,roll_deg,height_agl_m,height_sigma_m,scale,tile_id,level,gsd_m,frame_features,map_features,"
             "support,expected_features,vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,chip_pixels,confidence,"
+            "search_half_width_m,confirmed,"
             "error_m,error_east_m,error_north_m,nees,candidate_error_m,milliseconds\n");
 }
 
@@ -75,6 +76,8 @@ TEST(FixTable, EveryCellHoldsItsOwnNumber) {
                                                     {"ncc_rival", "0.45"},
                                                     {"chip_pixels", "320"},
                                                     {"confidence", "0.999"},
+                                                    {"search_half_width_m", "77.5"},
+                                                    {"confirmed", "1"},
                                                     {"error_m", "2.25"},
                                                     {"error_east_m", "1"},
                                                     {"error_north_m", "-2"},

@@ -28,7 +28,8 @@ FrameRecord empty_record() {
   FrameRecord frame;
   frame.file = "a.jpg";
   frame.prior = {kNaN, kNaN};
-  frame.prior_sigma_m = frame.height_agl_m = kNaN;
+  frame.prior_covariance_en_m2.setConstant(kNaN);
+  frame.height_agl_m = kNaN;
   frame.attitude = {kNaN, kNaN, kNaN};
   return frame;
 }

@@ -53,8 +53,9 @@ class LoggedFlight {
   void add(const std::string& name, const cv::Mat& pixels, GeodeticPoint place, int i) {
     const std::string path = (folder_ / name).string();
     cv::imwrite(path, pixels);
-    frames_.push_back(
-        {path, {name, 1.0 * i, place, 10, 50, {10.0 * i, 0, 0}, place}, testing::pinhole_camera(80, 60, 80)});
+    frames_.push_back({path,
+                       {name, 1.0 * i, place, isotropic_covariance_m2(10), 50, {10.0 * i, 0, 0}, place},
+                       testing::pinhole_camera(80, 60, 80)});
   }
 
   TemporaryFolder folder_;

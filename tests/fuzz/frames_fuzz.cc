@@ -22,7 +22,11 @@ void check(const pilotage::FrameTable& table, bool may_be_missing) {
     if (frame.file.empty()) std::abort();
     require_between(frame.prior.lat_deg, -90, 90, may_be_missing);
     require_between(frame.prior.lon_deg, -180, 360, may_be_missing);
-    require_between(frame.prior_sigma_m, 0, 100000, may_be_missing);
+    require_between(pilotage::largest_sigma_m(frame.prior_covariance_en_m2), 0, 1.5e5, may_be_missing);
+    if (!(frame.prior_covariance_en_m2.determinant() >= -1e-3 * frame.prior_covariance_en_m2.squaredNorm()) &&
+        !may_be_missing) {
+      std::abort();
+    }
     require_between(frame.height_agl_m, -1000, 100000, may_be_missing);
     for (const double angle_deg : {frame.attitude.yaw_deg, frame.attitude.pitch_deg, frame.attitude.roll_deg}) {
       require_between(angle_deg, -360, 360, may_be_missing);

@@ -69,7 +69,9 @@ Scene& scene() {
 
 /// What match() is asked.
 struct Question {
-  MatchPrior prior{scene().ground.center, 4, scene().ground.agl_m, {30, 2, -1}};
+  MatchPrior prior{scene().ground.center, isotropic_covariance_m2(4), scene().ground.agl_m, {30, 2, -1}};
+  double sigma_m = 4;  // of the prior; with the next its covariance
+  double shared_m2 = 0;
   Camera camera = scene().ground.camera;
   MatchOptions options;
   double width_px = camera.width_px;
@@ -86,7 +88,8 @@ std::map<std::string, double*> fields_of(Question& question) {
   MatchOptions& options = question.options;
   std::map<std::string, double*> fields{{"lon_deg", &prior.position.lon_deg},
                                         {"lat_deg", &prior.position.lat_deg},
-                                        {"sigma_m", &prior.sigma_m},
+                                        {"sigma_m", &question.sigma_m},
+                                        {"covariance_en_m2", &question.shared_m2},
                                         {"height_agl_m", &prior.height_agl_m},
                                         {"yaw_deg", &prior.attitude.yaw_deg},
                                         {"pitch_deg", &prior.attitude.pitch_deg},
@@ -127,6 +130,8 @@ Question read_question(const std::string& text) {
   if (lines) question.pixels.assign(std::istreambuf_iterator<char>(lines), {});
   if (question.pixels.empty()) question.pixels = "x";
   question.options.chips = question.chips > 0;
+  question.prior.covariance_en_m2 = isotropic_covariance_m2(question.sigma_m);
+  question.prior.covariance_en_m2(0, 1) = question.prior.covariance_en_m2(1, 0) = question.shared_m2;
   const bool known = question.distortion_model >= 0 && question.distortion_model <= 2;
   question.camera.distortion_model =
       known ? static_cast<DistortionModel>(static_cast<int>(question.distortion_model)) : DistortionModel::kNone;
@@ -163,8 +168,8 @@ cv::Mat make_frame(Question& question) {
 bool is_long_search(const Question& question) {
   const MatchPrior& prior = question.prior;
   const MatchOptions& options = question.options;
-  const double half_width_m =
-      options.search_sigmas * prior.sigma_m + prior.height_agl_m * options.attitude_sigma_deg / 20;
+  const double half_width_m = options.search_sigmas * largest_sigma_m(prior.covariance_en_m2) +
+                              prior.height_agl_m * options.attitude_sigma_deg / 20;
   const double frame_m =
       prior.height_agl_m * std::abs(question.width_px) / std::min(question.camera.fx_px, question.camera.fy_px);
   const double size_m = std::min(400.0, frame_m);  // of what is laid on the map's grid

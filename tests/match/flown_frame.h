@@ -26,7 +26,7 @@ struct FlownFrame {
     write_textured_map(path, ground);
     gray = frame_over(ground, kEast_m, kNorth_m, attitude, ground.agl_m).gray;
     prior.position = place(kEast_m + 6, kNorth_m - 8);
-    prior.sigma_m = 10;
+    prior.covariance_en_m2 = isotropic_covariance_m2(10);
     prior.height_agl_m = ground.agl_m;
     prior.attitude = attitude;
   }

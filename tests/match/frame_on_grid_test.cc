@@ -14,7 +14,7 @@ using testing::FlownFrame;
 
 TEST(SearchHalfWidth, IsThePriorsWindowAndWhatTiltMoves) {
   MatchPrior prior;
-  prior.sigma_m = 10;
+  prior.covariance_en_m2 = isotropic_covariance_m2(10);
   prior.height_agl_m = 100;
   MatchOptions options;
   options.search_sigmas = 3;
@@ -74,9 +74,9 @@ TEST(FrameOnGrid, NothingIsLaidOffTheMap) {
 TEST(FrameOnGrid, NothingIsLaidInAWindowTooLargeToSearch) {
   FlownFrame flown;
   MapReader map = MapReader::open_unverified(flown.path);
-  flown.prior.sigma_m = 900;  // 3 · 900 / 0.5 pixels, more than 4096
+  flown.prior.covariance_en_m2 = isotropic_covariance_m2(900);  // 3 · 900 / 0.5 pixels, more than 4096
   EXPECT_TRUE(flown.rectify(map).frame.gray.empty());
-  flown.prior.sigma_m = 600;
+  flown.prior.covariance_en_m2 = isotropic_covariance_m2(600);
   EXPECT_FALSE(flown.rectify(map).frame.gray.empty());
 }
 

@@ -67,7 +67,7 @@ struct Answer {
 MatchPrior prior_of(const Map& map, const Shot& shot) {
   MatchPrior prior;
   prior.position = map.place(shot.east_m + shot.prior_off_m.x(), shot.north_m + shot.prior_off_m.y());
-  prior.sigma_m = 10;
+  prior.covariance_en_m2 = isotropic_covariance_m2(10);
   prior.height_agl_m = shot.height_m * shot.height_ratio;
   prior.attitude = {shot.attitude.yaw_deg + shot.attitude_off.yaw_deg,
                     shot.attitude.pitch_deg + shot.attitude_off.pitch_deg,
@@ -275,7 +275,10 @@ TEST(Match, BadInputIsAStatus) {
   EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = 0; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = -60; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.height_agl_m = kNaN; }), MatchStatus::kBadPrior);
-  EXPECT_EQ(status([](MatchPrior& p) { p.sigma_m = 0; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.covariance_en_m2 = isotropic_covariance_m2(0); }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.covariance_en_m2 = isotropic_covariance_m2(kNaN); }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.covariance_en_m2 << 1, 2, 2, 1; }), MatchStatus::kBadPrior);
+  EXPECT_EQ(status([](MatchPrior& p) { p.covariance_en_m2 << 100, 5, -5, 100; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = 90.5; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.position.lon_deg = kNaN; }), MatchStatus::kBadPrior);
   EXPECT_EQ(status([](MatchPrior& p) { p.position.lat_deg = 90; }), MatchStatus::kNoMap);
@@ -326,7 +329,7 @@ TEST(Match, WhoeverAsksToEndItIsHeardWhereverItIs) {
   MapReader reader = MapReader::open_unverified(map.path);
   Shot shot;
   MatchPrior prior = prior_of(map, shot);
-  prior.sigma_m = 60;
+  prior.covariance_en_m2 = isotropic_covariance_m2(60);
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   int asked = 0;
   const MatchResult whole = match(frame, prior, map.ground.camera, reader, {}, [&] { return ++asked > 0; });
@@ -424,15 +427,15 @@ TEST(Match, AWindowThatNobodyCanSearchIsTooUncertain) {
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   MatchPrior prior = prior_of(map, {});
   for (const double sigma_m : {1000.0, 100000.0}) {  // at 0.5 m/px and three sigmas beyond 4096 px
-    prior.sigma_m = sigma_m;
+    prior.covariance_en_m2 = isotropic_covariance_m2(sigma_m);
     EXPECT_EQ(match(frame, prior, map.ground.camera, reader).status, MatchStatus::kTooUncertain) << sigma_m;
   }
   MatchOptions options;
   options.yaw_sigma_deg = 57;
   options.height_sigma_fraction = 0.5;
-  prior.sigma_m = 500;
+  prior.covariance_en_m2 = isotropic_covariance_m2(500);
   EXPECT_EQ(match(frame, prior, map.ground.camera, reader, options).status, MatchStatus::kTooUncertain);
-  prior.sigma_m = 2e5;
+  prior.covariance_en_m2 = isotropic_covariance_m2(2e5);
   EXPECT_EQ(match(frame, prior, map.ground.camera, reader).status, MatchStatus::kBadPrior) << "not on this Earth";
 }
 
@@ -452,7 +455,7 @@ TEST(Match, AWideWindowFindsWhatANarrowOneDoes) {
       MatchOptions options;
       options.chips = chips;  // those of this map are as fine as its pixels: of twice the window they are too many
       prior.position = map.place(150, -200);
-      prior.sigma_m = chips ? 200 : 400;
+      prior.covariance_en_m2 = isotropic_covariance_m2(chips ? 200 : 400);
       const MatchResult wide = match(frame, prior, map.ground.camera, reader, options);
       ASSERT_EQ(wide.status, MatchStatus::kFix) << chips;
       EXPECT_LT(geodesic_between(narrow.fix->center, wide.fix->center).length_m, 0.2) << chips;

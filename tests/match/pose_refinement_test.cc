@@ -8,6 +8,7 @@
 
 #include "pilotage/base/random.h"
 #include "pilotage/base/statistics.h"
+#include "pilotage/geo/position_covariance.h"
 
 namespace pilotage {
 namespace {
@@ -61,12 +62,12 @@ std::vector<GroundPair> pairs_of(const TruePose& pose, Random& random, int count
 }
 
 PosePrior weak_prior() {
-  return {30, 0.035, 0.035, 0.06};
+  return {isotropic_covariance_m2(30), 0.035, 0.035, 0.06};
 }
 
 TruePose draw_pose(Random& random, const PosePrior& prior) {
   TruePose pose;
-  pose.position_m = prior.position_sigma_m * Eigen::Vector2d(random.normal(), random.normal());
+  pose.position_m = largest_sigma_m(prior.position_covariance_m2) * Eigen::Vector2d(random.normal(), random.normal());
   pose.turn_rad = {prior.tilt_sigma_rad * random.normal(), prior.tilt_sigma_rad * random.normal(),
                    prior.yaw_sigma_rad * random.normal()};
   pose.log_height = prior.log_height_sigma * random.normal();
@@ -147,15 +148,34 @@ TEST(RefinePose, OfIndependentPairsItIsAsManyTimesTooLarge) {
   expect_in_band(kPairsPerIndependentPair * nees.position, 2, kRuns);
 }
 
+/// Four pairs whose noise is far above the prior's: what is known before is all there is.
+TEST(RefinePose, ThePriorsWholeCovarianceCounts) {
+  Random random(seed_from_name("prior"));
+  PosePrior prior = weak_prior();
+  prior.position_covariance_m2 << 1, 0.9, 0.9, 1;
+  const TruePose truth;
+  const PoseCorrection pose = refine_pose(pairs_of(truth, random, 40), prior, {0, 0}, {0, 0}, 1000);
+  ASSERT_TRUE(pose.converged);
+  EXPECT_LT((pose.covariance.topLeftCorner<2, 2>() - prior.position_covariance_m2).norm(), 1e-3);
+  // The frame says (1, −1) and knows it as badly as the prior does along (1, 1): there it moves the pose, across not.
+  const TruePose moved{{1, -1}, {0, 0, 0}, 0};
+  const TruePose along{{1, 1}, {0, 0, 0}, 0};
+  const double floor_m = 1.0;
+  const auto shift = [&](const TruePose& to) {
+    return refine_pose(pairs_of(to, random, 10), prior, {0, 0}, {0, 0}, floor_m).position_m.norm();
+  };
+  EXPECT_GT(shift(along), 3 * shift(moved));
+}
+
 TEST(RefinePose, ThirtyPercentOfOutliersDoLittle) {
   Random random(seed_from_name("outliers"));
   for (int round = 0; round < 10; ++round) {
-    const TruePose truth = draw_pose(random, {30, 0.0175, 0.0175, 0.03});
+    const TruePose truth = draw_pose(random, {isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03});
     auto pairs = pairs_of(truth, random, 100, 0.3);
     for (std::size_t i = 0; i < 30; ++i) {
       pairs[i].map_m += Eigen::Vector2d(random.uniform(-25, 25), random.uniform(-25, 25));
     }
-    const PosePrior prior{30, 0.0175, 0.0175, 0.03};
+    const PosePrior prior{isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03};
     const PoseCorrection pose = refine_pose(pairs, prior, {0, 0}, truth.position_m + Eigen::Vector2d(1, 1), 0.05);
     ASSERT_TRUE(pose.converged);
     EXPECT_LT((pose.position_m - truth.position_m).norm(), 1);
@@ -194,7 +214,7 @@ TEST(RefinePose, ThePriorDecidesWhatPairsLeaveOpen) {
     pair.map_m = pair.ray_m.head<2>() + Eigen::Vector2d(4, 0);
     pairs.push_back(pair);
   }
-  const PosePrior prior{30, 0.01, 0.02, 0.03};
+  const PosePrior prior{isotropic_covariance_m2(30), 0.01, 0.02, 0.03};
   const PoseCorrection pose = refine_pose(pairs, prior, {0, 0}, {4, 0}, 0.05);
   ASSERT_TRUE(pose.converged);
   EXPECT_NEAR(std::sqrt(pose.covariance(2, 2)), 0.01, 0.0005);

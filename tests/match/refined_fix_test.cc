@@ -68,54 +68,67 @@ TEST(RefineFix, NothingWithoutSupporters) {
   EXPECT_FALSE(placed.refine(flown).has_value());
 }
 
-/// One pose after another against the gates of a prior 40 m wide.
+/// One fix after another against the gates of a prior of 10 m.
 class Gate : public ::testing::Test {
  protected:
   Gate() {
-    rectified_.gsd_m = 0.5;
-    rectified_.prior_px = {100, 200};
-    prior_.sigma_m = 10;
+    prior_.position = {16.5, 55.5};
+    prior_.covariance_en_m2 = isotropic_covariance_m2(10);
     prior_.height_agl_m = 100;
+    prior_.attitude = {359, 1, -2};
     options_.attitude_sigma_deg = 1;
     options_.yaw_sigma_deg = 2;
     options_.height_sigma_fraction = 0.03;
-    pose_.position_m = rectified_.m_from_px(rectified_.prior_px);
+    fix_.position = prior_.position;
+    fix_.yaw_deg = 359;
+    fix_.pitch_deg = 1;
+    fix_.roll_deg = -2;
   }
-  bool outside() const { return is_outside_gate(rectified_, map_, prior_, options_, pose_); }
+  bool outside() const { return is_outside_gate(fix_, prior_, options_); }
+  bool outside_at(const Eigen::Vector2d& off_m) {
+    fix_.position = LocalFrame(prior_.position).geodetic_from_enu({off_m.x(), off_m.y(), 0});
+    return outside();
+  }
 
-  FrameOnGrid rectified_;
-  LocalMap map_;
+  Fix fix_;
   MatchPrior prior_;
   MatchOptions options_;
-  PoseCorrection pose_;
 };
 
 TEST_F(Gate, HoldsThePriorItself) {
   EXPECT_FALSE(outside());
 }
 
-TEST_F(Gate, OfPositionIsTheSearchedSquare) {
-  const double half_m = search_half_width_m(prior_, options_);
-  const Eigen::Vector2d start_m = pose_.position_m;
-  for (const Eigen::Vector2d& along : {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, -1), Eigen::Vector2d(1, -1)}) {
-    pose_.position_m = start_m + 0.999 * half_m * along;
-    EXPECT_FALSE(outside()) << along.transpose();
-    pose_.position_m = start_m + 1.001 * half_m * along;
-    EXPECT_TRUE(outside()) << along.transpose();
+TEST_F(Gate, OfPositionIsTheEllipseWithinTheSearchedSquare) {
+  const double by_tilt_m = 2 * 100 * std::tan(kRadPerDeg);
+  prior_.covariance_en_m2 << 400, 0, 0, 25;
+  const Eigen::Vector2d half_axes(std::hypot(60, by_tilt_m), std::hypot(15, by_tilt_m));
+  for (const double angle : {0.0, 0.7, 1.5, 2.5}) {
+    const Eigen::Vector2d edge(half_axes.x() * std::cos(angle), half_axes.y() * std::sin(angle));
+    EXPECT_FALSE(outside_at(0.999 * edge)) << angle;
+    EXPECT_TRUE(outside_at(1.001 * edge)) << angle;
+    EXPECT_LE(edge.cwiseAbs().maxCoeff(), search_half_width_m(prior_, options_));
   }
 }
 
+TEST_F(Gate, OfPositionFollowsTheCorrelation) {
+  prior_.covariance_en_m2 << 100, 90, 90, 100;  // 13.8 m along (1, 1), 3.2 m across
+  EXPECT_FALSE(outside_at({25, 25}));
+  EXPECT_TRUE(outside_at({15, -15}));
+}
+
 TEST_F(Gate, OfTiltIsFourStandardDeviations) {
-  pose_.tilt_rad = {3.9 * kRadPerDeg, 0};
+  fix_.pitch_deg = 1 + 3.9;
   EXPECT_FALSE(outside());
-  pose_.tilt_rad = {3 * kRadPerDeg, 3 * kRadPerDeg};  // 4.2° together
+  fix_.pitch_deg = 1 + 3;
+  fix_.roll_deg = -2 - 3;  // 4.2° together
   EXPECT_TRUE(outside());
 }
 
 TEST_F(Gate, OfYawHoldsOnlyWhereYawIsKnown) {
-  pose_.turn_rad = -7.9 * kRadPerDeg;
+  fix_.yaw_deg = 359 + 7.9 - 360;
   EXPECT_FALSE(outside());
-  pose_.turn_rad = -8.1 * kRadPerDeg;
+  fix_.yaw_deg = 359 + 8.1 - 360;
   EXPECT_TRUE(outside());
   options_.yaw_sigma_deg = 180;
   EXPECT_FALSE(outside());
@@ -123,9 +136,9 @@ TEST_F(Gate, OfYawHoldsOnlyWhereYawIsKnown) {
 
 TEST_F(Gate, OfHeightIsFourStandardDeviations) {
   for (const double sign : {-1.0, 1.0}) {
-    pose_.log_height = 0.119 * sign;
+    fix_.scale = std::exp(0.119 * sign);
     EXPECT_FALSE(outside()) << sign;
-    pose_.log_height = 0.121 * sign;
+    fix_.scale = std::exp(0.121 * sign);
     EXPECT_TRUE(outside()) << sign;
   }
 }

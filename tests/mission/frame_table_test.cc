@@ -48,7 +48,7 @@ TEST(FrameTable, ReadsEveryColumn) {
   EXPECT_EQ(frame.time_s, 1.5);
   EXPECT_EQ(frame.prior.lon_deg, 16.25);
   EXPECT_EQ(frame.prior.lat_deg, -55.5);
-  EXPECT_EQ(frame.prior_sigma_m, 30);
+  EXPECT_EQ(frame.prior_covariance_en_m2, isotropic_covariance_m2(30));
   EXPECT_EQ(frame.height_agl_m, 120);
   EXPECT_EQ(frame.attitude.yaw_deg, 152);
   EXPECT_EQ(frame.attitude.pitch_deg, 1.5);
@@ -67,6 +67,24 @@ TEST(FrameTable, ColumnsStandInAnyOrder) {
   EXPECT_EQ(table.frames[0].attitude.roll_deg, 7);
   EXPECT_EQ(table.frames[0].attitude.yaw_deg, 6);
   EXPECT_EQ(table.frames[0].prior.lon_deg, 1);
+}
+
+TEST(FrameTable, APriorMayHaveAWholeCovariance) {
+  const std::string names =
+      "file,time_s,prior_lon_deg,prior_lat_deg,prior_east_sigma_m,prior_north_sigma_m,prior_covariance_en_m2,"
+      "height_agl_m,yaw_deg,pitch_deg,roll_deg\n";
+  const FrameTable table = read(names + "a.jpg,0,1,2,3,4,-6,50,0,0,0\n");
+  EXPECT_THAT(table.warnings, IsEmpty());
+  EXPECT_EQ(table.frames[0].prior_covariance_en_m2, (Eigen::Matrix2d() << 9, -6, -6, 16).finished());
+  EXPECT_EQ(frame_table_error(names + "a.jpg,0,1,2,3,4,12.5,50,0,0,0\n"),
+            "frames.csv: line 2: prior_covariance_en_m2 = 12.5 is more than prior_east_sigma_m times "
+            "prior_north_sigma_m, 12");
+  EXPECT_EQ(frame_table_error("prior_sigma_m," + names + "1,a.jpg,0,1,2,3,4,0,50,0,0,0\n"),
+            "frames.csv: line 1: columns \"prior_sigma_m\" and \"prior_east_sigma_m\" … exclude each other");
+  EXPECT_THAT(frame_table_error("file,prior_east_sigma_m,prior_covariance_en_m2\na,1,0\n"),
+              ::testing::StartsWith("frames.csv: line 1: column \"prior_north_sigma_m\" is missing"));
+  const FrameTableOptions partly{FrameTruth::kCenter, FrameColumns::kFileOnly};
+  EXPECT_FALSE(read(names + "a.jpg,,,,,,,,,,\n", partly).frames[0].prior_covariance_en_m2.allFinite());
 }
 
 TEST(FrameTable, UnknownColumnsAreToldOf) {

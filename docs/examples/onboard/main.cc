@@ -93,7 +93,7 @@ int run(const std::vector<std::string>& arguments) {
 
   pilotage::MatchPrior prior;
   prior.position = {lon_deg, lat_deg};
-  prior.sigma_m = sigma_m;
+  prior.covariance_en_m2 = pilotage::isotropic_covariance_m2(sigma_m);
   prior.height_agl_m = height_agl_m;
   prior.attitude = {yaw_deg, pitch_deg, roll_deg};
   const pilotage::MatchResult result = pilotage::match(frame, prior, camera, map);

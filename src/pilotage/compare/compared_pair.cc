@@ -28,7 +28,7 @@ void check_record(const FrameRecord& record) {
   if (!std::isfinite(a.yaw_deg) || !std::isfinite(a.pitch_deg) || !std::isfinite(a.roll_deg)) {
     refuse("yaw_deg, pitch_deg and roll_deg must be known");
   }
-  if (!(record.prior_sigma_m >= 0) || !std::isfinite(record.prior_sigma_m)) refuse("prior_sigma_m must be known");
+  if (!record.prior_covariance_en_m2.allFinite()) refuse("prior_sigma_m must be known");
 }
 
 // Features keep away from where the imagery ends: that edge is not on the ground.
@@ -124,7 +124,7 @@ PairOrProblem make_compared_pair(const std::vector<std::string>& reference, cons
 
   ComparedPair pair;
   pair.gsd_m = gsd_m;
-  pair.search_m = options.search_sigmas * record.prior_sigma_m;
+  pair.search_m = options.search_sigmas * largest_sigma_m(record.prior_covariance_en_m2);
   pair.anchor_m = anchor->ground_m;
   const Footprint ground = footprint(*view);
   Bounds wanted;

@@ -83,7 +83,7 @@ std::optional<TileFrame> take_frame(const FrameSetup& setup, const GroundTile& t
   TileFrame frame;
   frame.prior.attitude.yaw_deg = grid_yaw_deg(setup.judged, center_map);
   frame.prior.height_agl_m = setup.agl_m;
-  frame.prior.sigma_m = setup.search_radius_m / kSearchSigmas;
+  frame.prior.covariance_en_m2 = isotropic_covariance_m2(setup.search_radius_m / kSearchSigmas);
   Attitude attitude = frame.prior.attitude;
   for (double* angle_deg : {&attitude.yaw_deg, &attitude.pitch_deg, &attitude.roll_deg}) {
     *angle_deg += setup.match.attitude_sigma_deg * random.normal();

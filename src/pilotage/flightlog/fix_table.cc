@@ -84,6 +84,8 @@ std::vector<FixColumn> fix_columns(bool timings) {
   list.of_stats("ncc_rival", [](const MatchStats& stats) { return stats.ncc_rival; });
   list.of_stats("chip_pixels", [](const MatchStats& stats) { return stats.chip_pixels; });
   list.of_stats("confidence", [](const MatchStats& stats) { return stats.confidence; });
+  list.of_stats("search_half_width_m", [](const MatchStats& stats) { return stats.search_half_width_m; });
+  list.text("confirmed", [](const FrameMatch& match) { return match.has_fix() ? (match.confirmed ? "1" : "0") : ""; });
   list.of_error("error_m", &FrameMatch::error, &FixError::error_m);
   list.of_error("error_east_m", &FrameMatch::error, &FixError::east_m);
   list.of_error("error_north_m", &FrameMatch::error, &FixError::north_m);

@@ -198,7 +198,7 @@ std::vector<TakenField> fill_from_exif(FrameRecord& frame, const FrameExif& exif
 std::vector<std::string> missing_fields(const FrameRecord& frame) {
   const std::array<std::pair<const char*, double>, 7> fields{{{"prior_lon_deg", frame.prior.lon_deg},
                                                               {"prior_lat_deg", frame.prior.lat_deg},
-                                                              {"prior_sigma_m", frame.prior_sigma_m},
+                                                              {"prior_sigma_m", frame.prior_covariance_en_m2.sum()},
                                                               {"height_agl_m", frame.height_agl_m},
                                                               {"yaw_deg", frame.attitude.yaw_deg},
                                                               {"pitch_deg", frame.attitude.pitch_deg},

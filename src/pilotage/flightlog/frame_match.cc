@@ -35,6 +35,15 @@ FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind) {
   return result;
 }
 
+void set_errors(FrameMatch& match, FrameTruth truth) {
+  const MatchResult& result = match.result;
+  match.error.reset();
+  match.candidate_error.reset();
+  if (!match.frame.truth) return;
+  if (result.fix) match.error = error_of_fix(*result.fix, *match.frame.truth, truth);
+  if (result.candidate) match.candidate_error = error_of_fix(*result.candidate, *match.frame.truth, truth);
+}
+
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
                        const MatchOptions& options, FrameTruth truth, const std::function<bool()>& go_on) {
   FrameMatch done;
@@ -48,13 +57,11 @@ FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const 
     done.problem = error.what();
     return done;
   }
-  const MatchPrior prior{frame.prior, frame.prior_sigma_m, frame.height_agl_m, frame.attitude};
+  const MatchPrior prior{frame.prior, frame.prior_covariance_en_m2, frame.height_agl_m, frame.attitude};
   const auto start = std::chrono::steady_clock::now();
   done.result = match(picture, prior, sized, map, options, go_on);
   done.milliseconds = milliseconds_since(start);
-  if (!frame.truth) return done;
-  if (done.result.fix) done.error = error_of_fix(*done.result.fix, *frame.truth, truth);
-  if (done.result.candidate) done.candidate_error = error_of_fix(*done.result.candidate, *frame.truth, truth);
+  set_errors(done, truth);
   return done;
 }
 

@@ -22,11 +22,12 @@ struct FixError {
 
 /// A frame from a file and what became of it.
 struct FrameMatch {
-  FrameRecord frame;
+  FrameRecord frame;  ///< With the prior that was matched with.
   /// Why there is nothing to match, "" otherwise: the file cannot be read as a picture, or has not the camera's shape.
   std::string problem;
   MatchResult result;                                              ///< Meaningless when there is a problem.
   double milliseconds = std::numeric_limits<double>::quiet_NaN();  ///< Of match() alone: reading the file is not in it.
+  bool confirmed = false;                   ///< A fix because it lies where the frames before say (match_sequence.h).
   std::optional<FixError> error;            ///< Of result.fix, when there is one and the truth is known.
   std::optional<FixError> candidate_error;  ///< Of result.candidate, likewise.
 
@@ -41,6 +42,9 @@ std::string frame_status_text(const FrameMatch& match);
 
 /// `fix` against a true point: its position for FrameTruth::kNadir, its centre for kCenter.
 FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind);
+
+/// Sets the errors of what `match` holds, where the truth is known.
+void set_errors(FrameMatch& match, FrameTruth truth);
 
 /// Reads the picture `path` (anything GDAL opens; gray as the map's imagery is made gray), and matches it. What cannot
 /// be read is a FrameMatch with a problem. Throws nothing but std::bad_alloc and, when `go_on` returns false,

@@ -49,6 +49,19 @@ Json nees_json(const NeesSummary& nees) {
           {"band_high", json_number(nees.band.high)}};
 }
 
+Json sequence_json(const SequenceSummary& sequence) {
+  return {{"narrowed", sequence.narrowed},
+          {"confirmed", sequence.confirmed},
+          {"gate_refusals", sequence.gate_refusals},
+          {"resets", sequence.resets}};
+}
+
+std::string sequence_text(const SequenceSummary& sequence) {
+  return "in sequence: " + std::to_string(sequence.narrowed) + " priors narrowed, " +
+         std::to_string(sequence.confirmed) + " fixes by confirmation, " + std::to_string(sequence.gate_refusals) +
+         " against the track, " + std::to_string(sequence.resets) + " tracks given up\n";
+}
+
 std::string rate_text(const MatchRate& rate, const std::string& of_what) {
   const auto percent = [](double share) { return format_fixed(100 * share, 2); };
   return (rate.of == 0 ? "undefined" : percent(rate.rate) + " %") + " (" + std::to_string(rate.count) + " of " +
@@ -114,6 +127,7 @@ Json to_json(const MatchEvaluation& evaluation, bool timings) {
             {"accepted", evaluation.accepted},
             {"refused", Json::object()}};
   for (const auto& [status, count] : evaluation.refused) json["refused"][status] = count;
+  if (evaluation.sequence) json["sequence"] = sequence_json(*evaluation.sequence);
   json["frames_with_truth"] = evaluation.frames_with_truth;
   if (evaluation.frames_with_truth > 0) {
     json["correct_within_m"] = evaluation.correct_within_m;
@@ -136,6 +150,7 @@ std::string evaluation_text(const MatchEvaluation& evaluation, bool timings) {
   for (const auto& [status, count] : evaluation.refused) {
     text += "  " + std::to_string(count) + " " + status + "\n";
   }
+  if (evaluation.sequence) text += sequence_text(*evaluation.sequence);
   if (evaluation.frames_with_truth > 0) {
     const std::string limit = format_number(evaluation.correct_within_m) + " m";
     text += "correct fixes, within " + limit + ": " + rate_text(evaluation.correct, "frames");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -8,6 +9,7 @@
 
 #include "pilotage/base/statistics.h"
 #include "pilotage/flightlog/frame_match.h"
+#include "pilotage/flightlog/match_sequence.h"
 
 namespace pilotage {
 
@@ -34,6 +36,7 @@ struct MatchEvaluation {
   std::int64_t unreadable = 0;
   std::int64_t accepted = 0;                    ///< Frames with a fix.
   std::map<std::string, std::int64_t> refused;  ///< Frames without one, by frame_status_name().
+  std::optional<SequenceSummary> sequence;      ///< Of frames that were matched in sequence.
 
   // Of the frames whose truth is known.
   double correct_within_m = 0;

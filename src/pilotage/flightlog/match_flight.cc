@@ -10,6 +10,14 @@
 
 namespace pilotage {
 
+void require_readable_frame(const std::vector<FrameMatch>& matches) {
+  if (matches.empty()) return;
+  if (std::any_of(matches.begin(), matches.end(), [](const auto& m) { return m.readable(); })) return;
+  const std::string& problem = matches.front().problem;
+  if (matches.size() == 1) throw DataError(problem);
+  throw DataError("not one of " + std::to_string(matches.size()) + " frames can be read; the first: " + problem);
+}
+
 std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
                                      const MatchOptions& options, FrameTruth truth, int threads,
                                      const Progress& progress) {
@@ -31,11 +39,7 @@ std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map,
         matches[index] =
             match_frame(frame.path, frame.frame, frame.camera, reader, options, truth, [&] { return report(0); });
       });
-  if (!matches.empty() && std::none_of(matches.begin(), matches.end(), [](const auto& m) { return m.readable(); })) {
-    const std::string& problem = matches.front().problem;
-    if (matches.size() == 1) throw DataError(problem);
-    throw DataError("not one of " + std::to_string(matches.size()) + " frames can be read; the first: " + problem);
-  }
+  require_readable_frame(matches);
   return matches;
 }
 

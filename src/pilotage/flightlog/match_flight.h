@@ -18,4 +18,7 @@ std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map,
                                      const MatchOptions& options, FrameTruth truth, int threads,
                                      const Progress& progress);
 
+/// Throws DataError with the first one's problem when there are frames and not one could be read.
+void require_readable_frame(const std::vector<FrameMatch>& matches);
+
 }  // namespace pilotage

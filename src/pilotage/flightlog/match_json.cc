@@ -59,7 +59,8 @@ Json stats_json(const MatchStats& stats) {
           {"ncc", json_number(stats.ncc)},
           {"ncc_rival", json_number(stats.ncc_rival)},
           {"chip_pixels", stats.chip_pixels},
-          {"confidence", json_number(stats.confidence)}};
+          {"confidence", json_number(stats.confidence)},
+          {"search_half_width_m", json_number(stats.search_half_width_m)}};
 }
 
 std::string fix_text(const Fix& fix) {

@@ -134,17 +134,21 @@ double longest_step_s(const InsErrorModel& model, bool aided) {
 }
 
 /// Kalman update in Joseph form: `h` picks two states' combination, each with measurement variance `variance`.
-void update(Matrix& covariance, const Eigen::Matrix<double, 2, InsState::kSize>& h, double variance) {
+/// `errors`, if not null, learn that the combination is 0.
+void update(Matrix& covariance, const Eigen::Matrix<double, 2, InsState::kSize>& h, double variance,
+            InsEstimate::Errors* errors = nullptr) {
   const Eigen::Matrix<double, InsState::kSize, 2> ph = covariance * h.transpose();
   const Eigen::Matrix2d innovation = h * ph + variance * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, InsState::kSize, 2> gain = innovation.ldlt().solve(ph.transpose()).transpose();
   const Matrix keep = Matrix::Identity() - gain * h;
+  if (errors != nullptr) *errors = (keep * *errors).eval();
   const Matrix next = keep * covariance * keep.transpose() + variance * gain * gain.transpose();
   covariance = 0.5 * (next + next.transpose());
 }
 
 /// A change of heading and speed at one instant: what a turn and an acceleration do to the errors.
-void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry) {
+void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry,
+               InsEstimate::Errors* errors = nullptr) {
   const double turn_rad = std::remainder(heading_deg - state.heading_deg, 360.0) * kRadPerDeg;
   if (turn_rad == 0 && speed_mps == state.speed_mps) return;
   Matrix jump = Matrix::Identity();
@@ -158,6 +162,7 @@ void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odome
     jump.block<2, 1>(kVelocity, kHeading) = turned;
     jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
   }
+  if (errors != nullptr) *errors = (jump * *errors).eval();
   state.covariance = (jump * state.covariance * jump.transpose()).eval();
   state.heading_deg = heading_deg;
   state.speed_mps = speed_mps;
@@ -243,19 +248,50 @@ InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const I
   return step;
 }
 
-InsState propagate(const InsState& state, const InsStep& step) {
-  InsState next = state;
-  manoeuvre(next, step.heading_deg, step.speed_mps, step.odometry);
+namespace {
+
+/// Flies one step; `errors`, if not null, with it.
+void fly(InsState& next, const InsStep& step, InsEstimate::Errors* errors) {
+  manoeuvre(next, step.heading_deg, step.speed_mps, step.odometry, errors);
   Eigen::Matrix<double, 2, InsState::kSize> aid = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
   aid.block<2, 2>(0, kVelocity).setIdentity();
   aid.block<2, 2>(0, kAid) = -Eigen::Matrix2d::Identity();
   for (double i = 0; i < step.parts; ++i) {
     const Matrix grown = step.phi * next.covariance * step.phi.transpose() + step.noise;
     next.covariance = 0.5 * (grown + grown.transpose());
+    if (errors != nullptr) *errors = (step.phi * *errors).eval();
     const double part_s = step.dt_s / step.parts;
-    if (step.aided) update(next.covariance, aid, kAidNoise_mps_rt_hz * kAidNoise_mps_rt_hz / part_s);
+    if (step.aided) update(next.covariance, aid, kAidNoise_mps_rt_hz * kAidNoise_mps_rt_hz / part_s, errors);
   }
   next.time_s += step.dt_s;
+}
+
+}  // namespace
+
+InsState propagate(const InsState& state, const InsStep& step) {
+  InsState next = state;
+  fly(next, step, nullptr);
+  return next;
+}
+
+InsEstimate propagate(const InsEstimate& estimate, const InsStep& step) {
+  InsEstimate next = estimate;
+  fly(next.state, step, &next.errors);
+  return next;
+}
+
+InsEstimate update_with_position_error(const InsEstimate& estimate, const Eigen::Vector2d& measured_m,
+                                       const Eigen::Matrix2d& covariance_m2) {
+  const Matrix& p = estimate.state.covariance;
+  const Eigen::Matrix2d innovation = p.block<2, 2>(kPosition, kPosition) + covariance_m2;
+  const Eigen::Matrix<double, InsState::kSize, 2> gain =
+      innovation.ldlt().solve(p.block<2, InsState::kSize>(kPosition, 0)).transpose();
+  Matrix keep = Matrix::Identity();
+  keep.block<InsState::kSize, 2>(0, kPosition) -= gain;
+  InsEstimate next = estimate;
+  next.errors += gain * (measured_m - estimate.errors.segment<2>(kPosition));
+  const Matrix joseph = keep * p * keep.transpose() + gain * covariance_m2 * gain.transpose();
+  next.state.covariance = 0.5 * (joseph + joseph.transpose());
   return next;
 }
 

@@ -64,6 +64,21 @@ InsState propagate(const InsState& state, const InsStep& step);
 /// finite.
 InsState update_with_fix(const InsState& state, double fix_sigma_m);
 
+/// An inertial system's errors as fixes of known places tell them: what InsState does not need, for it predicts.
+struct InsEstimate {
+  using Errors = Eigen::Matrix<double, InsState::kSize, 1>;
+
+  InsState state;
+  Errors errors = Errors::Zero();  ///< Expected, in the order of InsState: computed minus true for the position.
+};
+
+/// The estimate after a step; its covariance is that of propagate(state, step) to the bit.
+InsEstimate propagate(const InsEstimate& estimate, const InsStep& step);
+
+/// Kalman update (Joseph form) with a measurement of the position's error.
+InsEstimate update_with_position_error(const InsEstimate& estimate, const Eigen::Vector2d& measured_m,
+                                       const Eigen::Matrix2d& covariance_m2);
+
 /// What GNSS does to the errors while it is had, flying in direction `heading_deg` at `speed_mps` (a change of either
 /// happens before): position, velocity, tilt and heading are known at least to the model's figures for the loss of
 /// GNSS (start_sigma_m and so on), along every axis. What is known better stays. Each error that is larger takes a

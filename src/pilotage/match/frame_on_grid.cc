@@ -32,7 +32,7 @@ std::optional<MatchStatus> refusal_of(RectifyStatus status) {
 }  // namespace
 
 double search_half_width_m(const MatchPrior& prior, const MatchOptions& options) {
-  return options.search_sigmas * prior.sigma_m +
+  return options.search_sigmas * largest_sigma_m(prior.covariance_en_m2) +
          2 * prior.height_agl_m * std::tan(options.attitude_sigma_deg * kRadPerDeg);
 }
 

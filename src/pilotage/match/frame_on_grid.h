@@ -39,7 +39,8 @@ struct FrameOnGrid {
   }
 };
 
-/// Half side of the searched square: the prior's window, and what the tilt's error moves the principal point by.
+/// Half side of the searched square: the square about the prior's error ellipse of search_sigmas, and what the tilt's
+/// error moves the principal point by.
 double search_half_width_m(const MatchPrior& prior, const MatchOptions& options);
 
 /// The attitude against the grid's up instead of true north.

@@ -45,9 +45,15 @@ bool options_are_good(const MatchOptions& options) {
   return true;
 }
 
+bool covariance_is_good(const Eigen::Matrix2d& covariance) {
+  // What is not symmetric to rounding is no covariance.
+  return std::abs(covariance(0, 1) - covariance(1, 0)) <= 1e-9 * covariance.norm() &&
+         is_inside(smallest_sigma_m(covariance), 1e-3, 1e5) && is_inside(largest_sigma_m(covariance), 1e-3, 1e5);
+}
+
 bool prior_is_good(const MatchPrior& prior) {
   return std::isfinite(prior.position.lon_deg) && is_inside(prior.position.lon_deg, -360, 360) &&
-         is_inside(prior.position.lat_deg, -90, 90) && is_inside(prior.sigma_m, 1e-3, 1e5) &&
+         is_inside(prior.position.lat_deg, -90, 90) && covariance_is_good(prior.covariance_en_m2) &&
          is_inside(prior.height_agl_m, 1e-3, 1e5) && std::isfinite(prior.attitude.yaw_deg) &&
          std::isfinite(prior.attitude.pitch_deg) && std::isfinite(prior.attitude.roll_deg);
 }
@@ -120,6 +126,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   MemoryLeft memory(options);
   if (!memory.take(bytes_to_rectify(frame))) return refused(MatchStatus::kTooUncertain, stats);
   const FrameOnGrid rectified = rectify_frame(frame, prior, camera, map, options);
+  stats.search_half_width_m = search_half_width_m(prior, options);
   if (rectified.level != nullptr) stats.level = rectified.level->matrix.level;
   stats.gsd_m = rectified.gsd_m;
   if (rectified.refusal) return refused(*rectified.refusal, stats);
@@ -159,7 +166,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   stats.inliers = refined->pose.inliers;
   stats.residual_m = refined->pose.residual_m;
-  const bool outside_gate = is_outside_gate(rectified, local, prior, options, refined->pose);
+  const bool outside_gate = is_outside_gate(refined->fix, prior, options);
   if (const auto refusal = refusal_of_best(stats, options, outside_gate)) return {*refusal, {}, refined->fix, stats};
   return {MatchStatus::kFix, refined->fix, refined->fix, stats};
 }

@@ -14,6 +14,7 @@
 #include "pilotage/camera/attitude.h"
 #include "pilotage/camera/camera.h"
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/geo/position_covariance.h"
 #include "pilotage/mapdb/map_reader.h"
 
 #pragma GCC visibility push(default)
@@ -22,8 +23,9 @@ namespace pilotage {
 
 /// What the aircraft knows when the frame is taken.
 struct MatchPrior {
-  GeodeticPoint position;   ///< Of the aircraft.
-  double sigma_m = 0;       ///< Of the position, one standard deviation along each horizontal axis.
+  GeodeticPoint position;  ///< Of the aircraft.
+  /// Of the position: variances of east and north and their covariance, m²; isotropic_covariance_m2() for one sigma.
+  Eigen::Matrix2d covariance_en_m2 = Eigen::Matrix2d::Zero();
   double height_agl_m = 0;  ///< Above the ground under the aircraft.
   Attitude attitude;        ///< Yaw from true north.
 };
@@ -43,8 +45,10 @@ struct MatchOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.field("search_sigmas", self.search_sigmas,
-                 "Half width of the searched square, in standard deviations of the prior position.", Range{0.5, 10});
+    fields.field(
+        "search_sigmas", self.search_sigmas,
+        "Half width of the searched square, in standard deviations of the prior position along its worst direction.",
+        Range{0.5, 10});
     fields.field("attitude_sigma_deg", self.attitude_sigma_deg, "Standard deviation of pitch and roll.",
                  Range{0.01, 20});
     fields.field(
@@ -123,8 +127,9 @@ struct MatchStats {
   double residual_m = 0;  ///< Their root mean square, along one axis.
   double ncc = 0;         ///< Normalised correlation with the map's chips, when they were used; else 0.
   double ncc_rival = 0;
-  int chip_pixels = 0;    ///< Pixels of chips behind ncc; 0 when they were not used.
-  double confidence = 0;  ///< 1 − the rate at which frames of other ground reach this evidence, 0 … 1.
+  int chip_pixels = 0;             ///< Pixels of chips behind ncc; 0 when they were not used.
+  double confidence = 0;           ///< 1 − the rate at which frames of other ground reach this evidence, 0 … 1.
+  double search_half_width_m = 0;  ///< Of the square that was searched.
 };
 
 struct MatchResult {

@@ -37,7 +37,8 @@ Eigen::Matrix<T, 2, 1> ground_point(const Eigen::Vector3d& ray_m, double rise_m,
 struct PoseResiduals {
   const std::vector<GroundPair>* pairs;
   State prior_state;
-  State prior_inverse_sigma;
+  State prior_inverse_sigma;  ///< Of all but the position.
+  Eigen::Matrix2d position_whitening;
   double noise_m;
 
   int NumResiduals() const { return 2 * static_cast<int>(pairs->size()) + kUnknowns; }
@@ -57,7 +58,11 @@ struct PoseResiduals {
       residuals[row++] = factor * x;
       residuals[row++] = factor * y;
     }
-    for (int i = 0; i < kUnknowns; ++i) residuals[row++] = (state[i] - T(prior_state(i))) * T(prior_inverse_sigma(i));
+    const T right = state[0] - T(prior_state(0));
+    const T up = state[1] - T(prior_state(1));
+    residuals[row++] = T(position_whitening(0, 0)) * right;
+    residuals[row++] = T(position_whitening(1, 0)) * right + T(position_whitening(1, 1)) * up;
+    for (int i = 2; i < kUnknowns; ++i) residuals[row++] = (state[i] - T(prior_state(i))) * T(prior_inverse_sigma(i));
     return true;
   }
 };
@@ -67,9 +72,19 @@ using PoseFunction = ceres::TinySolverAutoDiffFunction<PoseResiduals, Eigen::Dyn
 State inverse_sigmas(const PosePrior& prior) {
   State inverse;
   const auto of = [](double sigma) { return 1 / std::max(sigma, 1e-6); };
-  inverse << of(prior.position_sigma_m), of(prior.position_sigma_m), of(prior.tilt_sigma_rad), of(prior.tilt_sigma_rad),
-      of(prior.yaw_sigma_rad), of(prior.log_height_sigma);
+  inverse << 0, 0, of(prior.tilt_sigma_rad), of(prior.tilt_sigma_rad), of(prior.yaw_sigma_rad),
+      of(prior.log_height_sigma);
   return inverse;
+}
+
+/// The lower triangle W with W C Wᵀ = 1: of an error of covariance C it makes two of variance 1.
+Eigen::Matrix2d whitening(const Eigen::Matrix2d& covariance_m2) {
+  const double first = std::max(std::sqrt(covariance_m2(0, 0)), 1e-6);
+  const double shared = covariance_m2(1, 0) / first;
+  const double second = std::max(std::sqrt(std::max(0.0, covariance_m2(1, 1) - shared * shared)), 1e-6);
+  Eigen::Matrix2d matrix;
+  matrix << 1 / first, 0, -shared / (first * second), 1 / second;
+  return matrix;
 }
 
 std::vector<double> errors_m(const std::vector<GroundPair>& pairs, const State& state) {
@@ -140,7 +155,8 @@ PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior
   if (pairs.size() < 4) return pose;
   State state = State::Zero();
   state.head<2>() = start_m;
-  PoseResiduals residuals{&pairs, State::Zero(), inverse_sigmas(prior), std::max(1.0, floor_m)};
+  PoseResiduals residuals{&pairs, State::Zero(), inverse_sigmas(prior), whitening(prior.position_covariance_m2),
+                          std::max(1.0, floor_m)};
   residuals.prior_state.head<2>() = prior_position_m;
   // The noise is not known before the fit, nor the fit without the noise.
   for (int round = 0; round < 2; ++round) {
@@ -158,6 +174,7 @@ PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior
   if (pose.inliers < 4) return pose;
   Eigen::Matrix<double, kUnknowns, kUnknowns> total = information(pairs, state, residuals.noise_m);
   total.diagonal() += residuals.prior_inverse_sigma.cwiseAbs2();
+  total.topLeftCorner<2, 2>() += residuals.position_whitening.transpose() * residuals.position_whitening;
   pose.covariance = total.inverse();
   pose.position_m = state.head<2>();
   pose.tilt_rad = state.segment<2>(2);

@@ -15,9 +15,9 @@ struct GroundPair {
   double rise_m = 0;  ///< Height of the map's ground there above that under the aircraft.
 };
 
-/// Standard deviations of the prior pose.
+/// How sure the prior pose is.
 struct PosePrior {
-  double position_sigma_m = 1;
+  Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Identity();  ///< Right and up in the map's grid.
   double tilt_sigma_rad = 0.02;
   double yaw_sigma_rad = 0.02;
   double log_height_sigma = 0.03;

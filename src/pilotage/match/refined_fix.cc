@@ -6,6 +6,9 @@
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "pilotage/geo/local_frame.h"
 
 namespace pilotage {
 namespace {
@@ -57,7 +60,9 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   const auto pairs = supporting_pairs(frame, map, place.placement);
   const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs);
   PosePrior sigmas;
-  sigmas.position_sigma_m = prior.sigma_m;
+  const Eigen::Matrix2d enu_from_grid = rectified.enu_from_grid_m();
+  const Eigen::Matrix2d grid_from_enu = enu_from_grid.inverse();
+  sigmas.position_covariance_m2 = grid_from_enu * prior.covariance_en_m2 * grid_from_enu.transpose();
   sigmas.tilt_sigma_rad = options.attitude_sigma_deg * kRadPerDeg;
   sigmas.yaw_sigma_rad = options.yaw_sigma_deg * kRadPerDeg;
   sigmas.log_height_sigma = options.height_sigma_fraction;
@@ -71,7 +76,6 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   if (!refined.pose.converged) return std::nullopt;
 
   const PoseCorrection& pose = refined.pose;
-  const Eigen::Matrix2d enu_from_grid = rectified.enu_from_grid_m();
   const Eigen::Matrix2d map_noise = Eigen::Matrix2d::Identity() * options.map_sigma_m * options.map_sigma_m;
   const auto geodetic = [&](const Eigen::Vector2d& m) {
     return rectified.grid.geodetic_from_px(map.reference_px + rectified.px_from_m(m));
@@ -100,13 +104,16 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   return refined;
 }
 
-bool is_outside_gate(const FrameOnGrid& rectified, const LocalMap& map, const MatchPrior& prior,
-                     const MatchOptions& options, const PoseCorrection& pose) {
-  const Eigen::Vector2d off_m = pose.position_m - rectified.m_from_px(rectified.prior_px - map.reference_px);
-  if (off_m.cwiseAbs().maxCoeff() > search_half_width_m(prior, options)) return true;
-  if (pose.tilt_rad.norm() > kGateSigmas * options.attitude_sigma_deg * kRadPerDeg) return true;
-  if (std::abs(pose.turn_rad) > kGateSigmas * options.yaw_sigma_deg * kRadPerDeg) return true;
-  return std::abs(pose.log_height) > kGateSigmas * options.height_sigma_fraction;
+bool is_outside_gate(const Fix& fix, const MatchPrior& prior, const MatchOptions& options) {
+  const Eigen::Vector2d off_m = LocalFrame(prior.position).enu_from_geodetic(fix.position).head<2>();
+  const double by_tilt_m = 2 * prior.height_agl_m * std::tan(options.attitude_sigma_deg * kRadPerDeg);
+  const Eigen::Matrix2d gate = prior.covariance_en_m2 + isotropic_covariance_m2(by_tilt_m / options.search_sigmas);
+  if (!(mahalanobis_squared(off_m, gate) <= options.search_sigmas * options.search_sigmas)) return true;
+  const double tilt_deg = std::hypot(fix.roll_deg - prior.attitude.roll_deg, fix.pitch_deg - prior.attitude.pitch_deg);
+  if (tilt_deg > kGateSigmas * options.attitude_sigma_deg) return true;
+  const double turn_deg = std::remainder(fix.yaw_deg - prior.attitude.yaw_deg, 360.0);
+  if (std::abs(turn_deg) > kGateSigmas * options.yaw_sigma_deg) return true;
+  return std::abs(std::log(fix.scale)) > kGateSigmas * options.height_sigma_fraction;
 }
 
 }  // namespace pilotage

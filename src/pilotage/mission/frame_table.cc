@@ -22,6 +22,9 @@ enum Column : std::size_t {
   kPriorLon,
   kPriorLat,
   kPriorSigma,
+  kPriorEastSigma,
+  kPriorNorthSigma,
+  kPriorCovariance,
   kHeight,
   kYaw,
   kPitch,
@@ -44,6 +47,9 @@ constexpr std::array<ColumnRule, kColumnCount> kColumns{{{"time_s", {-kAny, kAny
                                                          {"prior_lon_deg", {-180, 360}},
                                                          {"prior_lat_deg", {-90, 90}},
                                                          {"prior_sigma_m", {0, 100000}},
+                                                         {"prior_east_sigma_m", {0, 100000}},
+                                                         {"prior_north_sigma_m", {0, 100000}},
+                                                         {"prior_covariance_en_m2", {-1e10, 1e10}},
                                                          {"height_agl_m", {-1000, 100000}},
                                                          {"yaw_deg", {-360, 360}},
                                                          {"pitch_deg", {-360, 360}},
@@ -52,6 +58,9 @@ constexpr std::array<ColumnRule, kColumnCount> kColumns{{{"time_s", {-kAny, kAny
                                                          {"true_lat_deg", {-90, 90}, true},
                                                          {"true_nadir_lon_deg", {-180, 360}, true},
                                                          {"true_nadir_lat_deg", {-90, 90}, true}}};
+
+/// How sure the prior is, when it is not the same in every direction; instead of kPriorSigma.
+constexpr std::array<Column, 3> kPriorEllipse{kPriorEastSigma, kPriorNorthSigma, kPriorCovariance};
 
 constexpr int kUnknown = -1;
 constexpr int kFile = -2;
@@ -103,8 +112,18 @@ Header read_header(const CsvTable& table, const FrameTableOptions& options) {
     throw DataError(table.where() + "column \"" + name + "\" is missing; the columns are " + join(names, ", "));
   };
   need(kFile, "file");
+  const bool ellipse = std::any_of(kPriorEllipse.begin(), kPriorEllipse.end(), has);
+  if (ellipse && has(kPriorSigma)) {
+    throw DataError(table.where() + "columns \"prior_sigma_m\" and \"prior_east_sigma_m\" … exclude each other");
+  }
+  for (const Column column : kPriorEllipse) {
+    if (ellipse) need(column, kColumns[column].name);
+  }
   for (std::size_t i = 0; i < kColumns.size() && options.required == FrameColumns::kAll; ++i) {
-    if (!kColumns[i].is_truth) need(static_cast<int>(i), kColumns[i].name);
+    const auto column = static_cast<Column>(i);
+    const bool of_ellipse = std::find(kPriorEllipse.begin(), kPriorEllipse.end(), column) != kPriorEllipse.end();
+    if (kColumns[i].is_truth || of_ellipse || (ellipse && column == kPriorSigma)) continue;
+    need(static_cast<int>(i), kColumns[i].name);
   }
   return header;
 }
@@ -128,6 +147,20 @@ std::optional<GeodeticPoint> read_truth(const CsvTable& table, const Numbers& nu
   return GeodeticPoint{wrap_lon_deg(numbers[lon]), numbers[lat]};
 }
 
+/// NaN where the row says nothing.
+Eigen::Matrix2d read_prior_covariance(const CsvTable& table, const Numbers& numbers) {
+  const double sigma_m = numbers[kPriorSigma];
+  if (!std::isnan(sigma_m)) return isotropic_covariance_m2(sigma_m);
+  const double east_m = numbers[kPriorEastSigma];
+  const double north_m = numbers[kPriorNorthSigma];
+  const double shared_m2 = numbers[kPriorCovariance];
+  try {
+    return prior_covariance(east_m, north_m, shared_m2);
+  } catch (const UsageError& error) {
+    throw DataError(table.where() + error.what());
+  }
+}
+
 FrameRecord read_row(const CsvTable& table, const Header& header, const std::vector<std::string>& cells) {
   FrameRecord frame;
   Numbers numbers;
@@ -142,7 +175,7 @@ FrameRecord read_row(const CsvTable& table, const Header& header, const std::vec
   if (frame.file.empty()) throw DataError(table.where() + "file is empty");
   frame.time_s = numbers[kTime];
   frame.prior = {std::isnan(numbers[kPriorLon]) ? kNaN : wrap_lon_deg(numbers[kPriorLon]), numbers[kPriorLat]};
-  frame.prior_sigma_m = numbers[kPriorSigma];
+  frame.prior_covariance_en_m2 = read_prior_covariance(table, numbers);
   frame.height_agl_m = numbers[kHeight];
   frame.attitude = {numbers[kYaw], numbers[kPitch], numbers[kRoll]};
   frame.truth = read_truth(table, numbers, header.truth[0], header.truth[1]);
@@ -150,6 +183,17 @@ FrameRecord read_row(const CsvTable& table, const Header& header, const std::vec
 }
 
 }  // namespace
+
+Eigen::Matrix2d prior_covariance(double east_sigma_m, double north_sigma_m, double covariance_en_m2) {
+  if (std::abs(covariance_en_m2) > east_sigma_m * north_sigma_m) {
+    throw UsageError("prior_covariance_en_m2 = " + format_number(covariance_en_m2) +
+                     " is more than prior_east_sigma_m times prior_north_sigma_m, " +
+                     format_number(east_sigma_m * north_sigma_m));
+  }
+  Eigen::Matrix2d covariance;
+  covariance << east_sigma_m * east_sigma_m, covariance_en_m2, covariance_en_m2, north_sigma_m * north_sigma_m;
+  return covariance;
+}
 
 FrameTable frame_table_from_csv(const std::string& name, std::string_view text, const FrameTableOptions& options) {
   CsvTable table(name, text, "a table of frames");

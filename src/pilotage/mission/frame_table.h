@@ -5,9 +5,12 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pilotage/base/options.h"
 #include "pilotage/camera/attitude.h"
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/geo/position_covariance.h"
 
 namespace pilotage {
 
@@ -27,7 +30,8 @@ struct FrameRecord {
   std::string file;  ///< As in the table: relative to the table's folder.
   double time_s = 0;
   GeodeticPoint prior;  ///< Of the aircraft.
-  double prior_sigma_m = 0;
+  /// Of the prior: variances of east and north and their covariance.
+  Eigen::Matrix2d prior_covariance_en_m2 = Eigen::Matrix2d::Zero();
   double height_agl_m = 0;
   Attitude attitude;
   std::optional<GeodeticPoint> truth;  ///< Of the point that FrameTableOptions::truth names.
@@ -56,9 +60,15 @@ struct FrameTableOptions {
 /// be missing as a column or empty in a row, but only both of its coordinates. Throws DataError naming `name`, line,
 /// column, value and what is allowed: for a column that is missing or stands twice, a row with another number of cells,
 /// an empty file name, a cell that is empty or no number, or a number outside its range (longitude [−180, 360],
-/// latitude [−90, 90], angles [−360, 360], prior_sigma_m [0, 100000], height_agl_m [−1000, 100000], time_s finite), and
-/// for a table without a row.
+/// latitude [−90, 90], angles [−360, 360], sigmas of the prior [0, 100000], height_agl_m [−1000, 100000], time_s
+/// finite), and for a table without a row. How sure the prior is stands either in prior_sigma_m or in
+/// prior_east_sigma_m, prior_north_sigma_m and prior_covariance_en_m2: both, a part of the latter, and a covariance
+/// larger than the product of its sigmas are errors, too.
 FrameTable frame_table_from_csv(const std::string& name, std::string_view text, const FrameTableOptions& options = {});
+
+/// The covariance of a prior from its three columns; NaN where one is. Throws UsageError when the covariance is larger
+/// than the product of the standard deviations.
+Eigen::Matrix2d prior_covariance(double east_sigma_m, double north_sigma_m, double covariance_en_m2);
 
 /// The file of a frame as it is to be opened: a relative one in the folder of the table.
 std::string frame_path(const std::string& table_path, const std::string& file);

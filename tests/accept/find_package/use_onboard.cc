@@ -17,7 +17,7 @@ int main(int, char** argv) {
   camera.cx_px = camera.cy_px = 32;
   pilotage::MatchPrior prior;
   prior.position = {-120, -45};
-  prior.sigma_m = 10;
+  prior.covariance_en_m2 = pilotage::isotropic_covariance_m2(10);
   prior.height_agl_m = 100;
   const auto result = pilotage::match(cv::Mat(64, 64, CV_8UC1, cv::Scalar(0)), prior, camera, map);
   std::printf("Pilotage %s: %zu descriptors, %s\n", PILOTAGE_VERSION, descriptors,

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/match/match.h"
+
+#pragma GCC visibility push(default)
+
+namespace pilotage {
+
+/// What a frame alone says of the aircraft's position.
+struct PositionMeasurement {
+  GeodeticPoint position;
+  /// With MatchOptions::map_sigma_m, which is not white: frames over the same ground share the map's error.
+  Eigen::Matrix2d covariance_en_m2 = Eigen::Matrix2d::Zero();
+};
+
+/// A fix with the prior's position taken out of it again: match() lets the prior position take part, so a filter that
+/// gave the prior would count it twice. In information form, which is how the prior went in:
+///   C⁻¹ = C_fix⁻¹ − C_prior⁻¹,   C⁻¹ (x − prior) = C_fix⁻¹ (fix − prior)
+/// with the map's variance taken off C_fix before and added to C after. Directions about which the frame says next to
+/// nothing get the variance 10⁶ times the prior's.
+PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior, const MatchOptions& options);
+
+}  // namespace pilotage
+
+#pragma GCC visibility pop
