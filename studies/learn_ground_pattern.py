@@ -23,8 +23,12 @@ import argparse
 import os
 import pathlib
 
-import cv2
 import numpy as np
+
+try:
+    import cv2
+except ImportError:  # it is no package of the tests
+    cv2 = None
 
 LEARN = ("abudhabi", "bercy", "bordeaux", "chongqing", "milano", "norcia")
 CANDIDATES = 8000
@@ -271,6 +275,8 @@ def command_line():
     if not (data / "twodate").is_dir():
         print("skipped: no real imagery (PILOTAGE_DATA)")
         raise SystemExit(77)
+    if cv2 is None:
+        raise SystemExit("learn_ground_pattern.py wants OpenCV for Python: apt-get install python3-opencv")
     tests = learn(data, options.reach_px, options.bits, options.seed)
     write_source(options.output, tests)
     if options.evaluate:

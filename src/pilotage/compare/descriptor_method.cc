@@ -78,13 +78,13 @@ std::string_view descriptor_method_title(DescriptorMethod method) {
     case DescriptorMethod::kOrb:
       return "ORB";
     case DescriptorMethod::kGround64:
-      return "ground 64";
+      return "Ground-64";
     case DescriptorMethod::kGround128:
-      return "ground 128";
+      return "Ground-128";
     case DescriptorMethod::kGround256:
-      return "ground 256";
+      return "Ground-256";
     case DescriptorMethod::kOrb256:
-      return "ORB upright";
+      return "ORB-256";
     case DescriptorMethod::kBrief128:
       return "BRIEF-128";
     case DescriptorMethod::kBrief512:

@@ -25,7 +25,7 @@ inline EnumNames<DescriptorMethod> enum_names(DescriptorMethod) {
           {DescriptorMethod::kSurf, "surf"}};
 }
 
-/// "ORB", "ground 256": what tables and file names say.
+/// "ORB", "Ground-256": what tables and file names say.
 std::string_view descriptor_method_title(DescriptorMethod method);
 
 /// Features of one image and how long they took on one thread.
@@ -40,7 +40,7 @@ struct DescribedImage {
 /// `max_features` of them.
 ///
 ///   ORB        cv::ORB: oFAST on 8 scales, 256 oriented bits (E. Rublee et al., ICCV 2011).
-///   ground n, ORB upright, BRIEF-n
+///   Ground-n, ORB-256, BRIEF-n
 ///              vision/features.h, what maps store: FAST-9 corners spread evenly on one scale, n upright tests: learned
 ///              on ground (vision/ground_pattern.h), ORB's pairs, or drawn (M. Calonder et al., ECCV 2010).
 ///   SIFT       cv::SIFT: 128 numbers (D. Lowe, IJCV 60, 2004).

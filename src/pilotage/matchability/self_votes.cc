@@ -153,7 +153,7 @@ class FeatureBands {
       windows.push_back({x - kVoteReach_px, y - kVoteReach_px, x + kVoteReach_px, y + kVoteReach_px});
     }
     const auto found =
-        index.find_within(voters, windows, static_cast<std::uint32_t>(descriptor_of(voters).support_bits()));
+        index.find_within(voters, windows, static_cast<std::uint32_t>(descriptor_of(voters).lookalike_bits()));
     for (std::size_t i = 0; i < voters.size(); ++i) {
       for (const HammingMatch& match : found.of_query(i)) {
         const Feature& other = around.features[match.index];

@@ -30,28 +30,31 @@ struct BinaryDescriptor {
   int bits;      ///< A multiple of 64.
   int reach_px;  ///< Pixels to each side of the feature on which it depends.
   // How alike two descriptors of the same ground are a year apart, as the largest share of bits that differ.
-  double vote_distance;      ///< Of a pair that votes for a displacement.
-  double fit_distance;       ///< Of a pair that moves a candidate's placement.
-  double support_distance;   ///< Of a pair that counts as found.
-  double survival_distance;  ///< Of a feature that a second date does not contradict (registration/feature_fates.h).
+  double vote_distance;       ///< Of a pair that votes for a displacement.
+  double fit_distance;        ///< Of a pair that moves a candidate's placement.
+  double support_distance;    ///< Of a pair that counts as found.
+  double survival_distance;   ///< Of a feature that a second date does not contradict (registration/feature_fates.h).
+  double lookalike_distance;  ///< Of two features of one map that look like each other (matchability/self_votes.h).
 
   int bytes() const { return bits / 8; }
   /// Largest number of differing bits of a pair that counts as found.
   int support_bits() const { return static_cast<int>(bits * support_distance); }
   /// Likewise of one that survives.
   int survival_bits() const { return static_cast<int>(bits * survival_distance); }
+  /// Likewise of two that look like each other.
+  int lookalike_bits() const { return static_cast<int>(bits * lookalike_distance); }
 };
 
 /// All of them, and the one place to add another: options, files, search and matcher go by this list. Only a pattern of
 /// a new kind is more than a row: its code goes into vision/feature_descriptor.cc. The reach of ORB's and BRIEF's is
 /// that of their pairs and of the Gaussian of 7 × 7 pixels before them.
 inline constexpr std::array<BinaryDescriptor, 6> kBinaryDescriptors{{
-    {DescriptorPattern::kGround, 64, 15, 104.0 / 256, 100.0 / 256, 96.0 / 256, 86.0 / 256},
-    {DescriptorPattern::kGround, 128, 15, 104.0 / 256, 100.0 / 256, 96.0 / 256, 86.0 / 256},
-    {DescriptorPattern::kGround, 256, 15, 104.0 / 256, 100.0 / 256, 96.0 / 256, 86.0 / 256},
-    {DescriptorPattern::kOrb, 256, 16, 90.0 / 256, 85.0 / 256, 75.0 / 256, 64.0 / 256},
-    {DescriptorPattern::kBrief, 128, 18, 90.0 / 256, 85.0 / 256, 75.0 / 256, 64.0 / 256},
-    {DescriptorPattern::kBrief, 512, 18, 90.0 / 256, 85.0 / 256, 75.0 / 256, 64.0 / 256},
+    {DescriptorPattern::kGround, 64, 15, 104.0 / 256, 100.0 / 256, 96.0 / 256, 86.0 / 256, 76.0 / 256},
+    {DescriptorPattern::kGround, 128, 15, 104.0 / 256, 100.0 / 256, 96.0 / 256, 86.0 / 256, 76.0 / 256},
+    {DescriptorPattern::kGround, 256, 15, 104.0 / 256, 100.0 / 256, 96.0 / 256, 86.0 / 256, 76.0 / 256},
+    {DescriptorPattern::kOrb, 256, 16, 90.0 / 256, 85.0 / 256, 75.0 / 256, 64.0 / 256, 75.0 / 256},
+    {DescriptorPattern::kBrief, 128, 18, 90.0 / 256, 85.0 / 256, 75.0 / 256, 64.0 / 256, 75.0 / 256},
+    {DescriptorPattern::kBrief, 512, 18, 90.0 / 256, 85.0 / 256, 75.0 / 256, 64.0 / 256, 75.0 / 256},
 }};
 inline constexpr DescriptorPattern kDefaultDescriptorPattern = DescriptorPattern::kGround;
 inline constexpr int kDefaultDescriptorBits = 128;
