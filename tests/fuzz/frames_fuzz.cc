@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include <Eigen/LU>
+
 #include "pilotage/base/error.h"
 #include "pilotage/mission/frame_table.h"
 

@@ -99,22 +99,25 @@ TEST_F(Gate, HoldsThePriorItself) {
   EXPECT_FALSE(outside());
 }
 
-TEST_F(Gate, OfPositionIsTheEllipseWithinTheSearchedSquare) {
+TEST_F(Gate, OfPositionIsTheEllipseAboutTheToldSquare) {
   const double by_tilt_m = 2 * 100 * std::tan(kRadPerDeg);
   prior_.covariance_en_m2 << 400, 0, 0, 25;
-  const Eigen::Vector2d half_axes(std::hypot(60, by_tilt_m), std::hypot(15, by_tilt_m));
-  for (const double angle : {0.0, 0.7, 1.5, 2.5}) {
+  const Eigen::Vector2d half_axes =
+      std::sqrt(2) * Eigen::Vector2d(std::hypot(60, by_tilt_m), std::hypot(15, by_tilt_m));
+  for (const double angle : {0.9, 1.5, 2.2}) {  // where the searched square does not cut the ellipse off
     const Eigen::Vector2d edge(half_axes.x() * std::cos(angle), half_axes.y() * std::sin(angle));
     EXPECT_FALSE(outside_at(0.999 * edge)) << angle;
     EXPECT_TRUE(outside_at(1.001 * edge)) << angle;
-    EXPECT_LE(edge.cwiseAbs().maxCoeff(), search_half_width_m(prior_, options_));
   }
+  const double half_width_m = search_half_width_m(prior_, options_);
+  EXPECT_FALSE(outside_at({0.999 * half_width_m, 0}));
+  EXPECT_TRUE(outside_at({1.001 * half_width_m, 0}));
 }
 
 TEST_F(Gate, OfPositionFollowsTheCorrelation) {
   prior_.covariance_en_m2 << 100, 90, 90, 100;  // 13.8 m along (1, 1), 3.2 m across
   EXPECT_FALSE(outside_at({25, 25}));
-  EXPECT_TRUE(outside_at({15, -15}));
+  EXPECT_TRUE(outside_at({17, -17}));
 }
 
 TEST_F(Gate, OfTiltIsFourStandardDeviations) {

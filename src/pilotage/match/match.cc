@@ -25,7 +25,8 @@ constexpr double kMaxSearchBins = 1e9;
 constexpr double kMaxComparisons = 2e10;
 constexpr double kMib = 1 << 20;
 constexpr int kMinFeatures = 20;
-constexpr double kMinLead = 3;  // of the best place over its rival, in natural logarithms
+constexpr double kMinLead = 3;         // of the best place over its rival, in natural logarithms
+constexpr double kMinLeadShare = 0.2;  // likewise, of its own evidence: rows of trees are alike in all they show
 constexpr double kHeadingStepDeg = 10;
 constexpr double kKnownYawSigmaDeg = 3;    // up to it upright descriptors stand all turns of two standard deviations
 constexpr double kFoundYawSigmaDeg = 1.5;  // of a heading that a sweep has found
@@ -75,10 +76,14 @@ void describe_ranking(const RankedPlaces& places, double half_width_px, double s
   stats.confidence = 1 - std::min(1.0, searches * false_fix_rate(best.evidence, half_width_px));
 }
 
+bool is_ambiguous(const MatchStats& stats) {
+  return stats.vote_peak - stats.vote_rival < std::max(kMinLead, kMinLeadShare * stats.vote_peak);
+}
+
 /// Why the best place is not accepted as a fix, or nothing.
 std::optional<MatchStatus> refusal_of_best(const MatchStats& stats, const MatchOptions& options, bool outside_gate) {
   if (1 - stats.confidence > options.max_false_fix_rate) return MatchStatus::kInconsistent;
-  if (stats.vote_peak - stats.vote_rival < kMinLead) return MatchStatus::kAmbiguous;
+  if (is_ambiguous(stats)) return MatchStatus::kAmbiguous;
   if (outside_gate) return MatchStatus::kOutsideGate;
   return std::nullopt;
 }
@@ -222,7 +227,7 @@ MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const 
     if (!best.candidate || !other.candidate || !is_elsewhere(*best.candidate, *other.candidate)) continue;
     best.stats.vote_rival = std::max(best.stats.vote_rival, other.stats.vote_peak);
   }
-  if (best.fix && best.stats.vote_peak - best.stats.vote_rival < kMinLead) {
+  if (best.fix && is_ambiguous(best.stats)) {
     best.status = MatchStatus::kAmbiguous;
     best.fix.reset();
   }

@@ -108,7 +108,9 @@ bool is_outside_gate(const Fix& fix, const MatchPrior& prior, const MatchOptions
   const Eigen::Vector2d off_m = LocalFrame(prior.position).enu_from_geodetic(fix.position).head<2>();
   const double by_tilt_m = 2 * prior.height_agl_m * std::tan(options.attitude_sigma_deg * kRadPerDeg);
   const Eigen::Matrix2d gate = prior.covariance_en_m2 + isotropic_covariance_m2(by_tilt_m / options.search_sigmas);
-  if (!(mahalanobis_squared(off_m, gate) <= options.search_sigmas * options.search_sigmas)) return true;
+  if (off_m.cwiseAbs().maxCoeff() > search_half_width_m(prior, options)) return true;
+  // Twice: the ellipse about the square of half side search_sigmas, for priors that are told as a square are common.
+  if (!(mahalanobis_squared(off_m, gate) <= 2 * options.search_sigmas * options.search_sigmas)) return true;
   const double tilt_deg = std::hypot(fix.roll_deg - prior.attitude.roll_deg, fix.pitch_deg - prior.attitude.pitch_deg);
   if (tilt_deg > kGateSigmas * options.attitude_sigma_deg) return true;
   const double turn_deg = std::remainder(fix.yaw_deg - prior.attitude.yaw_deg, 360.0);
