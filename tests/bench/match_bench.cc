@@ -35,7 +35,7 @@ struct Scene {
     keeping = MapReader::open_unverified(folder / "map.gpkg");
     const Attitude attitude{33, 2, -1};
     frame = testing::frame_over(ground, 3, -4, attitude, ground.agl_m).gray;
-    prior = {ground.center, 25, ground.agl_m * 1.01, {33.5, 1.5, -0.6}};
+    prior = {ground.center, isotropic_covariance_m2(25), ground.agl_m * 1.01, {33.5, 1.5, -0.6}};
     rectify_options.gsd_m = 0.5;
     rectified = rectify();
     const Eigen::Vector2d middle(rectified.gray.cols / 2.0, rectified.gray.rows / 2.0);
@@ -136,8 +136,10 @@ void bm_match_by_sigma(benchmark::State& state) {
   static WideScene s;
   MatchOptions options;
   options.chips = false;
-  const MatchPrior prior{
-      s.ground.center, static_cast<double>(state.range(0)), s.ground.agl_m * 1.01, {33.5, 1.5, -0.6}};
+  const MatchPrior prior{s.ground.center,
+                         isotropic_covariance_m2(static_cast<double>(state.range(0))),
+                         s.ground.agl_m * 1.01,
+                         {33.5, 1.5, -0.6}};
   MatchResult result;
   for (auto _ : state) result = match(s.frame, prior, s.ground.camera, *s.reader, options);
   if (result.status != MatchStatus::kFix) state.SkipWithError("no fix");
@@ -183,7 +185,8 @@ void bm_guided(benchmark::State& state) {
 void bm_refine(benchmark::State& state) {
   const Scene& s = scene();
   for (auto _ : state)
-    benchmark::DoNotOptimize(refine_pose(s.pairs, {25, 0.0175, 0.0175, 0.03}, s.start_m, s.start_m, 0.15).inliers);
+    benchmark::DoNotOptimize(
+        refine_pose(s.pairs, {isotropic_covariance_m2(25), 0.0175, 0.0175, 0.03}, s.start_m, s.start_m, 0.15).inliers);
   state.counters["pairs"] = static_cast<double>(s.pairs.size());
 }
 

@@ -56,7 +56,9 @@ Flight fly(const std::string& map_path, const std::string& raster, GeodeticPoint
     const Attitude attitude{line.start_azimuth_deg, 0, 0};
     const RenderedFrame frame = render_frame(ground, place, flight.camera, attitude, agl_m);
     if (frame.valid_fraction < 1) continue;
-    flight.shots.push_back({frame.gray, {LocalFrame(nadir).geodetic_from_enu({9, -7, 0}), 15, agl_m * 1.01, attitude}});
+    flight.shots.push_back(
+        {frame.gray,
+         {LocalFrame(nadir).geodetic_from_enu({9, -7, 0}), isotropic_covariance_m2(15), agl_m * 1.01, attitude}});
   }
   if (flight.shots.empty()) throw std::runtime_error(raster + ": shows the ground of no frame");
   return flight;

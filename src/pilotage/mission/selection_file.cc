@@ -130,7 +130,7 @@ LossAnywhere loss_from_json(JsonObject object) {
 }  // namespace
 
 std::string probability_text(double p) {
-  return std::isnan(p) ? "–" : format_fixed(std::floor(p * 1000 + 1e-9) / 1000, 3);
+  return std::isnan(p) ? "–" : format_fixed(std::floor(p * 1000 + 1e-6) / 1000, 3);
 }
 
 std::string rests_on_text(const RouteProbability& probability) {

@@ -208,11 +208,13 @@ RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChan
       for (std::size_t i = begin; i < end; ++i) {
         survival.p_within_limit[i] += levels[k].weight * stretch.p_within_limit[i - begin];
       }
-      survival.p_at_level[k] = stretch.p_within_limit.back();
+      survival.p_at_level[k] = std::min(1.0, stretch.p_within_limit.back());
       p_fix += levels[k].weight * stretch.p_fix;
       losses.insert(losses.end(), stretch.losses.begin(), stretch.losses.end());
       branches[k] = std::move(stretch.branches);
     }
+    // Weights and states add up to 1 but for rounding.
+    for (std::size_t i = begin; i < end; ++i) survival.p_within_limit[i] = std::min(1.0, survival.p_within_limit[i]);
     const double after = survival.p_within_limit.back();
     if (before > 0) {
       survival.leg_p_within_limit[leg] = std::min(1.0, after / before);

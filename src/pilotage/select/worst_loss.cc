@@ -52,6 +52,7 @@ std::vector<double> p_of_losses(FlightPath path, std::span<const LevelChances> l
           level.weight * fly_stretch(path, level.chances, at, flight.samples.size(), branches).p_within_limit.back();
     }
   }
+  for (double& each : p) each = std::min(1.0, each);  // but for rounding
   return p;
 }
 
