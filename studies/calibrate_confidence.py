@@ -43,7 +43,8 @@ RATES = (0.1, 0.01, 0.001, 0.0001)
 HIGH = (50, 90, 95, 99, 99.5, 99.9, 100)
 LOW = (0.1, 1, 5, 10, 50)
 EXPECTED_BINS = (0, 50, 100, 200, 400, 600, 900, 1500, 2500, 100000)
-NUMBERS = ("support", "expected_features", "ncc", "chip_pixels", "vote_peak", "candidate_error_m")
+NUMBERS = ("support", "expected_features", "ncc", "ncc_rival", "chip_pixels", "vote_peak", "candidate_error_m")
+LEAD_WEIGHT = 2.5  # kLeadWeight of match_confidence.cc
 
 
 def make_raster(gdal, data, place, date, path):
@@ -182,13 +183,15 @@ def percent_heads(first, percents):
 
 
 def correlation(rows):
-    pixels = column(rows, "chip_pixels")
-    return (column(rows, "ncc") * np.sqrt(pixels))[pixels > 0]
+    """What match_confidence.cc takes of it."""
+    pixels, ncc = column(rows, "chip_pixels"), column(rows, "ncc")
+    lead = ncc - column(rows, "ncc_rival")
+    return (np.minimum(ncc, LEAD_WEIGHT * lead) * np.sqrt(pixels))[pixels > 0]
 
 
 def quantile_lines(label, rows, percents):
     lines = []
-    for name, values in (("support", column(rows, "support")), ("ncc·√pixels", correlation(rows)),
+    for name, values in (("support", column(rows, "support")), ("correlation", correlation(rows)),
                          ("evidence", column(rows, "vote_peak"))):
         if len(values) > 0:
             lines.append(quantile_line(f"{label}: {name}", values, percents))

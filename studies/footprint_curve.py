@@ -33,7 +33,7 @@ def measure(options, work):
                      footprint_m=footprint_m, also=first, seed=footprint_m)
         correct_truth(frames, second, first)
         for gsd_m in GSDS_M:
-            chips = ("--chips", "--chip-gsd-m", max(0.9, gsd_m))
+            chips = ("--chips",)
             map_path = whole_map(options.pilotage, first, work / f"{footprint_m}_{gsd_m}.gpkg", footprint_m, gsd_m, chips)
             alone, both = fly(options.pilotage, map_path, frames, "--no-chips"), fly(options.pilotage, map_path, frames)
             print(f"| {footprint_m} m | {gsd_m} m | {cell(alone)} | {cell(both)} |", flush=True)

@@ -2,18 +2,17 @@
 // on chips of another that shows the same ground on the same grid at another time; frames of further rasters, and
 // frames whose prior is far off, show what other ground gives. docs/decisions/chips.md has the results.
 //
-//   bench_chip_match MAP FRAMES [--footprint-m 154] [--frames 400] [--factor 4] [--gray-bits 4]
-//   [--contrast-sigma-px 1.5]
+//   bench_chip_match MAP FRAMES [--footprint-m 154] [--frames 400] [--factor 4]
 //                    [--yaw-steps 3] [--scale-steps 3] [--other RASTER]...
 //
 // Headings are random, tilt up to 5° in pitch and roll; attitude is told with 1° and height with 3 % error (one sigma);
 // the prior is uniform in ±60 m, the window ±90 m. An error is that of the point under the picture's centre.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -25,12 +24,13 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
+#include "pilotage/build_map/build_chips.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/camera/render_frame.h"
-#include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/match/chip_search.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/vision/direction_field.h"
 
 namespace pilotage {
 namespace {
@@ -38,15 +38,13 @@ namespace {
 constexpr double kAgl_m = 120;
 constexpr double kPrior_m = 60;
 constexpr double kWindow_m = 90;
-constexpr int kChipSide = 32;  // of one stored chip, in its own pixels
+constexpr int kChipSide = 64;  // of one stored chip, in its own pixels
 
 struct Settings {
   std::vector<std::string> rasters;  // map, frames, others
   double footprint_m = 154;
   int frames = 400;
   int factor = 4;
-  int gray_bits = 4;
-  double contrast_sigma_px = 1.5;
   int yaw_steps = 3;
   int scale_steps = 3;
 };
@@ -126,21 +124,27 @@ Chips make_chips(const Imagery& map, const Raster& pixels, const Settings& setti
   Chips chips;
   const int factor = settings.factor;
   const cv::Rect whole(0, 0, pixels.pixels.cols / factor * factor, pixels.pixels.rows / factor * factor);
-  const ChipPicture picture = reduce_to_chip(pixels.pixels(whole), pixels.valid(whole), factor);
-  chips.mosaic = {picture.gray, picture.valid, 0, 0, factor};
+  const cv::Size size = whole.size() / factor;
+  chips.mosaic = {cv::Mat::zeros(size, CV_8UC1), cv::Mat::zeros(size, CV_8UC1), 0, 0, factor};
   int count = 0;
-  for (int row = 0; row < picture.gray.rows; row += kChipSide) {
-    for (int col = 0; col < picture.gray.cols; col += kChipSide) {
-      const cv::Rect piece = cv::Rect(col, row, kChipSide, kChipSide) & cv::Rect({0, 0}, picture.gray.size());
-      if (cv::countNonZero(picture.valid(piece)) == 0) continue;
-      const MapChip chip = encode_chip({picture.gray(piece).clone(), picture.valid(piece).clone(), factor}, 0, 0,
-                                       std::int64_t{col} * factor, std::int64_t{row} * factor, settings.gray_bits);
-      decode_chip(chip, "map").gray.copyTo(chips.mosaic.gray(piece));
+  for (int row = kDirectionReachPx; row + kDirectionReachPx < size.height; row += kChipSide) {
+    for (int col = kDirectionReachPx; col + kDirectionReachPx < size.width; col += kChipSide) {
+      const cv::Rect piece = cv::Rect(col, row, kChipSide, kChipSide) &
+                             cv::Rect(0, 0, size.width - kDirectionReachPx, size.height - kDirectionReachPx);
+      const cv::Rect seen((piece.x - kDirectionReachPx) * factor, (piece.y - kDirectionReachPx) * factor,
+                          (piece.width + 2 * kDirectionReachPx) * factor,
+                          (piece.height + 2 * kDirectionReachPx) * factor);
+      const ChipPicture picture = make_chip_picture(pixels.pixels(seen), pixels.valid(seen), factor);
+      if (cv::countNonZero(picture.valid) == 0) continue;
+      const MapChip chip = encode_chip(picture, 0, 0, std::int64_t{col} * factor, std::int64_t{row} * factor);
+      const ChipPicture back = decode_chip(chip, "map");
+      back.steps.copyTo(chips.mosaic.steps(piece));
+      back.valid.copyTo(chips.mosaic.valid(piece));
       chips.bytes += static_cast<double>(chip.data.size());
       ++count;
     }
   }
-  chips.bits_per_px = 8 * chips.bytes / cv::countNonZero(picture.valid);
+  chips.bits_per_px = 8 * chips.bytes / cv::countNonZero(chips.mosaic.valid);
   chips.bytes /= std::max(1, count);
   const Eigen::Matrix2d jacobian =
       ground_place(map.crs, map.source.map_from_pixel, {whole.width / 2.0, whole.height / 2.0}).pixel_from_enu_m;
@@ -163,15 +167,14 @@ Outcome search(const Frame& frame, const Chips& chips, const Camera& camera, con
   Attitude attitude = frame.told;
   attitude.yaw_deg += chips.convergence_deg;
   const RectifiedFrame rectified = ortho_rectify(frame.gray, camera, attitude, frame.told_agl_m, rectify);
-  ChipSearchOptions options;
-  options.contrast_sigma_px = settings.contrast_sigma_px;
   const auto hypotheses = chip_hypotheses(1.5, settings.yaw_steps, 0.04, settings.scale_steps);
-  const auto start = std::chrono::steady_clock::now();
-  const ChipMatch match =
-      search_chips(rectified, chips.mosaic, frame.prior_px, kWindow_m / chips.gsd_m, hypotheses, options);
+  const auto start = std::clock();
+  const auto matches =
+      search_chips(make_chip_frame(rectified), chips.mosaic, frame.prior_px, kWindow_m / chips.gsd_m, hypotheses);
   Outcome outcome;
-  outcome.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  if (!match.found) return outcome;
+  outcome.milliseconds = 1000.0 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  if (matches.empty()) return outcome;
+  const ChipMatch& match = matches.front();
   const Eigen::Vector2d ground_m = match.scale * center_ground_m(camera, attitude, frame.told_agl_m);
   const double turn = match.yaw_deg * std::numbers::pi / 180;
   const Eigen::Vector2d arm_px = Eigen::Vector2d(ground_m.x(), -ground_m.y()) / chips.gsd_m;
@@ -180,7 +183,7 @@ Outcome search(const Frame& frame, const Chips& chips, const Camera& camera, con
                                        std::sin(turn) * arm_px.x() + std::cos(turn) * arm_px.y());
   outcome.error_m = (center_px - frame.center_px).norm() * chips.gsd_m;
   outcome.ncc = match.ncc;
-  outcome.margin = match.ncc - match.rival_ncc;
+  outcome.margin = match.ncc - rival_ncc(matches, match.nadir_px, 0);
   outcome.z = match.ncc * std::sqrt(match.pixels);
   return outcome;
 }
@@ -282,8 +285,6 @@ Settings settings_from(int argc, char** argv) {
     if (word == "--footprint-m") settings.footprint_m = value;
     if (word == "--frames") settings.frames = static_cast<int>(value);
     if (word == "--factor") settings.factor = static_cast<int>(value);
-    if (word == "--gray-bits") settings.gray_bits = static_cast<int>(value);
-    if (word == "--contrast-sigma-px") settings.contrast_sigma_px = value;
     if (word == "--yaw-steps") settings.yaw_steps = static_cast<int>(value);
     if (word == "--scale-steps") settings.scale_steps = static_cast<int>(value);
   }

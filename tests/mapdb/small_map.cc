@@ -4,10 +4,13 @@
 #include <limits>
 
 #include <GeographicLib/TransverseMercator.hpp>
+#include <opencv2/core.hpp>
 
 #include "pilotage/base/random.h"
 #include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mapdb/chip_codec.h"
+#include "pilotage/vision/direction_field.h"
 
 namespace pilotage::testing {
 namespace {
@@ -60,13 +63,12 @@ TileDescriptors make_descriptors(const MapTile& tile, const PixelWindow& window,
 }
 
 MapChip make_chip(const MapTile& tile, const PixelWindow& window, Random& random) {
-  MapChip chip;
-  chip.tile_id = tile.tile_id;
-  chip.level = tile.level;
-  chip.window = {window.col, window.row, 4, 3};
-  chip.encoding = "gray8";
-  for (int i = 0; i < 12; ++i) chip.data.push_back(static_cast<std::uint8_t>(random.below(256)));
-  return chip;
+  cv::Mat steps(3, 4, CV_8UC1);
+  for (auto it = steps.begin<std::uint8_t>(); it != steps.end<std::uint8_t>(); ++it) {
+    *it = static_cast<std::uint8_t>(random.below(kDirectionSectors + 1));
+  }
+  return encode_chip({steps, cv::Mat(3, 4, CV_8UC1, cv::Scalar(255)), 1}, tile.tile_id, tile.level, window.col,
+                     window.row);
 }
 
 }  // namespace

@@ -23,9 +23,9 @@ class ChipMosaicTest : public ::testing::Test {
  protected:
   testing::TemporaryFolder folder_;
   testing::SmallMap map_;
-  cv::Mat ground_;  // of the whole of level 0, on the grid of chips
+  cv::Mat ground_;  // directions of the whole of level 0, on the grid of chips
 
-  // A map of 6 × 4 tiles whose chips, without loss, are pieces of ground_; the tile `missing` has none.
+  // A map of 6 × 4 tiles whose chips are pieces of ground_; the tile `missing` has none.
   explicit ChipMosaicTest() {
     testing::SmallMapOptions options;
     options.columns = 6;
@@ -33,13 +33,15 @@ class ChipMosaicTest : public ::testing::Test {
     options.tile_size_px = 32;
     map_ = testing::make_small_map(options);
     map_.chips.clear();
-    ground_ = testing::random_ground(6 * 32 / kStoredFactor, 4 * 32 / kStoredFactor, seed_from_name("ChipMosaic"));
+    const cv::Mat gray =
+        testing::random_ground(6 * 32 / kStoredFactor, 4 * 32 / kStoredFactor, seed_from_name("ChipMosaic"));
+    ground_ = testing::mosaic_of(gray, 0, 0, kStoredFactor).steps;
     for (const MapTile& tile : map_.tiles) {
       if (tile.level != 0 || tile.tile_id == kMissing) continue;
       const int side = 32 / kStoredFactor;
       const cv::Rect piece(static_cast<int>(tile.column) * side, static_cast<int>(tile.row) * side, side, side);
       const ChipPicture picture{ground_(piece).clone(), cv::Mat(side, side, CV_8UC1, cv::Scalar(255)), kStoredFactor};
-      map_.chips.push_back(encode_chip(picture, tile.tile_id, 0, tile.column * 32, tile.row * 32, 8));
+      map_.chips.push_back(encode_chip(picture, tile.tile_id, 0, tile.column * 32, tile.row * 32));
     }
   }
   static constexpr std::int64_t kMissing = 8;  // column 2, row 1
@@ -64,7 +66,7 @@ TEST_F(ChipMosaicTest, ShowsTheGroundAroundAPoint) {
   EXPECT_EQ(mosaic.factor, kStoredFactor);
   EXPECT_EQ(mosaic.first_col_px, 58);
   EXPECT_EQ(mosaic.first_row_px, 20);
-  ASSERT_EQ(mosaic.gray.size(), cv::Size(42, 41));
+  ASSERT_EQ(mosaic.steps.size(), cv::Size(42, 41));
   EXPECT_TRUE(mosaic.level_from_mosaic({1, 2}).isApprox(Eigen::Vector2d(60, 24)));
   EXPECT_TRUE(mosaic.mosaic_from_level({60, 24}).isApprox(Eigen::Vector2d(1, 2)));
   const cv::Rect hole = cv::Rect(2 * 16 - 29, 16 - 10, 16, 16);  // the missing tile
@@ -72,25 +74,25 @@ TEST_F(ChipMosaicTest, ShowsTheGroundAroundAPoint) {
   EXPECT_EQ(cv::countNonZero(mosaic.valid(hole)), 0);
   cv::Mat expected = ground_(cv::Rect(29, 10, 42, 41)).clone();
   expected(hole).setTo(0);
-  EXPECT_EQ(cv::norm(mosaic.gray, expected, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(mosaic.steps, expected, cv::NORM_INF), 0);
 }
 
 TEST_F(ChipMosaicTest, IsNotValidBeyondTheMap) {
   MapReader map = reader();
   const ChipMosaic mosaic = read_chip_mosaic(map, 0, {0, 0}, 20);
-  ASSERT_EQ(mosaic.gray.size(), cv::Size(20, 20));
+  ASSERT_EQ(mosaic.steps.size(), cv::Size(20, 20));
   EXPECT_EQ(mosaic.first_col_px, -20);
   EXPECT_EQ(cv::countNonZero(mosaic.valid), 100);
   EXPECT_EQ(cv::countNonZero(mosaic.valid(cv::Rect(10, 10, 10, 10))), 100);
-  EXPECT_TRUE(read_chip_mosaic(map, 0, {5000, 5000}, 20).gray.empty());
-  EXPECT_TRUE(read_chip_mosaic(map, 1, {10, 10}, 20).gray.empty()) << "a level without chips";
+  EXPECT_TRUE(read_chip_mosaic(map, 0, {5000, 5000}, 20).steps.empty());
+  EXPECT_TRUE(read_chip_mosaic(map, 1, {10, 10}, 20).steps.empty()) << "a level without chips";
 }
 
 TEST_F(ChipMosaicTest, AMapWithoutChipsGivesNothing) {
   map_.header.chips = false;
   map_.chips.clear();
   MapReader map = reader();
-  EXPECT_TRUE(read_chip_mosaic(map, 0, {100, 60}, 20).gray.empty());
+  EXPECT_TRUE(read_chip_mosaic(map, 0, {100, 60}, 20).steps.empty());
 }
 
 TEST_F(ChipMosaicTest, RefusesWhatIsNotAPlaceOrTooLarge) {
@@ -127,7 +129,7 @@ TEST_F(ChipMosaicTest, NamesDamagedAndForeignChips) {
   ++chip.window.col;
   expect_error("is not in multiples of its factor");
   chip =
-      encode_chip({cv::Mat(8, 8, CV_8UC1, cv::Scalar(9)), cv::Mat(8, 8, CV_8UC1, cv::Scalar(255)), 4}, 9, 0, 96, 32, 8);
+      encode_chip({cv::Mat(8, 8, CV_8UC1, cv::Scalar(5)), cv::Mat(8, 8, CV_8UC1, cv::Scalar(255)), 4}, 9, 0, 96, 32);
   expect_error("another size than its neighbours'", "tile 15");  // tile 9 is nearer
 }
 

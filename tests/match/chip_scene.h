@@ -9,6 +9,7 @@
 #include "pilotage/base/random.h"
 #include "pilotage/camera/ortho_rectify.h"
 #include "pilotage/match/chip_mosaic.h"
+#include "pilotage/vision/direction_field.h"
 
 namespace pilotage::testing {
 
@@ -26,16 +27,23 @@ inline cv::Mat random_ground(int width, int height, std::uint64_t seed) {
   return gray;
 }
 
+/// The chips of ground that goes on beyond its edges.
 inline ChipMosaic mosaic_of(const cv::Mat& gray, std::int64_t first_col_px, std::int64_t first_row_px, int factor) {
-  return {gray, cv::Mat(gray.size(), CV_8UC1, cv::Scalar(255)), first_col_px, first_row_px, factor};
+  cv::Mat grown;
+  constexpr int kMore = kDirectionReachPx;
+  cv::copyMakeBorder(gray, grown, kMore, kMore, kMore, kMore, cv::BORDER_REFLECT);
+  const DirectionField field = direction_field(grown, cv::Mat(grown.size(), CV_8UC1, cv::Scalar(255)));
+  const cv::Rect inside(kMore, kMore, gray.cols, gray.rows);
+  return {direction_steps(field.z)(inside).clone(), field.valid(inside).clone(), first_col_px, first_row_px, factor};
 }
 
 /// What a camera above mosaic position `nadir` would show of the ground in a rectangle of width × height mosaic pixels
-/// about it, turned by `rectangle_deg`: read from the mosaic after turning it by −yaw_deg and scaling by 1/scale about
-/// the nadir point, so that turning the frame by yaw_deg and scaling it by `scale` gives the mosaic again.
+/// about it (and what its directions need beyond), turned by `rectangle_deg`: read from the mosaic after turning it by
+/// −yaw_deg and scaling by 1/scale about the nadir point, so that turning the frame by yaw_deg and scaling it by
+/// `scale` gives the mosaic again.
 inline RectifiedFrame frame_over(const cv::Mat& ground, const Eigen::Vector2d& nadir, int width, int height,
                                  double rectangle_deg = 0, double yaw_deg = 0, double scale = 1) {
-  const int half = static_cast<int>(std::ceil(std::hypot(width, height) / 2)) + 1;
+  const int half = static_cast<int>(std::ceil(std::hypot(width, height) / 2)) + 2 * kDirectionReachPx;
   const double turn = yaw_deg * std::numbers::pi / 180;
   const double c = scale * std::cos(turn);
   const double s = scale * std::sin(turn);
@@ -51,8 +59,10 @@ inline RectifiedFrame frame_over(const cv::Mat& ground, const Eigen::Vector2d& n
   frame.valid = cv::Mat::zeros(frame.gray.size(), CV_8UC1);
   cv::Point2f corners[4];
   const auto middle = static_cast<float>(half) - 0.5F;
-  cv::RotatedRect(cv::Point2f(middle, middle), cv::Size2f(static_cast<float>(width), static_cast<float>(height)),
-                  static_cast<float>(rectangle_deg))
+  cv::RotatedRect(
+      cv::Point2f(middle, middle),
+      cv::Size2f(static_cast<float>(width + 2 * kDirectionReachPx), static_cast<float>(height + 2 * kDirectionReachPx)),
+      static_cast<float>(rectangle_deg))
       .points(corners);
   cv::fillConvexPoly(frame.valid, std::vector<cv::Point>(corners, corners + 4), cv::Scalar(255));
   frame.gray.setTo(0, frame.valid == 0);

@@ -1,6 +1,9 @@
 #include "pilotage/vision/masked_correlation.h"
 
 #include <cmath>
+#include <complex>
+#include <utility>
+#include <vector>
 
 #include "match/chip_scene.h"
 #include <gtest/gtest.h>
@@ -81,6 +84,64 @@ TEST(MaskedCorrelation, IsTheSumOverCommonPixels) {
     }
     EXPECT_GT(compared, 50);
     EXPECT_EQ(left_out > 0, holes > 0);
+  }
+}
+
+// Two channels are complex numbers: Re Σ conj(t − mean t)·(g − mean g), summed pixel by pixel.
+double complex_correlation_at(const cv::Mat& t, const cv::Mat& mask, const cv::Mat& g, const cv::Mat& valid, int x,
+                              int y, double needed) {
+  std::vector<std::pair<std::complex<double>, std::complex<double>>> pairs;
+  std::complex<double> t_mean;
+  std::complex<double> g_mean;
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int col = 0; col < mask.cols; ++col) {
+      if (mask.at<std::uint8_t>(row, col) == 0 || valid.at<std::uint8_t>(y + row, x + col) == 0) continue;
+      const cv::Vec2f a = t.at<cv::Vec2f>(row, col);
+      const cv::Vec2f b = g.at<cv::Vec2f>(y + row, x + col);
+      pairs.emplace_back(std::complex<double>(a[0], a[1]), std::complex<double>(b[0], b[1]));
+      t_mean += pairs.back().first;
+      g_mean += pairs.back().second;
+    }
+  }
+  const auto n = static_cast<double>(pairs.size());
+  if (n < needed) return -2;
+  double product = 0;
+  double tt = 0;
+  double gg = 0;
+  for (const auto& [a, b] : pairs) {
+    product += (std::conj(a - t_mean / n) * (b - g_mean / n)).real();
+    tt += std::norm(a - t_mean / n);
+    gg += std::norm(b - g_mean / n);
+  }
+  return product / std::sqrt(tt * gg);
+}
+
+TEST(MaskedCorrelation, OfTwoChannelsIsThatOfComplexNumbers) {
+  for (const double holes : {0.0, 0.15}) {
+    const Pictures p = make_pictures("OfTwoChannels", holes);
+    Random random(seed_from_name("OfTwoChannels"));
+    cv::Mat t(p.mask.size(), CV_32FC2);
+    cv::Mat g(p.valid.size(), CV_32FC2);
+    for (cv::Mat* z : {&t, &g}) {
+      for (auto it = z->begin<cv::Vec2f>(); it != z->end<cv::Vec2f>(); ++it) {
+        *it = {static_cast<float>(random.uniform(-0.5, 1)), static_cast<float>(random.uniform(-1, 0.8))};
+      }
+    }
+    const cv::Point place(g.cols - t.cols - 3, g.rows - t.rows - 2);
+    g(cv::Rect(place, t.size())) += t;
+    const MaskedCorrelation correlation(p.mask, g, p.valid, 0.5, 1e-3, opencv_sums_of_products(t.size(), g.size()));
+    const cv::Mat surface = correlation.surface(t);
+    const double needed = 0.5 * cv::countNonZero(p.mask);
+    for (int y = 0; y < surface.rows; ++y) {
+      for (int x = 0; x < surface.cols; ++x) {
+        EXPECT_NEAR(static_cast<double>(surface.at<float>(y, x)),
+                    complex_correlation_at(t, p.mask, g, p.valid, x, y, needed), 1e-4)
+            << x << " " << y;
+      }
+    }
+    cv::Point peak;
+    cv::minMaxLoc(surface, nullptr, nullptr, nullptr, &peak);
+    EXPECT_EQ(peak, place);
   }
 }
 

@@ -9,40 +9,42 @@ namespace {
 
 TEST(PlaceEvidence, OfSupportIsTheFittedTail) {
   // 100 features expected: onset 9 + 0.88 · 10 = 17.8, scale 1.4 · (2.2 + 0.07 · 10) = 4.06.
-  EXPECT_NEAR(place_evidence({17.8 + 4.06 * 10, 100, 0, 0}), 10, 1e-12);
-  EXPECT_NEAR(place_evidence({17.8 + 4.06, 100, 0, 0}), 1, 1e-12);
-  EXPECT_EQ(place_evidence({17.8, 100, 0, 0}), 0);
-  EXPECT_EQ(place_evidence({3, 100, 0, 0}), 0);
+  EXPECT_NEAR(place_evidence({17.8 + 4.06 * 10, 100}), 10, 1e-12);
+  EXPECT_NEAR(place_evidence({17.8 + 4.06, 100}), 1, 1e-12);
+  EXPECT_EQ(place_evidence({17.8, 100}), 0);
+  EXPECT_EQ(place_evidence({3, 100}), 0);
 }
 
 TEST(PlaceEvidence, TheMoreFeaturesAreExpectedTheLessASupportSays) {
-  double last = place_evidence({60, 0, 0, 0});
+  double last = place_evidence({60, 0});
   EXPECT_NEAR(last, (60 - 9) / (1.4 * 2.2), 1e-12);
-  EXPECT_EQ(place_evidence({60, -5, 0, 0}), last) << "fewer than none counts as none";
+  EXPECT_EQ(place_evidence({60, -5}), last) << "fewer than none counts as none";
   for (const int expected : {50, 200, 800}) {
-    const double evidence = place_evidence({60, expected, 0, 0});
+    const double evidence = place_evidence({60, expected});
     EXPECT_LT(evidence, last) << expected;
     last = evidence;
   }
 }
 
 TEST(PlaceEvidence, OfCorrelationIsAdded) {
-  const double of_support = place_evidence({40, 100, 0, 0});
+  const double of_support = place_evidence({40, 100});
   ASSERT_GT(of_support, 4);
-  // 400 pixels: ncc · 20. The tail begins at 7.9 with scale 0.55.
-  EXPECT_NEAR(place_evidence({40, 100, 0.945, 400}) - of_support, (0.945 * 20 - 7.9) / 0.55, 1e-12);
-  EXPECT_EQ(place_evidence({40, 100, 0.3, 400}), of_support) << "between 5 and 7.9 it says nothing";
+  // 400 pixels: 20 times the correlation, or 20 · 2.5 times its lead. The tail begins at 3 with scale 1.05.
+  EXPECT_NEAR(place_evidence({40, 100, 0.6, 0.1, 400}) - of_support, (0.6 * 20 - 3) / 1.05, 1e-12);
+  EXPECT_NEAR(place_evidence({40, 100, 0.6, 0.45, 400}) - of_support, (2.5 * 0.15 * 20 - 3) / 1.05, 1e-12);
+  EXPECT_EQ(place_evidence({40, 100, 0.14, 0, 400}), of_support) << "between 1 and 3 it says nothing";
 }
 
-TEST(PlaceEvidence, NoCorrelationSpeaksAgainstAPlace) {
-  const double of_support = place_evidence({40, 100, 0, 0});
-  EXPECT_NEAR(place_evidence({40, 100, 0.2, 400}), of_support - 4, 1e-12);
-  EXPECT_NEAR(place_evidence({40, 100, -0.9, 400}), of_support - 4, 1e-12);
-  EXPECT_EQ(place_evidence({18, 100, 0.2, 400}), 0) << "never below 0";
+TEST(PlaceEvidence, NoLeadSpeaksAgainstAPlace) {
+  const double of_support = place_evidence({40, 100});
+  EXPECT_NEAR(place_evidence({40, 100, 0.4, 0.4, 400}), of_support - 2, 1e-12);
+  EXPECT_NEAR(place_evidence({40, 100, 0.4, 0.6, 400}), of_support - 2, 1e-12) << "chips prefer another place";
+  EXPECT_NEAR(place_evidence({40, 100, -0.9, 0, 400}), of_support - 2, 1e-12);
+  EXPECT_EQ(place_evidence({18, 100, 0.2, 0.2, 400}), 0) << "never below 0";
 }
 
 TEST(PlaceEvidence, ACorrelationWithoutPixelsIsNone) {
-  EXPECT_EQ(place_evidence({40, 100, 0.99, 0}), place_evidence({40, 100, 0, 0}));
+  EXPECT_EQ(place_evidence({40, 100, 0.99, 0, 0}), place_evidence({40, 100}));
 }
 
 TEST(FalseFixRate, IsTheExponential) {

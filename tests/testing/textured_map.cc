@@ -9,9 +9,12 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/random.h"
+#include "pilotage/build_map/build_chips.h"
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/geo/enu_from_grid.h"
+#include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_writer.h"
+#include "pilotage/vision/direction_field.h"
 
 namespace pilotage::testing {
 namespace {
@@ -87,8 +90,14 @@ TileDescriptors descriptors_of(const MapTile& tile, const PixelWindow& window, c
 }
 
 MapChip chip_of(const MapTile& tile, const PixelWindow& window, const GraySource& gray) {
-  const cv::Mat pixels = gray.read(window).pixels.clone();
-  return {tile.tile_id, 0, window, "gray8", std::vector<std::uint8_t>(pixels.datastart, pixels.dataend)};
+  constexpr int kMore = kDirectionReachPx;
+  const PixelWindow whole{0, 0, static_cast<int>(gray.width_px), static_cast<int>(gray.height_px)};
+  cv::Mat grown;
+  cv::copyMakeBorder(gray.read(whole).pixels, grown, kMore, kMore, kMore, kMore, cv::BORDER_REFLECT);
+  const cv::Mat seen = grown(cv::Rect(static_cast<int>(window.col), static_cast<int>(window.row),
+                                      window.width + 2 * kMore, window.height + 2 * kMore));
+  const ChipPicture picture = make_chip_picture(seen, cv::Mat(seen.size(), CV_8UC1, cv::Scalar(255)), 1);
+  return encode_chip(picture, tile.tile_id, 0, window.col, window.row);
 }
 
 }  // namespace

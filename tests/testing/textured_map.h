@@ -25,7 +25,7 @@ struct TexturedGround {
 
 TexturedGround make_textured_ground(int tiles = 3);
 
-/// Writes a map of it: all its tiles with all their features and chips ("gray8"), as `pilotage build` would.
+/// Writes a map of it: all its tiles with all their features and chips, as `pilotage build` would.
 void write_textured_map(const std::filesystem::path& path, const TexturedGround& ground,
                         const FeatureOptions& features = {});
 

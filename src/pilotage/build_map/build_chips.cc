@@ -8,8 +8,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
-#include "pilotage/mapdb/chip_codec.h"
+#include "pilotage/vision/direction_field.h"
 
 namespace pilotage {
 namespace {
@@ -43,29 +44,82 @@ std::optional<ChipCells> owned_cells(const TileMatrix& matrix, const GroundTile&
   return ChipCells{first_col + box.x, first_row + box.y, owned(box)};
 }
 
+/// CV_8UC1.
+struct ReducedGray {
+  cv::Mat pixels;
+  cv::Mat valid;
+};
+
+/// Means over squares of factor × factor, of their valid pixels; valid where at least half of a square is.
+ReducedGray reduce(const cv::Mat& gray, const cv::Mat& valid, int factor) {
+  ReducedGray reduced{cv::Mat::zeros(gray.rows / factor, gray.cols / factor, CV_8UC1),
+                      cv::Mat::zeros(gray.rows / factor, gray.cols / factor, CV_8UC1)};
+  for (int row = 0; row < reduced.pixels.rows; ++row) {
+    for (int col = 0; col < reduced.pixels.cols; ++col) {
+      int sum = 0;
+      int count = 0;
+      for (int y = row * factor; y < (row + 1) * factor; ++y) {
+        const auto* gray_line = gray.ptr<std::uint8_t>(y);
+        const auto* valid_line = valid.ptr<std::uint8_t>(y);
+        for (int x = col * factor; x < (col + 1) * factor; ++x) {
+          if (valid_line[x] == 0) continue;
+          sum += gray_line[x];
+          ++count;
+        }
+      }
+      if (2 * count < factor * factor) continue;
+      reduced.pixels.at<std::uint8_t>(row, col) = static_cast<std::uint8_t>((2 * sum + count) / (2 * count));
+      reduced.valid.at<std::uint8_t>(row, col) = 255;
+    }
+  }
+  return reduced;
+}
+
 /// The tile's chip; nothing when no imagery covers what it owns.
 std::optional<MapChip> make_chip(const TileMatrix& matrix, const GroundTile& tile, const TileOwner& owner,
-                                 const GraySource& source, int factor, int gray_bits) {
+                                 const GraySource& source, int factor) {
   const auto cells = owned_cells(matrix, tile, owner, factor);
   if (!cells) return std::nullopt;
-  PixelWindow window{cells->col * factor, cells->row * factor, cells->owned.cols * factor, cells->owned.rows * factor};
-  cv::Mat gray = cv::Mat::zeros(window.height, window.width, CV_8UC1);
+  // With what the directions of its outermost pixels depend on; a part of it may lie beyond the grid.
+  const int margin = kDirectionReachPx * factor;
+  const PixelWindow window{cells->col * factor, cells->row * factor, cells->owned.cols * factor,
+                           cells->owned.rows * factor};
+  const std::int64_t first_col = std::max<std::int64_t>(0, window.col - margin);
+  const std::int64_t first_row = std::max<std::int64_t>(0, window.row - margin);
+  const std::int64_t end_col = std::min(window.col + window.width + margin, source.width_px);
+  const std::int64_t end_row = std::min(window.row + window.height + margin, source.height_px);
+  const PixelWindow seen{first_col, first_row, static_cast<int>(end_col - first_col),
+                         static_cast<int>(end_row - first_row)};
+  cv::Mat gray = cv::Mat::zeros(window.height + 2 * margin, window.width + 2 * margin, CV_8UC1);
   cv::Mat valid = gray.clone();
-  // The last pixels of a chip may reach beyond the grid by less than half their size.
-  const auto width = static_cast<int>(std::min<std::int64_t>(window.width, source.width_px - window.col));
-  const auto height = static_cast<int>(std::min<std::int64_t>(window.height, source.height_px - window.row));
-  const Raster read = source.read({window.col, window.row, width, height});
-  const cv::Rect inside(0, 0, width, height);
+  const Raster read = source.read(seen);
+  const cv::Rect inside(static_cast<int>(first_col - window.col) + margin,
+                        static_cast<int>(first_row - window.row) + margin, seen.width, seen.height);
   read.pixels.copyTo(gray(inside));
   read.valid.copyTo(valid(inside));
-  ChipPicture picture = reduce_to_chip(gray, valid, factor);
+  ChipPicture picture = make_chip_picture(gray, valid, factor);
   picture.valid &= cells->owned;
-  picture.gray.setTo(0, picture.valid == 0);
+  picture.steps.setTo(0, picture.valid == 0);
   if (cv::countNonZero(picture.valid) == 0) return std::nullopt;
-  return encode_chip(picture, tile.tile_id, tile.level, window.col, window.row, gray_bits);
+  return encode_chip(picture, tile.tile_id, tile.level, window.col, window.row);
 }
 
 }  // namespace
+
+ChipPicture make_chip_picture(const cv::Mat& gray, const cv::Mat& valid, int factor) {
+  constexpr int kMargin = kDirectionReachPx;
+  if (gray.type() != CV_8UC1 || valid.type() != CV_8UC1 || gray.size() != valid.size() || factor < 1 ||
+      factor > kMaxChipFactor || gray.cols % factor != 0 || gray.rows % factor != 0 ||
+      std::min(gray.cols, gray.rows) <= 2 * kMargin * factor) {
+    throw UsageError(
+        "chip: gray and valid must be CV_8UC1 of one size in multiples of factor = " + std::to_string(factor) +
+        ", 1 to " + std::to_string(kMaxChipFactor) + ", and more than " + std::to_string(2 * kMargin) + " of them");
+  }
+  const ReducedGray reduced = reduce(gray, valid, factor);
+  const DirectionField field = direction_field(reduced.pixels, reduced.valid);
+  const cv::Rect inside(kMargin, kMargin, reduced.pixels.cols - 2 * kMargin, reduced.pixels.rows - 2 * kMargin);
+  return {direction_steps(field.z)(inside).clone(), field.valid(inside).clone(), factor};
+}
 
 int chip_factor(const ChipOptions& options, double gsd_m) {
   return static_cast<int>(std::clamp(std::round(options.chip_gsd_m / gsd_m), 1.0, static_cast<double>(kMaxChipFactor)));
@@ -73,10 +127,10 @@ int chip_factor(const ChipOptions& options, double gsd_m) {
 
 double chip_bytes_per_px(const ChipOptions& options, double gsd_m) {
   if (!options.chips) return 0;
-  // A prefix code needs no more than the bits of a step, and the mask one bit more; zstd never stores more than a byte.
+  // Nine steps take at most 4 bits in a prefix code, and the mask one more; zstd never stores more than a byte.
   constexpr double kFullPages = 1.02;    // page headers and overflow pointers
   constexpr double kBorderPixels = 1.1;  // a side of s px holds up to s/factor + 1 centres
-  const double bits = std::min(options.chip_gray_bits, 8) + 1;
+  const double bits = 5;
   const double factor = chip_factor(options, gsd_m);
   return bits / 8 / (factor * factor) * kFullPages * kBorderPixels;
 }
@@ -92,7 +146,7 @@ ChipStats write_chips(MapWriter& writer, const GridLevel& level, const std::vect
   for (std::size_t begin = 0; begin < tiles.size(); begin += kBatch) {
     std::vector<std::optional<MapChip>> chips(std::min(kBatch, tiles.size() - begin));
     parallel_for(chips.size(), threads, [&](std::size_t i, int) {
-      chips[i] = make_chip(level.matrix, *tiles[begin + i], owner, source, factor, options.chip_gray_bits);
+      chips[i] = make_chip(level.matrix, *tiles[begin + i], owner, source, factor);
     });
     for (const auto& chip : chips) {
       if (!chip) continue;

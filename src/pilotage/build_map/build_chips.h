@@ -7,6 +7,7 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/tile_owner.h"
 #include "pilotage/ground/ground.h"
+#include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_writer.h"
 #include "pilotage/raster/gray_source.h"
 
@@ -14,23 +15,26 @@
 
 namespace pilotage {
 
-/// Whether and how gray chips are stored beside the descriptors. The defaults are those that docs/decisions/chips.md
+/// Whether and how chips are stored beside the descriptors. The defaults are those that docs/decisions/chips.md
 /// measures.
 struct ChipOptions {
   bool chips = false;
-  double chip_gsd_m = 1.2;
-  int chip_gray_bits = 4;
+  double chip_gsd_m = 0.6;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.field("chips", self.chips, "Store a small gray picture of each tile, too, for matching by correlation.");
+    fields.field("chips", self.chips, "Store the directions of each tile's edges, too, for matching by correlation.");
     fields.field("chip_gsd_m", self.chip_gsd_m,
                  "Ground length of a chip's pixel; the nearest whole multiple of the level's pixel is taken.",
                  Range{0.1, 100});
-    fields.field("chip_gray_bits", self.chip_gray_bits,
-                 "Gray values of a chip are kept in 2 to the power of this many steps.", Range{1, 8});
   }
 };
+
+/// The chip of a window of a level without what no edge can be told of, the `margin` pixels of the chip all around:
+/// gray values are averaged over the valid pixels of each square of `factor` × `factor`, valid where at least half of
+/// it is, and their direction_field() taken in steps. `gray` and `valid` are CV_8UC1 of one size, whose sides are
+/// multiples of `factor`. Throws UsageError otherwise.
+ChipPicture make_chip_picture(const cv::Mat& gray, const cv::Mat& valid, int factor);
 
 /// Side of a chip's pixel in pixels of a level with `gsd_m`: 1 … kMaxChipFactor.
 int chip_factor(const ChipOptions& options, double gsd_m);

@@ -63,7 +63,6 @@ void write_stored_features(MapWriter& writer, const BuildOptions& options, const
   }
   if (options.chips.chips) {
     writer.add_info("chips.gsd_m", format_number(options.chips.chip_gsd_m));
-    writer.add_info("chips.gray_bits", std::to_string(options.chips.chip_gray_bits));
   }
 }
 

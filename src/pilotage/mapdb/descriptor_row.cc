@@ -124,11 +124,6 @@ std::string window_problem(const PixelWindow& window) {
 std::string chip_problem(const MapChip& chip) {
   if (chip.encoding.empty() || chip.encoding.size() > 60) return "chip encoding is empty or longer than 60 characters";
   if (chip.data.empty()) return "chip has no data";
-  const auto pixels = static_cast<std::size_t>(chip.window.width) * static_cast<std::size_t>(chip.window.height);
-  if (chip.encoding == "gray8" && chip.data.size() != pixels) {
-    return "chip blob has " + std::to_string(chip.data.size()) + " bytes, expected " +
-           std::to_string(chip.window.width) + " × " + std::to_string(chip.window.height);
-  }
   return {};
 }
 

@@ -115,13 +115,12 @@ struct TileDescriptors {
   std::vector<float> ground_height_m;
 };
 
-/// A small gray picture of one tile at one level, for matching by correlation.
+/// The directions of edges of one tile at one level, for matching by correlation.
 struct MapChip {
   std::int64_t tile_id = 0;
   int level = 0;
   PixelWindow window;  ///< The ground that the picture covers, in pixels of the level.
-  /// "gray8": one byte for each pixel of the window, row by row. "chip1+zstd": mapdb/chip_codec.h. Others are kept as
-  /// they are.
+  /// kChipEncoding of mapdb/chip_codec.h. Others are kept as they are.
   std::string encoding;
   std::vector<std::uint8_t> data;
 };

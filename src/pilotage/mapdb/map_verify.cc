@@ -224,7 +224,7 @@ void check_chips(Examination& e) {
         if (!std::equal(digest.begin(), digest.end(), stored.begin(), stored.end())) {
           e.wrong_digest(kTable, tile_id, "level " + std::to_string(chip.level) + ": the digest does not match");
         }
-        if (chip.encoding == kGrayEncoding || chip.encoding == kChipEncoding) {
+        if (chip.encoding == kChipEncoding) {
           static_cast<void>(decode_chip(chip, e.file));
         }
       });

@@ -8,7 +8,7 @@ std::size_t TileCache::bytes_of(const TileDescriptors& row) {
 }
 
 std::size_t TileCache::bytes_of(const DecodedChip& row) {
-  return sizeof(row) + row.picture.gray.total() + row.picture.valid.total();
+  return sizeof(row) + row.picture.steps.total() + row.picture.valid.total();
 }
 
 const TileCache::AnyRow* TileCache::find(const Key& key) {

@@ -56,8 +56,8 @@ ChipMosaic empty_mosaic(const Square& square, int factor) {
   mosaic.factor = factor;
   mosaic.first_col_px = col * factor;
   mosaic.first_row_px = row * factor;
-  mosaic.gray = cv::Mat::zeros(static_cast<int>(height), static_cast<int>(width), CV_8UC1);
-  mosaic.valid = mosaic.gray.clone();
+  mosaic.steps = cv::Mat::zeros(static_cast<int>(height), static_cast<int>(width), CV_8UC1);
+  mosaic.valid = mosaic.steps.clone();
   return mosaic;
 }
 
@@ -67,14 +67,14 @@ void paste(const ChipPicture& picture, const PixelWindow& window, ChipMosaic& mo
   const std::int64_t row = (window.row - mosaic.first_row_px) / factor;
   const std::int64_t from_col = std::max<std::int64_t>(0, col);
   const std::int64_t from_row = std::max<std::int64_t>(0, row);
-  const std::int64_t end_col = std::min<std::int64_t>(mosaic.gray.cols, col + picture.gray.cols);
-  const std::int64_t end_row = std::min<std::int64_t>(mosaic.gray.rows, row + picture.gray.rows);
+  const std::int64_t end_col = std::min<std::int64_t>(mosaic.steps.cols, col + picture.steps.cols);
+  const std::int64_t end_row = std::min<std::int64_t>(mosaic.steps.rows, row + picture.steps.rows);
   if (from_col >= end_col || from_row >= end_row) return;
   const cv::Rect to(static_cast<int>(from_col), static_cast<int>(from_row), static_cast<int>(end_col - from_col),
                     static_cast<int>(end_row - from_row));
   const cv::Rect from = to - cv::Point(static_cast<int>(col), static_cast<int>(row));
   const cv::Mat valid = picture.valid(from);
-  picture.gray(from).copyTo(mosaic.gray(to), valid);
+  picture.steps(from).copyTo(mosaic.steps(to), valid);
   valid.copyTo(mosaic.valid(to), valid);
 }
 
@@ -124,7 +124,7 @@ ChipMosaic read_chip_mosaic(MapReader& map, int level, const Eigen::Vector2d& ce
   for_each_chip(map, level, center_px, half_width_px, [&](std::int64_t tile_id, const DecodedChip& chip) {
     pass(checkpoint);
     const ChipPicture& picture = chip.picture;
-    if (mosaic.gray.empty()) mosaic = empty_mosaic(square_about(center_px, half_width_px), picture.factor);
+    if (mosaic.steps.empty()) mosaic = empty_mosaic(square_about(center_px, half_width_px), picture.factor);
     if (picture.factor != mosaic.factor) {
       throw DataError(map.name() + ": tile " + std::to_string(tile_id) + ", level " + std::to_string(level) +
                       ": its chip's pixels have another size than its neighbours'");

@@ -10,10 +10,10 @@
 
 namespace pilotage {
 
-/// The chips of one level put together: a gray picture of the ground around a point. Pixel (c, r) covers the square of
+/// The chips of one level put together: the directions of edges around a point. Pixel (c, r) covers the square of
 /// `factor` × `factor` pixels of the level whose first is (first_col_px + c·factor, first_row_px + r·factor).
 struct ChipMosaic {
-  cv::Mat gray;   ///< CV_8UC1; 0 where not valid. Empty when the map has no chip here.
+  cv::Mat steps;  ///< direction_steps(); 0 where not valid. Empty when the map has no chip here.
   cv::Mat valid;  ///< CV_8UC1: 255 where a chip shows ground, else 0.
   std::int64_t first_col_px = 0;
   std::int64_t first_row_px = 0;
@@ -29,7 +29,7 @@ struct ChipMosaic {
 };
 
 /// Largest side of a mosaic in its own pixels.
-inline constexpr int kMaxMosaicSidePx = 4096;
+inline constexpr int kMaxMosaicSidePx = 8192;
 
 /// The chips of `level` over the square of half side `half_width_px` about `center_px`, both in pixels of the level
 /// (parts outside the map's chips are not valid). The chips of a map do not overlap. Throws DataError when the map is

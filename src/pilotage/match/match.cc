@@ -57,7 +57,7 @@ void describe_ranking(const RankedPlaces& places, double half_width_px, MatchSta
   stats.vote_peak = best.evidence;
   stats.vote_rival = places.rival_evidence;
   stats.ncc = best.ncc;
-  stats.ncc_rival = places.rival_ncc;
+  stats.ncc_rival = best.rival_ncc;
   stats.chip_pixels = best.compared_px;
   stats.confidence = 1 - false_fix_rate(best.evidence, half_width_px);
 }

@@ -23,19 +23,23 @@ Tail support_tail(int expected) {
   return {9 + 0.88 * root, 1.4 * (2.2 + 0.07 * root)};
 }
 
-/// Of ncc · √(compared pixels), which is the same for frames of any size.
-constexpr Tail kCorrelationTail{7.9, 0.55};
-/// Where the frame shows other ground 95 % of the places found by features stay below this correlation; of the right
-/// places 1.5 % do. The logarithm of that ratio speaks against them.
-constexpr double kNoCorrelation = 5;
-constexpr double kAgainst = 4;
+/// A correlation counts no more than so many times its lead over the best elsewhere: where all edges of the ground have
+/// one direction, as along streets and rows of trees, other ground correlates well at many places.
+constexpr double kLeadWeight = 2.5;
+/// Of min(ncc, kLeadWeight · lead) · √(compared pixels).
+constexpr Tail kCorrelationTail{3.0, 1.05};
+/// Where the frame shows other ground most places found by features do not lead, and of the right places few do not. The
+/// logarithm of that ratio speaks against them.
+constexpr double kNoCorrelation = 1;
+constexpr double kAgainst = 2;
 
 }  // namespace
 
 double place_evidence(const PlaceEvidence& evidence) {
   double sum = support_tail(evidence.expected).exceedance(evidence.support);
   if (evidence.compared_px > 0) {
-    const double correlation = evidence.ncc * std::sqrt(evidence.compared_px);
+    const double lead = evidence.ncc - evidence.rival_ncc;
+    const double correlation = std::min(evidence.ncc, kLeadWeight * lead) * std::sqrt(evidence.compared_px);
     sum += correlation < kNoCorrelation ? -kAgainst : kCorrelationTail.exceedance(correlation);
   }
   return std::max(0.0, sum);

@@ -7,6 +7,7 @@ struct PlaceEvidence {
   double support = 0;      ///< GuidedMatch::evidence().
   int expected = 0;        ///< Features of the map that the frame should show there.
   double ncc = 0;          ///< Correlation with the map's chips there.
+  double rival_ncc = 0;    ///< The best correlation elsewhere in the window.
   double compared_px = 0;  ///< Pixels of the chips that were compared; 0 without chips.
 };
 

@@ -9,12 +9,10 @@
 namespace pilotage {
 namespace {
 
-constexpr int kChipReachPx = 2;
+constexpr int kChipReachPx = 4;
 constexpr double kMinRivalDistance_m = 6;
 constexpr int kChipTurns = 3;   // hypotheses
 constexpr int kChipScales = 3;  // likewise
-/// Windows to each side that are searched on every pixel of the chips: some 150 m. Wider ones from coarse to fine.
-constexpr double kFineHalfWidthPx = 128;
 
 bool chips_are_wanted(const MapReader& map, const MatchOptions& options) {
   return options.chips && map.has_chips() && options.yaw_sigma_deg * kRadPerDeg <= kUnknownYawRad;
@@ -26,15 +24,18 @@ double chip_reach_px(const FrameOnGrid& rectified, const PivotedFrame& described
 }
 
 RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipComparison>& chips) {
-  RankedPlace place{match, 0, 0, 0};
+  RankedPlace place;
+  place.match = match;
   if (chips) {
     const ChipMatch there =
         confirm_chip_match(chips->frame, chips->mosaic, chips->match_at(match.placement), kChipReachPx);
-    place.ncc = there.found ? there.ncc : 0;
-    place.compared_px = there.found ? there.pixels : 0;
+    const Eigen::Vector2d nadir_px = there.found ? there.nadir_px : chips->match_at(match.placement).nadir_px;
+    place.ncc = there.ncc;
+    place.compared_px = there.pixels;
+    place.rival_ncc = rival_ncc(chips->best, nadir_px, ChipSearchOptions().exclusion_px * chips->mosaic.factor);
   }
-  place.evidence =
-      place_evidence({match.evidence(), match.expected, place.ncc, static_cast<double>(place.compared_px)});
+  place.evidence = place_evidence(
+      {match.evidence(), match.expected, place.ncc, place.rival_ncc, static_cast<double>(place.compared_px)});
   return place;
 }
 
@@ -50,24 +51,17 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
   chips.pivot_from_nadir_px = rectified.px_from_m(rectified.pivot_m);
   chips.mosaic = read_chip_mosaic(map, rectified.level->matrix.level, rectified.prior_px,
                                   chip_reach_px(rectified, described), checkpoint);
-  if (chips.mosaic.gray.empty()) return std::nullopt;
+  if (chips.mosaic.steps.empty()) return std::nullopt;
   RectifyOptions rectify;
   rectify.gsd_m = rectified.gsd_m * chips.mosaic.factor;
   rectify.max_size_px = kMaxRectifiedSidePx;
-  chips.frame =
-      ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify);
-  if (chips.frame.status != RectifyStatus::kOk) return std::nullopt;
+  chips.frame = make_chip_frame(
+      ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify));
+  if (chips.frame.z.empty()) return std::nullopt;
   const auto hypotheses =
       chip_hypotheses(1.5 * options.yaw_sigma_deg, kChipTurns, 1.5 * options.height_sigma_fraction, kChipScales);
-  if (rectified.half_width_px / chips.mosaic.factor <= kFineHalfWidthPx) {
-    chips.best = search_chips(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, hypotheses, {},
-                              checkpoint);
-  } else {
-    const auto coarse = chip_hypotheses(0.75 * options.yaw_sigma_deg, kChipTurns - 1,
-                                        0.75 * options.height_sigma_fraction, kChipScales - 1);
-    chips.best = search_chips_coarsely(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, coarse,
-                                       hypotheses, {}, checkpoint);
-  }
+  chips.best =
+      search_chips(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, hypotheses, {}, checkpoint);
   return chips;
 }
 
@@ -96,8 +90,8 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   std::stable_sort(matches.begin(), matches.end(),
                    [](const GuidedMatch& a, const GuidedMatch& b) { return a.evidence() > b.evidence(); });
   if (matches.size() > kRankedPlaces) matches.resize(kRankedPlaces);
-  if (chips && chips->best.found) {
-    matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
+  if (chips && !chips->best.empty()) {
+    matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best.front()), 0}));
   }
   if (matches.empty()) return std::nullopt;
   std::vector<RankedPlace> ranked;
@@ -113,7 +107,6 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
     const double distance_px = (place.match.placement.center_px - places.best.match.placement.center_px).norm();
     if (distance_px <= min_distance_px) continue;
     places.rival_evidence = std::max(places.rival_evidence, place.evidence);
-    places.rival_ncc = std::max(places.rival_ncc, place.ncc);
   }
   return places;
 }

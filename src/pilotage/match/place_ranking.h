@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "pilotage/match/chip_mosaic.h"
 #include "pilotage/match/chip_search.h"
@@ -12,9 +13,9 @@ namespace pilotage {
 
 /// The frame on the map's chips.
 struct ChipComparison {
-  RectifiedFrame frame;
+  ChipFrame frame;
   ChipMosaic mosaic;
-  ChipMatch best;
+  std::vector<ChipMatch> best;                ///< search_chips(); may be empty.
   Eigen::Vector2d pivot_from_nadir_px{0, 0};  ///< In pixels of the level.
   Eigen::Vector2d reference_px{0, 0};         ///< LocalMap::reference_px.
 
@@ -25,8 +26,7 @@ struct ChipComparison {
     return turned;
   }
   ChipMatch match_at(const Placement& placement) const {
-    ChipMatch match = best;
-    match.found = true;
+    ChipMatch match;
     match.yaw_deg = placement.yaw_rad / kRadPerDeg;
     match.scale = placement.scale;
     match.nadir_px = reference_px + placement.map_from_frame(-pivot_from_nadir_px);
@@ -50,7 +50,8 @@ double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const 
 struct RankedPlace {
   GuidedMatch match;
   double ncc = 0;
-  int compared_px = 0;  ///< Pixels of chips behind it.
+  double rival_ncc = 0;  ///< Best correlation of the chips elsewhere in the window.
+  int compared_px = 0;   ///< Pixels of chips behind it.
   double evidence = 0;
 };
 
@@ -58,7 +59,6 @@ struct RankedPlace {
 struct RankedPlaces {
   RankedPlace best;
   double rival_evidence = 0;
-  double rival_ncc = 0;
 };
 
 /// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them and the

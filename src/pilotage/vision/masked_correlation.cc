@@ -16,12 +16,23 @@ cv::Mat zero_or_one(const cv::Mat& valid) {
   return result;
 }
 
-/// Pixels less their mean where valid, 0 elsewhere: the small sums lose less to rounding.
-cv::Mat centred(const cv::Mat& pixels, const cv::Mat& valid) {
-  cv::Mat shifted;
-  pixels.convertTo(shifted, CV_32F, 1, -cv::mean(pixels, valid)[0]);
-  shifted.setTo(0, valid == 0);
-  return shifted;
+/// Each channel less its mean where valid, 0 elsewhere: the small sums lose less to rounding.
+std::vector<cv::Mat> centred(const cv::Mat& pixels, const cv::Mat& valid) {
+  std::vector<cv::Mat> channels;
+  cv::split(pixels, channels);
+  const cv::Mat holes = valid == 0;
+  for (cv::Mat& channel : channels) {
+    channel.convertTo(channel, CV_32F, 1, -cv::mean(channel, valid)[0]);
+    channel.setTo(0, holes);
+  }
+  return channels;
+}
+
+/// Of all channels together.
+cv::Mat squares_of(const std::vector<cv::Mat>& channels) {
+  cv::Mat squares = channels.front().mul(channels.front());
+  for (std::size_t i = 1; i < channels.size(); ++i) squares += channels[i].mul(channels[i]);
+  return squares;
 }
 
 }  // namespace
@@ -53,8 +64,11 @@ MaskedCorrelation::MaskedCorrelation(const cv::Mat& mask, const cv::Mat& region,
       flat_variance_(flat_variance),
       whole_(cv::countNonZero(region_valid) == static_cast<int>(region_valid.total())) {
   const cv::Mat mask_spectrum = sums_.spectrum(mask_);
-  const cv::Mat pixels = centred(region, region_valid);
-  region_spectrum_ = sums_.spectrum(pixels);
+  const std::vector<cv::Mat> channels = centred(region, region_valid);
+  for (const cv::Mat& channel : channels) {
+    region_spectra_.push_back(sums_.spectrum(channel));
+    region_sums_.push_back(sums_.correlate(mask_spectrum, region_spectra_.back()));
+  }
   if (whole_) {
     counts_ = cv::Mat(size_, CV_32F, cv::Scalar(cv::countNonZero(mask)));
   } else {
@@ -62,22 +76,24 @@ MaskedCorrelation::MaskedCorrelation(const cv::Mat& mask, const cv::Mat& region,
     counts_ = sums_.correlate(mask_spectrum, region_mask_spectrum_);
     for (auto it = counts_.begin<float>(); it != counts_.end<float>(); ++it) *it = std::round(*it);
   }
-  region_sums_ = sums_.correlate(mask_spectrum, region_spectrum_);
-  region_scatter_ = scatter(region_sums_, sums_.correlate(mask_spectrum, sums_.spectrum(pixels.mul(pixels))));
+  region_scatter_ = scatter(region_sums_, sums_.correlate(mask_spectrum, sums_.spectrum(squares_of(channels))));
 }
 
-/// Sum of squared differences from the mean, 0 where it is too small to tell from nothing.
-cv::Mat MaskedCorrelation::scatter(const cv::Mat& sums, const cv::Mat& squares) const {
+/// Sum of squared differences from the mean, 0 where it is too small to tell from nothing. Takes no sums as sums of 0.
+cv::Mat MaskedCorrelation::scatter(const std::vector<cv::Mat>& sums, const cv::Mat& squares) const {
   cv::Mat result(size_, CV_32F);
   double largest = 0;
   for (int row = 0; row < size_.height; ++row) {
     const auto* n = counts_.ptr<float>(row);
-    const auto* sum = sums.ptr<float>(row);
     const auto* square = squares.ptr<float>(row);
     auto* out = result.ptr<float>(row);
+    std::copy(square, square + size_.width, out);
+    for (const cv::Mat& of_channel : sums) {
+      const auto* sum = of_channel.ptr<float>(row);
+      for (int col = 0; col < size_.width; ++col) out[col] -= sum[col] * sum[col] / std::max(n[col], 1.0F);
+    }
     for (int col = 0; col < size_.width; ++col) {
-      const bool compared = static_cast<double>(n[col]) >= needed_;
-      out[col] = compared ? square[col] - sum[col] * sum[col] / n[col] : 0.0F;
+      if (static_cast<double>(n[col]) < needed_) out[col] = 0;
     }
   }
   cv::minMaxLoc(result, nullptr, &largest);
@@ -94,31 +110,44 @@ cv::Mat MaskedCorrelation::scatter(const cv::Mat& sums, const cv::Mat& squares) 
 }
 
 cv::Mat MaskedCorrelation::surface(const cv::Mat& pixels) const {
-  const cv::Mat t = centred(pixels, mask_ != 0);
-  const cv::Mat t_spectrum = sums_.spectrum(t);
-  cv::Mat t_sums;
-  cv::Mat t_scatter;
-  if (whole_) {  // its sum is 0 and its squares are the same everywhere
-    const cv::Mat squares(size_, CV_32F, cv::Scalar(cv::norm(t, cv::NORM_L2SQR)));
-    t_sums = cv::Mat::zeros(size_, CV_32F);
-    t_scatter = scatter(t_sums, squares);
-  } else {
-    t_sums = sums_.correlate(t_spectrum, region_mask_spectrum_);
-    t_scatter = scatter(t_sums, sums_.correlate(sums_.spectrum(t.mul(t)), region_mask_spectrum_));
+  const std::vector<cv::Mat> channels = centred(pixels, mask_ != 0);
+  cv::Mat products = cv::Mat::zeros(size_, CV_32F);
+  std::vector<cv::Mat> t_sums;
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const cv::Mat spectrum = sums_.spectrum(channels[i]);
+    products += sums_.correlate(spectrum, region_spectra_.at(i));
+    if (!whole_) t_sums.push_back(sums_.correlate(spectrum, region_mask_spectrum_));
   }
-  cv::Mat result = sums_.correlate(t_spectrum, region_spectrum_);
+  cv::Mat squares(size_, CV_32F, cv::Scalar(0));
+  if (whole_) {  // the sums are 0 and the squares are the same everywhere
+    for (const cv::Mat& channel : channels) squares += cv::norm(channel, cv::NORM_L2SQR);
+  } else {
+    squares = sums_.correlate(sums_.spectrum(squares_of(channels)), region_mask_spectrum_);
+  }
+  for (std::size_t i = 0; i < t_sums.size(); ++i) {
+    for (int row = 0; row < size_.height; ++row) {
+      const auto* n = counts_.ptr<float>(row);
+      const auto* t_sum = t_sums[i].ptr<float>(row);
+      const auto* g_sum = region_sums_[i].ptr<float>(row);
+      auto* out = products.ptr<float>(row);
+      for (int col = 0; col < size_.width; ++col) out[col] -= t_sum[col] * g_sum[col] / std::max(n[col], 1.0F);
+    }
+  }
+  return normalised(products, scatter(t_sums, squares));
+}
+
+cv::Mat MaskedCorrelation::normalised(const cv::Mat& products, const cv::Mat& t_scatter) const {
+  cv::Mat result(size_, CV_32F);
   for (int row = 0; row < size_.height; ++row) {
     const auto* n = counts_.ptr<float>(row);
-    const auto* t_sum = t_sums.ptr<float>(row);
-    const auto* g_sum = region_sums_.ptr<float>(row);
+    const auto* product = products.ptr<float>(row);
     const auto* tt = t_scatter.ptr<float>(row);
     const auto* gg = region_scatter_.ptr<float>(row);
     auto* out = result.ptr<float>(row);
     for (int col = 0; col < size_.width; ++col) {
       // Flat where a scatter is 0; the product of two floats may overflow, their roots not.
       const float norm = std::sqrt(tt[col]) * std::sqrt(gg[col]);
-      const float product = out[col] - t_sum[col] * g_sum[col] / std::max(n[col], 1.0F);
-      const float value = norm > 0 ? std::clamp(product / norm, -1.0F, 1.0F) : 0.0F;
+      const float value = norm > 0 ? std::clamp(product[col] / norm, -1.0F, 1.0F) : 0.0F;
       out[col] = static_cast<double>(n[col]) >= needed_ ? value : kNotCompared;
     }
   }
