@@ -13,12 +13,12 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/mapdb/chip_codec.h"
-#include "pilotage/vision/direction_field.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
+#include "pilotage/vision/direction_field.h"
 
 namespace pilotage {
 namespace {

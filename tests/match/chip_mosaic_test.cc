@@ -128,8 +128,7 @@ TEST_F(ChipMosaicTest, NamesDamagedAndForeignChips) {
   chip = good;
   ++chip.window.col;
   expect_error("is not in multiples of its factor");
-  chip =
-      encode_chip({cv::Mat(8, 8, CV_8UC1, cv::Scalar(5)), cv::Mat(8, 8, CV_8UC1, cv::Scalar(255)), 4}, 9, 0, 96, 32);
+  chip = encode_chip({cv::Mat(8, 8, CV_8UC1, cv::Scalar(5)), cv::Mat(8, 8, CV_8UC1, cv::Scalar(255)), 4}, 9, 0, 96, 32);
   expect_error("another size than its neighbours'", "tile 15");  // tile 9 is nearer
 }
 

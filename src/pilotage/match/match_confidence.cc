@@ -28,8 +28,8 @@ Tail support_tail(int expected) {
 constexpr double kLeadWeight = 2.5;
 /// Of min(ncc, kLeadWeight · lead) · √(compared pixels).
 constexpr Tail kCorrelationTail{3.0, 1.05};
-/// Where the frame shows other ground most places found by features do not lead, and of the right places few do not. The
-/// logarithm of that ratio speaks against them.
+/// Where the frame shows other ground most places found by features do not lead, and of the right places few do not.
+/// The logarithm of that ratio speaks against them.
 constexpr double kNoCorrelation = 1;
 constexpr double kAgainst = 2;
 

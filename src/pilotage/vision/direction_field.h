@@ -2,8 +2,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#pragma GCC visibility push(default)
-
 namespace pilotage {
 
 // Along which lines a picture changes, not how: z = w·e^{2iθ} for each pixel, θ the direction of the gradient and
@@ -38,5 +36,3 @@ cv::Mat field_from_steps(const cv::Mat& steps);
 inline constexpr int kDirectionSectors = 8;
 
 }  // namespace pilotage
-
-#pragma GCC visibility pop
