@@ -16,19 +16,19 @@
 namespace pilotage::hamming_detail {
 
 inline constexpr std::size_t kSlotsPerBlock = 8;
-inline constexpr int kMostWords = kDescriptorWords.back();
+inline constexpr int kMostWords = kMostDescriptorBits / 64;
 
-/// Calls `scan.operator()<kWords>()` with one of kDescriptorWords as a number known when compiling.
+/// Calls `scan.operator()<kWords>()` with the `words` of one of kBinaryDescriptors as a number known when compiling.
 template <class Scan>
 void with_words(int words, const Scan& scan) {
-  const auto try_length = [&]<std::size_t kIndex>() {
-    constexpr int kWords = kDescriptorWords[kIndex];
+  const auto try_row = [&]<std::size_t kRow>() {
+    constexpr int kWords = kBinaryDescriptors[kRow].bits / 64;
     if (words == kWords) scan.template operator()<kWords>();
   };
-  [&]<std::size_t... kIndices>(std::index_sequence<kIndices...>) {
-    (try_length.template operator()<kIndices>(), ...);
+  [&]<std::size_t... kRows>(std::index_sequence<kRows...>) {
+    (try_row.template operator()<kRows>(), ...);
   }
-  (std::make_index_sequence<kDescriptorWords.size()>{});
+  (std::make_index_sequence<kBinaryDescriptors.size()>{});
 }
 
 /// The k nearest so far of one query, ordered by (distance, index of the feature).
