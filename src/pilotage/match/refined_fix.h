@@ -19,10 +19,10 @@ struct RefinedFix {
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place);
 
-/// Whether a fix contradicts what was known: its position lies outside the searched square or √2 times the prior's error
-/// ellipse of search_sigmas (Mahalanobis distance, in a covariance that has 2 / search_sigmas times what the tilt's
-/// error moves the place by added), or attitude or height are more than four standard deviations off. The yaw does not
-/// count where it is unknown.
+/// Whether a fix contradicts what was known: its position lies outside the searched square or √2 times the prior's
+/// error ellipse of search_sigmas (Mahalanobis distance, in a covariance that has 2 / search_sigmas times what the
+/// tilt's error moves the place by added), or attitude or height are more than four standard deviations off. The yaw
+/// does not count where it is unknown.
 bool is_outside_gate(const Fix& fix, const MatchPrior& prior, const MatchOptions& options);
 
 }  // namespace pilotage
