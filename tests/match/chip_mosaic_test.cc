@@ -101,7 +101,7 @@ TEST_F(ChipMosaicTest, RefusesWhatIsNotAPlaceOrTooLarge) {
   EXPECT_THROW(read_chip_mosaic(map, 0, {100, 60}, 0), UsageError);
   EXPECT_THROW(read_chip_mosaic(map, 0, {100, 60}, kNaN), UsageError);
   EXPECT_THROW(read_chip_mosaic(map, 0, {100, 60}, kMaxMosaicSidePx * kStoredFactor), UsageError);
-  EXPECT_NO_THROW(read_chip_mosaic(map, 0, {100, 60}, kMaxMosaicSidePx / 2 * kStoredFactor));
+  EXPECT_NO_THROW(read_chip_mosaic(map, 0, {100, 60}, 0.5 * kMaxMosaicSidePx * kStoredFactor));
 }
 
 TEST_F(ChipMosaicTest, NamesDamagedAndForeignChips) {
