@@ -32,7 +32,8 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "tests/accept"
 from acceptance import SKIP, Failed, check, need_gdal, run  # noqa: E402
 from match_flights import cut, whole_map  # noqa: E402
 
-TWO_DATES = ("abudhabi", "beihai", "cupertino", "chongqing", "hongkong", "mumbai", "pisa", "saclay_e")
+# Of the Sentinel-2 places those from which the descriptor was not learned (learn_ground_pattern.py).
+TWO_DATES = ("beihai", "cupertino", "hongkong", "mumbai", "pisa", "saclay_e")
 PLACES = TWO_DATES + ("autzen", "zanzibar")
 ONE_DATE = {"autzen": ("autzen/autzen.jpg", 0.508), "zanzibar": ("zanzibar/zanzibar_z20.tif", 0.247)}  # file, scale
 PIXEL_M = 0.6

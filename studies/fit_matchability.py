@@ -3,9 +3,11 @@
 fit_matchability.py PILOTAGE --work DIR [--date 2026-11-21] [-o default_model.json]
 
 For each place and size of tile: `pilotage score REFERENCE --evaluate OTHER`, with chips and without; then `pilotage
-calibrate`. Everything is kept in DIR, and what is there is not done again. PILOTAGE_DATA names the folder of the
-imagery. Sentinel-2 places are taken as rasters of 0.6 m/px: what counts is how ground looks in pixels. The anchors,
-which set how often fixes succeed, are pairs whose pixels are about as fine as that."""
+calibrate`: with each choice of inputs of TERMS, of which the one with the best log score on places left out is taken.
+Everything is kept in DIR, and what is there is not done again. PILOTAGE_DATA names the folder of the imagery.
+Sentinel-2 places are taken as rasters of 0.6 m/px: what counts is how ground looks in pixels. The anchors, which set
+how often fixes succeed and how that differs from place to place, are pairs whose pixels are about as fine as that. The
+port takes no part in this: it evaluates."""
 
 import argparse
 import csv
@@ -21,16 +23,20 @@ gdal = need_gdal()
 import numpy as np  # noqa: E402
 from osgeo import osr  # noqa: E402
 
-COARSE = ("abudhabi", "beihai", "bercy", "bordeaux", "chongqing", "cupertino", "hongkong", "milano", "mumbai", "norcia",
-          "pisa", "saclay_e")
+# Of the twelve places those from which the descriptor was not learned (learn_ground_pattern.py).
+COARSE = ("beihai", "cupertino", "hongkong", "mumbai", "pisa", "saclay_e")
 FINE = ("levir_test_113_0256", "levir_test_7_0256_0512", "levir_train_36_0512_0512", "levir_train_386_0512_0768",
-        "levir_train_412_0512_0768", "CS3")
+        "levir_train_412_0512_0768", "CS3", "OO1", "OO3", "OO4", "OO6")
+# Inputs of P that are tried, the fewest first; that is taken unless another is better by more than chance (choose_terms).
+TERMS = ("vote_contrast:3,described_area:3", "vote_contrast:3,gray_contrast:0.5,described_area:3",
+         "vote_contrast:3,gray_contrast:3,described_area:3", "vote_contrast:3,gray_contrast:0,described_area:3",
+         "map_features:3,vote_noise:3,gray_contrast:0.5,described_area:3")
 GSD_M = 0.6
 SEARCH_PX = 58  # 35 m
-SIZES_PX = {"coarse": (72, 84, 111), "fine": (72, 84, 97, 111, 128), "port": (84, 111, 166, 222)}
+SIZES_PX = {"coarse": (72, 84, 111), "fine": (72, 84, 111, 128), "port": (84, 111, 166, 222)}
 MEASURES = {"coarse": "correct_fix", "fine": "correct_fix",
             "port": "gray_variance,frieden_entropy,uniqueness,degraded,correct_fix"}
-TILES = {"coarse": 60, "fine": 100, "port": 600}
+TILES = {"coarse": 60, "fine": 80, "port": 600}
 
 
 def as_raster(picture, path):
@@ -54,7 +60,7 @@ def write_gray(gray, path):
     raster.GetRasterBand(1).WriteArray(gray)
 
 
-def cross_season_pair(data, work, name):
+def registered_pair(data, work, name):
     """A pair of pairs/mmim, the second picture brought onto the first by its transform: [x y 1] T, pixels from 1."""
     paths = [work / f"{name}_{date}.tif" for date in (1, 2)]
     if all(path.exists() for path in paths):
@@ -86,8 +92,8 @@ def cross_season_pair(data, work, name):
 
 
 def pair(data, work, place):
-    if place.startswith("CS"):
-        return cross_season_pair(data, work, place)
+    if place.startswith(("CS", "OO")):
+        return registered_pair(data, work, place)
     if place == "port":
         return data / "port/port_2019-08.tif", data / "port/port_2020-07_registered.tif"
     folder = "sentinel2" if place in COARSE else "highres"
@@ -102,7 +108,7 @@ def evaluate(options, work, place, size_px, chips, more=()):
     if not (folder / "evaluation.json").exists():
         folder.mkdir(exist_ok=True)
         reference, other = pair(options.data, work, place)
-        register = ("--second-epoch", other) if place == "port" else ()
+        register = () if kind == "coarse" else ("--second-epoch", other)  # corrects the truth where dates disagree
         run(options.pilotage, "score", reference, "--gsd-m", GSD_M, "--tile-size-px", size_px, "--stride-px",
             max(8, size_px // 4), "--search-radius-px", SEARCH_PX, "--measures",
             MEASURES[kind], "--matcher",
@@ -135,60 +141,50 @@ def tell(folder):
     sys.stdout.flush()
 
 
-def predicted(folder, matcher):
-    """P and outcome of each judged tile of an evaluation, by the formula of docs/methods/matchability.md."""
-    with open(folder / "evaluation.json", encoding="utf-8") as stream:
-        judged = json.load(stream)
-    side_px = round(judged["footprint_m"] / judged["gsd_m"])
-    with open(folder / "evaluation.csv", newline="", encoding="utf-8") as stream:
-        rows = [row for row in csv.DictReader(stream) if row["outcome"] != "not_covered"]
-
-    def column(name):
-        return np.array([float(row[name] or 0) for row in rows])
-
-    def term(name, x):
-        of = matcher[name]
-        return of["coefficient"] * np.minimum(x - of["mean"], 3 * of["spread"])
-
-    z = (matcher["intercept"] + matcher["area_coefficient"] * 2 * np.log(side_px - 32) +
-         term("vote_contrast", np.log((column("map_features") + 2) / (column("vote_noise") + 0.3))) +
-         term("gray_contrast", np.log(np.sqrt(np.maximum(column("frieden_deficit"), 0)) + 0.01)))
-    p = np.where(column("map_features") < 20, 0, 1 / (1 + np.exp(-z)))
-    return p, np.array([row["outcome"] == "correct" for row in rows], float)
+def calibrated(options, folders, terms, model):
+    """What `calibrate` says of the folders with these inputs, as JSON."""
+    return json.loads(run(options.pilotage, "calibrate", *folders, "--anchors", ",".join(FINE), "--terms", terms, "--date",
+                          options.date, "-o", model, "--overwrite", "--json", "-q", streams="stdout"))
 
 
-def quality(p, y):
-    """AUC, Brier skill and calibration error (ten bins of equal count)."""
-    order = np.argsort(p, kind="stable")
-    ranks = np.empty(len(p))
-    ranks[order] = np.arange(1, len(p) + 1)
-    right = y.sum()
-    auc = (ranks[y > 0].sum() - right * (right + 1) / 2) / max(right * (len(y) - right), 1)
-    error = sum(len(part) * abs(p[part].mean() - y[part].mean()) for part in np.array_split(order, 10)) / len(y)
-    return auc, 1 - ((p - y)**2).mean() / max(y.mean() * (1 - y.mean()), 1e-9), error
+def choose_terms(options, folders):
+    """The inputs of both matchers. The log score of each place is that of models fitted without it; what the choice
+    itself is worth is the log score of each place with the inputs that are best on all others."""
+    scores = {}
+    for terms in TERMS:
+        said = calibrated(options, folders, terms, options.work / "tried.json")
+        wrong = [term["input"] for matcher in said["model"]["matchers"] for term in matcher["terms"]
+                 if (term["coefficient"] < 0) != (term["input"] == "vote_noise")]
+        if wrong:  # fewer features, less contrast or more noise would make a fix more likely: a trait of these places
+            print(f"{terms}: refused, {', '.join(wrong)} point the wrong way", flush=True)
+            continue
+        for matcher, reliability in said["reliability"].items():
+            per_place = {place["place"]: place["log_score"] for place in reliability["places"]}
+            scores.setdefault(matcher, {})[terms] = per_place
+            numbers = ", ".join(f"{where} AUC {reliability[where]['auc']['value']:.3f}, calibration error "
+                                f"{reliability[where]['calibration_error']['value']:.3f}" for where in ("inside", "across"))
+            print(f"{matcher}, {terms}: {numbers}, log score across {np.mean(list(per_place.values())):.4f}", flush=True)
+    better = []  # than the first, place by place, over both matchers
+    allowed = list(scores["features"])
+    for terms in allowed:
+        gains = np.concatenate([np.array([of[allowed[0]][place] - of[terms][place] for place in of[terms]])
+                                for of in scores.values()])
+        better.append(gains.mean() / max(gains.std() / np.sqrt(len(gains)), 1e-12) if terms != allowed[0] else 0)
+    for matcher, of in scores.items():
+        nested = [of[min(of, key=lambda terms: sum(of[terms][p] for p in of[terms] if p != place))][place]
+                  for place in of[allowed[0]]]
+        print(f"{matcher}: log score across with the inputs chosen on the other places: {np.mean(nested):.4f}")
+    chosen = allowed[int(np.argmax(better))] if max(better) > 2 else allowed[0]
+    print(f"chosen: {chosen}", flush=True)
+    return chosen
 
 
-def leave_one_place_out(options, folders):
-    """Each coarse place predicted by a model of the other coarse ones."""
-    for chips in (False, True):
-        of_size = {size_px: ([], []) for size_px in SIZES_PX["coarse"]}
-        for place in COARSE:
-            others = [entry for entry in folders if entry.endswith("_chips") == chips and
-                      entry.split("=")[0] in COARSE and entry.split("=")[0] != place]
-            model = options.work / "left_out.json"
-            run(options.pilotage, "calibrate", *others, "-o", model, "--overwrite", "-q")
-            matcher = json.loads(model.read_text())["matchers"][0]
-            for size_px, (ps, ys) in of_size.items():
-                folder = options.work / f"{place}_{size_px}{'_chips' if chips else ''}"
-                if folder.exists():
-                    p, y = predicted(folder, matcher)
-                    ps.append(p)
-                    ys.append(y)
-        for name, parts in [*of_size.items(), ("all", [sum((of_size[size][i] for size in of_size), []) for i in (0, 1)])]:
-            p, y = (np.concatenate(part) for part in parts)
-            auc, skill, error = quality(p, y)
-            print(f"leave one place out, {'chips' if chips else 'features'}, {name} px: {len(y)} tiles, {y.mean():.2f} found, "
-                  f"AUC {auc:.3f}, skill {skill:.3f}, calibration error {error:.3f}", flush=True)
+def tell_places(said):
+    for matcher, reliability in said["reliability"].items():
+        for place in reliability["places"]:
+            print(f"{matcher}, {place['place']}: {place['correct']} of {place['tiles']} found "
+                  f"({place['correct'] / place['tiles']:.2f}), predicted without it {place['p']:.2f} "
+                  f"(80 %: {place['p_low']:.2f} … {place['p_high']:.2f})")
 
 
 def command_line():
@@ -202,9 +198,10 @@ def command_line():
     options.work.mkdir(exist_ok=True)
     model = options.output or options.work / "model.json"
     folders = list(all_folders(options, options.work))
-    print(run(options.pilotage, "calibrate", *folders, "--anchors", ",".join(FINE), "--date",
-              options.date, "-o", model, "--overwrite"))
-    leave_one_place_out(options, folders)
+    terms = choose_terms(options, folders)
+    said = calibrated(options, folders, terms, model)
+    tell_places(said)
+    print(json.dumps({matcher["matcher"]: matcher["level"] for matcher in said["model"]["matchers"]}, indent=1))
     for chips in (False, True):
         for size_px in SIZES_PX["port"]:
             tell(evaluate(options, options.work, "port", size_px, chips, ("--model", model)))

@@ -41,6 +41,9 @@ std::string describe_gap(const RouteGap& gap) {
 std::string describe_probability(const Selection& selection) {
   const RouteProbability& route = *selection.probability;
   std::string text = "within the limit all the way with P = " + probability_text(route.p_within_limit) +
+                     (route.interval ? " (80 % interval " + probability_text(route.interval->low) + " … " +
+                                           probability_text(route.interval->high) + ")"
+                                     : "") +
                      (route.p_within_limit < route.min_p_within_limit ? ", below the " : ", at least the ") +
                      probability_text(route.min_p_within_limit) + " asked for; expected fixes " +
                      format_fixed(route.expected_fixes, 1) + ", false ones at most " +

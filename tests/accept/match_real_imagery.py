@@ -30,15 +30,15 @@ def over_the_port(pilotage, data, tool, work):
     here = cut(tool, second, work / "port", frames=FRAMES, footprint_m=154, also=first)
     tell("port, 154 m wide, truth of the other picture", fly(pilotage, map_path, here))
     correct_truth(here, second, first)
-    check_rates("port, 154 m wide, features and chips", fly(pilotage, map_path, here), 0.88, 0.02)
-    check_rates("port, 154 m wide, features alone", fly(pilotage, map_path, here, "--no-chips"), 0.86, 0.02)
+    check_rates("port, 154 m wide, features and chips", fly(pilotage, map_path, here), 0.92, 0.01)
+    check_rates("port, 154 m wide, features alone", fly(pilotage, map_path, here, "--no-chips"), 0.91, 0.01)
     shifted = cut(tool, second, work / "shifted", frames=FRAMES, footprint_m=154, also=first, prior_shift_m=400, seed=2)
     check_none("port, priors 400 m off", fly(pilotage, map_path, shifted), FRAMES // 100)
     fine_map = whole_map(pilotage, first, work / "port_80.gpkg", 80, 0.45, ("--chips", "--chip-gsd-m", 0.9))
     fine = cut(tool, second, work / "port_80", frames=FRAMES, footprint_m=80, also=first, seed=3)
     correct_truth(fine, second, first)
-    check_rates("port, 80 m wide, features and chips", fly(pilotage, fine_map, fine), 0.64, 0.03)
-    check_rates("port, 80 m wide, features alone", fly(pilotage, fine_map, fine, "--no-chips"), 0.48, 0.03)
+    check_rates("port, 80 m wide, features and chips", fly(pilotage, fine_map, fine), 0.7, 0.02)
+    check_rates("port, 80 m wide, features alone", fly(pilotage, fine_map, fine, "--no-chips"), 0.66, 0.02)
     return map_path, here
 
 

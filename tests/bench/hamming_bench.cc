@@ -20,7 +20,7 @@ FeatureSet random_set(std::size_t count, int bytes, double side_px) {
   set.descriptor_bytes = bytes;
   for (std::size_t i = 0; i < count; ++i) {
     set.features.push_back(
-        {static_cast<float>(random.uniform(0, side_px)), static_cast<float>(random.uniform(0, side_px)), 0, 0, 0});
+        {static_cast<float>(random.uniform(0, side_px)), static_cast<float>(random.uniform(0, side_px)), 0, 0});
     for (int byte = 0; byte < bytes; ++byte) set.descriptors.push_back(static_cast<std::uint8_t>(random.below(256)));
   }
   return set;

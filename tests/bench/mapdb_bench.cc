@@ -42,10 +42,10 @@ TileDescriptors random_descriptors(const MapTile& tile, const PixelWindow& windo
   result.window = window;
   for (int i = 0; i < kFeatures; ++i) {
     result.features.features.push_back(
-        {static_cast<float>(random.uniform(0, kTilePx)), static_cast<float>(random.uniform(0, kTilePx)), 0, 0, 1});
+        {static_cast<float>(random.uniform(0, kTilePx)), static_cast<float>(random.uniform(0, kTilePx)), 0, 1});
     result.ground_height_m.push_back(static_cast<float>(random.uniform(0, 50)));
   }
-  for (int i = 0; i < kFeatures * 4; ++i) {
+  for (int i = 0; i < kFeatures * result.features.descriptor_bytes / 8; ++i) {
     for (std::uint64_t bits = random.next(), b = 0; b < 8; ++b, bits >>= 8) {
       result.features.descriptors.push_back(static_cast<std::uint8_t>(bits));
     }

@@ -24,7 +24,7 @@ FeatureSet features_with(const std::vector<float>& responses) {
   FeatureSet set;
   set.descriptor_bytes = 2;
   for (const float response : responses) {
-    set.features.push_back({static_cast<float>(set.size()), 0, 0, 0, response});
+    set.features.push_back({static_cast<float>(set.size()), 0, 0, response});
     set.descriptors.insert(set.descriptors.end(), 2, static_cast<std::uint8_t>(set.size()));
   }
   return set;

@@ -15,14 +15,13 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/compare/compare_options.h"
 #include "pilotage/vision/features.h"
 
 namespace pilotage {
 namespace {
 
-const std::vector<DescriptorMethod> kAllMethods{DescriptorMethod::kOrb,      DescriptorMethod::kBrief128,
-                                                DescriptorMethod::kBrief256, DescriptorMethod::kBrief512,
-                                                DescriptorMethod::kSift,     DescriptorMethod::kSurf};
+const std::vector<DescriptorMethod> kAllMethods = CompareOptions{}.methods;
 
 cv::Mat everywhere(const cv::Mat& gray) {
   return {gray.size(), CV_8UC1, cv::Scalar(255)};
@@ -36,7 +35,7 @@ TEST(DescriptorMethod, EveryMethodFindsTheFeaturesItIsAskedForWithinTheMask) {
     SCOPED_TRACE(descriptor_method_title(method));
     const DescribedImage found = describe_image(method, gray, allowed, 100);
     EXPECT_GE(found.points_px.size(), 40U);
-    EXPECT_LE(found.points_px.size(), 130U);  // BRIEF: whole numbers in each cell
+    EXPECT_LE(found.points_px.size(), 130U);  // ours: whole numbers in each cell
     ASSERT_EQ(found.descriptors.rows, static_cast<int>(found.points_px.size()));
     for (const Eigen::Vector2d& point : found.points_px) {
       EXPECT_GE(point.x(), 249.5);
@@ -53,8 +52,11 @@ TEST(DescriptorMethod, DescriptorsHaveTheLengthTheirNameSays) {
     return describe_image(method, gray, everywhere(gray), 50).descriptors;
   };
   EXPECT_EQ(descriptors(DescriptorMethod::kOrb).cols, 32);
+  EXPECT_EQ(descriptors(DescriptorMethod::kGround64).cols, 8);
+  EXPECT_EQ(descriptors(DescriptorMethod::kGround128).cols, 16);
+  EXPECT_EQ(descriptors(DescriptorMethod::kGround256).cols, 32);
+  EXPECT_EQ(descriptors(DescriptorMethod::kOrb256).cols, 32);
   EXPECT_EQ(descriptors(DescriptorMethod::kBrief128).cols, 16);
-  EXPECT_EQ(descriptors(DescriptorMethod::kBrief256).cols, 32);
   EXPECT_EQ(descriptors(DescriptorMethod::kBrief512).cols, 64);
   EXPECT_EQ(descriptors(DescriptorMethod::kBrief512).type(), CV_8UC1);
   EXPECT_EQ(descriptors(DescriptorMethod::kSift).cols, 128);
@@ -62,15 +64,20 @@ TEST(DescriptorMethod, DescriptorsHaveTheLengthTheirNameSays) {
   EXPECT_EQ(descriptors(DescriptorMethod::kSurf).type(), CV_32FC1);
 }
 
-TEST(DescriptorMethod, BriefIsThatOfTheMap) {
+TEST(DescriptorMethod, BinaryOnesAreThoseOfTheMap) {
   const cv::Mat gray = testing::texture(260, 240, 3);
-  for (const auto& [method, bits] :
-       {std::pair{DescriptorMethod::kBrief128, 128}, std::pair{DescriptorMethod::kBrief256, 256},
-        std::pair{DescriptorMethod::kBrief512, 512}}) {
-    SCOPED_TRACE(bits);
+  for (const auto& [method, pattern, bits] :
+       {std::tuple{DescriptorMethod::kGround64, DescriptorPattern::kGround, 64},
+        std::tuple{DescriptorMethod::kGround128, DescriptorPattern::kGround, 128},
+        std::tuple{DescriptorMethod::kGround256, DescriptorPattern::kGround, 256},
+        std::tuple{DescriptorMethod::kOrb256, DescriptorPattern::kOrb, 256},
+        std::tuple{DescriptorMethod::kBrief128, DescriptorPattern::kBrief, 128},
+        std::tuple{DescriptorMethod::kBrief512, DescriptorPattern::kBrief, 512}}) {
+    SCOPED_TRACE(descriptor_method_title(method));
     FeatureOptions options;
+    options.pattern = pattern;
     options.descriptor_bits = bits;
-    const int margin = patch_radius_px(options);
+    const int margin = descriptor_of(options).reach_px;
     const int area_px = (gray.cols - 2 * margin) * (gray.rows - 2 * margin);
     options.features_per_mpx = 5000;
     const FeatureSet expected = testing::features_of_image(gray, options);

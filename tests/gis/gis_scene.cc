@@ -34,7 +34,7 @@ ReportInput gis_scene(GeodeticPoint origin, bool two_levels) {
       score.p_correct_fix = random.uniform();
     }
   }
-  input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, WorstStretch{1, 300, 520, 0.04}};
+  input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, WorstStretch{1, 300, 520, 0.04}, {}};
   for (LegStatus& leg : input.selection.legs) {
     leg.p_within_limit = 0.98;
     leg.p_fix = 0.9;

@@ -56,9 +56,9 @@ def content_digest(db):
 
 
 def keypoint(data, base):
-    word, y, angle, height, response = struct.unpack("<IIHhf", data)
+    low, height = struct.unpack("<Q", data)[0] & 0xFFFFFFFFFFFF, struct.unpack("<h", data[6:])[0]
     metres = None if height == -32768 else base + height / 10
-    return (word & 0xFFFFFF) / 16, y / 16, word >> 24, angle * 360 / 65536, response, metres
+    return (low & 0x1FFFFF) / 16, (low >> 21 & 0x1FFFFF) / 16, low >> 42, metres
 
 
 def main(path):
@@ -74,12 +74,12 @@ def main(path):
         flag = struct.pack("<Bd", base is not None, base or 0.0)
         data = b"pilotage descriptors 1\n" + i64(*row[:8]) + flag + text(keypoints) + text(descriptors)
         assert digest(data).digest() == stored, "descriptors of tile %d" % row[0]
-        assert len(keypoints) == 16 * row[6] and len(descriptors) == row[6] * row[7]
+        assert len(keypoints) == 8 * row[6] and len(descriptors) == row[6] * row[7]
         for i in range(row[6]):
-            x, y, octave, angle, response, height = keypoint(keypoints[16 * i:16 * i + 16], base)
+            x, y, octave, height = keypoint(keypoints[8 * i:8 * i + 8], base)
             bits = sum(bin(byte).count("1") for byte in descriptors[row[7] * i:row[7] * (i + 1)])
             shown = "-" if height is None else "%.1f" % height
-            print("%d %d %.4f %.4f %d %.4f %.9g %s %d" % (row[0], row[1], x, y, octave, angle, response, shown, bits))
+            print("%d %d %.4f %.4f %d %s %d" % (row[0], row[1], x, y, octave, shown, bits))
     if db.execute("SELECT 1 FROM sqlite_master WHERE name = 'pilotage_chips'").fetchone():
         for row in db.execute("SELECT tile_id, level, window_col_px, window_row_px, window_width_px, window_height_px,"
                               " encoding, data, digest FROM pilotage_chips ORDER BY tile_id, level"):

@@ -41,8 +41,7 @@ std::string read_all(const std::filesystem::path& path) {
       for (const Feature& f : d->features.features) {
         add_number(static_cast<double>(f.x_px));
         add_number(static_cast<double>(f.y_px));
-        add_number(static_cast<double>(f.angle_deg));
-        add_number(static_cast<double>(f.response) * 1e6);
+        add_number(static_cast<double>(f.octave));
       }
       for (const float height : d->ground_height_m) add_number(static_cast<double>(height));
       all.append(d->features.descriptors.begin(), d->features.descriptors.end());

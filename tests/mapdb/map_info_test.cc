@@ -23,8 +23,8 @@ Camera some_camera() {
 
 FeatureOptions some_features() {
   FeatureOptions options;
+  options.pattern = DescriptorPattern::kBrief;
   options.descriptor_bits = 512;
-  options.oriented = true;
   options.features_per_mpx = 12345.5;
   options.octaves = 3;
   return options;
@@ -76,13 +76,13 @@ TEST(MapInfo, RefusesACameraWhoseNumbersAreNone) {
 TEST(MapInfo, GivesBackTheFeatureOptionsThatWereWritten) {
   const FeatureOptions read = features_of_info(info_of(feature_entries()), "map.gpkg");
   EXPECT_EQ(read.descriptor_bits, 512);
-  EXPECT_TRUE(read.oriented);
+  EXPECT_EQ(read.pattern, DescriptorPattern::kBrief);
   EXPECT_EQ(read.features_per_mpx, 12345.5);
   EXPECT_EQ(read.octaves, 3);
   EXPECT_EQ(read.scale_factor, FeatureOptions().scale_factor);
   const FeatureOptions none = features_of_info(info_of({{"schema_version", "1"}}), "map.gpkg");
   EXPECT_EQ(none.descriptor_bits, kDefaultDescriptorBits);
-  EXPECT_FALSE(none.oriented);
+  EXPECT_EQ(none.pattern, kDefaultDescriptorPattern);
 }
 
 TEST(MapInfo, RefusesDamagedFeatureOptions) {
@@ -95,9 +95,11 @@ TEST(MapInfo, RefusesDamagedFeatureOptions) {
   expect(changed(good, "features.descriptor_bits", "256x"), "descriptor_bits = \"256x\" is not an integer");
   expect(changed(good, "features.descriptor_bits", ""), "descriptor_bits = \"\" is not an integer");
   expect(changed(good, "features.descriptor_bits", "512.5"), "descriptor_bits = \"512.5\" is not an integer");
-  expect(changed(good, "features.descriptor_bits", "200"), "descriptor_bits = 200 is not one of: 128, 256, 512");
-  expect(changed(good, "features.descriptor_bits", "1024"), "descriptor_bits = 1024 is outside [128, 512]");
-  expect(changed(good, "features.oriented", "yes"), "oriented = \"yes\" is not true or false");
+  expect(changed(good, "features.descriptor_bits", "200"),
+         "descriptor_bits = 200 of the pattern brief is not one of: 128, 512");
+  expect(changed(good, "features.descriptor_bits", "1024"), "descriptor_bits = 1024 is outside [64, 512]");
+  expect(changed(good, "features.pattern", "sift"), "pattern = \"sift\" is not one of: ground, orb, brief");
+  expect(changed(good, "features.pattern", "orb"), "descriptor_bits = 512 of the pattern orb is not one of: 256");
   expect(changed(good, "features.min_fast_threshold", "30"), "min_fast_threshold = 30 is above");
   auto entries = good;
   entries.push_back({"features.colour", "true"});
@@ -106,8 +108,17 @@ TEST(MapInfo, RefusesDamagedFeatureOptions) {
   entries.push_back(good.front());
   expect(entries, "duplicate key \"features_per_mpx\"");
   entries = good;
-  entries.erase(entries.begin() + 1);
+  entries.erase(entries.begin() + 2);
   expect(entries, "\"descriptor_bits\" is missing");
+}
+
+TEST(MapInfo, RefusesTestsThatItDoesNotHave) {
+  auto entries = changed(changed(feature_entries(), "features.pattern", "ground"), "features.descriptor_bits", "128");
+  entries.push_back({"pattern_digest", pattern_digest(DescriptorPattern::kGround)});
+  EXPECT_EQ(features_of_info(info_of(entries), "map.gpkg").pattern, DescriptorPattern::kGround);
+  EXPECT_THAT([&] { features_of_info(info_of(changed(entries, "pattern_digest", std::string(64, '0'))), "map.gpkg"); },
+              ThrowsMessage<DataError>(HasSubstr("map.gpkg: map_info: its descriptors are of other tests than")));
+  EXPECT_EQ(pattern_digest(DescriptorPattern::kOrb), "") << "its name says all";
 }
 
 // Both are read when the map is opened, and a damaged value says so then, with the name of the file.

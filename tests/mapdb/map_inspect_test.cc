@@ -23,10 +23,10 @@ TEST(InspectMap, CountsWhatIsThere) {
   EXPECT_EQ(summary.levels[1].tiles, 6);
   EXPECT_EQ(summary.levels[1].tiles_with_descriptors, 6);
   EXPECT_EQ(summary.levels[1].descriptors, 30);
-  EXPECT_EQ(summary.levels[1].descriptor_blob_bytes, 30 * (16 + 32));
+  EXPECT_EQ(summary.levels[1].descriptor_blob_bytes, 30 * (8 + 16));
   EXPECT_EQ(summary.levels[1].chip_bytes, 6 * 12);
-  EXPECT_EQ(summary.bytes_per_tile, 5 * 48 + 12);
-  EXPECT_EQ(summary.descriptor_bytes_per_tile, 5 * 48);
+  EXPECT_EQ(summary.bytes_per_tile, 5 * 24 + 12);
+  EXPECT_EQ(summary.descriptor_bytes_per_tile, 5 * 24);
   EXPECT_EQ(summary.chip_bytes_per_tile, 12);
   EXPECT_EQ(summary.extensions,
             (std::vector<std::string>{"gpkg_rtree_index", "gpkg_schema", "pilotage_chips", "pilotage_descriptors"}));

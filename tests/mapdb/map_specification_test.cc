@@ -26,9 +26,8 @@ std::string line_of(const TileDescriptors& d, std::size_t i) {
   const bool known = !d.ground_height_m.empty() && !std::isnan(d.ground_height_m[i]);
   const std::string height = known ? format_fixed(static_cast<double>(d.ground_height_m[i]), 1) : "-";
   std::array<char, 200> line{};
-  std::snprintf(line.data(), line.size(), "%lld %d %.4f %.4f %d %.4f %.9g %s %d\n", static_cast<long long>(d.tile_id),
-                d.level, static_cast<double>(f.x_px), static_cast<double>(f.y_px), f.octave,
-                static_cast<double>(f.angle_deg), static_cast<double>(f.response), height.c_str(), bits);
+  std::snprintf(line.data(), line.size(), "%lld %d %.4f %.4f %d %s %d\n", static_cast<long long>(d.tile_id), d.level,
+                static_cast<double>(f.x_px), static_cast<double>(f.y_px), f.octave, height.c_str(), bits);
   return line.data();
 }
 

@@ -105,7 +105,7 @@ TEST_F(MapVerify, SaysThatAJournalLiesBesideTheMap) {
 TEST_F(MapVerify, RefusesNumbersThatMakeNoSense) {
   EXPECT_NE(find_problem(after("UPDATE pilotage_levels SET gsd_m = 1e5"), "is not that of its transform"), nullptr);
   EXPECT_NE(find_problem(after("INSERT INTO map_info (key, value) VALUES ('features.features_per_mpx', '20000'), "
-                               "('features.descriptor_bits', '512'), ('features.oriented', 'false'), "
+                               "('features.pattern', 'brief'), ('features.descriptor_bits', '512'), "
                                "('features.fast_threshold', '20'), ('features.min_fast_threshold', '5'), "
                                "('features.octaves', '1'), ('features.scale_factor', '1.5')"),
                          "map_info says features.descriptor_bits = 512"),

@@ -46,13 +46,11 @@ TileDescriptors make_descriptors(const MapTile& tile, const PixelWindow& window,
     feature.x_px = static_cast<float>(random.below(static_cast<std::uint64_t>(window.width) * 16 + 1)) / 16;
     feature.y_px = static_cast<float>(random.below(static_cast<std::uint64_t>(window.height) * 16 + 1)) / 16;
     feature.octave = static_cast<int>(random.below(8));
-    feature.angle_deg = static_cast<float>(random.below(360 * 8)) / 8;  // 45/2^13 degrees divide it
-    feature.response = static_cast<float>(random.uniform(1e-6, 1e-3));
     result.features.features.push_back(feature);
     result.ground_height_m.push_back(i % 4 == 3 ? std::numeric_limits<float>::quiet_NaN()
                                                 : static_cast<float>(std::round(random.uniform(0, 3000)) / 10));
   }
-  for (int i = 0; i < count * 32; ++i) {
+  for (int i = 0; i < count * result.features.descriptor_bytes; ++i) {
     result.features.descriptors.push_back(static_cast<std::uint8_t>(random.below(256)));
   }
   if (tile.tile_id % 2 == 1) result.ground_height_m.clear();

@@ -45,13 +45,10 @@ class VoteOracle {
     const double limit = descriptor_of(scene.map.features).vote_distance * 8 * scene.map.features.descriptor_bytes;
     const int bins = static_cast<int>(2 * scene.space.half_width_px / kVoteBinPx) + 3;
     histogram_ = cv::Mat::zeros(bins, bins, CV_64F);
-    const double max_turn = std::max(20 * kRadPerDeg, kVoteStepPx / scene.frame.radius_px);
     for (std::size_t i = 0; i < scene.map.features.size(); ++i) {
       const Feature& of_map = scene.map.features.features[i];
       for (const auto& [distance, j] : nearest(i, limit)) {
         const Feature& of_frame = scene.frame.grid.points.features[j];
-        const double turn = static_cast<double>(of_map.angle_deg - of_frame.angle_deg) * kRadPerDeg;
-        if (scene.space.oriented && angle_between(turn, turned.yaw_rad) > max_turn) continue;
         const Eigen::Vector2d center =
             place_of(of_map) - turned.map_from_frame(place_of(of_frame) - scene.frame.pivot_px);
         add(center, (1 - distance / limit) * (1 - distance / limit));
@@ -92,14 +89,13 @@ class VoteOracle {
   /// The nearest descriptors of the frame among those that may show the feature, nearest first.
   std::vector<std::pair<double, std::size_t>> nearest(std::size_t feature, double limit) const {
     const FeatureSet& points = scene_.frame.grid.points;
-    const bool any_turn = scene_.space.yaw_sigma_rad > kUnknownYawRad;
     const double turned_px = scene_.frame.radius_px * (2 * scene_.space.yaw_sigma_rad + 2 * scene_.space.scale_sigma);
     const Eigen::Vector2d middle =
         place_of(scene_.map.features.features[feature]) - scene_.space.center_px + scene_.frame.pivot_px;
     std::vector<std::pair<double, std::size_t>> all;
     for (std::size_t j = 0; j < points.size(); ++j) {
       const Eigen::Vector2d off = place_of(points.features[j]) - middle;
-      if (!any_turn && off.cwiseAbs().maxCoeff() > scene_.space.half_width_px + turned_px) continue;
+      if (off.cwiseAbs().maxCoeff() > scene_.space.half_width_px + turned_px) continue;
       int bits = 0;
       for (int byte = 0; byte < points.descriptor_bytes; ++byte) {
         bits += std::popcount(
@@ -117,9 +113,9 @@ class VoteOracle {
 };
 
 TEST(VoteForDisplacements, VotesAreThoseOfEveryPair) {
-  for (const bool oriented : {false, true}) {
+  for (const DescriptorPattern pattern : {DescriptorPattern::kGround, DescriptorPattern::kBrief}) {
     FeatureOptions options;
-    options.oriented = oriented;
+    options.pattern = pattern;
     options.descriptor_bits = 128;
     const PlacedScene scene = make_placed_scene({{220.3, 190.7}, 0.02, 1.02}, options);
     const auto candidates = vote_for_displacements(scene.frame, scene.map, scene.space, 6);
@@ -141,20 +137,6 @@ TEST(VoteForDisplacements, FindsTheFrameWithinABin) {
     EXPECT_NEAR(candidates.front().placement.yaw_rad, truth.yaw_rad, 0.025);
     EXPECT_NEAR(candidates.front().placement.scale, truth.scale, 0.025);
     EXPECT_GT(candidates.front().votes, 3 * candidates[1].votes);
-  }
-}
-
-TEST(VoteForDisplacements, FindsAnyHeadingByOrientedDescriptors) {
-  FeatureOptions options;
-  options.oriented = true;
-  for (int heading_deg = 0; heading_deg < 360; heading_deg += 45) {
-    const Placement truth{{205.5, 197.2}, heading_deg * kRadPerDeg, 1.01};
-    PlacedScene scene = make_placed_scene(truth, options);
-    scene.space.yaw_sigma_rad = std::numbers::pi;
-    const auto candidates = vote_for_displacements(scene.frame, scene.map, scene.space, 1);
-    ASSERT_EQ(candidates.size(), 1U);
-    EXPECT_LT((candidates.front().placement.center_px - truth.center_px).norm(), 3) << heading_deg;
-    EXPECT_LT(angle_between(candidates.front().placement.yaw_rad, truth.yaw_rad), 0.03) << heading_deg;
   }
 }
 

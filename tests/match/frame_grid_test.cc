@@ -5,12 +5,15 @@
 #include "match/chip_scene.h"
 #include "testing/features_of_image.h"
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/vision/features.h"
 
 namespace pilotage {
 namespace {
+
+constexpr int kDefaultReachPx = find_descriptor(kDefaultDescriptorPattern, kDefaultDescriptorBits)->reach_px;
 
 RectifiedFrame whole_frame(int width, int height) {
   RectifiedFrame frame;
@@ -20,7 +23,7 @@ RectifiedFrame whole_frame(int width, int height) {
   return frame;
 }
 
-/// Whether a pixel's patch lies in the frame and is valid everywhere.
+/// Whether everything within a radius lies in the frame and is valid.
 bool patch_is_valid(const RectifiedFrame& frame, int x, int y, int radius) {
   const cv::Rect patch(x - radius, y - radius, 2 * radius + 1, 2 * radius + 1);
   const cv::Rect whole({0, 0}, frame.valid.size());
@@ -29,32 +32,29 @@ bool patch_is_valid(const RectifiedFrame& frame, int x, int y, int radius) {
 
 TEST(DescribeFrameGrid, DescriptorsAreThoseOfFeaturesAtTheSamePixels) {
   const RectifiedFrame frame = whole_frame(160, 131);
-  for (const int bits : {128, 256, 512}) {
-    for (const bool oriented : {false, true}) {
-      FeatureOptions options;
-      options.descriptor_bits = bits;
-      options.oriented = oriented;
-      const FeatureSet features = testing::features_of_image(frame.gray, options);
-      const FrameGrid grid = describe_frame_grid(frame, options, 1);
-      ASSERT_EQ(grid.points.descriptor_bytes, bits / 8);
-      ASSERT_GT(features.size(), 50U);
-      for (std::size_t i = 0; i < features.size(); ++i) {
-        const Feature& feature = features.features[i];
-        const std::int32_t at = grid.at(static_cast<int>(feature.x_px), static_cast<int>(feature.y_px));
-        ASSERT_GE(at, 0);
-        const auto point = static_cast<std::size_t>(at);
-        EXPECT_EQ(grid.points.features[point].x_px, feature.x_px);
-        EXPECT_EQ(grid.points.features[point].y_px, feature.y_px);
-        EXPECT_EQ(grid.points.features[point].angle_deg, feature.angle_deg);
-        EXPECT_TRUE(
-            std::equal(features.descriptor(i), features.descriptor(i) + bits / 8, grid.points.descriptor(point)))
-            << bits << (oriented ? " oriented" : " upright");
-      }
+  for (const BinaryDescriptor& descriptor : kBinaryDescriptors) {
+    FeatureOptions options;
+    options.pattern = descriptor.pattern;
+    options.descriptor_bits = descriptor.bits;
+    const FeatureSet features = testing::features_of_image(frame.gray, options);
+    const FrameGrid grid = describe_frame_grid(frame, options, 1);
+    ASSERT_EQ(&descriptor_of(grid.points), &descriptor);
+    ASSERT_GT(features.size(), 50U);
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      const Feature& feature = features.features[i];
+      const std::int32_t at = grid.at(static_cast<int>(feature.x_px), static_cast<int>(feature.y_px));
+      ASSERT_GE(at, 0);
+      const auto point = static_cast<std::size_t>(at);
+      EXPECT_EQ(grid.points.features[point].x_px, feature.x_px);
+      EXPECT_EQ(grid.points.features[point].y_px, feature.y_px);
+      EXPECT_TRUE(std::equal(features.descriptor(i), features.descriptor(i) + descriptor.bytes(),
+                             grid.points.descriptor(point)))
+          << descriptor_name(descriptor);
     }
   }
 }
 
-TEST(DescribeFrameGrid, APointIsWhereItsPatchIsValid) {
+TEST(DescribeFrameGrid, APointIsWhereItLiesWellInside) {
   RectifiedFrame frame = whole_frame(150, 121);
   frame.valid(cv::Rect(70, 60, 1, 1)).setTo(0);
   frame.valid(cv::Rect(0, 0, 20, 9)).setTo(0);
@@ -68,7 +68,7 @@ TEST(DescribeFrameGrid, APointIsWhereItsPatchIsValid) {
     for (int row = 0; row < grid.rows; ++row) {
       for (int column = 0; column < grid.columns; ++column) {
         const std::int32_t at = grid.at(column, row);
-        const bool valid = patch_is_valid(frame, column * step, row * step, patch_radius_px(options));
+        const bool valid = patch_is_valid(frame, column * step, row * step, kLeastInsidePx);
         ASSERT_EQ(at >= 0, valid) << column << " " << row << " step " << step;
         if (!valid) continue;
         EXPECT_EQ(static_cast<std::size_t>(at), count++);
@@ -77,21 +77,38 @@ TEST(DescribeFrameGrid, APointIsWhereItsPatchIsValid) {
       }
     }
     EXPECT_EQ(grid.points.size(), count);
-    EXPECT_EQ(grid.points.descriptors.size(), count * 32);
+    EXPECT_EQ(grid.points.descriptors.size(), count * static_cast<std::size_t>(grid.points.descriptor_bytes));
   }
 }
 
 TEST(DescribeFrameGrid, PixelsThatAreNotValidChangeNothing) {
   RectifiedFrame frame = whole_frame(150, 121);
   frame.valid(cv::Rect(60, 0, 30, 40)).setTo(0);
-  FeatureOptions options;
-  options.oriented = true;
+  const FeatureOptions options;
   frame.gray.setTo(0, frame.valid == 0);
   const FrameGrid dark = describe_frame_grid(frame, options);
   frame.gray.setTo(255, frame.valid == 0);
   const FrameGrid bright = describe_frame_grid(frame, options);
   EXPECT_GT(dark.points.size(), 100U);
   EXPECT_EQ(dark.points.descriptors, bright.points.descriptors);
+}
+
+// Beyond what is valid the picture goes on with its nearest pixel: by hand for a frame that ends at its edges.
+TEST(DescribeFrameGrid, APatchBeyondTheEdgeIsContinued) {
+  const RectifiedFrame frame = whole_frame(90, 70);
+  RectifiedFrame wider = frame;
+  const int border_px = kDefaultReachPx;
+  cv::copyMakeBorder(frame.gray, wider.gray, border_px, border_px, border_px, border_px, cv::BORDER_REPLICATE);
+  wider.valid = cv::Mat(wider.gray.size(), CV_8UC1, cv::Scalar(255));
+  const FrameGrid grid = describe_frame_grid(frame, {}, 1);
+  const FrameGrid whole = describe_frame_grid(wider, {}, 1);
+  for (const auto& [x, y] : {std::pair{kLeastInsidePx, kLeastInsidePx}, {84, 7}, {40, 64}, {6, 60}, {45, 35}}) {
+    ASSERT_GE(grid.at(x, y), 0);
+    const std::uint8_t* const at_edge = grid.points.descriptor(static_cast<std::size_t>(grid.at(x, y)));
+    const std::uint8_t* const inside =
+        whole.points.descriptor(static_cast<std::size_t>(whole.at(x + border_px, y + border_px)));
+    EXPECT_TRUE(std::equal(at_edge, at_edge + grid.points.descriptor_bytes, inside)) << x << " " << y;
+  }
 }
 
 TEST(DescribeFrameGrid, OutsideThereIsNoPoint) {
@@ -103,8 +120,8 @@ TEST(DescribeFrameGrid, OutsideThereIsNoPoint) {
   EXPECT_GE(grid.at(grid.columns / 2, grid.rows / 2), 0);
 }
 
-TEST(DescribeFrameGrid, AFrameSmallerThanAPatchHasNoPoints) {
-  for (const int size : {1, 5, 30}) {
+TEST(DescribeFrameGrid, AFrameOfAFewPixelsHasNoPoints) {
+  for (const int size : {1, 5, 10}) {
     const FrameGrid grid = describe_frame_grid(whole_frame(size, size), {});
     EXPECT_EQ(grid.points.size(), 0U);
     EXPECT_TRUE(grid.points.descriptors.empty());

@@ -102,13 +102,12 @@ TEST(SearchSpaceOfFrame, IsCentredOnThePivot) {
   MapReader map = MapReader::open_unverified(flown.path);
   const FrameOnGrid rectified = flown.rectify(map);
   const LocalMap local = flown.local_map(map, rectified, describe(rectified, {}));
-  const SearchSpace space = search_space(rectified, local, flown.options, true);
+  const SearchSpace space = search_space(rectified, local, flown.options);
   const Eigen::Vector2d pivot_px(rectified.pivot_m.x() / rectified.gsd_m, -rectified.pivot_m.y() / rectified.gsd_m);
   EXPECT_LT((space.center_px + local.reference_px - rectified.prior_px - pivot_px).norm(), 1e-9);
   EXPECT_EQ(space.half_width_px, rectified.half_width_px);
   EXPECT_NEAR(space.yaw_sigma_rad, 2 * std::numbers::pi / 180, 1e-15);
   EXPECT_EQ(space.scale_sigma, 0.05);
-  EXPECT_TRUE(space.oriented);
 }
 
 }  // namespace

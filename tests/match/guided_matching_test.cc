@@ -48,20 +48,6 @@ TEST(MatchGuided, FindsTheFrameToAFractionOfAPixel) {
   }
 }
 
-TEST(MatchGuided, FindsAnyHeadingByOrientedDescriptors) {
-  FeatureOptions options;
-  options.oriented = true;
-  for (int heading_deg = 10; heading_deg < 360; heading_deg += 70) {
-    const Placement truth{{205.5, 197.2}, heading_deg * kRadPerDeg, 1.01};
-    PlacedScene scene = make_placed_scene(truth, options);
-    scene.space.yaw_sigma_rad = std::numbers::pi;
-    const GuidedMatch best = best_match(scene);
-    EXPECT_LT((best.placement.center_px - truth.center_px).norm(), 1) << heading_deg;
-    EXPECT_LT(angle_between(best.placement.yaw_rad, truth.yaw_rad), 0.5 * kRadPerDeg) << heading_deg;
-    EXPECT_NEAR(best.placement.scale, truth.scale, 0.01) << heading_deg;
-  }
-}
-
 TEST(MatchGuided, MendsACandidateThatIsAFewPixelsOff) {
   const Placement truth{{210.4, 199.3}, 0.01, 1.01};
   const PlacedScene scene = make_placed_scene(truth);

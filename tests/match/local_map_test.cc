@@ -144,20 +144,21 @@ TEST(ReadLocalMap, HasTheFeaturesInsideTheSquareAndNoOthers) {
   }
 }
 
-TEST(ReadLocalMap, KeepsDescriptorsAnglesAndHeights) {
+TEST(ReadLocalMap, KeepsDescriptorsAndHeights) {
   OpenMap open(small_map(20));
   const LocalMap local = read_local_map(*open.reader, *open.reader->find_level(0), open.grid(), {96, 64}, 500);
   ASSERT_EQ(local.features.size(), 6U * 20);
   ASSERT_EQ(local.ground_height_m.size(), local.features.size());
-  ASSERT_EQ(local.features.descriptors.size(), local.features.size() * 32);
+  ASSERT_EQ(local.features.descriptors.size(),
+            local.features.size() * static_cast<std::size_t>(local.features.descriptor_bytes));
   std::map<std::int64_t, std::size_t> next;
   for (std::size_t i = 0; i < local.features.size(); ++i) {
     const auto tile = static_cast<std::size_t>(local.tile_ids[i]);
     const std::size_t at = next[local.tile_ids[i]]++;
     const TileDescriptors& stored = open.map.descriptors[tile];
-    EXPECT_TRUE(
-        std::equal(stored.features.descriptor(at), stored.features.descriptor(at) + 32, local.features.descriptor(i)));
-    EXPECT_NEAR(local.features.features[i].angle_deg, stored.features.features[at].angle_deg, 180.0 / 65536 + 1e-4);
+    EXPECT_TRUE(std::equal(stored.features.descriptor(at),
+                           stored.features.descriptor(at) + stored.features.descriptor_bytes,
+                           local.features.descriptor(i)));
     const float height_m =
         stored.ground_height_m.empty() ? std::numeric_limits<float>::quiet_NaN() : stored.ground_height_m[at];
     EXPECT_TRUE(local.ground_height_m[i] == height_m || (std::isnan(height_m) && std::isnan(local.ground_height_m[i])));
@@ -185,8 +186,8 @@ TEST(ReadLocalMap, EndsWithTheTileThatMakesItTooMany) {
 TEST(ReadLocalMap, TilesOfSeveralDescriptorLengthsAreADataError) {
   SmallMap map = small_map(20);
   FeatureSet& features = map.descriptors[4].features;
-  features.descriptor_bytes = 16;
-  features.descriptors.resize(features.size() * 16);
+  features.descriptor_bytes = 32;
+  features.descriptors.resize(features.size() * 32);
   OpenMap open(std::move(map));
   const MapLevel& level = *open.reader->find_level(0);
   try {

@@ -7,42 +7,66 @@
 namespace pilotage {
 namespace {
 
+const BinaryDescriptor kOrb = descriptor_of(DescriptorPattern::kOrb, 256);
+
+double evidence_of(double support, int expected, double ncc = 0, double compared_px = 0) {
+  return place_evidence({support, expected, kOrb, 20'000, ncc, compared_px});
+}
+
 TEST(PlaceEvidence, OfSupportIsTheFittedTail) {
-  // 100 features expected: onset 9 + 0.88 · 10 = 17.8, scale 1.4 · (2.2 + 0.07 · 10) = 4.06.
-  EXPECT_NEAR(place_evidence({17.8 + 4.06 * 10, 100, 0, 0}), 10, 1e-12);
-  EXPECT_NEAR(place_evidence({17.8 + 4.06, 100, 0, 0}), 1, 1e-12);
-  EXPECT_EQ(place_evidence({17.8, 100, 0, 0}), 0);
-  EXPECT_EQ(place_evidence({3, 100, 0, 0}), 0);
+  // 100 features expected: onset 9 + 0.88 · 10 = 17.8, scale 3.08 + 0.098 · 10 = 4.06.
+  EXPECT_NEAR(evidence_of(17.8 + 4.06 * 10, 100), 10, 1e-12);
+  EXPECT_NEAR(evidence_of(17.8 + 4.06, 100), 1, 1e-12);
+  EXPECT_EQ(evidence_of(17.8, 100), 0);
+  EXPECT_EQ(evidence_of(3, 100), 0);
+}
+
+TEST(PlaceEvidence, EachDescriptorHasItsOwnTail) {
+  const auto of_ground = [](int bits) {
+    return place_evidence({60, 400, descriptor_of(DescriptorPattern::kGround, bits), 20'000, 0, 0});
+  };
+  EXPECT_NEAR(of_ground(128), (60 - 1 - 1.4 * 20) / (2.3 + 0.11 * 20), 1e-12);
+  EXPECT_NEAR(of_ground(64), (60 + 1 - 2.1 * 20) / (1.8 + 0.12 * 20), 1e-12);
+  EXPECT_EQ(of_ground(256), of_ground(128));
+}
+
+TEST(PlaceEvidence, ADenserMapHasATailOfItsOwn) {
+  const BinaryDescriptor ground = descriptor_of(DescriptorPattern::kGround, 128);
+  // Four times the density: 400 features are as many as 100 were, and chance gives 4^0.75 = 2.83 times as much.
+  const double factor = std::pow(4.0, 0.75);
+  const double onset = factor * (1 + 1.4 * 10);
+  const double scale = factor * (2.3 + 0.11 * 10);
+  EXPECT_NEAR(place_evidence({onset + 3 * scale, 400, ground, 80'000, 0, 0}), 3, 1e-12);
 }
 
 TEST(PlaceEvidence, TheMoreFeaturesAreExpectedTheLessASupportSays) {
-  double last = place_evidence({60, 0, 0, 0});
-  EXPECT_NEAR(last, (60 - 9) / (1.4 * 2.2), 1e-12);
-  EXPECT_EQ(place_evidence({60, -5, 0, 0}), last) << "fewer than none counts as none";
+  double last = evidence_of(60, 0);
+  EXPECT_NEAR(last, (60 - 9) / 3.08, 1e-12);
+  EXPECT_EQ(evidence_of(60, -5), last) << "fewer than none counts as none";
   for (const int expected : {50, 200, 800}) {
-    const double evidence = place_evidence({60, expected, 0, 0});
+    const double evidence = evidence_of(60, expected);
     EXPECT_LT(evidence, last) << expected;
     last = evidence;
   }
 }
 
 TEST(PlaceEvidence, OfCorrelationIsAdded) {
-  const double of_support = place_evidence({40, 100, 0, 0});
+  const double of_support = evidence_of(40, 100);
   ASSERT_GT(of_support, 4);
   // 400 pixels: ncc · 20. The tail begins at 7.9 with scale 0.55.
-  EXPECT_NEAR(place_evidence({40, 100, 0.945, 400}) - of_support, (0.945 * 20 - 7.9) / 0.55, 1e-12);
-  EXPECT_EQ(place_evidence({40, 100, 0.3, 400}), of_support) << "between 5 and 7.9 it says nothing";
+  EXPECT_NEAR(evidence_of(40, 100, 0.945, 400) - of_support, (0.945 * 20 - 7.9) / 0.55, 1e-12);
+  EXPECT_EQ(evidence_of(40, 100, 0.3, 400), of_support) << "between 5 and 7.9 it says nothing";
 }
 
 TEST(PlaceEvidence, NoCorrelationSpeaksAgainstAPlace) {
-  const double of_support = place_evidence({40, 100, 0, 0});
-  EXPECT_NEAR(place_evidence({40, 100, 0.2, 400}), of_support - 4, 1e-12);
-  EXPECT_NEAR(place_evidence({40, 100, -0.9, 400}), of_support - 4, 1e-12);
-  EXPECT_EQ(place_evidence({18, 100, 0.2, 400}), 0) << "never below 0";
+  const double of_support = evidence_of(40, 100);
+  EXPECT_NEAR(evidence_of(40, 100, 0.2, 400), of_support - 4, 1e-12);
+  EXPECT_NEAR(evidence_of(40, 100, -0.9, 400), of_support - 4, 1e-12);
+  EXPECT_EQ(evidence_of(18, 100, 0.2, 400), 0) << "never below 0";
 }
 
 TEST(PlaceEvidence, ACorrelationWithoutPixelsIsNone) {
-  EXPECT_EQ(place_evidence({40, 100, 0.99, 0}), place_evidence({40, 100, 0, 0}));
+  EXPECT_EQ(evidence_of(40, 100, 0.99, 0), evidence_of(40, 100));
 }
 
 TEST(FalseFixRate, IsTheExponential) {

@@ -27,11 +27,9 @@ using testing::TexturedGround;
 
 /// A map of texture, made once for all tests.
 struct Map {
-  explicit Map(bool oriented) {
-    FeatureOptions options;
-    options.oriented = oriented;
+  Map() {
     path = folder / "map.gpkg";
-    testing::write_textured_map(path, ground, options);
+    testing::write_textured_map(path, ground, FeatureOptions());
   }
   GeodeticPoint place(double east_m, double north_m) const {
     return LocalFrame(ground.center).geodetic_from_enu({east_m, north_m, 0});
@@ -42,12 +40,8 @@ struct Map {
   std::filesystem::path path;
 };
 
-const Map& upright_map() {
-  static const Map kMap(false);
-  return kMap;
-}
-const Map& oriented_map() {
-  static const Map kMap(true);
+const Map& textured_map() {
+  static const Map kMap;
   return kMap;
 }
 
@@ -109,7 +103,7 @@ TEST(Match, AKnownPoseIsFound) {
     shot.east_m = 7;
     shot.north_m = -11;
     shot.attitude.yaw_deg = heading_deg;
-    const Answer answer = match_shot(upright_map(), shot);
+    const Answer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg;
     const Fix& fix = *answer.result.fix;
     EXPECT_LT(answer.error_m.norm(), 0.7) << heading_deg;
@@ -140,7 +134,7 @@ TEST(Match, ErrorsOfThePriorAreMended) {
     shot.attitude_off = {random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5)};
     shot.height_m = random.uniform(55, 65);
     shot.height_ratio = random.uniform(0.95, 1.05);
-    const Answer answer = match_shot(upright_map(), shot);
+    const Answer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << i;
     const Fix& fix = *answer.result.fix;
     EXPECT_LT(answer.error_m.norm(), 1) << i;
@@ -166,7 +160,7 @@ TEST(Match, EachErrorOfTheAttitudeIsMendedWithItsSign) {
         MatchOptions options;
         options.attitude_sigma_deg = 2;
         options.yaw_sigma_deg = 2;
-        const Answer answer = match_shot(upright_map(), shot, options);
+        const Answer answer = match_shot(textured_map(), shot, options);
         ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg << " " << axis;
         const Fix& fix = *answer.result.fix;
         EXPECT_LT(turn_between_deg(fix.yaw_deg, heading_deg), 0.5) << heading_deg << " " << axis;
@@ -183,7 +177,7 @@ TEST(Match, HeightIsMended) {
     Shot shot;
     shot.attitude.yaw_deg = 33;
     shot.height_ratio = ratio;
-    const Answer answer = match_shot(upright_map(), shot);
+    const Answer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix);
     EXPECT_NEAR(answer.result.fix->height_agl_m, 60, 0.6);
     EXPECT_LT(answer.result.fix->height_sigma_m, 1);
@@ -195,7 +189,7 @@ TEST(Match, TheMountTurnsTheView) {
     Shot shot;
     shot.attitude = {70, 1, 2};
     shot.mount = mount;
-    const Answer answer = match_shot(upright_map(), shot);
+    const Answer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << mount.pitch_deg;
     EXPECT_LT(answer.error_m.norm(), 1) << mount.pitch_deg;
     EXPECT_LT(answer.center_error_m.norm(), 0.4) << mount.pitch_deg;
@@ -206,7 +200,7 @@ TEST(Match, TheCenterIsWhereTheCameraLooks) {
   Shot shot;
   shot.attitude = {90, 0, 0};
   shot.mount.pitch_deg = 15;  // looks ahead, to the east
-  const Answer answer = match_shot(upright_map(), shot);
+  const Answer answer = match_shot(textured_map(), shot);
   ASSERT_EQ(answer.result.status, MatchStatus::kFix);
   const Fix& fix = *answer.result.fix;
   const GeodesicLeg leg = geodesic_between(fix.position, fix.center);
@@ -216,14 +210,14 @@ TEST(Match, TheCenterIsWhereTheCameraLooks) {
   EXPECT_LT(fix.center_covariance_en_m2.trace(), fix.covariance_en_m2.trace());
 }
 
-TEST(Match, AnyHeadingIsFoundWithOrientedDescriptors) {
+TEST(Match, AnyHeadingIsFound) {
   MatchOptions options;
   options.yaw_sigma_deg = 180;
   for (const double heading_deg : {15.0, 140.0, 265.0}) {
     Shot shot;
     shot.attitude = {heading_deg, 2, -1};
     shot.attitude_off.yaw_deg = -heading_deg;  // the prior says north
-    const Answer answer = match_shot(oriented_map(), shot, options);
+    const Answer answer = match_shot(textured_map(), shot, options);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg;
     EXPECT_LT(answer.error_m.norm(), 1) << heading_deg;
     EXPECT_LT(turn_between_deg(answer.result.fix->yaw_deg, heading_deg), 0.5) << heading_deg;
@@ -234,14 +228,14 @@ TEST(Match, APriorWrongByMoreThanTheWindowGivesNoFix) {
   for (const Eigen::Vector2d& off : {Eigen::Vector2d(55, 0), Eigen::Vector2d(0, -58), Eigen::Vector2d(-50, 50)}) {
     Shot shot;
     shot.prior_off_m = off;
-    const Answer answer = match_shot(upright_map(), shot);
+    const Answer answer = match_shot(textured_map(), shot);
     EXPECT_NE(answer.result.status, MatchStatus::kFix) << off.transpose();
     EXPECT_FALSE(answer.result.fix);
   }
 }
 
 TEST(Match, FramesOfOtherGroundGiveNoFix) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   TexturedGround other = map.ground;
   Raster mirrored{{}, {}, map.ground.gray.map_from_pixel};
   const Raster whole = map.ground.gray.read({0, 0, 384, 384});
@@ -262,7 +256,7 @@ TEST(Match, FramesOfOtherGroundGiveNoFix) {
 }
 
 TEST(Match, BadInputIsAStatus) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   const Shot shot;
   const Camera& camera = map.ground.camera;
@@ -315,7 +309,7 @@ TEST(Match, BadInputIsAStatus) {
 }
 
 TEST(Match, ADeadlineOfNothingIsOutOfTimeBeforeAnything) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   const Shot shot;
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
@@ -331,7 +325,7 @@ TEST(Match, ADeadlineOfNothingIsOutOfTimeBeforeAnything) {
 }
 
 TEST(Match, WhoeverAsksToEndItIsHeardWhereverItIs) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   Shot shot;
   MatchPrior prior = prior_of(map, shot);
@@ -351,7 +345,7 @@ TEST(Match, WhoeverAsksToEndItIsHeardWhereverItIs) {
 }
 
 TEST(Match, LessMemoryThanItIsMeantToTakeIsTooUncertain) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   const Shot shot;
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   const auto result = [&](double max_memory_mib) {
@@ -402,7 +396,7 @@ class ScarceMatrices : public cv::MatAllocator {
 };
 
 TEST(Match, SaysThatMemoryRanOutWhereverItDoes) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   const MatchPrior prior = prior_of(map, {});
   const int opencv_threads = cv::getNumThreads();
@@ -428,7 +422,7 @@ TEST(Match, SaysThatMemoryRanOutWhereverItDoes) {
 }
 
 TEST(Match, AWindowThatNobodyCanSearchIsTooUncertain) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   MatchPrior prior = prior_of(map, {});
@@ -446,7 +440,7 @@ TEST(Match, AWindowThatNobodyCanSearchIsTooUncertain) {
 }
 
 TEST(Match, AWideWindowFindsWhatANarrowOneDoes) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   for (const Eigen::Vector2d& truth_m : {Eigen::Vector2d(12, -9), Eigen::Vector2d(-20, 15)}) {
     Shot shot;
@@ -501,7 +495,7 @@ std::vector<double> numbers_of(const MatchResult& result) {
 
 // Frames that overlap, with a reader for each frame, with readers that keep all tiles, some and none.
 TEST(Match, TheCacheOfTilesChangesNoResult) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   MapReader keeps_all = MapReader::open_unverified(map.path);
   MapReader keeps_some = MapReader::open_unverified(map.path, 400'000);
   MapReader keeps_none = MapReader::open_unverified(map.path, 0);
@@ -523,7 +517,7 @@ TEST(Match, TheCacheOfTilesChangesNoResult) {
 }
 
 TEST(Match, TheSameWheneverAndFromWhicheverThread) {
-  const Map& map = upright_map();
+  const Map& map = textured_map();
   Shot shot;
   shot.attitude = {123, 3, -2};
   shot.attitude_off = {1, -0.5, 0.7};

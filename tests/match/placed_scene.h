@@ -41,7 +41,6 @@ inline PlacedScene make_placed_scene(const Placement& truth, const FeatureOption
   scene.space.half_width_px = 40;
   scene.space.yaw_sigma_rad = 1 / kDegPerRad;
   scene.space.scale_sigma = 0.03;
-  scene.space.oriented = options.oriented;
   return scene;
 }
 

@@ -12,10 +12,6 @@
 namespace pilotage {
 namespace {
 
-double angle_off(double a_rad, double b_rad) {
-  return std::abs(std::remainder(a_rad - b_rad, 2 * std::numbers::pi));
-}
-
 /// Every histogram of every turn and scale, whole.
 std::vector<Candidate> all_histograms(const std::vector<VotePair>& pairs, const VoteSearch& search, std::size_t count) {
   const int bins = static_cast<int>(2 * search.half_side_px / kVoteBinPx) + 3;
@@ -35,7 +31,6 @@ std::vector<Candidate> all_histograms(const std::vector<VotePair>& pairs, const 
     const double s = scale * std::sin(yaw);
     Eigen::MatrixXd histogram = Eigen::MatrixXd::Zero(bins + 8, bins + 8);  // four empty bins all around
     for (const VotePair& pair : pairs) {
-      if (search.max_turn_error_rad >= 0 && angle_off(pair.turn_rad, yaw) > search.max_turn_error_rad) continue;
       const Eigen::Vector2d& f = pair.from_pivot_px;
       const Eigen::Vector2d at(pair.map_px.x() - (c * f.x() - s * f.y()), pair.map_px.y() - (s * f.x() + c * f.y()));
       const Eigen::Vector2d bin = ((at - first) / kVoteBinPx + Eigen::Vector2d(0.5, 0.5)).array().floor();
@@ -92,12 +87,12 @@ std::vector<VotePair> random_pairs(Random& random, const VoteSearch& search, int
     return static_cast<std::int32_t>(random.uniform(0, 1) * random.uniform(0, 1) * kVoteUnit);
   };
   std::vector<VotePair> pairs;
-  for (int i = 0; i < chance; ++i) pairs.push_back({frame_point(), anywhere(), random.uniform(-7, 7), weight()});
+  for (int i = 0; i < chance; ++i) pairs.push_back({frame_point(), anywhere(), weight()});
   for (int heap = 0; heap < heaps; ++heap) {
     const Placement placement{anywhere(), random.uniform(-0.05, 0.05), random.uniform(0.95, 1.05)};
     for (int i = 0; i < 5 * (heap + 1); ++i) {
       const Eigen::Vector2d point = frame_point();
-      pairs.push_back({point, placement.map_from_frame(point), placement.yaw_rad, weight()});
+      pairs.push_back({point, placement.map_from_frame(point), weight()});
     }
   }
   return pairs;
@@ -141,7 +136,6 @@ TEST(VotePeaks, AreThoseOfAllHistogramsAllAroundTheCircle) {
     search.yaws_rad.push_back(std::remainder(2 * std::numbers::pi * i / 40, 2 * std::numbers::pi));
   }
   search.scales = evenly(1, 0.05, 1);
-  search.max_turn_error_rad = 0.4;
   const auto pairs = random_pairs(random, search, 3000, 5);
   expect_same(vote_peaks(pairs, search, 20), all_histograms(pairs, search, 20));
 }
@@ -157,9 +151,9 @@ TEST(VotePeaks, EqualAndNeighbouringPeaksAreKeptInOrder) {
   for (int col = 0; col < 12; ++col) {
     for (int row = 0; row < 12; ++row) {
       const Eigen::Vector2d place(-40 + 7.0 * col, -40 + 7.0 * row);
-      pairs.push_back({{0, 0}, place, 0, static_cast<std::int32_t>(kVoteUnit)});
+      pairs.push_back({{0, 0}, place, static_cast<std::int32_t>(kVoteUnit)});
       if ((col + row) % 3 == 0) {
-        pairs.push_back({{0, 0}, place + Eigen::Vector2d(3.5, 0), 0, static_cast<std::int32_t>(1.1 * kVoteUnit)});
+        pairs.push_back({{0, 0}, place + Eigen::Vector2d(3.5, 0), static_cast<std::int32_t>(1.1 * kVoteUnit)});
       }
     }
   }
@@ -174,7 +168,7 @@ TEST(VotePeaks, NothingWithoutPairsOrVotes) {
   search.yaws_rad = {0};
   search.scales = {1};
   EXPECT_TRUE(vote_peaks({}, search, 30).empty());
-  const VotePair faint{{0, 0}, {0, 0}, 0, 100};
+  const VotePair faint{{0, 0}, {0, 0}, 100};
   EXPECT_TRUE(vote_peaks({faint}, search, 30).empty());
 }
 

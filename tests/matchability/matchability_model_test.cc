@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/ground/place_level.h"
 
 namespace pilotage {
 namespace {
@@ -14,12 +15,23 @@ namespace {
 MatcherModel simple_model() {
   MatcherModel model;
   model.matcher = FlyingMatcher::kFeaturesAndChips;
-  model.vote_contrast = {2, 5, 0.5};
-  model.gray_contrast = {3, -1, 0.25};
-  model.intercept = -4;
-  model.area_coefficient = 0.5;
-  model.place_sigma = 1.5;
+  model.terms = {{ModelInput::kVoteContrast, 1, 5, 0.5, 3},
+                 {ModelInput::kGrayContrast, 0.75, -1, 0.25, 0.5},
+                 {ModelInput::kDescribedArea, 0.5, 8, 1, 3}};
+  model.level = {0.25, 1.5, 1.2, 0.9, 2, 6, 0};
   return model;
+}
+
+MatchabilityInputs inputs_of(double vote_contrast, double gray_contrast, double described_area) {
+  MatchabilityInputs inputs;
+  inputs[ModelInput::kVoteContrast] = vote_contrast;
+  inputs[ModelInput::kGrayContrast] = gray_contrast;
+  inputs[ModelInput::kDescribedArea] = described_area;
+  return inputs;
+}
+
+double p_of(const MatcherModel& model, const MatchabilityInputs& inputs, double features = 100) {
+  return predict_correct_fix(model, inputs, features).p;
 }
 
 TileScores scored_tile() {
@@ -33,50 +45,74 @@ TileScores scored_tile() {
 
 TEST(MatchabilityModel, InputsAreThoseOfTheDocumentation) {
   const MatchabilityInputs inputs = matchability_inputs(scored_tile(), 132);
-  EXPECT_NEAR(inputs.vote_contrast, std::log(100 / 1.0), 1e-12);
-  EXPECT_NEAR(inputs.gray_contrast, std::log(0.21), 1e-12);
-  EXPECT_NEAR(inputs.described_area, std::log(100.0 * 100.0), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kVoteContrast], std::log(100 / 1.0), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kMapFeatures], std::log(100.0), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kVoteNoise], std::log(1.0), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kGrayContrast], std::log(0.21), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kDescribedArea], std::log(100.0 * 100.0), 1e-12);
 }
 
 TEST(MatchabilityModel, ContrastIsTakenAboveTheBlackOfEightBits) {
   // Gray 60 becomes 0: the mean is 40 then, and σ/mean 0.5.
-  EXPECT_NEAR(matchability_inputs(scored_tile(), 132, 60).gray_contrast, std::log(0.51), 1e-12);
+  EXPECT_NEAR(matchability_inputs(scored_tile(), 132, 60)[ModelInput::kGrayContrast], std::log(0.51), 1e-12);
 }
 
-TEST(MatchabilityModel, IsTheStatedLogisticFunction) {
-  const MatchabilityInputs inputs{5.25, -0.9, 8};
-  const double z = -4 + 2 * 0.25 + 3 * 0.1 + 0.5 * 8;
-  EXPECT_NEAR(predict_p_correct_fix(simple_model(), inputs, 100), 1 / (1 + std::exp(-z)), 1e-12);
+TEST(MatchabilityModel, IsTheStatedFunctionOverTheLevel) {
+  const double z = 0.25 + 1 * 0.5 + 0.75 * 0.4 + 0.5 * 1;
+  EXPECT_NEAR(p_of(simple_model(), inputs_of(5.25, -0.9, 9)), p_over_level(z, 1.5), 1e-12);
+  MatcherModel known = simple_model();
+  known.level.sigma = 0;
+  EXPECT_NEAR(p_of(known, inputs_of(5.25, -0.9, 9)), 1 / (1 + std::exp(-z)), 1e-12);
+  const FixPrediction fix = predict_correct_fix(simple_model(), inputs_of(5, -1, 8), 100);
+  EXPECT_EQ(fix.level_sigma, 1.5);
+  EXPECT_EQ(fix.level_tiles, 0);
+}
+
+TEST(MatchabilityModel, NeverPromisesCertaintyWhereTheLevelIsNotKnown) {
+  MatcherModel model = simple_model();
+  model.level.sigma = 2.5;
+  EXPECT_LT(p_of(model, inputs_of(60, 5, 60)), 0.97) << "the most that any ground gets";
 }
 
 TEST(MatchabilityModel, PromisesNoMoreThanTheOutermostGroundSeen) {
-  const double outermost = predict_p_correct_fix(simple_model(), {6.5, -1, 8}, 100);
-  EXPECT_EQ(predict_p_correct_fix(simple_model(), {60, -1, 8}, 100), outermost);
-  EXPECT_LT(predict_p_correct_fix(simple_model(), {3, -1, 8}, 100),
-            predict_p_correct_fix(simple_model(), {3.5, -1, 8}, 100))
-      << "ground worse than any seen is worse still";
+  const MatcherModel model = simple_model();
+  EXPECT_EQ(p_of(model, inputs_of(60, -1, 8)), p_of(model, inputs_of(6.5, -1, 8)));
+  EXPECT_EQ(p_of(model, inputs_of(5, 0, 8)), p_of(model, inputs_of(5, -0.875, 8))) << "held at half a spread";
+  EXPECT_LT(p_of(model, inputs_of(3, -1, 8)), p_of(model, inputs_of(3.5, -1, 8)))
+      << "worse than any seen is worse still";
+  MatcherModel falling = model;
+  falling.terms = {{ModelInput::kVoteNoise, -1, 0, 1, 2}};
+  MatchabilityInputs noisy;
+  noisy[ModelInput::kVoteNoise] = 6;
+  MatchabilityInputs noisier;
+  noisier[ModelInput::kVoteNoise] = 7;
+  EXPECT_LT(p_of(falling, noisier), p_of(falling, noisy)) << "it is held where it promises, not where it warns";
 }
 
 TEST(MatchabilityModel, FewerFeaturesThanTheMatcherNeedsGiveNothing) {
-  EXPECT_EQ(predict_p_correct_fix(simple_model(), {6, -1, 12}, 19), 0);
-  EXPECT_GT(predict_p_correct_fix(simple_model(), {6, -1, 12}, 20), 0);
+  EXPECT_EQ(p_of(simple_model(), inputs_of(6, -1, 12), 19), 0);
+  EXPECT_GT(p_of(simple_model(), inputs_of(6, -1, 12), 20), 0);
 }
 
 TEST(MatchabilityModel, ChipsNeverMakeAFixLessLikely) {
   const MatcherModel chips = simple_model();
   MatcherModel features = simple_model();
   features.matcher = FlyingMatcher::kFeatures;
-  features.intercept -= 1;
-  features.area_coefficient += 0.2;
+  features.level.mean -= 1;
+  features.level.sigma = 1;
+  features.terms[2].coefficient += 2;
   const MatchabilityModel both{"", {}, {}, {features, chips}};
-  for (const double area : {3.0, 8.0}) {
-    const MatchabilityInputs inputs{5, -1, area};
-    const double p = predict_p_correct_fix(both, FlyingMatcher::kFeaturesAndChips, inputs, 100);
-    EXPECT_EQ(p, std::max(predict_p_correct_fix(features, inputs, 100), predict_p_correct_fix(chips, inputs, 100)));
-    EXPECT_EQ(predict_p_correct_fix(both, FlyingMatcher::kFeatures, inputs, 100),
-              predict_p_correct_fix(features, inputs, 100));
+  for (const double area : {3.0, 10.0}) {
+    const MatchabilityInputs inputs = inputs_of(5, -1, area);
+    const FixPrediction fix = predict_correct_fix(both, FlyingMatcher::kFeaturesAndChips, inputs, 100);
+    const bool chips_are_better = p_of(chips, inputs) > p_of(features, inputs);
+    EXPECT_EQ(fix.p, std::max(p_of(features, inputs), p_of(chips, inputs)));
+    EXPECT_EQ(fix.level_sigma, chips_are_better ? 1.5 : 1.0);
+    EXPECT_EQ(chips_are_better, area == 3.0);
+    EXPECT_EQ(predict_correct_fix(both, FlyingMatcher::kFeatures, inputs, 100).p, p_of(features, inputs));
   }
-  EXPECT_THROW(predict_p_correct_fix({"", {}, {}, {chips}}, FlyingMatcher::kFeatures, {5, -1, 8}, 100), DataError);
+  EXPECT_THROW(predict_correct_fix({"", {}, {}, {chips}}, FlyingMatcher::kFeatures, inputs_of(5, -1, 8), 100),
+               DataError);
 }
 
 TEST(MatchabilityModel, ComesBackFromJson) {
@@ -84,7 +120,7 @@ TEST(MatchabilityModel, ComesBackFromJson) {
   const auto json = matchability_model_to_json(model);
   const MatchabilityModel back = matchability_model_from_json(json, "model.json");
   EXPECT_EQ(matchability_model_to_json(back), json);
-  EXPECT_EQ(model_of(back, FlyingMatcher::kFeaturesAndChips).place_sigma, 1.5);
+  EXPECT_EQ(model_of(back, FlyingMatcher::kFeaturesAndChips).level.sigma, 1.5);
   EXPECT_THROW(model_of(back, FlyingMatcher::kFeatures), DataError);
 }
 
@@ -94,20 +130,33 @@ TEST(MatchabilityModel, RefusesWhatIsNotItsFormat) {
   json["matchers"][0]["matcher"] = "magic";
   EXPECT_THROW(matchability_model_from_json(json, "m"), DataError);
   json = matchability_model_to_json(model);
-  json["matchers"][0]["gray_contrast"]["spread"] = 0;
+  json["matchers"][0]["terms"][1]["spread"] = 0;
   EXPECT_THROW(matchability_model_from_json(json, "m"), DataError);
   json = matchability_model_to_json(model);
-  json["format_version"] = 2;
+  json["matchers"][0]["terms"][1]["input"] = "luck";
   EXPECT_THROW(matchability_model_from_json(json, "m"), DataError);
+  json = matchability_model_to_json(model);
+  json["format_version"] = 3;
+  EXPECT_THROW(matchability_model_from_json(json, "m"), DataError);
+  json["format_version"] = 1;
+  try {
+    matchability_model_from_json(json, "old.json");
+    FAIL() << "a model without the spread of its level was taken";
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("old.json"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("pilotage calibrate"), std::string::npos);
+  }
 }
 
 TEST(MatchabilityModel, TheDefaultHasBothMatchers) {
   for (const FlyingMatcher matcher : {FlyingMatcher::kFeatures, FlyingMatcher::kFeaturesAndChips}) {
     const MatcherModel& model = model_of(default_matchability_model(), matcher);
     // More votes over noise, more contrast and more ground never make a fix less likely.
-    EXPECT_GT(model.vote_contrast.coefficient, 0);
-    EXPECT_GT(model.gray_contrast.coefficient, 0);
-    EXPECT_GT(model.area_coefficient, 0);
+    for (const ModelTerm& term : model.terms) {
+      EXPECT_EQ(term.coefficient > 0, term.input != ModelInput::kVoteNoise) << model_input_name(term.input);
+    }
+    EXPECT_GT(model.level.sigma, 0.2);
+    EXPECT_GE(model.level.places, 6);
   }
 }
 

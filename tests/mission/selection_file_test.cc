@@ -17,7 +17,7 @@ Selection make_selection() {
   selection.gaps = {{1, 100.1, 1e6 / 3, 12.5, 61.25, false, 0.125}, {2, 0, 1, 2, 3, true}};
   selection.legs = {{0, 812.3456789012345, 0.1, 9.5, true, 0.9, 1.0 / 7}, {1, 5, 1.0 / 3, 70, false}};
   selection.error_profile = {{0, 9, true, 0.75, 1}, {10, 9.1, false}};
-  selection.probability = RouteProbability{0.875, 0.9, 12.5, 0.002, WorstStretch{1, 100, 2000.5, 0.0625}};
+  selection.probability = RouteProbability{0.875, 0.9, 12.5, 0.002, WorstStretch{1, 100, 2000.5, 0.0625}, {}};
   selection.advice = {{1, AdviceSide::kLeft, 45.5, 0.25, 0.96, true}, {2, AdviceSide::kNone, 0, 0.5, 0.5, false}};
   selection.matchable_fraction = 2.0 / 3;
   selection.max_error_m = 50;

@@ -43,7 +43,7 @@ TEST_F(FeatureFates, TellWhatStayedFromWhatChangedAndWhatIsNotShown) {
   int not_shown = 0;
   for (std::size_t i = 0; i < fates.size(); ++i) {
     const Feature& feature = found.features[i];
-    const double reach = (patch_radius_px(options) + 1) * (feature.octave == 0 ? 1 : options.scale_factor) + 1.5;
+    const double reach = (descriptor_of(options).reach_px + 1) * (feature.octave == 0 ? 1 : options.scale_factor) + 1.5;
     if (static_cast<double>(feature.y_px) + reach > kNoGround_px + 1) {
       ++not_shown;
       EXPECT_EQ(fates[i], FeatureFate::kNotKnown) << feature.x_px << ", " << feature.y_px;

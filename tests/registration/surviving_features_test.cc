@@ -12,8 +12,8 @@
 namespace pilotage {
 namespace {
 
-double share_of(const FeatureSet& reference, const FeatureSet& second, const SurvivalOptions& options = {}) {
-  const auto survives = surviving_features(reference, second, options);
+double share_of(const FeatureSet& reference, const FeatureSet& second) {
+  const auto survives = surviving_features(reference, second);
   return std::accumulate(survives.begin(), survives.end(), 0.0) / static_cast<double>(survives.size());
 }
 
@@ -34,12 +34,13 @@ TEST(SurvivingFeatures, ThoseWhoseDescriptorStandsNear) {
 
 TEST(SurvivingFeatures, BoundOfBitsIsInclusive) {
   FeatureSet reference;
-  reference.features = {{10, 10, 0, 0, 1}};
-  reference.descriptors.assign(32, 0);
+  reference.features = {{10, 10, 0, 1}};
+  reference.descriptors.assign(static_cast<std::size_t>(reference.descriptor_bytes), 0);
   FeatureSet second = reference;
-  for (std::size_t i = 0; i < 8; ++i) second.descriptors[i] = 0xFF;  // 64 of 256 bits
+  for (std::size_t i = 0; i < 5; ++i) second.descriptors[i] = 0xFF;
+  second.descriptors[5] = 0x07;  // 43 of 128 bits
   EXPECT_EQ(share_of(reference, second), 1);
-  second.descriptors[8] = 1;
+  second.descriptors[6] = 1;  // 44
   EXPECT_EQ(share_of(reference, second), 0);
   EXPECT_EQ(surviving_features(reference, {}), std::vector<std::uint8_t>{0});
   EXPECT_TRUE(surviving_features({}, second).empty());

@@ -146,7 +146,7 @@ TEST(CompareReports, SaysWhenOnlyOneReportHoldsOptions) {
 
 TEST(ReadReport, GivesBackWhatWasWritten) {
   ReportInput input = scene_with_p();
-  input.selection.probability = RouteProbability{0.93, 0.9, 12.5, 0.01, WorstStretch{2, 100, 900, 0.04}};
+  input.selection.probability = RouteProbability{0.93, 0.9, 12.5, 0.01, WorstStretch{2, 100, 900, 0.04}, {}};
   const nlohmann::ordered_json written = report_json(input);
   nlohmann::ordered_json again = report_json(report_from_json(written, "a.json"));
   for (const char* key : {"software_version", "title", "verdict", "quality", "selection", "grid", "imagery",

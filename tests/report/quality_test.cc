@@ -128,7 +128,7 @@ TEST(Verdict, AdviceAloneDoesNotStopAFlight) {
 
 TEST(Verdict, TheProbabilityThatWasAskedForIsNeededForGo) {
   ReportInput input = plain_input(31, 50);
-  input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, std::nullopt};
+  input.selection.probability = RouteProbability{0.93, 0.9, 41.5, 0.0021, std::nullopt, {}};
   EXPECT_EQ(
       sentence(input),
       "GO: 93 of 100 flights stay within 50 m all the way, if what is assumed holds (P = 0.930 ≥ 0.900); matchable on "
@@ -152,7 +152,7 @@ TEST(Headline, SaysNoMoreFlightsThanThereAre) {
   Selection selection;
   selection.max_error_m = 60;
   const auto said = [&](double p) {
-    selection.probability = RouteProbability{p, 0.9, 1, 0, std::nullopt};
+    selection.probability = RouteProbability{p, 0.9, 1, 0, std::nullopt, {}};
     return headline(selection);
   };
   EXPECT_THAT(said(0.9579), StartsWith("95 of 100 flights stay within 60 m all the way, if what is assumed holds"));
@@ -229,7 +229,7 @@ TEST(Assumptions, SayWhereGnssIsDenied) {
 Selection with_probability(double p_within_limit) {
   Selection selection;
   selection.max_error_m = 50;
-  selection.probability = RouteProbability{p_within_limit, 0.9, 1, 0, WorstStretch{0, 0, 139, 1 - p_within_limit}};
+  selection.probability = RouteProbability{p_within_limit, 0.9, 1, 0, WorstStretch{0, 0, 139, 1 - p_within_limit}, {}};
   return selection;
 }
 

@@ -78,7 +78,7 @@ TEST(ReportHtml, AnswersTheQuestionAndSaysWhereToLookFirst) {
   const std::string good = report_html(drifting_scene(0.01));
   EXPECT_THAT(between(good, "<p class=\"answer\">", "</p>"), HasSubstr("how often fixes come is not known."));
   ReportInput judged = drifting_scene(0.01);
-  judged.selection.probability = RouteProbability{0.957, 0.9, 41.5, 0.0021, std::nullopt};
+  judged.selection.probability = RouteProbability{0.957, 0.9, 41.5, 0.0021, std::nullopt, {}};
   for (LegStatus& leg : judged.selection.legs) leg.p_within_limit = 0.98;
   EXPECT_EQ(between(report_html(judged), "<p class=\"answer\">", "</p>"),
             "95 of 100 flights stay within 50 m all the way, if what is assumed holds (P = 0.957 ≥ 0.900).");

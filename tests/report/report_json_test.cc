@@ -33,7 +33,7 @@ TEST(ReportJson, FollowsItsSchema) {
 TEST(ReportJson, CarriesProbabilitiesAndRanksLegsByThem) {
   ReportInput input = short_scene();
   EXPECT_TRUE(report_json(input)["route"]["probability"].is_null());
-  input.selection.probability = RouteProbability{0.8, 0.9, 41.5, 0.0021, WorstStretch{2, 1000, 1500.5, 0.08}};
+  input.selection.probability = RouteProbability{0.8, 0.9, 41.5, 0.0021, WorstStretch{2, 1000, 1500.5, 0.08}, {}};
   for (LegStatus& leg : input.selection.legs) leg.p_within_limit = leg.leg == 3 ? 0.8 : 1;
   input.selection.legs[3].p_fix = 0.75;
   const auto json = report_json(input);

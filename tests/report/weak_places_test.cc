@@ -70,7 +70,7 @@ TEST(WeakPlaces, ALegOverItsShareWithoutAGapIsAPlaceToo) {
 TEST(WeakPlaces, TooSmallAProbabilityNamesTheStretchWhereFlightsAreLost) {
   Report report = report_with_gap(0.01);
   report.gaps.clear();
-  report.probability = RouteProbability{0.7, 0.9, 10, 0.01, WorstStretch{1, 900, 1500, 0.25}};
+  report.probability = RouteProbability{0.7, 0.9, 10, 0.01, WorstStretch{1, 900, 1500, 0.25}, {}};
   ASSERT_EQ(weak_places(report, {}).size(), 1U);
   EXPECT_THAT(weak_places(report, {})[0].what, HasSubstr("with P = 0.250 the error first exceeds its limit"));
   EXPECT_EQ(weak_places(report, {})[0].status, QualityStatus::kBad);
@@ -92,7 +92,7 @@ TEST(WeakPlaces, WhereChosenTilesAreTooWeakItIsNotCalledUncovered) {
   options.matchable_from = 0;
   options.matchable_to = 0.01;
   ReportInput input = testing::report_scene(options);
-  input.selection.probability = RouteProbability{0, 0.9, 0.1, 0.0001, WorstStretch{0, 0, 139, 1}};
+  input.selection.probability = RouteProbability{0, 0.9, 0.1, 0.0001, WorstStretch{0, 0, 139, 1}, {}};
   input.mission.flight.ins.grade = InsGrade::kConsumer;
   for (ErrorSample& sample : input.selection.error_profile)
     sample.p_correct_fix = sample.distance_m < 100 ? 0.46 : 0.97;

@@ -18,33 +18,29 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-TEST(BinaryDescriptor, IsFoundByItsLength) {
+TEST(BinaryDescriptor, IsFoundByPatternAndLength) {
+  std::set<std::string> names;
   for (const BinaryDescriptor& descriptor : kBinaryDescriptors) {
-    EXPECT_EQ(find_descriptor(descriptor.bits), &descriptor);
-    EXPECT_EQ(&descriptor_of_bits(descriptor.bits), &descriptor);
-    EXPECT_GE(descriptor.bits, kLeastDescriptorBits);
-    EXPECT_LE(descriptor.bits, kMostDescriptorBits);
-  }
-  EXPECT_NE(find_descriptor(kDefaultDescriptorBits), nullptr);
-  EXPECT_EQ(find_descriptor(200), nullptr);
-  EXPECT_THAT([] { descriptor_of_bits(200); },
-              ThrowsMessage<UsageError>(HasSubstr("descriptor_bits = 200 is not one of: 128, 256, 512")));
-  EXPECT_EQ(descriptor_lengths(8), "16, 32, 64");
-}
-
-TEST(BinaryDescriptor, SaysWhatItIsInOneWordAndInOptions) {
-  std::set<std::string_view> names;
-  for (const BinaryDescriptor& descriptor : kBinaryDescriptors) {
-    EXPECT_TRUE(names.insert(descriptor.name).second) << descriptor.name;
+    EXPECT_EQ(&descriptor_of(descriptor.pattern, descriptor.bits), &descriptor);
+    EXPECT_TRUE(is_descriptor_length(descriptor.bits));
+    EXPECT_TRUE(names.insert(descriptor_name(descriptor)).second);
     EXPECT_THAT(std::string(kDescriptorBitsHelp), HasSubstr(std::to_string(descriptor.bits)));
   }
+  EXPECT_TRUE(names.contains("ground_128"));
+  EXPECT_NE(find_descriptor(kDefaultDescriptorPattern, kDefaultDescriptorBits), nullptr);
+  EXPECT_EQ(find_descriptor(DescriptorPattern::kOrb, 128), nullptr);
+  EXPECT_THAT(
+      [] { descriptor_of(DescriptorPattern::kBrief, 256); },
+      ThrowsMessage<UsageError>(HasSubstr("descriptor_bits = 256 of the pattern brief is not one of: 128, 512")));
+  EXPECT_EQ(descriptor_byte_lengths(), "8, 16, 32, 64");
+  EXPECT_FALSE(is_descriptor_length(200));
 }
 
 // The matcher's tolerances as whole bits, by hand.
 TEST(BinaryDescriptor, TolerancesAreSharesOfItsBits) {
-  EXPECT_EQ(descriptor_of_bits(128).support_bits(), 37);
-  EXPECT_EQ(descriptor_of_bits(256).support_bits(), 75);
-  EXPECT_EQ(descriptor_of_bits(512).support_bits(), 150);
+  EXPECT_EQ(descriptor_of(DescriptorPattern::kBrief, 128).support_bits(), 37);
+  EXPECT_EQ(descriptor_of(DescriptorPattern::kOrb, 256).support_bits(), 75);
+  EXPECT_EQ(descriptor_of(DescriptorPattern::kBrief, 512).support_bits(), 150);
   for (const BinaryDescriptor& descriptor : kBinaryDescriptors) {
     EXPECT_LE(descriptor.support_distance, descriptor.fit_distance);
     EXPECT_LE(descriptor.fit_distance, descriptor.vote_distance);
@@ -58,8 +54,9 @@ TEST(BinaryDescriptor, IsDescribedAndSearched) {
   cv::Mat gray(160, 160, CV_8U);
   for (int i = 0; i < 160 * 160; ++i) gray.data[i] = static_cast<std::uint8_t>(random.uniform(0, 255));
   for (const BinaryDescriptor& descriptor : kBinaryDescriptors) {
-    SCOPED_TRACE(descriptor.name);
+    SCOPED_TRACE(descriptor_name(descriptor));
     FeatureOptions options;
+    options.pattern = descriptor.pattern;
     options.descriptor_bits = descriptor.bits;
     ASSERT_NO_THROW(check_feature_options(options));
     const FeatureSet set = testing::features_of_image(gray, options);

@@ -19,6 +19,7 @@
 #include "pilotage/vision/feature_descriptor.h"
 #include "pilotage/vision/feature_detector.h"
 #include "pilotage/vision/feature_octave.h"
+#include "pilotage/vision/ground_pattern.h"
 
 namespace pilotage {
 namespace {
@@ -38,25 +39,31 @@ cv::Mat textured(int width, int height, std::uint64_t seed) {
   return gray;
 }
 
-FeatureOptions with_bits(int bits, bool oriented = false, int octaves = 1) {
+FeatureOptions with_descriptor(DescriptorPattern pattern, int bits, int octaves = 1) {
   FeatureOptions options;
+  options.pattern = pattern;
   options.descriptor_bits = bits;
-  options.oriented = oriented;
   options.octaves = octaves;
   return options;
 }
 
-const std::vector<FeatureOptions> kAllKinds{with_bits(256),         with_bits(256, true), with_bits(128),
-                                            with_bits(512),         with_bits(512, true), with_bits(256, false, 3),
-                                            with_bits(128, true, 2)};
+/// Every descriptor on one octave, and some on several.
+std::vector<FeatureOptions> all_kinds() {
+  std::vector<FeatureOptions> kinds;
+  for (const BinaryDescriptor& d : kBinaryDescriptors) kinds.push_back(with_descriptor(d.pattern, d.bits));
+  kinds.push_back(with_descriptor(DescriptorPattern::kGround, 128, 3));
+  kinds.push_back(with_descriptor(DescriptorPattern::kOrb, 256, 2));
+  return kinds;
+}
+
+const std::vector<FeatureOptions> kAllKinds = all_kinds();
 
 bool same(const FeatureSet& a, const FeatureSet& b) {
   if (a.size() != b.size() || a.descriptors != b.descriptors) return false;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Feature& f = a.features[i];
     const Feature& g = b.features[i];
-    if (f.x_px != g.x_px || f.y_px != g.y_px || f.octave != g.octave || f.angle_deg != g.angle_deg ||
-        f.response != g.response) {
+    if (f.x_px != g.x_px || f.y_px != g.y_px || f.octave != g.octave || f.response != g.response) {
       return false;
     }
   }
@@ -73,7 +80,7 @@ TEST(Features, NoPatchTouchesTheBorderOrInvalidPixels) {
     EXPECT_GT(set.size(), 100U);
     for (const Feature& feature : set.features) {
       const double scale = std::pow(options.scale_factor, feature.octave);
-      const double reach = (patch_radius_px(options) + 0.5) * scale - 1e-3;
+      const double reach = (descriptor_of(options).reach_px + 0.5) * scale - 1e-3;
       const double left = static_cast<double>(feature.x_px) - reach;
       const double top = static_cast<double>(feature.y_px) - reach;
       ASSERT_GE(left, -1e-3);
@@ -105,16 +112,12 @@ TEST(Features, DescriptorsDependOnThePatchAlone) {
   const cv::Mat other = textured(120, 120, seed_from_name("SomethingElse"));
   const std::vector<Corner> corners{{60, 60, 1.0F}};
   for (const FeatureOptions& options : kAllKinds) {
-    const int radius = patch_radius_px(options);
+    const int radius = descriptor_of(options).reach_px;
     cv::Mat mixed = other.clone();
     const cv::Rect patch(60 - radius, 60 - radius, 2 * radius + 1, 2 * radius + 1);
     gray(patch).copyTo(mixed(patch));
-    for (const float angle_deg : {0.0F, 45.0F, 130.0F, 359.0F}) {
-      if (!options.oriented && angle_deg != 0) continue;
-      EXPECT_EQ(describe_corners(gray, corners, {angle_deg}, descriptor_of_bits(options.descriptor_bits)),
-                describe_corners(mixed, corners, {angle_deg}, descriptor_of_bits(options.descriptor_bits)));
-    }
-    EXPECT_EQ(centroid_angle_deg(gray, 60, 60), centroid_angle_deg(mixed, 60, 60));
+    EXPECT_EQ(describe_corners(gray, corners, descriptor_of(options)),
+              describe_corners(mixed, corners, descriptor_of(options)));
   }
 }
 
@@ -142,7 +145,7 @@ TEST(Features, DensityIsHeld) {
   const cv::Mat gray = textured(532, 532, seed_from_name("DensityIsHeld"));
   for (const int octaves : {1, 3}) {
     for (const double density : {100.0, 3000.0, 8000.0}) {
-      FeatureOptions options = with_bits(256, false, octaves);
+      FeatureOptions options = with_descriptor(DescriptorPattern::kOrb, 256, octaves);
       options.features_per_mpx = density;
       const auto count = static_cast<double>(features_of_image(gray, options).size());
       const double most = density * 532 * 532 / 1e6;
@@ -153,7 +156,7 @@ TEST(Features, DensityIsHeld) {
 }
 
 TEST(Features, OrderIsOctaveRowColumn) {
-  const FeatureSet set = features_of_image(textured(300, 300, 3), with_bits(256, false, 3));
+  const FeatureSet set = features_of_image(textured(300, 300, 3), with_descriptor(DescriptorPattern::kGround, 256, 3));
   const auto key = [](const Feature& f) { return std::tuple(f.octave, f.y_px, f.x_px); };
   EXPECT_TRUE(std::is_sorted(set.features.begin(), set.features.end(),
                              [&](const Feature& a, const Feature& b) { return key(a) < key(b); }));
@@ -172,12 +175,11 @@ TEST(Features, SmallOrFlatImagesHaveNone) {
   }
 }
 
-TEST(Features, UprightIsOrbsOwnPattern) {
+TEST(Features, OrbIsOpenCvsPattern) {
   const cv::Mat gray = textured(200, 200, seed_from_name("UprightIsOrbs"));
-  const FeatureSet set = features_of_image(gray, with_bits(256));
+  const FeatureSet set = features_of_image(gray, with_descriptor(DescriptorPattern::kOrb, 256));
   std::vector<cv::KeyPoint> keypoints;
   for (const Feature& feature : set.features) {
-    EXPECT_EQ(feature.angle_deg, 0);
     keypoints.emplace_back(feature.x_px - 0.5F, feature.y_px - 0.5F, 31.0F, 0.0F, 0.0F, 0);
   }
   cv::Mat rows;
@@ -186,12 +188,12 @@ TEST(Features, UprightIsOrbsOwnPattern) {
   EXPECT_TRUE(std::equal(set.descriptors.begin(), set.descriptors.end(), rows.datastart));
 }
 
-TEST(Features, UprightBriefComparesTheDrawnPairs) {
+TEST(Features, BriefComparesTheDrawnPairs) {
   const cv::Mat gray = textured(150, 150, seed_from_name("BriefComparesPairs"));
   cv::Mat smooth;
   cv::GaussianBlur(gray, smooth, {7, 7}, 2);
   for (const int bits : {128, 512}) {
-    const FeatureOptions options = with_bits(bits);
+    const FeatureOptions options = with_descriptor(DescriptorPattern::kBrief, bits);
     const FeatureSet set = features_of_image(gray, options);
     const auto pattern = make_brief_pattern(bits, kBriefPatternSeed);
     ASSERT_GT(set.size(), 20U);
@@ -208,45 +210,51 @@ TEST(Features, UprightBriefComparesTheDrawnPairs) {
   }
 }
 
-TEST(Features, OrientedDescriptorsTurnWithTheImage) {
-  const cv::Mat gray = textured(161, 161, seed_from_name("TurnWithTheImage"));
-  cv::Mat turned;
-  cv::rotate(gray, turned, cv::ROTATE_90_CLOCKWISE);
-  for (const int bits : {128, 256, 512}) {
-    int oriented_bits = 0;
-    int upright_bits = 0;
-    int compared = 0;
-    for (int y = 40; y < 120; y += 9) {
-      for (int x = 40; x < 120; x += 9) {
-        const std::vector<Corner> before{{x, y, 1}};
-        const std::vector<Corner> after{{160 - y, x, 1}};
-        const float angle = centroid_angle_deg(gray, x, y);
-        const float turned_angle = centroid_angle_deg(turned, 160 - y, x);
-        EXPECT_NEAR(std::remainder(turned_angle - angle - 90, 360), 0, 1e-3);
-        const auto difference = [&](float first_deg, float second_deg) {
-          const auto a = describe_corners(gray, before, {first_deg}, descriptor_of_bits(bits));
-          const auto b = describe_corners(turned, after, {second_deg}, descriptor_of_bits(bits));
-          int count = 0;
-          for (std::size_t i = 0; i < a.size(); ++i) count += std::popcount(static_cast<unsigned>(a[i] ^ b[i]));
-          return count;
-        };
-        oriented_bits += difference(angle, turned_angle);
-        upright_bits += difference(0, 0);
-        ++compared;
+// By hand: sums of 3 × 3 pixels, compared; shorter descriptors are the first tests of the longest.
+TEST(Features, GroundComparesSumsOfNinePixels) {
+  const cv::Mat gray = textured(150, 150, seed_from_name("GroundComparesSums"));
+  const auto sum_at = [&](int x, int y) {
+    int sum = 0;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) sum += gray.at<std::uint8_t>(y + dy, x + dx);
+    }
+    return sum;
+  };
+  for (const int bits : {64, 128, 256}) {
+    const FeatureSet set = features_of_image(gray, with_descriptor(DescriptorPattern::kGround, bits));
+    ASSERT_GT(set.size(), 20U);
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const int x = static_cast<int>(set.features[i].x_px);
+      const int y = static_cast<int>(set.features[i].y_px);
+      for (std::size_t bit = 0; bit < static_cast<std::size_t>(bits); ++bit) {
+        const BriefPair& p = kGroundPattern[bit];
+        const bool darker = sum_at(x + p.x1, y + p.y1) < sum_at(x + p.x2, y + p.y2);
+        ASSERT_EQ((set.descriptor(i)[bit / 8] >> bit % 8 & 1) != 0, darker) << bit;
       }
     }
-    EXPECT_LT(oriented_bits, 0.02 * bits * compared);
-    EXPECT_GT(upright_bits, 0.3 * bits * compared);
+  }
+}
+
+TEST(GroundPattern, LiesInItsReachAndRepeatsNoTest) {
+  std::set<std::array<int, 4>> seen;
+  for (const BriefPair& p : kGroundPattern) {
+    for (const int offset : {p.x1, p.y1, p.x2, p.y2}) {
+      EXPECT_LE(std::abs(offset) + kGroundBoxRadiusPx,
+                descriptor_of(DescriptorPattern::kGround, kGroundPatternTests).reach_px);
+    }
+    EXPECT_TRUE(seen.insert({p.x1, p.y1, p.x2, p.y2}).second);
+    EXPECT_FALSE(seen.contains({p.x2, p.y2, p.x1, p.y1})) << "the same test the other way round";
   }
 }
 
 TEST(Features, RefusesBadOptionsAndMatrices) {
   const cv::Mat gray = textured(50, 50, 1);
-  EXPECT_THROW(features_of_image(gray, with_bits(200)), UsageError);
+  EXPECT_THROW(features_of_image(gray, with_descriptor(DescriptorPattern::kGround, 200)), UsageError);
+  EXPECT_THROW(features_of_image(gray, with_descriptor(DescriptorPattern::kOrb, 128)), UsageError);
   FeatureOptions options;
   options.min_fast_threshold = 30;
   EXPECT_THROW(features_of_image(gray, options), UsageError);
-  options = with_bits(256, false, 12);
+  options = with_descriptor(DescriptorPattern::kGround, 256, 12);
   EXPECT_THROW(features_of_image(gray, options), UsageError);
   EXPECT_THROW(features_of_image(cv::Mat(50, 50, CV_8UC3), {}), UsageError);
 }
@@ -332,7 +340,7 @@ TEST(MapFeatures, ThreadsAndWindowsDoNotChangeThem) {
   const cv::Mat gray = textured(1300, 1100, seed_from_name("ThreadsAndWindows"));
   cv::Mat valid(gray.size(), CV_8UC1, cv::Scalar(255));
   valid(cv::Rect(500, 500, 40, 40)).setTo(0);
-  for (const FeatureOptions& options : {with_bits(256), with_bits(128, true, 3)}) {
+  for (const FeatureOptions& options : {FeatureOptions(), with_descriptor(DescriptorPattern::kOrb, 256, 3)}) {
     const CountingSource all(gray, valid);
     const FeatureSet whole = extract_features_of_map(all.source, {{0, 0, 1300, 1100}}, options, 1);
     EXPECT_EQ(*all.reads, 9);
@@ -370,9 +378,8 @@ TEST(MapFeatures, BlocksLeaveNoSeam) {
   // Ground in the strips along the blocks' borders has as many features as elsewhere, and the descriptors of the whole
   // image.
   const cv::Mat gray = textured(1100, 600, seed_from_name("BlocksLeaveNoSeam"));
-  const FeatureSet set =
-      extract_features_of_map(gray_source_from({gray, cv::Mat(gray.size(), CV_8UC1, cv::Scalar(255)), {}}),
-                              {{0, 0, 1100, 600}}, with_bits(256), 2);
+  const FeatureSet set = extract_features_of_map(
+      gray_source_from({gray, cv::Mat(gray.size(), CV_8UC1, cv::Scalar(255)), {}}), {{0, 0, 1100, 600}}, {}, 2);
   const auto count_in = [&](float from, float to) {
     return std::count_if(set.features.begin(), set.features.end(),
                          [&](const Feature& f) { return f.x_px >= from && f.x_px < to; });
@@ -381,8 +388,7 @@ TEST(MapFeatures, BlocksLeaveNoSeam) {
   EXPECT_GT(count_in(508, 516), 20);
   std::vector<Corner> corners;
   for (const Feature& f : set.features) corners.push_back({static_cast<int>(f.x_px), static_cast<int>(f.y_px), 0});
-  EXPECT_EQ(set.descriptors,
-            describe_corners(gray, corners, std::vector<float>(corners.size(), 0.0F), descriptor_of_bits(256)));
+  EXPECT_EQ(set.descriptors, describe_corners(gray, corners, descriptor_of(set)));
 }
 
 TEST(MapFeatures, ErrorsAndInterruptionsComeThrough) {

@@ -66,7 +66,7 @@ HammingMatches brute_force(const FeatureSet& map, const FeatureSet& queries, con
 /// Of every descriptor there is, so that a new one is searched here too.
 std::vector<int> all_lengths_bytes() {
   std::vector<int> lengths;
-  for (const BinaryDescriptor& descriptor : kBinaryDescriptors) lengths.push_back(descriptor.bytes());
+  for (const int words : kDescriptorWords) lengths.push_back(8 * words);
   return lengths;
 }
 
@@ -184,14 +184,14 @@ TEST_P(HammingPaths, EqualDistancesComeInTheOrderOfTheIndex) {
   FeatureSet map;
   for (int i = 0; i < 100; ++i) {
     // Later features lie more to the left, so that the sorted layout has them the other way round.
-    map.features.push_back({static_cast<float>(100 - i), 0, 0, 0, 0});
-    map.descriptors.insert(map.descriptors.end(), 32, 0);
+    map.features.push_back({static_cast<float>(100 - i), 0, 0, 0});
+    map.descriptors.insert(map.descriptors.end(), static_cast<std::size_t>(map.descriptor_bytes), 0);
   }
   FeatureSet query;
   query.features.resize(1);
-  query.descriptors.assign(32, 0xFF);
+  query.descriptors.assign(static_cast<std::size_t>(query.descriptor_bytes), 0xFF);
   const auto matches = HammingIndex(map).find_nearest(query, 5, GetParam());
-  for (std::uint32_t i = 0; i < 5; ++i) EXPECT_EQ(matches.matches[i], (HammingMatch{i, 256}));
+  for (std::uint32_t i = 0; i < 5; ++i) EXPECT_EQ(matches.matches[i], (HammingMatch{i, 128}));
 }
 
 TEST_P(HammingPaths, AllBitsCount) {
@@ -212,7 +212,7 @@ TEST_P(HammingPaths, AllBitsCount) {
 TEST(Hamming, TooFewCandidatesAreNotFound) {
   FeatureSet map;
   map.features.resize(2);
-  map.descriptors.assign(64, 0);
+  map.descriptors.assign(2 * static_cast<std::size_t>(map.descriptor_bytes), 0);
   const auto matches = HammingIndex(map).find_nearest(map, 3);
   EXPECT_TRUE(matches.of_query(1)[1].found());
   EXPECT_FALSE(matches.of_query(1)[2].found());
@@ -221,15 +221,15 @@ TEST(Hamming, TooFewCandidatesAreNotFound) {
 TEST(Hamming, RefusesWhatDoesNotFit) {
   FeatureSet map;
   map.features.resize(2);
-  map.descriptors.assign(63, 0);
+  map.descriptors.assign(2 * static_cast<std::size_t>(map.descriptor_bytes) - 1, 0);
   EXPECT_THROW(HammingIndex{map}, UsageError);
-  map.descriptors.assign(64, 0);
+  map.descriptors.assign(2 * static_cast<std::size_t>(map.descriptor_bytes), 0);
   const HammingIndex index(map);
   EXPECT_THROW(index.find_nearest(map, 0), UsageError);
   EXPECT_THROW(index.find_nearest(map, 9), UsageError);
   EXPECT_THROW(index.find_nearest(map, std::vector<HammingWindow>(1), 1), UsageError);
   FeatureSet other;
-  other.descriptor_bytes = 16;
+  other.descriptor_bytes = 32;
   EXPECT_THROW(index.find_nearest(other, 1), UsageError);
   other.descriptor_bytes = 20;
   EXPECT_THROW(HammingIndex{other}, UsageError);

@@ -53,6 +53,8 @@ void write_options(MapWriter& writer, const std::string& prefix, Options options
 /// What the map holds of each tile.
 void write_stored_features(MapWriter& writer, const BuildOptions& options, const BuildStats& stats) {
   write_options(writer, "features.", options.features);
+  const std::string tests = pattern_digest(options.features.pattern);
+  if (!tests.empty()) writer.add_info("pattern_digest", tests);
   if (stats.stable) {
     writer.add_info("keep_features", "stable");
     writer.add_info("keep_features.survived", std::to_string(stats.stable->survived));

@@ -65,6 +65,7 @@ void drop_contradicted(FeatureSet& features, std::vector<float>& ground_height_m
   for (std::size_t i = refill; i < gone.size(); ++i) keep[gone[i]] = 0;
 
   FeatureSet kept;
+  kept.pattern = features.pattern;
   kept.descriptor_bytes = features.descriptor_bytes;
   std::vector<float> heights;
   for (std::size_t i = 0; i < fates.size(); ++i) {

@@ -134,6 +134,7 @@ class LevelBuilder {
         if (fates[i] != FeatureFate::kGone) windows_.add(feature.x_px, feature.y_px);
       }
       stored.window = level_.matrix.tile_window(cell->column, cell->row);
+      stored.features.pattern = found.pattern;
       stored.features.descriptor_bytes = found.descriptor_bytes;
       if (elevation_) stored.ground_height_m.push_back(ground_height_m(feature));
       feature.x_px -= static_cast<float>(stored.window.col);

@@ -13,9 +13,10 @@ namespace pilotage {
 /// What is compared, and what counts as right. The fix is found and judged alike for every method, so that only
 /// features and descriptors differ.
 struct CompareOptions {
-  std::vector<DescriptorMethod> methods{DescriptorMethod::kOrb,      DescriptorMethod::kBrief128,
-                                        DescriptorMethod::kBrief256, DescriptorMethod::kBrief512,
-                                        DescriptorMethod::kSift,     DescriptorMethod::kSurf};
+  std::vector<DescriptorMethod> methods{
+      DescriptorMethod::kOrb,       DescriptorMethod::kGround64, DescriptorMethod::kGround128,
+      DescriptorMethod::kGround256, DescriptorMethod::kOrb256,   DescriptorMethod::kBrief128,
+      DescriptorMethod::kBrief512,  DescriptorMethod::kSift,     DescriptorMethod::kSurf};
   bool raw = false;
   std::optional<double> gsd_m;
   double search_sigmas = 3;

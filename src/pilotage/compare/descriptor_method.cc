@@ -27,7 +27,7 @@ constexpr int kMinSidePx = 64;
 const BinaryDescriptor& descriptor_of_method(DescriptorMethod method) {
   const std::string name = options_detail::enum_to_name(method);
   const auto* const found = std::find_if(kBinaryDescriptors.begin(), kBinaryDescriptors.end(),
-                                         [&](const BinaryDescriptor& row) { return row.name == name; });
+                                         [&](const BinaryDescriptor& row) { return descriptor_name(row) == name; });
   if (found == kBinaryDescriptors.end()) throw std::logic_error("no binary descriptor has the name " + name);
   return *found;
 }
@@ -35,9 +35,8 @@ const BinaryDescriptor& descriptor_of_method(DescriptorMethod method) {
 // The detector and descriptor of extract_features_of_map() with one octave, one after the other.
 DescribedImage binary_features(const BinaryDescriptor& descriptor, const cv::Mat& gray, const cv::Mat& allowed,
                                int max_features) {
-  FeatureOptions options;
-  options.descriptor_bits = descriptor.bits;
-  const int margin = patch_radius_px(options);
+  const FeatureOptions options;
+  const int margin = descriptor.reach_px;
   const cv::Rect area(margin, margin, gray.cols - 2 * margin, gray.rows - 2 * margin);
   DescribedImage result;
   if (area.width < 1 || area.height < 1) return result;
@@ -49,8 +48,7 @@ DescribedImage binary_features(const BinaryDescriptor& descriptor, const cv::Mat
                                      options.fast_threshold, options.min_fast_threshold};
   const std::vector<Corner> corners = find_corners(gray, allowed, area, corner_options);
   result.detect_ms = watch.lap_ms();
-  const std::vector<float> upright(corners.size(), 0.0F);
-  const std::vector<std::uint8_t> descriptors = describe_corners(gray, corners, upright, descriptor);
+  const std::vector<std::uint8_t> descriptors = describe_corners(gray, corners, descriptor);
   result.describe_ms = watch.lap_ms();
 
   for (const Corner& corner : corners) result.points_px.emplace_back(corner.x + 0.5, corner.y + 0.5);
@@ -79,10 +77,16 @@ std::string_view descriptor_method_title(DescriptorMethod method) {
   switch (method) {
     case DescriptorMethod::kOrb:
       return "ORB";
+    case DescriptorMethod::kGround64:
+      return "Ground-64";
+    case DescriptorMethod::kGround128:
+      return "Ground-128";
+    case DescriptorMethod::kGround256:
+      return "Ground-256";
+    case DescriptorMethod::kOrb256:
+      return "ORB-256";
     case DescriptorMethod::kBrief128:
       return "BRIEF-128";
-    case DescriptorMethod::kBrief256:
-      return "BRIEF-256";
     case DescriptorMethod::kBrief512:
       return "BRIEF-512";
     case DescriptorMethod::kSift:

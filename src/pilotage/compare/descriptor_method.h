@@ -11,18 +11,21 @@
 namespace pilotage {
 
 /// Ways to find and describe features that are compared. docs/methods/descriptors.md has sources and settings.
-enum class DescriptorMethod { kOrb, kBrief128, kBrief256, kBrief512, kSift, kSurf };
+enum class DescriptorMethod { kOrb, kGround64, kGround128, kGround256, kOrb256, kBrief128, kBrief512, kSift, kSurf };
 
 inline EnumNames<DescriptorMethod> enum_names(DescriptorMethod) {
   return {{DescriptorMethod::kOrb, "orb"},
+          {DescriptorMethod::kGround64, "ground_64"},
+          {DescriptorMethod::kGround128, "ground_128"},
+          {DescriptorMethod::kGround256, "ground_256"},
+          {DescriptorMethod::kOrb256, "orb_256"},
           {DescriptorMethod::kBrief128, "brief_128"},
-          {DescriptorMethod::kBrief256, "brief_256"},
           {DescriptorMethod::kBrief512, "brief_512"},
           {DescriptorMethod::kSift, "sift"},
           {DescriptorMethod::kSurf, "surf"}};
 }
 
-/// "ORB", "BRIEF-256": what tables and file names say.
+/// "ORB", "Ground-256": what tables and file names say.
 std::string_view descriptor_method_title(DescriptorMethod method);
 
 /// Features of one image and how long they took on one thread.
@@ -37,8 +40,9 @@ struct DescribedImage {
 /// `max_features` of them.
 ///
 ///   ORB        cv::ORB: oFAST on 8 scales, 256 oriented bits (E. Rublee et al., ICCV 2011).
-///   BRIEF-n    vision/features.h on one scale, upright: FAST-9 corners spread evenly, n bits (M. Calonder et al., ECCV
-///              2010); BRIEF-256 uses ORB's learned pairs.
+///   Ground-n, ORB-256, BRIEF-n
+///              vision/features.h, what maps store: FAST-9 corners spread evenly on one scale, n upright tests: learned
+///              on ground (vision/ground_pattern.h), ORB's pairs, or drawn (M. Calonder et al., ECCV 2010).
 ///   SIFT       cv::SIFT: 128 numbers (D. Lowe, IJCV 60, 2004).
 ///   SURF       dlib: fast Hessian, 64 numbers, oriented (H. Bay et al., CVIU 110, 2008).
 ///

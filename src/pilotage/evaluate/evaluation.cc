@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
 #include "pilotage/evaluate/judge_tiles.h"
+#include "pilotage/ground/place_level.h"
 #include "pilotage/ground/tile_table.h"
+#include "pilotage/matchability/fit_model.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -91,6 +95,36 @@ std::int64_t count_false_like_neighbours(const LevelScores& judged, const Evalua
     if (apart_m <= evaluation.tolerance_m) ++count;
   }
   return count;
+}
+
+// P at the level of this place, learned from its own outcomes: what P is worth where the level is known. Nothing where
+// no tile depends on a level.
+std::optional<JudgedPredictor> judge_inside(const LevelScores& judged, Evaluation& evaluation,
+                                            const QualityOptions& options) {
+  std::vector<JudgedPrediction> predictions = predictions_of(judged, evaluation, "p_correct_fix");
+  std::vector<double> logits;
+  std::vector<bool> correct;
+  double sigma = 0;
+  std::size_t at = 0;
+  std::vector<std::size_t> with_level;
+  for (const TileOutcome& outcome : evaluation.outcomes) {
+    if (outcome.outcome == Outcome::kNotCovered) continue;
+    const TileScores& score = judged.scores[outcome.tile];
+    const std::size_t index = at++;
+    if (!(score.level_sigma > 0) || !(score.p_correct_fix > 0 && score.p_correct_fix < 1)) continue;
+    sigma = score.level_sigma;
+    with_level.push_back(index);
+    logits.push_back(logit_of_p(score.p_correct_fix, score.level_sigma));
+    correct.push_back(predictions[index].correct);
+  }
+  if (with_level.empty()) return std::nullopt;
+  const LevelPosterior level = level_posterior({0, sigma}, logits, correct, 1 / kTilesThatShareGround);
+  evaluation.level_z = level.mean / sigma;
+  for (std::size_t i = 0; i < with_level.size(); ++i) {
+    predictions[with_level[i]].value = p_over_level(logits[i] + level.mean, level.sigma);
+  }
+  return JudgedPredictor{"p_correct_fix_at_level", "P(correct fix), level of this place known",
+                         judge_predictions(predictions, true, options)};
 }
 
 }  // namespace
@@ -184,6 +218,8 @@ Evaluation evaluate(const LevelScores& judged, const std::vector<FlightFrame>& f
   }
   evaluation.false_like_neighbours = count_false_like_neighbours(judged, evaluation);
   evaluation.predictors = judge_predictors(judged, evaluation, options, seed, threads, progress);
+  auto inside = judge_inside(judged, evaluation, quality_options(options, seed, threads));
+  if (inside) evaluation.predictors.insert(evaluation.predictors.begin() + 1, std::move(*inside));
   return evaluation;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,8 +29,12 @@ struct Evaluation {
   /// False ones whose error is, within the tolerance, the median error of the accepted ones around them (at least five
   /// others whose tiles' centres are nearer than a tile's side): a truth that is wrong, or ground that repeats.
   std::int64_t false_like_neighbours = 0;
-  /// p_correct_fix where any tile has one; then always gray_variance, frieden_deficit, clean_peak_margin and
-  /// degraded_peak_margin, the measures of the paper.
+  /// Where the level of this place lies, in standard deviations from the mean that P takes it to have; NaN where P does
+  /// not depend on a level. Its prior is that of P, four tiles count as one (level_posterior).
+  double level_z = std::numeric_limits<double>::quiet_NaN();
+  /// p_correct_fix where any tile has one, across places; with it, where P depends on a level, P at the level that this
+  /// place turns out to have (p_correct_fix_at_level): inside the place. Then always gray_variance, frieden_deficit,
+  /// clean_peak_margin and degraded_peak_margin, the measures of the paper.
   std::vector<JudgedPredictor> predictors;
   std::vector<std::string> warnings;
 

@@ -10,6 +10,7 @@
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
+#include "pilotage/ground/place_level.h"
 #include "pilotage/matchability/reliability_diagram.h"
 
 namespace pilotage {
@@ -60,6 +61,14 @@ std::string conditions(const Evaluation& evaluation, const EvaluateOptions& opti
          "° of attitude, " + format_number(100 * options.height_sigma_fraction) + " % of height.";
 }
 
+/// Whether fixes come more or less often here than P expects, beside how far places lie apart.
+std::string level_text(const Evaluation& evaluation) {
+  const bool inside = std::abs(evaluation.level_z) <= kLevel80_z;
+  return "level of this place: " + format_fixed(evaluation.level_z, 2) +
+         " standard deviations from the mean that P expects, " + (inside ? "within" : "outside") +
+         " the 80 % interval of " + format_fixed(kLevel80_z, 2);
+}
+
 const JudgedPredictor* probability_of(const Evaluation& evaluation) {
   const auto found = std::find_if(evaluation.predictors.begin(), evaluation.predictors.end(),
                                   [](const JudgedPredictor& predictor) { return predictor.quality.probability; });
@@ -90,6 +99,7 @@ Json evaluation_json(const Evaluation& evaluation, const EvaluationSource& sourc
   json["correct_fixes"] = share_json(correct, evaluation.judged());
   json["false_fixes"] = share_json(wrong, correct + wrong);
   json["false_like_neighbours"] = evaluation.false_like_neighbours;
+  json["level_z"] = json_number(evaluation.level_z);
   json["predictors"] = Json::array();
   for (const JudgedPredictor& predictor : evaluation.predictors) json["predictors"].push_back(to_json(predictor));
   json["warnings"] = evaluation.warnings;
@@ -113,6 +123,7 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
   text += "- Refused: " + std::to_string(evaluation.counts.at(Outcome::kRefused)) +
           "; not covered and left out: " + std::to_string(evaluation.counts.at(Outcome::kNotCovered)) +
           "; tiles scored: " + std::to_string(evaluation.scored_tiles) + ".\n\n";
+  if (!std::isnan(evaluation.level_z)) text += "- " + level_text(evaluation) + ".\n\n";
   text += quality_markdown(evaluation.predictors, quality_options(options, source.seed));
   text += "- Blocks are squares of " + metres(evaluation.block_m) +
           ". Brackets at the rates above are 95 % intervals by "
@@ -135,6 +146,7 @@ std::string evaluation_text(const Evaluation& evaluation) {
     }
     text += "\n";
   }
+  if (!std::isnan(evaluation.level_z)) text += "evaluation: " + level_text(evaluation) + "\n";
   return text;
 }
 

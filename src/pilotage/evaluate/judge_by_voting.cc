@@ -89,8 +89,11 @@ std::optional<TileFrame> take_frame(const FrameSetup& setup, const GroundTile& t
     *angle_deg += setup.match.attitude_sigma_deg * random.normal();
   }
   const double agl_m = setup.agl_m * std::max(0.1, 1 + setup.match.height_sigma_fraction * random.normal());
-  const double east_m = random.uniform(-setup.search_radius_m, setup.search_radius_m);
-  const double north_m = random.uniform(-setup.search_radius_m, setup.search_radius_m);
+  // Anywhere in the circle that the matcher's gate lets through.
+  const double off_m = setup.search_radius_m * std::sqrt(random.uniform(0, 1));
+  const double azimuth_rad = random.uniform(0, 2 * std::numbers::pi);
+  const double east_m = off_m * std::sin(azimuth_rad);
+  const double north_m = off_m * std::cos(azimuth_rad);
 
   const CrsTransform reference(setup.judged.ground.crs);
   const auto shown = reference.geodetic_from_map(center_map);

@@ -151,6 +151,12 @@ void add_features(std::vector<Measure>& list) {
        "Probability that the matcher finds a frame taken here on another day, and is right; from one date of imagery. "
        "This is the measure to judge by.",
        ColorMap::kBlues, 2}));
+  list.push_back(of_tile("level_sigma", "", "standard deviation of the level of the place, logits",
+                         "Level of the place: not known better than (logits, 1 sigma)", Kind::kNumber, Group::kFeatures,
+                         &TileScores::level_sigma));
+  list.push_back(of_tile("level_tiles", "", "tiles of this ground, judged on another date, that the level rests on",
+                         "Tiles of this ground that the level rests on", Kind::kNumber, Group::kFeatures,
+                         &TileScores::level_tiles));
 }
 
 std::vector<Measure> make_measures() {

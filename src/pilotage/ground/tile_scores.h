@@ -50,6 +50,11 @@ struct TileScores {
   double frieden_deficit = std::numeric_limits<double>::quiet_NaN();  ///< N (1 − H/e) − 1 ≈ (σ/f̄)².
   /// The probability that a frame taken here is matched and the fix is right, 0 … 1; NaN without a model.
   double p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  /// Standard deviation of the place's level, logits, over which p_correct_fix is a mean: all tiles of a flight are off
+  /// by the same multiple of it (place_level.h). 0: the level is known; NaN: nothing is known of it.
+  double level_sigma = std::numeric_limits<double>::quiet_NaN();
+  /// Tiles of this ground whose outcome on another date the level rests on (`calibrate --adapt`); 0: on other places.
+  double level_tiles = std::numeric_limits<double>::quiet_NaN();
   /// The map's features in the tile, and the noise of the votes that they must win against
   /// (docs/methods/matchability.md).
   double map_features = std::numeric_limits<double>::quiet_NaN();

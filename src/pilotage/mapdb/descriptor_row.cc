@@ -1,7 +1,6 @@
 #include "pilotage/mapdb/descriptor_row.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -13,20 +12,22 @@ namespace pilotage {
 namespace {
 
 constexpr double kUnitsPerPx = 16;
-constexpr double kUnitsPerTurn = 65536;
 constexpr double kUnitsPerMetre = 10;
 constexpr std::int16_t kNoHeight = std::numeric_limits<std::int16_t>::min();
 constexpr std::int64_t kMaxWindowStart = std::int64_t{1} << 40;
 
-bool allowed_descriptor_bytes(int bytes) {
-  return find_descriptor(8 * bytes) != nullptr;
-}
+// A key point is a number of 64 bits, lowest first: x, y, octave, two zeros, height.
+constexpr int kPositionBits = 21;  // 16 · kMaxMapWindowPx is 2²⁰
+constexpr int kOctaveBits = 4;
+constexpr int kHeightShift = 48;
+constexpr std::uint64_t kPositionMask = (std::uint64_t{1} << kPositionBits) - 1;
+constexpr int kMaxOctave = (1 << kOctaveBits) - 1;
 
 void check_sizes(const TileDescriptors& d, const std::string& where) {
   const FeatureSet& set = d.features;
-  if (!allowed_descriptor_bytes(set.descriptor_bytes)) {
+  if (!is_descriptor_length(8 * set.descriptor_bytes)) {
     throw UsageError(where + ": descriptor_bytes = " + std::to_string(set.descriptor_bytes) +
-                     " is not one of: " + descriptor_lengths(8));
+                     " is not one of: " + descriptor_byte_lengths());
   }
   if (set.size() > static_cast<std::size_t>(kMaxMapDescriptors)) {
     throw UsageError(where + ": has " + std::to_string(set.size()) + " features, at most " +
@@ -54,12 +55,9 @@ void check_feature(const Feature& feature, const PixelWindow& window, const std:
                      format_number(feature.y_px) + "), outside its window of " + std::to_string(window.width) + " × " +
                      std::to_string(window.height) + " px");
   }
-  if (feature.octave < 0 || feature.octave > 255) {
-    throw UsageError(feature_name(where, index) + ": octave = " + std::to_string(feature.octave) +
-                     " is outside [0, 255]");
-  }
-  if (!std::isfinite(feature.angle_deg) || !std::isfinite(feature.response)) {
-    throw UsageError(feature_name(where, index) + ": angle or response is not a finite number");
+  if (feature.octave < 0 || feature.octave > kMaxOctave) {
+    throw UsageError(feature_name(where, index) + ": octave = " + std::to_string(feature.octave) + " is outside [0, " +
+                     std::to_string(kMaxOctave) + "]");
   }
 }
 
@@ -140,17 +138,14 @@ EncodedKeypoints encode_keypoints(const TileDescriptors& descriptors, const std:
   for (std::size_t i = 0; i < descriptors.features.size(); ++i) {
     const Feature& feature = descriptors.features.features[i];
     check_feature(feature, descriptors.window, where, i);
-    const auto x = static_cast<std::uint32_t>(std::floor(static_cast<double>(feature.x_px) * kUnitsPerPx + 0.5));
-    const auto y = static_cast<std::uint32_t>(std::floor(static_cast<double>(feature.y_px) * kUnitsPerPx + 0.5));
-    const double turn = static_cast<double>(feature.angle_deg) / 360;
-    const double angle = std::floor((turn - std::floor(turn)) * kUnitsPerTurn + 0.5);
-    append_le(result.bytes, x | static_cast<std::uint32_t>(feature.octave) << 24);
-    append_le(result.bytes, y);
-    append_le(result.bytes, static_cast<std::uint16_t>(static_cast<std::uint32_t>(angle) & 0xFFFFU));
-    append_le(result.bytes, result.ground_base_m ? encode_height(static_cast<double>(descriptors.ground_height_m[i]),
-                                                                 *result.ground_base_m, where, i)
-                                                 : kNoHeight);
-    append_le(result.bytes, feature.response);
+    const auto x = static_cast<std::uint64_t>(std::floor(static_cast<double>(feature.x_px) * kUnitsPerPx + 0.5));
+    const auto y = static_cast<std::uint64_t>(std::floor(static_cast<double>(feature.y_px) * kUnitsPerPx + 0.5));
+    const std::int16_t height =
+        result.ground_base_m
+            ? encode_height(static_cast<double>(descriptors.ground_height_m[i]), *result.ground_base_m, where, i)
+            : kNoHeight;
+    append_le(result.bytes, x | y << kPositionBits | static_cast<std::uint64_t>(feature.octave) << 2 * kPositionBits |
+                                static_cast<std::uint64_t>(static_cast<std::uint16_t>(height)) << kHeightShift);
   }
   return result;
 }
@@ -163,9 +158,9 @@ DescriptorRow read_descriptor_row(const Statement& statement, const std::string&
   row.window = read_window(statement, 2, where);
   row.count = statement.integer(6, 0, kMaxMapDescriptors);
   row.descriptor_bytes = statement.integer(7, 1, kMostDescriptorBits / 8);
-  if (!allowed_descriptor_bytes(row.descriptor_bytes)) {
+  if (!is_descriptor_length(8 * row.descriptor_bytes)) {
     throw DataError(where + ": descriptor_bytes is " + std::to_string(row.descriptor_bytes) +
-                    ", expected one of: " + descriptor_lengths(8));
+                    ", expected one of: " + descriptor_byte_lengths());
   }
   if (!statement.is_null(8)) {
     row.ground_base_m = statement.real(8);
@@ -191,36 +186,35 @@ void check_descriptor_length(const DescriptorRow& row, const MapInfo& info, cons
                   " bits, map_info says features.descriptor_bits = " + *bits);
 }
 
-TileDescriptors decode_descriptors(const DescriptorRow& row, const std::string& file) {
+TileDescriptors decode_descriptors(const DescriptorRow& row, DescriptorPattern pattern, const std::string& file) {
   TileDescriptors result;
   result.tile_id = row.tile_id;
   result.level = row.level;
   result.window = row.window;
+  result.features.pattern = pattern;
   result.features.descriptor_bytes = row.descriptor_bytes;
   result.features.descriptors.assign(row.descriptors.begin(), row.descriptors.end());
   const auto count = static_cast<std::size_t>(row.count);
   result.features.features.resize(count);
   if (row.ground_base_m) result.ground_height_m.resize(count);
-  const std::uint32_t max_x = static_cast<std::uint32_t>(row.window.width) * 16;
-  const std::uint32_t max_y = static_cast<std::uint32_t>(row.window.height) * 16;
+  const std::uint64_t max_x = static_cast<std::uint64_t>(row.window.width) * 16;
+  const std::uint64_t max_y = static_cast<std::uint64_t>(row.window.height) * 16;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint8_t* bytes = row.keypoints.data() + i * kKeypointBytes;
-    const auto x_and_octave = read_le<std::uint32_t>(bytes);
-    const std::uint32_t x = x_and_octave & 0xFFFFFFU;
-    const auto y = read_le<std::uint32_t>(bytes + 4);
-    const auto height = static_cast<std::int16_t>(read_le<std::uint16_t>(bytes + 10));
-    const auto response = std::bit_cast<float>(read_le<std::uint32_t>(bytes + 12));
+    const auto packed = read_le<std::uint64_t>(row.keypoints.data() + i * kKeypointBytes);
+    const std::uint64_t x = packed & kPositionMask;
+    const std::uint64_t y = packed >> kPositionBits & kPositionMask;
+    const std::uint64_t octave =
+        packed >> 2 * kPositionBits & ((std::uint64_t{1} << (kHeightShift - 2 * kPositionBits)) - 1);
+    const auto height = static_cast<std::int16_t>(packed >> kHeightShift);
     const bool height_fits = row.ground_base_m.has_value() || height == kNoHeight;
-    if (x > max_x || y > max_y || !std::isfinite(response) || !height_fits) {
+    if (x > max_x || y > max_y || octave > kMaxOctave || !height_fits) {
       throw DataError(row_name(file, row.tile_id, row.level) + ": key point " + std::to_string(i) +
                       " is damaged (outside its window, or a value that is never written)");
     }
     Feature& feature = result.features.features[i];
-    feature.x_px = static_cast<float>(x / kUnitsPerPx);
-    feature.y_px = static_cast<float>(y / kUnitsPerPx);
-    feature.octave = static_cast<int>(x_and_octave >> 24);
-    feature.angle_deg = static_cast<float>(read_le<std::uint16_t>(bytes + 8) * (360 / kUnitsPerTurn));
-    feature.response = response;
+    feature.x_px = static_cast<float>(static_cast<double>(x) / kUnitsPerPx);
+    feature.y_px = static_cast<float>(static_cast<double>(y) / kUnitsPerPx);
+    feature.octave = static_cast<int>(octave);
     if (row.ground_base_m) {
       result.ground_height_m[i] = height == kNoHeight
                                       ? std::numeric_limits<float>::quiet_NaN()

@@ -15,7 +15,7 @@ namespace pilotage {
 
 // A row of the table pilotage_descriptors between memory and bytes, as schemas/pilotage_descriptors.md lays it out.
 
-inline constexpr int kKeypointBytes = 16;
+inline constexpr int kKeypointBytes = 8;
 inline constexpr int kDigestBytes = 32;
 
 /// The row as it is stored; the spans live as long as what they were made from.
@@ -54,8 +54,9 @@ DescriptorRow read_descriptor_row(const Statement& statement, const std::string&
 /// have.
 void check_descriptor_length(const DescriptorRow& row, const MapInfo& info, const std::string& file);
 
-/// Throws DataError, beginning with `file`, when a key point is not one that encode_keypoints makes.
-TileDescriptors decode_descriptors(const DescriptorRow& row, const std::string& file);
+/// The features are described by `pattern`. Throws DataError, beginning with `file`, when a key point is not one that
+/// encode_keypoints makes.
+TileDescriptors decode_descriptors(const DescriptorRow& row, DescriptorPattern pattern, const std::string& file);
 
 /// The columns that read_chip_row expects first in a SELECT from pilotage_chips.
 inline constexpr std::string_view kChipColumns =

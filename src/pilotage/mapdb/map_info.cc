@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/file_digest.h"
 #include "pilotage/camera/camera_text.h"
+#include "pilotage/vision/ground_pattern.h"
 
 namespace pilotage {
 namespace {
@@ -52,7 +54,21 @@ FeatureOptions features_of_info(const MapInfo& info, const std::string& file) {
     throw DataError(where + ": " + error.what());
   }
   if (!missing.empty()) throw DataError(where + ": \"" + missing.front() + "\" is missing");
+  const std::optional<std::string> tests = info.find("pattern_digest");
+  if (tests && *tests != pattern_digest(options.pattern)) {
+    throw DataError(file + ": map_info: its descriptors are of other tests than the pattern " +
+                    options_detail::enum_to_name(options.pattern) + " of this program has; build it anew");
+  }
   return options;
+}
+
+std::string pattern_digest(DescriptorPattern pattern) {
+  if (pattern != DescriptorPattern::kGround) return "";
+  std::string bytes;
+  for (const BriefPair& test : kGroundPattern) {
+    for (const std::int8_t offset : {test.x1, test.y1, test.x2, test.y2}) bytes.push_back(static_cast<char>(offset));
+  }
+  return bytes_digest(bytes);
 }
 
 }  // namespace pilotage

@@ -29,9 +29,13 @@ struct MapInfo {
 std::optional<Camera> camera_of_info(const MapInfo& info, const std::string& file);
 
 /// How the map's features are described (keys "features.…", the fields of FeatureOptions); the defaults when the map
-/// says nothing of it. Throws DataError beginning with `file` when a key is missing, unknown or a duplicate, or a value
-/// is outside its range.
+/// says nothing of it. Throws DataError beginning with `file` when a key is missing, unknown or a duplicate, a value is
+/// outside its range, or the pattern's tests are not those of this library (pattern_digest).
 FeatureOptions features_of_info(const MapInfo& info, const std::string& file);
+
+/// What the line "pattern_digest" of map_info says of a pattern that was learned: BLAKE2b-256 of its tests, four signed
+/// bytes each, in hexadecimal digits. "" for the others, whose name says all.
+std::string pattern_digest(DescriptorPattern pattern);
 
 }  // namespace pilotage
 

@@ -356,7 +356,7 @@ std::shared_ptr<const TileDescriptors> MapReader::descriptors(std::int64_t tile_
     if (!statement.step()) return std::nullopt;
     const DescriptorRow row = read_descriptor_row(statement, database_.name());
     check_descriptor_length(row, info_, database_.name());
-    return decode_descriptors(row, database_.name());
+    return decode_descriptors(row, features_.pattern, database_.name());
   });
 }
 

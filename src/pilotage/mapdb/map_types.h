@@ -104,12 +104,12 @@ struct MapInfoEntry {
 
 /// The descriptors of one tile at one level. Features are relative to the window's outer top-left corner, so that
 ///   point_grid = matrix.map_from_pixel.map_from_pixel({window.col + x_px, window.row + y_px}).
-/// Stored: x and y in 1/16 px, angle in 360/65536 degrees, height in 0.1 m, octave and response exactly.
+/// Stored: x and y in 1/16 px, height in 0.1 m, octave exactly; the response is not.
 struct TileDescriptors {
   std::int64_t tile_id = 0;
   int level = 0;        ///< Whose pixels `window` and the features are in.
   PixelWindow window;   ///< The cell whose descriptors these are: 0 ≤ x_px ≤ width, 0 ≤ y_px ≤ height.
-  FeatureSet features;  ///< Described by one of kBinaryDescriptors.
+  FeatureSet features;  ///< Of the pattern that map_info names.
   /// Height of the ground under each feature, metres above mean sea level, NaN where unknown. Empty when no height is
   /// known.
   std::vector<float> ground_height_m;

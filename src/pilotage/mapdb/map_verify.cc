@@ -202,7 +202,7 @@ void check_descriptors(Examination& e) {
         if (!std::equal(digest.begin(), digest.end(), row.digest.begin(), row.digest.end())) {
           e.wrong_digest(kTable, tile_id, "level " + std::to_string(row.level) + ": the digest does not match");
         }
-        static_cast<void>(decode_descriptors(row, e.file));
+        static_cast<void>(decode_descriptors(row, e.reader.features().pattern, e.file));
       });
     });
   }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <functional>
 
 #include "pilotage/vision/hamming.h"
 
@@ -16,7 +16,6 @@ struct Reach {
 };
 
 Reach reach_in_frame(const PivotedFrame& frame, const SearchSpace& space, const Eigen::Vector2d& map_px) {
-  if (space.yaw_sigma_rad > kUnknownYawRad) return {frame.pivot_px, frame.radius_px};
   const double turned_px = frame.radius_px * (2 * space.yaw_sigma_rad + 2 * space.scale_sigma);
   return {map_px - space.center_px + frame.pivot_px, space.half_width_px + turned_px};
 }
@@ -31,6 +30,7 @@ std::size_t vote_stride(const PivotedFrame& frame, std::size_t map_features) {
 /// The features first, first + stride, … of the map, at most `count` of them.
 FeatureSet every_nth(const FeatureSet& features, std::size_t first, std::size_t stride, std::size_t count) {
   FeatureSet some;
+  some.pattern = features.pattern;
   some.descriptor_bytes = features.descriptor_bytes;
   for (std::size_t i = first; i < features.size() && some.size() < count; i += stride) {
     some.features.push_back(features.features[i]);
@@ -63,10 +63,27 @@ void append_similar_pairs(const HammingIndex& index, const PivotedFrame& frame, 
       pairs.push_back(
           {Eigen::Vector2d(static_cast<double>(of_frame.x_px), static_cast<double>(of_frame.y_px)) - frame.pivot_px,
            {static_cast<double>(of_map.x_px), static_cast<double>(of_map.y_px)},
-           static_cast<double>(of_map.angle_deg - of_frame.angle_deg) * std::numbers::pi / 180,
            static_cast<std::int32_t>(std::lround(nearness * nearness * kVoteUnit))});
     }
   }
+}
+
+/// How many pairs vote at most: of a large frame the nearest ones say it all.
+std::size_t most_vote_pairs(const SearchSpace& space) {
+  const double side_px = 2 * space.half_width_px;
+  return static_cast<std::size_t>(std::max(kLeastVotePairs, kVotePairsPerPx2 * side_px * side_px));
+}
+
+/// Drops the pairs of least weight until no more than `most` are left, and all that weigh as much as the first dropped.
+void keep_heaviest(std::vector<VotePair>& pairs, std::size_t most) {
+  if (pairs.size() <= most) return;
+  std::vector<std::int32_t> weights;
+  weights.reserve(pairs.size());
+  for (const VotePair& pair : pairs) weights.push_back(pair.weight);
+  std::nth_element(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(most), weights.end(),
+                   std::greater<>());
+  const std::int32_t first_dropped = weights[most];
+  std::erase_if(pairs, [&](const VotePair& pair) { return pair.weight <= first_dropped; });
 }
 
 std::vector<VotePair> similar_pairs(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
@@ -81,6 +98,7 @@ std::vector<VotePair> similar_pairs(const PivotedFrame& frame, const LocalMap& m
     append_similar_pairs(index, frame, every_nth(map.features, first, stride, together), space, pairs);
     pass(checkpoint);
   }
+  keep_heaviest(pairs, most_vote_pairs(space));
   return pairs;
 }
 
@@ -89,15 +107,6 @@ std::vector<double> hypotheses(double middle, double sigma, double step) {
   const int count = static_cast<int>(std::ceil(2 * sigma / step));
   std::vector<double> values;
   for (int i = -count; i <= count; ++i) values.push_back(middle + i * (count == 0 ? 0 : 2 * sigma / count));
-  return values;
-}
-
-std::vector<double> yaw_hypotheses_rad(const SearchSpace& space, double step_rad) {
-  if (space.yaw_sigma_rad <= kUnknownYawRad) return hypotheses(0, space.yaw_sigma_rad, step_rad);
-  const int count = static_cast<int>(std::ceil(2 * std::numbers::pi / step_rad));
-  std::vector<double> values;
-  for (int i = 0; i < count; ++i)
-    values.push_back(std::remainder(2 * std::numbers::pi * i / count, 2 * std::numbers::pi));
   return values;
 }
 
@@ -111,8 +120,7 @@ double vote_comparisons(const PivotedFrame& frame, std::size_t map_features) {
 double search_bins(const PivotedFrame& frame, const SearchSpace& space) {
   const double step = kVoteStepPx / std::max(frame.radius_px, 1.0);
   const double side = 2 * space.half_width_px / kVoteBinPx + 3;
-  const double turns = space.yaw_sigma_rad > kUnknownYawRad ? 2 * std::numbers::pi / step + 1
-                                                            : 2 * std::ceil(2 * space.yaw_sigma_rad / step) + 1;
+  const double turns = 2 * std::ceil(2 * space.yaw_sigma_rad / step) + 1;
   return side * side * turns * (2 * std::ceil(2 * space.scale_sigma / step) + 1);
 }
 
@@ -122,9 +130,8 @@ std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const L
   VoteSearch search;
   search.center_px = space.center_px;
   search.half_side_px = space.half_width_px;
-  search.yaws_rad = yaw_hypotheses_rad(space, step);
+  search.yaws_rad = hypotheses(0, space.yaw_sigma_rad, step);
   search.scales = hypotheses(1, space.scale_sigma, step);
-  if (space.oriented) search.max_turn_error_rad = std::max(20 * std::numbers::pi / 180, step);
   return vote_peaks(similar_pairs(frame, map, space, checkpoint), search, count, checkpoint);
 }
 

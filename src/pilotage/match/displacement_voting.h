@@ -24,7 +24,6 @@ struct SearchSpace {
   double half_width_px = 0;
   double yaw_sigma_rad = 0;
   double scale_sigma = 0;
-  bool oriented = false;  ///< Descriptors turn with the patch: a pair votes only for the turn between its angles.
 };
 
 /// Displacement voting: each feature of the map is paired with the kVoteNeighbours nearest descriptors of the frame
@@ -34,7 +33,8 @@ struct SearchSpace {
 /// (vote_peaks.h). Cf. D. H. Ballard, "Generalizing the Hough transform", Pattern Recognition 13(2), 1981.
 ///
 /// Where that takes more than kVotingComparisons of descriptors, every second, third … feature of the map votes, as
-/// long as the frame has kVotingPoints points for each of them: a large frame shows more features than voting needs.
+/// long as the frame has kVotingPoints points for each of them: a large frame shows more features than voting needs. Of
+/// all pairs the nearest kLeastVotePairs vote, or kVotePairsPerPx2 for each pixel of the square.
 std::vector<Candidate> vote_for_displacements(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                               std::size_t count, const Checkpoint& checkpoint = {});
 
@@ -48,7 +48,8 @@ inline constexpr int kVoteNeighbours = 4;
 inline constexpr double kVoteStepPx = 2.5;
 inline constexpr double kVotingComparisons = 2e9;
 inline constexpr double kVotingPoints = 16384;
-/// Above this standard deviation of yaw the whole circle is searched.
-inline constexpr double kUnknownYawRad = 1.0;
+/// Of the pairs the nearest vote: at least so many, and more where the window is wider than that of the calibration.
+inline constexpr double kLeastVotePairs = 4000;
+inline constexpr double kVotePairsPerPx2 = 0.04;
 
 }  // namespace pilotage

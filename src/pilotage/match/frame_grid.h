@@ -29,9 +29,13 @@ struct FrameGrid {
   }
 };
 
-/// Describes `frame` at every `step_px`-th pixel whose patch is valid. Of `options`, descriptor_bits and oriented
-/// count. Throws UsageError for options out of range.
+/// Describes `frame` at every `step_px`-th pixel that lies kLeastInsidePx within the valid ones (or the descriptor's
+/// reach, where that is less). What a patch needs beyond them is continued by the nearest valid pixel: a part of its
+/// bits then says nothing, and the others still do (docs/methods/match.md has what it is worth). Of `options`, pattern
+/// and descriptor_bits count. Throws UsageError for options out of range.
 FrameGrid describe_frame_grid(const RectifiedFrame& frame, const FeatureOptions& options, int step_px = 2,
                               const Checkpoint& checkpoint = {});
+
+inline constexpr int kLeastInsidePx = 5;
 
 }  // namespace pilotage

@@ -89,14 +89,12 @@ PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& option
   return frame;
 }
 
-SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, const MatchOptions& options,
-                         bool oriented) {
+SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, const MatchOptions& options) {
   SearchSpace space;
   space.center_px = rectified.prior_px + rectified.px_from_m(rectified.pivot_m) - map.reference_px;
   space.half_width_px = rectified.half_width_px;
   space.yaw_sigma_rad = options.yaw_sigma_deg * kRadPerDeg;
   space.scale_sigma = options.height_sigma_fraction;
-  space.oriented = oriented;
   return space;
 }
 

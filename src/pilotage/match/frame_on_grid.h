@@ -56,6 +56,6 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
 PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint = {});
 
 /// What is searched on `map`.
-SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, const MatchOptions& options, bool oriented);
+SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, const MatchOptions& options);
 
 }  // namespace pilotage

@@ -109,22 +109,16 @@ class GuidedSearch {
   const LocalMap& map_;
 };
 
-/// Weighted least squares for center, a = scale·cos(yaw), b = scale·sin(yaw), with the prior's turn and scale. Where
-/// the prior has no turn, yaw is measured from the start's: only then a is nearly the scale.
+/// Weighted least squares for center, a = scale·cos(yaw), b = scale·sin(yaw), with the prior's turn and scale.
 class SimilarityFit {
  public:
   SimilarityFit(const Placement& start, const SearchSpace& space, const BinaryDescriptor& descriptor)
-      : start_(start),
-        space_(space),
-        fit_distance_(descriptor.fit_distance),
-        transform_(start),
-        base_yaw_rad_(space.yaw_sigma_rad > kUnknownYawRad ? start.yaw_rad : 0),
-        base_({{0, 0}, base_yaw_rad_, 1}) {}
+      : start_(start), space_(space), fit_distance_(descriptor.fit_distance), transform_(start) {}
 
   void add(const GuidedPair& pair) {
     const double nearness = std::max(0.0, 1 - pair.distance / fit_distance_);
     if (nearness <= 0) return;
-    const Eigen::Vector2d o = base_.map_from_frame(pair.from_pivot_px);
+    const Eigen::Vector2d& o = pair.from_pivot_px;
     const Eigen::Vector2d& m = pair.map_px;
     const double error_px = (m - transform_.map_from_frame(pair.from_pivot_px)).norm();
     const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
@@ -161,10 +155,10 @@ class SimilarityFit {
       right(row) += information * value;
     };
     add_prior(2, 1, std::max(space_.scale_sigma, 1e-4));
-    if (space_.yaw_sigma_rad <= kUnknownYawRad) add_prior(3, 0, std::max(space_.yaw_sigma_rad, 1e-4));
+    add_prior(3, 0, std::max(space_.yaw_sigma_rad, 1e-4));
     const Eigen::Vector4d solution = normal.ldlt().solve(right);
-    Placement placement{solution.head<2>(), base_yaw_rad_ + std::atan2(solution(3), solution(2)),
-                        std::hypot(solution(2), solution(3))};
+    const Placement placement{solution.head<2>(), std::atan2(solution(3), solution(2)),
+                              std::hypot(solution(2), solution(3))};
     if (!solution.allFinite() || !(placement.scale > 0.5 && placement.scale < 2)) return start_;
     return placement;
   }
@@ -174,8 +168,6 @@ class SimilarityFit {
   SearchSpace space_;
   double fit_distance_;  // farther pairs have no weight
   PlacementTransform transform_;
-  double base_yaw_rad_;
-  PlacementTransform base_;
   Eigen::Matrix4d normal_ = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right_ = Eigen::Vector4d::Zero();
   double weight_ = 0;

@@ -71,6 +71,7 @@ LocalMap read_local_map(MapReader& map, const MapLevel& level, const LocalGrid& 
   LocalMap local;
   local.level = level.matrix.level;
   local.grid = grid;
+  local.features_per_mpx = map.features().features_per_mpx;
   local.reference_px = {std::floor(center_px.x()), std::floor(center_px.y())};
   const double radius_m = half_width_px * std::numbers::sqrt2 * grid.gsd_m();
   bool first = true;
@@ -79,7 +80,10 @@ LocalMap read_local_map(MapReader& map, const MapLevel& level, const LocalGrid& 
     pass(checkpoint);
     const auto stored = map.descriptors(near.tile.tile_id, local.level);
     if (!stored || stored->features.size() == 0) continue;
-    if (first) local.features.descriptor_bytes = stored->features.descriptor_bytes;
+    if (first) {
+      local.features.pattern = stored->features.pattern;
+      local.features.descriptor_bytes = stored->features.descriptor_bytes;
+    }
     if (stored->features.descriptor_bytes != local.features.descriptor_bytes) {
       throw DataError("tile " + std::to_string(near.tile.tile_id) + ": descriptors of " +
                       std::to_string(stored->features.descriptor_bytes) + " bytes, its neighbours have " +

@@ -32,7 +32,8 @@ struct LocalGrid {
 struct LocalMap {
   int level = 0;
   LocalGrid grid;
-  FeatureSet features;                 ///< x_px, y_px relative to `reference_px`.
+  FeatureSet features;                                          ///< x_px, y_px relative to `reference_px`.
+  double features_per_mpx = FeatureOptions().features_per_mpx;  ///< For which the map was built.
   Eigen::Vector2d reference_px{0, 0};  ///< A whole pixel of the level, so that floats keep 1/16 px.
   std::vector<float> ground_height_m;  ///< One for each feature, NaN where unknown; empty when no height is known.
   std::vector<std::int64_t> tile_ids;  ///< Of each feature.

@@ -4,10 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/geo/local_frame.h"
 #include "pilotage/match/frame_on_grid.h"
 #include "pilotage/match/local_map.h"
 #include "pilotage/match/match_confidence.h"
@@ -22,7 +25,12 @@ constexpr double kMaxSearchBins = 1e9;
 constexpr double kMaxComparisons = 2e10;
 constexpr double kMib = 1 << 20;
 constexpr int kMinFeatures = 20;
-constexpr double kMinLead = 3;  // of the best place over its rival, in natural logarithms
+constexpr double kMinLead = 3;         // of the best place over its rival, in natural logarithms
+constexpr double kMinLeadShare = 0.2;  // likewise, of its own evidence: rows of trees are alike in all they show
+constexpr double kHeadingStepDeg = 10;
+constexpr double kKnownYawSigmaDeg = 3;    // up to it upright descriptors stand all turns of two standard deviations
+constexpr double kFoundYawSigmaDeg = 1.5;  // of a heading that a sweep has found
+constexpr std::size_t kHeadingsLookedAtAgain = 3;
 
 bool is_inside(double value, double low, double high) {
   return value >= low && value <= high;
@@ -55,8 +63,8 @@ MatchResult refused(MatchStatus status, const MatchStats& stats) {
   return {status, {}, {}, stats};
 }
 
-/// What the ranking found, in the words of the statistics.
-void describe_ranking(const RankedPlaces& places, double half_width_px, MatchStats& stats) {
+/// What the ranking found, in the words of the statistics. `searches`: how many headings were searched.
+void describe_ranking(const RankedPlaces& places, double half_width_px, double searches, MatchStats& stats) {
   const RankedPlace& best = places.best;
   stats.support = best.match.evidence();
   stats.expected_features = best.match.expected;
@@ -65,13 +73,17 @@ void describe_ranking(const RankedPlaces& places, double half_width_px, MatchSta
   stats.ncc = best.ncc;
   stats.ncc_rival = places.rival_ncc;
   stats.chip_pixels = best.compared_px;
-  stats.confidence = 1 - false_fix_rate(best.evidence, half_width_px);
+  stats.confidence = 1 - std::min(1.0, searches * false_fix_rate(best.evidence, half_width_px));
+}
+
+bool is_ambiguous(const MatchStats& stats) {
+  return stats.vote_peak - stats.vote_rival < std::max(kMinLead, kMinLeadShare * stats.vote_peak);
 }
 
 /// Why the best place is not accepted as a fix, or nothing.
 std::optional<MatchStatus> refusal_of_best(const MatchStats& stats, const MatchOptions& options, bool outside_gate) {
   if (1 - stats.confidence > options.max_false_fix_rate) return MatchStatus::kInconsistent;
-  if (stats.vote_peak - stats.vote_rival < kMinLead) return MatchStatus::kAmbiguous;
+  if (is_ambiguous(stats)) return MatchStatus::kAmbiguous;
   if (outside_gate) return MatchStatus::kOutsideGate;
   return std::nullopt;
 }
@@ -111,8 +123,9 @@ double feature_limit(const MemoryLeft& memory, const PivotedFrame& described, co
   return std::min({by_memory, kMaxComparisons / std::max(1.0, per_feature), 1e9});
 }
 
-MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                           const MatchOptions& options, const Checkpoint& checkpoint) {
+/// A search about one heading, which is known well enough for upright descriptors. `searches`: how many such are made.
+MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
+                          const MatchOptions& options, double searches, const Checkpoint& checkpoint) {
   pass(checkpoint);
   MatchStats stats;
   MemoryLeft memory(options);
@@ -146,14 +159,14 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
     return refused(MatchStatus::kTooFewFeatures, stats);
   }
 
-  const SearchSpace space = search_space(rectified, local, options, features.oriented);
+  const SearchSpace space = search_space(rectified, local, options);
   if (stats.map_features > max_features || search_bins(described, space) > kMaxSearchBins) {
     return refused(MatchStatus::kTooUncertain, stats);
   }
   const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local, checkpoint);
   const auto places = rank_places(described, local, space, chips, rectified.gsd_m, checkpoint);
   if (!places) return refused(MatchStatus::kInconsistent, stats);
-  describe_ranking(*places, rectified.half_width_px, stats);
+  describe_ranking(*places, rectified.half_width_px, searches, stats);
   const auto refined = refine_fix(rectified, described, local, prior, options, places->best.match);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   stats.inliers = refined->pose.inliers;
@@ -163,6 +176,64 @@ MatchResult match_or_throw(const cv::Mat& frame, const MatchPrior& prior, const 
   return {MatchStatus::kFix, refined->fix, refined->fix, stats};
 }
 
+/// Headings kHeadingStepDeg apart within two standard deviations of the prior's: first that, then the nearest.
+std::vector<double> swept_headings_deg(double yaw_deg, double yaw_sigma_deg) {
+  std::vector<double> headings_deg{yaw_deg};
+  const double reach_deg = std::min(2 * yaw_sigma_deg, 180.0);
+  for (double off_deg = kHeadingStepDeg; off_deg < reach_deg + kHeadingStepDeg / 2; off_deg += kHeadingStepDeg) {
+    headings_deg.push_back(yaw_deg + off_deg);
+    if (off_deg < 180) headings_deg.push_back(yaw_deg - off_deg);
+  }
+  return headings_deg;
+}
+
+bool is_elsewhere(const Fix& a, const Fix& b) {
+  return LocalFrame(a.center).enu_from_geodetic(b.center).head<2>().norm() > kMinRivalDistance_m;
+}
+
+/// Headings are searched one after the other by features alone, the most promising ones again, each about the heading
+/// that was found there, with chips. The best of all is the answer, and the best elsewhere its rival.
+MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
+                           const MatchOptions& options, const Checkpoint& checkpoint) {
+  const std::vector<double> headings_deg = swept_headings_deg(prior.attitude.yaw_deg, options.yaw_sigma_deg);
+  const auto searches = static_cast<double>(headings_deg.size());
+  MatchOptions about_heading = options;
+  about_heading.chips = false;
+  about_heading.yaw_sigma_deg = kHeadingStepDeg / 4;  // two of them reach the middle between two headings
+  MatchPrior turned = prior;
+  std::vector<MatchResult> found;
+  for (const double heading_deg : headings_deg) {
+    turned.attitude.yaw_deg = heading_deg;
+    MatchResult result = match_heading(frame, turned, camera, map, about_heading, searches, checkpoint);
+    // Without a place this is no question of the heading, or only this heading has none.
+    if (result.candidate || found.empty()) found.push_back(std::move(result));
+  }
+  const auto by_evidence = [](const MatchResult& a, const MatchResult& b) {
+    return a.stats.vote_peak > b.stats.vote_peak;
+  };
+  std::stable_sort(found.begin(), found.end(), by_evidence);
+  if (!found.front().candidate) return found.front();
+  found.resize(std::min(found.size(), kHeadingsLookedAtAgain));
+  about_heading.chips = options.chips;
+  about_heading.yaw_sigma_deg = std::min(options.yaw_sigma_deg, kFoundYawSigmaDeg);
+  for (MatchResult& result : found) {
+    if (!result.candidate) continue;
+    turned.attitude.yaw_deg = result.candidate->yaw_deg;
+    result = match_heading(frame, turned, camera, map, about_heading, searches, checkpoint);
+  }
+  std::stable_sort(found.begin(), found.end(), by_evidence);
+  MatchResult& best = found.front();
+  for (const MatchResult& other : found) {
+    if (!best.candidate || !other.candidate || !is_elsewhere(*best.candidate, *other.candidate)) continue;
+    best.stats.vote_rival = std::max(best.stats.vote_rival, other.stats.vote_peak);
+  }
+  if (best.fix && is_ambiguous(best.stats)) {
+    best.status = MatchStatus::kAmbiguous;
+    best.fix.reset();
+  }
+  return best;
+}
+
 }  // namespace
 
 MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
@@ -170,7 +241,9 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
   if (!options_are_good(options)) return refused(MatchStatus::kBadOptions, {});
   if (!prior_is_good(prior)) return refused(MatchStatus::kBadPrior, {});
   try {
-    return match_or_throw(frame, prior, camera, map, options, checkpoint_of(options, go_on));
+    const Checkpoint checkpoint = checkpoint_of(options, go_on);
+    return options.yaw_sigma_deg <= kKnownYawSigmaDeg ? match_heading(frame, prior, camera, map, options, 1, checkpoint)
+                                                      : match_by_sweep(frame, prior, camera, map, options, checkpoint);
   } catch (const OutOfTime&) {
     return refused(MatchStatus::kOutOfTime, {});
   } catch (const DataError&) {

@@ -51,9 +51,10 @@ struct MatchOptions {
         Range{0.5, 10});
     fields.field("attitude_sigma_deg", self.attitude_sigma_deg, "Standard deviation of pitch and roll.",
                  Range{0.01, 20});
-    fields.field("yaw_sigma_deg", self.yaw_sigma_deg,
-                 "Standard deviation of yaw; 180 for an unknown heading, which needs a map with oriented descriptors.",
-                 Range{0.01, 180});
+    fields.field(
+        "yaw_sigma_deg", self.yaw_sigma_deg,
+        "Standard deviation of yaw; 180 for an unknown heading. Above 3 headings are tried one after the other.",
+        Range{0.01, 180});
     fields.field("height_sigma_fraction", self.height_sigma_fraction,
                  "Standard deviation of the height above ground, as a share of it.", Range{1e-4, 0.5});
     fields.field("map_sigma_m", self.map_sigma_m, "Standard deviation, along each axis, of the map's own georeference.",

@@ -14,13 +14,36 @@ struct Tail {
   double exceedance(double value) const { return std::max(0.0, (value - onset) / scale); }
 };
 
-/// Chance support grows with the number of features that could support. The onset is that of frames over maps of other
-/// places: 1,597 frames 80 m wide (about 100 features), 1,650 of 154 m (600), 715 of 260 m (2,000). The scale is 1.4
-/// times theirs, for ground resembles itself: 2,203 frames over their own map, with priors wrong by more than the
-/// window, have the heavier tail.
-Tail support_tail(int expected) {
-  const double root = std::sqrt(static_cast<double>(std::max(expected, 0)));
-  return {9 + 0.88 * root, 1.4 * (2.2 + 0.07 * root)};
+/// What chance gives support to, at 20,000 features for each million pixels: onset = level + per_root · √n, scale =
+/// width
+/// + width_per_root · √n, where n is the number of features that could support. Fitted to the 90 to 99.5 % of frames
+/// that show other ground, or ground of their own map beyond the window, the scale then made wider by 1.05 to 1.3:
+/// 3,196 frames for each of the rows of kGround, at 20,000 and for 128 bits at 40,000 features; ORB's and BRIEF's are
+/// those of 4,500 frames and of no border (docs/methods/match-confidence.md).
+struct SupportTail {
+  double level;
+  double per_root;
+  double width;
+  double width_per_root;
+};
+
+SupportTail support_tail_of(const BinaryDescriptor& descriptor) {
+  if (descriptor.pattern != DescriptorPattern::kGround) return {9, 0.88, 3.08, 0.098};
+  if (descriptor.bits == 64) return {-1, 2.1, 1.8, 0.12};
+  return {1, 1.4, 2.3, 0.11};
+}
+
+constexpr double kFittedFeaturesPerMpx = 20'000;
+/// What lies nearer to each other gives support together: the tail of a denser map is that of the features it would
+/// have at kFittedFeaturesPerMpx, times the ratio to this power.
+constexpr double kDensityPower = 0.75;
+
+Tail support_tail(const PlaceEvidence& evidence) {
+  const SupportTail tail = support_tail_of(evidence.descriptor);
+  const double density = std::max(evidence.features_per_mpx, 1.0) / kFittedFeaturesPerMpx;
+  const double root = std::sqrt(std::max(evidence.expected, 0) / density);
+  const double factor = std::pow(density, kDensityPower);
+  return {factor * (tail.level + tail.per_root * root), factor * (tail.width + tail.width_per_root * root)};
 }
 
 /// Of ncc · √(compared pixels), which is the same for frames of any size.
@@ -33,7 +56,7 @@ constexpr double kAgainst = 4;
 }  // namespace
 
 double place_evidence(const PlaceEvidence& evidence) {
-  double sum = support_tail(evidence.expected).exceedance(evidence.support);
+  double sum = support_tail(evidence).exceedance(evidence.support);
   if (evidence.compared_px > 0) {
     const double correlation = evidence.ncc * std::sqrt(evidence.compared_px);
     sum += correlation < kNoCorrelation ? -kAgainst : kCorrelationTail.exceedance(correlation);

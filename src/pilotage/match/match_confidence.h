@@ -1,13 +1,17 @@
 #pragma once
 
+#include "pilotage/vision/descriptor.h"
+
 namespace pilotage {
 
 /// What speaks for a place.
 struct PlaceEvidence {
-  double support = 0;      ///< GuidedMatch::evidence().
-  int expected = 0;        ///< Features of the map that the frame should show there.
-  double ncc = 0;          ///< Correlation with the map's chips there.
-  double compared_px = 0;  ///< Pixels of the chips that were compared; 0 without chips.
+  double support = 0;                ///< GuidedMatch::evidence().
+  int expected = 0;                  ///< Features of the map that the frame should show there.
+  BinaryDescriptor descriptor;       ///< Of the map.
+  double features_per_mpx = 20'000;  ///< For which the map was built.
+  double ncc = 0;                    ///< Correlation with the map's chips there.
+  double compared_px = 0;            ///< Pixels of the chips that were compared; 0 without chips.
 };
 
 /// How unlikely the evidence is where the frame shows other ground: minus the natural logarithm of the rates at which

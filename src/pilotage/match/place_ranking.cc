@@ -10,14 +10,13 @@ namespace pilotage {
 namespace {
 
 constexpr int kChipReachPx = 2;
-constexpr double kMinRivalDistance_m = 6;
 constexpr int kChipTurns = 3;   // hypotheses
 constexpr int kChipScales = 3;  // likewise
 /// Windows to each side that are searched on every pixel of the chips: some 150 m. Wider ones from coarse to fine.
 constexpr double kFineHalfWidthPx = 128;
 
 bool chips_are_wanted(const MapReader& map, const MatchOptions& options) {
-  return options.chips && map.has_chips() && options.yaw_sigma_deg * kRadPerDeg <= kUnknownYawRad;
+  return options.chips && map.has_chips();
 }
 
 /// Half side of the square of chips that the frame may show, in pixels of the level.
@@ -25,7 +24,7 @@ double chip_reach_px(const FrameOnGrid& rectified, const PivotedFrame& described
   return rectified.half_width_px + rectified.px_from_m(rectified.pivot_m).norm() + 1.2 * described.radius_px;
 }
 
-RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipComparison>& chips) {
+RankedPlace rank_place(const GuidedMatch& match, const LocalMap& map, const std::optional<ChipComparison>& chips) {
   RankedPlace place{match, 0, 0, 0};
   if (chips) {
     const ChipMatch there =
@@ -33,8 +32,8 @@ RankedPlace rank_place(const GuidedMatch& match, const std::optional<ChipCompari
     place.ncc = there.found ? there.ncc : 0;
     place.compared_px = there.found ? there.pixels : 0;
   }
-  place.evidence =
-      place_evidence({match.evidence(), match.expected, place.ncc, static_cast<double>(place.compared_px)});
+  place.evidence = place_evidence({match.evidence(), match.expected, descriptor_of(map.features), map.features_per_mpx,
+                                   place.ncc, static_cast<double>(place.compared_px)});
   return place;
 }
 
@@ -103,7 +102,7 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   std::vector<RankedPlace> ranked;
   for (const GuidedMatch& match : matches) {
     pass(checkpoint);
-    ranked.push_back(rank_place(match, chips));
+    ranked.push_back(rank_place(match, map, chips));
   }
   RankedPlaces places;
   places.best = *std::max_element(ranked.begin(), ranked.end(),

@@ -34,8 +34,8 @@ struct ChipComparison {
   }
 };
 
-/// Searches the frame on the chips of the window. Nothing when they are not wanted, when the map has none here, or when
-/// the heading is unknown: chips are compared upright. Throws DataError when the map is damaged.
+/// Searches the frame on the chips of the window. Nothing when they are not wanted or the map has none here.
+/// Throws DataError when the map is damaged.
 std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                             MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
                                             const PivotedFrame& described, const LocalMap& local,
@@ -70,5 +70,7 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
 /// Of 400 real frames, 95 % had the true place among the first 30.
 inline constexpr std::size_t kCandidates = 30;
 inline constexpr std::size_t kRankedPlaces = 8;
+/// What lies nearer to a place is the same place once more.
+inline constexpr double kMinRivalDistance_m = 12;
 
 }  // namespace pilotage

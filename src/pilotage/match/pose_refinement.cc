@@ -72,8 +72,8 @@ using PoseFunction = ceres::TinySolverAutoDiffFunction<PoseResiduals, Eigen::Dyn
 State inverse_sigmas(const PosePrior& prior) {
   State inverse;
   const auto of = [](double sigma) { return 1 / std::max(sigma, 1e-6); };
-  inverse << 0, 0, of(prior.tilt_sigma_rad), of(prior.tilt_sigma_rad),
-      prior.yaw_sigma_rad > kUnknownYawRad ? 0 : of(prior.yaw_sigma_rad), of(prior.log_height_sigma);
+  inverse << 0, 0, of(prior.tilt_sigma_rad), of(prior.tilt_sigma_rad), of(prior.yaw_sigma_rad),
+      of(prior.log_height_sigma);
   return inverse;
 }
 

@@ -19,7 +19,7 @@ struct GroundPair {
 struct PosePrior {
   Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Identity();  ///< Right and up in the map's grid.
   double tilt_sigma_rad = 0.02;
-  double yaw_sigma_rad = 0.02;  ///< Above kUnknownYawRad yaw is free.
+  double yaw_sigma_rad = 0.02;
   double log_height_sigma = 0.03;
 };
 

@@ -15,11 +15,9 @@ namespace {
 
 constexpr double kGateSigmas = 4;
 
-/// The frame's rays and the map's points of the pairs, turned by the placement's yaw where the prior has none.
+/// The frame's rays and the map's points of the pairs.
 std::vector<GroundPair> ground_pairs(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
-                                     const MatchPrior& prior, const std::vector<GuidedPair>& pairs, double turn_rad) {
-  const double cosine = std::cos(turn_rad);
-  const double sine = std::sin(turn_rad);
+                                     const MatchPrior& prior, const std::vector<GuidedPair>& pairs) {
   double heights_m = 0;
   int known = 0;
   for (const GuidedPair& pair : pairs) {
@@ -30,9 +28,7 @@ std::vector<GroundPair> ground_pairs(const FrameOnGrid& rectified, const Pivoted
   for (const GuidedPair& pair : pairs) {
     const Eigen::Vector2d ground = rectified.frame.ground_from_pixel(pair.from_pivot_px + frame.pivot_px);
     GroundPair on_ground;
-    // Clockwise, with y up.
-    on_ground.ray_m = {cosine * ground.x() + sine * ground.y(), -sine * ground.x() + cosine * ground.y(),
-                       -prior.height_agl_m};
+    on_ground.ray_m = {ground.x(), ground.y(), -prior.height_agl_m};
     on_ground.map_m = rectified.m_from_px(pair.map_px);
     const auto height_m = static_cast<double>(map.ground_height_m[pair.map_feature]);
     if (std::isfinite(height_m)) on_ground.rise_m = height_m - heights_m / known;
@@ -61,10 +57,8 @@ std::int64_t tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
 
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place) {
-  const bool yaw_unknown = options.yaw_sigma_deg * kRadPerDeg > kUnknownYawRad;
-  const double base_turn_rad = yaw_unknown ? place.placement.yaw_rad : 0;
   const auto pairs = supporting_pairs(frame, map, place.placement);
-  const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs, base_turn_rad);
+  const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs);
   PosePrior sigmas;
   const Eigen::Matrix2d enu_from_grid = rectified.enu_from_grid_m();
   const Eigen::Matrix2d grid_from_enu = enu_from_grid.inverse();
@@ -89,14 +83,12 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   Fix& fix = refined.fix;
   fix.position = geodetic(pose.position_m);
   fix.covariance_en_m2 = enu_from_grid * pose.covariance.topLeftCorner<2, 2>() * enu_from_grid.transpose() + map_noise;
-  const Eigen::Rotation2Dd base_turn(-base_turn_rad);
-  const Eigen::Vector2d pivot_m = base_turn * rectified.pivot_m;
-  const Eigen::Vector3d pivot_ray(pivot_m.x(), pivot_m.y(), -prior.height_agl_m);
+  const Eigen::Vector3d pivot_ray(rectified.pivot_m.x(), rectified.pivot_m.y(), -prior.height_agl_m);
   fix.center = geodetic(pose.ground_from_ray(pivot_ray));
   const Eigen::Matrix<double, 2, 6> jacobian = pose.ground_jacobian(pivot_ray);
   fix.center_covariance_en_m2 =
       enu_from_grid * jacobian * pose.covariance * jacobian.transpose() * enu_from_grid.transpose() + map_noise;
-  fix.yaw_deg = std::remainder(prior.attitude.yaw_deg + (base_turn_rad - pose.turn_rad) / kRadPerDeg, 360.0);
+  fix.yaw_deg = std::remainder(prior.attitude.yaw_deg - pose.turn_rad / kRadPerDeg, 360.0);
   if (fix.yaw_deg < 0) fix.yaw_deg += 360;
   // A rotation vector about right and up of the grid; nose and wing are turned from it by the heading on the grid.
   const double heading_rad = (fix.yaw_deg - rectified.grid.convergence_deg()) * kRadPerDeg;
@@ -122,10 +114,7 @@ bool is_outside_gate(const Fix& fix, const MatchPrior& prior, const MatchOptions
   const double tilt_deg = std::hypot(fix.roll_deg - prior.attitude.roll_deg, fix.pitch_deg - prior.attitude.pitch_deg);
   if (tilt_deg > kGateSigmas * options.attitude_sigma_deg) return true;
   const double turn_deg = std::remainder(fix.yaw_deg - prior.attitude.yaw_deg, 360.0);
-  if (options.yaw_sigma_deg * kRadPerDeg <= kUnknownYawRad &&
-      std::abs(turn_deg) > kGateSigmas * options.yaw_sigma_deg) {
-    return true;
-  }
+  if (std::abs(turn_deg) > kGateSigmas * options.yaw_sigma_deg) return true;
   return std::abs(std::log(fix.scale)) > kGateSigmas * options.height_sigma_fraction;
 }
 

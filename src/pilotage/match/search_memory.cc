@@ -23,13 +23,13 @@ double bytes_to_describe(const FrameOnGrid& rectified, const FeatureOptions& fea
   const double points = pixels / 4 + 2 * kMaxRectifiedSidePx;  // every second column and row
   constexpr double kPlanes = 8;                                // bytes per pixel: eroded mask, smoothed copies
   const double descriptor = features.descriptor_bits / 8.0;
-  const double point = kGrowth * (sizeof(Feature) + sizeof(Corner) + sizeof(float)) + 2 * descriptor;
+  const double point = kGrowth * (sizeof(Feature) + sizeof(Corner)) + 2 * descriptor;
   constexpr double kIndexed = sizeof(std::int32_t) + sizeof(std::size_t) + kGrowth * (3 * sizeof(float));
   return kPlanes * pixels + (point + kIndexed + descriptor) * points;
 }
 
 double bytes_of_map_feature(const FeatureOptions& features) {
-  constexpr double kIndexedPair = 5 * sizeof(double) + 2 * sizeof(std::int32_t);  // vote_peaks.cc
+  constexpr double kIndexedPair = 4 * sizeof(double) + 2 * sizeof(std::int32_t);  // vote_peaks.cc
   const double feature = sizeof(Feature) + features.descriptor_bits / 8.0 + sizeof(std::int64_t) + sizeof(float);
   const double pair = kGrowth * sizeof(VotePair) + kIndexedPair;
   return kGrowth * feature + kVoteNeighbours * pair;

@@ -6,7 +6,6 @@
 #include <complex>
 #include <cstdlib>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -118,11 +117,6 @@ std::vector<HypothesisGroup> groups_of(const VoteSearch& search) {
   return groups;
 }
 
-/// Of two angles, the smaller way round.
-double turn_between(double a_rad, double b_rad) {
-  return std::abs(std::remainder(a_rad - b_rad, 2 * std::numbers::pi));
-}
-
 std::complex<double> similarity(double yaw_rad, double scale) {
   return std::polar(scale, yaw_rad);
 }
@@ -130,7 +124,7 @@ std::complex<double> similarity(double yaw_rad, double scale) {
 /// Pairs with a column for each number, in the order in which they are looked at.
 struct VoteColumns {
   void resize(std::size_t count) {
-    for (std::vector<double>* column : {&frame_x, &frame_y, &map_x, &map_y, &turn_rad}) column->resize(count);
+    for (std::vector<double>* column : {&frame_x, &frame_y, &map_x, &map_y}) column->resize(count);
     weight.resize(count);
   }
 
@@ -138,7 +132,6 @@ struct VoteColumns {
   std::vector<double> frame_y;
   std::vector<double> map_x;  ///< From the outer corner of the first bin.
   std::vector<double> map_y;
-  std::vector<double> turn_rad;
   std::vector<std::int32_t> weight;
 };
 
@@ -190,20 +183,13 @@ class GroupSearch {
     return {cell(std::floor(low) - kBlurReach), cell(std::floor(high) + kBlurReach)};
   }
 
-  bool votes_for(double turn_rad, double yaw_rad, double slack_rad) const {
-    return search_.max_turn_error_rad < 0 || turn_between(turn_rad, yaw_rad) <= search_.max_turn_error_rad + slack_rad;
-  }
-
   /// Puts every pair where the group's middle moves it, and adds its votes to all cells that it can reach.
   void bound_cells() {
     const std::size_t middle_yaw = (group_.first_yaw + group_.end_yaw - 1) / 2;
     const std::size_t middle_scale = (group_.first_scale + group_.end_scale - 1) / 2;
-    const double yaw_rad = search_.yaws_rad[middle_yaw];
-    const std::complex<double> middle = similarity(yaw_rad, search_.scales[middle_scale]);
+    const std::complex<double> middle = similarity(search_.yaws_rad[middle_yaw], search_.scales[middle_scale]);
     double off = 0;
-    double turn = 0;
     for (std::size_t y = group_.first_yaw; y < group_.end_yaw; ++y) {
-      turn = std::max(turn, turn_between(search_.yaws_rad[y], yaw_rad));
       for (std::size_t s = group_.first_scale; s < group_.end_scale; ++s) {
         off = std::max(off, std::abs(similarity(search_.yaws_rad[y], search_.scales[s]) - middle));
       }
@@ -213,7 +199,6 @@ class GroupSearch {
     reach_bins_ = 0;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       const VotePair& pair = pairs_[i];
-      if (!votes_for(pair.turn_rad, yaw_rad, turn + 1e-9)) continue;
       const std::complex<double> moved = middle * std::complex<double>(pair.from_pivot_px.x(), pair.from_pivot_px.y());
       const double col = (pair.map_px.x() - moved.real() - corner_px_.x()) / kVoteBinPx;
       const double row = (pair.map_px.y() - moved.imag() - corner_px_.y()) / kVoteBinPx;
@@ -248,7 +233,6 @@ class GroupSearch {
       sorted_.frame_y[to] = pairs_[i].from_pivot_px.y();
       sorted_.map_x[to] = pairs_[i].map_px.x() - corner_px_.x();
       sorted_.map_y[to] = pairs_[i].map_px.y() - corner_px_.y();
-      sorted_.turn_rad[to] = pairs_[i].turn_rad;
       sorted_.weight[to] = pairs_[i].weight;
     }
   }
@@ -295,7 +279,6 @@ class GroupSearch {
         const int x = static_cast<int>(col) - first_col;
         const int y = static_cast<int>(row) - first_row;
         if (x < 0 || y < 0 || x >= kPatchBins || y >= kPatchBins) continue;
-        if (!votes_for(sorted_.turn_rad[i], yaw_rad, 0)) continue;
         patch_[static_cast<std::size_t>(y * kPatchBins + x)] += sorted_.weight[i];
         blocks[static_cast<std::size_t>(y / kBlockBins * kPatchBlocks + x / kBlockBins)] += sorted_.weight[i];
       }

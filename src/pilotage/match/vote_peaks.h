@@ -14,7 +14,6 @@ namespace pilotage {
 struct VotePair {
   Eigen::Vector2d from_pivot_px{0, 0};
   Eigen::Vector2d map_px{0, 0};
-  double turn_rad = 0;      ///< Map angle − frame angle, of oriented descriptors.
   std::int32_t weight = 0;  ///< In 1/kVoteUnit: whole numbers add up to the same in any order.
 };
 
@@ -26,7 +25,6 @@ struct VoteSearch {
   double half_side_px = 0;
   std::vector<double> yaws_rad;  ///< Evenly spaced, as are the scales.
   std::vector<double> scales;
-  double max_turn_error_rad = -1;  ///< A pair votes only for turns this near to its own; below 0 for every turn.
 };
 
 /// A place with many votes.

@@ -21,23 +21,51 @@ struct FitSet {
   std::vector<FitSample> samples;
 };
 
-/// Fits a MatcherModel by penalised maximum likelihood (ceres::GradientProblemSolver, L-BFGS), in two steps.
-///
-/// 1. The slopes of the two contrasts, with a level of its own for each set: what is learned is which ground of a place
-///    is found more often than the rest of it, and not that one place was flown over in a better season. From the sets
-///    that are no anchors, or from all where there are no others. Slopes have a ridge of 0.3 on standardised inputs,
-///    levels one of 0.05.
-/// 2. On the anchors, the slopes held and each set with the same weight: the area coefficient with a level for each
-///    place, then the one intercept that gives all of them their mean rate. place_sigma is the root mean square of what
-///    their places' levels are off from it.
-///
-/// Deterministic. Throws DataError when there is no anchor, when the anchors have a single outcome, or when step 1 has
-/// fewer than 50 samples of either outcome.
-MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>& sets);
+/// An input that a model is to look at, and how many spreads above its mean it may still raise P (ModelTerm::most).
+struct TermChoice {
+  ModelInput input = ModelInput::kVoteContrast;
+  double most = 3;
+};
 
-/// The model for one place where a second date has been judged: the intercept moves to what was found there, held back
-/// by the prior that places differ by place_sigma; four tiles count as one, because neighbours share ground. Nothing
-/// else changes. Throws DataError when there is no sample.
+/// Those of the default model (docs/methods/matchability.md).
+std::vector<TermChoice> default_terms();
+
+/// Fits a logistic regression whose intercept, the level, is drawn for each place: logit P = Σ terms + level,
+/// level ~ N(μ, τ²), μ one for the anchors and one for the other places, τ one for all (A. Gelman, J. Hill, Data
+/// Analysis Using Regression and Multilevel/Hierarchical Models, 2007, 12–14).
+///
+/// Slopes maximise the marginal likelihood: for each place the level is integrated out at 21 nodes around its mode
+/// (adaptive quadrature: J. Pinheiro, D. Bates, J. Comput. Graph. Stat. 4(1), 1995; trapezoidal rule), and L-BFGS of
+/// Ceres climbs its logarithm, whose gradient is the posterior mean of that of the likelihood (R. Fisher's identity).
+/// A ridge of 0.3 holds slopes on standardised inputs. Tiles of a place overlap and share their fate: four count as
+/// one.
+///
+/// With the slopes held, μ and τ have a posterior on a grid: flat in μ, half-Cauchy of scale 2.5 in τ (A. Gelman,
+/// Bayesian Analysis 1(3), 2006). From it follows what the level of an anchor not among these may be; `level` is the
+/// normal distribution with the same 80 % interval, so that sigma holds how places differ and how little few places
+/// tell of that.
+///
+/// Deterministic. Throws DataError when there is no anchor, when the anchors have a single outcome, or when there are
+/// fewer than 50 samples of either outcome.
+MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>& sets,
+                               const std::vector<TermChoice>& terms = default_terms());
+
+/// The model for one place where a second date has been judged: what is known of the level becomes its posterior (mean
+/// and standard deviation on a grid; four tiles count as one). Nothing else changes. Throws DataError when there is no
+/// sample.
 MatcherModel adapt_level(const MatcherModel& model, const std::vector<FitSet>& sets);
+
+/// Mean and standard deviation of a distribution.
+struct LevelPosterior {
+  double mean = 0;
+  double sigma = 0;
+};
+
+/// Of a level that is N(mean, sigma²) before the outcomes at `logits` (Σ terms) are seen; each counts by `weight`.
+LevelPosterior level_posterior(const LevelPosterior& prior, const std::vector<double>& logits,
+                               const std::vector<bool>& correct, double weight);
+
+/// Tiles that overlap succeed and fail together: so many count as one where a level is learned.
+inline constexpr double kTilesThatShareGround = 4;
 
 }  // namespace pilotage

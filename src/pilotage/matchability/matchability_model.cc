@@ -10,47 +10,89 @@
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
+#include "pilotage/ground/place_level.h"
 #include "pilotage/matchability/default_model_bytes.h"
 
 namespace pilotage {
 namespace {
 
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;
 constexpr double kMinFeatures = 20;  // match() refuses a map with fewer in its window
-constexpr double kUnlikeAnySeen = 3;
 
 using Json = nlohmann::ordered_json;
 
-double term(const ModelTerm& term, double x) {
-  return term.coefficient * std::min(x - term.mean, kUnlikeAnySeen * term.spread);
-}
-
-Json term_to_json(const ModelTerm& term) {
-  return {{"coefficient", term.coefficient}, {"mean", term.mean}, {"spread", term.spread}};
-}
-
-ModelTerm term_from_json(JsonObject json) {
-  const ModelTerm term{json.number("coefficient"), json.number("mean"), json.positive_number("spread")};
-  json.finish();
-  return term;
-}
-
-FlyingMatcher matcher_named(const std::string& name, const std::string& path) {
+template <class Enum>
+Enum value_named(const std::string& name, const std::string& path) {
   std::vector<std::string> known;
-  for (const auto& entry : enum_names(FlyingMatcher{})) {
+  for (const auto& entry : enum_names(Enum{})) {
     if (entry.name == name) return entry.value;
     known.emplace_back(entry.name);
   }
   throw DataError(path + " = \"" + name + "\": one of " + join(known, ", "));
 }
 
+template <class Enum>
+std::string name_of_value(Enum value) {
+  for (const auto& entry : enum_names(Enum{})) {
+    if (entry.value == value) return std::string(entry.name);
+  }
+  return {};
+}
+
+Json term_to_json(const ModelTerm& term) {
+  return {{"input", model_input_name(term.input)},
+          {"coefficient", term.coefficient},
+          {"mean", term.mean},
+          {"spread", term.spread},
+          {"most", term.most}};
+}
+
+ModelTerm term_from_json(JsonObject& json) {
+  const auto input = value_named<ModelInput>(json.text("input"), json.path("input"));
+  const ModelTerm term{input, json.number("coefficient"), json.number("mean"), json.positive_number("spread"),
+                       json.number("most")};
+  json.finish();
+  return term;
+}
+
+Json level_to_json(const PlaceLevel& level) {
+  return {{"mean", level.mean},
+          {"sigma", level.sigma},
+          {"spread", level.spread},
+          {"spread_low", level.spread_low},
+          {"spread_high", level.spread_high},
+          {"places", level.places},
+          {"tiles", level.tiles}};
+}
+
+PlaceLevel level_from_json(JsonObject json) {
+  PlaceLevel level;
+  level.mean = json.number("mean");
+  level.sigma = json.positive_number("sigma");
+  level.spread = json.number("spread");
+  level.spread_low = json.number("spread_low");
+  level.spread_high = json.number("spread_high");
+  level.places = json.small_integer("places", 0, 1'000'000);
+  level.tiles = json.integer("tiles", 0);
+  json.finish();
+  return level;
+}
+
+void refuse_older(JsonObject& file, const std::string& name) {
+  if (file.integer("format_version", 0) >= kFormatVersion) return;
+  throw DataError(name +
+                  ": is a model of a version whose P does not say how well the level of a place is known; fit it again "
+                  "with `pilotage calibrate` from its evaluations");
+}
+
 }  // namespace
 
 std::string flying_matcher_name(FlyingMatcher matcher) {
-  for (const auto& entry : enum_names(FlyingMatcher{})) {
-    if (entry.value == matcher) return std::string(entry.name);
-  }
-  return {};
+  return name_of_value(matcher);
+}
+
+std::string model_input_name(ModelInput input) {
+  return name_of_value(input);
 }
 
 MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px, double black) {
@@ -61,14 +103,29 @@ MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px
   }
   const double noise = std::isnan(score.vote_noise) ? 0 : score.vote_noise;
   const double described_px = std::max(tile_size_px - 2 * kDescriptorBorder_px, 4);
-  return {std::log((score.map_features + 2) / (noise + 0.3)), std::log(contrast + 0.01), 2 * std::log(described_px)};
+  MatchabilityInputs inputs;
+  inputs[ModelInput::kMapFeatures] = std::log(score.map_features + 2);
+  inputs[ModelInput::kVoteNoise] = std::log(noise + 0.3);
+  inputs[ModelInput::kVoteContrast] = inputs[ModelInput::kMapFeatures] - inputs[ModelInput::kVoteNoise];
+  inputs[ModelInput::kGrayContrast] = std::log(contrast + 0.01);
+  inputs[ModelInput::kDescribedArea] = 2 * std::log(described_px);
+  return inputs;
 }
 
-double predict_p_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features) {
-  if (map_features < kMinFeatures) return 0;
-  const double z = model.intercept + term(model.vote_contrast, inputs.vote_contrast) +
-                   term(model.gray_contrast, inputs.gray_contrast) + model.area_coefficient * inputs.described_area;
-  return 1 / (1 + std::exp(-z));
+double sum_of_terms(const MatcherModel& model, const MatchabilityInputs& inputs) {
+  double sum = 0;
+  for (const ModelTerm& term : model.terms) {
+    const double part = term.coefficient * (inputs[term.input] - term.mean) / term.spread;
+    sum += std::min(part, std::abs(term.coefficient) * term.most);
+  }
+  return sum;
+}
+
+FixPrediction predict_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features) {
+  FixPrediction prediction{0, model.level.sigma, model.level.tiles};
+  if (map_features < kMinFeatures) return prediction;
+  prediction.p = p_over_level(model.level.mean + sum_of_terms(model, inputs), model.level.sigma);
+  return prediction;
 }
 
 const MatcherModel& model_of(const MatchabilityModel& model, FlyingMatcher matcher) {
@@ -78,14 +135,16 @@ const MatcherModel& model_of(const MatchabilityModel& model, FlyingMatcher match
   throw DataError("the matchability model has no parameters for the matcher \"" + flying_matcher_name(matcher) + "\"");
 }
 
-double predict_p_correct_fix(const MatchabilityModel& model, FlyingMatcher matcher, const MatchabilityInputs& inputs,
-                             double map_features) {
-  double p = predict_p_correct_fix(model_of(model, matcher), inputs, map_features);
-  if (matcher == FlyingMatcher::kFeatures) return p;
+FixPrediction predict_correct_fix(const MatchabilityModel& model, FlyingMatcher matcher,
+                                  const MatchabilityInputs& inputs, double map_features) {
+  FixPrediction best = predict_correct_fix(model_of(model, matcher), inputs, map_features);
+  if (matcher == FlyingMatcher::kFeatures) return best;
   for (const MatcherModel& other : model.matchers) {
-    if (other.matcher == FlyingMatcher::kFeatures) p = std::max(p, predict_p_correct_fix(other, inputs, map_features));
+    if (other.matcher != FlyingMatcher::kFeatures) continue;
+    const FixPrediction without_chips = predict_correct_fix(other, inputs, map_features);
+    if (without_chips.p > best.p) best = without_chips;
   }
-  return p;
+  return best;
 }
 
 const MatchabilityModel& default_matchability_model() {
@@ -97,12 +156,10 @@ const MatchabilityModel& default_matchability_model() {
 Json matchability_model_to_json(const MatchabilityModel& model) {
   Json matchers = Json::array();
   for (const MatcherModel& matcher : model.matchers) {
-    matchers.push_back({{"matcher", flying_matcher_name(matcher.matcher)},
-                        {"vote_contrast", term_to_json(matcher.vote_contrast)},
-                        {"gray_contrast", term_to_json(matcher.gray_contrast)},
-                        {"intercept", matcher.intercept},
-                        {"area_coefficient", matcher.area_coefficient},
-                        {"place_sigma", matcher.place_sigma}});
+    Json terms = Json::array();
+    for (const ModelTerm& term : matcher.terms) terms.push_back(term_to_json(term));
+    matchers.push_back(
+        {{"matcher", flying_matcher_name(matcher.matcher)}, {"terms", terms}, {"level", level_to_json(matcher.level)}});
   }
   return {{"format_version", kFormatVersion},
           {"date", model.date},
@@ -113,6 +170,7 @@ Json matchability_model_to_json(const MatchabilityModel& model) {
 
 MatchabilityModel matchability_model_from_json(const Json& json, const std::string& name) {
   JsonObject file(json, name);
+  refuse_older(file, name);
   file.small_integer("format_version", kFormatVersion, kFormatVersion);
   MatchabilityModel model;
   model.date = file.text("date");
@@ -120,12 +178,9 @@ MatchabilityModel matchability_model_from_json(const Json& json, const std::stri
   model.anchors = file.texts("anchors");
   for (JsonObject& entry : file.objects("matchers")) {
     MatcherModel matcher;
-    matcher.matcher = matcher_named(entry.text("matcher"), entry.path("matcher"));
-    matcher.vote_contrast = term_from_json(entry.object("vote_contrast"));
-    matcher.gray_contrast = term_from_json(entry.object("gray_contrast"));
-    matcher.intercept = entry.number("intercept");
-    matcher.area_coefficient = entry.number("area_coefficient");
-    matcher.place_sigma = entry.number("place_sigma");
+    matcher.matcher = value_named<FlyingMatcher>(entry.text("matcher"), entry.path("matcher"));
+    for (JsonObject& term : entry.objects("terms")) matcher.terms.push_back(term_from_json(term));
+    matcher.level = level_from_json(entry.object("level"));
     entry.finish();
     model.matchers.push_back(matcher);
   }

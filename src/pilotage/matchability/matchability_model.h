@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -27,15 +28,36 @@ inline EnumNames<FlyingMatcher> enum_names(FlyingMatcher) {
 
 std::string flying_matcher_name(FlyingMatcher matcher);  ///< As in files and options.
 
-/// What the model looks at, of one tile (docs/methods/matchability.md).
-struct MatchabilityInputs {
+/// What the model may look at, of one tile (docs/methods/matchability.md).
+enum class ModelInput {
   /// ln((n + 2) / (noise + 0.3)): n features vote for the right place, and must exceed the noise of their own votes.
-  double vote_contrast = 0;
+  kVoteContrast,
+  kMapFeatures,  ///< ln(n + 2).
+  kVoteNoise,    ///< ln(noise + 0.3).
   /// ln(σ/f̄ + 0.01) of the gray values: what haze, season and shadows leave of the picture.
-  double gray_contrast = 0;
+  kGrayContrast,
   /// ln of the pixels of the frame at which descriptors can be taken: the tile without a border of
   /// kDescriptorBorder_px.
-  double described_area = 0;
+  kDescribedArea,
+};
+inline constexpr std::size_t kModelInputs = 5;
+
+inline EnumNames<ModelInput> enum_names(ModelInput) {
+  return {{ModelInput::kVoteContrast, "vote_contrast"},
+          {ModelInput::kMapFeatures, "map_features"},
+          {ModelInput::kVoteNoise, "vote_noise"},
+          {ModelInput::kGrayContrast, "gray_contrast"},
+          {ModelInput::kDescribedArea, "described_area"}};
+}
+
+std::string model_input_name(ModelInput input);  ///< As in files and options.
+
+/// The value of each ModelInput.
+struct MatchabilityInputs {
+  std::array<double, kModelInputs> values{};
+
+  double operator[](ModelInput input) const { return values[static_cast<std::size_t>(input)]; }
+  double& operator[](ModelInput input) { return values[static_cast<std::size_t>(input)]; }
 };
 
 inline constexpr int kDescriptorBorder_px = 16;
@@ -44,23 +66,35 @@ inline constexpr int kDescriptorBorder_px = 16;
 /// must be there. Noise of a tile without features counts as 0. `black` is the gray value that becomes 0 in 8 bits.
 MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px, double black = 0);
 
-/// One input's part of the sum: coefficient · (x − mean), x held to mean ± 3 spread, so that ground unlike any that the
-/// model has seen cannot promise more than the outermost that it has.
+/// One input's part of the sum: coefficient · (x − mean) / spread, held to at most abs(coefficient) · most, so that
+/// ground unlike any that the model has seen cannot promise more.
 struct ModelTerm {
+  ModelInput input = ModelInput::kVoteContrast;
   double coefficient = 0;
   double mean = 0;
   double spread = 1;
+  double most = 3;
 };
 
-/// P = 1 / (1 + exp(−z)), z = intercept + vote term + gray term + area_coefficient · described_area.
+/// What is known of the level of the place that is flown over, in logits: a normal distribution. The level is what one
+/// date of imagery cannot show: how much season, years and sensors take from all tiles alike.
+struct PlaceLevel {
+  double mean = 0;
+  /// Of a place never seen: how places differ, and how little is known of that; of one that was adapted to, of its
+  /// posterior.
+  double sigma = 0;
+  double spread = 0;  ///< Standard deviation of the levels of places (τ): the median of what is known of it,
+  double spread_low = 0;
+  double spread_high = 0;  ///< and its 80 % interval.
+  int places = 0;          ///< Anchors that the mean rests on.
+  std::int64_t tiles = 0;  ///< Tiles of this ground, judged on another date, that it rests on (adapt_level).
+};
+
+/// logit P = Σ terms + level; P of a tile is the mean over what the level may be (ground/place_level.h).
 struct MatcherModel {
   FlyingMatcher matcher = FlyingMatcher::kFeatures;
-  ModelTerm vote_contrast;
-  ModelTerm gray_contrast;
-  double intercept = 0;
-  double area_coefficient = 0;
-  /// Standard deviation, over places, of what z is off by: other years between the dates, other ground. Not part of P.
-  double place_sigma = 0;
+  std::vector<ModelTerm> terms;
+  PlaceLevel level;
 };
 
 /// Trained parameters (schemas/matchability-model.schema.json), with where they come from.
@@ -71,14 +105,24 @@ struct MatchabilityModel {
   std::vector<MatcherModel> matchers;
 };
 
+/// Σ terms, without the level.
+double sum_of_terms(const MatcherModel& model, const MatchabilityInputs& inputs);
+
+/// What a model says of a tile.
+struct FixPrediction {
+  double p = 0;  ///< Of a correct fix, over what the level of the place may be.
+  double level_sigma = 0;
+  std::int64_t level_tiles = 0;  ///< PlaceLevel::tiles.
+};
+
 /// P(correct fix) of one frame over the tile by the parameters of one matcher; 0 when the tile has fewer than 20
 /// features, where match() refuses.
-double predict_p_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features);
+FixPrediction predict_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features);
 
-/// The same for what flies. A map with chips has all that one without has: its P is the larger of both where the model
-/// has parameters for both. Throws DataError when it has none for `matcher`.
-double predict_p_correct_fix(const MatchabilityModel& model, FlyingMatcher matcher, const MatchabilityInputs& inputs,
-                             double map_features);
+/// The same for what flies. A map with chips has all that one without has: it has the prediction with the larger P
+/// where the model has parameters for both. Throws DataError when it has none for `matcher`.
+FixPrediction predict_correct_fix(const MatchabilityModel& model, FlyingMatcher matcher,
+                                  const MatchabilityInputs& inputs, double map_features);
 
 /// The model's parameters for a matcher. Throws DataError when it has none.
 const MatcherModel& model_of(const MatchabilityModel& model, FlyingMatcher matcher);
@@ -88,7 +132,8 @@ const MatchabilityModel& default_matchability_model();
 
 nlohmann::ordered_json matchability_model_to_json(const MatchabilityModel& model);
 
-/// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path.
+/// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path; so does the format before the
+/// level had a spread, with what to do.
 MatchabilityModel matchability_model_from_json(const nlohmann::ordered_json& json, const std::string& name);
 
 /// matchability_model_from_json of a file. Throws DataError.

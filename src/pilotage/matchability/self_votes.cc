@@ -69,6 +69,7 @@ std::int8_t rounded(float value_px) {
 FeatureSet some_features(const FeatureSet& all, std::size_t begin, std::size_t end) {
   const auto bytes = static_cast<std::size_t>(all.descriptor_bytes);
   FeatureSet some;
+  some.pattern = all.pattern;
   some.descriptor_bytes = all.descriptor_bytes;
   some.features.assign(all.features.data() + begin, all.features.data() + end);
   some.descriptors.assign(all.descriptors.data() + begin * bytes, all.descriptors.data() + end * bytes);
@@ -106,6 +107,7 @@ class FeatureBands {
     FeatureBand* found = load(band);
     if (found == nullptr || found->votes.size() == found->features.size()) return found;
     FeatureSet around;
+    around.pattern = found->features.pattern;
     around.descriptor_bytes = found->features.descriptor_bytes;
     for (const std::int64_t near : {band - 1, band, band + 1}) {
       const FeatureBand* part = load(near);
@@ -151,7 +153,7 @@ class FeatureBands {
       windows.push_back({x - kVoteReach_px, y - kVoteReach_px, x + kVoteReach_px, y + kVoteReach_px});
     }
     const auto found =
-        index.find_within(voters, windows, static_cast<std::uint32_t>(descriptor_of(voters).support_bits()));
+        index.find_within(voters, windows, static_cast<std::uint32_t>(descriptor_of(voters).lookalike_bits()));
     for (std::size_t i = 0; i < voters.size(); ++i) {
       for (const HammingMatch& match : found.of_query(i)) {
         const Feature& other = around.features[match.index];

@@ -55,14 +55,29 @@ struct WorstStretch {
   double p_first_excess = 0;  ///< P that the error first exceeds its limit here.
 };
 
+/// The P of the route where the level of the place lies at the ends of its 80 % interval (ground/place_level.h).
+struct ProbabilityInterval {
+  double low = 0;
+  double high = 0;
+};
+
 /// What the flight's chances are, where the tiles' P of a correct fix are known (docs/methods/selection.md).
 struct RouteProbability {
-  double p_within_limit = 0;          ///< P that the error stays within its limit from start to end.
+  double p_within_limit = 0;          ///< P that the error stays within its limit from start to end, over all levels.
   double min_p_within_limit = 0;      ///< What was asked for; the verdict is held against it.
   double expected_fixes = 0;          ///< Correct fixes on the flight, one try every fix interval.
   double expected_false_fixes = 0;    ///< Upper bound, by the rate of false fixes that the matcher promises.
   std::optional<WorstStretch> worst;  ///< Nothing when no flight is lost.
+  /// Nothing where the tiles do not say how well the level of their place is known.
+  std::optional<ProbabilityInterval> interval;
+  /// Tiles of this ground, judged on another date, that the level rests on; 0: it rests on other places; NaN: nothing
+  /// is said.
+  double level_tiles = std::numeric_limits<double>::quiet_NaN();
 };
+
+/// What the P of a route rests on, in a sentence without its full stop: one date of this ground, or two; "" where its
+/// tiles do not say.
+std::string rests_on_text(const RouteProbability& probability);
 
 enum class AdviceSide { kNone, kLeft, kRight };
 

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kSelectionVersion = 2;
+constexpr int kSelectionVersion = 3;
 constexpr int kMaxLeg = 1'000'000;
 
 // The file counts legs from 1, as people do.
@@ -45,7 +45,13 @@ Json probability_to_json(const std::optional<RouteProbability>& probability) {
                {"min_p_within_limit", probability->min_p_within_limit},
                {"expected_fixes", probability->expected_fixes},
                {"expected_false_fixes", probability->expected_false_fixes},
-               {"worst", nullptr}};
+               {"worst", nullptr},
+               {"interval", nullptr},
+               {"level_tiles", json_number(probability->level_tiles)},
+               {"rests_on", rests_on_text(*probability)}};
+  if (const auto& interval = probability->interval) {
+    json["interval"] = {{"low", interval->low}, {"high", interval->high}};
+  }
   if (const auto& worst = probability->worst) {
     json["worst"] = {{"leg", worst->leg + 1},
                      {"from_distance_m", worst->from_distance_m},
@@ -79,6 +85,13 @@ RouteProbability probability_from_json(JsonObject object) {
                                      worst.number("p_first_excess")};
     worst.finish();
   }
+  if (!object.value("interval").is_null()) {
+    JsonObject interval = object.object("interval");
+    probability.interval = ProbabilityInterval{interval.number("low"), interval.number("high")};
+    interval.finish();
+  }
+  probability.level_tiles = object.number_or_nan("level_tiles");
+  object.text("rests_on");  // follows from the rest
   object.finish();
   return probability;
 }
@@ -117,7 +130,20 @@ LossAnywhere loss_from_json(JsonObject object) {
 }  // namespace
 
 std::string probability_text(double p) {
-  return std::isnan(p) ? "–" : format_fixed(std::floor(p * 1000 + 1e-9) / 1000, 3);
+  return std::isnan(p) ? "–" : format_fixed(std::floor(p * 1000 + 1e-6) / 1000, 3);
+}
+
+std::string rests_on_text(const RouteProbability& probability) {
+  if (probability.level_tiles > 0) {
+    return "P rests on two dates of this ground, " + format_number(probability.level_tiles) +
+           " tiles of which were judged, and takes the flight's day to differ as they do";
+  }
+  if (probability.level_tiles == 0) {
+    return "P rests on one date of this ground: how often fixes come at this place, in that season, is taken from "
+           "other "
+           "places, which differ by as much as the interval says";
+  }
+  return "";
 }
 
 Json selection_to_json(const Selection& selection) {

@@ -115,12 +115,7 @@ void judge_octave(const FeatureSet& reference, const FeatureRange& range, int oc
     judged.push_back(i);
     places.insert(places.end(), around.begin(), around.end());
   }
-  std::vector<float> angles_deg(places.size(), 0.0F);
-  if (search.features.oriented) {
-    std::transform(places.begin(), places.end(), angles_deg.begin(),
-                   [&](const Corner& place) { return centroid_angle_deg(ground.octave.gray, place.x, place.y); });
-  }
-  const auto descriptors = describe_corners(ground.octave.gray, places, angles_deg, descriptor_of(reference));
+  const auto descriptors = describe_corners(ground.octave.gray, places, descriptor_of(reference));
   const auto bytes = static_cast<std::size_t>(reference.descriptor_bytes);
   std::vector<const std::uint8_t*> candidates(search.steps.size());
   for (std::size_t k = 0; k < judged.size(); ++k) {
@@ -152,11 +147,10 @@ void judge_range(const FeatureSet& reference, const FeatureRange& range, const G
 }  // namespace
 
 std::vector<FeatureFate> feature_fates(const FeatureSet& reference, const GraySource& registered_second,
-                                       const FeatureOptions& options, int threads, const SurvivalOptions& survival) {
+                                       const FeatureOptions& options, int threads) {
   check_feature_options(options);
-  const Search search{
-      options, steps_within(survival.radius_px), patch_radius_px(options),
-      static_cast<std::uint32_t>(std::floor(survival.max_share_of_bits * 8 * reference.descriptor_bytes))};
+  const Search search{options, steps_within(kSurvivalRadiusPx), descriptor_of(options).reach_px,
+                      static_cast<std::uint32_t>(descriptor_of(reference).survival_bits())};
   std::vector<FeatureFate> fates(reference.size(), FeatureFate::kNotKnown);
   const std::vector<FeatureRange> ranges = ranges_by_block(reference.features);
   parallel_for(ranges.size(), threads,

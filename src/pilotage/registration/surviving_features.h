@@ -9,16 +9,12 @@
 
 namespace pilotage {
 
-/// When a feature of the reference counts as found in the second date.
-struct SurvivalOptions {
-  double radius_px = 1.5;
-  double max_share_of_bits = 0.25;  ///< Hamming distance over descriptor length; unrelated patches have about 0.5.
-};
+/// A feature of the reference counts as found in the second date within this many pixels, in columns and in rows, where
+/// the descriptors differ in at most BinaryDescriptor::survival_distance of their bits.
+inline constexpr double kSurvivalRadiusPx = 1.5;
 
-/// For each feature of the reference: 1 when the second date, drawn onto the reference, has one within radius_px (in
-/// columns and in rows) whose descriptor differs in at most that share of the bits.
-std::vector<std::uint8_t> surviving_features(const FeatureSet& reference, const FeatureSet& registered_second,
-                                             const SurvivalOptions& options = {});
+/// For each feature of the reference: 1 when it is found among those of the second date, drawn onto the reference.
+std::vector<std::uint8_t> surviving_features(const FeatureSet& reference, const FeatureSet& registered_second);
 
 }  // namespace pilotage
 

@@ -39,7 +39,7 @@ ReportGap longest_gap(const Report& report) {
 /// NaN without probabilities.
 RouteProbability probability_of(const Report& report) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  return report.probability.value_or(RouteProbability{kUnknown, kUnknown, kUnknown, kUnknown, {}});
+  return report.probability.value_or(RouteProbability{kUnknown, kUnknown, kUnknown, kUnknown, {}, {}});
 }
 
 std::vector<ComparedNumber> numbers_of(const Report& a, const Report& b) {

@@ -28,7 +28,7 @@ function alongText(distance, error) {
   if (p[1] !== null) parts.push('within the limit so far with P = ' + p[1].toFixed(3));
   const losses = shownFlight.losses;
   const lost = losses.length ? losses[lastBefore(losses, distance)] : null;
-  if (lost && lost[2] !== null) parts.push('all the way, if GNSS is lost here, with P = ' + (Math.floor(lost[2] * 1000 + 1e-9) / 1000).toFixed(3));
+  if (lost && lost[2] !== null) parts.push('all the way, if GNSS is lost here, with P = ' + (Math.floor(lost[2] * 1000 + 1e-6) / 1000).toFixed(3));
   return parts.join(' · ');
 }
 // `source`: 'map', 'chart', 'slider' or 'button'; the map follows all but itself.

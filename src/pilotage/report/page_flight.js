@@ -16,7 +16,7 @@ function alongSamples(runs) {
 function readFlight() {
   const numbers = numbersOf(whatIfData.samples);
   const count = numbers.length / 2;
-  const p = alongSamples(whatIfData.tile_runs);
+  const p = alongSamples(whatIfData.tile_runs.map(([count, known]) => [count, known === null ? null : known[0]]));
   return { count, distance_m: numbers.subarray(0, count), azimuth_deg: numbers.subarray(count), leg: alongSamples(whatIfData.leg_runs),
     speed_mps: alongSamples(whatIfData.speed_runs), apart_m: alongSamples(whatIfData.apart_runs), p, stored: p.map((known) => known !== null) };
 }
@@ -46,8 +46,11 @@ function gnssDenied(flight, stretches) {
 }
 const plannedGnss = (flight) => (whatIfData.denied.length ? gnssDenied(flight, whatIfData.denied) : gnssEverywhere(flight.count, false));
 
-// ---- What tries may give (select/fix_attempts.cc) ----
-function routeChances(flight, interval_s) {
+// ---- What tries may give (select/fix_attempts.cc, select/tile_chances.cc) ----
+// Those at each level of the place, which all tries share, with how much it counts.
+const levelChances = (flight, interval_s) => whatIfData.level_weights.map((weight, level) =>
+  ({ weight, chances: routeChances(flight, interval_s, level) }));
+function routeChances(flight, interval_s, level) {
   const flown = [0];
   for (let i = 1; i < flight.count; ++i) {
     const window_m = Math.max(flight.apart_m[i - 1], interval_s * flight.speed_mps[i - 1], 1);
@@ -55,9 +58,10 @@ function routeChances(flight, interval_s) {
   }
   const chances = { p: Array(flight.count).fill(0), window: Array(flight.count).fill(0), interval_s };
   let first = 0;
-  for (const [count, p] of whatIfData.tile_runs) {
+  for (const [count, known] of whatIfData.tile_runs) {
     const end = first + count;
-    if (p !== null) {
+    if (known !== null) {
+      const p = known[1 + level];
       const from = first === 0 ? flown[0] : (flown[first - 1] + flown[first]) / 2;
       const to = end === flight.count ? flown[end - 1] : (flown[end - 1] + flown[end]) / 2;
       const parts = Math.max(1, Math.round(to - from));
@@ -218,21 +222,25 @@ function* flyStretch(path, chances, begin, end, branches) {
   }
   return stretch;
 }
-function* survivalAlong(path, chances) {
+function* survivalAlong(path, levels) {
   const { flight } = path;
-  const survival = { p_within_limit: [], legs_p: Array(whatIfData.leg_lengths_m.length).fill(null), worst: null };
+  const survival = { p_within_limit: [], legs_p: Array(whatIfData.leg_lengths_m.length).fill(null), at_level: [], worst: null };
   const losses = [];
-  let branches = firstBranches(path);
+  const branches = levels.map(() => firstBranches(path));
   let before = 1;
   for (let begin = 0; begin < flight.count;) {
     let end = begin;
     while (end < flight.count && flight.leg[end] === flight.leg[begin]) ++end;
-    const stretch = yield* flyStretch(path, chances, begin, end, branches);
-    const after = stretch.p_within_limit[stretch.p_within_limit.length - 1];
+    for (let i = begin; i < end; ++i) survival.p_within_limit.push(0);
+    for (let k = 0; k < levels.length; ++k) {
+      const stretch = yield* flyStretch(path, levels[k].chances, begin, end, branches[k]);
+      stretch.p_within_limit.forEach((p, i) => { survival.p_within_limit[begin + i] += levels[k].weight * p; });
+      survival.at_level[k] = stretch.p_within_limit[stretch.p_within_limit.length - 1];
+      for (const loss of stretch.losses) losses.push(loss);
+      branches[k] = stretch.branches;
+    }
+    const after = survival.p_within_limit[survival.p_within_limit.length - 1];
     if (before > 0) survival.legs_p[flight.leg[begin]] = Math.min(1, after / before);
-    for (const p of stretch.p_within_limit) survival.p_within_limit.push(p);
-    for (const loss of stretch.losses) losses.push(loss);
-    branches = stretch.branches;
     before = after;
     begin = end;
   }
@@ -245,12 +253,12 @@ function* survivalAlong(path, chances) {
 }
 
 // ---- GNSS lost anywhere (select/worst_loss.cc) ----
-function lossSamples(flight) {
+function lossSamples(flight, levels) {
   const flown = (starts) => starts.reduce((sum, start) => sum + flight.count - start, 0);
   const within = (starts) => {
     const every = (step) => starts.filter((_, i) => i % step === 0);
     let step = 1;
-    while (step < starts.length && flown(every(step)) > 60000) ++step;
+    while (step < starts.length && levels * flown(every(step)) > 60000) ++step;
     return every(step);
   };
   const all = [...Array(flight.count).keys()];
@@ -263,16 +271,16 @@ function lossSamples(flight) {
   if (at.size > 1) at.delete(flight.distance_m[flight.count - 1]);
   return [...at.values()].sort((a, b) => a - b);
 }
-function* loseAnywhere(path, chances, interval_s) {
+function* loseAnywhere(path, levels, interval_s) {
   const { flight } = path;
   const had = gnssEverywhere(flight.count, true), lost = gnssEverywhere(flight.count, false);
   const withGnss = { sample: 0, state: insAtStart(path), lastFix_s: -Infinity };
   let withGnss_m = positionError_m(withGnss.state, path.model);
   const paths = { had: { ...path, gnss: had }, lost: { ...path, gnss: lost } };
-  let branches = firstBranches(path);
+  const branches = levels ? levels.map(() => firstBranches(path)) : [];
   let at = 0;
   const points = [];
-  for (const loss of lossSamples(flight)) {
+  for (const loss of lossSamples(flight, levels ? levels.length : 1)) {
     while (withGnss.sample < loss) {
       takePosition(path, had, interval_s, withGnss);
       flyOneSample(path, had, withGnss);
@@ -288,11 +296,15 @@ function* loseAnywhere(path, chances, interval_s) {
       yield;
     }
     const point = { distance_m: flight.distance_m[loss], leg: flight.leg[loss], max_error_m, p_within_limit: null };
-    if (chances) {
-      branches = (yield* flyStretch(paths.had, chances, at, loss, branches)).branches;
+    if (levels) {
+      point.p_within_limit = 0;
+      for (let k = 0; k < levels.length; ++k) {
+        const { weight, chances } = levels[k];
+        branches[k] = (yield* flyStretch(paths.had, chances, at, loss, branches[k])).branches;
+        const rest = yield* flyStretch(paths.lost, chances, loss, flight.count, branches[k]);
+        point.p_within_limit += weight * rest.p_within_limit[rest.p_within_limit.length - 1];
+      }
       at = loss;
-      const rest = yield* flyStretch(paths.lost, chances, loss, flight.count, branches);
-      point.p_within_limit = rest.p_within_limit[rest.p_within_limit.length - 1];
     }
     points.push(point);
   }
@@ -312,7 +324,7 @@ function* predictFlight(settings) {
   const planned = readFlight();
   const flight = settings.speed_mps === null ? planned : { ...planned, speed_mps: planned.speed_mps.map(() => settings.speed_mps) };
   const path = makePath(flight, settings.model, settings.limit_m, plannedGnss(flight));
-  const chances = whatIfData.min_route_probability === null ? null : routeChances(flight, settings.interval_s);
+  const chances = whatIfData.min_route_probability === null ? null : levelChances(flight, settings.interval_s);
   const predicted = { max_error_m: settings.limit_m, probability: null, loss: null };
   if (whatIfData.anywhere) {
     predicted.loss = yield* loseAnywhere(path, chances, settings.interval_s);
@@ -327,7 +339,10 @@ function* predictFlight(settings) {
   if (!chances) return predicted;
   const survival = yield* survivalAlong(path, chances);
   const p = survival.p_within_limit;
-  predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: whatIfData.min_route_probability, worst: survival.worst };
+  predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: whatIfData.min_route_probability, worst: survival.worst,
+    interval: null };
+  const [low, high] = whatIfData.level_interval;
+  if (chances.length > 1) predicted.probability.interval = { low: survival.at_level[low], high: survival.at_level[high] };
   predicted.profile.forEach((sample, i) => { sample.p_within_limit = p[i]; });
   predicted.legs.forEach((leg) => { leg.p_within_limit = survival.legs_p[leg.leg]; });
   for (const gap of predicted.gaps) {

@@ -350,8 +350,12 @@ std::string gap_text(const RouteGap& gap) {
 }
 
 std::string probability_comparison(const RouteProbability& route) {
-  return probability_text(route.p_within_limit) + (route.p_within_limit >= route.min_p_within_limit ? " ≥ " : " < ") +
-         probability_text(route.min_p_within_limit);
+  std::string text = probability_text(route.p_within_limit) +
+                     (route.p_within_limit >= route.min_p_within_limit ? " ≥ " : " < ") +
+                     probability_text(route.min_p_within_limit);
+  if (!route.interval) return text;
+  return text + ", 80 % interval " + probability_text(route.interval->low) + " … " +
+         probability_text(route.interval->high);
 }
 
 std::vector<QualityRow> quality_rows(const ReportInput& input) {

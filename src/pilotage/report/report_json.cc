@@ -121,12 +121,21 @@ void describe(Io& io, typename Io::template Ref<WorstStretch> worst) {
 }
 
 template <class Io>
+void describe(Io& io, typename Io::template Ref<ProbabilityInterval> interval) {
+  io.number("low", interval.low);
+  io.number("high", interval.high);
+}
+
+template <class Io>
 void describe(Io& io, typename Io::template Ref<RouteProbability> probability) {
   io.number("p_within_limit", probability.p_within_limit);
   io.number("min_p_within_limit", probability.min_p_within_limit);
   io.number("expected_fixes", probability.expected_fixes);
   io.number("expected_false_fixes", probability.expected_false_fixes);
   io.record("worst", probability.worst);
+  io.record("interval", probability.interval);
+  io.number("level_tiles", probability.level_tiles);
+  io.only_written("rests_on", [&] { return rests_on_text(probability); });
 }
 
 template <class Io>

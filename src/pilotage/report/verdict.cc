@@ -107,9 +107,10 @@ std::string gnss_text(const Flight& flight, const Selection& selection) {
          (had ? kFixesWithGnss : "");
 }
 
-std::string further_assumptions(const Mission& mission) {
+std::string further_assumptions(const Mission& mission, const Selection& selection) {
+  const std::string rests_on = selection.probability ? rests_on_text(*selection.probability) : "";
   return (mission.flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
-         imagery_age_assumptions(mission);
+         imagery_age_assumptions(mission) + (rests_on.empty() ? "" : "; " + rests_on);
 }
 
 bool limit_is_default(const Flight& flight, const Selection& selection) {
@@ -120,7 +121,7 @@ std::string assumptions_line(const Mission& mission, const Selection& selection)
   const Flight& flight = mission.flight;
   return "assumes: " + ins_text(flight.ins) + ", " + gnss_text(flight, selection) + ", limit " +
          error_text(selection.max_error_m) + (limit_is_default(flight, selection) ? " (default)" : "") +
-         further_assumptions(mission);
+         further_assumptions(mission, selection);
 }
 
 }  // namespace pilotage

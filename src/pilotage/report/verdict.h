@@ -32,9 +32,9 @@ std::string gnss_text(const Flight& flight, const Selection& selection);
 /// Whether the planner named no limit and the selection has none of its own.
 bool limit_is_default(const Flight& flight, const Selection& selection);
 
-/// What the line of assumptions has behind the limit: ", flat ground at home's height (default)", the imagery's age; ""
-/// where there is nothing.
-std::string further_assumptions(const Mission& mission);
+/// What the line of assumptions has behind the limit: ", flat ground at home's height (default)", the imagery's age,
+/// what P rests on; "" where there is nothing.
+std::string further_assumptions(const Mission& mission, const Selection& selection);
 
 /// What the verdict takes for granted: "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m
 /// (default)". "(default)" stands after what the planner did not give.

@@ -10,12 +10,14 @@
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/ground/place_level.h"
 #include "pilotage/ins/ins_error_model.h"
 #include "pilotage/ins/ins_products.h"
 #include "pilotage/mission/tile_under.h"
 #include "pilotage/report/disagreement.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/verdict.h"
+#include "pilotage/select/tile_chances.h"
 
 namespace pilotage {
 namespace {
@@ -98,6 +100,12 @@ Json flight_json(const ReportInput& input) {
     if (tiles.back() && !stored.contains(mission.ground.tiles[*tiles.back()].tile_id)) tiles.back().reset();
   }
   for (const FlightSample& sample : samples) numbers.push_back(sample.azimuth_deg);
+  const TileChances chances = tile_chances(input.scores, std::vector<bool>(input.scores.size(), true));
+  const auto p_at_levels = [&](std::size_t tile) {
+    Json p = Json::array({chances.p[tile]});
+    for (const TileChances::AtLevel& level : chances.levels) p.push_back(level.p[tile]);
+    return p;
+  };
   const auto same = [&](auto value_of) { return runs_of(samples.size(), value_of, value_of); };
   Json json;
   json["samples"] = base64_of(numbers);
@@ -108,9 +116,11 @@ Json flight_json(const ReportInput& input) {
       samples.size(), [&](std::size_t i) { return tiles[i]; },
       [&](std::size_t i) -> Json {
         if (!tiles[i]) return nullptr;
-        const double p = input.scores[*tiles[i]].p_correct_fix;
-        return std::isnan(p) ? 1.0 : p;  // as select counts it
+        return p_at_levels(*tiles[i]);
       });
+  json["level_weights"] = Json::array();
+  for (const TileChances::AtLevel& level : chances.levels) json["level_weights"].push_back(level.weight);
+  json["level_interval"] = Json::array({kLevelLow, kLevelHigh});
   json["leg_lengths_m"] = Json::array();
   for (const RouteLeg& leg : mission.flight.route.legs) json["leg_lengths_m"].push_back(leg.length_m);
   json["denied"] = Json::array();
@@ -151,7 +161,7 @@ Json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quali
   }
   json["assumes"] = {{"gnss", gnss_text(flight, selection)},
                      {"limit_default", limit_is_default(flight, selection)},
-                     {"further", further_assumptions(input.mission)}};
+                     {"further", further_assumptions(input.mission, selection)}};
   return json;
 }
 

@@ -17,7 +17,10 @@ namespace pilotage {
 ///                 degrees
 ///   leg_runs, speed_runs, apart_runs, tile_runs
 ///                 [number of samples, value] along the route: leg (from 0), speed (m/s), way over which tries fare
-///                 alike (m), and P of a correct fix of the stored tile below (null: none); a run for each tile
+///                 alike (m), and of the stored tile below (null: none) [P of a correct fix, P at each level of the
+///                 place]; a run for each tile
+///   level_weights, level_interval
+///                 how much each level counts, and the two whose P are the ends of the interval
 ///   models        what is planned, then each grade with the figures of its own that the plan gives (InsErrorModel)
 ///   others        rows of the quality table that decide and are not predicted here
 nlohmann::ordered_json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quality);

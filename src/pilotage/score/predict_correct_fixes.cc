@@ -34,7 +34,10 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
     scored[i]->map_features = static_cast<double>(votes[i].features);
     scored[i]->vote_noise = votes[i].noise;
     const MatchabilityInputs inputs = matchability_inputs(*scored[i], matrix.tile_size_px, stretch.low);
-    scored[i]->p_correct_fix = predict_p_correct_fix(model, options.matcher, inputs, scored[i]->map_features);
+    const FixPrediction fix = predict_correct_fix(model, options.matcher, inputs, scored[i]->map_features);
+    scored[i]->p_correct_fix = fix.p;
+    scored[i]->level_sigma = fix.level_sigma;
+    scored[i]->level_tiles = static_cast<double>(fix.level_tiles);
   }
 }
 

@@ -165,7 +165,7 @@ void score_survival(const EpochScoring& scoring, const ColumnTiles& group, std::
     const FeatureSet reference = extract_features_of_map(scoring.reference, {strip}, {}, scoring.threads);
     if (reference.size() == 0) continue;
     // A feature at the strip's edge may have its counterpart just beyond.
-    const auto reach = static_cast<std::int64_t>(std::ceil(SurvivalOptions{}.radius_px));
+    const auto reach = static_cast<std::int64_t>(std::ceil(kSurvivalRadiusPx));
     const std::int64_t above = std::max<std::int64_t>(0, strip.row - reach);
     const std::int64_t below = std::min(matrix.grid_height_px, strip.row + strip.height + reach);
     const FeatureSet second = extract_features_of_map(

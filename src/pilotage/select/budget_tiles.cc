@@ -23,17 +23,17 @@ constexpr int kSamplesFlown = 60'000;  // long routes
 // A set of tiles under the route that grows and shrinks, with its bytes and its worth.
 class TileSet {
  public:
-  TileSet(const FlightPath& path, const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
+  TileSet(const FlightPath& path, const std::vector<FixAttempt>& attempts, const TileChances& chances,
           const FixChain& chain, const StoredSize& size, double budget)
       : mission_(path.mission),
         attempts_(&attempts),
-        p_of_tile_(&p_of_tile),
+        chances_(&chances),
         chain_(&chain),
         budget_(budget),
         count_(*path.mission, size),
-        chosen_(p_of_tile.size(), false) {
+        chosen_(chances.p.size(), false) {
     for (const FixAttempt& attempt : attempts) {
-      if (p_of_tile[attempt.tile] > 0) candidates_.push_back(attempt.tile);
+      if (chances.p[attempt.tile] > 0) candidates_.push_back(attempt.tile);
     }
     std::sort(candidates_.begin(), candidates_.end());
     candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
@@ -56,21 +56,30 @@ class TileSet {
     count_.remove(mission_->ground.tiles[tile]);
     chosen_[tile] = false;
   }
-  double value() const { return chain_value(*chain_, node_probabilities()).value; }
-
-  // P of the chosen tiles, 0 of the others.
-  std::vector<double> stored_p() const {
-    std::vector<double> stored(p_of_tile_->size(), 0.0);
-    for (std::size_t i = 0; i < stored.size(); ++i) stored[i] = chosen_[i] ? (*p_of_tile_)[i] : 0;
-    return stored;
+  double value() const {
+    double sum = 0;
+    for (const TileChances::AtLevel& level : chances_->levels) {
+      sum += level.weight * chain_value(*chain_, node_probabilities(level)).value;
+    }
+    return sum;
   }
+
+  TileChances stored() const { return of_chosen(*chances_, chosen_); }
 
   // What each tile adds, or for a chosen one what it holds, in the order of the candidates: first order where it would
   // take the place of another attempt of its window.
   std::vector<double> gains() const {
-    const std::vector<double> p = node_probabilities();
+    std::vector<double> gain(chosen_.size(), 0.0);
+    for (const TileChances::AtLevel& level : chances_->levels) add_gains(level, gain);
+    std::vector<double> of_candidates;
+    for (const std::size_t tile : candidates_) of_candidates.push_back(gain[tile]);
+    return of_candidates;
+  }
+
+  // Adds what each tile gains at a level, times its weight.
+  void add_gains(const TileChances::AtLevel& level, std::vector<double>& gain) const {
+    const std::vector<double> p = node_probabilities(level);
     const std::vector<double> slope = chain_value(*chain_, p).slope;
-    std::vector<double> gain(p_of_tile_->size(), 0.0);
     for (std::size_t k = 0; k < attempts_->size();) {
       std::size_t next = k;
       double held = 0;
@@ -79,14 +88,11 @@ class TileSet {
       }
       for (; k < next; ++k) {
         const std::size_t tile = (*attempts_)[k].tile;
-        const double own = (*p_of_tile_)[tile] * slope[k + 1];
-        if (p[k + 1] > 0) gain[tile] += own;
-        if (!chosen_[tile]) gain[tile] += std::max(0.0, own - held);
+        const double own = level.p[tile] * slope[k + 1];
+        if (p[k + 1] > 0) gain[tile] += level.weight * own;
+        if (!chosen_[tile]) gain[tile] += level.weight * std::max(0.0, own - held);
       }
     }
-    std::vector<double> of_candidates;
-    for (const std::size_t tile : candidates_) of_candidates.push_back(gain[tile]);
-    return of_candidates;
   }
 
   // Adds the tile with the largest gain per byte, but for `barred`, while one fits.
@@ -128,16 +134,18 @@ class TileSet {
   }
 
  private:
-  std::vector<double> node_probabilities() const {
+  // P of the chosen tiles at the chain's nodes.
+  std::vector<double> node_probabilities(const TileChances::AtLevel& level) const {
     std::vector<double> p(attempts_->size() + 2, 0.0);
-    const std::vector<double> stored = stored_p();
+    std::vector<double> stored(chosen_.size(), 0.0);
+    for (std::size_t i = 0; i < stored.size(); ++i) stored[i] = chosen_[i] ? level.p[i] : 0;
     for (const std::size_t k : counted_attempts(*attempts_, stored)) p[k + 1] = stored[(*attempts_)[k].tile];
     return p;
   }
 
   const Mission* mission_;
   const std::vector<FixAttempt>* attempts_;
-  const std::vector<double>* p_of_tile_;
+  const TileChances* chances_;
   const FixChain* chain_;
   double budget_;
   StorageCount count_;
@@ -223,13 +231,11 @@ std::vector<bool> tiles_in_order(const Mission& mission, const std::vector<TileS
 }
 
 std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
-                                      const std::vector<double>& p_of_tile, const std::vector<bool>& start,
+                                      const TileChances& tile_chances, const std::vector<bool>& start,
                                       const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
                                       double fix_interval_s, bool flown) {
-  std::vector<double> p_of_history = p_of_tile;
-  for (std::size_t i = 0; i < p_of_history.size(); ++i) p_of_history[i] = history[i] ? p_of_tile[i] : 0;
-  const FixChain chain = make_fix_chain(path, attempts, p_of_history);
-  TileSet set(path, attempts, p_of_tile, chain, size, static_cast<double>(budget));
+  const FixChain chain = make_fix_chain(path, attempts, of_chosen(tile_chances, history).p);
+  TileSet set(path, attempts, tile_chances, chain, size, static_cast<double>(budget));
   for (const std::size_t tile : set.candidates()) {
     if (start[tile] && set.fits(tile)) set.add(tile);
   }
@@ -237,10 +243,11 @@ std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<
   exchange(set, size, kMostTrials, [](const TileSet& trial) { return trial.value(); });
   if (!flown) return set.chosen();
   const std::size_t sample_count = path.mission->flight.samples.size();
-  const int flown_trials = std::min(kMostFlownTrials, kSamplesFlown / static_cast<int>(sample_count));
+  const std::size_t flown_samples = sample_count * tile_chances.levels.size();
+  const int flown_trials = std::min(kMostFlownTrials, kSamplesFlown / static_cast<int>(flown_samples));
   exchange(set, size, flown_trials, [&](const TileSet& trial) {
-    const RouteChances chances = route_chances(attempts, trial.stored_p(), sample_count, fix_interval_s);
-    return flight_worth(predict_survival(path, chances).p_within_limit);
+    const auto levels = level_chances(attempts, trial.stored(), sample_count, fix_interval_s);
+    return flight_worth(predict_survival(path, levels).p_within_limit);
   });
   return set.chosen();
 }

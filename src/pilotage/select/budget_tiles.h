@@ -22,16 +22,17 @@ std::vector<bool> tiles_in_order(const Mission& mission, const std::vector<TileS
 /// that a chain of fixes is worth something before it reaches the end.
 double flight_worth(const std::vector<double>& p_within_limit);
 
-/// Tiles under the route, of those with `p_of_tile` > 0, that fit the budget and give the flight a large worth.
+/// Tiles under the route, of those with a P above 0, that fit the budget and give the flight a large worth.
 ///
 /// From `start`, the tile with the largest gain per byte is added while one fits; then tiles are taken out or forced in
 /// and the rest is filled again, and a change stays when it is better: at most 400 times by the chain of fixes
 /// (fix_chain.h), whose reach is that of flights with the tiles of `history`, then, when `flown`, at most 100 times
 /// (60,000 samples) by predict_survival(). Gains are derivatives of the probability, which is multilinear in the P of
 /// the attempts: one forward and one backward recursion give all of them (as in L. Rabiner, A tutorial on hidden Markov
-/// models, Proc. IEEE 77(2), 1989). No bound is claimed: the problem contains the knapsack problem.
+/// models, Proc. IEEE 77(2), 1989). Worth and gains are means over the levels of the place; the reach is that at its
+/// mean P. No bound is claimed: the problem contains the knapsack problem.
 std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
-                                      const std::vector<double>& p_of_tile, const std::vector<bool>& start,
+                                      const TileChances& tile_chances, const std::vector<bool>& start,
                                       const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
                                       double fix_interval_s, bool flown);
 

@@ -101,6 +101,15 @@ RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::v
   return chances;
 }
 
+std::vector<LevelChances> level_chances(const std::vector<FixAttempt>& attempts, const TileChances& tiles,
+                                        std::size_t sample_count, double fix_interval_s) {
+  std::vector<LevelChances> levels;
+  for (const TileChances::AtLevel& level : tiles.levels) {
+    levels.push_back({level.weight, route_chances(attempts, level.p, sample_count, fix_interval_s)});
+  }
+  return levels;
+}
+
 ExpectedFixes expected_fixes(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                              const std::vector<bool>& stored, const std::vector<double>& p_of_tile,
                              double fix_interval_s, double max_false_fix_rate) {

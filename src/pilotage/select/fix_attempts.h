@@ -7,6 +7,7 @@
 
 #include "pilotage/mission/gnss_availability.h"
 #include "pilotage/mission/mission.h"
+#include "pilotage/select/tile_chances.h"
 
 namespace pilotage {
 
@@ -48,6 +49,16 @@ struct RouteChances {
 /// The chances of attempts at tiles of which some are stored: `p_of_tile` is 0 for the others.
 RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
                            std::size_t sample_count, double fix_interval_s);
+
+/// The chances at a level that the place may have, and how much that level counts.
+struct LevelChances {
+  double weight = 1;
+  RouteChances chances;
+};
+
+/// route_chances() at each level of `tiles`.
+std::vector<LevelChances> level_chances(const std::vector<FixAttempt>& attempts, const TileChances& tiles,
+                                        std::size_t sample_count, double fix_interval_s);
 
 /// Correct fixes, and false ones at most, that a flight along the route must expect with one try every `fix_interval_s`
 /// over stored ground. Expectations add up whether tries depend on each other or not, so every one counts.

@@ -50,7 +50,7 @@ double stride_m(const Mission& mission, const LegSamples& leg) {
 }  // namespace
 
 std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& survival,
-                                   const std::vector<double>& p_of_tile, const AdviceOptions& options) {
+                                   const TileChances& tile_chances, const AdviceOptions& options) {
   const Mission& mission = *path.mission;
   const std::vector<std::optional<std::size_t>> tiles = tiles_under_route(mission);
   const std::vector<LegSamples> legs = samples_of_legs(mission);
@@ -60,7 +60,11 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
     if (!(p_before < options.min_leg_probability)) continue;
     const LegSamples samples = legs[leg];
     double entering = 0;
-    for (const FlightBranch& branch : survival.leg_entries[leg]) entering += branch.probability;
+    for (std::size_t k = 0; k < tile_chances.levels.size(); ++k) {
+      for (const FlightBranch& branch : survival.leg_entries[leg][k]) {
+        entering += tile_chances.levels[k].weight * branch.probability;
+      }
+    }
     LegAdvice best{static_cast<int>(leg), AdviceSide::kNone, 0, p_before, p_before, false};
     const auto try_line = [&](double right_m) {
       auto moved = tiles;
@@ -68,9 +72,15 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
         moved[i] = tile_under(mission, moved_aside(mission, samples, i, right_m));
       }
       const auto attempts = fix_attempts(mission, moved, options.fix_interval_s, options.decorrelation_m);
-      const RouteChances chances = route_chances(attempts, p_of_tile, moved.size(), options.fix_interval_s);
-      const FlightStretch flown = fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg]);
-      const double p_after = std::min(1.0, flown.p_within_limit.back() / entering);
+      double staying = 0;
+      for (std::size_t k = 0; k < tile_chances.levels.size(); ++k) {
+        const TileChances::AtLevel& level = tile_chances.levels[k];
+        const RouteChances chances = route_chances(attempts, level.p, moved.size(), options.fix_interval_s);
+        staying +=
+            level.weight *
+            fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg][k]).p_within_limit.back();
+      }
+      const double p_after = std::min(1.0, staying / entering);
       if (p_after <= best.p_after) return;
       best.p_after = p_after;
       best.offset_m = std::abs(right_m);

@@ -185,7 +185,7 @@ FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, s
   return stretch;
 }
 
-RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances) {
+RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChances> levels) {
   const std::vector<FlightSample>& samples = path.mission->flight.samples;
   const std::size_t leg_count = path.mission->flight.route.legs.size();
   RouteSurvival survival;
@@ -193,28 +193,43 @@ RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chanc
   survival.leg_p_fix.assign(leg_count, kNaN);
   survival.leg_entries.resize(leg_count);
   std::vector<std::pair<std::size_t, std::size_t>> losses;
-  std::vector<FlightBranch> branches = first_branches(path);
+  std::vector<std::vector<FlightBranch>> branches(levels.size(), first_branches(path));
   double before = 1;
   for (std::size_t begin = 0; begin < samples.size();) {
     std::size_t end = begin;
     while (end < samples.size() && samples[end].leg == samples[begin].leg) ++end;
     const auto leg = static_cast<std::size_t>(samples[begin].leg);
     survival.leg_entries[leg] = branches;
-    FlightStretch stretch = fly_stretch(path, chances, begin, end, std::move(branches));
-    const double after = stretch.p_within_limit.back();
+    survival.p_within_limit.resize(end, 0.0);
+    survival.p_at_level.assign(levels.size(), 0.0);
+    double p_fix = 0;
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      FlightStretch stretch = fly_stretch(path, levels[k].chances, begin, end, std::move(branches[k]));
+      for (std::size_t i = begin; i < end; ++i) {
+        survival.p_within_limit[i] += levels[k].weight * stretch.p_within_limit[i - begin];
+      }
+      survival.p_at_level[k] = std::min(1.0, stretch.p_within_limit.back());
+      p_fix += levels[k].weight * stretch.p_fix;
+      losses.insert(losses.end(), stretch.losses.begin(), stretch.losses.end());
+      branches[k] = std::move(stretch.branches);
+    }
+    // Weights and states add up to 1 but for rounding.
+    for (std::size_t i = begin; i < end; ++i) survival.p_within_limit[i] = std::min(1.0, survival.p_within_limit[i]);
+    const double after = survival.p_within_limit.back();
     if (before > 0) {
       survival.leg_p_within_limit[leg] = std::min(1.0, after / before);
-      survival.leg_p_fix[leg] = std::min(1.0, stretch.p_fix / before);
+      survival.leg_p_fix[leg] = std::min(1.0, p_fix / before);
     }
-    survival.p_within_limit.insert(survival.p_within_limit.end(), stretch.p_within_limit.begin(),
-                                   stretch.p_within_limit.end());
-    losses.insert(losses.end(), stretch.losses.begin(), stretch.losses.end());
-    branches = std::move(stretch.branches);
     before = after;
     begin = end;
   }
   survival.worst = worst_stretch(path, survival.p_within_limit, losses);
   return survival;
+}
+
+RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances) {
+  const std::vector<LevelChances> levels{{1, chances}};
+  return predict_survival(path, levels);
 }
 
 }  // namespace pilotage

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -73,9 +74,16 @@ struct RouteSurvival {
   std::vector<double> p_within_limit;      ///< One for each sample.
   std::vector<double> leg_p_within_limit;  ///< One for each leg, as LegStatus.
   std::vector<double> leg_p_fix;
-  std::vector<std::vector<FlightBranch>> leg_entries;  ///< At each leg's first sample, before its error is judged.
+  /// Of each leg, at each level: at its first sample, before its error is judged.
+  std::vector<std::vector<std::vector<FlightBranch>>> leg_entries;
+  std::vector<double> p_at_level;  ///< P within the limit at the route's end, at each level.
   std::optional<WorstStretch> worst;
 };
-RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances);
+
+/// The flight at each level of the place, which all its tries share, and the mean over the levels: of P within the
+/// limit at each sample, and of what both of a leg's numbers are the ratios of. The worst stretch is that over which
+/// the mean falls most. One flight meets one level, so that a chain of tries is worth less than if each met its own.
+RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChances> levels);
+RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances);  ///< At a single level.
 
 }  // namespace pilotage

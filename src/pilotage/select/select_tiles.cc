@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
+#include "pilotage/ground/place_level.h"
 #include "pilotage/select/budget_tiles.h"
 #include "pilotage/select/byte_budget.h"
 #include "pilotage/select/fix_attempts.h"
@@ -48,19 +51,16 @@ std::size_t count_true(const std::vector<bool>& flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
 }
 
-// P of a correct fix of each matchable tile, 0 of the others. One without a P counts as certain, as before there were
-// any.
-std::vector<double> fix_chances(const std::vector<TileScores>& scores, const std::vector<bool>& matchable) {
-  std::vector<double> p(scores.size(), 0.0);
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    if (matchable[i]) p[i] = std::isnan(scores[i].p_correct_fix) ? 1.0 : scores[i].p_correct_fix;
+// How many tiles of this ground, judged on another date, the level of the stored tiles rests on: the fewest, because
+// all of a map are scored by one model; NaN where a P does not say.
+double level_tiles(const std::vector<TileScores>& scores, const std::vector<bool>& chosen) {
+  double fewest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    if (!chosen[i] || std::isnan(scores[i].p_correct_fix)) continue;
+    if (std::isnan(scores[i].level_tiles)) return kNaN;
+    fewest = std::min(fewest, scores[i].level_tiles);
   }
-  return p;
-}
-
-std::vector<double> of_chosen(std::vector<double> p_of_tile, const std::vector<bool>& chosen) {
-  for (std::size_t i = 0; i < p_of_tile.size(); ++i) p_of_tile[i] = chosen[i] ? p_of_tile[i] : 0;
-  return p_of_tile;
+  return std::isinf(fewest) ? kNaN : fewest;
 }
 
 // What the selection knows beside the tiles it chooses.
@@ -68,11 +68,11 @@ struct Chances {
   FlightPath path;
   std::vector<FixAttempt> attempts;         // with GNSS or without
   std::vector<FixAttempt> needed_attempts;  // where GNSS is denied: a budget is spent there first
-  std::vector<double> p_of_tile;            // of the matchable ones
+  TileChances of_tiles;                     // of the matchable ones
   double fix_interval_s = 0;
 
-  RouteChances along(const std::vector<bool>& chosen) const {
-    return route_chances(attempts, of_chosen(p_of_tile, chosen), path.mission->flight.samples.size(), fix_interval_s);
+  std::vector<LevelChances> along(const std::vector<bool>& chosen) const {
+    return level_chances(attempts, of_chosen(of_tiles, chosen), path.mission->flight.samples.size(), fix_interval_s);
   }
   RouteSurvival of(const std::vector<bool>& chosen) const { return predict_survival(path, along(chosen)); }
 };
@@ -107,9 +107,9 @@ std::vector<bool> within_budget(const Chances& chances, const std::vector<TileSc
   std::vector<bool> best = tiles_in_order(mission, scores, wanted, sparse, none, size, budget);
   const auto worth = [&](const std::vector<bool>& chosen) { return flight_worth(chances.of(chosen).p_within_limit); };
   double best_worth = worth(best);
-  const std::vector<double> p_of_wanted = of_chosen(chances.p_of_tile, wanted);
+  const TileChances of_wanted = of_chosen(chances.of_tiles, wanted);
   const auto improve = [&](const std::vector<bool>& start, const std::vector<bool>& history, bool flown) {
-    const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.needed_attempts, p_of_wanted, start,
+    const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.needed_attempts, of_wanted, start,
                                                               history, size, budget, chances.fix_interval_s, flown);
     const std::vector<bool> filled = tiles_in_order(mission, scores, wanted, sparse, under_route, size, budget);
     const double filled_worth = worth(filled);
@@ -129,11 +129,19 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                  Selection& selection) {
   const RouteSurvival survival = chances.of(chosen);
   const Mission& mission = *chances.path.mission;
-  const std::vector<double> p_of_stored = of_chosen(chances.p_of_tile, chosen);
+  const std::vector<double> p_of_stored = of_chosen(chances.of_tiles, chosen).p;
   const ExpectedFixes expected =
       expected_fixes(mission, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
-  selection.probability = RouteProbability{survival.p_within_limit.back(), options.min_route_probability,
-                                           expected.correct, expected.wrong, survival.worst};
+  selection.probability = RouteProbability{survival.p_within_limit.back(),
+                                           options.min_route_probability,
+                                           expected.correct,
+                                           expected.wrong,
+                                           survival.worst,
+                                           {}};
+  if (survival.p_at_level.size() > 1) {
+    selection.probability->interval =
+        ProbabilityInterval{survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]};
+  }
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     selection.error_profile[i].p_correct_fix = tiles[i] ? p_of_stored[*tiles[i]] : 0;
     selection.error_profile[i].p_within_limit = survival.p_within_limit[i];
@@ -152,7 +160,7 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
     gap.p_first_excess = before - p_at(gap.to_distance_m);
   }
   if (!options.advise) return;
-  selection.advice = advise_legs(chances.path, survival, chances.p_of_tile,
+  selection.advice = advise_legs(chances.path, survival, chances.of_tiles,
                                  {options.fix_interval_s, options.fix_decorrelation_m, options.min_leg_probability});
   for (const LegAdvice& advice : selection.advice) {
     selection.notes.push_back(advice_text(advice, options.min_leg_probability, mission.flight.corridor_half_width_m));
@@ -191,7 +199,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
     };
     chances = Chances{make_flight_path(mission, max_error_m), tries(tiles),
                       tries(tiles_without_gnss(tiles, gnss_availability(mission.flight))),
-                      fix_chances(scores, matchable), options.fix_interval_s};
+                      tile_chances(scores, matchable), options.fix_interval_s};
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
@@ -213,9 +221,9 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   const std::vector<bool> stored = samples_over(tiles, chosen);
   GnssAvailability gnss = gnss_availability(mission.flight);
   if (mission.flight.denied.anywhere) {
-    const LossAnywhere loss =
-        lose_gnss_anywhere(mission, stored, chances ? &chances->path : nullptr,
-                           chances ? chances->along(chosen) : RouteChances{}, max_error_m, options.fix_interval_s);
+    const LossAnywhere loss = lose_gnss_anywhere(mission, stored, chances ? &chances->path : nullptr,
+                                                 chances ? chances->along(chosen) : std::vector<LevelChances>{},
+                                                 max_error_m, options.fix_interval_s);
     gnss = gnss_lost_at(mission.flight, loss.points[loss.worst].distance_m);
     if (chances) chances->path.gnss = gnss;
     selection.loss_anywhere = loss;
@@ -241,6 +249,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
                                 " stored tiles have no probability of a correct fix; they were counted as certain");
     }
     add_chances(*chances, chosen, tiles, options, selection);
+    selection.probability->level_tiles = level_tiles(scores, chosen);
   } else if (options.advise) {
     selection.notes.push_back("no tile has a probability of a correct fix, so no leg can be advised on");
   }

@@ -1,36 +1,25 @@
 #include "pilotage/vision/feature_descriptor.h"
 
-#include <array>
-#include <cmath>
+#include <cstddef>
 #include <cstring>
-#include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/vision/brief_pattern.h"
+#include "pilotage/vision/ground_pattern.h"
 
 namespace pilotage {
 namespace {
 
-/// Half the width of the centroid's disc in each row from its middle.
-std::array<int, kCentroidRadiusPx + 1> disc_half_widths() {
-  std::array<int, kCentroidRadiusPx + 1> widths{};
-  for (int row = 0; row <= kCentroidRadiusPx; ++row) {
-    widths[static_cast<std::size_t>(row)] =
-        static_cast<int>(std::sqrt(kCentroidRadiusPx * kCentroidRadiusPx - row * row));
-  }
-  return widths;
-}
-
-/// cv::ORB's pattern at given places and angles.
-std::vector<std::uint8_t> describe_by_orb(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                          const std::vector<float>& angles_deg) {
+/// cv::ORB's pattern at given places.
+std::vector<std::uint8_t> describe_by_orb(const cv::Mat& gray, const std::vector<Corner>& corners) {
   constexpr std::size_t kBytes = 32;
   std::vector<cv::KeyPoint> keypoints;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    keypoints.emplace_back(static_cast<float>(corners[i].x), static_cast<float>(corners[i].y), 31.0F, angles_deg[i],
+    keypoints.emplace_back(static_cast<float>(corners[i].x), static_cast<float>(corners[i].y), 31.0F, 0.0F,
                            corners[i].response, 0, static_cast<int>(i));
   }
   // One level; an edge threshold of 1 keeps every corner, whose patch is inside anyway.
@@ -52,74 +41,58 @@ struct PairOffsets {
   std::ptrdiff_t second;
 };
 
-/// The pattern turned by an angle, in an image of `step` bytes a row.
-std::vector<PairOffsets> turned_pattern(const std::vector<BriefPair>& pattern, float angle_deg, std::ptrdiff_t step) {
-  const double angle_rad = static_cast<double>(angle_deg) * std::numbers::pi / 180;
-  const double cosine = std::cos(angle_rad);
-  const double sine = std::sin(angle_rad);
-  const auto offset = [&](int x, int y) {
-    return cvRound(x * sine + y * cosine) * step + cvRound(x * cosine - y * sine);
-  };
+/// Test after test of `pattern` at each corner: whether the first point's value is below the second one's.
+template <class Value>
+std::vector<std::uint8_t> describe_by_pairs(const cv::Mat& values, const std::vector<Corner>& corners,
+                                            std::span<const BriefPair> pattern) {
+  const auto step = static_cast<std::ptrdiff_t>(values.step1());
   std::vector<PairOffsets> offsets;
   offsets.reserve(pattern.size());
-  for (const BriefPair& pair : pattern) offsets.push_back({offset(pair.x1, pair.y1), offset(pair.x2, pair.y2)});
-  return offsets;
-}
-
-std::vector<std::uint8_t> describe_by_brief(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                            const std::vector<float>& angles_deg, int bits) {
-  const std::vector<BriefPair> pattern = make_brief_pattern(bits, kBriefPatternSeed);
-  const std::size_t bytes = pattern.size() / 8;
-  cv::Mat smooth;
-  cv::GaussianBlur(gray, smooth, cv::Size(7, 7), 2, 2, cv::BORDER_REFLECT_101);
-  const auto step = static_cast<std::ptrdiff_t>(smooth.step);
-  std::vector<std::uint8_t> descriptors(corners.size() * bytes);
-  std::vector<PairOffsets> offsets;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    // Upright corners share one angle.
-    if (i == 0 || angles_deg[i] != angles_deg[i - 1]) offsets = turned_pattern(pattern, angles_deg[i], step);
-    const std::uint8_t* const center = smooth.ptr<std::uint8_t>(corners[i].y) + corners[i].x;
-    for (std::size_t byte = 0; byte < bytes; ++byte) {
+  for (const BriefPair& pair : pattern) {
+    offsets.push_back({pair.y1 * step + pair.x1, pair.y2 * step + pair.x2});
+  }
+  std::vector<std::uint8_t> descriptors(corners.size() * pattern.size() / 8);
+  std::uint8_t* out = descriptors.data();
+  for (const Corner& corner : corners) {
+    const Value* const center = values.ptr<Value>(corner.y) + corner.x;
+    for (const PairOffsets* pair = offsets.data(); pair != offsets.data() + offsets.size(); pair += 8) {
       unsigned packed = 0;
-      for (std::size_t bit = 0; bit < 8; ++bit) {
-        const PairOffsets& pair = offsets[byte * 8 + bit];
-        packed |= static_cast<unsigned>(center[pair.first] < center[pair.second]) << bit;
+      for (unsigned bit = 0; bit < 8; ++bit) {
+        packed |= static_cast<unsigned>(center[pair[bit].first] < center[pair[bit].second]) << bit;
       }
-      descriptors[i * bytes + byte] = static_cast<std::uint8_t>(packed);
+      *out++ = static_cast<std::uint8_t>(packed);
     }
   }
   return descriptors;
 }
 
-}  // namespace
-
-float centroid_angle_deg(const cv::Mat& gray, int x, int y) {
-  static const auto kHalfWidths = disc_half_widths();
-  int moment_x = 0;
-  int moment_y = 0;
-  for (int row = -kCentroidRadiusPx; row <= kCentroidRadiusPx; ++row) {
-    const int half = kHalfWidths[static_cast<std::size_t>(std::abs(row))];
-    const auto* const line = gray.ptr<std::uint8_t>(y + row) + x;
-    int sum = 0;
-    for (int col = -half; col <= half; ++col) {
-      moment_x += col * line[col];
-      sum += line[col];
-    }
-    moment_y += row * sum;
-  }
-  const double angle_deg = std::atan2(moment_y, moment_x) * 180 / std::numbers::pi;
-  const auto wrapped = static_cast<float>(angle_deg < 0 ? angle_deg + 360 : angle_deg);
-  return wrapped < 360 ? wrapped : 0;
+std::vector<std::uint8_t> describe_by_brief(const cv::Mat& gray, const std::vector<Corner>& corners, int bits) {
+  cv::Mat smooth;
+  cv::GaussianBlur(gray, smooth, cv::Size(7, 7), 2, 2, cv::BORDER_REFLECT_101);
+  return describe_by_pairs<std::uint8_t>(smooth, corners, make_brief_pattern(bits, kBriefPatternSeed));
 }
 
+/// Sums of whole numbers: equal on every machine, and no two that differ become equal by rounding.
+std::vector<std::uint8_t> describe_by_ground(const cv::Mat& gray, const std::vector<Corner>& corners, int bits) {
+  constexpr int kSide = 2 * kGroundBoxRadiusPx + 1;
+  cv::Mat sums;
+  cv::boxFilter(gray, sums, CV_16U, cv::Size(kSide, kSide), cv::Point(-1, -1), false, cv::BORDER_REFLECT_101);
+  return describe_by_pairs<std::uint16_t>(sums, corners,
+                                          std::span(kGroundPattern).first(static_cast<std::size_t>(bits)));
+}
+
+}  // namespace
+
 std::vector<std::uint8_t> describe_corners(const cv::Mat& gray, const std::vector<Corner>& corners,
-                                           const std::vector<float>& angles_deg, const BinaryDescriptor& descriptor) {
+                                           const BinaryDescriptor& descriptor) {
   if (corners.empty()) return {};
   switch (descriptor.pattern) {
+    case DescriptorPattern::kGround:
+      return describe_by_ground(gray, corners, descriptor.bits);
     case DescriptorPattern::kOrb:
-      return describe_by_orb(gray, corners, angles_deg);
+      return describe_by_orb(gray, corners);
     case DescriptorPattern::kBrief:
-      return describe_by_brief(gray, corners, angles_deg, descriptor.bits);
+      return describe_by_brief(gray, corners, descriptor.bits);
   }
   throw std::logic_error("a descriptor's pattern is not known");
 }

@@ -8,7 +8,6 @@
 namespace pilotage {
 namespace {
 
-constexpr int kSmoothRadiusPx = 3;  // a kernel of 7 × 7
 constexpr double kMaxShrink = 64;
 
 }  // namespace
@@ -19,7 +18,7 @@ double octave_scale(const FeatureOptions& options, int octave) {
 
 void check_feature_options(const FeatureOptions& options) {
   check_options(options);
-  descriptor_of_bits(options.descriptor_bits);
+  descriptor_of(options);
   if (options.min_fast_threshold > options.fast_threshold) {
     throw UsageError("min_fast_threshold = " + std::to_string(options.min_fast_threshold) +
                      " is above fast_threshold = " + std::to_string(options.fast_threshold));
@@ -30,11 +29,8 @@ void check_feature_options(const FeatureOptions& options) {
   }
 }
 
-int patch_radius_px(const FeatureOptions& options) {
-  const int pattern = descriptor_of_bits(options.descriptor_bits).pattern_radius_px;
-  if (!options.oriented) return pattern + kSmoothRadiusPx;
-  // A corner of the pattern's square may point anywhere. The centroid's disc is smaller.
-  return static_cast<int>(std::ceil(pattern * std::sqrt(2.0))) + kSmoothRadiusPx;
+const BinaryDescriptor& descriptor_of(const FeatureOptions& options) {
+  return descriptor_of(options.pattern, options.descriptor_bits);
 }
 
 }  // namespace pilotage

@@ -13,14 +13,14 @@ namespace pilotage {
 struct Feature {
   float x_px = 0;  ///< Columns to the right, in pixels of the level (octave 0), whatever the octave.
   float y_px = 0;
-  int octave = 0;       ///< Pyramid step it was found on; 0 = full resolution.
-  float angle_deg = 0;  ///< 0 for upright features.
-  float response = 0;   ///< Corner strength; comparable within one octave.
+  int octave = 0;      ///< Pyramid step it was found on; 0 = full resolution.
+  float response = 0;  ///< Corner strength; comparable within one octave. Not stored in maps.
 };
 
 /// Features and their descriptors, one row of `descriptor_bytes` after the other.
 struct FeatureSet {
   std::vector<Feature> features;
+  DescriptorPattern pattern = kDefaultDescriptorPattern;
   int descriptor_bytes = kDefaultDescriptorBits / 8;
   std::vector<std::uint8_t> descriptors;
 
@@ -30,9 +30,9 @@ struct FeatureSet {
   }
 };
 
-/// What the set is described with. Throws UsageError when no descriptor has its length.
+/// What the set is described with. Throws UsageError when its pattern has no descriptor of its length.
 inline const BinaryDescriptor& descriptor_of(const FeatureSet& set) {
-  return descriptor_of_bits(8 * set.descriptor_bytes);
+  return descriptor_of(set.pattern, 8 * set.descriptor_bytes);
 }
 
 }  // namespace pilotage

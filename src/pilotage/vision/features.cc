@@ -65,28 +65,31 @@ cv::Mat allowed_pixels(const cv::Mat& valid, int patch_radius) {
 
 void append_octave_features(const Octave& octave, int index, const ImageBlock& block, const FeatureOptions& options,
                             FeatureSet& set) {
-  const int patch_radius = patch_radius_px(options);
+  const BinaryDescriptor& descriptor = descriptor_of(options);
+  const int patch_radius = descriptor.reach_px;
   const cv::Rect area = feature_area(octave, block, patch_radius);
   if (area.empty()) return;
   const auto corners =
       find_corners(octave.gray, allowed_pixels(octave.valid, patch_radius), area,
                    {corners_per_octave_px(options), options.fast_threshold, options.min_fast_threshold});
-  std::vector<float> angles_deg(corners.size(), 0.0F);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (options.oriented) angles_deg[i] = centroid_angle_deg(octave.gray, corners[i].x, corners[i].y);
-    set.features.push_back(
-        {static_cast<float>((static_cast<double>(octave.first_col + corners[i].x) + 0.5) * octave.scale),
-         static_cast<float>((static_cast<double>(octave.first_row + corners[i].y) + 0.5) * octave.scale), index,
-         angles_deg[i], corners[i].response});
+  for (const Corner& corner : corners) {
+    set.features.push_back({static_cast<float>((static_cast<double>(octave.first_col + corner.x) + 0.5) * octave.scale),
+                            static_cast<float>((static_cast<double>(octave.first_row + corner.y) + 0.5) * octave.scale),
+                            index, corner.response});
   }
-  const auto descriptors =
-      describe_corners(octave.gray, corners, angles_deg, descriptor_of_bits(options.descriptor_bits));
+  const auto descriptors = describe_corners(octave.gray, corners, descriptor);
   set.descriptors.insert(set.descriptors.end(), descriptors.begin(), descriptors.end());
 }
 
-FeatureSet extract_from_block(const ImageBlock& block, const FeatureOptions& options) {
+FeatureSet empty_set(const FeatureOptions& options) {
   FeatureSet set;
+  set.pattern = options.pattern;
   set.descriptor_bytes = options.descriptor_bits / 8;
+  return set;
+}
+
+FeatureSet extract_from_block(const ImageBlock& block, const FeatureOptions& options) {
+  FeatureSet set = empty_set(options);
   for (int index = 0; index < options.octaves; ++index) {
     const Octave octave =
         make_octave(block.gray, block.valid, block.first_col, block.first_row, octave_scale(options, index));
@@ -151,7 +154,7 @@ std::vector<MapBlock> touched_blocks(const std::vector<PixelWindow>& windows) {
 /// Reads a block with the margin that its features' patches need at the coarsest octave.
 ImageBlock read_block(const GraySource& source, const MapBlock& block, const FeatureOptions& options) {
   const double coarsest = octave_scale(options, options.octaves - 1);
-  const auto margin = static_cast<std::int64_t>(std::ceil((patch_radius_px(options) + 2) * coarsest));
+  const auto margin = static_cast<std::int64_t>(std::ceil((descriptor_of(options).reach_px + 2) * coarsest));
   const std::int64_t col = block.col * kFeatureBlockPx;
   const std::int64_t row = block.row * kFeatureBlockPx;
   const std::int64_t col_end = std::min(col + kFeatureBlockPx, source.width_px);
@@ -187,6 +190,7 @@ FeatureSet inside_windows(const FeatureSet& set, const MapBlock& block, const st
     wanted(cv::Rect(left, top, right - left, bottom - top) & all).setTo(255);
   }
   FeatureSet result;
+  result.pattern = set.pattern;
   result.descriptor_bytes = set.descriptor_bytes;
   for (std::size_t i = 0; i < set.size(); ++i) {
     const Feature& feature = set.features[i];
@@ -217,8 +221,7 @@ FeatureSet extract_features_of_map(const GraySource& source, const std::vector<P
     report_progress(progress, "features", ++done, static_cast<std::int64_t>(blocks.size()));
   });
 
-  FeatureSet result;
-  result.descriptor_bytes = options.descriptor_bits / 8;
+  FeatureSet result = empty_set(options);
   for (FeatureSet& set : sets) {
     result.features.insert(result.features.end(), set.features.begin(), set.features.end());
     result.descriptors.insert(result.descriptors.end(), set.descriptors.begin(), set.descriptors.end());

@@ -47,9 +47,9 @@ Scan scan_of(HammingPath path) {
 
 void check_features(const FeatureSet& features, const char* what) {
   const int bytes = features.descriptor_bytes;
-  if (find_descriptor(8 * bytes) == nullptr) {
+  if (!is_descriptor_length(8 * bytes)) {
     throw UsageError(std::string(what) + " have descriptors of " + std::to_string(bytes) +
-                     " bytes, only these lengths can be searched: " + descriptor_lengths(8));
+                     " bytes, only these lengths can be searched: " + descriptor_byte_lengths());
   }
   if (features.descriptors.size() != features.size() * static_cast<std::size_t>(bytes)) {
     throw UsageError(std::string(what) + ": " + std::to_string(features.descriptors.size()) +

@@ -14,7 +14,7 @@ namespace pilotage {
 namespace hamming_detail {
 struct Nearest;
 /// Offers to `nearest` every slot of [begin, end) that may be among those sought of `query`. `blocks` holds `words` × 8
-/// numbers for each eight slots, aligned to 64 bytes. `words` is that of one of kBinaryDescriptors.
+/// numbers for each eight slots, aligned to 64 bytes. `words` is one of kDescriptorWords.
 using Scan = void (*)(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin,
                       std::size_t end, Nearest& nearest);
 }  // namespace hamming_detail
@@ -77,7 +77,7 @@ struct HammingWindow {
 /// descriptors are copied: the feature set need not outlive it.
 class HammingIndex {
  public:
-  /// Descriptors as long as one of kBinaryDescriptors. Any positions are allowed; one that is NaN lies in no window.
+  /// Descriptors of one of kDescriptorWords. Any positions are allowed; one that is NaN lies in no window.
   /// Throws UsageError for other lengths, when the descriptors' size does not fit the number of features, or for 2³² −
   /// 1 features or more.
   explicit HammingIndex(const FeatureSet& features);

@@ -16,19 +16,19 @@
 namespace pilotage::hamming_detail {
 
 inline constexpr std::size_t kSlotsPerBlock = 8;
-inline constexpr int kMostWords = kMostDescriptorBits / 64;
+inline constexpr int kMostWords = kDescriptorWords.back();
 
-/// Calls `scan.operator()<kWords>()` with the `words` of one of kBinaryDescriptors as a number known when compiling.
+/// Calls `scan.operator()<kWords>()` with one of kDescriptorWords as a number known when compiling.
 template <class Scan>
 void with_words(int words, const Scan& scan) {
-  const auto try_row = [&]<std::size_t kRow>() {
-    constexpr int kWords = kBinaryDescriptors[kRow].bits / 64;
+  const auto try_length = [&]<std::size_t kIndex>() {
+    constexpr int kWords = kDescriptorWords[kIndex];
     if (words == kWords) scan.template operator()<kWords>();
   };
-  [&]<std::size_t... kRows>(std::index_sequence<kRows...>) {
-    (try_row.template operator()<kRows>(), ...);
+  [&]<std::size_t... kIndices>(std::index_sequence<kIndices...>) {
+    (try_length.template operator()<kIndices>(), ...);
   }
-  (std::make_index_sequence<kBinaryDescriptors.size()>{});
+  (std::make_index_sequence<kDescriptorWords.size()>{});
 }
 
 /// The k nearest so far of one query, ordered by (distance, index of the feature).

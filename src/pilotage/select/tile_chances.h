@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "pilotage/ground/tile_scores.h"
+
+namespace pilotage {
+
+/// P of a correct fix of each tile, 0 of one that is not counted on: over all that the level of the place may be, and
+/// at each of the levels that a flight is predicted at. All tiles share the level: where one is found less often than
+/// its P says, so are the others (ground/place_level.h).
+struct TileChances {
+  struct AtLevel {
+    double weight = 1;
+    std::vector<double> p;
+  };
+  std::vector<double> p;
+  std::vector<AtLevel> levels;  ///< level_nodes(), or a single one where no tile has a level_sigma above 0.
+};
+
+/// Those of the tiles with `counts`; one without a P counts as certain.
+TileChances tile_chances(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
+
+/// Chances that are the same at any level.
+TileChances level_free(std::vector<double> p_of_tile);
+
+/// The same with 0 for the tiles that are not `chosen`.
+TileChances of_chosen(TileChances chances, const std::vector<bool>& chosen);
+
+}  // namespace pilotage
