@@ -28,9 +28,8 @@ COARSE = ("beihai", "cupertino", "hongkong", "mumbai", "pisa", "saclay_e")
 FINE = ("levir_test_113_0256", "levir_test_7_0256_0512", "levir_train_36_0512_0512", "levir_train_386_0512_0768",
         "levir_train_412_0512_0768", "CS3", "OO1", "OO3", "OO4", "OO6")
 # Inputs of P that are tried, the fewest first; that is taken unless another is better by more than chance (choose_terms).
-TERMS = ("vote_contrast:3,described_area:3", "vote_contrast:3,gray_contrast:0.5,described_area:3",
-         "vote_contrast:3,gray_contrast:3,described_area:3", "vote_contrast:3,gray_contrast:0,described_area:3",
-         "map_features:3,vote_noise:3,gray_contrast:0.5,described_area:3")
+TERMS = ("map_features:3,relative_contrast:3", "map_features:3", "map_features:3,gray_contrast:3",
+         "map_features:3,gray_contrast:0.5", "map_features:3,vote_noise:3,relative_contrast:3")
 GSD_M = 0.6
 SEARCH_PX = 58  # 35 m
 SIZES_PX = {"coarse": (72, 84, 111), "fine": (72, 84, 111, 128), "port": (84, 111, 166, 222)}

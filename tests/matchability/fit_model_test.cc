@@ -10,22 +10,22 @@
 namespace pilotage {
 namespace {
 
-MatchabilityInputs drawn_inputs(double vote_contrast, double gray_contrast, double described_area) {
+MatchabilityInputs drawn_inputs(double map_features, double gray_contrast, double relative_contrast) {
   MatchabilityInputs inputs;
-  inputs[ModelInput::kVoteContrast] = vote_contrast;
+  inputs[ModelInput::kMapFeatures] = map_features;
   inputs[ModelInput::kGrayContrast] = gray_contrast;
-  inputs[ModelInput::kDescribedArea] = described_area;
+  inputs[ModelInput::kRelativeContrast] = relative_contrast;
   return inputs;
 }
 
-/// Frames whose outcomes follow z = level + 2·(vote − 5) + 3·(gray + 1) + 0.8·(area − 9); four of them look at the same
-/// ground and share its fate.
-FitSet drawn_set(const std::string& place, bool anchor, double level, double area, int count, Random& random) {
+/// Frames whose outcomes follow z = level + 2·(features − 5) + 3·(gray + 1) + 0.8·(relative − 9); four of them look at
+/// the same ground and share its fate.
+FitSet drawn_set(const std::string& place, bool anchor, double level, double relative, int count, Random& random) {
   FitSet set{place, anchor, {}};
   for (int i = 0; i < count; ++i) {
-    const MatchabilityInputs inputs = drawn_inputs(5 + 0.5 * random.normal(), -1 + 0.3 * random.normal(), area);
-    const double z = level + 2 * (inputs[ModelInput::kVoteContrast] - 5) + 3 * (inputs[ModelInput::kGrayContrast] + 1) +
-                     0.8 * (area - 9);
+    const MatchabilityInputs inputs = drawn_inputs(5 + 0.5 * random.normal(), -1 + 0.3 * random.normal(), relative);
+    const double z = level + 2 * (inputs[ModelInput::kMapFeatures] - 5) + 3 * (inputs[ModelInput::kGrayContrast] + 1) +
+                     0.8 * (relative - 9);
     const FitSample sample{inputs, random.uniform() < 1 / (1 + std::exp(-z))};
     for (int overlapping = 0; overlapping < 4; ++overlapping) set.samples.push_back(sample);
   }
@@ -33,7 +33,7 @@ FitSet drawn_set(const std::string& place, bool anchor, double level, double are
 }
 
 const std::vector<TermChoice> kFree = {
-    {ModelInput::kVoteContrast, 10}, {ModelInput::kGrayContrast, 10}, {ModelInput::kDescribedArea, 10}};
+    {ModelInput::kMapFeatures, 10}, {ModelInput::kGrayContrast, 10}, {ModelInput::kRelativeContrast, 10}};
 
 double slope_of(const MatcherModel& model, std::size_t term) {
   return model.terms[term].coefficient / model.terms[term].spread;
@@ -49,9 +49,9 @@ std::vector<FitSet> drawn_places(int count, bool anchors, double mean, double sp
   std::vector<FitSet> sets;
   for (int i = 0; i < count; ++i) {
     const double level = mean + spread * random.normal();
-    for (const double area : {8.0, 9.0, 10.0}) {
+    for (const double relative : {8.0, 9.0, 10.0}) {
       sets.push_back(
-          drawn_set((anchors ? "anchor" : "other") + std::to_string(i), anchors, level, area, tiles, random));
+          drawn_set((anchors ? "anchor" : "other") + std::to_string(i), anchors, level, relative, tiles, random));
     }
   }
   return sets;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -15,18 +16,18 @@ namespace {
 MatcherModel simple_model() {
   MatcherModel model;
   model.matcher = FlyingMatcher::kFeaturesAndChips;
-  model.terms = {{ModelInput::kVoteContrast, 1, 5, 0.5, 3},
+  model.terms = {{ModelInput::kMapFeatures, 1, 5, 0.5, 3},
                  {ModelInput::kGrayContrast, 0.75, -1, 0.25, 0.5},
-                 {ModelInput::kDescribedArea, 0.5, 8, 1, 3}};
+                 {ModelInput::kRelativeContrast, 0.5, 8, 1, 3}};
   model.level = {0.25, 1.5, 1.2, 0.9, 2, 6, 0};
   return model;
 }
 
-MatchabilityInputs inputs_of(double vote_contrast, double gray_contrast, double described_area) {
+MatchabilityInputs inputs_of(double map_features, double gray_contrast, double relative_contrast) {
   MatchabilityInputs inputs;
-  inputs[ModelInput::kVoteContrast] = vote_contrast;
+  inputs[ModelInput::kMapFeatures] = map_features;
   inputs[ModelInput::kGrayContrast] = gray_contrast;
-  inputs[ModelInput::kDescribedArea] = described_area;
+  inputs[ModelInput::kRelativeContrast] = relative_contrast;
   return inputs;
 }
 
@@ -40,21 +41,22 @@ TileScores scored_tile() {
   score.frieden_deficit = 0.04;  // σ/mean = 0.2: a mean of 100
   score.map_features = 98;
   score.vote_noise = 0.7;
+  score.relative_contrast = 1.25;
   return score;
 }
 
 TEST(MatchabilityModel, InputsAreThoseOfTheDocumentation) {
-  const MatchabilityInputs inputs = matchability_inputs(scored_tile(), 132);
-  EXPECT_NEAR(inputs[ModelInput::kVoteContrast], std::log(100 / 1.0), 1e-12);
+  const MatchabilityInputs inputs = matchability_inputs(scored_tile());
   EXPECT_NEAR(inputs[ModelInput::kMapFeatures], std::log(100.0), 1e-12);
   EXPECT_NEAR(inputs[ModelInput::kVoteNoise], std::log(1.0), 1e-12);
   EXPECT_NEAR(inputs[ModelInput::kGrayContrast], std::log(0.21), 1e-12);
-  EXPECT_NEAR(inputs[ModelInput::kDescribedArea], std::log(100.0 * 100.0), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kRelativeContrast], std::log(1.3), 1e-12);
 }
 
-TEST(MatchabilityModel, ContrastIsTakenAboveTheBlackOfEightBits) {
-  // Gray 60 becomes 0: the mean is 40 then, and σ/mean 0.5.
-  EXPECT_NEAR(matchability_inputs(scored_tile(), 132, 60)[ModelInput::kGrayContrast], std::log(0.51), 1e-12);
+TEST(MatchabilityModel, ContrastCountsAsUsualWhereNothingIsKnownOfTheImagery) {
+  TileScores score = scored_tile();
+  score.relative_contrast = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NEAR(matchability_inputs(score)[ModelInput::kRelativeContrast], std::log(1.05), 1e-12);
 }
 
 TEST(MatchabilityModel, IsTheStatedFunctionOverTheLevel) {
@@ -102,13 +104,13 @@ TEST(MatchabilityModel, ChipsNeverMakeAFixLessLikely) {
   features.level.sigma = 1;
   features.terms[2].coefficient += 2;
   const MatchabilityModel both{"", {}, {}, {features, chips}};
-  for (const double area : {3.0, 10.0}) {
-    const MatchabilityInputs inputs = inputs_of(5, -1, area);
+  for (const double relative : {3.0, 10.0}) {
+    const MatchabilityInputs inputs = inputs_of(5, -1, relative);
     const FixPrediction fix = predict_correct_fix(both, FlyingMatcher::kFeaturesAndChips, inputs, 100);
     const bool chips_are_better = p_of(chips, inputs) > p_of(features, inputs);
     EXPECT_EQ(fix.p, std::max(p_of(features, inputs), p_of(chips, inputs)));
     EXPECT_EQ(fix.level_sigma, chips_are_better ? 1.5 : 1.0);
-    EXPECT_EQ(chips_are_better, area == 3.0);
+    EXPECT_EQ(chips_are_better, relative == 3.0);
     EXPECT_EQ(predict_correct_fix(both, FlyingMatcher::kFeatures, inputs, 100).p, p_of(features, inputs));
   }
   EXPECT_THROW(predict_correct_fix({"", {}, {}, {chips}}, FlyingMatcher::kFeatures, inputs_of(5, -1, 8), 100),
@@ -151,7 +153,7 @@ TEST(MatchabilityModel, RefusesWhatIsNotItsFormat) {
 TEST(MatchabilityModel, TheDefaultHasBothMatchers) {
   for (const FlyingMatcher matcher : {FlyingMatcher::kFeatures, FlyingMatcher::kFeaturesAndChips}) {
     const MatcherModel& model = model_of(default_matchability_model(), matcher);
-    // More votes over noise, more contrast and more ground never make a fix less likely.
+    // More features and more contrast never make a fix less likely.
     for (const ModelTerm& term : model.terms) {
       EXPECT_EQ(term.coefficient > 0, term.input != ModelInput::kVoteNoise) << model_input_name(term.input);
     }

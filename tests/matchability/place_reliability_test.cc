@@ -17,8 +17,8 @@ std::vector<FitSet> scattered_places(int count, double spread, Random& random) {
     const double level = spread * random.normal();
     for (int n = 0; n < 120; ++n) {
       MatchabilityInputs inputs;
-      inputs[ModelInput::kVoteContrast] = 5 + random.normal();
-      const double z = level + 2 * (inputs[ModelInput::kVoteContrast] - 5);
+      inputs[ModelInput::kMapFeatures] = 5 + random.normal();
+      const double z = level + 2 * (inputs[ModelInput::kMapFeatures] - 5);
       set.samples.push_back({inputs, random.uniform() < 1 / (1 + std::exp(-z))});
     }
     sets.push_back(set);
@@ -29,7 +29,7 @@ std::vector<FitSet> scattered_places(int count, double spread, Random& random) {
 PlaceReliability judged(const std::vector<FitSet>& sets) {
   QualityOptions options;
   options.resamples = 0;
-  return judge_places(FlyingMatcher::kFeatures, sets, {{ModelInput::kVoteContrast, 10}}, options);
+  return judge_places(FlyingMatcher::kFeatures, sets, {{ModelInput::kMapFeatures, 10}}, options);
 }
 
 TEST(PlaceReliability, LevelsMakeItBetterInsidePlacesThanAcrossThem) {

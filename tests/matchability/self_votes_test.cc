@@ -62,7 +62,8 @@ double plain_noise(const FeatureSet& map, const std::vector<std::size_t>& voters
       for (int byte = 0; byte < map.descriptor_bytes; ++byte) {
         bits += std::popcount(static_cast<unsigned>(map.descriptor(voter)[byte] ^ map.descriptor(other)[byte]));
       }
-      if (bits <= descriptor_of(map).lookalike_bits()) ++votes.at<float>(kReach + static_cast<int>(dy), kReach + static_cast<int>(dx));
+      if (bits <= descriptor_of(map).lookalike_bits())
+        ++votes.at<float>(kReach + static_cast<int>(dy), kReach + static_cast<int>(dx));
     }
   }
   cv::boxFilter(votes, votes, -1, {3, 3}, {-1, -1}, false, cv::BORDER_CONSTANT);

@@ -1,5 +1,6 @@
 #include "pilotage/reroute/reroute.h"
 
+#include "matchability/known_level.h"
 #include "raster/raster_maker.h"
 #include "testing/error_of.h"
 #include "testing/temporary_folder.h"
@@ -57,8 +58,9 @@ RerouteOptions over_plain_ground(const fs::path& folder) {
   tile.camera.width_px = 640;
   tile.camera.height_px = 480;
   tile.ins.grade = InsGrade::kConsumer;
-  tile.max_error_m = 50;
+  tile.max_error_m = 35;
   options.mission.score.degraded_copies = 1;
+  options.mission.score.model = testing::model_of_known_level(folder);
   return options;
 }
 

@@ -1,4 +1,4 @@
-#include "pilotage/select/tile_chances.h"
+#include "pilotage/ground/tile_chances.h"
 
 #include <cmath>
 #include <limits>

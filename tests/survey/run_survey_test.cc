@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "matchability/known_level.h"
 #include "testing/json_schema.h"
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
@@ -82,7 +83,10 @@ TEST(RunSurvey, SameBytesForAnyNumberOfThreads) {
 TEST(RunSurvey, GroundWithoutImageryIsNoPartOfTheArea) {
   const testing::TemporaryFolder folder;
   const std::string ortho = small_area(folder.path());
-  const SurveyResult whole = run_survey({ortho}, small_survey(), survey_into(folder / "whole"));
+  SurveyOptions options = small_survey();
+  options.score.model = testing::model_of_known_level(folder.path());
+  const SurveyResult whole = run_survey({ortho}, options, survey_into(folder / "whole"));
+  ASSERT_GT(whole.go_share, 0.3);
   testing::change_raster(ortho, [](GDALDataset& dataset) {
     std::vector<std::uint8_t> zeros(std::size_t{300} * 400, 0);
     ASSERT_EQ(
@@ -90,7 +94,7 @@ TEST(RunSurvey, GroundWithoutImageryIsNoPartOfTheArea) {
         CE_None);
     ASSERT_EQ(dataset.GetRasterBand(1)->SetNoDataValue(0), CE_None);
   });
-  const SurveyResult half = run_survey({ortho}, small_survey(), survey_into(folder / "half"));
+  const SurveyResult half = run_survey({ortho}, options, survey_into(folder / "half"));
   EXPECT_LT(half.area_km2, 0.65 * whole.area_km2);
   EXPECT_GT(half.area_km2, 0.45 * whole.area_km2);
   EXPECT_GT(half.go_share, 0.6 * whole.go_share);

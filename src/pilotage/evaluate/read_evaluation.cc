@@ -45,8 +45,6 @@ EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::
   }
   EvaluatedSet result;
   if (options.boolean("chips")) result.matcher = FlyingMatcher::kFeaturesAndChips;
-  const auto tile_size_px =
-      static_cast<int>(std::lround(evaluation.positive_number("footprint_m") / evaluation.positive_number("gsd_m")));
   result.set.place = place;
   result.set.anchor = anchor;
 
@@ -57,15 +55,14 @@ EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::
     const std::string& outcome = cell_of(table, *cells, "outcome");
     if (outcome == outcome_name(Outcome::kNotCovered)) continue;
     TileScores score;
-    score.gray_variance = number_of(table, *cells, "gray_variance");
     score.frieden_deficit = number_of(table, *cells, "frieden_deficit");
     score.map_features = number_of(table, *cells, "map_features");
     score.vote_noise = number_of(table, *cells, "vote_noise");
+    score.relative_contrast = number_of(table, *cells, "relative_contrast");
     if (std::isnan(score.map_features) || std::isnan(score.frieden_deficit)) {
       throw DataError(table.where() + "no map_features or no frieden_deficit; score with the measure correct_fix");
     }
-    result.set.samples.push_back(
-        {matchability_inputs(score, tile_size_px), outcome == outcome_name(Outcome::kCorrect)});
+    result.set.samples.push_back({matchability_inputs(score), outcome == outcome_name(Outcome::kCorrect)});
   }
   return result;
 }

@@ -335,7 +335,7 @@ void check_sets(const std::vector<FitSet>& sets) {
 }  // namespace
 
 std::vector<TermChoice> default_terms() {
-  return {{ModelInput::kVoteContrast, 3}, {ModelInput::kGrayContrast, 0.5}, {ModelInput::kDescribedArea, 3}};
+  return {{ModelInput::kMapFeatures, 3}, {ModelInput::kRelativeContrast, 3}};
 }
 
 MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>& sets,

@@ -23,7 +23,7 @@ struct FitSet {
 
 /// An input that a model is to look at, and how many spreads above its mean it may still raise P (ModelTerm::most).
 struct TermChoice {
-  ModelInput input = ModelInput::kVoteContrast;
+  ModelInput input = ModelInput::kMapFeatures;
   double most = 3;
 };
 

@@ -17,7 +17,6 @@ namespace pilotage {
 namespace {
 
 constexpr int kFormatVersion = 2;
-constexpr double kMinFeatures = 20;  // match() refuses a map with fewer in its window
 
 using Json = nlohmann::ordered_json;
 
@@ -95,20 +94,14 @@ std::string model_input_name(ModelInput input) {
   return name_of_value(input);
 }
 
-MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px, double black) {
-  double contrast = std::sqrt(std::max(score.frieden_deficit, 0.0));
-  if (black != 0 && contrast > 0) {
-    const double mean = score.gray_variance / contrast;
-    contrast = score.gray_variance / std::max(mean - black, 1e-9 * std::abs(mean));
-  }
+MatchabilityInputs matchability_inputs(const TileScores& score) {
   const double noise = std::isnan(score.vote_noise) ? 0 : score.vote_noise;
-  const double described_px = std::max(tile_size_px - 2 * kDescriptorBorder_px, 4);
+  const double relative = std::isnan(score.relative_contrast) ? 1 : score.relative_contrast;
   MatchabilityInputs inputs;
   inputs[ModelInput::kMapFeatures] = std::log(score.map_features + 2);
   inputs[ModelInput::kVoteNoise] = std::log(noise + 0.3);
-  inputs[ModelInput::kVoteContrast] = inputs[ModelInput::kMapFeatures] - inputs[ModelInput::kVoteNoise];
-  inputs[ModelInput::kGrayContrast] = std::log(contrast + 0.01);
-  inputs[ModelInput::kDescribedArea] = 2 * std::log(described_px);
+  inputs[ModelInput::kGrayContrast] = std::log(std::sqrt(std::max(score.frieden_deficit, 0.0)) + 0.01);
+  inputs[ModelInput::kRelativeContrast] = std::log(relative + 0.05);
   return inputs;
 }
 
@@ -123,7 +116,7 @@ double sum_of_terms(const MatcherModel& model, const MatchabilityInputs& inputs)
 
 FixPrediction predict_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features) {
   FixPrediction prediction{0, model.level.sigma, model.level.tiles};
-  if (map_features < kMinFeatures) return prediction;
+  if (map_features < kLeastMapFeatures) return prediction;
   prediction.p = p_over_level(model.level.mean + sum_of_terms(model, inputs), model.level.sigma);
   return prediction;
 }

@@ -30,24 +30,20 @@ std::string flying_matcher_name(FlyingMatcher matcher);  ///< As in files and op
 
 /// What the model may look at, of one tile (docs/methods/matchability.md).
 enum class ModelInput {
-  /// ln((n + 2) / (noise + 0.3)): n features vote for the right place, and must exceed the noise of their own votes.
-  kVoteContrast,
-  kMapFeatures,  ///< ln(n + 2).
-  kVoteNoise,    ///< ln(noise + 0.3).
-  /// ln(σ/f̄ + 0.01) of the gray values: what haze, season and shadows leave of the picture.
-  kGrayContrast,
-  /// ln of the pixels of the frame at which descriptors can be taken: the tile without a border of
-  /// kDescriptorBorder_px.
-  kDescribedArea,
+  kMapFeatures,   ///< ln(n + 2): n features of the map vote for the right place.
+  kVoteNoise,     ///< ln(noise + 0.3) of their own votes for wrong ones.
+  kGrayContrast,  ///< ln(σ/f̄ + 0.01) of the gray values.
+  /// ln of the same over what is usual on this imagery (TileScores::relative_contrast + 0.05): what haze, season and
+  /// shadows leave of the picture, without what a sensor and its processing do to all of it.
+  kRelativeContrast,
 };
-inline constexpr std::size_t kModelInputs = 5;
+inline constexpr std::size_t kModelInputs = 4;
 
 inline EnumNames<ModelInput> enum_names(ModelInput) {
-  return {{ModelInput::kVoteContrast, "vote_contrast"},
-          {ModelInput::kMapFeatures, "map_features"},
+  return {{ModelInput::kMapFeatures, "map_features"},
           {ModelInput::kVoteNoise, "vote_noise"},
           {ModelInput::kGrayContrast, "gray_contrast"},
-          {ModelInput::kDescribedArea, "described_area"}};
+          {ModelInput::kRelativeContrast, "relative_contrast"}};
 }
 
 std::string model_input_name(ModelInput input);  ///< As in files and options.
@@ -60,16 +56,17 @@ struct MatchabilityInputs {
   double& operator[](ModelInput input) { return values[static_cast<std::size_t>(input)]; }
 };
 
-inline constexpr int kDescriptorBorder_px = 16;
+/// Features of the map below which match() refuses a frame, and P is 0.
+inline constexpr double kLeastMapFeatures = 20;
 
-/// The inputs of a scored tile of side `tile_size_px`; its gray_variance, frieden_deficit, map_features and vote_noise
-/// must be there. Noise of a tile without features counts as 0. `black` is the gray value that becomes 0 in 8 bits.
-MatchabilityInputs matchability_inputs(const TileScores& score, int tile_size_px, double black = 0);
+/// The inputs of a scored tile; its frieden_deficit and map_features must be there. Noise of a tile without features
+/// counts as 0, a contrast relative to nothing known as usual.
+MatchabilityInputs matchability_inputs(const TileScores& score);
 
 /// One input's part of the sum: coefficient · (x − mean) / spread, held to at most abs(coefficient) · most, so that
 /// ground unlike any that the model has seen cannot promise more.
 struct ModelTerm {
-  ModelInput input = ModelInput::kVoteContrast;
+  ModelInput input = ModelInput::kMapFeatures;
   double coefficient = 0;
   double mean = 0;
   double spread = 1;
@@ -115,8 +112,8 @@ struct FixPrediction {
   std::int64_t level_tiles = 0;  ///< PlaceLevel::tiles.
 };
 
-/// P(correct fix) of one frame over the tile by the parameters of one matcher; 0 when the tile has fewer than 20
-/// features, where match() refuses.
+/// P(correct fix) of one frame over the tile by the parameters of one matcher; 0 when the tile has fewer than
+/// kLeastMapFeatures, where match() refuses.
 FixPrediction predict_correct_fix(const MatcherModel& model, const MatchabilityInputs& inputs, double map_features);
 
 /// The same for what flies. A map with chips has all that one without has: it has the prediction with the larger P

@@ -22,9 +22,10 @@ struct SelfVotes {
 };
 
 /// Votes of each tile's features for displacements within kVoteReach_px of the truth in both axes. A vote is a pair of
-/// a feature of the tile and any of the map whose descriptors look alike (BinaryDescriptor::lookalike_distance). The true peak, displacements up to 5 px, is left out. Nothing is degraded and
-/// nothing random; the votes that the true place will get on another day are in proportion to `features`, the noise is
-/// what they must exceed (docs/methods/matchability.md).
+/// a feature of the tile and any of the map whose descriptors look alike (BinaryDescriptor::lookalike_distance). The
+/// true peak, displacements up to 5 px, is left out. Nothing is degraded and nothing random; the votes that the true
+/// place will get on another day are in proportion to `features`, the noise is what they must exceed
+/// (docs/methods/matchability.md).
 ///
 /// `options` are those of `build`, so that these are the map's features. Result i belongs to `tile_indices[i]`, where
 /// index = row · matrix_width + column of `matrix`, whose pixel grid is that of `source` (CV_8U: stretch_to_8bit). The

@@ -140,8 +140,7 @@ std::string rests_on_text(const RouteProbability& probability) {
   }
   if (probability.level_tiles == 0) {
     return "P rests on one date of this ground: how often fixes come at this place, in that season, is taken from "
-           "other "
-           "places, which differ by as much as the interval says";
+           "other places, which differ by as much as the interval says";
   }
   return "";
 }

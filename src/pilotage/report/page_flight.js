@@ -341,8 +341,10 @@ function* predictFlight(settings) {
   const p = survival.p_within_limit;
   predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: whatIfData.min_route_probability, worst: survival.worst,
     interval: null };
-  const [low, high] = whatIfData.level_interval;
-  if (chances.length > 1) predicted.probability.interval = { low: survival.at_level[low], high: survival.at_level[high] };
+  if (chances.length > 1) {
+    const ends = whatIfData.level_interval.map((level) => survival.at_level[level]);
+    predicted.probability.interval = { low: Math.min(...ends), high: Math.max(...ends) };
+  }
   predicted.profile.forEach((sample, i) => { sample.p_within_limit = p[i]; });
   predicted.legs.forEach((leg) => { leg.p_within_limit = survival.legs_p[leg.leg]; });
   for (const gap of predicted.gaps) {

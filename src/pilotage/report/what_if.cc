@@ -11,13 +11,13 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/ground/place_level.h"
+#include "pilotage/ground/tile_chances.h"
 #include "pilotage/ins/ins_error_model.h"
 #include "pilotage/ins/ins_products.h"
 #include "pilotage/mission/tile_under.h"
 #include "pilotage/report/disagreement.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/verdict.h"
-#include "pilotage/select/tile_chances.h"
 
 namespace pilotage {
 namespace {

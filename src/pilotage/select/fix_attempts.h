@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "pilotage/ground/tile_chances.h"
 #include "pilotage/mission/gnss_availability.h"
 #include "pilotage/mission/mission.h"
-#include "pilotage/select/tile_chances.h"
 
 namespace pilotage {
 

@@ -139,8 +139,9 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                                            survival.worst,
                                            {}};
   if (survival.p_at_level.size() > 1) {
-    selection.probability->interval =
-        ProbabilityInterval{survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]};
+    // In the last digits a flight can do a little worse where fixes come more often: the interval is of P.
+    const auto [low, high] = std::minmax(survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]);
+    selection.probability->interval = ProbabilityInterval{low, high};
   }
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     selection.error_profile[i].p_correct_fix = tiles[i] ? p_of_stored[*tiles[i]] : 0;
