@@ -15,6 +15,7 @@ MatchabilityInputs drawn_inputs(double map_features, double gray_contrast, doubl
   inputs[ModelInput::kMapFeatures] = map_features;
   inputs[ModelInput::kGrayContrast] = gray_contrast;
   inputs[ModelInput::kRelativeContrast] = relative_contrast;
+  inputs[ModelInput::kVoteContrast] = 5;  // nothing repeats
   return inputs;
 }
 

@@ -51,6 +51,7 @@ TEST(MatchabilityModel, InputsAreThoseOfTheDocumentation) {
   EXPECT_NEAR(inputs[ModelInput::kVoteNoise], std::log(1.0), 1e-12);
   EXPECT_NEAR(inputs[ModelInput::kGrayContrast], std::log(0.21), 1e-12);
   EXPECT_NEAR(inputs[ModelInput::kRelativeContrast], std::log(1.3), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kVoteContrast], std::log(100.0), 1e-12);
 }
 
 TEST(MatchabilityModel, ContrastCountsAsUsualWhereNothingIsKnownOfTheImagery) {
@@ -147,6 +148,30 @@ TEST(MatchabilityModel, RefusesWhatIsNotItsFormat) {
   } catch (const DataError& error) {
     EXPECT_NE(std::string(error.what()).find("old.json"), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("pilotage calibrate"), std::string::npos);
+  }
+}
+
+TEST(MatchabilityModel, TheDefaultDoesNotPromiseFixesOverOrchards) {
+  TileScores rows = scored_tile();  // as 111 px of the sample's orchard, where none of 24 frames was found
+  rows.map_features = 240;
+  rows.vote_noise = 18;
+  TileScores town = rows;
+  town.vote_noise = 0.3;
+  for (const FlyingMatcher matcher : {FlyingMatcher::kFeatures, FlyingMatcher::kFeaturesAndChips}) {
+    const auto p = [&](const TileScores& score) {
+      return predict_correct_fix(default_matchability_model(), matcher, matchability_inputs(score), score.map_features)
+          .p;
+    };
+    EXPECT_LT(p(rows), 0.25);
+    EXPECT_GT(p(town), 0.6);
+    town.vote_noise = 5;
+    EXPECT_EQ(p(town), p([&] {
+                TileScores quiet = town;
+                quiet.vote_noise = 0.3;
+                return quiet;
+              }()))
+        << "noise that the true place stands above costs nothing";
+    town.vote_noise = 0.3;
   }
 }
 

@@ -18,6 +18,7 @@ std::vector<FitSet> scattered_places(int count, double spread, Random& random) {
     for (int n = 0; n < 120; ++n) {
       MatchabilityInputs inputs;
       inputs[ModelInput::kMapFeatures] = 5 + random.normal();
+      inputs[ModelInput::kVoteContrast] = 5;  // nothing repeats
       const double z = level + 2 * (inputs[ModelInput::kMapFeatures] - 5);
       set.samples.push_back({inputs, random.uniform() < 1 / (1 + std::exp(-z))});
     }

@@ -38,13 +38,14 @@ double log_likelihood(double logit, bool correct) {
 struct Place {
   bool anchor = false;
   std::vector<double> terms;
+  std::vector<double> offsets;  ///< What repetition_term() adds to each.
   std::vector<bool> correct;
 };
 
 using Slopes = std::vector<double>;
 
 std::vector<double> logits_of(const Place& place, const double* slopes, std::size_t terms) {
-  std::vector<double> logits(place.correct.size(), 0.0);
+  std::vector<double> logits = place.offsets;
   for (std::size_t i = 0; i < logits.size(); ++i) {
     for (std::size_t k = 0; k < terms; ++k) logits[i] += slopes[k] * place.terms[i * terms + k];
   }
@@ -178,6 +179,8 @@ double standardised(ModelTerm term, double sign, const MatchabilityInputs& input
 
 std::vector<Place> places_of(const std::vector<FitSet>& sets, const std::vector<ModelTerm>& terms,
                              const std::vector<double>& signs) {
+  MatcherModel repetition;
+  repetition.terms = {repetition_term()};
   std::map<std::pair<bool, std::string>, Place> places;
   for (const FitSet& set : sets) {
     if (set.samples.empty()) continue;
@@ -187,6 +190,7 @@ std::vector<Place> places_of(const std::vector<FitSet>& sets, const std::vector<
       for (std::size_t k = 0; k < terms.size(); ++k) {
         place.terms.push_back(standardised(terms[k], signs[k], sample.inputs));
       }
+      place.offsets.push_back(sum_of_terms(repetition, sample.inputs));
       place.correct.push_back(sample.correct);
     }
   }
@@ -334,6 +338,12 @@ void check_sets(const std::vector<FitSet>& sets) {
 
 }  // namespace
 
+ModelTerm repetition_term() {
+  constexpr double kLeastContrast = 30;
+  constexpr double kSteepness = 6;
+  return {ModelInput::kVoteContrast, kSteepness, std::log(kLeastContrast), 1, 0};
+}
+
 std::vector<TermChoice> default_terms() {
   return {{ModelInput::kMapFeatures, 3}, {ModelInput::kRelativeContrast, 3}};
 }
@@ -354,6 +364,7 @@ MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>&
     slopes = fit_slopes(places, choices.size());
   }
   for (std::size_t k = 0; k < slopes.size(); ++k) model.terms[k].coefficient = slopes[k];
+  model.terms.push_back(repetition_term());
   model.level = level_of_new_place(places, slopes);
   return model;
 }

@@ -102,6 +102,7 @@ MatchabilityInputs matchability_inputs(const TileScores& score) {
   inputs[ModelInput::kVoteNoise] = std::log(noise + 0.3);
   inputs[ModelInput::kGrayContrast] = std::log(std::sqrt(std::max(score.frieden_deficit, 0.0)) + 0.01);
   inputs[ModelInput::kRelativeContrast] = std::log(relative + 0.05);
+  inputs[ModelInput::kVoteContrast] = inputs[ModelInput::kMapFeatures] - inputs[ModelInput::kVoteNoise];
   return inputs;
 }
 

@@ -36,14 +36,16 @@ enum class ModelInput {
   /// ln of the same over what is usual on this imagery (TileScores::relative_contrast + 0.05): what haze, season and
   /// shadows leave of the picture, without what a sensor and its processing do to all of it.
   kRelativeContrast,
+  kVoteContrast,  ///< kMapFeatures − kVoteNoise: how far the true peak can stand above the others.
 };
-inline constexpr std::size_t kModelInputs = 4;
+inline constexpr std::size_t kModelInputs = 5;
 
 inline EnumNames<ModelInput> enum_names(ModelInput) {
   return {{ModelInput::kMapFeatures, "map_features"},
           {ModelInput::kVoteNoise, "vote_noise"},
           {ModelInput::kGrayContrast, "gray_contrast"},
-          {ModelInput::kRelativeContrast, "relative_contrast"}};
+          {ModelInput::kRelativeContrast, "relative_contrast"},
+          {ModelInput::kVoteContrast, "vote_contrast"}};
 }
 
 std::string model_input_name(ModelInput input);  ///< As in files and options.

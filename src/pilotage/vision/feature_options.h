@@ -21,9 +21,9 @@ struct FeatureOptions {
   static void describe(Self& self, Fields& fields) {
     fields.field("features_per_mpx", self.features_per_mpx,
                  "Most features for each million pixels, over all octaves; spread evenly.", Range{1, 200000});
-    fields.field(
-        "pattern", self.pattern,
-        "Tests of the descriptor: ground, learned on ground at two dates; orb, cv::ORB's; brief, drawn at random.");
+    fields.field("pattern", self.pattern,
+                 "Tests of the descriptor: ground, learned on ground at two dates; orb, cv::ORB's; brief, drawn at "
+                 "random. P of a correct fix is fitted for ground of 128 bits.");
     fields.field("descriptor_bits", self.descriptor_bits, kDescriptorBitsHelp,
                  Range{kLeastDescriptorBits, kMostDescriptorBits});
     fields.field("fast_threshold", self.fast_threshold, "Contrast of a corner, gray levels.", Range{1, 254});

@@ -19,11 +19,7 @@ namespace pilotage {
 /// Corners are FAST-9 (E. Rosten, T. Drummond, ECCV 2006) with 3 × 3 non-maximum suppression at `fast_threshold`, in
 /// cells of about eight features; a cell that does not fill its share is searched again at `min_fast_threshold`. In
 /// each cell the corners with the highest Harris response (C. Harris, M. Stephens, 1988; 7 × 7 Sobel window, k = 0.04)
-/// stay. Octaves are area averages of the image. Descriptors compare pixels of the image smoothed by a Gaussian of σ =
-/// 2 px: 256 bits is the learned pattern of ORB (E. Rublee et al., ICCV 2011) as cv::ORB computes it; 128 and 512 bits
-/// are pairs drawn from an isotropic Gaussian of variance S²/25, S = 31 px (M. Calonder et al., BRIEF, ECCV 2010,
-/// layout G II). Upright descriptors have angle 0; oriented ones are turned by the angle of the intensity centroid (P.
-/// L. Rosin, 1999) of a disc of 15 px radius.
+/// stay. Octaves are area averages of the image. Descriptors are those of descriptor_of(options), all upright.
 ///
 /// No feature's patch touches an invalid pixel or leaves the grid, so small grids have none. Only blocks that touch one
 /// of `windows` are read, and only features inside at least one window are returned; the features of a piece of ground
