@@ -15,6 +15,7 @@ set(may_include_match ${flying} mapdb)
 set(foundation ${flying} correlation degradation)
 set(may_include_route ${foundation})
 set(may_include_ins ${foundation})
+set(may_include_navigate ${flying} ins mapdb match)
 set(may_include_registration ${foundation})
 set(may_include_ground ${foundation})
 set(may_include_mission ${foundation} route ins mapdb ground)
@@ -72,6 +73,6 @@ foreach(file IN LISTS files)
     endif()
   endforeach()
 endforeach()
-finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {route, ins, mapdb <- match, registration, ground} <- \
+finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {route, ins, mapdb <- match <- navigate, registration, ground} <- \
 {mission, matchability} <- stages; a stage never includes another stage, except prepare and survey (the stages they are made of), reroute (prepare and its stages), gis (report), flightlog (match), \
 evaluate (build_map, match and flightlog) and simulate (match and flightlog)")

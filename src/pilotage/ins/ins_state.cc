@@ -19,9 +19,8 @@ constexpr double kEarthRadius_m = 6371000;
 /// result.
 constexpr double kMaxStep_s = 10;
 constexpr double kMaxStepOfCorrelation = 0.1;
-/// Longest step between two uses of the aiding velocity, and its noise beside the slow error.
+/// Longest step between two uses of the aiding velocity.
 constexpr double kAidStep_s = 0.5;
-constexpr double kAidNoise_mps_rt_hz = 0.1;
 
 constexpr int kPosition = 0;
 constexpr int kVelocity = 2;
@@ -261,7 +260,8 @@ void fly(InsState& next, const InsStep& step, InsEstimate::Errors* errors) {
     next.covariance = 0.5 * (grown + grown.transpose());
     if (errors != nullptr) *errors = (step.phi * *errors).eval();
     const double part_s = step.dt_s / step.parts;
-    if (step.aided) update(next.covariance, aid, kAidNoise_mps_rt_hz * kAidNoise_mps_rt_hz / part_s, errors);
+    if (step.aided)
+      update(next.covariance, aid, kVelocityAidNoise_mps_rt_hz * kVelocityAidNoise_mps_rt_hz / part_s, errors);
   }
   next.time_s += step.dt_s;
 }
