@@ -48,7 +48,8 @@ std::string named_groups(const Command& command, const std::vector<OptionSection
 }  // namespace
 
 std::string overview_help(const std::vector<Command>& commands) {
-  std::string text = "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n" + program_summary() + ".\n";
+  std::string text =
+      "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n" + program_summary() + ".\n";
   for (const auto& [group, heading] : command_groups()) {
     std::string lines;
     for (const Command& command : commands) {

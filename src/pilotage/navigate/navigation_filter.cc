@@ -116,8 +116,8 @@ void NavigationFilter::correct(const Errors::Vector& errors) {
     state_.ecef_from_body =
         (Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, turn_rad / angle_rad)) * state_.ecef_from_body).normalized();
   }
-  constexpr int kSensors = Errors::kFrames - Errors::kGyroBias;
-  sensor_errors_.segment<kSensors>(Errors::kGyroBias) -= errors.segment<kSensors>(Errors::kGyroBias);
+  constexpr int kSlow = Errors::kFrames - Errors::kGyroBias;
+  sensor_errors_.segment<kSlow>(Errors::kGyroBias) -= errors.segment<kSlow>(Errors::kGyroBias);
   for (int i = 0; i < Errors::kMostFrames; ++i) {
     frames_[static_cast<std::size_t>(i)].offset_m -= errors.segment<2>(Errors::kFrames + 2 * i);
   }
