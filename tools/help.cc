@@ -48,7 +48,8 @@ std::string named_groups(const Command& command, const std::vector<OptionSection
 }  // namespace
 
 std::string overview_help(const std::vector<Command>& commands) {
-  std::string text = "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT\n" + program_summary() + ".\n";
+  std::string text =
+      "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n" + program_summary() + ".\n";
   for (const auto& [group, heading] : command_groups()) {
     std::string lines;
     for (const Command& command : commands) {
@@ -59,7 +60,7 @@ std::string overview_help(const std::vector<Command>& commands) {
     }
     if (!lines.empty()) text += heading + ":\n" + lines;
   }
-  return text + "`pilotage COMMAND --help` explains a command; `--version` names the versions.\n";
+  return text;
 }
 
 std::string command_help(const Command& command, const OptionList& common, bool all) {

@@ -11,6 +11,7 @@
 #include "pilotage/match/mavlink_position.h"
 #include "pilotage/match/nav_sat_fix.h"
 #include "pilotage/match/position_measurement.h"
+#include "pilotage/navigate/navigation_filter.h"
 #include "pilotage/version.h"
 
 /// @file
@@ -49,6 +50,7 @@
 ///  3. match() with MatchPrior and MatchOptions gives a MatchResult: a MatchStatus, a Fix exactly when the status is
 ///     kFix, a candidate that is never to be used for navigation by itself, and MatchStats. without_prior() is what a
 ///     filter takes that gave the prior; agrees_with_track() and false_confirmation_rate() judge a candidate by it.
+///     NavigationFilter is such a filter: an IMU's increments and fixes, however late, in, place and attitude out.
 ///  4. nav_sat_fix() gives the fields of ROS's sensor_msgs/NavSatFix, mavlink_global_position_sensor() those of
 ///     MAVLink's GLOBAL_POSITION_SENSOR. Neither ROS nor MAVLink is needed to build them.
 ///

@@ -60,6 +60,24 @@ int print(const pilotage::MatchResult& result, const pilotage::FixAltitude& alti
   return result.fix ? 0 : 3;
 }
 
+// What a navigation filter makes of a fix. In an aircraft it is made where GNSS is lost, advances with every increment
+// of the IMU, and gives the prior itself: match_prior(). Here it begins at the prior, and stands.
+void navigate(const pilotage::MatchPrior& prior, const pilotage::Fix& fix) {
+  pilotage::InsOptions ins;
+  ins.name = "VN-100";
+  pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
+  model.start_sigma_m = pilotage::largest_sigma_m(prior.covariance_en_m2);
+  pilotage::NavigationFilter filter(
+      model, {}, pilotage::inertial_state(0, prior.position, prior.height_agl_m, {0, 0, 0}, prior.attitude));
+  const pilotage::FrameNumber frame = filter.take_frame();
+  filter.advance({0.01, {0, 0, 0}, {0, 0, -0.0981}});  // time goes on while match() works
+  const auto update = filter.take_fix(frame, pilotage::without_prior(fix, prior, {}));
+  const auto estimate = filter.estimate();
+  std::printf("navigation: %s, latitude %.8f longitude %.8f sigma %.1f m\n",
+              update.outcome == pilotage::FixOutcome::kTaken ? "fix taken" : "fix refused", estimate.position.lat_deg,
+              estimate.position.lon_deg, pilotage::largest_sigma_m(estimate.covariance_en_m2));
+}
+
 // Once, before the flight: the map. With a public key, or a key list and the root key that signed it, only one whose
 // signature holds, and that is valid now. An aircraft without a clock that it may trust leaves `now` out; one that
 // keeps the highest version that it has flown asks for MapRequirements::min_version and
@@ -103,7 +121,9 @@ int run(const std::vector<std::string>& arguments) {
     const double not_known = std::numeric_limits<double>::quiet_NaN();
     altitude = pilotage::altitude_over(*result.fix, ground_ellipsoid_m, not_known, 5);
   }
-  return print(result, altitude, exposure);
+  const int code = print(result, altitude, exposure);
+  if (result.fix) navigate(prior, *result.fix);
+  return code;
 }
 
 }  // namespace

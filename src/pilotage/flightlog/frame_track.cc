@@ -84,7 +84,7 @@ void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
     return;
   }
   const Eigen::Vector2d innovation_m = measured.error_m - track_->filter.error_m();
-  if (mahalanobis_squared(innovation_m, difference_covariance(measured)) > kInnovationChiSquared) {
+  if (mahalanobis_squared(innovation_m, difference_covariance(measured)) > kInnovationGateChiSquared) {
     ++summary_.gate_refusals;
     result.status = MatchStatus::kOutsideGate;
     result.fix.reset();

@@ -82,6 +82,5 @@ class FrameTrack {
 };
 
 inline constexpr int kTrackRefusals = 4;
-inline constexpr double kInnovationChiSquared = 13.815510557964274;  ///< −2 ln 0.001
 
 }  // namespace pilotage

@@ -4,6 +4,8 @@
 
 #include "pilotage/ins/ins_options.h"
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 /// The figures of InsOptions in SI units, grade resolved. Each is one standard deviation of one axis.
@@ -28,9 +30,14 @@ struct InsErrorModel {
   bool is_odometry() const { return odometry_drift > 0; }
 };
 
+/// Noise of an aiding velocity beside its slow error: σ of the mean over 1 s.
+inline constexpr double kVelocityAidNoise_mps_rt_hz = 0.1;
+
 /// Grade or product, and given figures, to one model. Throws UsageError when a figure is outside its range, when grade
 /// `custom` comes with no figure that makes an error grow, when both a grade and a product are named, and as
 /// ins_product.
 InsErrorModel make_ins_error_model(const InsOptions& options);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

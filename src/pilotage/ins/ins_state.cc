@@ -19,9 +19,8 @@ constexpr double kEarthRadius_m = 6371000;
 /// result.
 constexpr double kMaxStep_s = 10;
 constexpr double kMaxStepOfCorrelation = 0.1;
-/// Longest step between two uses of the aiding velocity, and its noise beside the slow error.
+/// Longest step between two uses of the aiding velocity.
 constexpr double kAidStep_s = 0.5;
-constexpr double kAidNoise_mps_rt_hz = 0.1;
 
 constexpr int kPosition = 0;
 constexpr int kVelocity = 2;
@@ -149,19 +148,8 @@ void update(Matrix& covariance, const Eigen::Matrix<double, 2, InsState::kSize>&
 /// A change of heading and speed at one instant: what a turn and an acceleration do to the errors.
 void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry,
                InsEstimate::Errors* errors = nullptr) {
-  const double turn_rad = std::remainder(heading_deg - state.heading_deg, 360.0) * kRadPerDeg;
-  if (turn_rad == 0 && speed_mps == state.speed_mps) return;
-  Matrix jump = Matrix::Identity();
-  jump(kHeading, kGyroScale) = turn_rad;
-  if (!odometry) {
-    const Eigen::Vector2d change_mps =
-        enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(state.heading_deg).col(0) * state.speed_mps;
-    jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
-    // The acceleration is resolved along axes turned clockwise by the heading error (half of the turn's own share).
-    const Eigen::Vector2d turned(change_mps.y(), -change_mps.x());
-    jump.block<2, 1>(kVelocity, kHeading) = turned;
-    jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
-  }
+  if (heading_deg == state.heading_deg && speed_mps == state.speed_mps) return;
+  const Matrix jump = manoeuvre_jump(state.heading_deg, state.speed_mps, heading_deg, speed_mps, odometry);
   if (errors != nullptr) *errors = (jump * *errors).eval();
   state.covariance = (jump * state.covariance * jump.transpose()).eval();
   state.heading_deg = heading_deg;
@@ -203,6 +191,22 @@ double largest_variance(const Eigen::Matrix2d& covariance) {
 }
 
 }  // namespace
+
+InsState::Covariance manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg,
+                                    double speed_mps, bool odometry) {
+  const double turn_rad = std::remainder(heading_deg - from_heading_deg, 360.0) * kRadPerDeg;
+  Matrix jump = Matrix::Identity();
+  jump(kHeading, kGyroScale) = turn_rad;
+  if (odometry) return jump;
+  const Eigen::Vector2d change_mps =
+      enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(from_heading_deg).col(0) * from_speed_mps;
+  jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
+  // The acceleration is resolved along axes turned clockwise by the heading error (half of the turn's own share).
+  const Eigen::Vector2d turned(change_mps.y(), -change_mps.x());
+  jump.block<2, 1>(kVelocity, kHeading) = turned;
+  jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
+  return jump;
+}
 
 InsState initial_ins_state(const InsErrorModel& model, double heading_deg, double speed_mps) {
   const auto square = [](double x) { return x * x; };
@@ -261,7 +265,8 @@ void fly(InsState& next, const InsStep& step, InsEstimate::Errors* errors) {
     next.covariance = 0.5 * (grown + grown.transpose());
     if (errors != nullptr) *errors = (step.phi * *errors).eval();
     const double part_s = step.dt_s / step.parts;
-    if (step.aided) update(next.covariance, aid, kAidNoise_mps_rt_hz * kAidNoise_mps_rt_hz / part_s, errors);
+    if (step.aided)
+      update(next.covariance, aid, kVelocityAidNoise_mps_rt_hz * kVelocityAidNoise_mps_rt_hz / part_s, errors);
   }
   next.time_s += step.dt_s;
 }

@@ -59,6 +59,10 @@ struct InsStep {
 InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const InsErrorModel& model);
 InsState propagate(const InsState& state, const InsStep& step);
 
+/// What a change of heading and speed at one instant makes of the errors: this matrix times them.
+InsState::Covariance manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg,
+                                    double speed_mps, bool odometry);
+
 /// Kalman update with a position fix of error `fix_sigma_m` on each axis (Joseph form). Each fix bounds the position
 /// error, and several also bound velocity, tilt and biases. Throws UsageError unless fix_sigma_m is positive and
 /// finite.

@@ -23,6 +23,10 @@ struct PositionMeasurement {
 /// nothing get the variance 10⁶ times the prior's.
 PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior, const MatchOptions& options);
 
+/// A right fix lies farther from what a filter expects (squared Mahalanobis distance of the innovation) one time in a
+/// thousand: χ² of two degrees of freedom, −2 ln 0.001.
+inline constexpr double kInnovationGateChiSquared = 13.815510557964274;
+
 }  // namespace pilotage
 
 #pragma GCC visibility pop

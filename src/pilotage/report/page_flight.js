@@ -46,7 +46,7 @@ function gnssDenied(flight, stretches) {
 }
 const plannedGnss = (flight) => (whatIfData.denied.length ? gnssDenied(flight, whatIfData.denied) : gnssEverywhere(flight.count, false));
 
-// ---- What tries may give (select/fix_attempts.cc, select/tile_chances.cc) ----
+// ---- What tries may give (select/fix_attempts.cc, ground/tile_chances.cc) ----
 // Those at each level of the place, which all tries share, with how much it counts.
 const levelChances = (flight, interval_s) => whatIfData.level_weights.map((weight, level) =>
   ({ weight, chances: routeChances(flight, interval_s, level) }));

@@ -1,0 +1,215 @@
+#include "pilotage/simulate/fly_mission.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pilotage/base/angle.h"
+#include "pilotage/geo/position_covariance.h"
+#include "pilotage/match/position_measurement.h"
+#include "pilotage/mission/tile_under.h"
+#include "pilotage/navigate/navigation_filter.h"
+
+namespace pilotage {
+namespace {
+
+/// Time in which the aircraft takes back 63 % of the way by which its navigation finds it off the line.
+constexpr double kSteering_s = 10;
+/// The matcher searches a square of so many standard deviations of its prior to each side.
+constexpr double kSearchSigmas = 3;
+constexpr double kLeastShareOfAirspeed = 0.3;
+
+/// Streams of random numbers of one flight, so that what one draws does not move what another does.
+enum class Stream : std::uint64_t { kErrors, kFixes, kWind, kLevel, kWindows };
+
+Random stream(std::uint64_t seed, Stream which) {
+  return Random(derive_seed(seed, static_cast<std::uint64_t>(which)));
+}
+
+double ground_speed_mps(double airspeed_mps, double azimuth_deg, const Eigen::Vector2d& wind_mps) {
+  const double azimuth_rad = azimuth_deg * kRadPerDeg;
+  const Eigen::Vector2d along(std::sin(azimuth_rad), std::cos(azimuth_rad));
+  const double cross = wind_mps.dot(Eigen::Vector2d(along.y(), -along.x()));
+  const double ahead = std::sqrt(std::max(0.0, airspeed_mps * airspeed_mps - cross * cross));
+  return std::max(kLeastShareOfAirspeed * airspeed_mps, ahead + wind_mps.dot(along));
+}
+
+/// The steps of the route in a wind: neighbours of the same length and course are flown by the same step.
+std::vector<DrawnStep> steps_in_wind(const SimulatedMission& mission, const Eigen::Vector2d& wind_mps) {
+  const std::vector<FlightSample>& samples = mission.path.mission->flight.samples;
+  std::vector<DrawnStep> steps;
+  steps.reserve(mission.steps.size());
+  for (std::size_t i = 0; i < mission.steps.size(); ++i) {
+    const FlightSample& at = samples[i];
+    const double way_m = samples[i + 1].distance_m - at.distance_m;
+    const auto alike = [&](std::size_t j) {
+      return samples[j].leg == at.leg && samples[j].speed_mps == at.speed_mps &&
+             std::abs(samples[j + 1].distance_m - samples[j].distance_m - way_m) < 1e-4 &&
+             std::abs(std::remainder(samples[j].azimuth_deg - at.azimuth_deg, 360)) < 0.1;
+    };
+    if (i > 0 && alike(i - 1)) {
+      steps.push_back(steps.back());
+      continue;
+    }
+    const double speed_mps = ground_speed_mps(at.speed_mps, at.azimuth_deg, wind_mps);
+    steps.emplace_back(make_ins_step(way_m / speed_mps, at.azimuth_deg, speed_mps, mission.path.model));
+  }
+  return steps;
+}
+
+/// A flight under way.
+class Flying {
+ public:
+  Flying(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed)
+      : mission_(mission),
+        options_(options),
+        samples_(mission.path.mission->flight.samples),
+        errors_(stream(seed, Stream::kErrors)),
+        fixes_(stream(seed, Stream::kFixes)),
+        windows_seed_(derive_seed(seed, static_cast<std::uint64_t>(Stream::kWindows))),
+        level_z_(stream(seed, Stream::kLevel).normal()),
+        map_{options.map_sigma_m, options.map_correlation_m},
+        drawn_(
+            draw_errors(mission.path.model, map_, samples_.front().azimuth_deg, samples_.front().speed_mps, errors_)) {}
+
+  SimulatedFlight fly(const std::vector<DrawnStep>& steps) {
+    std::size_t attempt = 0;
+    std::size_t mark = 0;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      judge(i);
+      if (mission_.path.gnss.at_sample[i]) hold();
+      while (mark < mission_.marks_m.size() && samples_[i].distance_m >= mission_.marks_m[mark] - 1e-6) {
+        flight_.marks.push_back(error_now());
+        ++mark;
+      }
+      for (; attempt < mission_.attempts.size() && mission_.attempts[attempt].sample <= i; ++attempt) {
+        if (mission_.attempts[attempt].sample == i) try_fix(mission_.attempts[attempt]);
+      }
+      if (i >= steps.size()) continue;
+      fly_step(drawn_, steps[i], map_, errors_);
+      time_s_ += steps[i].step.dt_s;
+      beside_m_ *= std::exp(-steps[i].step.dt_s / kSteering_s);
+      if (mission_.path.gnss.over_step[i]) hold();
+    }
+    return flight_;
+  }
+
+ private:
+  void hold() {
+    hold_by_gnss(drawn_, mission_.path.model, errors_);
+    last_taken_s_ = time_s_;
+  }
+
+  ErrorAtMark error_now() const {
+    return {drawn_.position_error_m().norm(),
+            mahalanobis_squared(drawn_.position_error_m(), drawn_.position_covariance_m2())};
+  }
+
+  void judge(std::size_t i) {
+    const double limit_m = mission_.path.max_error_m;
+    const double believed_m = mission_.path.model.sigma_multiple * largest_sigma_m(drawn_.position_covariance_m2());
+    const bool unsure = !(believed_m <= limit_m);
+    const bool off = !(drawn_.position_error_m().norm() <= limit_m);
+    if (unsure && !flight_.unsure_at) flight_.unsure_at = i;
+    if (off && !flight_.off_at) flight_.off_at = i;
+    if (off && !flight_.unsure_at && !flight_.unaware_at) flight_.unaware_at = i;
+  }
+
+  /// The tile really below: the line, plus how far the navigation finds the aircraft beside it, less how far it errs.
+  std::optional<std::size_t> tile_below(std::size_t sample) const {
+    FlightSample there = samples_[sample];
+    there.point_map_m += mission_.map_from_en[sample] * (beside_m_ - drawn_.position_error_m());
+    return tile_under(*mission_.path.mission, there);
+  }
+
+  void try_fix(const FixAttempt& attempt) {
+    // Beyond its limit the plan counts a flight as lost, and P was not fitted for priors so wide.
+    if (flight_.unsure_at) return;
+    if (time_s_ - fix_time_s_ < mission_.tries.interval_s - 1e-9) return;
+    ++flight_.fixes.tries;
+    const std::optional<std::size_t> below = tile_below(attempt.sample);
+    if (!below || !mission_.tiles[*below].stored) {
+      ++(mission_.tiles[attempt.tile].stored ? flight_.fixes.off_line : flight_.fixes.not_stored);
+      return;
+    }
+    const double u = Random(derive_seed(windows_seed_, static_cast<std::uint64_t>(attempt.window))).uniform();
+    if (u < p_at_level(mission_.tiles[*below], level_z_)) {
+      offer(innovation_of_fix(drawn_, sigma_m(), fixes_), true);
+      return;
+    }
+    ++flight_.fixes.missed;
+    if (fixes_.uniform() < options_.false_fix_rate) offer(false_innovation_m(), false);
+  }
+
+  /// A false place lies anywhere in the square that is searched.
+  Eigen::Vector2d false_innovation_m() {
+    const double half_m = kSearchSigmas * largest_sigma_m(innovation_covariance(drawn_, 0));
+    return {fixes_.uniform(-half_m, half_m), fixes_.uniform(-half_m, half_m)};
+  }
+
+  /// The filter is offered a fix.
+  void offer(const Eigen::Vector2d& innovation_m, bool right) {
+    const Eigen::Matrix2d covariance = innovation_covariance(drawn_, sigma_m());
+    if (!(mahalanobis_squared(innovation_m, covariance) <= kInnovationGateChiSquared)) {
+      ++flight_.fixes.refused;
+      const bool same =
+          refusals_ > 0 && mahalanobis_squared(innovation_m - refused_m_, covariance) <= kInnovationGateChiSquared;
+      refusals_ = same ? refusals_ + 1 : 1;
+      refused_m_ = innovation_m;
+      if (refusals_ < NavigationOptions{}.refusals_to_reset) return;
+      doubt(innovation_m);
+      ++flight_.fixes.resets;
+    }
+    const Eigen::Vector2d before_m = drawn_.position_error_m();
+    take_fix(drawn_, innovation_m, sigma_m());
+    beside_m_ += drawn_.position_error_m() - before_m;
+    fix_time_s_ = last_taken_s_ = time_s_;
+    refusals_ = 0;
+    ++(right ? flight_.fixes.right : flight_.fixes.false_taken);
+  }
+
+  /// As the filter on board: position and velocity may be off by what refused fixes say.
+  void doubt(const Eigen::Vector2d& innovation_m) {
+    const double since_s = std::max(1.0, time_s_ - last_taken_s_);
+    drawn_.covariance.block<2, 2>(0, 0).diagonal().array() += innovation_m.squaredNorm();
+    if (!mission_.path.model.is_odometry()) {
+      drawn_.covariance.block<2, 2>(2, 2).diagonal().array() += innovation_m.squaredNorm() / (since_s * since_s);
+    }
+  }
+
+  double sigma_m() const { return mission_.path.model.fix_sigma_m; }
+
+  const SimulatedMission& mission_;
+  const SimulateOptions& options_;
+  const std::vector<FlightSample>& samples_;
+  Random errors_;
+  Random fixes_;
+  std::uint64_t windows_seed_;
+  double level_z_;
+  MapError map_;
+  DrawnErrors drawn_;
+  SimulatedFlight flight_;
+  double time_s_ = 0;
+  double fix_time_s_ = -std::numeric_limits<double>::infinity();
+  double last_taken_s_ = 0;
+  Eigen::Vector2d beside_m_ = Eigen::Vector2d::Zero();  ///< How far the navigation finds the aircraft off the line.
+  Eigen::Vector2d refused_m_ = Eigen::Vector2d::Zero();
+  int refusals_ = 0;
+};
+
+}  // namespace
+
+std::size_t SimulatedFlight::lost_at(std::size_t samples) const {
+  return std::min(unsure_at.value_or(samples), off_at.value_or(samples));
+}
+
+SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed) {
+  Flying flying(mission, options, seed);
+  if (options.wind_sigma_mps == 0) return flying.fly(mission.steps);
+  Random wind = stream(seed, Stream::kWind);
+  const double east_mps = options.wind_sigma_mps * wind.normal();
+  const double north_mps = options.wind_sigma_mps * wind.normal();
+  return flying.fly(steps_in_wind(mission, {east_mps, north_mps}));
+}
+
+}  // namespace pilotage

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "pilotage/base/options.h"
+
+namespace pilotage {
+
+/// How it is decided whether a try to fix succeeds.
+enum class FixSource { kDrawn };
+inline EnumNames<FixSource> enum_names(FixSource) {
+  return {{FixSource::kDrawn, "drawn"}};
+}
+
+/// What is drawn of each flight beside the inertial system's errors (docs/methods/simulate.md). Errors are one standard
+/// deviation of one axis.
+struct SimulateOptions {
+  std::int64_t flights = 1000;
+  FixSource fixes = FixSource::kDrawn;
+  std::optional<double> lost_from_km;
+  double map_sigma_m = 1;
+  double map_correlation_m = 300;
+  double wind_sigma_mps = 3;
+  double false_fix_rate = 0.001;
+  std::optional<double> require_simulated;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    fields.field("flights", self.flights, "How many flights are flown.", Range{1, 1000000});
+    fields.field("fixes", self.fixes,
+                 "Whether a try to fix succeeds: drawn by the P of the tile that is really below the aircraft.");
+    fields.field("lost_from_km", self.lost_from_km,
+                 "Where along the route GNSS is lost for good, instead of where the plan says.", Range{0, 100000});
+    fields.field("map_sigma_m", self.map_sigma_m, "Error of the map's own georeference.", Range{0, 100});
+    fields.field("map_correlation_m", self.map_correlation_m,
+                 "Way over which the error of the map's georeference changes.", Range{1, 1e6});
+    fields.field("wind_sigma_mps", self.wind_sigma_mps,
+                 "Wind, steady over a flight; the planned speed is held against the air.", Range{0, 100});
+    fields.field("false_fix_rate", self.false_fix_rate, "Share of false fixes among tries that find no right one.",
+                 Range{0, 0.5});
+    fields.field(
+        "require_simulated", self.require_simulated,
+        "Exit with 3 when the lower end of the interval of the share of flights within the limit is below this.",
+        Range{0, 1});
+  }
+};
+
+}  // namespace pilotage

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "pilotage/ground/tile_scores.h"
+#include "pilotage/mission/selection.h"
+#include "pilotage/select/fix_attempts.h"
+#include "pilotage/select/route_probability.h"
+#include "pilotage/simulate/drawn_errors.h"
+#include "pilotage/simulate/simulate_options.h"
+
+namespace pilotage {
+
+/// A mission with its map, and what is worked out once for all flights. The mission must outlive it.
+struct SimulatedMission {
+  /// P of a right fix of a stored tile, as the logit that the level of the place is added to.
+  struct TileChance {
+    bool stored = false;
+    double logit = 0;        ///< −∞ and ∞ for a P of 0 and 1.
+    double level_sigma = 0;  ///< Of the place's level.
+  };
+
+  FlightPath path;
+  std::vector<DrawnStep> steps;  ///< Without wind.
+  std::vector<TileChance> tiles;
+  std::vector<FixAttempt> attempts;          ///< Where tries are made, as the plan makes them.
+  std::vector<Eigen::Matrix2d> map_from_en;  ///< At each sample: the axes of the grid.
+  std::vector<double> marks_m;               ///< Where errors are looked at: each kilometre, and the end.
+  FixTries tries;
+  double lost_from_m = 0;             ///< Where GNSS is lost first.
+  double planned_p = 0;               ///< Of the whole route, by the plan's own recursion.
+  std::vector<double> planned_leg_p;  ///< Of each leg, as LegStatus::p_within_limit.
+};
+
+/// Throws UsageError when `lost_from_km` is beyond the route's end, DataError when the selection has no figures of its
+/// tries, or its tiles are not of the mission.
+SimulatedMission make_simulated_mission(const Mission& mission, const std::vector<TileScores>& scores,
+                                        const Selection& selection, const SimulateOptions& options);
+
+/// P of a right fix over a tile where the place's level is `level_z` standard deviations from its mean.
+double p_at_level(const SimulatedMission::TileChance& tile, double level_z);
+
+}  // namespace pilotage

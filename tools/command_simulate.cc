@@ -1,0 +1,69 @@
+#include <filesystem>
+
+#include "commands.h"
+#include "stage_files.h"
+
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/simulate/simulate_flights.h"
+#include "pilotage/simulate/simulation_file.h"
+
+namespace pilotage {
+namespace {
+
+struct SimulateCommandOptions {
+  StageFileOptions files;
+  SimulateOptions simulate;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    StageFileOptions::describe(self.files, fields);
+    SimulateOptions::describe(self.simulate, fields);
+  }
+};
+
+/// A folder that `prepare` wrote stands for the files in it.
+StageFiles read_mission(const std::string& input, StageFileOptions files) {
+  const bool is_folder = std::filesystem::is_directory(input);
+  const std::filesystem::path plan =
+      is_folder ? std::filesystem::path(input) / "plan.json" : std::filesystem::path(input);
+  if (files.table.empty()) files.table = (plan.parent_path() / "tiles.csv").string();
+  if (files.selection.empty()) files.selection = (plan.parent_path() / "selection.json").string();
+  return read_stage_files(plan.string(), files);
+}
+
+}  // namespace
+
+Command make_simulate_command() {
+  Command command;
+  command.word = "simulate";
+  command.group = CommandGroup::kPrepare;
+  command.summary = "Fly a mission many times without GNSS, and count what happens";
+  command.examples = {{"A thousand flights of what prepare wrote.", "pilotage simulate out -o simulation.json"},
+                      {"GNSS is lost at 2 km, and nine flights of ten must stay within the limit.",
+                       "pilotage simulate out --lost-from-km 2 --flights 10000 --require-simulated 0.9 -o "
+                       "simulation.json"}};
+  command.inputs = {.name = "PLAN",
+                    .help =
+                        "The folder that prepare wrote, or the tile plan (plan.json); scores and selection are "
+                        "those beside it, if not given.",
+                    .min = 1,
+                    .max = 1};
+  command.output = {.kind = OutputKind::kFile, .help = "The simulation (JSON).", .stream_name = "simulation.json"};
+  bind_options<SimulateCommandOptions>(
+      command, [](const SimulateCommandOptions& options, const Invocation& invocation) {
+        const StageFiles files = read_mission(invocation.inputs.front(), options.files);
+        const Simulation simulation = simulate_flights(files.mission, files.scores, files.selection, options.simulate,
+                                                       invocation.seed, invocation.threads, invocation.progress);
+        CommandResult result;
+        result.json = simulation_to_json(simulation);
+        write_file(invocation.output, json_text(result.json), invocation.overwrite);
+        result.text = simulation_text(simulation);
+        const std::optional<double>& required = options.simulate.require_simulated;
+        if (required && simulation.within.interval.low < *required) result.exit_code = kExitGateNotMet;
+        return result;
+      });
+  return command;
+}
+
+}  // namespace pilotage
