@@ -12,7 +12,7 @@ namespace pilotage {
 namespace {
 
 /// Squares of 5 px, their gray values drawn evenly from 100 − reach to 100 + reach: σ/f̄ = reach / 100 / √3.
-void draw_squares(cv::Mat pixels, int reach, Random& random) {
+void draw_squares(const cv::Mat& pixels, int reach, Random& random) {
   for (int row = 0; row < pixels.rows; row += 5) {
     for (int col = 0; col < pixels.cols; col += 5) {
       const cv::Rect square = cv::Rect(col, row, 5, 5) & cv::Rect(0, 0, pixels.cols, pixels.rows);

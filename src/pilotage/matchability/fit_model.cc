@@ -18,7 +18,8 @@ constexpr double kSlopeRidge = 0.3;
 constexpr std::int64_t kMinOfEach = 50;
 constexpr double kSpreadScale = 2.5;  // of the prior of τ
 constexpr int kNodes = 21;            // of the integral over a place's level
-constexpr double kNodeStep = 0.5;     // in standard deviations of its posterior
+constexpr int kMiddleNode = kNodes / 2;
+constexpr double kNodeStep = 0.5;  // in standard deviations of its posterior
 
 /// A grid of levels, in logits, wide enough for any place: beyond it all fixes come, or none.
 constexpr double kLeastLevel = -15;
@@ -105,7 +106,7 @@ class MarginalCost final : public ceres::FirstOrderFunction {
     std::array<double, kNodes> level{};
     std::array<double, kNodes> log_density{};
     for (int n = 0; n < kNodes; ++n) {
-      level[n] = mode.mean + kNodeStep * (n - kNodes / 2) * mode.sigma;
+      level[n] = mode.mean + kNodeStep * (n - kMiddleNode) * mode.sigma;
       const double z = (level[n] - prior.mean) / prior.sigma;
       log_density[n] = -z * z / 2 - std::log(prior.sigma) - std::log(2 * std::numbers::pi) / 2;
       for (std::size_t i = 0; i < logits.size(); ++i) {
