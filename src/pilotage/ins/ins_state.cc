@@ -22,17 +22,7 @@ constexpr double kMaxStepOfCorrelation = 0.1;
 /// Longest step between two uses of the aiding velocity.
 constexpr double kAidStep_s = 0.5;
 
-constexpr int kPosition = 0;
-constexpr int kVelocity = 2;
-constexpr int kTilt = 4;
-constexpr int kHeading = 6;
-constexpr int kAccelBias = 7;
-constexpr int kGyroBias = 9;
-constexpr int kGyroBiasZ = 11;
-constexpr int kAccelScale = 12;
-constexpr int kGyroScale = 13;
-constexpr int kAid = 14;
-
+using enum InsState::Index;
 using Matrix = InsState::Covariance;
 
 /// Columns: forward and right of a heading, in east-north.
@@ -79,7 +69,8 @@ Matrix noise_density(const InsErrorModel& model) {
   for (int i = kTilt; i <= kHeading; ++i) q(i, i) = square(model.angle_random_walk_rad_rt_s);
   if (model.bias_correlation_s > 0) {
     // A first-order Gauss-Markov process that starts, and stays, at its standard deviation.
-    for (int i = kAccelBias; i < kGyroBias; ++i) q(i, i) = 2 * square(model.accel_bias_mps2) / model.bias_correlation_s;
+    for (int i = kAccelBias; i != kGyroBias; ++i)
+      q(i, i) = 2 * square(model.accel_bias_mps2) / model.bias_correlation_s;
     for (int i = kGyroBias; i <= kGyroBiasZ; ++i)
       q(i, i) = 2 * square(model.gyro_bias_radps) / model.bias_correlation_s;
   }

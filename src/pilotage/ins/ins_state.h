@@ -24,6 +24,19 @@ namespace pilotage {
 /// Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013, ch. 14).
 struct InsState {
   static constexpr int kSize = 16;
+  /// Where they begin.
+  enum Index : int {
+    kPosition = 0,
+    kVelocity = 2,
+    kTilt = 4,
+    kHeading = 6,
+    kAccelBias = 7,
+    kGyroBias = 9,
+    kGyroBiasZ = 11,
+    kAccelScale = 12,
+    kGyroScale = 13,
+    kAid = 14
+  };
   using Covariance = Eigen::Matrix<double, kSize, kSize>;
 
   Covariance covariance = Covariance::Zero();

@@ -9,6 +9,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/raster/spread_starts.h"
 
 namespace pilotage {
 namespace {
@@ -16,13 +17,9 @@ namespace {
 constexpr int kSampleWindows = 16;  // per direction
 constexpr int kSampleSide = 64;
 
-/// First pixels of the sample windows along one side: evenly spread, the first at the start, the last at the end.
 std::vector<std::int64_t> sample_starts(std::int64_t extent_px) {
-  std::vector<std::int64_t> starts;
-  const std::int64_t last = std::max<std::int64_t>(0, extent_px - kSampleSide);
   const std::int64_t count = std::clamp<std::int64_t>((extent_px + kSampleSide - 1) / kSampleSide, 1, kSampleWindows);
-  for (std::int64_t i = 0; i < count; ++i) starts.push_back(count == 1 ? 0 : last * i / (count - 1));
-  return starts;
+  return spread_starts(extent_px, kSampleSide, count);
 }
 
 void append_valid(const Raster& raster, std::vector<double>& values) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,8 +11,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/raster/spread_starts.h"
 #include "pilotage/vision/feature_options.h"
 
 namespace pilotage {
@@ -22,13 +23,9 @@ namespace {
 constexpr std::int64_t kWindows = 12;  // per direction
 constexpr double kLeastGround = 0.5;
 
-/// First pixels of the windows along one side: evenly spread, the first at the start, the last at the end.
 std::vector<std::int64_t> window_starts(std::int64_t extent_px, int side_px) {
   const std::int64_t last = std::max<std::int64_t>(extent_px - side_px, 0);
-  const std::int64_t count = std::clamp<std::int64_t>(last / side_px + 1, last > 0 ? 2 : 1, kWindows);
-  std::vector<std::int64_t> starts;
-  for (std::int64_t i = 0; i < count; ++i) starts.push_back(count == 1 ? 0 : last * i / (count - 1));
-  return starts;
+  return spread_starts(extent_px, side_px, std::clamp<std::int64_t>(last / side_px + 1, last > 0 ? 2 : 1, kWindows));
 }
 
 bool has_corners(const Raster& raster) {
@@ -45,12 +42,11 @@ bool has_corners(const Raster& raster) {
 
 /// σ/f̄, or NaN when the window does not count.
 double contrast_of(const Raster& raster) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (valid_fraction(raster.valid) < kLeastGround || !has_corners(raster)) return kNone;
+  if (valid_fraction(raster.valid) < kLeastGround || !has_corners(raster)) return kNaN;
   cv::Scalar mean;
   cv::Scalar sigma;
   cv::meanStdDev(raster.pixels, mean, sigma, raster.valid);
-  return mean[0] > 0 ? sigma[0] / mean[0] : kNone;
+  return mean[0] > 0 ? sigma[0] / mean[0] : kNaN;
 }
 
 }  // namespace
@@ -68,7 +64,7 @@ double usual_contrast(const GraySource& shown, int side_px) {
       if (!std::isnan(contrast)) contrasts.push_back(contrast);
     }
   }
-  if (contrasts.empty()) return std::numeric_limits<double>::quiet_NaN();
+  if (contrasts.empty()) return kNaN;
   const auto middle = contrasts.begin() + static_cast<std::ptrdiff_t>(contrasts.size() / 2);
   std::nth_element(contrasts.begin(), middle, contrasts.end());
   return *middle;

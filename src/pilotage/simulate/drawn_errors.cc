@@ -10,13 +10,6 @@ namespace {
 
 using Drawn = DrawnErrors;
 
-/// Of InsState.
-constexpr int kPositionOfIns = 0;
-constexpr int kVelocityOfIns = 2;
-constexpr int kTiltOfIns = 4;
-constexpr int kHeadingOfIns = 6;
-constexpr int kAidOfIns = 14;
-
 template <int kCount>
 Eigen::Matrix<double, kCount, 1> normals(Random& random) {
   Eigen::Matrix<double, kCount, 1> drawn;
@@ -110,12 +103,12 @@ void hold_by_gnss(DrawnErrors& drawn, const InsErrorModel& model, Random& random
   const auto hold_pair = [&](int first, double sigma) {
     if (sigma > 0) hold_pair_drawn(drawn, first, sigma * sigma, random);
   };
-  hold_pair(kPositionOfIns, model.start_sigma_m);
-  hold_pair(kVelocityOfIns, model.start_velocity_sigma_mps);
-  hold_pair(kTiltOfIns, model.start_tilt_sigma_rad);
+  hold_pair(InsState::kPosition, model.start_sigma_m);
+  hold_pair(InsState::kVelocity, model.start_velocity_sigma_mps);
+  hold_pair(InsState::kTilt, model.start_tilt_sigma_rad);
   if (model.start_heading_sigma_rad > 0) {
-    hold_drawn(drawn, Drawn::Vector::Unit(kHeadingOfIns), model.start_heading_sigma_rad * model.start_heading_sigma_rad,
-               random);
+    hold_drawn(drawn, Drawn::Vector::Unit(InsState::kHeading),
+               model.start_heading_sigma_rad * model.start_heading_sigma_rad, random);
   }
 }
 
@@ -149,8 +142,8 @@ void fly_step(DrawnErrors& drawn, const DrawnStep& drawn_step, const MapError& m
     drawn.errors.tail<2>() = (decay * drawn.errors.tail<2>() + std::sqrt(added) * normals<2>(random)).eval();
     if (!step.aided) continue;
     Eigen::Matrix<double, 2, Drawn::kSize> h = Eigen::Matrix<double, 2, Drawn::kSize>::Zero();
-    h.block<2, 2>(0, kVelocityOfIns).setIdentity();
-    h.block<2, 2>(0, kAidOfIns) = -Eigen::Matrix2d::Identity();
+    h.block<2, 2>(0, InsState::kVelocity).setIdentity();
+    h.block<2, 2>(0, InsState::kAid) = -Eigen::Matrix2d::Identity();
     const double sigma_mps = kVelocityAidNoise_mps_rt_hz / std::sqrt(part_s);
     update_drawn(drawn, h, h * drawn.errors + sigma_mps * normals<2>(random),
                  sigma_mps * sigma_mps * Eigen::Matrix2d::Identity());

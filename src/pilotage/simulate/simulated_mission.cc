@@ -90,7 +90,7 @@ SimulatedMission make_simulated_mission(const Mission& mission, const std::vecto
   const auto lost = static_cast<std::size_t>(std::find(had.begin(), had.end(), false) - had.begin());
   simulated.lost_from_m = lost < samples.size() ? samples[lost].distance_m : end_m;
 
-  const TileChances chances = of_chosen(tile_chances(scores, stored), stored);
+  const TileChances chances = tile_chances(scores, stored);
   const RouteSurvival planned = predict_survival(
       simulated.path, level_chances(simulated.attempts, chances, samples.size(), selection.tries->interval_s));
   simulated.planned_p = planned.p_within_limit.back();
