@@ -48,6 +48,21 @@ TEST(BinomialInterval, EndsHaveAClosedForm) {
   }
 }
 
+// Worked by hand: (b + 1 - (c + 1)) / (n + 2) and its standard error.
+TEST(PairedDifferenceInterval, IsTheAdjustedWaldInterval) {
+  const Interval interval = paired_difference_interval(60, 0, 1000);
+  const double half = 1.959963984540054 * std::sqrt((62 / 1002.0 - std::pow(60 / 1002.0, 2)) / 1002);
+  EXPECT_NEAR(interval.low, 60 / 1002.0 - half, 1e-12);
+  EXPECT_NEAR(interval.high, 60 / 1002.0 + half, 1e-12);
+  const Interval mirrored = paired_difference_interval(0, 60, 1000);
+  EXPECT_DOUBLE_EQ(mirrored.low, -interval.high);
+  EXPECT_EQ(paired_difference_interval(1, 0, 1).high, 1);
+  EXPECT_EQ(paired_difference_interval(0, 0, 0).low, -1);
+  EXPECT_LT(paired_difference_interval(0, 0, 50).low, 0) << "no difference seen is not none";
+  EXPECT_THROW(paired_difference_interval(2, 2, 3), UsageError);
+  EXPECT_THROW(paired_difference_interval(-1, 2, 3), UsageError);
+}
+
 TEST(BinomialInterval, NothingSeenSaysNothing) {
   EXPECT_EQ(binomial_interval(0, 0).low, 0);
   EXPECT_EQ(binomial_interval(0, 0).high, 1);

@@ -17,7 +17,21 @@ Simulation small_simulation() {
   simulation.planned_p = 0.9688;
   simulation.within = simulated_share(94, 100);
   simulation.legs = {{0, 0.97, simulated_share(94, 100)}, {1, 0.99, simulated_share(0, 0)}};
-  simulation.marks = {{1000, 0.94, 2.44, std::numeric_limits<double>::quiet_NaN(), 2.01, {1.6, 2.4}, 6}};
+  SimulatedMark mark;
+  mark.distance_m = 1000;
+  mark.p_within = 0.94;
+  mark.cep50_m = 2.44;
+  mark.r95_m = std::numeric_limits<double>::quiet_NaN();
+  mark.nees = 2.01;
+  mark.nees_band = {1.6, 2.4};
+  mark.lost = 6;
+  mark.true_place = {12, 5, 30};
+  SimulatedMark between = mark;
+  between.distance_m = 700;
+  simulation.marks = {between, mark};
+  simulation.as_planned = AsPlanned{simulated_share(97, 100), 0.03, {-0.01, 0.07}};
+  simulation.losses = {{0, 0.9688, simulated_share(94, 100)}, {1000, 0.98, simulated_share(99, 100)}};
+  simulation.inputs = {{"plan", "/somewhere/plan.json", "", "blake2b-256:ab"}};
   simulation.not_simulated = {"rain", "snow"};
   return simulation;
 }
@@ -29,6 +43,11 @@ TEST(SimulationFile, SaysSimulatedBesidePlanned) {
   EXPECT_THAT(text, HasSubstr("leg 2: planned 0.990, simulated no flight came here\n"));
   EXPECT_THAT(text, HasSubstr("at 1.00 km: within the limit 0.940, CEP50 2.4 m, R95 – m"));
   EXPECT_THAT(text, HasSubstr("not simulated: rain; snow\n"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("at 0.70 km"))) << "people get whole kilometres";
+  EXPECT_THAT(text, HasSubstr("nothing but what the plan knows: 0.970 [0.914, 0.993]; wind, the map's error and false "
+                              "fixes cost 0.030 [-0.010, 0.070]\n"));
+  EXPECT_THAT(text, HasSubstr("lost for good at 0.00 km: planned 0.968, simulated 0.940 [0.873, 0.977], the worst "
+                              "place: all that follows is of it\n"));
 }
 
 TEST(SimulationFile, HoldsWhatWasFound) {
@@ -38,6 +57,13 @@ TEST(SimulationFile, HoldsWhatWasFound) {
   EXPECT_TRUE(json["legs"][1]["within"]["share"].is_null());
   EXPECT_TRUE(json["along"][0]["r95_m"].is_null());
   EXPECT_EQ(json["seed"], 5);
+  EXPECT_EQ(json["along"][0]["true_place"]["major_m"], 12);
+  EXPECT_EQ(json["lost_at"][1]["within"]["flights"], 99);
+  EXPECT_EQ(json["as_planned"]["cost_low"], -0.01);
+  EXPECT_EQ(json["inputs"].dump(), R"([{"role":"plan","digest":"blake2b-256:ab"}])") << "no names of this machine";
+  Simulation matched = small_simulation();
+  matched.as_planned.reset();
+  EXPECT_TRUE(simulation_to_json(matched)["as_planned"].is_null());
 }
 
 }  // namespace

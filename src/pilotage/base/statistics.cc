@@ -113,6 +113,20 @@ Interval binomial_interval(std::int64_t successes, std::int64_t trials, double c
   return interval;
 }
 
+Interval paired_difference_interval(std::int64_t only_first, std::int64_t only_second, std::int64_t trials) {
+  if (only_first < 0 || only_second < 0 || only_first + only_second > trials) {
+    throw UsageError("a paired difference of " + std::to_string(only_first) + " and " + std::to_string(only_second) +
+                     " of " + std::to_string(trials) + " trials is not possible");
+  }
+  if (trials == 0) return {-1, 1};
+  const double n = static_cast<double>(trials) + 2;
+  const double first = (static_cast<double>(only_first) + 1) / n;
+  const double second = (static_cast<double>(only_second) + 1) / n;
+  const double difference = first - second;
+  const double half = std::sqrt(chi_squared_quantile(0.95, 1) * (first + second - difference * difference) / n);
+  return {std::max(-1.0, difference - half), std::min(1.0, difference + half)};
+}
+
 double chi_squared_quantile(double probability, double degrees) {
   check_probability("probability", probability);
   if (!(degrees > 0) || std::isinf(degrees)) {

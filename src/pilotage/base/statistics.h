@@ -16,6 +16,13 @@ struct Interval {
 /// UsageError unless 0 ≤ successes ≤ trials and 0 < confidence < 1.
 Interval binomial_interval(std::int64_t successes, std::int64_t trials, double confidence = 0.95);
 
+/// The interval that holds, with probability 0.95, the difference of two shares of the same trials: of `trials`,
+/// `only_first` had the first and not the second, `only_second` the second alone (D. G. Bonett, R. M. Price, "Adjusted
+/// Wald confidence interval for a difference of binomial proportions based on paired data", J. Educ. Behav. Stat. 37,
+/// 2012). Within [-1, 1]; [-1, 1] without a trial. Throws UsageError when a number is negative or they exceed the
+/// trials.
+Interval paired_difference_interval(std::int64_t only_first, std::int64_t only_second, std::int64_t trials);
+
 /// The value that a χ² variable of `degrees` degrees of freedom does not exceed with `probability`; relative error
 /// below 1e-9 for degrees up to 1e6. Throws UsageError unless degrees > 0 and 0 < probability < 1.
 double chi_squared_quantile(double probability, double degrees);

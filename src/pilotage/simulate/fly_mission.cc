@@ -72,7 +72,7 @@ class Flying {
         drawn_(
             draw_errors(mission.path.model, map_, samples_.front().azimuth_deg, samples_.front().speed_mps, errors_)) {}
 
-  SimulatedFlight fly(const std::vector<DrawnStep>& steps) {
+  SimulatedFlight fly(const std::vector<DrawnStep>& steps, FlightTrack* track) {
     std::size_t attempt = 0;
     std::size_t mark = 0;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -84,6 +84,10 @@ class Flying {
       }
       for (; attempt < mission_.attempts.size() && mission_.attempts[attempt].sample <= i; ++attempt) {
         if (mission_.attempts[attempt].sample == i) try_fix(mission_.attempts[attempt]);
+      }
+      if (track != nullptr) {
+        track->true_off_line_m.push_back(off_line_m());
+        track->believed_off_line_m.push_back(beside_m_);
       }
       if (i >= steps.size()) continue;
       fly_step(drawn_, steps[i], map_, errors_);
@@ -101,9 +105,12 @@ class Flying {
   }
 
   ErrorAtMark error_now() const {
-    return {drawn_.position_error_m().norm(),
-            mahalanobis_squared(drawn_.position_error_m(), drawn_.position_covariance_m2())};
+    return {drawn_.position_error_m().cast<float>(), off_line_m().cast<float>(),
+            static_cast<float>(mahalanobis_squared(drawn_.position_error_m(), drawn_.position_covariance_m2()))};
   }
+
+  /// Where it really is: how far the navigation finds the aircraft beside the line, less how far it errs.
+  Eigen::Vector2d off_line_m() const { return beside_m_ - drawn_.position_error_m(); }
 
   void judge(std::size_t i) {
     const double limit_m = mission_.path.max_error_m;
@@ -115,10 +122,10 @@ class Flying {
     if (off && !flight_.unsure_at && !flight_.unaware_at) flight_.unaware_at = i;
   }
 
-  /// The tile really below: the line, plus how far the navigation finds the aircraft beside it, less how far it errs.
+  /// The tile really below.
   std::optional<std::size_t> tile_below(std::size_t sample) const {
     FlightSample there = samples_[sample];
-    there.point_map_m += mission_.map_from_en[sample] * (beside_m_ - drawn_.position_error_m());
+    there.point_map_m += mission_.map_from_en[sample] * off_line_m();
     return tile_under(*mission_.path.mission, there);
   }
 
@@ -203,13 +210,14 @@ std::size_t SimulatedFlight::lost_at(std::size_t samples) const {
   return std::min(unsure_at.value_or(samples), off_at.value_or(samples));
 }
 
-SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed) {
+SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
+                            FlightTrack* track) {
   Flying flying(mission, options, seed);
-  if (options.wind_sigma_mps == 0) return flying.fly(mission.steps);
+  if (options.wind_sigma_mps == 0) return flying.fly(mission.steps, track);
   Random wind = stream(seed, Stream::kWind);
   const double east_mps = options.wind_sigma_mps * wind.normal();
   const double north_mps = options.wind_sigma_mps * wind.normal();
-  return flying.fly(steps_in_wind(mission, {east_mps, north_mps}));
+  return flying.fly(steps_in_wind(mission, {east_mps, north_mps}), track);
 }
 
 }  // namespace pilotage

@@ -20,10 +20,18 @@ struct TriedFixes {
   std::int64_t resets = 0;       ///< Fixes believed after refusals that said the same.
 };
 
-/// At a mark (SimulatedMission::marks_m).
+/// At a mark (SimulatedMission::marks_m). East and north; single precision, for there are flights times marks of them.
 struct ErrorAtMark {
-  double error_m = 0;  ///< True error of the position.
-  double nees = 0;     ///< Normalised by the filter's covariance: χ² of two degrees of freedom when it is honest.
+  Eigen::Vector2f error_m = Eigen::Vector2f::Zero();     ///< Estimated minus true position.
+  Eigen::Vector2f off_line_m = Eigen::Vector2f::Zero();  ///< True place minus that of the line.
+  /// Of the error, by the filter's covariance: χ² of two degrees of freedom when it is honest.
+  float nees = 0;
+};
+
+/// Where a flight really was and where it believed to be, from the line's place at each sample of the route.
+struct FlightTrack {
+  std::vector<Eigen::Vector2d> true_off_line_m;
+  std::vector<Eigen::Vector2d> believed_off_line_m;
 };
 
 /// One flight.
@@ -41,7 +49,9 @@ struct SimulatedFlight {
   std::size_t lost_at(std::size_t samples) const;
 };
 
-/// Flies the mission with everything drawn from `seed`. docs/methods/simulate.md.
-SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed);
+/// Flies the mission with everything drawn from `seed`, and writes down where it flew when there is a `track`.
+/// docs/methods/simulate.md.
+SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
+                            FlightTrack* track = nullptr);
 
 }  // namespace pilotage

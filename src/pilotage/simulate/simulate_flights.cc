@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numbers>
 
+#include <Eigen/Eigenvalues>
+
+#include "pilotage/base/angle.h"
+#include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
@@ -13,6 +19,7 @@ namespace {
 /// Fewer flights than this do not bound the 95th of 100 from above with 95 % confidence: 0.95^59 < 0.05.
 constexpr std::size_t kFewestForR95 = 60;
 constexpr std::size_t kBatch = 64;
+constexpr std::size_t kMostLosses = 200;
 
 void add(const TriedFixes& one, TriedFixes& sum) {
   sum.tries += one.tries;
@@ -48,28 +55,68 @@ std::vector<SimulatedLeg> legs_of(const SimulatedMission& mission, const std::ve
   return legs;
 }
 
+TruePlaceEllipse ellipse_around(const std::vector<Eigen::Vector2d>& places_m) {
+  if (places_m.size() < kFewestForR95) return {kNaN, kNaN, kNaN};
+  Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& place_m : places_m) moments += place_m * place_m.transpose();
+  moments /= static_cast<double>(places_m.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(moments);
+  // A millimetre at least, so that flights without an error have an ellipse too.
+  const Eigen::Vector2d sigmas_m = axes.eigenvalues().cwiseMax(1e-6).cwiseSqrt();
+  std::vector<double> squares;
+  for (const Eigen::Vector2d& place_m : places_m) {
+    squares.push_back((axes.eigenvectors().transpose() * place_m).cwiseQuotient(sigmas_m).squaredNorm());
+  }
+  const double scale = std::sqrt(quantile(squares, 0.95));
+  const Eigen::Vector2d major = axes.eigenvectors().col(1);
+  const double azimuth_deg = std::atan2(major.x(), major.y()) / kRadPerDeg;
+  return {scale * sigmas_m(1), scale * sigmas_m(0), azimuth_deg - 180 * std::floor(azimuth_deg / 180)};
+}
+
+/// Time from the first sample to each, at the planned speed.
+std::vector<double> planned_times_s(const std::vector<FlightSample>& samples) {
+  std::vector<double> times_s{0};
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    times_s.push_back(times_s.back() + (samples[i].distance_m - samples[i - 1].distance_m) / samples[i - 1].speed_mps);
+  }
+  return times_s;
+}
+
+/// Where the errors of mark `m` are those of all flights.
+SimulatedMark errors_at(std::size_t m, const std::vector<SimulatedFlight>& flights) {
+  SimulatedMark mark;
+  const auto count = static_cast<double>(flights.size());
+  std::vector<double> errors_m;
+  std::vector<Eigen::Vector2d> places_m;
+  for (const SimulatedFlight& flight : flights) {
+    errors_m.push_back(flight.marks[m].error_m.cast<double>().norm());
+    places_m.push_back(flight.marks[m].off_line_m.cast<double>());
+    mark.nees += static_cast<double>(flight.marks[m].nees) / count;
+  }
+  mark.cep50_m = quantile(errors_m, 0.5);
+  mark.r95_m = errors_m.size() < kFewestForR95 ? kNaN : quantile(errors_m, 0.95);
+  mark.nees_band = {chi_squared_quantile(0.025, 2 * count) / count, chi_squared_quantile(0.975, 2 * count) / count};
+  mark.true_place = ellipse_around(places_m);
+  return mark;
+}
+
 std::vector<SimulatedMark> marks_of(const SimulatedMission& mission, const std::vector<SimulatedFlight>& flights) {
   const std::vector<FlightSample>& samples = mission.path.mission->flight.samples;
-  const auto count = static_cast<double>(flights.size());
+  const std::vector<double> times_s = planned_times_s(samples);
+  std::vector<std::int64_t> lost_at(samples.size() + 1, 0);
+  for (const SimulatedFlight& flight : flights) ++lost_at[flight.lost_at(samples.size())];
   std::vector<SimulatedMark> marks;
-  double before = count;
+  auto still = static_cast<std::int64_t>(flights.size());
+  std::size_t sample = 0;
   for (std::size_t m = 0; m < mission.marks_m.size(); ++m) {
-    SimulatedMark mark;
+    SimulatedMark mark = errors_at(m, flights);
     mark.distance_m = mission.marks_m[m];
-    std::vector<double> errors_m;
-    double still = 0;
-    for (const SimulatedFlight& flight : flights) {
-      errors_m.push_back(flight.marks[m].error_m);
-      mark.nees += flight.marks[m].nees / count;
-      const std::size_t lost = flight.lost_at(samples.size());
-      still += lost >= samples.size() || samples[lost].distance_m > mark.distance_m ? 1 : 0;
+    for (; sample < samples.size() && samples[sample].distance_m <= mark.distance_m; ++sample) {
+      mark.lost += lost_at[sample];
     }
-    mark.p_within = still / count;
-    mark.lost = static_cast<std::int64_t>(before - still);
-    before = still;
-    mark.cep50_m = quantile(errors_m, 0.5);
-    mark.r95_m = errors_m.size() < kFewestForR95 ? kNaN : quantile(errors_m, 0.95);
-    mark.nees_band = {chi_squared_quantile(0.025, 2 * count) / count, chi_squared_quantile(0.975, 2 * count) / count};
+    still -= mark.lost;
+    mark.planned_time_s = times_s[sample > 0 ? sample - 1 : 0];
+    mark.p_within = static_cast<double>(still) / static_cast<double>(flights.size());
     marks.push_back(mark);
   }
   return marks;
@@ -90,44 +137,135 @@ double SimulatedShare::share() const {
   return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : kNaN;
 }
 
+std::vector<Eigen::Vector2d> ellipse_outline_m(const TruePlaceEllipse& ellipse, int corners) {
+  const double azimuth_rad = ellipse.azimuth_deg * kRadPerDeg;
+  const Eigen::Vector2d major = ellipse.major_m * Eigen::Vector2d(std::sin(azimuth_rad), std::cos(azimuth_rad));
+  const Eigen::Vector2d minor = ellipse.minor_m * Eigen::Vector2d(std::cos(azimuth_rad), -std::sin(azimuth_rad));
+  std::vector<Eigen::Vector2d> outline_m;
+  for (int i = 0; i < corners; ++i) {
+    const double angle_rad = 2 * std::numbers::pi * i / corners;
+    outline_m.emplace_back(std::cos(angle_rad) * major + std::sin(angle_rad) * minor);
+  }
+  return outline_m;
+}
+
 SimulatedShare simulated_share(std::int64_t count, std::int64_t of) {
   return {of, count, binomial_interval(count, of)};
 }
 
-Simulation simulate_flights(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress) {
-  check_options(options);
-  const SimulatedMission simulated = make_simulated_mission(mission, scores, selection, options);
+namespace {
+
+std::vector<SimulatedFlight> fly_all(const SimulatedMission& mission, const SimulateOptions& options,
+                                     std::uint64_t seed, int threads, const Progress& progress,
+                                     const std::string& stage, std::vector<SimulatedTrack>* tracks) {
   const auto count = static_cast<std::size_t>(options.flights);
   std::vector<SimulatedFlight> flights(count);
   std::mutex reporting;
   std::int64_t done = 0;
   parallel_for((count + kBatch - 1) / kBatch, threads, [&](std::size_t batch, int) {
     for (std::size_t i = batch * kBatch; i < std::min(count, (batch + 1) * kBatch); ++i) {
-      flights[i] = fly_mission(simulated, options, derive_seed(seed, i));
+      FlightTrack* track = tracks != nullptr && i < tracks->size() ? &(*tracks)[i].places : nullptr;
+      flights[i] = fly_mission(mission, options, derive_seed(seed, i), track);
     }
     const std::lock_guard lock(reporting);
     done += static_cast<std::int64_t>(std::min(count, (batch + 1) * kBatch) - batch * kBatch);
-    report_progress(progress, "flying", done, options.flights);
+    report_progress(progress, stage, done, options.flights);
   });
+  return flights;
+}
 
+/// What the plan knows of, and nothing else.
+SimulateOptions as_the_plan_takes_it(SimulateOptions options) {
+  options.map_sigma_m = 0;
+  options.wind_sigma_mps = 0;
+  options.false_fix_rate = 0;
+  return options;
+}
+
+AsPlanned compare_with_plan(const std::vector<SimulatedFlight>& flights, const std::vector<SimulatedFlight>& planned) {
+  AsPlanned result;
+  std::int64_t only_planned = 0;
+  std::int64_t only_flown = 0;
+  for (std::size_t i = 0; i < flights.size(); ++i) {
+    only_planned += planned[i].within() && !flights[i].within() ? 1 : 0;
+    only_flown += flights[i].within() && !planned[i].within() ? 1 : 0;
+  }
+  const auto count = static_cast<std::int64_t>(flights.size());
+  result.within = share_of(planned, [](const SimulatedFlight& f) { return f.within(); });
+  result.cost = static_cast<double>(only_planned - only_flown) / static_cast<double>(count);
+  result.cost_interval = paired_difference_interval(only_planned, only_flown, count);
+  return result;
+}
+
+Simulation sum_up(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
+                  const std::vector<SimulatedFlight>& flights) {
   Simulation result;
   result.flights = options.flights;
   result.seed = seed;
   result.options = options;
-  result.max_error_m = simulated.path.max_error_m;
-  result.sigma_multiple = simulated.path.model.sigma_multiple;
-  result.lost_from_m = simulated.lost_from_m;
-  result.planned_p = simulated.planned_p;
+  result.max_error_m = mission.path.max_error_m;
+  result.sigma_multiple = mission.path.model.sigma_multiple;
+  result.lost_from_m = mission.lost_from_m;
+  result.planned_p = mission.planned_p;
   result.within = share_of(flights, [](const SimulatedFlight& f) { return f.within(); });
   result.within_sure = share_of(flights, [](const SimulatedFlight& f) { return !f.unsure_at; });
   result.within_true = share_of(flights, [](const SimulatedFlight& f) { return !f.off_at; });
   result.unaware = share_of(flights, [](const SimulatedFlight& f) { return f.unaware_at.has_value(); });
-  result.legs = legs_of(simulated, flights);
-  result.marks = marks_of(simulated, flights);
+  result.legs = legs_of(mission, flights);
+  result.marks = marks_of(mission, flights);
   for (const SimulatedFlight& flight : flights) add(flight.fixes, result.fixes);
   result.not_simulated = what_was_left_out();
   return result;
+}
+
+/// Where `lost_every_km` loses GNSS. Throws UsageError.
+std::vector<double> losses_km(const Mission& mission, const SimulateOptions& options) {
+  if (options.lost_from_km) throw UsageError("give --lost-from-km or --lost-every-km, not both");
+  const double end_km = mission.flight.samples.back().distance_m / 1000;
+  const double places = std::ceil(end_km / *options.lost_every_km);
+  if (places > kMostLosses) {
+    throw UsageError("lost_every_km = " + format_number(*options.lost_every_km) + " makes " + format_fixed(places, 0) +
+                     " places of the route of " + format_fixed(end_km, 2) + " km; " + std::to_string(kMostLosses) +
+                     " are the most");
+  }
+  std::vector<double> all_km;
+  for (int i = 0; i * *options.lost_every_km < end_km; ++i) all_km.push_back(i * *options.lost_every_km);
+  return all_km;
+}
+
+}  // namespace
+
+Simulation simulate_flights(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
+                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress) {
+  check_options(options);
+  std::vector<SimulateOptions> variants;
+  if (options.lost_every_km) {
+    for (const double lost_km : losses_km(mission, options)) variants.emplace_back(options).lost_from_km = lost_km;
+  } else {
+    variants.push_back(options);
+  }
+  std::optional<Simulation> worst;
+  std::vector<SimulatedLoss> losses;
+  for (const SimulateOptions& variant : variants) {
+    const SimulatedMission simulated = make_simulated_mission(mission, scores, selection, variant);
+    const std::string stage =
+        options.lost_every_km ? "flying, lost at " + format_fixed(*variant.lost_from_km, 1) + " km" : "flying";
+    std::vector<SimulatedTrack> tracks(std::min(kMostTracks, static_cast<std::size_t>(options.flights)));
+    const std::vector<SimulatedFlight> flights = fly_all(simulated, variant, seed, threads, progress, stage, &tracks);
+    Simulation found = sum_up(simulated, variant, seed, flights);
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+      tracks[i].lost_at = flights[i].lost_at(mission.flight.samples.size());
+    }
+    found.tracks = std::move(tracks);
+    losses.push_back({found.lost_from_m, found.planned_p, found.within});
+    if (worst && worst->within.count <= found.within.count) continue;
+    const SimulateOptions planned = as_the_plan_takes_it(variant);
+    found.as_planned =
+        compare_with_plan(flights, fly_all(simulated, planned, seed, threads, progress, "flying as planned", nullptr));
+    worst = std::move(found);
+  }
+  if (options.lost_every_km) worst->losses = std::move(losses);
+  return *std::move(worst);
 }
 
 }  // namespace pilotage

@@ -19,6 +19,7 @@ struct SimulateOptions {
   std::int64_t flights = 1000;
   FixSource fixes = FixSource::kDrawn;
   std::optional<double> lost_from_km;
+  std::optional<double> lost_every_km;
   double map_sigma_m = 1;
   double map_correlation_m = 300;
   double wind_sigma_mps = 3;
@@ -32,6 +33,9 @@ struct SimulateOptions {
                  "Whether a try to fix succeeds: drawn by the P of the tile that is really below the aircraft.");
     fields.field("lost_from_km", self.lost_from_km,
                  "Where along the route GNSS is lost for good, instead of where the plan says.", Range{0, 100000});
+    fields.field("lost_every_km", self.lost_every_km,
+                 "Lose GNSS for good at each of these distances in turn; the result is that of the worst place.",
+                 Range{0.001, 100000});
     fields.field("map_sigma_m", self.map_sigma_m, "Error of the map's own georeference.", Range{0, 100});
     fields.field("map_correlation_m", self.map_correlation_m,
                  "Way over which the error of the map's georeference changes.", Range{1, 1e6});

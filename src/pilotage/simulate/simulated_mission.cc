@@ -48,6 +48,17 @@ Eigen::Matrix2d axes_at(const std::vector<FlightSample>& samples, std::size_t i)
   return grid * east_north.transpose();
 }
 
+/// From 100 m on, in steps of 1, 2 and 5 of a power of ten, so that many flights leave room for their marks.
+double mark_step_m(double route_m, std::int64_t flights) {
+  constexpr double kMostErrors = 2e7;
+  const double most = std::clamp(kMostErrors / static_cast<double>(flights), 10.0, 100.0);
+  for (double power_m = 100;; power_m *= 10) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      if (route_m / (factor * power_m) <= most) return factor * power_m;
+    }
+  }
+}
+
 GnssAvailability availability(const Mission& mission, const Selection& selection, const SimulateOptions& options) {
   const double end_m = mission.flight.samples.back().distance_m;
   if (options.lost_from_km) {
@@ -84,7 +95,8 @@ SimulatedMission make_simulated_mission(const Mission& mission, const std::vecto
   const std::vector<FlightSample>& samples = mission.flight.samples;
   for (std::size_t i = 0; i < samples.size(); ++i) simulated.map_from_en.push_back(axes_at(samples, i));
   const double end_m = samples.back().distance_m;
-  for (double mark_m = 1000; mark_m < end_m; mark_m += 1000) simulated.marks_m.push_back(mark_m);
+  const double step_m = mark_step_m(end_m, options.flights);
+  for (int i = 1; i * step_m < end_m; ++i) simulated.marks_m.push_back(i * step_m);
   simulated.marks_m.push_back(end_m);
   const std::vector<bool>& had = simulated.path.gnss.at_sample;
   const auto lost = static_cast<std::size_t>(std::find(had.begin(), had.end(), false) - had.begin());

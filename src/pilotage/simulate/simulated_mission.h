@@ -27,14 +27,14 @@ struct SimulatedMission {
   std::vector<TileChance> tiles;
   std::vector<FixAttempt> attempts;          ///< Where tries are made, as the plan makes them.
   std::vector<Eigen::Matrix2d> map_from_en;  ///< At each sample: the axes of the grid.
-  std::vector<double> marks_m;               ///< Where errors are looked at: each kilometre, and the end.
+  std::vector<double> marks_m;               ///< Where errors are looked at: at equal distances, and at the end.
   FixTries tries;
   double lost_from_m = 0;             ///< Where GNSS is lost first.
   double planned_p = 0;               ///< Of the whole route, by the plan's own recursion.
   std::vector<double> planned_leg_p;  ///< Of each leg, as LegStatus::p_within_limit.
 };
 
-/// Throws UsageError when `lost_from_km` is beyond the route's end, DataError when the selection has no figures of its
+/// Throws UsageError when `lost_from_km` is beyond the route's end (of `lost_every_km` it knows nothing), DataError when the selection has no figures of its
 /// tries, or its tiles are not of the mission.
 SimulatedMission make_simulated_mission(const Mission& mission, const std::vector<TileScores>& scores,
                                         const Selection& selection, const SimulateOptions& options);

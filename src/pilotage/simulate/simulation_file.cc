@@ -28,6 +28,20 @@ std::string share_text(const SimulatedShare& share) {
          probability_text(share.interval.high) + "]";
 }
 
+/// Null where flights do not bound it.
+Json ellipse_json(const TruePlaceEllipse& ellipse) {
+  if (std::isnan(ellipse.major_m)) return nullptr;
+  return {{"major_m", ellipse.major_m}, {"minor_m", ellipse.minor_m}, {"azimuth_deg", ellipse.azimuth_deg}};
+}
+
+Json as_planned_json(const std::optional<AsPlanned>& planned) {
+  if (!planned) return nullptr;
+  return {{"within", share_json(planned->within)},
+          {"cost", planned->cost},
+          {"cost_low", planned->cost_interval.low},
+          {"cost_high", planned->cost_interval.high}};
+}
+
 std::string error_text(double error_m) {
   return std::isnan(error_m) ? "–" : format_fixed(error_m, 1);
 }
@@ -45,9 +59,29 @@ std::string legs_text(const Simulation& simulation) {
   return text;
 }
 
+std::string losses_text(const Simulation& simulation) {
+  std::string text;
+  for (const SimulatedLoss& loss : simulation.losses) {
+    text += "lost for good at " + format_fixed(loss.lost_from_m / 1000, 2) + " km: planned " +
+            probability_text(loss.planned_p) + ", simulated " + share_text(loss.within) +
+            (loss.lost_from_m == simulation.lost_from_m ? ", the worst place: all that follows is of it" : "") + "\n";
+  }
+  return text;
+}
+
+std::string cost_text(const std::optional<AsPlanned>& planned) {
+  if (!planned) return "";
+  return "the same flights with nothing but what the plan knows: " + share_text(planned->within) +
+         "; wind, the map's error and false fixes cost " + format_fixed(planned->cost, 3) + " [" +
+         format_fixed(planned->cost_interval.low, 3) + ", " + format_fixed(planned->cost_interval.high, 3) + "]\n";
+}
+
+/// At whole kilometres and at the end.
 std::string marks_text(const Simulation& simulation) {
   std::string text;
   for (const SimulatedMark& mark : simulation.marks) {
+    const bool whole = std::abs(std::remainder(mark.distance_m, 1000)) < 1e-6;
+    if (!whole && &mark != &simulation.marks.back()) continue;
     text += "at " + format_fixed(mark.distance_m / 1000, 2) + " km: within the limit " +
             probability_text(mark.p_within) + ", CEP50 " + error_text(mark.cep50_m) + " m, R95 " +
             error_text(mark.r95_m) + " m, NEES " + format_fixed(mark.nees, 2) + " in [" +
@@ -77,6 +111,8 @@ Json simulation_to_json(const Simulation& simulation) {
                {"within_by_sigma", share_json(simulation.within_sure)},
                {"within_by_true_error", share_json(simulation.within_true)},
                {"off_unaware", share_json(simulation.unaware)},
+               {"as_planned", as_planned_json(simulation.as_planned)},
+               {"lost_at", Json::array()},
                {"fixes",
                 {{"tries", fixes.tries},
                  {"right", fixes.right},
@@ -88,20 +124,32 @@ Json simulation_to_json(const Simulation& simulation) {
                  {"resets", fixes.resets}}},
                {"legs", Json::array()},
                {"along", Json::array()},
-               {"not_simulated", simulation.not_simulated}};
+               {"not_simulated", simulation.not_simulated},
+               {"inputs", Json::array()}};
+  for (const SimulatedLoss& loss : simulation.losses) {
+    json["lost_at"].push_back({{"distance_m", loss.lost_from_m},
+                               {"planned_p", json_number(loss.planned_p)},
+                               {"within", share_json(loss.within)}});
+  }
+  // Without names: a simulation has the same bytes wherever its files lie.
+  for (const InputFile& input : simulation.inputs) {
+    json["inputs"].push_back({{"role", input.role}, {"digest", input.digest}});
+  }
   for (const SimulatedLeg& leg : simulation.legs) {
     json["legs"].push_back(
         {{"leg", leg.leg}, {"planned_p", json_number(leg.planned_p)}, {"within", share_json(leg.within)}});
   }
   for (const SimulatedMark& mark : simulation.marks) {
     json["along"].push_back({{"distance_m", mark.distance_m},
+                             {"planned_time_s", mark.planned_time_s},
                              {"p_within", mark.p_within},
                              {"lost", mark.lost},
                              {"cep50_m", json_number(mark.cep50_m)},
                              {"r95_m", json_number(mark.r95_m)},
                              {"nees", json_number(mark.nees)},
                              {"nees_low", mark.nees_band.low},
-                             {"nees_high", mark.nees_band.high}});
+                             {"nees_high", mark.nees_band.high},
+                             {"true_place", ellipse_json(mark.true_place)}});
   }
   return json;
 }
@@ -112,11 +160,13 @@ std::string simulation_text(const Simulation& simulation) {
                      " flights stay within " + format_fixed(simulation.max_error_m, 0) +
                      " m all the way and know it: " + share_text(simulation.within) + ", planned " +
                      probability_text(simulation.planned_p) + "\n";
+  text += losses_text(simulation);
   text += "GNSS lost from " + format_fixed(simulation.lost_from_m / 1000, 2) + " km; intervals are of 95 %\n";
   text += "by " + format_number(simulation.sigma_multiple) +
           " sigma of the filter alone, as the plan counts: " + share_text(simulation.within_sure) +
           "; by the true error alone: " + share_text(simulation.within_true) +
           "; off without knowing: " + share_text(simulation.unaware) + "\n";
+  text += cost_text(simulation.as_planned);
   text += legs_text(simulation);
   text += marks_text(simulation);
   text += "of " + per_flight(fixes.tries, simulation) + " tries a flight: right " +
