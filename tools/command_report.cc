@@ -12,11 +12,13 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/gis/report_outputs.h"
+#include "pilotage/mission/simulation_file.h"
 #include "pilotage/report/compare_reports.h"
 #include "pilotage/report/page_pdf.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/report_file.h"
+#include "pilotage/report/simulated_flights.h"
 
 namespace pilotage {
 namespace {
@@ -28,6 +30,7 @@ struct ReportCommandOptions {
   std::string report_json;
   std::string title;
   std::string evaluation;
+  std::string simulation;
   std::string pdf;
   std::string pdf_browser;
 
@@ -40,6 +43,8 @@ struct ReportCommandOptions {
     fields.field("title", self.title, "Title of the page; the route's name if not given.");
     fields.path("evaluation", self.evaluation,
                 "Also show what the scores are worth: evaluation.json of score --evaluate, or its folder.");
+    fields.path("simulation", self.simulation,
+                "Also show, and judge by, simulated flights: simulation.json of simulate, of these files.");
     fields.path("pdf", self.pdf, "Also print the page into this PDF; needs Chromium.");
     fields.field("pdf_browser", self.pdf_browser,
                  "Browser to print with, one that takes Chromium's options. Default: the first that is installed.");
@@ -74,6 +79,14 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
   if (!options.evaluation.empty()) {
     input.evaluation = read_evaluation_note(options.evaluation);
     input.inputs.push_back(input_file("evaluation", input.evaluation->file, ""));
+  }
+  if (!options.simulation.empty()) {
+    input.simulation = read_simulation(options.simulation);
+    refuse_other_simulation(*input.simulation, options.simulation,
+                            {input_file("plan", invocation.inputs.front(), ""),
+                             input_file("table", options.files.table, ""),
+                             input_file("selection", options.files.selection, "")});
+    input.inputs.push_back(input_file("simulation", options.simulation, ""));
   }
   return input;
 }

@@ -7,7 +7,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/simulate/flight_tracks.h"
 #include "pilotage/simulate/simulate_flights.h"
-#include "pilotage/simulate/simulation_file.h"
+#include "pilotage/mission/simulation_file.h"
 
 namespace pilotage {
 namespace {

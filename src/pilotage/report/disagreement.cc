@@ -39,6 +39,7 @@ std::string disagreement_warning(const ReportInput& input) {
 QualityRow disagreement_row(const GeoreferenceDisagreement& found, const Selection& selection) {
   QualityRow row;
   row.name = "georeference_disagreement";
+  row.kind = NumberKind::kMeasured;
   row.label = "Second date: georeferences apart";
   row.number = found.largest_m;
   row.unit = "m";

@@ -8,6 +8,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/report/display_plane.h"
 #include "pilotage/report/sampled_route.h"
+#include "pilotage/report/simulated_flights.h"
 
 namespace pilotage {
 namespace {
@@ -67,6 +68,9 @@ void add_route(const ReportInput& input, const Report& report, double reference_
         plane_line(route_line_between(samples, stretch.from_distance_m, stretch.to_distance_m,
                                       std::max<std::size_t>(8, kMaxLinePoints / report.denied.size())),
                    reference_deg));
+  }
+  for (const std::vector<GeodeticPoint>& outline : true_place_outlines(input)) {
+    display.true_place_lines_m.push_back(plane_line(outline, reference_deg));
   }
   const std::size_t step = std::max<std::size_t>(1, (samples.size() + kMaxPlaces - 1) / kMaxPlaces);
   for (std::size_t i = 0; i < samples.size(); ++i) {

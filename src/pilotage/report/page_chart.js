@@ -26,6 +26,11 @@ function alongText(distance, error) {
     parts.push((between(display.heights, distance, 2) - between(display.heights, distance, 1)).toFixed(0) + ' m above ground');
   }
   if (p[1] !== null) parts.push('within the limit so far with P = ' + p[1].toFixed(3));
+  if (!shownFlight.whatIf && display.simulated.length) {
+    const [, cep50, r95, within] = display.simulated[Math.max(0, lastBefore(display.simulated, distance))];
+    parts.push('simulated: CEP50 ' + cep50.toFixed(1) + ' m' + (r95 === null ? '' : ', R95 ' + r95.toFixed(1) + ' m') +
+      ', within the limit so far ' + within.toFixed(3));
+  }
   const losses = shownFlight.losses;
   const lost = losses.length ? losses[lastBefore(losses, distance)] : null;
   if (lost && lost[2] !== null) parts.push('all the way, if GNSS is lost here, with P = ' + (Math.floor(lost[2] * 1000 + 1e-6) / 1000).toFixed(3));

@@ -31,6 +31,18 @@ function drawDenied(context, view) {
   display.denied_lines_m.forEach((flat) => strokeLine(context, view, flat, []));
   context.globalAlpha = 1;
 }
+// Where 95 of 100 simulated flights are, at marks along the route.
+function drawTruePlaces(context, view) {
+  context.strokeStyle = '#8b3a00';
+  context.fillStyle = 'rgba(230, 110, 20, 0.16)';
+  context.lineWidth = 1.5;
+  display.true_place_lines_m.forEach((flat) => {
+    const path = new Path2D();
+    tracePath(path, view, flat, true);
+    context.fill(path);
+    context.stroke(path);
+  });
+}
 function drawRoute(context, view) {
   context.lineJoin = 'round';
   const share = lineShare(view);
@@ -157,6 +169,7 @@ function makeMap() {
     addLayer('refused', 'outline', drawRefused);
     addLayer('selected', 'outline', drawSelected);
     if (display.denied_lines_m.length) addLayer('denied', 'route', drawDenied);
+    if (display.true_place_lines_m.length) addLayer('true-places', 'route', drawTruePlaces);
     addLayer('gaps', 'route', drawGaps);
     addLayer('route', 'route', drawRoute);
   }

@@ -90,6 +90,7 @@ function plotOf(predicted) {
 }
 function drawWhatIf(predicted) {
   $('chart-plot').replaceChildren(...plotOf(predicted));
+  $('chart-simulated').setAttribute('visibility', 'hidden');  // it is of the report's flight
   plannedChart.legs.forEach(({ leg }, i) => {
     const at = report.route.legs.filter((entry) => entry.from_distance_m !== null)[i].leg - 1;
     const status = predicted.legs[at];
@@ -107,6 +108,7 @@ function drawWhatIf(predicted) {
 function drawPlanned() {
   axes.errorM = plannedChart.errorM;
   $('chart-plot').replaceChildren(...plannedChart.plot);
+  $('chart-simulated').removeAttribute('visibility');
   $('chart-loss').replaceChildren(...plannedChart.loss);
   for (const { leg, type, title } of plannedChart.legs) {
     leg.setAttribute('class', type);

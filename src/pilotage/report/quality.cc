@@ -7,6 +7,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/report/disagreement.h"
 #include "pilotage/report/imagery_age.h"
+#include "pilotage/report/simulated_flights.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -23,6 +24,7 @@ QualityStatus judge_at_least(double number, double good, double marginal) {
 QualityRow largest_error_row(const Selection& selection) {
   QualityRow row;
   row.name = "largest_error";
+  row.kind = NumberKind::kModelled;
   row.label = "Largest position error between fixes (" + format_number(selection.sigma_multiple) + "σ)";
   row.number = largest_error_m(selection);
   row.unit = "m";
@@ -46,6 +48,7 @@ QualityRow largest_error_row(const Selection& selection) {
 QualityRow longest_gap_row(const Selection& selection) {
   QualityRow row;
   row.name = "longest_gap";
+  row.kind = NumberKind::kModelled;
   row.label = "Longest stretch without a fix";
   row.unit = "m";
   row.threshold = "judged by the error at its end, as above";
@@ -70,6 +73,7 @@ QualityRow longest_gap_row(const Selection& selection) {
 QualityRow probability_row(const RouteProbability& route) {
   QualityRow row;
   row.name = "route_probability";
+  row.kind = NumberKind::kModelled;
   row.label = "Probability that the error stays within its limit";
   row.number = route.p_within_limit;
   row.unit = "1";
@@ -127,6 +131,7 @@ QualityRow selected_row(const ReportInput& input) {
 QualityRow coverage_row(const Mission& mission) {
   QualityRow row;
   row.name = "imagery_coverage";
+  row.kind = NumberKind::kMeasured;
   row.label = "Corridor covered by imagery";
   double sum = 0;
   double count = 0;
@@ -210,6 +215,7 @@ QualityRow scored_row(const ReportInput& input) {
   const std::size_t all = input.mission.ground.tiles.size();
   QualityRow row;
   row.name = "scored_tiles";
+  row.kind = NumberKind::kMeasured;
   row.label = "Tiles that could be scored";
   row.number =
       all > 0 ? static_cast<double>(scored) / static_cast<double>(all) : std::numeric_limits<double>::quiet_NaN();
@@ -235,6 +241,7 @@ QualityRow ambiguous_row(const ReportInput& input) {
   }
   QualityRow row;
   row.name = "ambiguous_tiles";
+  row.kind = NumberKind::kSimulated;
   row.label = "Selected tiles with a rival as good as themselves";
   row.unit = "tiles";
   row.threshold = "good at 0 (margin on degraded copies above 0), marginal above";
@@ -377,6 +384,7 @@ std::vector<QualityRow> quality_rows(const ReportInput& input) {
   if (const auto& probability = input.selection.probability) {
     rows.insert(rows.begin() + 2, probability_row(*probability));
   }
+  if (input.simulation) rows.insert(rows.begin() + 2, simulated_row(*input.simulation, input.selection));
   return rows;
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pilotage/report/number_kind.h"
 #include "pilotage/report/report_input.h"
 
 #pragma GCC visibility push(default)
@@ -30,6 +31,7 @@ struct QualityRow {
   QualityStatus status = QualityStatus::kGood;
   bool decides = false;  ///< Only rows that decide enter the verdict; the others give advice.
   std::string advice;    ///< What to do about it; "" when it is good.
+  NumberKind kind = NumberKind::kStated;  ///< Not part of report.json.
 };
 
 /// The published thresholds. Where they come from stands in docs/methods/report.md.

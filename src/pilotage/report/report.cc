@@ -290,6 +290,8 @@ Report make_report(const ReportInput& input) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }
   report.evaluation = input.evaluation;
+  report.simulation = input.simulation;
+  if (report.simulation) report.simulation->not_simulated = valid_texts(input.simulation->not_simulated);
   report.imagery_age = imagery_age(mission);
   report.weak_places = weak_places(report, selection.advice);
   report.what_if = what_if_data(input, report.quality);

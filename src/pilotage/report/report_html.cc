@@ -14,6 +14,7 @@
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/report.h"
+#include "pilotage/report/simulated_flights.h"
 #include "pilotage/report/strip_chart.h"
 #include "pilotage/report/tile_class.h"
 #include "pilotage/report/tile_fields.h"
@@ -86,7 +87,8 @@ std::string evaluation_html(const Report& report) {
   const EvaluationNote& note = *report.evaluation;
   std::string html =
       "<section aria-labelledby=\"evaluation-heading\">\n  <h2 id=\"evaluation-heading\">What the scores are "
-      "worth</h2>\n";
+      "worth " +
+      kind_mark(NumberKind::kMeasured) + "</h2>\n";
   html +=
       "  <p>" + html_escape(note.source) + ": " + html_escape(note.outcomes) + ".</p>\n  <div class=\"evaluation\">\n";
   if (!note.diagram_svg.empty()) {
@@ -105,10 +107,14 @@ std::string evaluation_html(const Report& report) {
   return html + "</tbody></table></div>\n</section>\n";
 }
 
+std::string value_cell(const QualityRow& row) {
+  return "<td data-label=\"Value\">" + html_escape(row.value) + " " + kind_mark(row.kind) + "</td>";
+}
+
 std::string quality_html(const Report& report) {
   std::string html;
   for (const QualityRow& row : report.quality) {
-    html += "<tr>" + heading_html(row.label + (row.decides ? " *" : "")) + cell_html("Value", row.value) +
+    html += "<tr>" + heading_html(row.label + (row.decides ? " *" : "")) + value_cell(row) +
             badge_cell(status_name(row.status)) + cell_html("Threshold", row.threshold) +
             cell_html("Advice", row.advice) + "</tr>\n";
   }
@@ -167,6 +173,18 @@ std::string denied_box_html(const Report& report) {
   if (report.denied.empty()) return "";
   return "\n        <label><input type=\"checkbox\" id=\"show-denied\" checked> " +
          std::string(report.loss_anywhere ? "GNSS lost" : "GNSS denied") + "</label>";
+}
+
+std::string simulated_box_html(const Report& report) {
+  if (report.display.true_place_lines_m.empty()) return "";
+  return "\n        <label><input type=\"checkbox\" id=\"show-true-places\" checked> Simulated places</label>";
+}
+
+std::string simulated_key_html(const Report& report) {
+  if (!report.simulation) return "";
+  return "<span class=\"swatch simulated-cep50\"></span> CEP50 <span class=\"swatch simulated-r95\"></span> R95 of the "
+         "simulated flights " +
+         kind_mark(NumberKind::kSimulated);
 }
 
 std::string grid_html(const Report& report) {
@@ -236,6 +254,9 @@ Json display_json(const Report& report) {
   for (const auto& line : display.gap_lines_m) json["gap_lines_m"].push_back(plane_line_json(line));
   json["denied_lines_m"] = Json::array();
   for (const auto& line : display.denied_lines_m) json["denied_lines_m"].push_back(plane_line_json(line));
+  json["true_place_lines_m"] = Json::array();
+  for (const auto& line : display.true_place_lines_m) json["true_place_lines_m"].push_back(plane_line_json(line));
+  json["simulated"] = simulated_marks_json(report);
   json["places_m"] = Json::array();
   for (const auto& [distance_m, point] : display.places_m) {
     json["places_m"].push_back(
@@ -285,6 +306,14 @@ std::string report_html(const Report& report) {
        {"assumptions", html_escape(report.assumptions)},
        {"places_heading", places_heading(report)},
        {"places", places_html(report)},
+       {"simulated_answer", simulated_answer(report)},
+       {"simulation", simulation_html(report)},
+       {"what_if_simulated", report.simulation ? " Simulated flights are not flown again, and do not enter." : ""},
+       {"simulated_box", simulated_box_html(report)},
+       {"simulated_key", simulated_key_html(report)},
+       {"measured", kind_mark(NumberKind::kMeasured)},
+       {"simulated", kind_mark(NumberKind::kSimulated)},
+       {"modelled", kind_mark(NumberKind::kModelled)},
        {"evaluation", evaluation_html(report)},
        {"imagery_age", imagery_age_html(report.imagery_age)},
        {"denied_key", denied_key_html(report)},

@@ -13,6 +13,7 @@
 #include "pilotage/mission/input_files.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
+#include "pilotage/mission/simulation.h"
 #include "pilotage/raster/raster.h"
 #include "pilotage/report/evaluation_note.h"
 #include "pilotage/report/seen_frames.h"
@@ -36,6 +37,7 @@ struct ReportInput {
   TilePictures pictures;                     ///< Of plan.ground.tiles, in their order; may be empty.
   SeenFrames seen;                           ///< What the camera will see along the route; may have no frame.
   std::optional<EvaluationNote> evaluation;  ///< What the scores are worth, where that was measured.
+  std::optional<Simulation> simulation;      ///< What `simulate` found of this plan.
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be
   /// inverted over the corridor. Called from one thread, some 10,000 times and four times per tile.

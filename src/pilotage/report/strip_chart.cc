@@ -183,6 +183,23 @@ std::string loss_curve(const Report& report, const Axes& axes) {
                          "P within the limit, if GNSS is lost here (dashed: asked for)");
 }
 
+// Half and 95 of 100 of the simulated flights' true errors; what a chart of the plan's errors cannot hold runs along its
+// top.
+std::string simulated_curves(const Report& report, const Axes& axes) {
+  if (!report.simulation) return "";
+  const auto curve = [&](const char* type, const char* what, double SimulatedMark::*error_m) {
+    std::string path;
+    for (const SimulatedMark& mark : report.simulation->marks) {
+      if (std::isnan(mark.*error_m)) continue;
+      path += (path.empty() ? "M" : "L") + kSvg.number(axes.x(mark.distance_m)) + " " +
+              kSvg.number(axes.y(mark.*error_m));
+    }
+    return "<path class=\"" + std::string(type) + "\" d=\"" + path + "\"><title>" + what +
+           " of the simulated flights, lost ones with them</title></path>\n";
+  };
+  return curve("simulated-cep50", "CEP50", &SimulatedMark::cep50_m) + curve("simulated-r95", "R95", &SimulatedMark::r95_m);
+}
+
 // Where GNSS is denied: a light band behind all else, with a bar and words above the plot.
 std::string denied_bands(const Report& report, const Axes& axes) {
   std::string svg;
@@ -267,7 +284,7 @@ std::string strip_chart_svg(const Report& report) {
     svg += kSvg.text("limit-label", kChartLeft + 8, y < kTop + 24 ? y + 18 : y - 6,
                      "limit " + error_text(report.max_error_m));
   }
-  svg += gap_labels(report, axes) + "</g>\n";
+  svg += gap_labels(report, axes) + "</g>\n<g id=\"chart-simulated\">" + simulated_curves(report, axes) + "</g>\n";
   svg += distance_ticks(axes) + kSvg.line("axis-line", kChartLeft, kBottom, kChartRight, kBottom) +
          ribbons(report, axes) + "<g id=\"chart-loss\">" + loss_curve(report, axes) + "</g>\n";
   svg += "<g id=\"chart-cursor\" visibility=\"hidden\"><line class=\"cursor\" y1=\"" + kSvg.number(kTop) + "\" y2=\"" +

@@ -150,7 +150,7 @@ Json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quali
     json["disagreement"] = {{"largest_m", apart->largest_m}, {"median_m", apart->median_m}};
   }
   static const std::set<std::string> kPredicted = {"largest_error", "longest_gap", "route_probability",
-                                                   "georeference_disagreement"};
+                                                   "georeference_disagreement", "simulated_flights"};
   json["others"] = Json::array();
   for (const QualityRow& row : quality) {
     if (!row.decides || kPredicted.contains(row.name)) continue;

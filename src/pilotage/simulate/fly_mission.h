@@ -4,21 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "pilotage/mission/simulation.h"
 #include "pilotage/simulate/simulated_mission.h"
 
 namespace pilotage {
-
-/// What became of a flight's tries to fix.
-struct TriedFixes {
-  std::int64_t tries = 0;        ///< While the flight knew itself within the limit, over ground of stored tiles or not.
-  std::int64_t right = 0;        ///< Right fixes that were taken.
-  std::int64_t missed = 0;       ///< Over a stored tile, and no fix came.
-  std::int64_t not_stored = 0;   ///< Over ground that is not stored, where the line leads over none either.
-  std::int64_t off_line = 0;     ///< The same, where the line leads over a stored tile: the aircraft was beside it.
-  std::int64_t false_taken = 0;  ///< False fixes that passed the gate.
-  std::int64_t refused = 0;      ///< False and right fixes that the gate refused.
-  std::int64_t resets = 0;       ///< Fixes believed after refusals that said the same.
-};
 
 /// At a mark (SimulatedMission::marks_m). East and north; single precision, for there are flights times marks of them.
 struct ErrorAtMark {
@@ -26,12 +15,6 @@ struct ErrorAtMark {
   Eigen::Vector2f off_line_m = Eigen::Vector2f::Zero();  ///< True place minus that of the line.
   /// Of the error, by the filter's covariance: χ² of two degrees of freedom when it is honest.
   float nees = 0;
-};
-
-/// Where a flight really was and where it believed to be, from the line's place at each sample of the route.
-struct FlightTrack {
-  std::vector<Eigen::Vector2d> true_off_line_m;
-  std::vector<Eigen::Vector2d> believed_off_line_m;
 };
 
 /// One flight.

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <numbers>
 
 #include <Eigen/Eigenvalues>
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/base/options_json.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/base/text.h"
 
@@ -131,30 +131,6 @@ std::vector<std::string> what_was_left_out() {
       "P for priors wider than the limit: a flight whose k sigma is beyond it gets no more fixes, as in the plan"};
 }
 
-}  // namespace
-
-double SimulatedShare::share() const {
-  return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : kNaN;
-}
-
-std::vector<Eigen::Vector2d> ellipse_outline_m(const TruePlaceEllipse& ellipse, int corners) {
-  const double azimuth_rad = ellipse.azimuth_deg * kRadPerDeg;
-  const Eigen::Vector2d major = ellipse.major_m * Eigen::Vector2d(std::sin(azimuth_rad), std::cos(azimuth_rad));
-  const Eigen::Vector2d minor = ellipse.minor_m * Eigen::Vector2d(std::cos(azimuth_rad), -std::sin(azimuth_rad));
-  std::vector<Eigen::Vector2d> outline_m;
-  for (int i = 0; i < corners; ++i) {
-    const double angle_rad = 2 * std::numbers::pi * i / corners;
-    outline_m.emplace_back(std::cos(angle_rad) * major + std::sin(angle_rad) * minor);
-  }
-  return outline_m;
-}
-
-SimulatedShare simulated_share(std::int64_t count, std::int64_t of) {
-  return {of, count, binomial_interval(count, of)};
-}
-
-namespace {
-
 std::vector<SimulatedFlight> fly_all(const SimulatedMission& mission, const SimulateOptions& options,
                                      std::uint64_t seed, int threads, const Progress& progress,
                                      const std::string& stage, std::vector<SimulatedTrack>* tracks) {
@@ -202,7 +178,6 @@ Simulation sum_up(const SimulatedMission& mission, const SimulateOptions& option
   Simulation result;
   result.flights = options.flights;
   result.seed = seed;
-  result.options = options;
   result.max_error_m = mission.path.max_error_m;
   result.sigma_multiple = mission.path.model.sigma_multiple;
   result.lost_from_m = mission.lost_from_m;
@@ -264,6 +239,8 @@ Simulation simulate_flights(const Mission& mission, const std::vector<TileScores
         compare_with_plan(flights, fly_all(simulated, planned, seed, threads, progress, "flying as planned", nullptr));
     worst = std::move(found);
   }
+  SimulateOptions described = options;  // list_options takes what can be set
+  worst->options = options_to_json(list_options(described));
   if (options.lost_every_km) worst->losses = std::move(losses);
   return *std::move(worst);
 }

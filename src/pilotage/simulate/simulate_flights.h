@@ -1,100 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "pilotage/base/progress.h"
-#include "pilotage/base/statistics.h"
-#include "pilotage/mission/input_files.h"
+#include "pilotage/mission/simulation.h"
 #include "pilotage/simulate/fly_mission.h"
 
 namespace pilotage {
-
-/// A share of flights, with its exact 95 % interval (base/statistics.h); NaN and [0, 1] of none.
-struct SimulatedShare {
-  std::int64_t of = 0;
-  std::int64_t count = 0;
-  Interval interval{0, 1};
-
-  double share() const;
-};
-SimulatedShare simulated_share(std::int64_t count, std::int64_t of);
-
-struct SimulatedLeg {
-  int leg = 0;
-  double planned_p = 0;   ///< LegStatus::p_within_limit; NaN where no flight of the plan reaches it.
-  SimulatedShare within;  ///< Of the flights that reached it within the limit, those that left it so.
-};
-
-/// Where the aircraft truly are: the ellipse around the line's place that holds 95 of 100 flights, in the shape of
-/// their second moments. NaN below 60 flights, which do not bound it.
-struct TruePlaceEllipse {
-  double major_m = 0;      ///< Semi-axes.
-  double minor_m = 0;
-  double azimuth_deg = 0;  ///< Of the major one, from north to the east, 0 … 180.
-};
-
-/// Points of its outline: the first in the direction of the major axis, clockwise; east and north of its centre.
-std::vector<Eigen::Vector2d> ellipse_outline_m(const TruePlaceEllipse& ellipse, int corners);
-
-/// Where one of the first flights was.
-struct SimulatedTrack {
-  FlightTrack places;
-  std::size_t lost_at = 0;  ///< SimulatedFlight::lost_at().
-};
-inline constexpr std::size_t kMostTracks = 50;
-
-/// What the errors are where the route has come so far, over all flights.
-struct SimulatedMark {
-  double distance_m = 0;
-  double planned_time_s = 0;  ///< At the planned speed, without wind.
-  double p_within = 0;  ///< Share of the flights that were within the limit up to here, and knew it.
-  double cep50_m = 0;   ///< Half of the true errors are at most so large;
-  double r95_m = 0;     ///< 95 of 100. NaN below 60 flights, which do not bound it.
-  double nees = 0;      ///< Mean; an honest filter's lies in nees_band in 95 of 100 simulations.
-  Interval nees_band;
-  std::int64_t lost = 0;  ///< Flights lost since the mark before.
-  TruePlaceEllipse true_place;
-};
-
-/// The same flights with what the plan does not know (wind, the map's error, false fixes) and without.
-struct AsPlanned {
-  SimulatedShare within;  ///< Without.
-  double cost = 0;        ///< That share less the share with all of it.
-  Interval cost_interval{-1, 1};
-};
-
-/// GNSS lost for good at one place.
-struct SimulatedLoss {
-  double lost_from_m = 0;
-  double planned_p = 0;
-  SimulatedShare within;
-};
-
-/// What `simulate` finds.
-struct Simulation {
-  std::int64_t flights = 0;
-  std::uint64_t seed = 0;
-  SimulateOptions options;
-  double max_error_m = 0;
-  double sigma_multiple = 3;
-  double lost_from_m = 0;  ///< Where GNSS is lost first.
-  double planned_p = 0;
-  SimulatedShare within;       ///< The error stays within the limit all the way, and so does k·σ of the filter.
-  SimulatedShare within_sure;  ///< k·σ of the filter stays within the limit: what the plan's P is of.
-  SimulatedShare within_true;  ///< The true error stays within the limit, whatever the filter knows.
-  SimulatedShare unaware;      ///< Flights that were off while the filter held itself within the limit.
-  std::optional<AsPlanned> as_planned;
-  std::vector<SimulatedLoss> losses;  ///< With `lost_every_km`: by place; all else is of the worst of them.
-  std::vector<SimulatedLeg> legs;
-  std::vector<SimulatedMark> marks;
-  TriedFixes fixes;                        ///< Sums over all flights.
-  std::vector<std::string> not_simulated;  ///< Sentences.
-  std::vector<SimulatedTrack> tracks;      ///< Of the first kMostTracks flights. Not part of simulation.json.
-  std::vector<InputFile> inputs;           ///< Plan, scores and selection, when they came from files.
-};
 
 /// Flies `options.flights` flights, and each a second time with nothing but what the plan knows of. Deterministic for
 /// any number of threads. Throws as make_simulated_mission, UsageError when `lost_every_km` comes with `lost_from_km`

@@ -1,11 +1,14 @@
-#include "pilotage/simulate/simulation_file.h"
+#include "pilotage/mission/simulation_file.h"
 
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/options_json.h"
+#include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mission/selection.h"
 
@@ -14,18 +17,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kSimulationVersion = 1;
+constexpr int kMostLegs = 1'000'000;
+
 Json share_json(const SimulatedShare& share) {
   return {{"share", json_number(share.share())},
           {"flights", share.count},
           {"of", share.of},
           {"low", share.interval.low},
           {"high", share.interval.high}};
-}
-
-std::string share_text(const SimulatedShare& share) {
-  if (share.of == 0) return "no flight came here";
-  return probability_text(share.share()) + " [" + probability_text(share.interval.low) + ", " +
-         probability_text(share.interval.high) + "]";
 }
 
 /// Null where flights do not bound it.
@@ -90,22 +90,136 @@ std::string marks_text(const Simulation& simulation) {
   return text;
 }
 
+SimulatedShare read_share(JsonObject json) {
+  json.number_or_nan("share");
+  const std::int64_t count = json.integer("flights", 0);
+  const std::int64_t of = json.integer("of", count);
+  json.number("low");
+  json.number("high");
+  json.finish();
+  return simulated_share(count, of);  // its interval is a function of both
+}
+
+TruePlaceEllipse read_ellipse(JsonObject& mark) {
+  if (!mark.has_value("true_place")) return {kNaN, kNaN, kNaN};
+  JsonObject json = mark.object("true_place");
+  const TruePlaceEllipse ellipse{json.number("major_m"), json.number("minor_m"), json.number("azimuth_deg")};
+  json.finish();
+  return ellipse;
+}
+
+SimulatedMark read_mark(JsonObject& json) {
+  SimulatedMark mark;
+  mark.distance_m = json.number("distance_m");
+  mark.planned_time_s = json.number("planned_time_s");
+  mark.p_within = json.number("p_within");
+  mark.lost = json.integer("lost", 0);
+  mark.cep50_m = json.number_or_nan("cep50_m");
+  mark.r95_m = json.number_or_nan("r95_m");
+  mark.nees = json.number_or_nan("nees");
+  mark.nees_band = {json.number("nees_low"), json.number("nees_high")};
+  mark.true_place = read_ellipse(json);
+  json.finish();
+  return mark;
+}
+
+TriedFixes read_fixes(JsonObject json) {
+  TriedFixes fixes;
+  const auto count = [&](const char* key) { return json.integer(key, 0); };
+  fixes.tries = count("tries");
+  fixes.right = count("right");
+  fixes.missed = count("missed");
+  fixes.not_stored = count("not_stored");
+  fixes.off_line = count("off_line");
+  fixes.false_taken = count("false_taken");
+  fixes.refused = count("refused");
+  fixes.resets = count("resets");
+  json.finish();
+  return fixes;
+}
+
+std::optional<AsPlanned> read_as_planned(JsonObject& object) {
+  if (!object.has_value("as_planned")) return {};
+  JsonObject json = object.object("as_planned");
+  AsPlanned planned;
+  planned.within = read_share(json.object("within"));
+  planned.cost = json.number("cost");
+  planned.cost_interval = {json.number("cost_low"), json.number("cost_high")};
+  json.finish();
+  return planned;
+}
+
+void read_lists(JsonObject& object, Simulation& simulation) {
+  for (JsonObject& json : object.objects("lost_at")) {
+    simulation.losses.push_back(
+        {json.number("distance_m"), json.number_or_nan("planned_p"), read_share(json.object("within"))});
+    json.finish();
+  }
+  for (JsonObject& json : object.objects("legs")) {
+    const int leg = json.small_integer("leg", 1, kMostLegs) - 1;
+    simulation.legs.push_back({leg, json.number_or_nan("planned_p"), read_share(json.object("within"))});
+    json.finish();
+  }
+  for (JsonObject& json : object.objects("along")) simulation.marks.push_back(read_mark(json));
+  for (JsonObject& json : object.objects("inputs")) {
+    simulation.inputs.push_back({json.text("role"), "", "", json.text("digest")});
+    json.finish();
+  }
+}
+
 }  // namespace
 
+std::string share_text(const SimulatedShare& share) {
+  if (share.of == 0) return "no flight came here";
+  return probability_text(share.share()) + " [" + probability_text(share.interval.low) + ", " +
+         probability_text(share.interval.high) + "]";
+}
+
+Simulation simulation_from_json(const Json& json, const std::string& name) {
+  JsonObject object(json, name);
+  if (!json.contains("pilotage_simulation")) {
+    throw DataError(name + ": is no simulation; `pilotage simulate` writes simulation.json");
+  }
+  const std::int64_t version = object.integer("pilotage_simulation");
+  if (version != kSimulationVersion) {
+    throw DataError(name + ": is of version " + std::to_string(version) + ", this program knows " +
+                    std::to_string(kSimulationVersion) + "; simulate again");
+  }
+  Simulation simulation;
+  object.text("fixes_from");
+  simulation.flights = object.integer("flights", 1);
+  simulation.seed = static_cast<std::uint64_t>(object.integer("seed", 0));
+  simulation.options = object.value("options");
+  simulation.max_error_m = object.number("max_error_m");
+  simulation.sigma_multiple = object.number("sigma_multiple");
+  simulation.lost_from_m = object.number("gnss_lost_from_m");
+  simulation.planned_p = object.number_or_nan("planned_p");
+  simulation.within = read_share(object.object("within"));
+  simulation.within_sure = read_share(object.object("within_by_sigma"));
+  simulation.within_true = read_share(object.object("within_by_true_error"));
+  simulation.unaware = read_share(object.object("off_unaware"));
+  simulation.as_planned = read_as_planned(object);
+  simulation.fixes = read_fixes(object.object("fixes"));
+  read_lists(object, simulation);
+  simulation.not_simulated = object.texts("not_simulated");
+  object.finish();
+  return simulation;
+}
+
+Simulation read_simulation(const std::filesystem::path& path) {
+  return simulation_from_json(parse_json(path.string(), read_file(path)), path.string());
+}
+
 Json simulation_to_json(const Simulation& simulation) {
-  const SimulateOptions& options = simulation.options;
   const TriedFixes& fixes = simulation.fixes;
-  Json json = {{"pilotage_simulation", 1},
-               {"fixes_from", options_detail::enum_to_name(options.fixes)},
+  Json json = {{"pilotage_simulation", kSimulationVersion},
+               {"fixes_from", simulation.options.value("fixes", "drawn")},
                {"flights", simulation.flights},
                {"seed", simulation.seed},
                {"max_error_m", simulation.max_error_m},
                {"sigma_multiple", simulation.sigma_multiple},
                {"gnss_lost_from_m", simulation.lost_from_m},
-               {"map_sigma_m", options.map_sigma_m},
-               {"map_correlation_m", options.map_correlation_m},
-               {"wind_sigma_mps", options.wind_sigma_mps},
-               {"false_fix_rate", options.false_fix_rate},
+               {"options", simulation.options},
                {"planned_p", json_number(simulation.planned_p)},
                {"within", share_json(simulation.within)},
                {"within_by_sigma", share_json(simulation.within_sure)},
@@ -137,7 +251,7 @@ Json simulation_to_json(const Simulation& simulation) {
   }
   for (const SimulatedLeg& leg : simulation.legs) {
     json["legs"].push_back(
-        {{"leg", leg.leg}, {"planned_p", json_number(leg.planned_p)}, {"within", share_json(leg.within)}});
+        {{"leg", leg.leg + 1}, {"planned_p", json_number(leg.planned_p)}, {"within", share_json(leg.within)}});
   }
   for (const SimulatedMark& mark : simulation.marks) {
     json["along"].push_back({{"distance_m", mark.distance_m},

@@ -1,8 +1,12 @@
-#include "pilotage/simulate/simulation_file.h"
+#include "pilotage/mission/simulation_file.h"
+
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "pilotage/base/error.h"
 
 namespace pilotage {
 namespace {
@@ -64,6 +68,38 @@ TEST(SimulationFile, HoldsWhatWasFound) {
   Simulation matched = small_simulation();
   matched.as_planned.reset();
   EXPECT_TRUE(simulation_to_json(matched)["as_planned"].is_null());
+}
+
+TEST(SimulationFile, ReadsBackWhatItWrote) {
+  const auto json = simulation_to_json(small_simulation());
+  const Simulation read = simulation_from_json(json, "simulation.json");
+  EXPECT_EQ(simulation_to_json(read), json);
+  EXPECT_EQ(read.legs[1].leg, 1);
+  EXPECT_TRUE(std::isnan(read.marks[0].r95_m));
+}
+
+TEST(SimulationFile, RefusesWhatItIsNot) {
+  const auto problem = [](const nlohmann::ordered_json& json) {
+    try {
+      simulation_from_json(json, "a.json");
+    } catch (const DataError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(problem({{"pilotage_plan", 1}}), HasSubstr("a.json: is no simulation"));
+  auto json = simulation_to_json(small_simulation());
+  json["pilotage_simulation"] = 2;
+  EXPECT_THAT(problem(json), HasSubstr("is of version 2, this program knows 1"));
+  json = simulation_to_json(small_simulation());
+  json["within"]["of"] = 3;
+  EXPECT_THAT(problem(json), HasSubstr("a.json.within.of")) << "fewer than those within";
+  json = simulation_to_json(small_simulation());
+  json["along"][0]["nees_low"] = "low";
+  EXPECT_THAT(problem(json), HasSubstr("nees_low"));
+  json = simulation_to_json(small_simulation());
+  json["more"] = 1;
+  EXPECT_THAT(problem(json), HasSubstr("more"));
 }
 
 }  // namespace

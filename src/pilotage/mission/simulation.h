@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/statistics.h"
+#include "pilotage/mission/input_files.h"
+
+#pragma GCC visibility push(default)
+
+// What simulated flights of a mission say (docs/methods/simulate.md): what `simulate` finds and `report` shows.
+
+namespace pilotage {
+
+/// A share of flights, with its exact 95 % interval (base/statistics.h); NaN and [0, 1] of none.
+struct SimulatedShare {
+  std::int64_t of = 0;
+  std::int64_t count = 0;
+  Interval interval{0, 1};
+
+  double share() const;
+};
+SimulatedShare simulated_share(std::int64_t count, std::int64_t of);
+
+struct SimulatedLeg {
+  int leg = 0;
+  double planned_p = 0;   ///< LegStatus::p_within_limit; NaN where no flight of the plan reaches it.
+  SimulatedShare within;  ///< Of the flights that reached it within the limit, those that left it so.
+};
+
+/// Where the aircraft truly are: the ellipse around the line's place that holds 95 of 100 flights, in the shape of
+/// their second moments. NaN below 60 flights, which do not bound it.
+struct TruePlaceEllipse {
+  double major_m = 0;      ///< Semi-axes.
+  double minor_m = 0;
+  double azimuth_deg = 0;  ///< Of the major one, from north to the east, 0 … 180.
+};
+
+/// Points of its outline: the first in the direction of the major axis, clockwise; east and north of its centre.
+std::vector<Eigen::Vector2d> ellipse_outline_m(const TruePlaceEllipse& ellipse, int corners);
+
+/// Where a flight really was and where it believed to be, from the line's place at each sample of the route.
+struct FlightTrack {
+  std::vector<Eigen::Vector2d> true_off_line_m;
+  std::vector<Eigen::Vector2d> believed_off_line_m;
+};
+
+/// Where one of the first flights was.
+struct SimulatedTrack {
+  FlightTrack places;
+  std::size_t lost_at = 0;  ///< The first sample where it was beyond the limit; their number when none.
+};
+inline constexpr std::size_t kMostTracks = 50;
+
+/// What the errors are where the route has come so far, over all flights.
+struct SimulatedMark {
+  double distance_m = 0;
+  double planned_time_s = 0;  ///< At the planned speed, without wind.
+  double p_within = 0;  ///< Share of the flights that were within the limit up to here, and knew it.
+  double cep50_m = 0;   ///< Half of the true errors are at most so large;
+  double r95_m = 0;     ///< 95 of 100. NaN below 60 flights, which do not bound it.
+  double nees = 0;      ///< Mean; an honest filter's lies in nees_band in 95 of 100 simulations.
+  Interval nees_band;
+  std::int64_t lost = 0;  ///< Flights lost since the mark before.
+  TruePlaceEllipse true_place;
+};
+
+/// The same flights with what the plan does not know (wind, the map's error, false fixes) and without.
+struct AsPlanned {
+  SimulatedShare within;  ///< Without.
+  double cost = 0;        ///< That share less the share with all of it.
+  Interval cost_interval{-1, 1};
+};
+
+/// GNSS lost for good at one place.
+struct SimulatedLoss {
+  double lost_from_m = 0;
+  double planned_p = 0;
+  SimulatedShare within;
+};
+
+/// What became of a flight's tries to fix.
+struct TriedFixes {
+  std::int64_t tries = 0;        ///< While the flight knew itself within the limit, over ground of stored tiles or not.
+  std::int64_t right = 0;        ///< Right fixes that were taken.
+  std::int64_t missed = 0;       ///< Over a stored tile, and no fix came.
+  std::int64_t not_stored = 0;   ///< Over ground that is not stored, where the line leads over none either.
+  std::int64_t off_line = 0;     ///< The same, where the line leads over a stored tile: the aircraft was beside it.
+  std::int64_t false_taken = 0;  ///< False fixes that passed the gate.
+  std::int64_t refused = 0;      ///< False and right fixes that the gate refused.
+  std::int64_t resets = 0;       ///< Fixes believed after refusals that said the same.
+};
+
+/// What `simulate` finds.
+struct Simulation {
+  std::int64_t flights = 0;
+  std::uint64_t seed = 0;
+  nlohmann::ordered_json options = nlohmann::ordered_json::object();  ///< All of them, as options_to_json gives them.
+  double max_error_m = 0;
+  double sigma_multiple = 3;
+  double lost_from_m = 0;  ///< Where GNSS is lost first.
+  double planned_p = 0;        ///< Of the selection, by the plan's own recursion.
+  SimulatedShare within;       ///< The error stays within the limit all the way, and so does k·σ of the filter.
+  SimulatedShare within_sure;  ///< k·σ of the filter stays within the limit: what the plan's P is of.
+  SimulatedShare within_true;  ///< The true error stays within the limit, whatever the filter knows.
+  SimulatedShare unaware;      ///< Flights that were off while the filter held itself within the limit.
+  std::optional<AsPlanned> as_planned;
+  std::vector<SimulatedLoss> losses;  ///< With `lost_every_km`: by place; all else is of the worst of them.
+  std::vector<SimulatedLeg> legs;
+  std::vector<SimulatedMark> marks;
+  TriedFixes fixes;                        ///< Sums over all flights.
+  std::vector<std::string> not_simulated;  ///< Sentences.
+  std::vector<SimulatedTrack> tracks;      ///< Of the first kMostTracks flights. Not part of simulation.json.
+  std::vector<InputFile> inputs;           ///< Plan, scores and selection, when they came from files.
+};
+
+}  // namespace pilotage
+
+#pragma GCC visibility pop

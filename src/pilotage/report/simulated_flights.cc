@@ -1,0 +1,244 @@
+#include "pilotage/report/simulated_flights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/markup.h"
+#include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
+#include "pilotage/geo/local_frame.h"
+#include "pilotage/mission/simulation_file.h"
+#include "pilotage/report/number_kind.h"
+#include "pilotage/report/page_parts.h"
+#include "pilotage/report/sampled_route.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+constexpr int kOutlineCorners = 32;
+/// Rows of the table along the route, at most about so many.
+constexpr double kMostMarkRows = 20;
+
+std::string flights_of(const SimulatedShare& share) {
+  return std::to_string(share.count) + " of " + std::to_string(share.of) + " flights";
+}
+
+std::string difference_text(double planned, const SimulatedShare& simulated) {
+  if (simulated.of == 0 || std::isnan(planned)) return "–";
+  const auto part = [&](double share) {
+    const double difference = share - planned;
+    return (difference < 0 ? "−" : "+") + format_fixed(std::abs(difference), 3);
+  };
+  return part(simulated.share()) + " [" + part(simulated.interval.low) + ", " + part(simulated.interval.high) + "]";
+}
+
+std::string metres_or_dash(double length_m) {
+  return std::isnan(length_m) ? "–" : format_fixed(length_m, 1) + " m";
+}
+
+std::string table_html(const std::string& what, const std::vector<std::string>& heads, const std::string& rows) {
+  std::string html = "  <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + html_escape(what) +
+                     "\"><table class=\"wide cards\"><thead><tr>";
+  for (const std::string& head : heads) html += "<th scope=\"col\">" + head + "</th>";
+  return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
+}
+
+std::string share_cell(const std::string& label, const SimulatedShare& share) {
+  return cell_html(label, share_text(share));
+}
+
+std::string legs_table(const Simulation& simulation) {
+  std::string rows;
+  for (const SimulatedLeg& leg : simulation.legs) {
+    rows += "<tr>" + heading_html("Leg " + std::to_string(leg.leg + 1)) +
+            cell_html("Planned P", probability_text(leg.planned_p)) + share_cell("Simulated", leg.within) +
+            cell_html("Difference", difference_text(leg.planned_p, leg.within)) + "</tr>\n";
+  }
+  return table_html("Table of the simulated legs",
+                    {"Leg", "Planned P " + kind_mark(NumberKind::kModelled),
+                     "Share of flights " + kind_mark(NumberKind::kSimulated), "Difference"},
+                    rows);
+}
+
+std::string marks_table(const Simulation& simulation) {
+  std::string rows;
+  const auto step = static_cast<std::size_t>(std::ceil(static_cast<double>(simulation.marks.size()) / kMostMarkRows));
+  for (std::size_t i = 0; i < simulation.marks.size(); ++i) {
+    const SimulatedMark& mark = simulation.marks[i];
+    if ((i + 1) % step != 0 && i + 1 != simulation.marks.size()) continue;
+    const bool honest = mark.nees >= mark.nees_band.low && mark.nees <= mark.nees_band.high;
+    rows += "<tr>" + heading_html(format_fixed(mark.distance_m / 1000, 2) + " km") +
+            cell_html("Within the limit so far", probability_text(mark.p_within)) +
+            cell_html("CEP50", metres_or_dash(mark.cep50_m)) + cell_html("R95", metres_or_dash(mark.r95_m)) +
+            cell_html("NEES", format_fixed(mark.nees, 2) + (honest ? " in [" : " outside [") +
+                                  format_fixed(mark.nees_band.low, 2) + ", " + format_fixed(mark.nees_band.high, 2) +
+                                  "]") +
+            "</tr>\n";
+  }
+  return table_html("Table of the errors along the route",
+                    {"Along the route", "Within the limit so far", "CEP50", "R95", "NEES"}, rows);
+}
+
+std::string losses_table(const Simulation& simulation) {
+  if (simulation.losses.empty()) return "";
+  std::string rows;
+  for (const SimulatedLoss& loss : simulation.losses) {
+    rows += "<tr>" + heading_html(format_fixed(loss.lost_from_m / 1000, 2) + " km") +
+            cell_html("Planned P", probability_text(loss.planned_p)) + share_cell("Simulated", loss.within) +
+            "</tr>\n";
+  }
+  return "  <h3>By where GNSS is lost for good</h3>\n" +
+         table_html("Table of the places where GNSS is lost",
+                    {"Lost at", "Planned P " + kind_mark(NumberKind::kModelled),
+                     "Share of flights " + kind_mark(NumberKind::kSimulated)},
+                    rows);
+}
+
+/// Who answered the tries.
+std::string fixes_from_text(const Simulation& simulation) {
+  const std::string from = simulation.options.value("fixes", "drawn");
+  if (from == "drawn") return "fixes drawn by the tiles' modelled P";
+  if (from == "none") return "without any fix";
+  return "fixes of the matcher on computed frames (" + valid_utf8(from) + ")";
+}
+
+/// Where most flights are lost: the stretch between two marks.
+std::string most_lost_text(const Simulation& simulation) {
+  const auto worst = std::max_element(simulation.marks.begin(), simulation.marks.end(),
+                                      [](const SimulatedMark& a, const SimulatedMark& b) { return a.lost < b.lost; });
+  if (worst == simulation.marks.end() || worst->lost == 0) return "No flight is lost.";
+  const double from_m = worst == simulation.marks.begin() ? 0 : (worst - 1)->distance_m;
+  return "Most flights are lost from " + length_text(from_m) + " to " + length_text(worst->distance_m) + ": " +
+         std::to_string(worst->lost) + " of " + std::to_string(simulation.flights - simulation.within.count) +
+         " that are lost, " + duration_text(worst->planned_time_s) + " into the flight at planned speed.";
+}
+
+std::string fixes_text(const Simulation& simulation) {
+  const TriedFixes& fixes = simulation.fixes;
+  return "Of " + std::to_string(fixes.tries) + " tries in all flights " + std::to_string(fixes.right) +
+         " gave a right fix, " + std::to_string(fixes.missed) + " none over a stored tile, " +
+         std::to_string(fixes.not_stored) + " were over ground that is not stored, " + std::to_string(fixes.off_line) +
+         " beside the line's tile; " + std::to_string(fixes.false_taken) + " false fixes were taken, " +
+         std::to_string(fixes.refused) + " fixes refused by the filter, " + std::to_string(fixes.resets) + " resets.";
+}
+
+std::string cost_text(const Simulation& simulation) {
+  if (!simulation.as_planned) return "";
+  const AsPlanned& planned = *simulation.as_planned;
+  return "The same flights with nothing but what the plan knows: " + share_text(planned.within) +
+         ". Wind, the map's own error and false fixes cost " + format_fixed(planned.cost, 3) + " [" +
+         format_fixed(planned.cost_interval.low, 3) + ", " + format_fixed(planned.cost_interval.high, 3) +
+         "] (pairs of flights).";
+}
+
+}  // namespace
+
+QualityRow simulated_row(const Simulation& simulation, const Selection& selection) {
+  QualityRow row;
+  row.name = "simulated_flights";
+  row.label = "Simulated flights that stay within the limit";
+  row.kind = NumberKind::kSimulated;
+  row.number = simulation.within.share();
+  row.unit = "1";
+  row.value = share_text(simulation.within) + ", " + flights_of(simulation.within) + "; planned " +
+              probability_text(simulation.planned_p);
+  if (!selection.probability) {
+    row.threshold = "none: the plan has no probability";
+    return row;
+  }
+  const double asked = selection.probability->min_p_within_limit;
+  row.threshold = "good when the lower end of the interval reaches " + probability_text(asked) +
+                  ", bad when the upper end does not";
+  row.decides = true;
+  if (simulation.within.interval.low >= asked) return row;
+  row.status = simulation.within.interval.high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
+  row.advice = row.status == QualityStatus::kBad
+                   ? most_lost_text(simulation)
+                   : "The interval holds what is asked for: fly more (--flights) to know. " +
+                         most_lost_text(simulation);
+  return row;
+}
+
+std::string simulated_answer(const Report& report) {
+  if (!report.simulation) return "";
+  const Simulation& simulation = *report.simulation;
+  return "    <p class=\"rests-on\">" + kind_mark(NumberKind::kSimulated) + " " +
+         html_escape(flights_of(simulation.within) + " stay within " + error_text(simulation.max_error_m) +
+                     " all the way and know it: " + share_text(simulation.within) + "; planned " +
+                     probability_text(simulation.planned_p) +
+                     "; " + fixes_from_text(simulation) +
+                     (simulation.lost_from_m > 0 ? "; GNSS lost from " + length_text(simulation.lost_from_m) : "")) +
+         "</p>\n";
+}
+
+std::string simulation_html(const Report& report) {
+  if (!report.simulation) return "";
+  const Simulation& simulation = *report.simulation;
+  std::string html =
+      "<section aria-labelledby=\"simulation-heading\">\n  <h2 id=\"simulation-heading\">Simulated flights " +
+      kind_mark(NumberKind::kSimulated) + "</h2>\n";
+  const auto paragraph = [&](const std::string& text) {
+    if (!text.empty()) html += "  <p>" + html_escape(text) + "</p>\n";
+  };
+  paragraph(flights_of(simulation.within) + " stay within " + error_text(simulation.max_error_m) +
+            " all the way and know it: " + share_text(simulation.within) + "; planned " +
+            probability_text(simulation.planned_p) + ". By " + format_number(simulation.sigma_multiple) +
+            "σ of the filter alone, as the plan counts: " + share_text(simulation.within_sure) +
+            "; by the true error alone: " + share_text(simulation.within_true) +
+            "; off without knowing: " + share_text(simulation.unaware) + ". Intervals are of 95 %; " +
+            fixes_from_text(simulation) + ".");
+  paragraph(cost_text(simulation));
+  paragraph(most_lost_text(simulation));
+  paragraph(fixes_text(simulation));
+  html += losses_table(simulation);
+  html += "  <h3>Legs</h3>\n" + legs_table(simulation);
+  html += "  <h3>Errors along the route</h3>\n" + marks_table(simulation);
+  html += "  <p class=\"small\">CEP50 and R95: half and 95 of 100 of the true errors of all flights, lost ones with "
+          "them, are at most so large. NEES: 2 of a filter whose covariance is honest; false fixes lift it.</p>\n";
+  html += "  <h3>Not simulated</h3>\n  <ul>\n" + list_html(simulation.not_simulated) + "  </ul>\n";
+  html += "  <details><summary>Options of the simulation, seed " + std::to_string(simulation.seed) +
+          "</summary><table class=\"parameters\"><tbody>\n" + parameters_html(simulation.options) +
+          "</tbody></table></details>\n";
+  return html + "</section>\n";
+}
+
+nlohmann::ordered_json simulated_marks_json(const Report& report) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  if (!report.simulation) return json;
+  for (const SimulatedMark& mark : report.simulation->marks) {
+    json.push_back({mark.distance_m, json_number(mark.cep50_m), json_number(mark.r95_m), mark.p_within});
+  }
+  return json;
+}
+
+std::vector<std::vector<GeodeticPoint>> true_place_outlines(const ReportInput& input) {
+  std::vector<std::vector<GeodeticPoint>> outlines;
+  if (!input.simulation) return outlines;
+  for (const SimulatedMark& mark : input.simulation->marks) {
+    if (std::isnan(mark.true_place.major_m)) continue;
+    const LocalFrame frame(route_point_at(input.mission.flight.samples, mark.distance_m));
+    std::vector<GeodeticPoint>& outline = outlines.emplace_back();
+    for (const Eigen::Vector2d& corner_m : ellipse_outline_m(mark.true_place, kOutlineCorners)) {
+      outline.push_back(frame.geodetic_from_enu({corner_m.x(), corner_m.y(), 0}));
+    }
+    outline.push_back(outline.front());
+  }
+  return outlines;
+}
+
+void refuse_other_simulation(const Simulation& simulation, const std::string& name, const std::vector<InputFile>& of) {
+  for (const InputFile& file : of) {
+    for (const InputFile& simulated : simulation.inputs) {
+      if (simulated.role != file.role || simulated.digest == file.digest) continue;
+      throw DataError(name + ": was simulated with another " + file.role + " than " + file.name +
+                      "; run `pilotage simulate` again");
+    }
+  }
+}
+
+}  // namespace pilotage
