@@ -82,10 +82,10 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
   }
   if (!options.simulation.empty()) {
     input.simulation = read_simulation(options.simulation);
-    refuse_other_simulation(*input.simulation, options.simulation,
-                            {input_file("plan", invocation.inputs.front(), ""),
-                             input_file("table", options.files.table, ""),
-                             input_file("selection", options.files.selection, "")});
+    refuse_other_simulation(
+        *input.simulation, options.simulation,
+        {input_file("plan", invocation.inputs.front(), ""), input_file("table", options.files.table, ""),
+         input_file("selection", options.files.selection, "")});
     input.inputs.push_back(input_file("simulation", options.simulation, ""));
   }
   return input;

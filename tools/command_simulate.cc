@@ -5,9 +5,9 @@
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/mission/simulation_file.h"
 #include "pilotage/simulate/flight_tracks.h"
 #include "pilotage/simulate/simulate_flights.h"
-#include "pilotage/mission/simulation_file.h"
 
 namespace pilotage {
 namespace {
@@ -60,7 +60,10 @@ Command make_simulate_command() {
                         "those beside it, if not given.",
                     .min = 1,
                     .max = 1};
-  command.output = {.kind = OutputKind::kFile, .help = "The simulation (JSON).", .flags = {"tracks"}, .stream_name = "simulation.json"};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "The simulation (JSON).",
+                    .flags = {"tracks"},
+                    .stream_name = "simulation.json"};
   bind_options<SimulateCommandOptions>(
       command, [](const SimulateCommandOptions& options, const Invocation& invocation) {
         if (!options.tracks.empty()) check_track_file(options.tracks);

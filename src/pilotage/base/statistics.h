@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#pragma GCC visibility push(default)
+
 namespace pilotage {
 
 struct Interval {
@@ -33,3 +35,5 @@ double chi_squared_quantile(double probability, double degrees);
 double quantile(std::vector<double> values, double share);
 
 }  // namespace pilotage
+
+#pragma GCC visibility pop

@@ -37,7 +37,7 @@ struct SimulatedLeg {
 /// Where the aircraft truly are: the ellipse around the line's place that holds 95 of 100 flights, in the shape of
 /// their second moments. NaN below 60 flights, which do not bound it.
 struct TruePlaceEllipse {
-  double major_m = 0;      ///< Semi-axes.
+  double major_m = 0;  ///< Semi-axes.
   double minor_m = 0;
   double azimuth_deg = 0;  ///< Of the major one, from north to the east, 0 … 180.
 };
@@ -62,10 +62,10 @@ inline constexpr std::size_t kMostTracks = 50;
 struct SimulatedMark {
   double distance_m = 0;
   double planned_time_s = 0;  ///< At the planned speed, without wind.
-  double p_within = 0;  ///< Share of the flights that were within the limit up to here, and knew it.
-  double cep50_m = 0;   ///< Half of the true errors are at most so large;
-  double r95_m = 0;     ///< 95 of 100. NaN below 60 flights, which do not bound it.
-  double nees = 0;      ///< Mean; an honest filter's lies in nees_band in 95 of 100 simulations.
+  double p_within = 0;        ///< Share of the flights that were within the limit up to here, and knew it.
+  double cep50_m = 0;         ///< Half of the true errors are at most so large;
+  double r95_m = 0;           ///< 95 of 100. NaN below 60 flights, which do not bound it.
+  double nees = 0;            ///< Mean; an honest filter's lies in nees_band in 95 of 100 simulations.
   Interval nees_band;
   std::int64_t lost = 0;  ///< Flights lost since the mark before.
   TruePlaceEllipse true_place;
@@ -104,7 +104,7 @@ struct Simulation {
   nlohmann::ordered_json options = nlohmann::ordered_json::object();  ///< All of them, as options_to_json gives them.
   double max_error_m = 0;
   double sigma_multiple = 3;
-  double lost_from_m = 0;  ///< Where GNSS is lost first.
+  double lost_from_m = 0;      ///< Where GNSS is lost first.
   double planned_p = 0;        ///< Of the selection, by the plan's own recursion.
   SimulatedShare within;       ///< The error stays within the limit all the way, and so does k·σ of the filter.
   SimulatedShare within_sure;  ///< k·σ of the filter stays within the limit: what the plan's P is of.

@@ -29,8 +29,8 @@ struct QualityRow {
   std::string value;      ///< The number for people, with its unit.
   std::string threshold;  ///< What is good, marginal and bad.
   QualityStatus status = QualityStatus::kGood;
-  bool decides = false;  ///< Only rows that decide enter the verdict; the others give advice.
-  std::string advice;    ///< What to do about it; "" when it is good.
+  bool decides = false;                   ///< Only rows that decide enter the verdict; the others give advice.
+  std::string advice;                     ///< What to do about it; "" when it is good.
   NumberKind kind = NumberKind::kStated;  ///< Not part of report.json.
 };
 

@@ -77,12 +77,12 @@ struct ReportDisplay {
   int picture_side_px = 0;    ///< Of a picture on that sheet.
   int picture_columns = 1;    ///< Pictures in a row of it.
   std::string seen_jpeg;      ///< The sheet of what the camera sees along the route; "" without frames.
-  std::vector<std::array<Eigen::Vector2d, 4>> cells_m;       ///< Per tile of the report: the cell it stands for.
-  std::vector<std::vector<Eigen::Vector2d>> leg_lines_m;     ///< Per leg of the report.
-  std::vector<std::vector<Eigen::Vector2d>> gap_lines_m;     ///< Per gap of the report.
-  std::vector<std::vector<Eigen::Vector2d>> denied_lines_m;  ///< Per denied stretch of the report.
+  std::vector<std::array<Eigen::Vector2d, 4>> cells_m;           ///< Per tile of the report: the cell it stands for.
+  std::vector<std::vector<Eigen::Vector2d>> leg_lines_m;         ///< Per leg of the report.
+  std::vector<std::vector<Eigen::Vector2d>> gap_lines_m;         ///< Per gap of the report.
+  std::vector<std::vector<Eigen::Vector2d>> denied_lines_m;      ///< Per denied stretch of the report.
   std::vector<std::vector<Eigen::Vector2d>> true_place_lines_m;  ///< Ellipses of the report's simulation.
-  std::vector<std::pair<double, Eigen::Vector2d>> places_m;  ///< Points by distance along the route, ascending.
+  std::vector<std::pair<double, Eigen::Vector2d>> places_m;      ///< Points by distance along the route, ascending.
 };
 
 /// How long the inertial system alone stays within the limit in straight flight (ins/drift.h); NaN where that is not

@@ -72,13 +72,13 @@ std::string marks_table(const Simulation& simulation) {
     const SimulatedMark& mark = simulation.marks[i];
     if ((i + 1) % step != 0 && i + 1 != simulation.marks.size()) continue;
     const bool honest = mark.nees >= mark.nees_band.low && mark.nees <= mark.nees_band.high;
-    rows += "<tr>" + heading_html(format_fixed(mark.distance_m / 1000, 2) + " km") +
-            cell_html("Within the limit so far", probability_text(mark.p_within)) +
-            cell_html("CEP50", metres_or_dash(mark.cep50_m)) + cell_html("R95", metres_or_dash(mark.r95_m)) +
-            cell_html("NEES", format_fixed(mark.nees, 2) + (honest ? " in [" : " outside [") +
-                                  format_fixed(mark.nees_band.low, 2) + ", " + format_fixed(mark.nees_band.high, 2) +
-                                  "]") +
-            "</tr>\n";
+    rows +=
+        "<tr>" + heading_html(format_fixed(mark.distance_m / 1000, 2) + " km") +
+        cell_html("Within the limit so far", probability_text(mark.p_within)) +
+        cell_html("CEP50", metres_or_dash(mark.cep50_m)) + cell_html("R95", metres_or_dash(mark.r95_m)) +
+        cell_html("NEES", format_fixed(mark.nees, 2) + (honest ? " in [" : " outside [") +
+                              format_fixed(mark.nees_band.low, 2) + ", " + format_fixed(mark.nees_band.high, 2) + "]") +
+        "</tr>\n";
   }
   return table_html("Table of the errors along the route",
                     {"Along the route", "Within the limit so far", "CEP50", "R95", "NEES"}, rows);
@@ -89,8 +89,7 @@ std::string losses_table(const Simulation& simulation) {
   std::string rows;
   for (const SimulatedLoss& loss : simulation.losses) {
     rows += "<tr>" + heading_html(format_fixed(loss.lost_from_m / 1000, 2) + " km") +
-            cell_html("Planned P", probability_text(loss.planned_p)) + share_cell("Simulated", loss.within) +
-            "</tr>\n";
+            cell_html("Planned P", probability_text(loss.planned_p)) + share_cell("Simulated", loss.within) + "</tr>\n";
   }
   return "  <h3>By where GNSS is lost for good</h3>\n" +
          table_html("Table of the places where GNSS is lost",
@@ -157,10 +156,10 @@ QualityRow simulated_row(const Simulation& simulation, const Selection& selectio
   row.decides = true;
   if (simulation.within.interval.low >= asked) return row;
   row.status = simulation.within.interval.high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
-  row.advice = row.status == QualityStatus::kBad
-                   ? most_lost_text(simulation)
-                   : "The interval holds what is asked for: fly more (--flights) to know. " +
-                         most_lost_text(simulation);
+  row.advice =
+      row.status == QualityStatus::kBad
+          ? most_lost_text(simulation)
+          : "The interval holds what is asked for: fly more (--flights) to know. " + most_lost_text(simulation);
   return row;
 }
 
@@ -170,8 +169,7 @@ std::string simulated_answer(const Report& report) {
   return "    <p class=\"rests-on\">" + kind_mark(NumberKind::kSimulated) + " " +
          html_escape(flights_of(simulation.within) + " stay within " + error_text(simulation.max_error_m) +
                      " all the way and know it: " + share_text(simulation.within) + "; planned " +
-                     probability_text(simulation.planned_p) +
-                     "; " + fixes_from_text(simulation) +
+                     probability_text(simulation.planned_p) + "; " + fixes_from_text(simulation) +
                      (simulation.lost_from_m > 0 ? "; GNSS lost from " + length_text(simulation.lost_from_m) : "")) +
          "</p>\n";
 }
@@ -189,17 +187,17 @@ std::string simulation_html(const Report& report) {
             " all the way and know it: " + share_text(simulation.within) + "; planned " +
             probability_text(simulation.planned_p) + ". By " + format_number(simulation.sigma_multiple) +
             "σ of the filter alone, as the plan counts: " + share_text(simulation.within_sure) +
-            "; by the true error alone: " + share_text(simulation.within_true) +
-            "; off without knowing: " + share_text(simulation.unaware) + ". Intervals are of 95 %; " +
-            fixes_from_text(simulation) + ".");
+            "; by the true error alone: " + share_text(simulation.within_true) + "; off without knowing: " +
+            share_text(simulation.unaware) + ". Intervals are of 95 %; " + fixes_from_text(simulation) + ".");
   paragraph(cost_text(simulation));
   paragraph(most_lost_text(simulation));
   paragraph(fixes_text(simulation));
   html += losses_table(simulation);
   html += "  <h3>Legs</h3>\n" + legs_table(simulation);
   html += "  <h3>Errors along the route</h3>\n" + marks_table(simulation);
-  html += "  <p class=\"small\">CEP50 and R95: half and 95 of 100 of the true errors of all flights, lost ones with "
-          "them, are at most so large. NEES: 2 of a filter whose covariance is honest; false fixes lift it.</p>\n";
+  html +=
+      "  <p class=\"small\">CEP50 and R95: half and 95 of 100 of the true errors of all flights, lost ones with "
+      "them, are at most so large. NEES: 2 of a filter whose covariance is honest; false fixes lift it.</p>\n";
   html += "  <h3>Not simulated</h3>\n  <ul>\n" + list_html(simulation.not_simulated) + "  </ul>\n";
   html += "  <details><summary>Options of the simulation, seed " + std::to_string(simulation.seed) +
           "</summary><table class=\"parameters\"><tbody>\n" + parameters_html(simulation.options) +

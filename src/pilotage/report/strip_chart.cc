@@ -183,21 +183,22 @@ std::string loss_curve(const Report& report, const Axes& axes) {
                          "P within the limit, if GNSS is lost here (dashed: asked for)");
 }
 
-// Half and 95 of 100 of the simulated flights' true errors; what a chart of the plan's errors cannot hold runs along its
-// top.
+// Half and 95 of 100 of the simulated flights' true errors; what a chart of the plan's errors cannot hold runs along
+// its top.
 std::string simulated_curves(const Report& report, const Axes& axes) {
   if (!report.simulation) return "";
   const auto curve = [&](const char* type, const char* what, double SimulatedMark::*error_m) {
     std::string path;
     for (const SimulatedMark& mark : report.simulation->marks) {
       if (std::isnan(mark.*error_m)) continue;
-      path += (path.empty() ? "M" : "L") + kSvg.number(axes.x(mark.distance_m)) + " " +
-              kSvg.number(axes.y(mark.*error_m));
+      path +=
+          (path.empty() ? "M" : "L") + kSvg.number(axes.x(mark.distance_m)) + " " + kSvg.number(axes.y(mark.*error_m));
     }
     return "<path class=\"" + std::string(type) + "\" d=\"" + path + "\"><title>" + what +
            " of the simulated flights, lost ones with them</title></path>\n";
   };
-  return curve("simulated-cep50", "CEP50", &SimulatedMark::cep50_m) + curve("simulated-r95", "R95", &SimulatedMark::r95_m);
+  return curve("simulated-cep50", "CEP50", &SimulatedMark::cep50_m) +
+         curve("simulated-r95", "R95", &SimulatedMark::r95_m);
 }
 
 // Where GNSS is denied: a light band behind all else, with a bar and words above the plot.

@@ -5,9 +5,9 @@
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/mapdb/geopackage_rows.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/local_frame.h"
+#include "pilotage/mapdb/geopackage_rows.h"
 #include "pilotage/mission/selection.h"
 
 namespace pilotage {
@@ -16,8 +16,7 @@ namespace {
 constexpr int kEllipseCorners = 48;
 
 Eigen::Vector2d beside(const FlightSample& sample, const Eigen::Vector2d& east_north_m) {
-  const GeodeticPoint point =
-      LocalFrame(sample.point).geodetic_from_enu({east_north_m.x(), east_north_m.y(), 0});
+  const GeodeticPoint point = LocalFrame(sample.point).geodetic_from_enu({east_north_m.x(), east_north_m.y(), 0});
   return {point.lon_deg, point.lat_deg};
 }
 
@@ -89,8 +88,15 @@ VectorLayer true_place_layer(const Mission& mission, const Simulation& simulatio
     for (const Eigen::Vector2d& corner_m : ellipse_outline_m(mark.true_place, kEllipseCorners)) {
       feature.points.push_back(beside(sample, corner_m));
     }
-    feature.values = {mark.distance_m, mark.p_within, mark.lost, mark.cep50_m, mark.r95_m, mark.nees,
-                      mark.true_place.major_m, mark.true_place.minor_m, mark.true_place.azimuth_deg};
+    feature.values = {mark.distance_m,
+                      mark.p_within,
+                      mark.lost,
+                      mark.cep50_m,
+                      mark.r95_m,
+                      mark.nees,
+                      mark.true_place.major_m,
+                      mark.true_place.minor_m,
+                      mark.true_place.azimuth_deg};
     feature.title = format_fixed(mark.distance_m / 1000, 2) + " km";
     feature.note = "Within the limit so far " + probability_text(mark.p_within) + ", CEP50 " +
                    format_fixed(mark.cep50_m, 1) + " m, R95 " + format_fixed(mark.r95_m, 1) + " m";

@@ -34,8 +34,8 @@ struct SimulatedMission {
   std::vector<double> planned_leg_p;  ///< Of each leg, as LegStatus::p_within_limit.
 };
 
-/// Throws UsageError when `lost_from_km` is beyond the route's end (of `lost_every_km` it knows nothing), DataError when the selection has no figures of its
-/// tries, or its tiles are not of the mission.
+/// Throws UsageError when `lost_from_km` is beyond the route's end (of `lost_every_km` it knows nothing), DataError
+/// when the selection has no figures of its tries, or its tiles are not of the mission.
 SimulatedMission make_simulated_mission(const Mission& mission, const std::vector<TileScores>& scores,
                                         const Selection& selection, const SimulateOptions& options);
 
