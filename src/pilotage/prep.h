@@ -12,6 +12,7 @@
 #include "pilotage/mission/input_files.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
+#include "pilotage/mission/simulation_file.h"
 #include "pilotage/prepare/prepare.h"
 #include "pilotage/raster/gdal_access.h"
 #include "pilotage/report/plan_report.h"
