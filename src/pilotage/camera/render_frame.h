@@ -5,6 +5,7 @@
 
 #include "pilotage/camera/attitude.h"
 #include "pilotage/camera/camera.h"
+#include "pilotage/camera/terrain_heights.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gdal_crs.h"
 #include "pilotage/raster/gray_source.h"
@@ -42,13 +43,20 @@ struct RenderedFrame {
 
 /// What a camera sees of flat ground with the gray values of `ground`: the inverse of ortho_rectify, by the same
 /// projection (camera/projection.h). Each pixel of the frame is the mean over the quadrilateral that it covers, from
-/// samples at most half a ground pixel apart and at least 2 × 2; a sample is interpolated, where the frame is at least
-/// as fine as the ground by cubic convolution (R. Keys, IEEE Trans. ASSP 29, 1981, a = −1/2), else linearly. Only the
-/// window of `ground` under the footprint is read. Throws UsageError when no View can be made of camera, attitude and
-/// `agl_m`, when `ground` is not CV_8U (stretch_to_8bit makes it so), or when the footprint holds more than 2^28 of its
-/// pixels; DataError as ground.read.
+/// samples at most half a ground pixel apart, at least 2 × 2 and at most 256 × 256; a sample is interpolated, where the
+/// frame is at least as fine as the ground by cubic convolution (R. Keys, IEEE Trans. ASSP 29, 1981, a = −1/2), else
+/// linearly. Only the window of `ground` under the footprint is read. Throws UsageError when no View can be made of
+/// camera, attitude and `agl_m`, when `ground` is not CV_8U (stretch_to_8bit makes it so), or when the footprint holds
+/// more than 2^28 of its pixels; DataError as ground.read.
 RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
                            const Attitude& attitude, double agl_m);
+
+/// The same of ground that is not flat: each corner of a pixel lies where its ray first meets `terrain`
+/// (terrain_from_pixel), whose heights are above the ground straight below, as `agl_m` is of the camera. A pixel whose
+/// corners lie before and behind a ridge is the mean of all between. Where heights are not known nothing is valid.
+/// Throws as render_frame.
+RenderedFrame render_terrain_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                                   const Attitude& attitude, double agl_m, const TerrainHeights& terrain);
 
 /// Whether the outline of the footprint lies inside the grid of `ground` and no part of the frame shows the sky: what
 /// render_frame would need to be valid everywhere, but for holes in the imagery. Reads nothing.
