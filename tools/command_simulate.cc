@@ -3,8 +3,11 @@
 #include "commands.h"
 #include "stage_files.h"
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/simulate/fix_log.h"
+#include "pilotage/simulate/rendered_fixes.h"
 #include "pilotage/simulate/simulate_flights.h"
 #include "pilotage/simulate/simulation_file.h"
 
@@ -14,22 +17,64 @@ namespace {
 struct SimulateCommandOptions {
   StageFileOptions files;
   SimulateOptions simulate;
+  RenderedOptions rendered;
+  std::string log;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
     SimulateOptions::describe(self.simulate, fields);
+    RenderedOptions::describe(self.rendered, fields);
+    fields.path("log", self.log, "With rendered fixes: the table of all tries and their answers (fixes.csv).");
   }
 };
 
 /// A folder that `prepare` wrote stands for the files in it.
-StageFiles read_mission(const std::string& input, StageFileOptions files) {
-  const bool is_folder = std::filesystem::is_directory(input);
-  const std::filesystem::path plan =
-      is_folder ? std::filesystem::path(input) / "plan.json" : std::filesystem::path(input);
+std::filesystem::path plan_of(const std::string& input) {
+  const std::filesystem::path path(input);
+  return std::filesystem::is_directory(path) ? path / "plan.json" : path;
+}
+
+StageFiles read_mission(const std::filesystem::path& plan, StageFileOptions files) {
   if (files.table.empty()) files.table = (plan.parent_path() / "tiles.csv").string();
   if (files.selection.empty()) files.selection = (plan.parent_path() / "selection.json").string();
   return read_stage_files(plan.string(), files);
+}
+
+void refuse_without_frames(const SimulateCommandOptions& options) {
+  for (const auto& [flag, value] :
+       {std::pair{"--world", options.rendered.world}, {"--map", options.rendered.map}, {"--log", options.log}}) {
+    if (!value.empty()) throw UsageError(std::string(flag) + " has no meaning without --fixes rendered");
+  }
+}
+
+/// Flies with frames of a rendered world and the matcher on the map.
+Simulation fly_rendered(const StageFiles& files, const std::filesystem::path& plan,
+                        const SimulateCommandOptions& options, const Invocation& invocation) {
+  const std::filesystem::path map =
+      options.rendered.map.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(options.rendered.map);
+  need_file(map.string(), "prepare");
+  const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);
+  const Camera camera = rendered_camera(files.mission, options.rendered);
+  RenderedFixes fixes(
+      files.mission, files.scores, options.simulate, options.rendered, rendered_frames(world, camera),
+      [map] { return MapReader::open_unverified(map); }, invocation.threads);
+  Simulation simulation = simulate_flights(files.mission, files.scores, files.selection, options.simulate,
+                                           invocation.seed, invocation.threads, invocation.progress, fixes.source());
+  const std::vector<SimulatedTry> tries = fixes.take_tries();
+  std::vector<FrameMatch> matches;
+  for (const SimulatedTry& tried : tries) matches.push_back(tried.match);
+  simulation.rendered = {options.rendered, evaluate_matches(matches, options.rendered.correct_within_m)};
+  if (!options.log.empty()) write_file(options.log, fix_log_to_csv(tries), invocation.overwrite);
+  return simulation;
+}
+
+Simulation fly(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
+               const Invocation& invocation) {
+  if (options.simulate.fixes == FixesFrom::kRendered) return fly_rendered(files, plan, options, invocation);
+  refuse_without_frames(options);
+  return simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
+                          invocation.threads, invocation.progress);
 }
 
 }  // namespace
@@ -42,27 +87,31 @@ Command make_simulate_command() {
   command.examples = {{"A thousand flights of what prepare wrote.", "pilotage simulate out -o simulation.json"},
                       {"GNSS is lost at 2 km, and nine flights of ten must stay within the limit.",
                        "pilotage simulate out --lost-from-km 2 --flights 10000 --require-simulated 0.9 -o "
-                       "simulation.json"}};
+                       "simulation.json"},
+                      {"Twenty flights whose frames show another date, matched as on board.",
+                       "pilotage simulate out --fixes rendered --world later.tif --flights 20 -o rendered.json"}};
   command.inputs = {.name = "PLAN",
                     .help =
                         "The folder that prepare wrote, or the tile plan (plan.json); scores and selection are "
                         "those beside it, if not given.",
                     .min = 1,
                     .max = 1};
-  command.output = {.kind = OutputKind::kFile, .help = "The simulation (JSON).", .stream_name = "simulation.json"};
-  bind_options<SimulateCommandOptions>(
-      command, [](const SimulateCommandOptions& options, const Invocation& invocation) {
-        const StageFiles files = read_mission(invocation.inputs.front(), options.files);
-        const Simulation simulation = simulate_flights(files.mission, files.scores, files.selection, options.simulate,
-                                                       invocation.seed, invocation.threads, invocation.progress);
-        CommandResult result;
-        result.json = simulation_to_json(simulation);
-        write_file(invocation.output, json_text(result.json), invocation.overwrite);
-        result.text = simulation_text(simulation);
-        const std::optional<double>& required = options.simulate.require_simulated;
-        if (required && simulation.within.interval.low < *required) result.exit_code = kExitGateNotMet;
-        return result;
-      });
+  command.output = {
+      .kind = OutputKind::kFile, .help = "The simulation (JSON).", .flags = {"log"}, .stream_name = "simulation.json"};
+  bind_options<SimulateCommandOptions>(command,
+                                       [](const SimulateCommandOptions& options, const Invocation& invocation) {
+                                         const std::filesystem::path plan = plan_of(invocation.inputs.front());
+                                         const StageFiles files = read_mission(plan, options.files);
+                                         const Simulation simulation = fly(files, plan, options, invocation);
+                                         CommandResult result;
+                                         result.json = simulation_to_json(simulation);
+                                         write_file(invocation.output, json_text(result.json), invocation.overwrite);
+                                         result.text = simulation_text(simulation);
+                                         const std::optional<double>& required = options.simulate.require_simulated;
+                                         if (required && simulation.within.interval.low < *required)
+                                           result.exit_code = kExitGateNotMet;
+                                         return result;
+                                       });
   return command;
 }
 
