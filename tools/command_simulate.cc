@@ -3,10 +3,13 @@
 #include "commands.h"
 #include "stage_files.h"
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/mission/simulation_file.h"
+#include "pilotage/simulate/fix_log.h"
 #include "pilotage/simulate/flight_tracks.h"
+#include "pilotage/simulate/rendered_fixes.h"
 #include "pilotage/simulate/simulate_flights.h"
 
 namespace pilotage {
@@ -15,32 +18,100 @@ namespace {
 struct SimulateCommandOptions {
   StageFileOptions files;
   SimulateOptions simulate;
+  RenderedOptions rendered;
+  std::string log;
   std::string tracks;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
     SimulateOptions::describe(self.simulate, fields);
+    RenderedOptions::describe(self.rendered, fields);
+    fields.path("log", self.log, "With rendered fixes: the table of all tries and their answers (fixes.csv).");
     fields.path("tracks", self.tracks,
                 "Also write where the first 50 flights flew, and where 95 of 100 are, as .gpkg or .kml.");
   }
 };
+
+/// A folder that `prepare` wrote stands for the files in it.
+std::filesystem::path plan_of(const std::string& input) {
+  const std::filesystem::path path(input);
+  return std::filesystem::is_directory(path) ? path / "plan.json" : path;
+}
 
 struct SimulatedFiles {
   StageFiles files;
   std::vector<InputFile> inputs;
 };
 
-/// A folder that `prepare` wrote stands for the files in it.
-SimulatedFiles read_mission(const std::string& input, StageFileOptions files) {
-  const bool is_folder = std::filesystem::is_directory(input);
-  const std::filesystem::path plan =
-      is_folder ? std::filesystem::path(input) / "plan.json" : std::filesystem::path(input);
+SimulatedFiles read_mission(const std::filesystem::path& plan, StageFileOptions files) {
   if (files.table.empty()) files.table = (plan.parent_path() / "tiles.csv").string();
   if (files.selection.empty()) files.selection = (plan.parent_path() / "selection.json").string();
   return {read_stage_files(plan.string(), files),
           {input_file("plan", plan.string(), ""), input_file("table", files.table, ""),
            input_file("selection", files.selection, "")}};
+}
+
+void refuse_without_frames(const SimulateCommandOptions& options) {
+  for (const auto& [flag, value] :
+       {std::pair{"--world", options.rendered.world}, {"--map", options.rendered.map}, {"--log", options.log}}) {
+    if (!value.empty()) throw UsageError(std::string(flag) + " has no meaning without --fixes rendered");
+  }
+}
+
+/// A simulation, and the words that are for people alone.
+struct Flown {
+  Simulation simulation;
+  std::string text;
+};
+
+/// Flies with frames of a rendered world and the matcher on the map.
+Flown fly_rendered(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
+                   const Invocation& invocation) {
+  const std::filesystem::path map =
+      options.rendered.map.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(options.rendered.map);
+  need_file(map.string(), "prepare");
+  const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);
+  const Camera camera = rendered_camera(files.mission, options.rendered);
+  RenderedFixes fixes(
+      files.mission, files.scores, options.simulate, options.rendered, rendered_frames(world, camera),
+      [map] { return MapReader::open_unverified(map); }, invocation.threads);
+  Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
+                               invocation.threads, invocation.progress, fixes.source()),
+              ""};
+  const std::vector<SimulatedTry> tries = fixes.take_tries();
+  const MatchEvaluation matches = evaluate_tries(tries, options.rendered);
+  flown.simulation.rendered = rendered_json(options.rendered, matches);
+  flown.text = evaluation_text(matches);
+  if (!options.log.empty()) write_file(options.log, fix_log_to_csv(tries), invocation.overwrite);
+  return flown;
+}
+
+Flown fly(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
+          const Invocation& invocation) {
+  if (options.simulate.fixes == FixesFrom::kRendered) return fly_rendered(files, plan, options, invocation);
+  refuse_without_frames(options);
+  return {simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
+                           invocation.threads, invocation.progress),
+          ""};
+}
+
+CommandResult run_simulate(const SimulateCommandOptions& options, const Invocation& invocation) {
+  if (!options.tracks.empty()) check_track_file(options.tracks);
+  const std::filesystem::path plan = plan_of(invocation.inputs.front());
+  const auto [files, inputs] = read_mission(plan, options.files);
+  auto [simulation, text] = fly(files, plan, options, invocation);
+  simulation.inputs = inputs;
+  CommandResult result;
+  result.json = simulation_to_json(simulation);
+  OutputFile output(invocation.output, invocation.overwrite);
+  output.write(json_text(result.json));
+  if (!options.tracks.empty()) write_flight_tracks(options.tracks, files.mission, simulation, invocation.overwrite);
+  output.commit();
+  result.text = simulation_text(simulation) + text;
+  const std::optional<double>& required = options.simulate.require_simulated;
+  if (required && simulation.within.interval.low < *required) result.exit_code = kExitGateNotMet;
+  return result;
 }
 
 }  // namespace
@@ -53,7 +124,9 @@ Command make_simulate_command() {
   command.examples = {{"A thousand flights of what prepare wrote.", "pilotage simulate out -o simulation.json"},
                       {"GNSS is lost at 2 km, and nine flights of ten must stay within the limit.",
                        "pilotage simulate out --lost-from-km 2 --flights 10000 --require-simulated 0.9 -o "
-                       "simulation.json"}};
+                       "simulation.json"},
+                      {"Twenty flights whose frames show another date, matched as on board.",
+                       "pilotage simulate out --fixes rendered --world later.tif --flights 20 -o rendered.json"}};
   command.inputs = {.name = "PLAN",
                     .help =
                         "The folder that prepare wrote, or the tile plan (plan.json); scores and selection are "
@@ -62,28 +135,9 @@ Command make_simulate_command() {
                     .max = 1};
   command.output = {.kind = OutputKind::kFile,
                     .help = "The simulation (JSON).",
-                    .flags = {"tracks"},
+                    .flags = {"log", "tracks"},
                     .stream_name = "simulation.json"};
-  bind_options<SimulateCommandOptions>(
-      command, [](const SimulateCommandOptions& options, const Invocation& invocation) {
-        if (!options.tracks.empty()) check_track_file(options.tracks);
-        const auto [files, inputs] = read_mission(invocation.inputs.front(), options.files);
-        Simulation simulation = simulate_flights(files.mission, files.scores, files.selection, options.simulate,
-                                                 invocation.seed, invocation.threads, invocation.progress);
-        simulation.inputs = inputs;
-        CommandResult result;
-        result.json = simulation_to_json(simulation);
-        OutputFile output(invocation.output, invocation.overwrite);
-        output.write(json_text(result.json));
-        if (!options.tracks.empty()) {
-          write_flight_tracks(options.tracks, files.mission, simulation, invocation.overwrite);
-        }
-        output.commit();
-        result.text = simulation_text(simulation);
-        const std::optional<double>& required = options.simulate.require_simulated;
-        if (required && simulation.within.interval.low < *required) result.exit_code = kExitGateNotMet;
-        return result;
-      });
+  bind_options<SimulateCommandOptions>(command, run_simulate);
   return command;
 }
 

@@ -36,6 +36,8 @@ Simulation small_simulation() {
   simulation.as_planned = AsPlanned{simulated_share(97, 100), 0.03, {-0.01, 0.07}};
   simulation.losses = {{0, 0.9688, simulated_share(94, 100)}, {1000, 0.98, simulated_share(99, 100)}};
   simulation.inputs = {{"plan", "/somewhere/plan.json", "", "blake2b-256:ab"}};
+  simulation.by_p = {{0.42, simulated_share(30, 60)}};
+  simulation.notes = {"dry"};
   simulation.not_simulated = {"rain", "snow"};
   return simulation;
 }
@@ -46,7 +48,8 @@ TEST(SimulationFile, SaysSimulatedBesidePlanned) {
                               "planned 0.968\n"));
   EXPECT_THAT(text, HasSubstr("leg 2: planned 0.990, simulated no flight came here\n"));
   EXPECT_THAT(text, HasSubstr("at 1.00 km: within the limit 0.940, CEP50 2.4 m, R95 – m"));
-  EXPECT_THAT(text, HasSubstr("not simulated: rain; snow\n"));
+  EXPECT_THAT(text, HasSubstr("where P is 0.420: right fixes of 60 tries 0.500 [0.368, 0.631]\n"));
+  EXPECT_THAT(text, HasSubstr("note: dry\nnot simulated: rain; snow\n"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("at 0.70 km"))) << "people get whole kilometres";
   EXPECT_THAT(text, HasSubstr("nothing but what the plan knows: 0.970 [0.914, 0.993]; wind, the map's error and false "
                               "fixes cost 0.030 [-0.010, 0.070]\n"));
@@ -61,6 +64,8 @@ TEST(SimulationFile, HoldsWhatWasFound) {
   EXPECT_TRUE(json["legs"][1]["within"]["share"].is_null());
   EXPECT_TRUE(json["along"][0]["r95_m"].is_null());
   EXPECT_EQ(json["seed"], 5);
+  EXPECT_EQ(json["by_p"][0]["right"], 30);
+  EXPECT_TRUE(json["rendered"].is_null());
   EXPECT_EQ(json["along"][0]["true_place"]["major_m"], 12);
   EXPECT_EQ(json["lost_at"][1]["within"]["flights"], 99);
   EXPECT_EQ(json["as_planned"]["cost_low"], -0.01);

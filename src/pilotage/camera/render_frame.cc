@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/LU>
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/geo/bounds.h"
@@ -20,8 +21,10 @@ namespace pilotage {
 namespace {
 
 constexpr double kJacobianStepPx = 256;
+constexpr double kLeastDrop_m = 1e-3;
 constexpr int kTaps = 4;                          // of cubic convolution
 constexpr double kMarginPx = 4;                   // taps, and the bulge of a bent edge between points of the outline
+constexpr double kMostSamples = 256;              // along each side of a pixel of the frame
 constexpr double kMaxWindowPx = double{1 << 28};  // a footprint larger than this is a mistake
 
 View checked_view(const Camera& camera, const Attitude& attitude, double agl_m) {
@@ -39,9 +42,8 @@ Bounds outline_bounds(const Footprint& seen, const GroundPlace& place) {
   return bounds;
 }
 
-/// The part of the ground that the footprint needs; of no width or height when they do not meet.
-PixelWindow window_under(const Footprint& seen, const GroundPlace& place, const GraySource& ground) {
-  const Bounds bounds = outline_bounds(seen, place).grown(kMarginPx);
+/// The part of the ground within `bounds`, in its pixels; of no width or height when they do not meet.
+PixelWindow window_within(const Bounds& bounds, const GraySource& ground) {
   if (bounds.empty()) return {};
   const double left = std::max(0.0, std::floor(bounds.min_x_m));
   const double top = std::max(0.0, std::floor(bounds.min_y_m));
@@ -111,7 +113,7 @@ std::optional<double> mean_over(const Quadrilateral& area, const Raster& ground)
   const double side = area.longest_side();
   if (!std::isfinite(side)) return std::nullopt;  // a corner sees no ground
   const bool cubic = side <= 1;
-  const int count = std::max(2, static_cast<int>(std::ceil(2 * side)));
+  const int count = static_cast<int>(std::clamp(std::ceil(2 * side), 2.0, kMostSamples));
   double sum = 0;
   for (int j = 0; j < count; ++j) {
     for (int i = 0; i < count; ++i) {
@@ -123,16 +125,79 @@ std::optional<double> mean_over(const Quadrilateral& area, const Raster& ground)
   return sum / (count * count);
 }
 
-/// Where the upper corners of a row of the frame's pixels lie on the ground; NaN where they see none.
-std::vector<Eigen::Vector2d> corner_row(const View& view, const GroundPlace& place, int row) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+/// The rays of a row of corners of a lens's pixels.
+void add_row_of_rays(const Lens& lens, int row, std::vector<Eigen::Vector3d>& rays) {
+  for (int col = 0; col <= lens.camera.width_px; ++col) {
+    const auto ray = ray_from_pixel(lens, Eigen::Vector2d(col, row));
+    rays.push_back(ray ? *ray : Eigen::Vector3d(kNaN, kNaN, kNaN));
+  }
+}
+
+/// Gives the rays of the corners of a view's pixels, row by row.
+class CornerRays {
+ public:
+  CornerRays(const View& view, const std::vector<Eigen::Vector3d>* known) : view_(view), known_(known) {
+    if (known != nullptr && known->size() != (width() * (static_cast<std::size_t>(view.lens.camera.height_px) + 1))) {
+      throw UsageError("the rays of the corners are of another camera");
+    }
+  }
+
+  std::span<const Eigen::Vector3d> row(int row) {
+    if (known_ != nullptr) return std::span(*known_).subspan(static_cast<std::size_t>(row) * width(), width());
+    row_.clear();
+    add_row_of_rays(view_.lens, row, row_);
+    return row_;
+  }
+
+ private:
+  std::size_t width() const { return static_cast<std::size_t>(view_.lens.camera.width_px) + 1; }
+
+  const View& view_;
+  const std::vector<Eigen::Vector3d>* known_;
+  std::vector<Eigen::Vector3d> row_;
+};
+
+/// Where rays meet the ground, in its pixels; NaN where they do not.
+template <class GroundOf>
+std::vector<Eigen::Vector2d> corner_row(std::span<const Eigen::Vector3d> rays, const GroundPlace& place,
+                                        GroundOf ground_of) {
   std::vector<Eigen::Vector2d> corners;
-  corners.reserve(static_cast<std::size_t>(view.lens.camera.width_px) + 1);
-  for (int col = 0; col <= view.lens.camera.width_px; ++col) {
-    const auto ground_m = ground_from_pixel(view, Eigen::Vector2d(col, row));
-    corners.push_back(ground_m ? place.pixel_from_ground(*ground_m) : Eigen::Vector2d(nan, nan));
+  corners.reserve(rays.size());
+  for (const Eigen::Vector3d& ray : rays) {
+    const std::optional<Eigen::Vector2d> ground_m = ground_of(ray);
+    corners.push_back(ground_m ? place.pixel_from_ground(*ground_m) : Eigen::Vector2d(kNaN, kNaN));
   }
   return corners;
+}
+
+/// `bounds` hold, in pixels of the ground, all that `ground_of` (ray → metres east and north) gives.
+template <class GroundOf>
+RenderedFrame render_pixels(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                            const Bounds& bounds, CornerRays rays, GroundOf ground_of) {
+  if (ground.depth != CV_8U) throw UsageError("the ground has not 8 bits; stretch_to_8bit makes it so");
+  RenderedFrame frame;
+  frame.gray = cv::Mat(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(0));
+  frame.valid = frame.gray.clone();
+  const PixelWindow window = window_within(bounds, ground);
+  if (window.width == 0) return frame;
+  const Raster pixels = ground.read(window);
+
+  GroundPlace in_window = place;
+  in_window.nadir_px -= Eigen::Vector2d(static_cast<double>(window.col), static_cast<double>(window.row));
+  std::vector<Eigen::Vector2d> above = corner_row(rays.row(0), in_window, ground_of);
+  for (int row = 0; row < frame.gray.rows; ++row) {
+    std::vector<Eigen::Vector2d> below = corner_row(rays.row(row + 1), in_window, ground_of);
+    for (int col = 0; col < frame.gray.cols; ++col) {
+      const auto left = static_cast<std::size_t>(col);
+      const auto value = mean_over({above[left], above[left + 1], below[left], below[left + 1]}, pixels);
+      if (!value) continue;
+      frame.gray.at<std::uint8_t>(row, col) = cv::saturate_cast<std::uint8_t>(*value);
+      frame.valid.at<std::uint8_t>(row, col) = 255;
+    }
+    above.swap(below);
+  }
+  frame.valid_fraction = static_cast<double>(cv::countNonZero(frame.valid)) / static_cast<double>(frame.valid.total());
+  return frame;
 }
 
 }  // namespace
@@ -146,9 +211,13 @@ GeodeticPoint geodetic_from_pixel(const CrsTransform& transform, const GeoTransf
 }
 
 GroundPlace ground_place(const Crs& crs, const GeoTransform& map_from_pixel, const Eigen::Vector2d& nadir_px) {
+  return ground_place(CrsTransform(crs), map_from_pixel, nadir_px);
+}
+
+GroundPlace ground_place(const CrsTransform& transform, const GeoTransform& map_from_pixel,
+                         const Eigen::Vector2d& nadir_px) {
   // Pixels with rows counted upwards stand in for a grid in metres: enu_from_grid wants a right-handed one.
   const double hand = map_from_pixel.determinant() < 0 ? -1 : 1;
-  const CrsTransform transform(crs);
   const Eigen::Matrix2d enu_from_pixel =
       enu_from_grid({nadir_px.x(), hand * nadir_px.y()}, kJacobianStepPx, [&](const Eigen::Vector2d& point) {
         return transform.geodetic_from_map(map_from_pixel.map_from_pixel({point.x(), hand * point.y()}));
@@ -159,33 +228,35 @@ GroundPlace ground_place(const Crs& crs, const GeoTransform& map_from_pixel, con
   return place;
 }
 
-RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
-                           const Attitude& attitude, double agl_m) {
-  if (ground.depth != CV_8U) throw UsageError("the ground has not 8 bits; stretch_to_8bit makes it so");
-  const View view = checked_view(camera, attitude, agl_m);
-  RenderedFrame frame;
-  frame.gray = cv::Mat(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(0));
-  frame.valid = frame.gray.clone();
-  const PixelWindow window = window_under(footprint(view), place, ground);
-  if (window.width == 0) return frame;
-  const Raster pixels = ground.read(window);
+std::vector<Eigen::Vector3d> corner_rays(const Camera& camera) {
+  const Lens lens = make_lens(camera);
+  std::vector<Eigen::Vector3d> rays;
+  rays.reserve((static_cast<std::size_t>(camera.width_px) + 1) * (static_cast<std::size_t>(camera.height_px) + 1));
+  for (int row = 0; row <= camera.height_px; ++row) add_row_of_rays(lens, row, rays);
+  return rays;
+}
 
-  GroundPlace in_window = place;
-  in_window.nadir_px -= Eigen::Vector2d(static_cast<double>(window.col), static_cast<double>(window.row));
-  std::vector<Eigen::Vector2d> above = corner_row(view, in_window, 0);
-  for (int row = 0; row < frame.gray.rows; ++row) {
-    std::vector<Eigen::Vector2d> below = corner_row(view, in_window, row + 1);
-    for (int col = 0; col < frame.gray.cols; ++col) {
-      const auto left = static_cast<std::size_t>(col);
-      const auto value = mean_over({above[left], above[left + 1], below[left], below[left + 1]}, pixels);
-      if (!value) continue;
-      frame.gray.at<std::uint8_t>(row, col) = cv::saturate_cast<std::uint8_t>(*value);
-      frame.valid.at<std::uint8_t>(row, col) = 255;
-    }
-    above.swap(below);
+RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                           const Attitude& attitude, double agl_m, const std::vector<Eigen::Vector3d>* rays) {
+  const View view = checked_view(camera, attitude, agl_m);
+  return render_pixels(ground, place, camera, outline_bounds(footprint(view), place).grown(kMarginPx), {view, rays},
+                       [&](const Eigen::Vector3d& ray) { return ground_from_ray(view, ray); });
+}
+
+RenderedFrame render_terrain_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
+                                   const Attitude& attitude, double agl_m, const TerrainHeights& terrain,
+                                   const std::vector<Eigen::Vector3d>* rays) {
+  const View view = checked_view(camera, attitude, agl_m);
+  // A ray meets the ground between where it would on ground as high as the highest and as low as the lowest.
+  Bounds bounds;
+  for (const double height_m : {terrain.lowest_m(), std::min(terrain.highest_m(), agl_m - kLeastDrop_m)}) {
+    View flat = view;
+    flat.agl_m = agl_m - height_m;
+    if (!(flat.agl_m > 0)) continue;
+    for (const auto& point : footprint(flat).polygon_m) bounds.extend(place.pixel_from_ground(point));
   }
-  frame.valid_fraction = static_cast<double>(cv::countNonZero(frame.valid)) / static_cast<double>(frame.valid.total());
-  return frame;
+  return render_pixels(ground, place, camera, bounds.grown(kMarginPx), {view, rays},
+                       [&](const Eigen::Vector3d& ray) { return terrain_from_ray(view, terrain, ray); });
 }
 
 bool footprint_inside(const GraySource& ground, const GroundPlace& place, const Camera& camera,

@@ -92,9 +92,16 @@ struct TriedFixes {
   std::int64_t missed = 0;       ///< Over a stored tile, and no fix came.
   std::int64_t not_stored = 0;   ///< Over ground that is not stored, where the line leads over none either.
   std::int64_t off_line = 0;     ///< The same, where the line leads over a stored tile: the aircraft was beside it.
+  std::int64_t no_frame = 0;     ///< No frame came: dropped, or of ground beyond the imagery that is looked at.
   std::int64_t false_taken = 0;  ///< False fixes that passed the gate.
   std::int64_t refused = 0;      ///< False and right fixes that the gate refused.
   std::int64_t resets = 0;       ///< Fixes believed after refusals that said the same.
+};
+
+/// The tries of a bin of predicted P.
+struct SimulatedBin {
+  double mean_p = 0;
+  SimulatedShare found;  ///< Right fixes of tries, as if tries were independent; they are not, so it is too narrow.
 };
 
 /// What `simulate` finds.
@@ -114,7 +121,10 @@ struct Simulation {
   std::vector<SimulatedLoss> losses;  ///< With `lost_every_km`: by place; all else is of the worst of them.
   std::vector<SimulatedLeg> legs;
   std::vector<SimulatedMark> marks;
-  TriedFixes fixes;                        ///< Sums over all flights.
+  TriedFixes fixes;                 ///< Sums over all flights.
+  std::vector<SimulatedBin> by_p;   ///< Tries with a frame over stored tiles by their P: bins with tries, ascending.
+  nlohmann::ordered_json rendered;  ///< Where fixes come from frames: options, and what the matcher did; else null.
+  std::vector<std::string> notes;   ///< What to know of the numbers, as sentences.
   std::vector<std::string> not_simulated;  ///< Sentences.
   std::vector<SimulatedTrack> tracks;      ///< Of the first kMostTracks flights. Not part of simulation.json.
   std::vector<InputFile> inputs;           ///< Plan, scores and selection, when they came from files.

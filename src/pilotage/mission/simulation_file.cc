@@ -90,6 +90,37 @@ std::string marks_text(const Simulation& simulation) {
   return text;
 }
 
+Json by_p_json(const Simulation& simulation) {
+  Json bins = Json::array();
+  for (const SimulatedBin& bin : simulation.by_p) {
+    bins.push_back({{"mean_p", bin.mean_p},
+                    {"tries", bin.found.of},
+                    {"right", bin.found.count},
+                    {"share", json_number(bin.found.share())},
+                    {"low", bin.found.interval.low},
+                    {"high", bin.found.interval.high}});
+  }
+  return bins;
+}
+
+std::string by_p_text(const Simulation& simulation) {
+  std::string text;
+  for (const SimulatedBin& bin : simulation.by_p) {
+    text += "where P is " + probability_text(bin.mean_p) + ": right fixes of " + std::to_string(bin.found.of) +
+            " tries " + share_text(bin.found) + "\n";
+  }
+  return text;
+}
+
+SimulatedBin read_bin(JsonObject& json) {
+  const double mean_p = json.number("mean_p");
+  const std::int64_t right = json.integer("right", 0);
+  const std::int64_t tries = json.integer("tries", right);
+  for (const char* key : {"share", "low", "high"}) json.number_or_nan(key);
+  json.finish();
+  return {mean_p, simulated_share(right, tries)};
+}
+
 SimulatedShare read_share(JsonObject json) {
   json.number_or_nan("share");
   const std::int64_t count = json.integer("flights", 0);
@@ -131,6 +162,7 @@ TriedFixes read_fixes(JsonObject json) {
   fixes.missed = count("missed");
   fixes.not_stored = count("not_stored");
   fixes.off_line = count("off_line");
+  fixes.no_frame = count("no_frame");
   fixes.false_taken = count("false_taken");
   fixes.refused = count("refused");
   fixes.resets = count("resets");
@@ -160,6 +192,7 @@ void read_lists(JsonObject& object, Simulation& simulation) {
     simulation.legs.push_back({leg, json.number_or_nan("planned_p"), read_share(json.object("within"))});
     json.finish();
   }
+  for (JsonObject& json : object.objects("by_p")) simulation.by_p.push_back(read_bin(json));
   for (JsonObject& json : object.objects("along")) simulation.marks.push_back(read_mark(json));
   for (JsonObject& json : object.objects("inputs")) {
     simulation.inputs.push_back({json.text("role"), "", "", json.text("digest")});
@@ -201,6 +234,8 @@ Simulation simulation_from_json(const Json& json, const std::string& name) {
   simulation.as_planned = read_as_planned(object);
   simulation.fixes = read_fixes(object.object("fixes"));
   read_lists(object, simulation);
+  simulation.rendered = object.value("rendered");
+  simulation.notes = object.texts("notes");
   simulation.not_simulated = object.texts("not_simulated");
   object.finish();
   return simulation;
@@ -233,11 +268,15 @@ Json simulation_to_json(const Simulation& simulation) {
                  {"missed", fixes.missed},
                  {"not_stored", fixes.not_stored},
                  {"off_line", fixes.off_line},
+                 {"no_frame", fixes.no_frame},
                  {"false_taken", fixes.false_taken},
                  {"refused", fixes.refused},
                  {"resets", fixes.resets}}},
+               {"by_p", by_p_json(simulation)},
+               {"rendered", simulation.rendered},
                {"legs", Json::array()},
                {"along", Json::array()},
+               {"notes", simulation.notes},
                {"not_simulated", simulation.not_simulated},
                {"inputs", Json::array()}};
   for (const SimulatedLoss& loss : simulation.losses) {
@@ -286,15 +325,13 @@ std::string simulation_text(const Simulation& simulation) {
   text += "of " + per_flight(fixes.tries, simulation) + " tries a flight: right " +
           per_flight(fixes.right, simulation) + ", missed " + per_flight(fixes.missed, simulation) +
           ", over ground not stored " + per_flight(fixes.not_stored, simulation) + ", beside the line " +
-          per_flight(fixes.off_line, simulation) + "; false ones taken " +
-          format_number(static_cast<double>(fixes.false_taken)) + ", refused " +
+          per_flight(fixes.off_line, simulation) + ", without a frame " + per_flight(fixes.no_frame, simulation) +
+          "; false ones taken " + format_number(static_cast<double>(fixes.false_taken)) + ", refused " +
           format_number(static_cast<double>(fixes.refused)) + ", resets " +
           format_number(static_cast<double>(fixes.resets)) + " in all\n";
-  text += "not simulated: ";
-  for (std::size_t i = 0; i < simulation.not_simulated.size(); ++i) {
-    text += (i > 0 ? "; " : "") + simulation.not_simulated[i];
-  }
-  return text + "\n";
+  text += by_p_text(simulation);
+  if (!simulation.notes.empty()) text += "note: " + join(simulation.notes, "; ") + "\n";
+  return text + "not simulated: " + join(simulation.not_simulated, "; ") + "\n";
 }
 
 }  // namespace pilotage

@@ -1,13 +1,29 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "pilotage/mission/simulation.h"
+#include "pilotage/simulate/fix_source.h"
 #include "pilotage/simulate/simulated_mission.h"
 
 namespace pilotage {
+
+/// Tries with a frame over stored tiles by the P that their table has, in ten equal bins: how often a right fix was
+/// found, whatever the filter made of it.
+struct FoundByP {
+  static constexpr std::size_t kBins = 10;
+  struct Bin {
+    std::int64_t tries = 0;
+    std::int64_t right = 0;
+    double sum_p = 0;
+  };
+  std::array<Bin, kBins> bins;
+
+  void add(double p, bool right);
+};
 
 /// At a mark (SimulatedMission::marks_m). East and north; single precision, for there are flights times marks of them.
 struct ErrorAtMark {
@@ -24,6 +40,7 @@ struct SimulatedFlight {
   std::optional<std::size_t> off_at;
   std::optional<std::size_t> unaware_at;  ///< First place where it is off and the filter does not know.
   TriedFixes fixes;
+  FoundByP found;
   std::vector<ErrorAtMark> marks;
 
   /// Within the limit all the way, and knew it.
@@ -32,9 +49,9 @@ struct SimulatedFlight {
   std::size_t lost_at(std::size_t samples) const;
 };
 
-/// Flies the mission with everything drawn from `seed`, and writes down where it flew when there is a `track`.
-/// docs/methods/simulate.md.
+/// Flies the mission with everything drawn from `seed`, and with fixes from `fixes`; writes down where it flew when
+/// there is a `track`. docs/methods/simulate.md.
 SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
-                            FlightTrack* track = nullptr);
+                            const MapError& map, const FlightFixes& fixes, FlightTrack* track = nullptr);
 
 }  // namespace pilotage

@@ -18,7 +18,7 @@ namespace {
 
 /// Fewer flights than this do not bound the 95th of 100 from above with 95 % confidence: 0.95^59 < 0.05.
 constexpr std::size_t kFewestForR95 = 60;
-constexpr std::size_t kBatch = 64;
+constexpr std::size_t kLargestBatch = 64;
 constexpr std::size_t kMostLosses = 200;
 
 void add(const TriedFixes& one, TriedFixes& sum) {
@@ -27,6 +27,7 @@ void add(const TriedFixes& one, TriedFixes& sum) {
   sum.missed += one.missed;
   sum.not_stored += one.not_stored;
   sum.off_line += one.off_line;
+  sum.no_frame += one.no_frame;
   sum.false_taken += one.false_taken;
   sum.refused += one.refused;
   sum.resets += one.resets;
@@ -122,30 +123,68 @@ std::vector<SimulatedMark> marks_of(const SimulatedMission& mission, const std::
   return marks;
 }
 
-std::vector<std::string> what_was_left_out() {
+std::vector<SimulatedBin> bins_of(const std::vector<SimulatedFlight>& flights) {
+  std::vector<SimulatedBin> bins;
+  for (std::size_t b = 0; b < FoundByP::kBins; ++b) {
+    FoundByP::Bin sum;
+    for (const SimulatedFlight& flight : flights) {
+      sum.tries += flight.found.bins[b].tries;
+      sum.right += flight.found.bins[b].right;
+      sum.sum_p += flight.found.bins[b].sum_p;
+    }
+    if (sum.tries == 0) continue;
+    bins.push_back({sum.sum_p / static_cast<double>(sum.tries), simulated_share(sum.right, sum.tries)});
+  }
+  return bins;
+}
+
+/// Whatever fixes come from.
+std::vector<std::string> never_simulated() {
   return {
-      "frames and the matcher: whether a fix comes is drawn by the P of the tile below",
-      "heights: the barometer, the altimeter and the terrain's error move no drawn fix",
-      "attitude of the aircraft and of the camera's mount, exposure, blur, frames that are dropped or answered late",
       "gusts, turns flown wide, and speeds that the autopilot changes: wind is steady and the line is steered back to",
       "P for priors wider than the limit: a flight whose k sigma is beyond it gets no more fixes, as in the plan"};
 }
 
-std::vector<SimulatedFlight> fly_all(const SimulatedMission& mission, const SimulateOptions& options,
-                                     std::uint64_t seed, int threads, const Progress& progress,
-                                     const std::string& stage, std::vector<SimulatedTrack>* tracks) {
+FixSource source_of_options(const SimulatedMission& mission, const SimulateOptions& options) {
+  if (options.fixes == FixesFrom::kNone) return no_fixes();
+  if (options.fixes == FixesFrom::kDrawn) return drawn_fixes(mission, options);
+  throw UsageError("fixes = " + std::string(options_detail::enum_to_name(options.fixes)) + " needs a source of frames");
+}
+
+/// How flights are flown: with these options, with fixes from there.
+struct Campaign {
+  const SimulatedMission& mission;
+  const SimulateOptions& options;
+  const FixSource& fixes;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  const Progress& progress;
+};
+
+std::vector<SimulatedFlight> fly_all(const Campaign& campaign, const std::string& stage,
+                                     std::vector<SimulatedTrack>* tracks) {
+  const SimulateOptions& options = campaign.options;
+  const MapError map{options.map_sigma_m, options.map_correlation_m, campaign.fixes.draws_map_error};
   const auto count = static_cast<std::size_t>(options.flights);
+  const std::size_t batch_size = std::clamp<std::size_t>(count / 256, 1, kLargestBatch);
   std::vector<SimulatedFlight> flights(count);
   std::mutex reporting;
   std::int64_t done = 0;
-  parallel_for((count + kBatch - 1) / kBatch, threads, [&](std::size_t batch, int) {
-    for (std::size_t i = batch * kBatch; i < std::min(count, (batch + 1) * kBatch); ++i) {
+  const std::function<bool()> go_on = [&] {
+    const std::lock_guard lock(reporting);
+    return !campaign.progress || campaign.progress(stage, done, options.flights);
+  };
+  parallel_for((count + batch_size - 1) / batch_size, campaign.threads, [&](std::size_t batch, int worker) {
+    const std::size_t end = std::min(count, (batch + 1) * batch_size);
+    for (std::size_t i = batch * batch_size; i < end; ++i) {
       FlightTrack* track = tracks != nullptr && i < tracks->size() ? &(*tracks)[i].places : nullptr;
-      flights[i] = fly_mission(mission, options, derive_seed(seed, i), track);
+      const std::uint64_t flight_seed = derive_seed(campaign.seed, i);
+      flights[i] = fly_mission(campaign.mission, options, flight_seed, map,
+                               campaign.fixes.begin_flight(i, flight_seed, worker, go_on), track);
     }
     const std::lock_guard lock(reporting);
-    done += static_cast<std::int64_t>(std::min(count, (batch + 1) * kBatch) - batch * kBatch);
-    report_progress(progress, stage, done, options.flights);
+    done += static_cast<std::int64_t>(end - batch * batch_size);
+    report_progress(campaign.progress, stage, done, options.flights);
   });
   return flights;
 }
@@ -173,11 +212,11 @@ AsPlanned compare_with_plan(const std::vector<SimulatedFlight>& flights, const s
   return result;
 }
 
-Simulation sum_up(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
-                  const std::vector<SimulatedFlight>& flights) {
+Simulation sum_up(const Campaign& campaign, const std::vector<SimulatedFlight>& flights) {
+  const SimulatedMission& mission = campaign.mission;
   Simulation result;
-  result.flights = options.flights;
-  result.seed = seed;
+  result.flights = campaign.options.flights;
+  result.seed = campaign.seed;
   result.max_error_m = mission.path.max_error_m;
   result.sigma_multiple = mission.path.model.sigma_multiple;
   result.lost_from_m = mission.lost_from_m;
@@ -189,8 +228,32 @@ Simulation sum_up(const SimulatedMission& mission, const SimulateOptions& option
   result.legs = legs_of(mission, flights);
   result.marks = marks_of(mission, flights);
   for (const SimulatedFlight& flight : flights) add(flight.fixes, result.fixes);
-  result.not_simulated = what_was_left_out();
+  result.by_p = bins_of(flights);
+  result.notes = campaign.fixes.notes;
+  result.not_simulated = campaign.fixes.not_simulated;
+  for (const std::string& sentence : never_simulated()) result.not_simulated.push_back(sentence);
   return result;
+}
+
+/// The flights of one place of loss, with where the first of them were.
+struct Flown {
+  Simulation simulation;
+  std::vector<SimulatedFlight> flights;
+};
+
+Flown fly_campaign(const Campaign& campaign) {
+  const std::optional<double>& lost_km = campaign.options.lost_from_km;
+  const std::string stage =
+      campaign.options.lost_every_km ? "flying, lost at " + format_fixed(*lost_km, 1) + " km" : "flying";
+  std::vector<SimulatedTrack> tracks(std::min(kMostTracks, static_cast<std::size_t>(campaign.options.flights)));
+  Flown flown;
+  flown.flights = fly_all(campaign, stage, &tracks);
+  flown.simulation = sum_up(campaign, flown.flights);
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    tracks[i].lost_at = flown.flights[i].lost_at(campaign.mission.path.mission->flight.samples.size());
+  }
+  flown.simulation.tracks = std::move(tracks);
+  return flown;
 }
 
 /// Where `lost_every_km` loses GNSS. Throws UsageError.
@@ -211,8 +274,12 @@ std::vector<double> losses_km(const Mission& mission, const SimulateOptions& opt
 }  // namespace
 
 Simulation simulate_flights(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress) {
+                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress,
+                            const FixSource& source) {
   check_options(options);
+  if (options.lost_every_km && source.begin_flight) {
+    throw UsageError("--lost-every-km flies with fixes that are drawn, or none: not with those of frames");
+  }
   std::vector<SimulateOptions> variants;
   if (options.lost_every_km) {
     for (const double lost_km : losses_km(mission, options)) variants.emplace_back(options).lost_from_km = lost_km;
@@ -223,21 +290,18 @@ Simulation simulate_flights(const Mission& mission, const std::vector<TileScores
   std::vector<SimulatedLoss> losses;
   for (const SimulateOptions& variant : variants) {
     const SimulatedMission simulated = make_simulated_mission(mission, scores, selection, variant);
-    const std::string stage =
-        options.lost_every_km ? "flying, lost at " + format_fixed(*variant.lost_from_km, 1) + " km" : "flying";
-    std::vector<SimulatedTrack> tracks(std::min(kMostTracks, static_cast<std::size_t>(options.flights)));
-    const std::vector<SimulatedFlight> flights = fly_all(simulated, variant, seed, threads, progress, stage, &tracks);
-    Simulation found = sum_up(simulated, variant, seed, flights);
-    for (std::size_t i = 0; i < tracks.size(); ++i) {
-      tracks[i].lost_at = flights[i].lost_at(mission.flight.samples.size());
-    }
-    found.tracks = std::move(tracks);
+    const FixSource fixes = source.begin_flight ? source : source_of_options(simulated, variant);
+    Flown flown = fly_campaign({simulated, variant, fixes, seed, threads, progress});
+    const Simulation& found = flown.simulation;
     losses.push_back({found.lost_from_m, found.planned_p, found.within});
     if (worst && worst->within.count <= found.within.count) continue;
-    const SimulateOptions planned = as_the_plan_takes_it(variant);
-    found.as_planned =
-        compare_with_plan(flights, fly_all(simulated, planned, seed, threads, progress, "flying as planned", nullptr));
-    worst = std::move(found);
+    if (variant.fixes == FixesFrom::kDrawn) {
+      const SimulateOptions planned = as_the_plan_takes_it(variant);
+      const FixSource drawn = drawn_fixes(simulated, planned);
+      flown.simulation.as_planned = compare_with_plan(
+          flown.flights, fly_all({simulated, planned, drawn, seed, threads, progress}, "flying as planned", nullptr));
+    }
+    worst = std::move(flown.simulation);
   }
   SimulateOptions described = options;  // list_options takes what can be set
   worst->options = options_to_json(list_options(described));
