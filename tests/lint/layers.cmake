@@ -31,6 +31,7 @@ set(may_include_prepare ${below_stages} tile score select build_map report gis)
 set(may_include_survey ${below_stages} tile score report gis)
 set(may_include_reroute ${below_stages} tile score select build_map report gis prepare)
 set(may_include_evaluate ${below_stages} build_map match flightlog)
+set(may_include_replay ${below_stages} match flightlog vehiclelog evaluate)
 set(may_include_simulate ${below_stages} match navigate select)
 
 file(GLOB folders RELATIVE ${SOURCE}/src/pilotage ${SOURCE}/src/pilotage/*)
