@@ -399,7 +399,8 @@ CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& 
   }
   Replay replay = score_replay(flights, tiles, flown, model, scoring);
   replay.grade_name = grade_name_of(options.ins);
-  if (!tiles.has_p()) replay.notes.push_back(map + ": has no P of its tiles (`score --measures correct_fix`)");
+  if (!replay.prediction)
+    replay.notes.emplace_back("no try was over a stored tile with a P, with a prior that P is of");
   if (options.require_observed_rate && !replay.prediction) {
     throw DataError("--require-observed-rate: no try was over a stored tile with a P");
   }

@@ -1,23 +1,10 @@
 #include "pilotage/replay/predicted_tiles.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "pilotage/geo/local_frame.h"
+#include "pilotage/ground/measures.h"
 
 namespace pilotage {
 namespace {
-
-/// A column of the map and where its number belongs.
-struct PredictedColumn {
-  const char* name;
-  double TileScores::*member;
-};
-constexpr PredictedColumn kPredictedColumns[] = {
-    {"p_correct_fix", &TileScores::p_correct_fix},         {"level_sigma", &TileScores::level_sigma},
-    {"map_features", &TileScores::map_features},           {"vote_noise", &TileScores::vote_noise},
-    {"relative_contrast", &TileScores::relative_contrast}, {"frieden_deficit", &TileScores::frieden_deficit},
-    {"gray_variance", &TileScores::gray_variance}};
 
 std::optional<int> level_for(const MapReader& map, double height_agl_m) {
   for (const MapLevel& level : map.levels()) {
@@ -27,12 +14,6 @@ std::optional<int> level_for(const MapReader& map, double height_agl_m) {
 }
 
 }  // namespace
-
-bool PredictedTiles::has_p() const {
-  const auto& columns = map_.tile_columns();
-  return std::any_of(columns.begin(), columns.end(),
-                     [](const MapColumn& column) { return column.name == kPredictedColumns[0].name; });
-}
 
 std::optional<PredictedTile> PredictedTiles::under(GeodeticPoint point, double height_agl_m) {
   const LocalFrame frame(point);
@@ -57,12 +38,9 @@ PredictedTile PredictedTiles::predicted(const MapTile& tile) {
   for (std::size_t i = 0; values && i < columns.size() && i < values->size(); ++i) {
     const double* number = std::get_if<double>(&(*values)[i]);
     if (number == nullptr) continue;
-    for (const PredictedColumn& known : kPredictedColumns) {
-      if (columns[i].name == known.name) result.scores.*known.member = *number;
-    }
+    if (const Measure* measure = find_measure(columns[i].name)) measure->set(result.scores, *number);
   }
-  const double p = result.scores.p_correct_fix;
-  if (!(p >= 0 && p <= 1)) result.scores.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
+  if (!(result.p() >= 0 && result.p() <= 1)) result.scores.p_correct_fix = std::numeric_limits<double>::quiet_NaN();
   return known_.emplace(tile.tile_id, result).first->second;
 }
 

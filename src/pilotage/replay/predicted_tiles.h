@@ -14,7 +14,7 @@ namespace pilotage {
 /// A stored tile and what was predicted of it.
 struct PredictedTile {
   MapTile tile;
-  TileScores scores;  ///< p_correct_fix, level_sigma and what P is made of; NaN where the map does not say.
+  TileScores scores;  ///< As the map has them; NaN where it does not say.
 
   double p() const { return scores.p_correct_fix; }
 };
@@ -27,9 +27,6 @@ class PredictedTiles {
   /// The stored tile with the nearest centre among those that hold the point, of the level for this height (of all
   /// levels where none serves it or it is NaN); nothing over ground that is not stored.
   std::optional<PredictedTile> under(GeodeticPoint point, double height_agl_m);
-
-  /// Whether any tile has a P.
-  bool has_p() const;
 
  private:
   PredictedTile predicted(const MapTile& tile);

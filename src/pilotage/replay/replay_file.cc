@@ -6,6 +6,7 @@
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
+#include "pilotage/evaluate/evaluation.h"
 #include "pilotage/matchability/quality_report.h"
 
 namespace pilotage {
@@ -40,7 +41,7 @@ Json quantity_json(const FlownQuantity& quantity) {
 }
 
 Json prediction_json(const PredictedAgainstFlown& prediction) {
-  Json quality = to_json(JudgedPredictor{"p_correct_fix", "P(correct fix)", prediction.quality});
+  Json quality = to_json(JudgedPredictor{predictor_columns().front(), "P(correct fix)", prediction.quality});
   quality.erase("bins");  // here as `reliability`
   Json bins = Json::array();
   for (const ReliabilityBin& bin : prediction.quality.bins) {
