@@ -8,6 +8,7 @@ namespace pilotage {
 Command make_prepare_command();
 Command make_survey_command();
 Command make_reroute_command();
+Command make_replay_command();
 Command make_simulate_command();
 Command make_tile_command();
 Command make_score_command();

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "drifting_priors.h"
 #include <opencv2/imgcodecs.hpp>
 
 #include "pilotage/base/error.h"
@@ -15,6 +14,7 @@
 #include "pilotage/camera/camera_file.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/camera/render_frame.h"
+#include "pilotage/flightlog/drifting_priors.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/geo/position_covariance.h"

@@ -5,13 +5,13 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/match/displacement_voting.h"
 #include "pilotage/match/local_map.h"
 #include "pilotage/match/match.h"
 
 namespace pilotage {
 
-inline constexpr double kRadPerDeg = 0.017453292519943295;
 /// Largest side of a rectified frame: about 0.5 km at 0.6 m/px. More adds time, not certainty.
 inline constexpr int kMaxRectifiedSidePx = 768;
 

@@ -1,4 +1,4 @@
-#include "drifting_priors.h"
+#include "pilotage/flightlog/drifting_priors.h"
 
 #include <cmath>
 

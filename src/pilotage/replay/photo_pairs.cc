@@ -1,0 +1,152 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <map>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
+#include "pilotage/raster/gdal_image_metadata.h"
+#include "pilotage/replay/log_frames.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kSameInstant_s = 1;  // EXIF has whole seconds
+constexpr std::size_t kMostPhotosByTime = 20'000;
+
+bool is_picture(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<std::string_view, 6> kPictures{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".pgm"};
+  return std::find(kPictures.begin(), kPictures.end(), extension) != kPictures.end();
+}
+
+/// Seconds of "2026:11:21 10:20:30", by a calendar without time zones; and of the fraction that some cameras add.
+std::optional<double> taken_s(const ImageMetadata& metadata) {
+  const auto found = metadata.exif.find("DateTimeOriginal");
+  if (found == metadata.exif.end() || found->second.size() < 19) return std::nullopt;
+  const std::string& text = found->second;
+  std::array<double, 6> parts{};
+  constexpr std::array<std::pair<std::size_t, std::size_t>, 6> kPlaces{
+      {{0, 4}, {5, 2}, {8, 2}, {11, 2}, {14, 2}, {17, 2}}};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto number = parse_number(text.substr(kPlaces[i].first, kPlaces[i].second));
+    if (!number) return std::nullopt;
+    parts[i] = *number;
+  }
+  // Days since 1970 by the civil calendar, January and February counted to the year before.
+  const double year = parts[0] - (parts[1] <= 2 ? 1 : 0);
+  const double month = parts[1] + (parts[1] <= 2 ? 9 : -3);
+  const double days = std::floor(365.25 * year) - std::floor(year / 100) + std::floor(year / 400) +
+                      std::floor((153 * month + 2) / 5) + parts[2] - 1 - 719468;
+  double seconds = days * 86400 + parts[3] * 3600 + parts[4] * 60 + parts[5];
+  const auto fraction = metadata.exif.find("SubSecTimeOriginal");
+  if (fraction != metadata.exif.end()) seconds += parse_number("0." + fraction->second).value_or(0);
+  return seconds;
+}
+
+/// Pairs in the order of times, each photo once, at most kSameInstant_s apart.
+std::vector<std::optional<std::size_t>> pairs_with_offset(const std::vector<LoggedCapture>& captures,
+                                                          const std::vector<std::pair<double, std::size_t>>& photos,
+                                                          double offset_s) {
+  std::vector<std::optional<std::size_t>> pairs(captures.size());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < captures.size(); ++i) {
+    const double expected_s = captures[i].time_s + offset_s;
+    while (next < photos.size() && photos[next].first < expected_s - kSameInstant_s) ++next;
+    if (next < photos.size() && photos[next].first <= expected_s + kSameInstant_s) pairs[i] = photos[next++].second;
+  }
+  return pairs;
+}
+
+std::int64_t pair_count(const std::vector<std::optional<std::size_t>>& pairs) {
+  return std::count_if(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.has_value(); });
+}
+
+/// The offset that most differences between a photo and a capture agree on, to half a second. Of long flights only the
+/// first captures are asked: the vote of some hundred is clear.
+double most_voted_offset_s(const std::vector<LoggedCapture>& captures,
+                           const std::vector<std::pair<double, std::size_t>>& photos) {
+  constexpr std::size_t kVoters = 300;
+  std::map<std::int64_t, std::int64_t> votes;
+  for (std::size_t i = 0; i < std::min(kVoters, captures.size()); ++i) {
+    for (const auto& [time_s, index] : photos) {
+      const auto bin = static_cast<std::int64_t>(std::floor((time_s - captures[i].time_s) * 2));
+      ++votes[bin];
+      ++votes[bin + 1];
+    }
+  }
+  const auto best =
+      std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return static_cast<double>(best->first) / 2;
+}
+
+}  // namespace
+
+std::vector<Photo> photos_of_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (is_picture(entry.path())) files.push_back(entry.path().filename().string());
+  }
+  if (error) throw DataError(folder.string() + ": cannot be read as a folder: " + error.message());
+  if (files.empty()) throw DataError(folder.string() + ": holds no picture (jpg, jpeg, png, tif, tiff, pgm)");
+  std::sort(files.begin(), files.end());
+  std::vector<Photo> photos;
+  for (const std::string& file : files) {
+    Photo photo{file, {}};
+    try {
+      photo.taken_s = taken_s(read_image_metadata((folder / file).string()));
+    } catch (const DataError&) {
+      // A picture that cannot be opened has its place in the order; matching says what is wrong with it.
+    }
+    photos.push_back(std::move(photo));
+  }
+  return photos;
+}
+
+PhotoPairs pair_photos(const std::vector<LoggedCapture>& captures, const std::vector<Photo>& photos) {
+  PhotoPairs result;
+  const std::string counts =
+      std::to_string(photos.size()) + " photos for " + std::to_string(captures.size()) + " captures of the log";
+  if (captures.empty()) throw DataError("the log has no capture or trigger of a camera to pair photos with");
+  if (photos.size() == captures.size()) {
+    for (std::size_t i = 0; i < photos.size(); ++i) result.photo_of_capture.emplace_back(i);
+    result.how = counts + ": paired by their order";
+    return result;
+  }
+  std::vector<std::pair<double, std::size_t>> timed;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (photos[i].taken_s) timed.emplace_back(*photos[i].taken_s, i);
+  }
+  if (timed.size() != photos.size() || timed.size() > kMostPhotosByTime) {
+    throw DataError(counts + ", and they cannot be paired by time: " + std::to_string(photos.size() - timed.size()) +
+                    " photos have no DateTimeOriginal in their EXIF (at most " + std::to_string(kMostPhotosByTime) +
+                    " photos are paired so)");
+  }
+  std::sort(timed.begin(), timed.end());
+  const double voted_s = most_voted_offset_s(captures, timed);
+  std::int64_t most = -1;
+  double offset_s = voted_s;
+  for (int step = -4; step <= 4; ++step) {
+    const auto pairs = pairs_with_offset(captures, timed, voted_s + 0.25 * step);
+    const std::int64_t count = pair_count(pairs);
+    if (count <= most) continue;
+    most = count;
+    offset_s = voted_s + 0.25 * step;
+    result.photo_of_capture = pairs;
+  }
+  const auto smaller = static_cast<std::int64_t>(std::min(captures.size(), photos.size()));
+  if (2 * most < smaller) {
+    throw DataError(counts + ", and by time only " + std::to_string(most) +
+                    " find a partner: are these the photos of this flight?");
+  }
+  result.how = counts + ": " + std::to_string(most) + " paired by time, photos' clock minus log's " +
+               format_fixed(offset_s, 2) + " s; " + std::to_string(std::ssize(captures) - most) + " captures and " +
+               std::to_string(std::ssize(photos) - most) + " photos are left over";
+  return result;
+}
+
+}  // namespace pilotage
