@@ -1,11 +1,9 @@
 #include "pilotage/airsim/airsim_geometry.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
-#include "pilotage/base/angle.h"
 #include "pilotage/geo/local_frame.h"
 
 namespace pilotage {
@@ -48,15 +46,6 @@ AirsimQuaternion quaternion_of(const Eigen::Matrix3d& rotation) {
   Eigen::Quaterniond q(rotation);
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   return {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z())};
-}
-
-Attitude attitude_of(const Eigen::Matrix3d& ned_from_body) {
-  const Eigen::Matrix3d& r = ned_from_body;
-  const double pitch = std::asin(std::clamp(-r(2, 0), -1.0, 1.0));
-  if (std::hypot(r(0, 0), r(1, 0)) < 1e-9) {
-    return {std::atan2(-r(0, 1), r(1, 1)) / kRadPerDeg, pitch / kRadPerDeg, 0};
-  }
-  return {std::atan2(r(1, 0), r(0, 0)) / kRadPerDeg, pitch / kRadPerDeg, std::atan2(r(2, 1), r(2, 2)) / kRadPerDeg};
 }
 
 AirsimVector airsim_vector(const Eigen::Vector3d& vector) {

@@ -30,9 +30,6 @@ AirsimPlace place_from_ned(const AirsimHome& home, const Eigen::Vector3d& ned_m)
 Eigen::Matrix3d rotation_of(const AirsimQuaternion& quaternion);
 AirsimQuaternion quaternion_of(const Eigen::Matrix3d& rotation);
 
-/// The yaw, pitch and roll of ned_from_body (camera/attitude.h); where the pitch is 90°, roll is 0.
-Attitude attitude_of(const Eigen::Matrix3d& ned_from_body);
-
 AirsimVector airsim_vector(const Eigen::Vector3d& vector);
 Eigen::Vector3d vector_of(const AirsimVector& vector);
 
