@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "commands.h"
@@ -9,6 +7,9 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/simulate/airsim_frames.h"
+#include "pilotage/simulate/fix_log.h"
+#include "pilotage/simulate/rendered_fixes.h"
 #include "pilotage/simulate/simulate_flights.h"
 #include "pilotage/simulate/simulation_file.h"
 
@@ -18,17 +19,19 @@ namespace {
 struct SimulateCommandOptions {
   StageFileOptions files;
   SimulateOptions simulate;
+  RenderedOptions rendered;
+  std::string log;
   ServeOptions serving;
-  std::string world;
-  int frame_width_px = 640;
+  AirsimFrameOptions airsim;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     StageFileOptions::describe(self.files, fields);
     SimulateOptions::describe(self.simulate, fields);
+    RenderedOptions::describe(self.rendered, fields);
+    fields.path("log", self.log, "With rendered fixes: the table of all tries and their answers (fixes.csv).");
+    AirsimFrameOptions::describe(self.airsim, fields);
     ServeOptions::describe(self.serving, fields);
-    fields.path("world", self.world, "The ground that frames show, a raster of another date.");
-    fields.field("frame_width_px", self.frame_width_px, "Frames are so wide.", Range{16, 10000});
   }
 };
 
@@ -44,17 +47,61 @@ StageFiles read_mission(const std::filesystem::path& plan, StageFileOptions file
   return read_stage_files(plan.string(), files);
 }
 
+void refuse_without_frames(const SimulateCommandOptions& options) {
+  for (const auto& [flag, value] :
+       {std::pair{"--world", options.rendered.world}, {"--map", options.rendered.map}, {"--log", options.log}}) {
+    if (!value.empty()) throw UsageError(std::string(flag) + " has no meaning without --fixes rendered");
+  }
+}
+
 constexpr const char* kOutputHelp = "The simulation (JSON); none with --serve.";
 
 CommandResult serve(const std::filesystem::path& plan, const SimulateCommandOptions& options,
                     const Invocation& invocation) {
   if (!invocation.output.empty()) throw UsageError("-o has no meaning with --serve, which flies nothing");
   const Mission mission = read_stage_plan(plan.string());
-  const Camera& camera = mission.flight.camera;
-  const int width_px = std::min(camera.width_px, options.frame_width_px);
-  const int height_px = std::max(1, static_cast<int>(std::lround(1.0 * width_px * camera.height_px / camera.width_px)));
-  return serve_airsim(mission, options.world, resized_camera(camera, width_px, height_px), options.serving,
+  return serve_airsim(mission, options.rendered.world, rendered_camera(mission, options.rendered), options.serving,
                       invocation.progress);
+}
+
+/// Flies with frames of a source and the matcher on the map.
+Simulation fly_frames(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
+                      const FrameSource& frames, const Invocation& invocation) {
+  const std::filesystem::path map =
+      options.rendered.map.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(options.rendered.map);
+  need_file(map.string(), "prepare");
+  RenderedFixes fixes(
+      files.mission, files.scores, options.simulate, options.rendered, frames,
+      [map] { return MapReader::open_unverified(map); }, invocation.threads);
+  Simulation simulation = simulate_flights(files.mission, files.scores, files.selection, options.simulate,
+                                           invocation.seed, invocation.threads, invocation.progress, fixes.source());
+  const std::vector<SimulatedTry> tries = fixes.take_tries();
+  std::vector<FrameMatch> matches;
+  for (const SimulatedTry& tried : tries) matches.push_back(tried.match);
+  simulation.rendered = {options.rendered, evaluate_matches(matches, options.rendered.correct_within_m)};
+  if (!options.log.empty()) write_file(options.log, fix_log_to_csv(tries), invocation.overwrite);
+  return simulation;
+}
+
+Simulation fly(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
+               const Invocation& invocation) {
+  const bool by_airsim = options.simulate.fixes == FixesFrom::kAirsim;
+  if (by_airsim != !options.airsim.airsim.empty()) {
+    throw UsageError("--fixes airsim and --airsim HOST:PORT have no meaning without each other");
+  }
+  const Camera camera = rendered_camera(files.mission, options.rendered);
+  if (by_airsim) {
+    if (!options.rendered.world.empty())
+      throw UsageError("--world has no meaning with --fixes airsim: the server has one");
+    return fly_frames(files, plan, options, airsim_frames(files.mission, camera, options.airsim), invocation);
+  }
+  if (options.simulate.fixes == FixesFrom::kRendered) {
+    const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);
+    return fly_frames(files, plan, options, rendered_frames(world, camera), invocation);
+  }
+  refuse_without_frames(options);
+  return simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
+                          invocation.threads, invocation.progress);
 }
 
 }  // namespace
@@ -67,31 +114,37 @@ Command make_simulate_command() {
   command.examples = {{"A thousand flights of what prepare wrote.", "pilotage simulate out -o simulation.json"},
                       {"GNSS is lost at 2 km, and nine flights of ten must stay within the limit.",
                        "pilotage simulate out --lost-from-km 2 --flights 10000 --require-simulated 0.9 -o "
-                       "simulation.json"}};
+                       "simulation.json"},
+                      {"Twenty flights whose frames show another date, matched as on board.",
+                       "pilotage simulate out --fixes rendered --world later.tif --flights 20 -o rendered.json"}};
   command.inputs = {.name = "PLAN",
                     .help =
                         "The folder that prepare wrote, or the tile plan (plan.json); scores and selection are "
                         "those beside it, if not given.",
                     .min = 1,
                     .max = 1};
-  command.output = {
-      .kind = OutputKind::kFile, .help = kOutputHelp, .required = false, .stream_name = "simulation.json"};
-  bind_options<SimulateCommandOptions>(
-      command, [](const SimulateCommandOptions& options, const Invocation& invocation) {
-        const std::filesystem::path plan = plan_of(invocation.inputs.front());
-        if (!options.serving.serve.empty()) return serve(plan, options, invocation);
-        if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: " + std::string(kOutputHelp));
-        const StageFiles files = read_mission(plan, options.files);
-        const Simulation simulation = simulate_flights(files.mission, files.scores, files.selection, options.simulate,
-                                                       invocation.seed, invocation.threads, invocation.progress);
-        CommandResult result;
-        result.json = simulation_to_json(simulation);
-        write_file(invocation.output, json_text(result.json), invocation.overwrite);
-        result.text = simulation_text(simulation);
-        const std::optional<double>& required = options.simulate.require_simulated;
-        if (required && simulation.within.interval.low < *required) result.exit_code = kExitGateNotMet;
-        return result;
-      });
+  command.output = {.kind = OutputKind::kFile,
+                    .help = kOutputHelp,
+                    .required = false,
+                    .flags = {"log"},
+                    .stream_name = "simulation.json"};
+  bind_options<SimulateCommandOptions>(command,
+                                       [](const SimulateCommandOptions& options, const Invocation& invocation) {
+                                         const std::filesystem::path plan = plan_of(invocation.inputs.front());
+                                         if (!options.serving.serve.empty()) return serve(plan, options, invocation);
+                                         if (invocation.output.empty())
+                                           throw UsageError("-o OUTPUT is missing: " + std::string(kOutputHelp));
+                                         const StageFiles files = read_mission(plan, options.files);
+                                         const Simulation simulation = fly(files, plan, options, invocation);
+                                         CommandResult result;
+                                         result.json = simulation_to_json(simulation);
+                                         write_file(invocation.output, json_text(result.json), invocation.overwrite);
+                                         result.text = simulation_text(simulation);
+                                         const std::optional<double>& required = options.simulate.require_simulated;
+                                         if (required && simulation.within.interval.low < *required)
+                                           result.exit_code = kExitGateNotMet;
+                                         return result;
+                                       });
   return command;
 }
 

@@ -31,7 +31,7 @@ set(may_include_prepare ${below_stages} tile score select build_map report gis)
 set(may_include_survey ${below_stages} tile score report gis)
 set(may_include_reroute ${below_stages} tile score select build_map report gis prepare)
 set(may_include_evaluate ${below_stages} build_map match flightlog)
-set(may_include_simulate ${below_stages} airsim match navigate select)
+set(may_include_simulate ${below_stages} airsim match navigate select flightlog)
 
 file(GLOB folders RELATIVE ${SOURCE}/src/pilotage ${SOURCE}/src/pilotage/*)
 foreach(folder IN LISTS folders)
@@ -76,4 +76,4 @@ foreach(file IN LISTS files)
 endforeach()
 finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {airsim, route, ins, mapdb <- match <- navigate, registration, ground} <- \
 {mission, matchability} <- stages; a stage never includes another stage, except prepare and survey (the stages they are made of), reroute (prepare and its stages), gis (report), flightlog (match), \
-evaluate (build_map, match and flightlog) and simulate (airsim, navigate, and select, whose P it flies against)")
+evaluate (build_map, match and flightlog) and simulate (airsim, navigate, flightlog, and select, whose P it flies against)")

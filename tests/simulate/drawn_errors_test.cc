@@ -29,7 +29,7 @@ DrawnErrors fly_courses(const InsErrorModel& model, const MapError& map, Random&
   for (const double heading_deg : {10.0, 100.0, 70.0}) {
     const DrawnStep step(make_ins_step(12, heading_deg, 20, model));
     fly_step(drawn, step, map, random);
-    take_fix(drawn, innovation_of_fix(drawn, fix_sigma_m, random), fix_sigma_m);
+    take_fix(drawn, innovation_of_fix(drawn, fix_sigma_m, random), isotropic_covariance_m2(fix_sigma_m));
   }
   return drawn;
 }
@@ -139,7 +139,8 @@ DrawnErrors fly_drawn(const InsErrorModel& model, std::uint64_t seed) {
   for (int second = 1; second <= 70; ++second) {
     const double heading_deg = second <= 17 ? 20 : second <= 47 ? 110 : 50;
     fly_step(drawn, DrawnStep(make_ins_step(1, heading_deg, 25, model)), kMapOfBoth, random);
-    if (fix_at(second)) take_fix(drawn, innovation_of_fix(drawn, kFixSigma_m, random), kFixSigma_m);
+    if (fix_at(second))
+      take_fix(drawn, innovation_of_fix(drawn, kFixSigma_m, random), isotropic_covariance_m2(kFixSigma_m));
   }
   return drawn;
 }

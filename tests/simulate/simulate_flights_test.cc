@@ -63,6 +63,46 @@ TEST(SimulateFlights, AgreesWithThePlanInWhatThePlanKnows) {
   }
 }
 
+TEST(SimulateFlights, FixesComeFromTheSourceThatIsGiven) {
+  const Case made = case_of(0.35);
+  const SimulateOptions options = as_planned(40);
+  FixSource source;
+  source.notes = {"perfect"};
+  source.not_simulated = {"errors"};
+  source.begin_flight = [](std::size_t, std::uint64_t, int, const std::function<bool()>&) -> FlightFixes {
+    return [](const FixTry& tried) {
+      const Eigen::Vector2d expected = tried.drawn->errors.head<2>() + tried.drawn->errors.tail<2>();
+      return TriedFix{true, OfferedFix{expected, Eigen::Matrix2d::Identity(), true}};
+    };
+  };
+  const Simulation perfect = simulate_flights(made.mission, made.scores, made.selection, options, 1, 2, {}, source);
+  EXPECT_EQ(perfect.within.count, 40);
+  ASSERT_EQ(perfect.by_p.size(), 1U);
+  EXPECT_NEAR(perfect.by_p[0].mean_p, 0.35, 1e-12);
+  EXPECT_EQ(perfect.by_p[0].found.count, perfect.by_p[0].found.of);
+  EXPECT_GT(perfect.by_p[0].found.of, 100);
+  EXPECT_EQ(perfect.fixes.missed, 0);
+  EXPECT_EQ(perfect.notes, std::vector<std::string>{"perfect"});
+  EXPECT_EQ(perfect.not_simulated.front(), "errors");
+
+  const Simulation drawn = made.fly(as_planned(400));
+  ASSERT_EQ(drawn.by_p.size(), 1U);
+  EXPECT_NEAR(drawn.by_p[0].found.share(), 0.35, 0.03);
+}
+
+TEST(SimulateFlights, WithoutFixesTheInertialSystemIsAlone) {
+  const Case made = case_of(0.9);
+  SimulateOptions options = as_planned(100);
+  options.fixes = FixesFrom::kNone;
+  const Simulation none = made.fly(options);
+  EXPECT_EQ(none.fixes.right + none.fixes.missed, 0);
+  EXPECT_EQ(none.fixes.no_frame, none.fixes.tries);
+  EXPECT_TRUE(none.by_p.empty());
+  EXPECT_LT(none.within.count, made.fly(as_planned(100)).within.count);
+  options.fixes = FixesFrom::kRendered;
+  EXPECT_THROW(made.fly(options), UsageError);
+}
+
 TEST(SimulateFlights, AFlightHasOneLevel) {
   // If each tile met its own level, fixes would be as many and flights would be lost less often.
   const double shared = case_of(0.5, 3).fly(as_planned(1000)).within.share();

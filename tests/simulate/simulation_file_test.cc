@@ -18,6 +18,8 @@ Simulation small_simulation() {
   simulation.within = simulated_share(94, 100);
   simulation.legs = {{0, 0.97, simulated_share(94, 100)}, {1, 0.99, simulated_share(0, 0)}};
   simulation.marks = {{1000, 0.94, 2.44, std::numeric_limits<double>::quiet_NaN(), 2.01, {1.6, 2.4}, 6}};
+  simulation.by_p = {{0.42, simulated_share(30, 60)}};
+  simulation.notes = {"dry"};
   simulation.not_simulated = {"rain", "snow"};
   return simulation;
 }
@@ -28,7 +30,8 @@ TEST(SimulationFile, SaysSimulatedBesidePlanned) {
                               "planned 0.968\n"));
   EXPECT_THAT(text, HasSubstr("leg 2: planned 0.990, simulated no flight came here\n"));
   EXPECT_THAT(text, HasSubstr("at 1.00 km: within the limit 0.940, CEP50 2.4 m, R95 – m"));
-  EXPECT_THAT(text, HasSubstr("not simulated: rain; snow\n"));
+  EXPECT_THAT(text, HasSubstr("where P is 0.420: right fixes of 60 tries 0.500 [0.368, 0.631]\n"));
+  EXPECT_THAT(text, HasSubstr("note: dry\nnot simulated: rain; snow\n"));
 }
 
 TEST(SimulationFile, HoldsWhatWasFound) {
@@ -38,6 +41,8 @@ TEST(SimulationFile, HoldsWhatWasFound) {
   EXPECT_TRUE(json["legs"][1]["within"]["share"].is_null());
   EXPECT_TRUE(json["along"][0]["r95_m"].is_null());
   EXPECT_EQ(json["seed"], 5);
+  EXPECT_EQ(json["by_p"][0]["right"], 30);
+  EXPECT_FALSE(json.contains("rendered"));
 }
 
 }  // namespace

@@ -99,8 +99,11 @@ std::optional<View> make_view(const Camera& camera, const Attitude& attitude, do
 
 std::optional<Eigen::Vector2d> ground_from_pixel(const View& view, const Eigen::Vector2d& pixel) {
   const auto ray_camera = ray_from_pixel(view.lens, pixel);
-  if (!ray_camera) return std::nullopt;
-  const Eigen::Vector3d ray = view.enu_from_camera * *ray_camera;
+  return ray_camera ? ground_from_ray(view, *ray_camera) : std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> ground_from_ray(const View& view, const Eigen::Vector3d& ray_camera) {
+  const Eigen::Vector3d ray = view.enu_from_camera * ray_camera;
   if (!(ray.z() < 0)) return std::nullopt;
   const Eigen::Vector2d ground = ray.head<2>() * (view.agl_m / -ray.z());
   if (!(ground.norm() <= max_distance(view))) return std::nullopt;

@@ -30,6 +30,9 @@ std::optional<View> make_view(const Camera& camera, const Attitude& attitude, do
 /// outside the lens's domain; pixels outside the image are answered like others.
 std::optional<Eigen::Vector2d> ground_from_pixel(const View& view, const Eigen::Vector2d& pixel);
 
+/// The same of a ray, in the camera's frame.
+std::optional<Eigen::Vector2d> ground_from_ray(const View& view, const Eigen::Vector3d& ray_camera);
+
 /// Where a point of the ground appears. Nothing when it lies behind the camera, beyond max_off_nadir_deg or outside the
 /// lens's domain; the pixel may lie outside the image.
 std::optional<Eigen::Vector2d> pixel_from_ground(const View& view, const Eigen::Vector2d& ground_m);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/LU>
@@ -124,22 +125,55 @@ std::optional<double> mean_over(const Quadrilateral& area, const Raster& ground)
   return sum / (count * count);
 }
 
-/// Where the upper corners of a row of the frame's pixels lie on the ground; NaN where they see none.
+/// The rays of a row of corners of a lens's pixels.
+void add_row_of_rays(const Lens& lens, int row, std::vector<Eigen::Vector3d>& rays) {
+  for (int col = 0; col <= lens.camera.width_px; ++col) {
+    const auto ray = ray_from_pixel(lens, Eigen::Vector2d(col, row));
+    rays.push_back(ray ? *ray : Eigen::Vector3d(kNaN, kNaN, kNaN));
+  }
+}
+
+/// Gives the rays of the corners of a view's pixels, row by row.
+class CornerRays {
+ public:
+  CornerRays(const View& view, const std::vector<Eigen::Vector3d>* known) : view_(view), known_(known) {
+    if (known != nullptr && known->size() != (width() * (static_cast<std::size_t>(view.lens.camera.height_px) + 1))) {
+      throw UsageError("the rays of the corners are of another camera");
+    }
+  }
+
+  std::span<const Eigen::Vector3d> row(int row) {
+    if (known_ != nullptr) return std::span(*known_).subspan(static_cast<std::size_t>(row) * width(), width());
+    row_.clear();
+    add_row_of_rays(view_.lens, row, row_);
+    return row_;
+  }
+
+ private:
+  std::size_t width() const { return static_cast<std::size_t>(view_.lens.camera.width_px) + 1; }
+
+  const View& view_;
+  const std::vector<Eigen::Vector3d>* known_;
+  std::vector<Eigen::Vector3d> row_;
+};
+
+/// Where rays meet the ground, in its pixels; NaN where they do not.
 template <class GroundOf>
-std::vector<Eigen::Vector2d> corner_row(const Camera& camera, const GroundPlace& place, int row, GroundOf ground_of) {
+std::vector<Eigen::Vector2d> corner_row(std::span<const Eigen::Vector3d> rays, const GroundPlace& place,
+                                        GroundOf ground_of) {
   std::vector<Eigen::Vector2d> corners;
-  corners.reserve(static_cast<std::size_t>(camera.width_px) + 1);
-  for (int col = 0; col <= camera.width_px; ++col) {
-    const std::optional<Eigen::Vector2d> ground_m = ground_of(Eigen::Vector2d(col, row));
+  corners.reserve(rays.size());
+  for (const Eigen::Vector3d& ray : rays) {
+    const std::optional<Eigen::Vector2d> ground_m = ground_of(ray);
     corners.push_back(ground_m ? place.pixel_from_ground(*ground_m) : Eigen::Vector2d(kNaN, kNaN));
   }
   return corners;
 }
 
-/// `bounds` hold, in pixels of the ground, all that `ground_of` (pixel of the frame → metres east and north) gives.
+/// `bounds` hold, in pixels of the ground, all that `ground_of` (ray → metres east and north) gives.
 template <class GroundOf>
 RenderedFrame render_pixels(const GraySource& ground, const GroundPlace& place, const Camera& camera,
-                            const Bounds& bounds, GroundOf ground_of) {
+                            const Bounds& bounds, CornerRays rays, GroundOf ground_of) {
   if (ground.depth != CV_8U) throw UsageError("the ground has not 8 bits; stretch_to_8bit makes it so");
   RenderedFrame frame;
   frame.gray = cv::Mat(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(0));
@@ -150,9 +184,9 @@ RenderedFrame render_pixels(const GraySource& ground, const GroundPlace& place, 
 
   GroundPlace in_window = place;
   in_window.nadir_px -= Eigen::Vector2d(static_cast<double>(window.col), static_cast<double>(window.row));
-  std::vector<Eigen::Vector2d> above = corner_row(camera, in_window, 0, ground_of);
+  std::vector<Eigen::Vector2d> above = corner_row(rays.row(0), in_window, ground_of);
   for (int row = 0; row < frame.gray.rows; ++row) {
-    std::vector<Eigen::Vector2d> below = corner_row(camera, in_window, row + 1, ground_of);
+    std::vector<Eigen::Vector2d> below = corner_row(rays.row(row + 1), in_window, ground_of);
     for (int col = 0; col < frame.gray.cols; ++col) {
       const auto left = static_cast<std::size_t>(col);
       const auto value = mean_over({above[left], above[left + 1], below[left], below[left + 1]}, pixels);
@@ -177,9 +211,13 @@ GeodeticPoint geodetic_from_pixel(const CrsTransform& transform, const GeoTransf
 }
 
 GroundPlace ground_place(const Crs& crs, const GeoTransform& map_from_pixel, const Eigen::Vector2d& nadir_px) {
+  return ground_place(CrsTransform(crs), map_from_pixel, nadir_px);
+}
+
+GroundPlace ground_place(const CrsTransform& transform, const GeoTransform& map_from_pixel,
+                         const Eigen::Vector2d& nadir_px) {
   // Pixels with rows counted upwards stand in for a grid in metres: enu_from_grid wants a right-handed one.
   const double hand = map_from_pixel.determinant() < 0 ? -1 : 1;
-  const CrsTransform transform(crs);
   const Eigen::Matrix2d enu_from_pixel =
       enu_from_grid({nadir_px.x(), hand * nadir_px.y()}, kJacobianStepPx, [&](const Eigen::Vector2d& point) {
         return transform.geodetic_from_map(map_from_pixel.map_from_pixel({point.x(), hand * point.y()}));
@@ -190,15 +228,24 @@ GroundPlace ground_place(const Crs& crs, const GeoTransform& map_from_pixel, con
   return place;
 }
 
+std::vector<Eigen::Vector3d> corner_rays(const Camera& camera) {
+  const Lens lens = make_lens(camera);
+  std::vector<Eigen::Vector3d> rays;
+  rays.reserve((static_cast<std::size_t>(camera.width_px) + 1) * (static_cast<std::size_t>(camera.height_px) + 1));
+  for (int row = 0; row <= camera.height_px; ++row) add_row_of_rays(lens, row, rays);
+  return rays;
+}
+
 RenderedFrame render_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
-                           const Attitude& attitude, double agl_m) {
+                           const Attitude& attitude, double agl_m, const std::vector<Eigen::Vector3d>* rays) {
   const View view = checked_view(camera, attitude, agl_m);
-  return render_pixels(ground, place, camera, outline_bounds(footprint(view), place).grown(kMarginPx),
-                       [&](const Eigen::Vector2d& pixel) { return ground_from_pixel(view, pixel); });
+  return render_pixels(ground, place, camera, outline_bounds(footprint(view), place).grown(kMarginPx), {view, rays},
+                       [&](const Eigen::Vector3d& ray) { return ground_from_ray(view, ray); });
 }
 
 RenderedFrame render_terrain_frame(const GraySource& ground, const GroundPlace& place, const Camera& camera,
-                                   const Attitude& attitude, double agl_m, const TerrainHeights& terrain) {
+                                   const Attitude& attitude, double agl_m, const TerrainHeights& terrain,
+                                   const std::vector<Eigen::Vector3d>* rays) {
   const View view = checked_view(camera, attitude, agl_m);
   // A ray meets the ground between where it would on ground as high as the highest and as low as the lowest.
   Bounds bounds;
@@ -208,8 +255,8 @@ RenderedFrame render_terrain_frame(const GraySource& ground, const GroundPlace& 
     if (!(flat.agl_m > 0)) continue;
     for (const auto& point : footprint(flat).polygon_m) bounds.extend(place.pixel_from_ground(point));
   }
-  return render_pixels(ground, place, camera, bounds.grown(kMarginPx),
-                       [&](const Eigen::Vector2d& pixel) { return terrain_from_pixel(view, terrain, pixel); });
+  return render_pixels(ground, place, camera, bounds.grown(kMarginPx), {view, rays},
+                       [&](const Eigen::Vector3d& ray) { return terrain_from_ray(view, terrain, ray); });
 }
 
 bool footprint_inside(const GraySource& ground, const GroundPlace& place, const Camera& camera,

@@ -87,7 +87,7 @@ TerrainHeights sample_terrain(const View& view, double spacing_m,
 TerrainHeights terrain_under(const View& view, GeodeticPoint nadir, const Elevation& elevation) {
   const double below_m = elevation.amsl_m(nadir);
   const LocalFrame at_nadir(nadir);
-  return sample_terrain(view, elevation.resolution_m() / 2, [&](const Eigen::Vector2d& ground_m) {
+  return sample_terrain(view, elevation.resolution_m(), [&](const Eigen::Vector2d& ground_m) {
     if (std::isnan(below_m)) return kNaN;
     return elevation.amsl_m(at_nadir.geodetic_from_enu({ground_m.x(), ground_m.y(), 0})) - below_m;
   });
@@ -96,8 +96,13 @@ TerrainHeights terrain_under(const View& view, GeodeticPoint nadir, const Elevat
 std::optional<Eigen::Vector2d> terrain_from_pixel(const View& view, const TerrainHeights& terrain,
                                                   const Eigen::Vector2d& pixel) {
   const auto ray_camera = ray_from_pixel(view.lens, pixel);
-  if (!ray_camera || std::isnan(terrain.lowest_m())) return std::nullopt;
-  const Eigen::Vector3d ray = view.enu_from_camera * *ray_camera;
+  return ray_camera ? terrain_from_ray(view, terrain, *ray_camera) : std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> terrain_from_ray(const View& view, const TerrainHeights& terrain,
+                                                const Eigen::Vector3d& ray_camera) {
+  if (std::isnan(terrain.lowest_m())) return std::nullopt;
+  const Eigen::Vector3d ray = view.enu_from_camera * ray_camera;
   if (!(ray.z() < 0)) return std::nullopt;
   const Eigen::Vector2d per_drop = ray.head<2>() / -ray.z();
   if (!(per_drop.norm() <= std::tan(view.max_off_nadir_deg * std::numbers::pi / 180))) return std::nullopt;

@@ -43,7 +43,7 @@ class TerrainHeights {
 TerrainHeights sample_terrain(const View& view, double spacing_m,
                               const std::function<double(const Eigen::Vector2d& ground_m)>& height_m);
 
-/// The same from an elevation model, at half the distance of its heights. Where it does not know the ground below the
+/// The same from an elevation model, at the distance of its heights. Where it does not know the ground below the
 /// camera nothing is known at all. Throws DataError as Elevation::amsl_m.
 TerrainHeights terrain_under(const View& view, GeodeticPoint nadir, const Elevation& elevation);
 
@@ -53,5 +53,8 @@ TerrainHeights terrain_under(const View& view, GeodeticPoint nadir, const Elevat
 /// spacing may be passed over. Nothing also where the ray leaves the grid or comes over heights that are not known.
 std::optional<Eigen::Vector2d> terrain_from_pixel(const View& view, const TerrainHeights& terrain,
                                                   const Eigen::Vector2d& pixel);
+/// The same of a ray, in the camera's frame.
+std::optional<Eigen::Vector2d> terrain_from_ray(const View& view, const TerrainHeights& terrain,
+                                                const Eigen::Vector3d& ray_camera);
 
 }  // namespace pilotage

@@ -96,6 +96,7 @@ DrawnErrors draw_errors(const InsErrorModel& model, const MapError& map, double 
       initial_ins_state(model, heading_deg, speed_mps).covariance;  // a diagonal
   drawn.covariance.block<2, 2>(Drawn::kMap, Drawn::kMap).diagonal().setConstant(map.sigma_m * map.sigma_m);
   drawn.errors = drawn.covariance.diagonal().cwiseSqrt().cwiseProduct(normals<Drawn::kSize>(random));
+  if (!map.is_drawn) drawn.errors.tail<2>().setZero();
   return drawn;
 }
 
@@ -139,7 +140,9 @@ void fly_step(DrawnErrors& drawn, const DrawnStep& drawn_step, const MapError& m
     const double added = (1 - decay * decay) * map.sigma_m * map.sigma_m;
     p.block<2, 2>(Drawn::kMap, Drawn::kMap) *= decay * decay;
     p.block<2, 2>(Drawn::kMap, Drawn::kMap).diagonal().array() += added;
-    drawn.errors.tail<2>() = (decay * drawn.errors.tail<2>() + std::sqrt(added) * normals<2>(random)).eval();
+    const Eigen::Vector2d changed = std::sqrt(added) * normals<2>(random);
+    drawn.errors.tail<2>() *= decay;
+    if (map.is_drawn) drawn.errors.tail<2>() += changed;
     if (!step.aided) continue;
     Eigen::Matrix<double, 2, Drawn::kSize> h = Eigen::Matrix<double, 2, Drawn::kSize>::Zero();
     h.block<2, 2>(0, InsState::kVelocity).setIdentity();
@@ -154,13 +157,13 @@ Eigen::Vector2d innovation_of_fix(const DrawnErrors& drawn, double fix_sigma_m, 
   return drawn.errors.head<2>() + drawn.errors.tail<2>() + fix_sigma_m * normals<2>(random);
 }
 
-Eigen::Matrix2d innovation_covariance(const DrawnErrors& drawn, double fix_sigma_m) {
+Eigen::Matrix2d innovation_covariance(const DrawnErrors& drawn, const Eigen::Matrix2d& noise_m2) {
   const Eigen::Matrix<double, 2, Drawn::kSize> h = position_by_map();
-  return h * drawn.covariance * h.transpose() + fix_sigma_m * fix_sigma_m * Eigen::Matrix2d::Identity();
+  return h * drawn.covariance * h.transpose() + noise_m2;
 }
 
-void take_fix(DrawnErrors& drawn, const Eigen::Vector2d& innovation_m, double fix_sigma_m) {
-  update_drawn(drawn, position_by_map(), innovation_m, fix_sigma_m * fix_sigma_m * Eigen::Matrix2d::Identity());
+void take_fix(DrawnErrors& drawn, const Eigen::Vector2d& innovation_m, const Eigen::Matrix2d& noise_m2) {
+  update_drawn(drawn, position_by_map(), innovation_m, noise_m2);
 }
 
 }  // namespace pilotage

@@ -32,6 +32,7 @@ struct DrawnErrors {
 struct MapError {
   double sigma_m = 0;
   double correlation_m = 300;
+  bool is_drawn = true;  ///< False: it is not off, and the filter reckons with it all the same.
 };
 
 /// At the loss of GNSS, flying in direction `heading_deg`.
@@ -58,10 +59,10 @@ void fly_step(DrawnErrors& drawn, const DrawnStep& step, const MapError& map, Ra
 /// Predicted minus measured position of a right fix, with its own error drawn.
 Eigen::Vector2d innovation_of_fix(const DrawnErrors& drawn, double fix_sigma_m, Random& random);
 
-/// The covariance of that.
-Eigen::Matrix2d innovation_covariance(const DrawnErrors& drawn, double fix_sigma_m);
+/// The covariance of the innovation of a fix with this noise (the map's own error apart).
+Eigen::Matrix2d innovation_covariance(const DrawnErrors& drawn, const Eigen::Matrix2d& noise_m2);
 
 /// Kalman update, Joseph form.
-void take_fix(DrawnErrors& drawn, const Eigen::Vector2d& innovation_m, double fix_sigma_m);
+void take_fix(DrawnErrors& drawn, const Eigen::Vector2d& innovation_m, const Eigen::Matrix2d& noise_m2);
 
 }  // namespace pilotage

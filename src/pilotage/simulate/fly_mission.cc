@@ -9,22 +9,14 @@
 #include "pilotage/match/position_measurement.h"
 #include "pilotage/mission/tile_under.h"
 #include "pilotage/navigate/navigation_filter.h"
+#include "pilotage/simulate/flight_streams.h"
 
 namespace pilotage {
 namespace {
 
 /// Time in which the aircraft takes back 63 % of the way by which its navigation finds it off the line.
 constexpr double kSteering_s = 10;
-/// The matcher searches a square of so many standard deviations of its prior to each side.
-constexpr double kSearchSigmas = 3;
 constexpr double kLeastShareOfAirspeed = 0.3;
-
-/// Streams of random numbers of one flight, so that what one draws does not move what another does.
-enum class Stream : std::uint64_t { kErrors, kFixes, kWind, kLevel, kWindows };
-
-Random stream(std::uint64_t seed, Stream which) {
-  return Random(derive_seed(seed, static_cast<std::uint64_t>(which)));
-}
 
 double ground_speed_mps(double airspeed_mps, double azimuth_deg, const Eigen::Vector2d& wind_mps) {
   const double azimuth_rad = azimuth_deg * kRadPerDeg;
@@ -60,15 +52,14 @@ std::vector<DrawnStep> steps_in_wind(const SimulatedMission& mission, const Eige
 /// A flight under way.
 class Flying {
  public:
-  Flying(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed)
+  Flying(const SimulatedMission& mission, const MapError& map, const Eigen::Vector2d& wind_mps, std::uint64_t seed,
+         const FlightFixes& fixes)
       : mission_(mission),
-        options_(options),
         samples_(mission.path.mission->flight.samples),
-        errors_(stream(seed, Stream::kErrors)),
-        fixes_(stream(seed, Stream::kFixes)),
-        windows_seed_(derive_seed(seed, static_cast<std::uint64_t>(Stream::kWindows))),
-        level_z_(stream(seed, Stream::kLevel).normal()),
-        map_{options.map_sigma_m, options.map_correlation_m},
+        errors_(flight_stream(seed, FlightStream::kErrors)),
+        fixes_(fixes),
+        wind_mps_(wind_mps),
+        map_(map),
         drawn_(
             draw_errors(mission.path.model, map_, samples_.front().azimuth_deg, samples_.front().speed_mps, errors_)) {}
 
@@ -127,29 +118,42 @@ class Flying {
     if (flight_.unsure_at) return;
     if (time_s_ - fix_time_s_ < mission_.tries.interval_s - 1e-9) return;
     ++flight_.fixes.tries;
-    const std::optional<std::size_t> below = tile_below(attempt.sample);
-    if (!below || !mission_.tiles[*below].stored) {
+    std::optional<std::size_t> below = tile_below(attempt.sample);
+    if (below && !mission_.tiles[*below].stored) below.reset();
+    const TriedFix tried = fixes_(try_of(attempt, below));
+    const bool right = tried.fix && tried.fix->right;
+    if (!tried.has_frame) {
+      ++flight_.fixes.no_frame;
+    } else if (below) {
+      flight_.found.add(mission_.tiles[*below].mean_p, right);
+      if (!right) ++flight_.fixes.missed;
+    } else if (!right) {
       ++(mission_.tiles[attempt.tile].stored ? flight_.fixes.off_line : flight_.fixes.not_stored);
-      return;
     }
-    const double u = Random(derive_seed(windows_seed_, static_cast<std::uint64_t>(attempt.window))).uniform();
-    if (u < p_at_level(mission_.tiles[*below], level_z_)) {
-      offer(innovation_of_fix(drawn_, sigma_m(), fixes_), true);
-      return;
-    }
-    ++flight_.fixes.missed;
-    if (fixes_.uniform() < options_.false_fix_rate) offer(false_innovation_m(), false);
+    if (tried.fix) offer(*tried.fix);
   }
 
-  /// A false place lies anywhere in the square that is searched.
-  Eigen::Vector2d false_innovation_m() {
-    const double half_m = kSearchSigmas * largest_sigma_m(innovation_covariance(drawn_, 0));
-    return {fixes_.uniform(-half_m, half_m), fixes_.uniform(-half_m, half_m)};
+  FixTry try_of(const FixAttempt& attempt, const std::optional<std::size_t>& below) const {
+    const FlightSample& at = samples_[attempt.sample];
+    const double azimuth_rad = at.azimuth_deg * kRadPerDeg;
+    FixTry tried;
+    tried.sample = attempt.sample;
+    tried.window = attempt.window;
+    tried.below = below;
+    tried.time_s = time_s_;
+    tried.off_line_m = beside_m_ - drawn_.position_error_m();
+    tried.over_ground_mps = ground_speed_mps(at.speed_mps, at.azimuth_deg, wind_mps_) *
+                            Eigen::Vector2d(std::sin(azimuth_rad), std::cos(azimuth_rad));
+    const Eigen::Vector2d through_air_mps = tried.over_ground_mps - wind_mps_;
+    tried.heading_deg = std::atan2(through_air_mps.x(), through_air_mps.y()) / kRadPerDeg;
+    tried.drawn = &drawn_;
+    return tried;
   }
 
   /// The filter is offered a fix.
-  void offer(const Eigen::Vector2d& innovation_m, bool right) {
-    const Eigen::Matrix2d covariance = innovation_covariance(drawn_, sigma_m());
+  void offer(const OfferedFix& fix) {
+    const Eigen::Vector2d& innovation_m = fix.innovation_m;
+    const Eigen::Matrix2d covariance = innovation_covariance(drawn_, fix.noise_m2);
     if (!(mahalanobis_squared(innovation_m, covariance) <= kInnovationGateChiSquared)) {
       ++flight_.fixes.refused;
       const bool same =
@@ -161,11 +165,11 @@ class Flying {
       ++flight_.fixes.resets;
     }
     const Eigen::Vector2d before_m = drawn_.position_error_m();
-    take_fix(drawn_, innovation_m, sigma_m());
+    take_fix(drawn_, innovation_m, fix.noise_m2);
     beside_m_ += drawn_.position_error_m() - before_m;
     fix_time_s_ = last_taken_s_ = time_s_;
     refusals_ = 0;
-    ++(right ? flight_.fixes.right : flight_.fixes.false_taken);
+    ++(fix.right ? flight_.fixes.right : flight_.fixes.false_taken);
   }
 
   /// As the filter on board: position and velocity may be off by what refused fixes say.
@@ -177,15 +181,11 @@ class Flying {
     }
   }
 
-  double sigma_m() const { return mission_.path.model.fix_sigma_m; }
-
   const SimulatedMission& mission_;
-  const SimulateOptions& options_;
   const std::vector<FlightSample>& samples_;
   Random errors_;
-  Random fixes_;
-  std::uint64_t windows_seed_;
-  double level_z_;
+  const FlightFixes& fixes_;
+  Eigen::Vector2d wind_mps_;
   MapError map_;
   DrawnErrors drawn_;
   SimulatedFlight flight_;
@@ -199,17 +199,25 @@ class Flying {
 
 }  // namespace
 
+void FoundByP::add(double p, bool right) {
+  Bin& bin = bins[static_cast<std::size_t>(std::clamp(p * kBins, 0.0, kBins - 1.0))];
+  ++bin.tries;
+  bin.right += right ? 1 : 0;
+  bin.sum_p += p;
+}
+
 std::size_t SimulatedFlight::lost_at(std::size_t samples) const {
   return std::min(unsure_at.value_or(samples), off_at.value_or(samples));
 }
 
-SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed) {
-  Flying flying(mission, options, seed);
-  if (options.wind_sigma_mps == 0) return flying.fly(mission.steps);
-  Random wind = stream(seed, Stream::kWind);
-  const double east_mps = options.wind_sigma_mps * wind.normal();
-  const double north_mps = options.wind_sigma_mps * wind.normal();
-  return flying.fly(steps_in_wind(mission, {east_mps, north_mps}));
+SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
+                            const MapError& map, const FlightFixes& fixes) {
+  if (options.wind_sigma_mps == 0) return Flying(mission, map, {0, 0}, seed, fixes).fly(mission.steps);
+  Random random = flight_stream(seed, FlightStream::kWind);
+  const double east_mps = options.wind_sigma_mps * random.normal();
+  const double north_mps = options.wind_sigma_mps * random.normal();
+  const Eigen::Vector2d wind_mps(east_mps, north_mps);
+  return Flying(mission, map, wind_mps, seed, fixes).fly(steps_in_wind(mission, wind_mps));
 }
 
 }  // namespace pilotage

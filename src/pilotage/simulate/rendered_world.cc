@@ -35,7 +35,7 @@ RenderedWorld make_rendered_world(const Mission& mission, const std::string& ima
 }
 
 WorldCamera::WorldCamera(const RenderedWorld& world, const Camera& camera)
-    : world_(&world), camera_(camera), transform_(world.ground.crs) {
+    : world_(&world), camera_(camera), rays_(corner_rays(camera)), transform_(world.ground.crs) {
   if (!world.elevation.empty()) elevation_.emplace(world.elevation);
 }
 
@@ -44,13 +44,13 @@ RenderedFrame WorldCamera::frame_at(const CameraPose& pose) const {
   if (!on_map) return nothing_seen(camera_);
   const GraySource& ground = world_->ground;
   const GroundPlace place =
-      ground_place(ground.crs, ground.map_from_pixel, ground.map_from_pixel.pixel_from_map(*on_map));
-  if (!elevation_) return render_frame(ground, place, camera_, pose.attitude, pose.height_agl_m);
+      ground_place(transform_, ground.map_from_pixel, ground.map_from_pixel.pixel_from_map(*on_map));
+  if (!elevation_) return render_frame(ground, place, camera_, pose.attitude, pose.height_agl_m, &rays_);
   const auto view = make_view(camera_, pose.attitude, pose.height_agl_m);
   // What is no view render_frame names as such.
-  if (!view) return render_frame(ground, place, camera_, pose.attitude, pose.height_agl_m);
+  if (!view) return render_frame(ground, place, camera_, pose.attitude, pose.height_agl_m, &rays_);
   return render_terrain_frame(ground, place, camera_, pose.attitude, pose.height_agl_m,
-                              terrain_under(*view, pose.position, *elevation_));
+                              terrain_under(*view, pose.position, *elevation_), &rays_);
 }
 
 double WorldCamera::ground_amsl_m(GeodeticPoint point) const {

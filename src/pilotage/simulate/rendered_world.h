@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pilotage/base/nan.h"
 #include "pilotage/camera/attitude.h"
@@ -54,6 +55,7 @@ class WorldCamera {
  private:
   const RenderedWorld* world_;
   Camera camera_;
+  std::vector<Eigen::Vector3d> rays_;
   CrsTransform transform_;
   std::optional<Elevation> elevation_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/parallel.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 /// Fewer flights than this do not bound the 95th of 100 from above with 95 % confidence: 0.95^59 < 0.05.
 constexpr std::size_t kFewestForR95 = 60;
-constexpr std::size_t kBatch = 64;
+constexpr std::size_t kLargestBatch = 64;
 
 void add(const TriedFixes& one, TriedFixes& sum) {
   sum.tries += one.tries;
@@ -20,6 +21,7 @@ void add(const TriedFixes& one, TriedFixes& sum) {
   sum.missed += one.missed;
   sum.not_stored += one.not_stored;
   sum.off_line += one.off_line;
+  sum.no_frame += one.no_frame;
   sum.false_taken += one.false_taken;
   sum.refused += one.refused;
   sum.resets += one.resets;
@@ -75,13 +77,32 @@ std::vector<SimulatedMark> marks_of(const SimulatedMission& mission, const std::
   return marks;
 }
 
-std::vector<std::string> what_was_left_out() {
+std::vector<SimulatedBin> bins_of(const std::vector<SimulatedFlight>& flights) {
+  std::vector<SimulatedBin> bins;
+  for (std::size_t b = 0; b < FoundByP::kBins; ++b) {
+    FoundByP::Bin sum;
+    for (const SimulatedFlight& flight : flights) {
+      sum.tries += flight.found.bins[b].tries;
+      sum.right += flight.found.bins[b].right;
+      sum.sum_p += flight.found.bins[b].sum_p;
+    }
+    if (sum.tries == 0) continue;
+    bins.push_back({sum.sum_p / static_cast<double>(sum.tries), simulated_share(sum.right, sum.tries)});
+  }
+  return bins;
+}
+
+/// Whatever fixes come from.
+std::vector<std::string> never_simulated() {
   return {
-      "frames and the matcher: whether a fix comes is drawn by the P of the tile below",
-      "heights: the barometer, the altimeter and the terrain's error move no drawn fix",
-      "attitude of the aircraft and of the camera's mount, exposure, blur, frames that are dropped or answered late",
       "gusts, turns flown wide, and speeds that the autopilot changes: wind is steady and the line is steered back to",
       "P for priors wider than the limit: a flight whose k sigma is beyond it gets no more fixes, as in the plan"};
+}
+
+FixSource source_of_options(const SimulatedMission& mission, const SimulateOptions& options) {
+  if (options.fixes == FixesFrom::kNone) return no_fixes();
+  if (options.fixes == FixesFrom::kDrawn) return drawn_fixes(mission, options);
+  throw UsageError("fixes = " + std::string(options_detail::enum_to_name(options.fixes)) + " needs a source of frames");
 }
 
 }  // namespace
@@ -95,19 +116,29 @@ SimulatedShare simulated_share(std::int64_t count, std::int64_t of) {
 }
 
 Simulation simulate_flights(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress) {
+                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress,
+                            const FixSource& source) {
   check_options(options);
   const SimulatedMission simulated = make_simulated_mission(mission, scores, selection, options);
+  const FixSource fixes = source.begin_flight ? source : source_of_options(simulated, options);
+  const MapError map{options.map_sigma_m, options.map_correlation_m, fixes.draws_map_error};
   const auto count = static_cast<std::size_t>(options.flights);
+  const std::size_t batch_size = std::clamp<std::size_t>(count / 256, 1, kLargestBatch);
   std::vector<SimulatedFlight> flights(count);
   std::mutex reporting;
   std::int64_t done = 0;
-  parallel_for((count + kBatch - 1) / kBatch, threads, [&](std::size_t batch, int) {
-    for (std::size_t i = batch * kBatch; i < std::min(count, (batch + 1) * kBatch); ++i) {
-      flights[i] = fly_mission(simulated, options, derive_seed(seed, i));
+  const std::function<bool()> go_on = [&] {
+    const std::lock_guard lock(reporting);
+    return !progress || progress("flying", done, options.flights);
+  };
+  parallel_for((count + batch_size - 1) / batch_size, threads, [&](std::size_t batch, int worker) {
+    const std::size_t end = std::min(count, (batch + 1) * batch_size);
+    for (std::size_t i = batch * batch_size; i < end; ++i) {
+      const std::uint64_t flight_seed = derive_seed(seed, i);
+      flights[i] = fly_mission(simulated, options, flight_seed, map, fixes.begin_flight(i, flight_seed, worker, go_on));
     }
     const std::lock_guard lock(reporting);
-    done += static_cast<std::int64_t>(std::min(count, (batch + 1) * kBatch) - batch * kBatch);
+    done += static_cast<std::int64_t>(end - batch * batch_size);
     report_progress(progress, "flying", done, options.flights);
   });
 
@@ -126,7 +157,10 @@ Simulation simulate_flights(const Mission& mission, const std::vector<TileScores
   result.legs = legs_of(simulated, flights);
   result.marks = marks_of(simulated, flights);
   for (const SimulatedFlight& flight : flights) add(flight.fixes, result.fixes);
-  result.not_simulated = what_was_left_out();
+  result.by_p = bins_of(flights);
+  result.notes = fixes.notes;
+  result.not_simulated = fixes.not_simulated;
+  for (const std::string& sentence : never_simulated()) result.not_simulated.push_back(sentence);
   return result;
 }
 

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pilotage/base/progress.h"
 #include "pilotage/base/statistics.h"
+#include "pilotage/flightlog/match_evaluation.h"
 #include "pilotage/simulate/fly_mission.h"
+#include "pilotage/simulate/rendered_options.h"
 
 namespace pilotage {
 
@@ -37,6 +40,18 @@ struct SimulatedMark {
   std::int64_t lost = 0;  ///< Flights lost since the mark before.
 };
 
+/// The tries of a bin of predicted P (FoundByP).
+struct SimulatedBin {
+  double mean_p = 0;
+  SimulatedShare found;  ///< Right fixes of tries, as if tries were independent; they are not, so it is too narrow.
+};
+
+/// What the matcher did with the frames of simulated flights.
+struct RenderedSummary {
+  RenderedOptions options;
+  MatchEvaluation matches;  ///< Of all tries with a frame; the truth is the point straight below.
+};
+
 /// What `simulate` finds.
 struct Simulation {
   std::int64_t flights = 0;
@@ -52,13 +67,18 @@ struct Simulation {
   SimulatedShare unaware;      ///< Flights that were off while the filter held itself within the limit.
   std::vector<SimulatedLeg> legs;
   std::vector<SimulatedMark> marks;
-  TriedFixes fixes;                        ///< Sums over all flights.
-  std::vector<std::string> not_simulated;  ///< Sentences.
+  TriedFixes fixes;                         ///< Sums over all flights.
+  std::optional<RenderedSummary> rendered;  ///< Where fixes come from frames.
+  std::vector<SimulatedBin> by_p;           ///< Bins with tries, ascending.
+  std::vector<std::string> notes;           ///< Sentences.
+  std::vector<std::string> not_simulated;   ///< Sentences.
 };
 
-/// Flies `options.flights` flights. Deterministic for any number of threads. Throws as make_simulated_mission, and
-/// Interrupted.
+/// Flies `options.flights` flights with fixes from `source`; one without begin_flight stands for the drawn ones, or
+/// none, as the options say. Deterministic for any number of threads when the source is. Throws as
+/// make_simulated_mission, and Interrupted; UsageError when the options ask for a source that was not given.
 Simulation simulate_flights(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress);
+                            const SimulateOptions& options, std::uint64_t seed, int threads, const Progress& progress,
+                            const FixSource& source = {});
 
 }  // namespace pilotage

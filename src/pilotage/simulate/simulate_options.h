@@ -8,16 +8,19 @@
 namespace pilotage {
 
 /// How it is decided whether a try to fix succeeds.
-enum class FixSource { kDrawn };
-inline EnumNames<FixSource> enum_names(FixSource) {
-  return {{FixSource::kDrawn, "drawn"}};
+enum class FixesFrom { kDrawn, kRendered, kAirsim, kNone };
+inline EnumNames<FixesFrom> enum_names(FixesFrom) {
+  return {{FixesFrom::kDrawn, "drawn"},
+          {FixesFrom::kRendered, "rendered"},
+          {FixesFrom::kAirsim, "airsim"},
+          {FixesFrom::kNone, "none"}};
 }
 
 /// What is drawn of each flight beside the inertial system's errors (docs/methods/simulate.md). Errors are one standard
 /// deviation of one axis.
 struct SimulateOptions {
   std::int64_t flights = 1000;
-  FixSource fixes = FixSource::kDrawn;
+  FixesFrom fixes = FixesFrom::kDrawn;
   std::optional<double> lost_from_km;
   double map_sigma_m = 1;
   double map_correlation_m = 300;
@@ -27,9 +30,13 @@ struct SimulateOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.field("flights", self.flights, "How many flights are flown.", Range{1, 1000000});
-    fields.field("fixes", self.fixes,
-                 "Whether a try to fix succeeds: drawn by the P of the tile that is really below the aircraft.");
+    fields.field("flights", self.flights, "How many flights are flown; 20 are a beginning with rendered fixes.",
+                 Range{1, 1000000});
+    fields.field(
+        "fixes", self.fixes,
+        "Whether a try to fix succeeds: drawn by the P of the tile that is really below the aircraft; rendered: "
+        "what the matcher answers to a frame of the ground there; airsim: the same, by frames of a simulator "
+        "(--airsim); none: never.");
     fields.field("lost_from_km", self.lost_from_km,
                  "Where along the route GNSS is lost for good, instead of where the plan says.", Range{0, 100000});
     fields.field("map_sigma_m", self.map_sigma_m, "Error of the map's own georeference.", Range{0, 100});

@@ -21,7 +21,7 @@ std::vector<bool> stored_tiles(const Mission& mission, const Selection& selectio
 SimulatedMission::TileChance tile_chance(const TileScores& score, bool stored) {
   const double p = std::isnan(score.p_correct_fix) ? 1 : score.p_correct_fix;  // as the plan counts it
   const double sigma = score.level_sigma > 0 ? score.level_sigma : 0;
-  return {stored, logit_of_p(p, sigma), sigma};
+  return {stored, logit_of_p(p, sigma), sigma, p};
 }
 
 /// Grid axes of east and north: the way to the next sample is known in both.

@@ -20,6 +20,7 @@ struct SimulatedMission {
     bool stored = false;
     double logit = 0;        ///< −∞ and ∞ for a P of 0 and 1.
     double level_sigma = 0;  ///< Of the place's level.
+    double mean_p = 0;       ///< P over all levels, as the table has it.
   };
 
   FlightPath path;

@@ -56,6 +56,47 @@ std::string marks_text(const Simulation& simulation) {
   return text;
 }
 
+Json by_p_json(const Simulation& simulation) {
+  Json bins = Json::array();
+  for (const SimulatedBin& bin : simulation.by_p) {
+    bins.push_back({{"mean_p", bin.mean_p},
+                    {"tries", bin.found.of},
+                    {"right", bin.found.count},
+                    {"share", json_number(bin.found.share())},
+                    {"low", bin.found.interval.low},
+                    {"high", bin.found.interval.high}});
+  }
+  return bins;
+}
+
+Json rendered_json(const RenderedSummary& rendered) {
+  const RenderedOptions& options = rendered.options;
+  return {{"world", options.world},
+          {"frame_width_px", options.frame_width_px},
+          {"tilt_sigma_deg", options.tilt_sigma_deg},
+          {"boresight_sigma_deg", options.boresight_sigma_deg},
+          {"altimeter_sigma", options.altimeter_sigma},
+          {"exposure_ms", options.exposure_ms},
+          {"dropped_frames", options.dropped_frames},
+          {"degradation", options.world.empty() ? options.degradation : 0},
+          {"matches", to_json(rendered.matches, false)}};
+}
+
+std::string by_p_text(const Simulation& simulation) {
+  std::string text;
+  for (const SimulatedBin& bin : simulation.by_p) {
+    text += "where P is " + probability_text(bin.mean_p) + ": right fixes of " + std::to_string(bin.found.of) +
+            " tries " + share_text(bin.found) + "\n";
+  }
+  return text;
+}
+
+std::string sentences(const std::vector<std::string>& all) {
+  std::string text;
+  for (const std::string& sentence : all) text += (text.empty() ? "" : "; ") + sentence;
+  return text;
+}
+
 }  // namespace
 
 Json simulation_to_json(const Simulation& simulation) {
@@ -83,12 +124,16 @@ Json simulation_to_json(const Simulation& simulation) {
                  {"missed", fixes.missed},
                  {"not_stored", fixes.not_stored},
                  {"off_line", fixes.off_line},
+                 {"no_frame", fixes.no_frame},
                  {"false_taken", fixes.false_taken},
                  {"refused", fixes.refused},
                  {"resets", fixes.resets}}},
+               {"by_p", by_p_json(simulation)},
                {"legs", Json::array()},
                {"along", Json::array()},
+               {"notes", simulation.notes},
                {"not_simulated", simulation.not_simulated}};
+  if (simulation.rendered) json["rendered"] = rendered_json(*simulation.rendered);
   for (const SimulatedLeg& leg : simulation.legs) {
     json["legs"].push_back(
         {{"leg", leg.leg}, {"planned_p", json_number(leg.planned_p)}, {"within", share_json(leg.within)}});
@@ -122,15 +167,14 @@ std::string simulation_text(const Simulation& simulation) {
   text += "of " + per_flight(fixes.tries, simulation) + " tries a flight: right " +
           per_flight(fixes.right, simulation) + ", missed " + per_flight(fixes.missed, simulation) +
           ", over ground not stored " + per_flight(fixes.not_stored, simulation) + ", beside the line " +
-          per_flight(fixes.off_line, simulation) + "; false ones taken " +
-          format_number(static_cast<double>(fixes.false_taken)) + ", refused " +
+          per_flight(fixes.off_line, simulation) + ", without a frame " + per_flight(fixes.no_frame, simulation) +
+          "; false ones taken " + format_number(static_cast<double>(fixes.false_taken)) + ", refused " +
           format_number(static_cast<double>(fixes.refused)) + ", resets " +
           format_number(static_cast<double>(fixes.resets)) + " in all\n";
-  text += "not simulated: ";
-  for (std::size_t i = 0; i < simulation.not_simulated.size(); ++i) {
-    text += (i > 0 ? "; " : "") + simulation.not_simulated[i];
-  }
-  return text + "\n";
+  text += by_p_text(simulation);
+  if (simulation.rendered) text += evaluation_text(simulation.rendered->matches);
+  if (!simulation.notes.empty()) text += "note: " + sentences(simulation.notes) + "\n";
+  return text + "not simulated: " + sentences(simulation.not_simulated) + "\n";
 }
 
 }  // namespace pilotage
