@@ -1,5 +1,5 @@
-// Any bytes as what a server of the AirSim family, or a client of ours, sends: DataError, or messages that mean the same
-// when they are encoded again, and that are read as every struct of the protocol without harm.
+// Any bytes as what a server of the AirSim family, or a client of ours, sends: DataError, or messages that mean the
+// same when they are encoded again, and that are read as every struct of the protocol without harm.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -83,8 +83,9 @@ TEST(AirsimFrames, EachThreadSeesFromItsOwnPose) {
   const FrameSource frames = airsim_frames(served.mission, served.ground.camera, served.options());
   const FrameTaker renderer = rendered_frames(served.world, served.ground.camera).open();
   std::vector<RenderedFrame> seen(12);
-  parallel_for(seen.size(), 4,
-               [&](std::size_t i) { seen[i] = frames.open().frame_at(served.pose(static_cast<double>(i))); });
+  parallel_for(seen.size(), 4, [&](std::size_t i, int /*worker*/) {
+    seen[i] = frames.open().frame_at(served.pose(static_cast<double>(i)));
+  });
   for (std::size_t i = 0; i < seen.size(); ++i) {
     expect_almost_same(seen[i], renderer.frame_at(served.pose(static_cast<double>(i))));
   }
