@@ -110,14 +110,12 @@ RpcValue to_rpc(AirsimDialect dialect, const T& value) {
     AirsimFieldWriter fields(dialect);
     T::describe(value, fields);
     return std::move(fields).value();
-  } else if constexpr (std::is_same_v<T, RpcBytes>) {
-    return value;
-  } else if constexpr (airsim_detail::IsVector<T>::value) {
+  } else if constexpr (airsim_detail::IsVector<T>::value && !std::is_same_v<T, RpcBytes>) {
     RpcArray array;
     for (const auto& element : value) array.push_back(to_rpc(dialect, element));
     return array;
   } else {
-    return value;  // bool, std::int64_t, std::uint64_t, float, double, std::string, RpcValue
+    return value;  // bool, std::int64_t, std::uint64_t, float, double, std::string, RpcBytes, RpcValue
   }
 }
 

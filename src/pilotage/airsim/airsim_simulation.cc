@@ -176,15 +176,15 @@ void AirsimSimulation::Methods::bind_server() {
   bind("listVehicles", std::function([]() { return std::vector<std::string>{kAirsimVehicle}; }));
   bind("getSettingsString", std::function([this]() { return settings(); }));
   bind("reset", std::function([this]() { world_.reset(); }));
-  bind("enableApiControl", std::function([this](bool on, std::string vehicle) {
+  bind("enableApiControl", std::function([this](bool on, const std::string& vehicle) {
          check_vehicle(vehicle);
          world_.controlled = on;
        }));
-  bind("isApiControlEnabled", std::function([this](std::string vehicle) {
+  bind("isApiControlEnabled", std::function([this](const std::string& vehicle) {
          check_vehicle(vehicle);
          return world_.controlled;
        }));
-  bind("armDisarm", std::function([this](bool on, std::string vehicle) {
+  bind("armDisarm", std::function([this](bool on, const std::string& vehicle) {
          check_vehicle(vehicle);
          world_.armed = on;
          return true;
@@ -222,7 +222,8 @@ void AirsimSimulation::Methods::bind_time() {
 }
 
 void AirsimSimulation::Methods::bind_poses() {
-  bind("simSetVehiclePose", std::function([this](AirsimPose pose, bool /*ignore_collision*/, std::string vehicle) {
+  bind("simSetVehiclePose",
+       std::function([this](AirsimPose pose, bool /*ignore_collision*/, const std::string& vehicle) {
          check_vehicle(vehicle);
          const Eigen::Vector3d place = vector_of(pose.position);
          for (int i = 0; i < 3; ++i) {  // NaN stands for what is not to change
@@ -230,30 +231,31 @@ void AirsimSimulation::Methods::bind_poses() {
          }
          world_.vehicle.put(pose);
        }));
-  bind("simGetVehiclePose", std::function([this](std::string vehicle) {
+  bind("simGetVehiclePose", std::function([this](const std::string& vehicle) {
          check_vehicle(vehicle);
          return world_.vehicle.pose();
        }));
-  bind("simGetGroundTruthKinematics", std::function([this](std::string vehicle) {
+  bind("simGetGroundTruthKinematics", std::function([this](const std::string& vehicle) {
          check_vehicle(vehicle);
          return world_.vehicle.kinematics();
        }));
-  bind("simGetCollisionInfo", std::function([](std::string vehicle) {
+  bind("simGetCollisionInfo", std::function([](const std::string& vehicle) {
          check_vehicle(vehicle);
          return AirsimCollision();
        }));
-  bind("getHomeGeoPoint", std::function([this](std::string vehicle) {
+  bind("getHomeGeoPoint", std::function([this](const std::string& vehicle) {
          check_vehicle(vehicle);
          const AirsimHome& home = world_.scene.home;
          return AirsimGeoPoint{home.point.lat_deg, home.point.lon_deg, static_cast<float>(home.altitude_m)};
        }));
-  bind("simListSceneObjects", std::function([this](std::string pattern) { return world_.object_names(pattern); }));
-  bind("simGetObjectPose", std::function([this](std::string name) { return world_.object_pose(name); }));
+  bind("simListSceneObjects",
+       std::function([this](const std::string& pattern) { return world_.object_names(pattern); }));
+  bind("simGetObjectPose", std::function([this](const std::string& name) { return world_.object_pose(name); }));
 }
 
 void AirsimSimulation::Methods::bind_sensors() {
   const auto of_sensor = [this](const std::string& name, auto read) {
-    bind(name, std::function([this, read](std::string /*sensor*/, std::string vehicle) {
+    bind(name, std::function([this, read](const std::string& /*sensor*/, const std::string& vehicle) {
            check_vehicle(vehicle);
            return read(world_);
          }));
@@ -261,14 +263,15 @@ void AirsimSimulation::Methods::bind_sensors() {
   of_sensor("getImuData", [](const AirsimWorld& world) { return world.imu(); });
   of_sensor("getBarometerData", [](const AirsimWorld& world) { return world.barometer(); });
   of_sensor("getGpsData", [](const AirsimWorld& world) { return world.gps(); });
-  bind("getMultirotorState", std::function([this](std::string vehicle) {
+  bind("getMultirotorState", std::function([this](const std::string& vehicle) {
          check_vehicle(vehicle);
          return world_.state();
        }));
 }
 
 void AirsimSimulation::Methods::bind_cameras() {
-  bind("simGetImages", std::function([this](std::vector<AirsimImageRequest> requests, std::string vehicle, bool) {
+  bind("simGetImages",
+       std::function([this](const std::vector<AirsimImageRequest>& requests, const std::string& vehicle, bool) {
          check_vehicle(vehicle);
          if (requests.size() > kMostImages) {
            throw DataError(std::to_string(requests.size()) + " images at once; " + std::to_string(kMostImages) +
@@ -279,22 +282,25 @@ void AirsimSimulation::Methods::bind_cameras() {
          return images;
        }));
   // The last argument is `external`, and the annotation's name in Cosys-AirSim.
-  bind("simGetImage", std::function([this](std::string camera, std::int64_t type, std::string vehicle, RpcValue) {
+  bind("simGetImage",
+       std::function([this](const std::string& camera, std::int64_t type, const std::string& vehicle, const RpcValue&) {
          check_vehicle(vehicle);
          AirsimImageRequest request;
          request.camera_name = camera;
          request.image_type = type;
          return world_.image(request).image_data_uint8;
        }));
-  bind("simGetCameraInfo", std::function([this](std::string camera, std::string vehicle, bool) {
+  bind("simGetCameraInfo", std::function([this](const std::string& camera, const std::string& vehicle, bool) {
          check_vehicle(vehicle);
          return world_.camera_info(camera);
        }));
-  bind("simSetCameraPose", std::function([this](std::string camera, AirsimPose pose, std::string vehicle, bool) {
+  bind("simSetCameraPose",
+       std::function([this](const std::string& camera, AirsimPose pose, const std::string& vehicle, bool) {
          check_vehicle(vehicle);
          world_.set_camera_pose(camera, pose);
        }));
-  bind("simSetCameraFov", std::function([this](std::string camera, double degrees, std::string vehicle, bool) {
+  bind("simSetCameraFov",
+       std::function([this](const std::string& camera, double degrees, const std::string& vehicle, bool) {
          check_vehicle(vehicle);
          world_.set_camera_fov(camera, degrees);
        }));
@@ -307,23 +313,24 @@ AnsweredLater AirsimSimulation::Methods::begin(const std::string& vehicle, const
 }
 
 void AirsimSimulation::Methods::bind_motions() {
-  bind("hover", std::function([this](std::string vehicle) {
+  bind("hover", std::function([this](const std::string& vehicle) {
          check_vehicle(vehicle);
          world_.cancel();
          world_.vehicle.flies = true;
          return true;
        }));
-  bind("cancelLastTask", std::function([this](std::string vehicle) {
+  bind("cancelLastTask", std::function([this](const std::string& vehicle) {
          check_vehicle(vehicle);
          world_.cancel();
        }));
   bind("moveByVelocity", std::function([this](double north, double east, double down, double seconds,
-                                              std::int64_t drivetrain, AirsimYawMode yaw, std::string vehicle) {
+                                              std::int64_t drivetrain, AirsimYawMode yaw, const std::string& vehicle) {
          return begin(
              vehicle,
              {{}, 0, velocity(north, east, down), duration(seconds), drivetrain == kForwardOnly, checked(yaw)});
        }));
-  bind("rotateToYaw", std::function([this](double yaw_deg, double /*timeout*/, double /*margin*/, std::string vehicle) {
+  bind("rotateToYaw",
+       std::function([this](double yaw_deg, double /*timeout*/, double /*margin*/, const std::string& vehicle) {
          const AirsimYawMode yaw = checked({false, static_cast<float>(yaw_deg)});
          const double now_deg = attitude_of(rotation_of(world_.vehicle.orientation)).yaw_deg;
          const double seconds = std::abs(std::remainder(yaw_deg - now_deg, 360.0)) * kTurnTimePerDegS;
@@ -332,19 +339,19 @@ void AirsimSimulation::Methods::bind_motions() {
 }
 
 void AirsimSimulation::Methods::bind_paths() {
-  bind("takeoff", std::function([this](double timeout, std::string vehicle) {
+  bind("takeoff", std::function([this](double timeout, const std::string& vehicle) {
          const Eigen::Vector3d up = world_.vehicle.position_m - Eigen::Vector3d(0, 0, kTakeoffM);
          return begin(vehicle, {{up}, kClimbMps, {0, 0, 0}, duration(timeout), false, kSteadyYaw});
        }));
   // To the height of the home: what the ground is below, nobody tells.
-  bind("land", std::function([this](double timeout, std::string vehicle) {
+  bind("land", std::function([this](double timeout, const std::string& vehicle) {
          const Eigen::Vector3d& here = world_.vehicle.position_m;
          const Eigen::Vector3d down(here.x(), here.y(), std::max(here.z(), 0.0));
          return begin(vehicle, {{down}, kClimbMps, {0, 0, 0}, duration(timeout), false, kSteadyYaw, true});
        }));
   bind("moveToPosition",
        std::function([this](double north, double east, double down, double mps, double timeout, std::int64_t drivetrain,
-                            AirsimYawMode yaw, double /*lookahead*/, double /*adaptive*/, std::string vehicle) {
+                            AirsimYawMode yaw, double /*lookahead*/, double /*adaptive*/, const std::string& vehicle) {
          return begin(vehicle, {{place_to_go_to(north, east, down)},
                                 speed(mps),
                                 {0, 0, 0},
@@ -353,8 +360,8 @@ void AirsimSimulation::Methods::bind_paths() {
                                 checked(yaw)});
        }));
   bind("moveOnPath",
-       std::function([this](std::vector<AirsimVector> path, double mps, double timeout, std::int64_t drivetrain,
-                            AirsimYawMode yaw, double /*lookahead*/, double /*adaptive*/, std::string vehicle) {
+       std::function([this](const std::vector<AirsimVector>& path, double mps, double timeout, std::int64_t drivetrain,
+                            AirsimYawMode yaw, double /*lookahead*/, double /*adaptive*/, const std::string& vehicle) {
          if (path.empty()) throw DataError("the path has no places");
          AirsimMotion motion{{}, speed(mps), {0, 0, 0}, duration(timeout), drivetrain == kForwardOnly, checked(yaw)};
          for (const AirsimVector& place : path) {
@@ -364,7 +371,7 @@ void AirsimSimulation::Methods::bind_paths() {
          return begin(vehicle, motion);
        }));
   bind("moveToZ", std::function([this](double down, double mps, double timeout, AirsimYawMode yaw, double /*lookahead*/,
-                                       double /*adaptive*/, std::string vehicle) {
+                                       double /*adaptive*/, const std::string& vehicle) {
          const Eigen::Vector3d& here = world_.vehicle.position_m;
          return begin(vehicle, {{place_to_go_to(here.x(), here.y(), down)},
                                 speed(mps),

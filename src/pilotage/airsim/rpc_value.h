@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -22,7 +23,7 @@ struct RpcValue {
 
   RpcValue() = default;
   template <class T>
-  requires(!std::is_same_v<std::remove_cvref_t<T>, RpcValue>) RpcValue(T&& value) : data(std::forward<T>(value)) {}
+  requires(!std::is_same_v<T, RpcValue>) RpcValue(T value) : data(std::move(value)) {}
 
   bool is_nil() const { return std::holds_alternative<std::monostate>(data); }
 };
