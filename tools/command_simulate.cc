@@ -1,12 +1,14 @@
 #include <filesystem>
 
 #include "commands.h"
+#include "simulate_serving.h"
 #include "stage_files.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/mission/simulation_file.h"
+#include "pilotage/simulate/airsim_frames.h"
 #include "pilotage/simulate/fix_log.h"
 #include "pilotage/simulate/flight_tracks.h"
 #include "pilotage/simulate/rendered_fixes.h"
@@ -21,6 +23,8 @@ struct SimulateCommandOptions {
   RenderedOptions rendered;
   std::string log;
   std::string tracks;
+  AirsimFrameOptions airsim;
+  ServeOptions serving;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -30,6 +34,8 @@ struct SimulateCommandOptions {
     fields.path("log", self.log, "With rendered fixes: the table of all tries and their answers (fixes.csv).");
     fields.path("tracks", self.tracks,
                 "Also write where the first 50 flights flew, and where 95 of 100 are, as .gpkg or .kml.");
+    AirsimFrameOptions::describe(self.airsim, fields);
+    ServeOptions::describe(self.serving, fields);
   }
 };
 
@@ -59,22 +65,30 @@ void refuse_without_frames(const SimulateCommandOptions& options) {
   }
 }
 
+constexpr const char* kOutputHelp = "The simulation (JSON); none with --serve.";
+
+CommandResult serve(const std::filesystem::path& plan, const SimulateCommandOptions& options,
+                    const Invocation& invocation) {
+  if (!invocation.output.empty()) throw UsageError("-o has no meaning with --serve, which flies nothing");
+  const Mission mission = read_stage_plan(plan.string());
+  return serve_airsim(mission, options.rendered.world, rendered_camera(mission, options.rendered), options.serving,
+                      invocation.progress);
+}
+
 /// A simulation, and the words that are for people alone.
 struct Flown {
   Simulation simulation;
   std::string text;
 };
 
-/// Flies with frames of a rendered world and the matcher on the map.
-Flown fly_rendered(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
-                   const Invocation& invocation) {
+/// Flies with frames of a source and the matcher on the map.
+Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
+                 const FrameSource& frames, const Invocation& invocation) {
   const std::filesystem::path map =
       options.rendered.map.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(options.rendered.map);
   need_file(map.string(), "prepare");
-  const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);
-  const Camera camera = rendered_camera(files.mission, options.rendered);
   RenderedFixes fixes(
-      files.mission, files.scores, options.simulate, options.rendered, rendered_frames(world, camera),
+      files.mission, files.scores, options.simulate, options.rendered, frames,
       [map] { return MapReader::open_unverified(map); }, invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                                invocation.threads, invocation.progress, fixes.source()),
@@ -89,7 +103,21 @@ Flown fly_rendered(const StageFiles& files, const std::filesystem::path& plan, c
 
 Flown fly(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
           const Invocation& invocation) {
-  if (options.simulate.fixes == FixesFrom::kRendered) return fly_rendered(files, plan, options, invocation);
+  const bool by_airsim = options.simulate.fixes == FixesFrom::kAirsim;
+  if (by_airsim != !options.airsim.airsim.empty()) {
+    throw UsageError("--fixes airsim and --airsim HOST:PORT have no meaning without each other");
+  }
+  const Camera camera = rendered_camera(files.mission, options.rendered);
+  if (by_airsim) {
+    if (!options.rendered.world.empty()) {
+      throw UsageError("--world has no meaning with --fixes airsim: the server has one");
+    }
+    return fly_frames(files, plan, options, airsim_frames(files.mission, camera, options.airsim), invocation);
+  }
+  if (options.simulate.fixes == FixesFrom::kRendered) {
+    const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);
+    return fly_frames(files, plan, options, rendered_frames(world, camera), invocation);
+  }
   refuse_without_frames(options);
   return {simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                            invocation.threads, invocation.progress),
@@ -99,6 +127,8 @@ Flown fly(const StageFiles& files, const std::filesystem::path& plan, const Simu
 CommandResult run_simulate(const SimulateCommandOptions& options, const Invocation& invocation) {
   if (!options.tracks.empty()) check_track_file(options.tracks);
   const std::filesystem::path plan = plan_of(invocation.inputs.front());
+  if (!options.serving.serve.empty()) return serve(plan, options, invocation);
+  if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: " + std::string(kOutputHelp));
   const auto [files, inputs] = read_mission(plan, options.files);
   auto [simulation, text] = fly(files, plan, options, invocation);
   simulation.inputs = inputs;
@@ -134,7 +164,8 @@ Command make_simulate_command() {
                     .min = 1,
                     .max = 1};
   command.output = {.kind = OutputKind::kFile,
-                    .help = "The simulation (JSON).",
+                    .help = kOutputHelp,
+                    .required = false,
                     .flags = {"log", "tracks"},
                     .stream_name = "simulation.json"};
   bind_options<SimulateCommandOptions>(command, run_simulate);

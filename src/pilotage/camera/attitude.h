@@ -23,6 +23,9 @@ Eigen::Matrix3d rotation_zyx(double yaw_deg, double pitch_deg, double roll_deg);
 /// Turns vectors of the body frame into north, east, down.
 Eigen::Matrix3d ned_from_body(const Attitude& attitude);
 
+/// The inverse of ned_from_body; straight up or down, where only the sum of yaw and roll is defined, roll is 0.
+Attitude attitude_of(const Eigen::Matrix3d& ned_from_body);
+
 /// Turns vectors of the camera frame (x right, y down the image, z along the view) into the body frame.
 Eigen::Matrix3d body_from_camera(const CameraMount& mount);
 

@@ -1,9 +1,7 @@
 #include "pilotage/flightlog/frame_exif.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
 #include "pilotage/base/text.h"
@@ -129,20 +127,6 @@ std::optional<FromTag<double>> find_focal_length(const ImageMetadata& metadata) 
 }
 
 }  // namespace
-
-Attitude attitude_of(const Eigen::Matrix3d& ned_from_body) {
-  constexpr double kDegPerRad = 180 / std::numbers::pi;
-  const double sin_pitch = std::clamp(-ned_from_body(2, 0), -1.0, 1.0);
-  Attitude attitude;
-  attitude.pitch_deg = std::asin(sin_pitch) * kDegPerRad;
-  if (std::abs(sin_pitch) > 1 - 1e-12) {  // only the sum of yaw and roll is defined
-    attitude.yaw_deg = std::atan2(-ned_from_body(0, 1), ned_from_body(1, 1)) * kDegPerRad;
-    return attitude;
-  }
-  attitude.yaw_deg = std::atan2(ned_from_body(1, 0), ned_from_body(0, 0)) * kDegPerRad;
-  attitude.roll_deg = std::atan2(ned_from_body(2, 1), ned_from_body(2, 2)) * kDegPerRad;
-  return attitude;
-}
 
 FrameExif frame_exif(const ImageMetadata& metadata) {
   FrameExif exif;

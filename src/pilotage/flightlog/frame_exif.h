@@ -60,8 +60,4 @@ std::vector<TakenField> fill_from_exif(FrameRecord& frame, const FrameExif& exif
 /// roll_deg that `frame` does not have (NaN).
 std::vector<std::string> missing_fields(const FrameRecord& frame);
 
-/// Yaw, pitch, roll of a rotation from body to north, east, down: the inverse of ned_from_body(). Yaw in [−180, 180],
-/// pitch in [−90, 90]; roll is 0 where the nose points straight up or down.
-Attitude attitude_of(const Eigen::Matrix3d& ned_from_body);
-
 }  // namespace pilotage

@@ -8,9 +8,12 @@
 namespace pilotage {
 
 /// How it is decided whether a try to fix succeeds.
-enum class FixesFrom { kDrawn, kRendered, kNone };
+enum class FixesFrom { kDrawn, kRendered, kAirsim, kNone };
 inline EnumNames<FixesFrom> enum_names(FixesFrom) {
-  return {{FixesFrom::kDrawn, "drawn"}, {FixesFrom::kRendered, "rendered"}, {FixesFrom::kNone, "none"}};
+  return {{FixesFrom::kDrawn, "drawn"},
+          {FixesFrom::kRendered, "rendered"},
+          {FixesFrom::kAirsim, "airsim"},
+          {FixesFrom::kNone, "none"}};
 }
 
 /// What is drawn of each flight beside the inertial system's errors (docs/methods/simulate.md). Errors are one standard
@@ -33,7 +36,8 @@ struct SimulateOptions {
     fields.field(
         "fixes", self.fixes,
         "Whether a try to fix succeeds: drawn by the P of the tile that is really below the aircraft; rendered: "
-        "what the matcher answers to a frame of the ground there; none: never.");
+        "what the matcher answers to a frame of the ground there; airsim: the same, by frames of a simulator "
+        "(--airsim); none: never.");
     fields.field("lost_from_km", self.lost_from_km,
                  "Where along the route GNSS is lost for good, instead of where the plan says.", Range{0, 100000});
     fields.field("lost_every_km", self.lost_every_km,

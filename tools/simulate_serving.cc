@@ -1,0 +1,30 @@
+#include "simulate_serving.h"
+
+#include "pilotage/airsim/airsim_simulation.h"
+#include "pilotage/airsim/rpc_server.h"
+#include "pilotage/simulate/airsim_scene.h"
+
+namespace pilotage {
+
+CommandResult serve_airsim(const Mission& mission, const std::string& imagery, const Camera& camera,
+                           const ServeOptions& options, const Progress& progress) {
+  const HostPort address = parse_host_port("--serve", options.serve, kAirsimPort);
+  const RenderedWorld world = make_rendered_world(mission, imagery);
+  AirsimSimulation simulation(options.serve_dialect, airsim_scene(mission, world, camera));
+  const Descriptor listener = listen_on(address);
+  const std::string where = HostPort{address.host, port_of(listener)}.text();
+  const std::string reach = is_loopback(address.host) ? "this machine alone" : "whoever reaches it, unencrypted";
+  const std::string serving = "serving AirSim on " + where + " to " + reach;
+  const RpcServed served = serve_rpc(listener, simulation.service(), [&](const RpcServed& so_far) {
+    return progress && !progress(serving, so_far.calls, 0);
+  });
+  CommandResult result;
+  result.text = "served AirSim on " + where + " to " + reach + ": " + std::to_string(served.calls) + " calls of " +
+                std::to_string(served.connections) + " connections, " + std::to_string(served.dropped) +
+                " dropped because they sent no calls\n";
+  result.json = {
+      {"served", where}, {"calls", served.calls}, {"connections", served.connections}, {"dropped", served.dropped}};
+  return result;
+}
+
+}  // namespace pilotage
