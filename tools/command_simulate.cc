@@ -29,18 +29,6 @@ struct SimulateCommandOptions {
   }
 };
 
-/// A folder that `prepare` wrote stands for the files in it.
-std::filesystem::path plan_of(const std::string& input) {
-  const std::filesystem::path path(input);
-  return std::filesystem::is_directory(path) ? path / "plan.json" : path;
-}
-
-StageFiles read_mission(const std::filesystem::path& plan, StageFileOptions files) {
-  if (files.table.empty()) files.table = (plan.parent_path() / "tiles.csv").string();
-  if (files.selection.empty()) files.selection = (plan.parent_path() / "selection.json").string();
-  return read_stage_files(plan.string(), files);
-}
-
 void refuse_without_frames(const SimulateCommandOptions& options) {
   for (const auto& [flag, value] :
        {std::pair{"--world", options.rendered.world}, {"--map", options.rendered.map}, {"--log", options.log}}) {
@@ -51,13 +39,11 @@ void refuse_without_frames(const SimulateCommandOptions& options) {
 /// Flies with frames of a rendered world and the matcher on the map.
 Simulation fly_rendered(const StageFiles& files, const std::filesystem::path& plan,
                         const SimulateCommandOptions& options, const Invocation& invocation) {
-  const std::filesystem::path map =
-      options.rendered.map.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(options.rendered.map);
-  need_file(map.string(), "prepare");
+  const std::filesystem::path map = map_beside(plan, options.rendered.map);
   const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);
   const Camera camera = rendered_camera(files.mission, options.rendered);
   RenderedFixes fixes(
-      files.mission, files.scores, options.simulate, options.rendered, rendered_frames(world, camera),
+      files.mission, options.simulate, options.rendered, rendered_frames(world, camera),
       [map] { return MapReader::open_unverified(map); }, invocation.threads);
   Simulation simulation = simulate_flights(files.mission, files.scores, files.selection, options.simulate,
                                            invocation.seed, invocation.threads, invocation.progress, fixes.source());
@@ -101,7 +87,7 @@ Command make_simulate_command() {
   bind_options<SimulateCommandOptions>(command,
                                        [](const SimulateCommandOptions& options, const Invocation& invocation) {
                                          const std::filesystem::path plan = plan_of(invocation.inputs.front());
-                                         const StageFiles files = read_mission(plan, options.files);
+                                         const StageFiles files = read_stage_files_beside(plan, options.files);
                                          const Simulation simulation = fly(files, plan, options, invocation);
                                          CommandResult result;
                                          result.json = simulation_to_json(simulation);

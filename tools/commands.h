@@ -9,6 +9,7 @@ Command make_prepare_command();
 Command make_survey_command();
 Command make_reroute_command();
 Command make_simulate_command();
+Command make_envelope_command();
 Command make_tile_command();
 Command make_score_command();
 Command make_merge_command();
