@@ -39,25 +39,6 @@ struct SimulateCommandOptions {
   }
 };
 
-/// A folder that `prepare` wrote stands for the files in it.
-std::filesystem::path plan_of(const std::string& input) {
-  const std::filesystem::path path(input);
-  return std::filesystem::is_directory(path) ? path / "plan.json" : path;
-}
-
-struct SimulatedFiles {
-  StageFiles files;
-  std::vector<InputFile> inputs;
-};
-
-SimulatedFiles read_mission(const std::filesystem::path& plan, StageFileOptions files) {
-  if (files.table.empty()) files.table = (plan.parent_path() / "tiles.csv").string();
-  if (files.selection.empty()) files.selection = (plan.parent_path() / "selection.json").string();
-  return {read_stage_files(plan.string(), files),
-          {input_file("plan", plan.string(), ""), input_file("table", files.table, ""),
-           input_file("selection", files.selection, "")}};
-}
-
 void refuse_without_frames(const SimulateCommandOptions& options) {
   for (const auto& [flag, value] :
        {std::pair{"--world", options.rendered.world}, {"--map", options.rendered.map}, {"--log", options.log}}) {
@@ -84,11 +65,9 @@ struct Flown {
 /// Flies with frames of a source and the matcher on the map.
 Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
                  const FrameSource& frames, const Invocation& invocation) {
-  const std::filesystem::path map =
-      options.rendered.map.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(options.rendered.map);
-  need_file(map.string(), "prepare");
+  const std::filesystem::path map = map_beside(plan, options.rendered.map);
   RenderedFixes fixes(
-      files.mission, files.scores, options.simulate, options.rendered, frames,
+      files.mission, options.simulate, options.rendered, frames,
       [map] { return MapReader::open_unverified(map); }, invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                                invocation.threads, invocation.progress, fixes.source()),
@@ -129,9 +108,11 @@ CommandResult run_simulate(const SimulateCommandOptions& options, const Invocati
   const std::filesystem::path plan = plan_of(invocation.inputs.front());
   if (!options.serving.serve.empty()) return serve(plan, options, invocation);
   if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: " + std::string(kOutputHelp));
-  const auto [files, inputs] = read_mission(plan, options.files);
+  const StageFileOptions names = stage_files_beside(plan, options.files);
+  const StageFiles files = read_stage_files(plan.string(), names);
   auto [simulation, text] = fly(files, plan, options, invocation);
-  simulation.inputs = inputs;
+  simulation.inputs = {input_file("plan", plan.string(), ""), input_file("table", names.table, ""),
+                       input_file("selection", names.selection, "")};
   CommandResult result;
   result.json = simulation_to_json(simulation);
   OutputFile output(invocation.output, invocation.overwrite);

@@ -10,6 +10,7 @@ Command make_survey_command();
 Command make_reroute_command();
 Command make_replay_command();
 Command make_simulate_command();
+Command make_envelope_command();
 Command make_tile_command();
 Command make_score_command();
 Command make_merge_command();

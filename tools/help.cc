@@ -48,8 +48,8 @@ std::string named_groups(const Command& command, const std::vector<OptionSection
 }  // namespace
 
 std::string overview_help(const std::vector<Command>& commands) {
-  std::string text =
-      "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n" + program_summary() + ".\n";
+  // What the program is says its page: all commands must fit a screen.
+  std::string text = "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n";
   for (const auto& [group, heading] : command_groups()) {
     std::string lines;
     for (const Command& command : commands) {

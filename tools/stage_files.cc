@@ -51,4 +51,21 @@ StageFiles read_stage_files(const std::string& plan, const StageFileOptions& opt
   return files;
 }
 
+std::filesystem::path plan_of(const std::string& input) {
+  const std::filesystem::path path(input);
+  return std::filesystem::is_directory(path) ? path / "plan.json" : path;
+}
+
+StageFileOptions stage_files_beside(const std::filesystem::path& plan, StageFileOptions options) {
+  if (options.table.empty()) options.table = (plan.parent_path() / "tiles.csv").string();
+  if (options.selection.empty()) options.selection = (plan.parent_path() / "selection.json").string();
+  return options;
+}
+
+std::filesystem::path map_beside(const std::filesystem::path& plan, const std::string& named) {
+  const std::filesystem::path map = named.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(named);
+  need_file(map.string(), "prepare");
+  return map;
+}
+
 }  // namespace pilotage

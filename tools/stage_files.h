@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,5 +49,14 @@ std::vector<TileScores> read_scores(const std::string& table, const Ground& grou
 /// The plan of a file, its scores and its selection. Throws as read_scores, likewise for the others; DataError when the
 /// scores or the selection are of another plan.
 StageFiles read_stage_files(const std::string& plan, const StageFileOptions& options);
+
+/// A folder that `prepare` wrote stands for the plan in it.
+std::filesystem::path plan_of(const std::string& input);
+
+/// Files that are not named are tiles.csv and selection.json beside the plan.
+StageFileOptions stage_files_beside(const std::filesystem::path& plan, StageFileOptions options);
+
+/// The map that is named, or map.gpkg beside the plan. Throws as need_file.
+std::filesystem::path map_beside(const std::filesystem::path& plan, const std::string& named);
 
 }  // namespace pilotage

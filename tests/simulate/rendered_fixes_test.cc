@@ -18,7 +18,6 @@ struct PlaceWithMap {
   testing::TexturedGround ground = testing::make_textured_ground(5);
   RenderedWorld world;
   Mission mission;
-  std::vector<TileScores> scores;
   SimulateOptions simulate;
   RenderedOptions options;
 
@@ -38,7 +37,7 @@ struct PlaceWithMap {
 
   RenderedFixes fixes(int threads = 2) const {
     return RenderedFixes(
-        mission, scores, simulate, options, rendered_frames(world, ground.camera),
+        mission, simulate, options, rendered_frames(world, ground.camera),
         [path = folder / "map.gpkg"] { return MapReader::open_unverified(path); }, threads);
   }
 };
@@ -129,7 +128,7 @@ TEST(RenderedFixes, HeightIsHeldOverRisingGround) {
     return taker;
   };
   RenderedFixes fixes(
-      place.mission, place.scores, place.simulate, place.options, frames,
+      place.mission, place.simulate, place.options, frames,
       [&] { return MapReader::open_unverified(place.folder / "map.gpkg"); }, 1);
   const DrawnErrors drawn = off_by_six();
   fixes.source().begin_flight(0, 77, 0, {})(try_with(drawn));

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/simulate/drawn_errors.h"
 #include "pilotage/simulate/simulate_options.h"
 #include "pilotage/simulate/simulated_mission.h"
@@ -20,6 +21,7 @@ struct FixTry {
   std::size_t sample = 0;                 ///< Of the route: the place on the line.
   std::int64_t window = 0;                ///< FixAttempt::window.
   std::optional<std::size_t> below;       ///< The stored tile that is truly below; nothing where none is.
+  double below_p = kNaN;                  ///< Its P over all levels of the place.
   double time_s = 0;                      ///< Since the start.
   Eigen::Vector2d off_line_m{0, 0};       ///< From the place on the line to the aircraft, east and north.
   Eigen::Vector2d over_ground_mps{0, 0};  ///< Velocity, east and north.

@@ -147,6 +147,7 @@ class Flying {
     tried.sample = attempt.sample;
     tried.window = attempt.window;
     tried.below = below;
+    if (below) tried.below_p = mission_.tiles[*below].mean_p;
     tried.time_s = time_s_;
     tried.off_line_m = off_line_m();
     tried.over_ground_mps = ground_speed_mps(at.speed_mps, at.azimuth_deg, wind_mps_) *

@@ -45,7 +45,6 @@ bool is_noise(const Eigen::Matrix2d& noise_m2, const Eigen::Matrix2d& with_map_m
 
 struct RenderedRun {
   const Mission& mission;
-  const std::vector<TileScores>& scores;
   const SimulateOptions& simulate;
   const RenderedOptions& options;
   FrameSource frames;
@@ -147,7 +146,7 @@ class RenderedFlight {
     done.pose = pose;
     if (tried.below) {
       done.below_tile_id = run_->mission.ground.tiles[*tried.below].tile_id;
-      done.below_p = run_->scores[*tried.below].p_correct_fix;
+      done.below_p = tried.below_p;
     }
     const DrawnErrors& drawn = *tried.drawn;
     FrameRecord& frame = done.match.frame;
@@ -198,11 +197,10 @@ class RenderedFlight {
 
 }  // namespace
 
-RenderedFixes::RenderedFixes(const Mission& mission, const std::vector<TileScores>& scores,
-                             const SimulateOptions& simulate, const RenderedOptions& options, FrameSource frames,
-                             std::function<MapReader()> open_map, int threads)
+RenderedFixes::RenderedFixes(const Mission& mission, const SimulateOptions& simulate, const RenderedOptions& options,
+                             FrameSource frames, std::function<MapReader()> open_map, int threads)
     : run_(std::make_shared<RenderedRun>(
-          RenderedRun{mission, scores, simulate, options, std::move(frames), std::move(open_map), {}, {}})) {
+          RenderedRun{mission, simulate, options, std::move(frames), std::move(open_map), {}, {}})) {
   check_options(options);
   if (options.match.deadline_ms) {
     throw UsageError("match_deadline_ms: what is simulated must not depend on how fast this machine is");

@@ -50,8 +50,8 @@ class RenderedFixes {
  public:
   /// `open_map` gives each thread a reader of its own. Everything given must outlive the object. Throws UsageError for
   /// options that would make the result depend on the machine.
-  RenderedFixes(const Mission& mission, const std::vector<TileScores>& scores, const SimulateOptions& simulate,
-                const RenderedOptions& options, FrameSource frames, std::function<MapReader()> open_map, int threads);
+  RenderedFixes(const Mission& mission, const SimulateOptions& simulate, const RenderedOptions& options,
+                FrameSource frames, std::function<MapReader()> open_map, int threads);
 
   FixSource source();
 

@@ -1,0 +1,72 @@
+#include <filesystem>
+
+#include "commands.h"
+#include "stage_files.h"
+
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/simulate/envelope.h"
+#include "pilotage/simulate/envelope_file.h"
+
+namespace pilotage {
+namespace {
+
+struct EnvelopeCommandOptions {
+  StageFileOptions files;
+  EnvelopeOptions envelope;
+  std::string map;
+  std::string csv;
+  std::string svg;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    StageFileOptions::describe(self.files, fields);
+    EnvelopeOptions::describe(self.envelope, fields);
+    fields.path("map", self.map, "The map; default map.gpkg beside the plan.");
+    fields.path("csv", self.csv, "The cells as a table, too (CSV).");
+    fields.path("svg", self.svg, "A drawing of the cells, too (SVG).");
+  }
+};
+
+}  // namespace
+
+Command make_envelope_command() {
+  Command command;
+  command.word = "envelope";
+  command.group = CommandGroup::kPrepare;
+  command.summary = "How far height, heading, scale and attitude may be off the plan";
+  command.examples = {{"Against another date of the ground.",
+                       "pilotage envelope out --world later.tif --svg envelope.svg -o envelope.json"},
+                      {"Heights alone.",
+                       "pilotage envelope out --height-m 80:200:10 --heading-deg \"\" --gsd-ratio \"\" "
+                       "--attitude-error-deg \"\" -o envelope.json"}};
+  command.inputs = {.name = "PLAN",
+                    .help =
+                        "The folder that prepare wrote, or the tile plan (plan.json); scores, selection and map are "
+                        "those beside it, if not given.",
+                    .min = 1,
+                    .max = 1};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "The envelope (JSON).",
+                    .flags = {"csv", "svg"},
+                    .stream_name = "envelope.json"};
+  bind_options<EnvelopeCommandOptions>(
+      command, [](const EnvelopeCommandOptions& options, const Invocation& invocation) {
+        const std::filesystem::path plan = plan_of(invocation.inputs.front());
+        const StageFiles files = read_stage_files(plan.string(), stage_files_beside(plan, options.files));
+        const std::filesystem::path map = map_beside(plan, options.map);
+        const Envelope envelope = make_envelope(
+            files.mission, files.scores, files.selection, [map] { return MapReader::open_unverified(map); },
+            options.envelope, invocation.seed, invocation.threads, invocation.progress);
+        CommandResult result;
+        result.json = envelope_to_json(envelope);
+        write_file(invocation.output, json_text(result.json), invocation.overwrite);
+        if (!options.csv.empty()) write_file(options.csv, envelope_to_csv(envelope), invocation.overwrite);
+        if (!options.svg.empty()) write_file(options.svg, envelope_to_svg(envelope), invocation.overwrite);
+        result.text = envelope_text(envelope);
+        return result;
+      });
+  return command;
+}
+
+}  // namespace pilotage
