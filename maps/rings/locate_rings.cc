@@ -35,6 +35,10 @@ constexpr double kRimSigma_px = 0.3;
 constexpr double kRangeError = 0.04;
 constexpr double kGateProbability = 0.999;
 
+/// Azimuth and lean of the normals that a triangulation begins with.
+constexpr std::array<std::pair<int, int>, 7> kStarts_deg = {
+    {{0, 0}, {30, 0}, {60, 0}, {90, 0}, {120, 0}, {150, 0}, {0, 85}}};
+
 using Pose = Eigen::Matrix<double, 6, 1>;
 /// Center, azimuth and lean (rad), radius of the circle in the middle of the tube.
 using RingState = Eigen::Matrix<double, 6, 1>;
@@ -210,6 +214,21 @@ PlaceBySize place_by_size(const RingSight& sight, const Camera& camera) {
                                            pixel_m * pixel_m * Eigen::Matrix3d::Identity()};
 }
 
+/// The point nearest to all lines of sight; `otherwise` when they are next to parallel.
+Eigen::Vector3d meeting_point(const std::vector<RingSight>& sights, const Camera& camera,
+                              const Eigen::Vector3d& otherwise) {
+  Eigen::Matrix3d across = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const RingSight& sight : sights) {
+    const Eigen::Vector3d line = line_of_sight(sight, camera).normalized();
+    const Eigen::Matrix3d projector = Eigen::Matrix3d::Identity() - line * line.transpose();
+    across += projector;
+    sum += projector * sight.pose.position_m;
+  }
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(across).eigenvalues().minCoeff();
+  return least > 0.03 * static_cast<double>(sights.size()) ? Eigen::Vector3d(across.ldlt().solve(sum)) : otherwise;
+}
+
 struct Group {
   std::vector<RingSight> sights;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -298,12 +317,13 @@ LocatedRing triangulate_ring(const std::vector<RingSight>& sights, const Camera&
                              const Eigen::Vector3d& start_m) {
   if (sights.empty()) throw UsageError("a ring is triangulated from one sight or more");
   const RingClass& kind = kRingClasses[static_cast<std::size_t>(sights.front().seen.ring_class)];
+  const Eigen::Vector3d meeting_m = meeting_point(sights, camera, start_m);
   Solution best;
   best.cost = 1e31;
   // Which way a ring faces one sight leaves open in two ways, and descent may end in the wrong one.
-  for (const auto& [azimuth_deg, lean_deg] : {std::pair{0, 0}, {45, 0}, {90, 0}, {135, 0}, {0, 85}}) {
+  for (const auto& [azimuth_deg, lean_deg] : kStarts_deg) {
     RingState start;
-    start << start_m, azimuth_deg * kRadPerDeg, lean_deg * kRadPerDeg, kind.inner_radius_m + kind.tube_radius_m;
+    start << meeting_m, azimuth_deg * kRadPerDeg, lean_deg * kRadPerDeg, kind.inner_radius_m + kind.tube_radius_m;
     const Solution rough = solve_from(sights, camera, start, Stage::kRough);
     const Solution solution = solve_from(sights, camera, rough.ring, Stage::kFine);
     if (solution.cost < best.cost) best = solution;

@@ -61,11 +61,16 @@ class FixedAircraft {
   FixedAircraft(const World& world, MapReader& map, const Aircraft& aircraft, std::uint64_t seed)
       : world_(&world), map_(&map), aircraft_(aircraft), random_(seed) {}
 
-  bool takes_fixes = true;
   FixCounts counts;
   std::vector<PathPoint> path;
 
   Aircraft& aircraft() { return aircraft_; }
+
+  /// From now on; what the matcher has not answered yet is dropped.
+  void take_no_fixes() {
+    takes_fixes_ = false;
+    waiting_.reset();
+  }
 
   /// Whether a frame that looks down was exposed with the last step.
   bool looked_down() const { return looked_down_; }
@@ -74,7 +79,7 @@ class FixedAircraft {
     looked_down_ = false;
     heading_.reset();
     aircraft_.fly(velocity_mps, heading_deg);
-    if (takes_fixes && aircraft_.time_s() >= next_frame_s_) look_down();
+    if (takes_fixes_ && aircraft_.time_s() >= next_frame_s_) look_down();
     if (waiting_ && aircraft_.time_s() >= waiting_->due_s) {
       const FixUpdate update = aircraft_.filter().take_fix(waiting_->frame, waiting_->measurement);
       const bool taken = update.outcome == FixOutcome::kTaken || update.outcome == FixOutcome::kReset;
@@ -156,6 +161,7 @@ class FixedAircraft {
   Aircraft aircraft_;
   Random random_;
   double next_frame_s_ = 0;
+  bool takes_fixes_ = true;
   bool looked_down_ = false;
   std::optional<Heading> heading_;
   std::optional<Waiting> waiting_;
@@ -322,7 +328,7 @@ RingFlight fly_rings(const RingField& field, MapReader& map, const RingFlightOpt
   }
 
   FixedAircraft control = flier;
-  control.takes_fixes = false;
+  control.take_no_fixes();
   fly_course(flier, rings, options);
   flight.with_fixes = judged_course(flier, flight, options.half_span_m);
   fly_course(control, rings, options);
