@@ -22,7 +22,7 @@ constexpr std::string_view kStyle =
     "polyline{fill:none;stroke-width:2}.scan{stroke:#b9b4a6}.with{stroke:#1b7837}.without{stroke:#d9730d;stroke-"
     "dasharray:6 4}"
     ".red{stroke:#c62828;stroke-width:5}.blue{stroke:#1e50c8;stroke-width:5}.sigma{fill:#00000018;stroke:#222}"
-    ".axis{stroke:#222}.decoy{fill:#9993;stroke:#999}.lwith{stroke:#1b7837;stroke-width:3}"
+    ".decoy{fill:#9993;stroke:#999}.lwith{stroke:#1b7837;stroke-width:3}"
     ".lwithout{stroke:#d9730d;stroke-width:3;stroke-dasharray:6 4}.lscan{stroke:#b9b4a6;stroke-width:3}</style>\n";
 
 double x_of(const Eigen::Vector3d& at) {
