@@ -344,7 +344,7 @@ struct PlanFiles {
   Selection selection;
 };
 
-std::optional<PlanFiles> plan_of(const std::string& folder) {
+std::optional<PlanFiles> planned_flight_of(const std::string& folder) {
   if (folder.empty()) return std::nullopt;
   const std::string plan = (std::filesystem::path(folder) / "plan.json").string();
   const std::string selection = (std::filesystem::path(folder) / "selection.json").string();
@@ -386,7 +386,7 @@ CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& 
   const std::string map = map_of(options);
   MapReader reader = MapReader::open_unverified(map);
   ReplaySetup setup{options, invocation, map, reader.camera(), make_ins_error_model(options.ins), {}};
-  const std::optional<PlanFiles> plan = plan_of(options.plan);
+  const std::optional<PlanFiles> plan = planned_flight_of(options.plan);
   std::vector<ReplayedFlight> flights;
   for (const std::string& input : invocation.inputs) flights.push_back(replay_input(setup, input));
   PredictedTiles tiles(reader);
