@@ -31,6 +31,8 @@ struct ReportCommandOptions {
   std::string title;
   std::string evaluation;
   std::string simulation;
+  std::string envelope;
+  std::string replay;
   std::string pdf;
   std::string pdf_browser;
 
@@ -45,6 +47,9 @@ struct ReportCommandOptions {
                 "Also show what the scores are worth: evaluation.json of score --evaluate, or its folder.");
     fields.path("simulation", self.simulation,
                 "Also show, and judge by, simulated flights: simulation.json of simulate, of these files.");
+    fields.path("envelope", self.envelope,
+                "Also show how far the flight may leave its plan: envelope.json of envelope.");
+    fields.path("replay", self.replay, "Also show flights that were flown: replay.json of replay.");
     fields.path("pdf", self.pdf, "Also print the page into this PDF; needs Chromium.");
     fields.field("pdf_browser", self.pdf_browser,
                  "Browser to print with, one that takes Chromium's options. Default: the first that is installed.");
@@ -87,6 +92,14 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
         {input_file("plan", invocation.inputs.front(), ""), input_file("table", options.files.table, ""),
          input_file("selection", options.files.selection, "")});
     input.inputs.push_back(input_file("simulation", options.simulation, ""));
+  }
+  if (!options.envelope.empty()) {
+    input.envelope = read_envelope_note(options.envelope);
+    input.inputs.push_back(input_file("envelope", options.envelope, ""));
+  }
+  if (!options.replay.empty()) {
+    input.replay = read_replay_note(options.replay);
+    input.inputs.push_back(input_file("replay", options.replay, ""));
   }
   return input;
 }

@@ -67,8 +67,8 @@ Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, con
                  const FrameSource& frames, const Invocation& invocation) {
   const std::filesystem::path map = map_beside(plan, options.rendered.map);
   RenderedFixes fixes(
-      files.mission, options.simulate, options.rendered, frames,
-      [map] { return MapReader::open_unverified(map); }, invocation.threads);
+      files.mission, options.simulate, options.rendered, frames, [map] { return MapReader::open_unverified(map); },
+      invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                                invocation.threads, invocation.progress, fixes.source()),
               ""};

@@ -52,13 +52,16 @@ std::string overview_help(const std::vector<Command>& commands) {
   std::string text = "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n";
   for (const auto& [group, heading] : command_groups()) {
     std::string lines;
+    std::vector<std::string> words;
     for (const Command& command : commands) {
       if (command.group != group) continue;
+      words.push_back(command.word);
       lines += "  " + command.word +
                std::string(std::max<std::size_t>(12, command.word.size() + 1) - command.word.size(), ' ') +
                command.summary + "\n";
     }
-    if (!lines.empty()) text += heading + ":\n" + lines;
+    if (words.empty()) continue;
+    text += group == CommandGroup::kHelp ? heading + ": " + join(words, ", ") + "\n" : heading + ":\n" + lines;
   }
   return text;
 }

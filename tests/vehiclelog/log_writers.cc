@@ -150,7 +150,7 @@ std::map<std::string, std::string> fuzz_corpus(const std::string& reader) {
   }
   if (reader == "dataflash") add(small_dataflash(), ".bin");
   if (reader == "telemetry") add(small_telemetry(), ".tlog");
-  if (reader == "airsim") add(small_airsim(), ".txt");
+  if (reader == "airsim_recording") add(small_airsim(), ".txt");
   return files;
 }
 

@@ -60,7 +60,7 @@ TEST(VehicleLog, DurationIsFromFirstToLast) {
 
 // PILOTAGE_WRITE_CORPUS=1 writes the files instead of comparing them.
 TEST(VehicleLog, FuzzCorpusIsWhatTheWritersWrite) {
-  for (const std::string reader : {"ulog", "dataflash", "telemetry", "airsim"}) {
+  for (const std::string reader : {"ulog", "dataflash", "telemetry", "airsim_recording"}) {
     const std::filesystem::path folder = std::filesystem::path(PILOTAGE_SOURCE_DIR) / "tests/fuzz/corpus" / reader;
     for (const auto& [name, bytes] : fuzz_corpus(reader)) {
       if (std::getenv("PILOTAGE_WRITE_CORPUS") != nullptr) {

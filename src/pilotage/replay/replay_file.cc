@@ -65,7 +65,7 @@ Json prediction_json(const PredictedAgainstFlown& prediction) {
 }
 
 Json leg_json(const FlownLeg& leg) {
-  return {{"leg", leg.leg},
+  return {{"leg", leg.leg + 1},
           {"planned_p", json_number(leg.planned_p)},
           {"planned_p_fix", json_number(leg.planned_p_fix)},
           {"planned_max_error_m", json_number(leg.planned_max_error_m)},

@@ -291,6 +291,8 @@ Report make_report(const ReportInput& input) {
   }
   report.evaluation = input.evaluation;
   report.simulation = input.simulation;
+  report.envelope = input.envelope;
+  report.replay = input.replay;
   if (report.simulation) report.simulation->not_simulated = valid_texts(input.simulation->not_simulated);
   report.imagery_age = imagery_age(mission);
   report.weak_places = weak_places(report, selection.advice);

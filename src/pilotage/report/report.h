@@ -144,6 +144,8 @@ struct Report {
   std::vector<std::string> notes;
   std::optional<EvaluationNote> evaluation;  ///< Not part of report.json: it is a file of its own. So the next.
   std::optional<Simulation> simulation;
+  std::optional<EnvelopeNote> envelope;
+  std::optional<ReplayNote> replay;
 
   nlohmann::ordered_json what_if;  ///< What the page predicts other settings from (what_if.h). Not part of report.json.
 

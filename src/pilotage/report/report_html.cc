@@ -308,6 +308,8 @@ std::string report_html(const Report& report) {
        {"places", places_html(report)},
        {"simulated_answer", simulated_answer(report)},
        {"simulation", simulation_html(report)},
+       {"envelope", report.envelope ? envelope_html(*report.envelope) : ""},
+       {"replay", report.replay ? replay_html(*report.replay) : ""},
        {"what_if_simulated", report.simulation ? " Simulated flights are not flown again, and do not enter." : ""},
        {"simulated_box", simulated_box_html(report)},
        {"simulated_key", simulated_key_html(report)},

@@ -16,6 +16,7 @@
 #include "pilotage/mission/simulation.h"
 #include "pilotage/raster/raster.h"
 #include "pilotage/report/evaluation_note.h"
+#include "pilotage/report/flight_notes.h"
 #include "pilotage/report/seen_frames.h"
 #include "pilotage/report/tile_pictures.h"
 
@@ -38,6 +39,8 @@ struct ReportInput {
   SeenFrames seen;                           ///< What the camera will see along the route; may have no frame.
   std::optional<EvaluationNote> evaluation;  ///< What the scores are worth, where that was measured.
   std::optional<Simulation> simulation;      ///< What `simulate` found of this plan.
+  std::optional<EnvelopeNote> envelope;      ///< What `envelope` found of it.
+  std::optional<ReplayNote> replay;          ///< What `replay` found of flights by it.
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be
   /// inverted over the corridor. Called from one thread, some 10,000 times and four times per tile.

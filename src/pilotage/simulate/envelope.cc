@@ -67,10 +67,11 @@ Answer answer_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t n
   pose.attitude.pitch_deg = options.tilt_sigma_deg * random.normal();
   pose.attitude.roll_deg = options.tilt_sigma_deg * random.normal();
   MatchPrior prior;
-  const double east_m = options.prior_sigma_m * random.normal();
-  const double north_m = options.prior_sigma_m * random.normal();
+  const double position_sigma_m = varied(EnvelopeFactor::kPositionError, options.prior_sigma_m);
+  const double east_m = position_sigma_m * random.normal();
+  const double north_m = position_sigma_m * random.normal();
   prior.position = LocalFrame(pose.position).geodetic_from_enu({east_m, north_m, 0});
-  prior.covariance_en_m2 = isotropic_covariance_m2(options.prior_sigma_m);
+  prior.covariance_en_m2 = isotropic_covariance_m2(position_sigma_m);
   prior.height_agl_m = pose.height_agl_m * std::max(0.1, 1 + options.altimeter_sigma * random.normal());
   const double error_deg = varied(EnvelopeFactor::kAttitudeError, options.attitude_sigma_deg);
   prior.attitude = pose.attitude;
@@ -110,6 +111,9 @@ std::vector<EnvelopeCell> empty_cells(const EnvelopeOptions& options, std::size_
   }
   for (const double value : envelope_values("attitude_error_deg", options.attitude_error_deg, {0, 45})) {
     add(EnvelopeFactor::kAttitudeError, value, 0);
+  }
+  for (const double value : envelope_values("position_error_m", options.position_error_m, {0.1, 10000})) {
+    add(EnvelopeFactor::kPositionError, value, 0);
   }
   return cells;
 }

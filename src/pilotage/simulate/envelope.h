@@ -24,6 +24,7 @@ struct EnvelopeOptions {
   std::string heading_deg = "0:315:45";
   std::string gsd_ratio = "0.5,0.7,1,1.4,2,3";
   std::string attitude_error_deg = "0,0.5,1,2,4";
+  std::string position_error_m = "10,30,60,100,200,400";
   int frame_width_px = 640;
   double prior_sigma_m = 10;
   double tilt_sigma_deg = 2;
@@ -45,9 +46,13 @@ struct EnvelopeOptions {
     fields.field("gsd_ratio", self.gsd_ratio, "Pixels of the frame on the ground, times the planned ones; \"\": none.");
     fields.field("attitude_error_deg", self.attitude_error_deg,
                  "Errors of roll, pitch and yaw that the matcher is told; \"\": none.");
+    fields.field(
+        "position_error_m", self.position_error_m,
+        "Errors of the position that the matcher is told, on each axis, and its standard deviation; \"\": none.");
     fields.field("frame_width_px", self.frame_width_px,
                  "Frames are rendered so wide, or as wide as the mission's camera if that is less.", Range{16, 10000});
-    fields.field("prior_sigma_m", self.prior_sigma_m, "Error of the position that the matcher is told, on each axis.",
+    fields.field("prior_sigma_m", self.prior_sigma_m,
+                 "Error of the position that the matcher is told, on each axis, where that is not what is varied.",
                  Range{0.1, 1000});
     fields.field("tilt_sigma_deg", self.tilt_sigma_deg, "How far the aircraft rolls and pitches.", Range{0, 20});
     fields.field("attitude_sigma_deg", self.attitude_sigma_deg,
@@ -66,13 +71,14 @@ struct EnvelopeOptions {
 /// for what is neither, for more than 1,000 numbers, and for numbers outside `range`.
 std::vector<double> envelope_values(const std::string& name, const std::string& text, Range range);
 
-enum class EnvelopeFactor { kPlanned, kHeight, kHeading, kGsdRatio, kAttitudeError };
+enum class EnvelopeFactor { kPlanned, kHeight, kHeading, kGsdRatio, kAttitudeError, kPositionError };
 inline EnumNames<EnvelopeFactor> enum_names(EnvelopeFactor) {
   return {{EnvelopeFactor::kPlanned, "planned"},
           {EnvelopeFactor::kHeight, "height_m"},
           {EnvelopeFactor::kHeading, "heading_deg"},
           {EnvelopeFactor::kGsdRatio, "gsd_ratio"},
-          {EnvelopeFactor::kAttitudeError, "attitude_error_deg"}};
+          {EnvelopeFactor::kAttitudeError, "attitude_error_deg"},
+          {EnvelopeFactor::kPositionError, "position_error_m"}};
 }
 
 /// One value of one factor in one world, at all places.
