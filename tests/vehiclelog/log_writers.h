@@ -19,8 +19,9 @@ inline VehicleLog parse_flight(const std::string& bytes) {
 /// Bytes, little endian.
 class LogText {
  public:
+  /// More than the eight bytes of `value` are zeros.
   LogText& u(std::uint64_t value, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i) text_ += static_cast<char>(value >> (8 * i));
+    for (std::size_t i = 0; i < size; ++i) text_ += i < sizeof value ? static_cast<char>(value >> (8 * i)) : '\0';
     return *this;
   }
   LogText& i(std::int64_t value, std::size_t size) { return u(static_cast<std::uint64_t>(value), size); }

@@ -33,8 +33,6 @@ TEST(PoseAt, AnglesTakeTheShorterWay) {
 TEST(PoseAt, TwoRecordsOfOneTime) {
   const std::vector<LoggedHeight> heights{{1, 5}, {1, 7}};
   EXPECT_EQ(height_at(heights, 1, 1), 5);
-  const std::vector<LoggedVelocity> velocities{{0, 1, 2, 3}, {2, 3, 4, 5}};
-  EXPECT_EQ(velocity_at(velocities, 1, 1)->down_mps, 4);
 }
 
 }  // namespace

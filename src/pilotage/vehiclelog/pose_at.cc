@@ -48,16 +48,6 @@ std::optional<LoggedPosition> position_at(const std::vector<LoggedPosition>& pos
                         between(before.amsl_m, after.amsl_m, share)};
 }
 
-std::optional<LoggedVelocity> velocity_at(const std::vector<LoggedVelocity>& velocities, double time_s,
-                                          double reach_s) {
-  const auto found = neighbours_of(velocities, time_s, reach_s);
-  if (!found) return std::nullopt;
-  const auto& [before, after, share] = *found;
-  return LoggedVelocity{time_s, between(before.north_mps, after.north_mps, share),
-                        between(before.east_mps, after.east_mps, share),
-                        between(before.down_mps, after.down_mps, share)};
-}
-
 std::optional<Attitude> attitude_at(const std::vector<LoggedAttitude>& attitudes, double time_s, double reach_s) {
   const auto found = neighbours_of(attitudes, time_s, reach_s);
   if (!found) return std::nullopt;

@@ -10,7 +10,6 @@ namespace pilotage {
 // it says nothing. Lists in the order of their times.
 
 std::optional<LoggedPosition> position_at(const std::vector<LoggedPosition>& positions, double time_s, double reach_s);
-std::optional<LoggedVelocity> velocity_at(const std::vector<LoggedVelocity>& velocities, double time_s, double reach_s);
 /// The angles each by its shorter way.
 std::optional<Attitude> attitude_at(const std::vector<LoggedAttitude>& attitudes, double time_s, double reach_s);
 std::optional<double> height_at(const std::vector<LoggedHeight>& heights, double time_s, double reach_s);
