@@ -13,7 +13,7 @@ constexpr int kPointsPerSide = 32;  // a multiple of 2: the middle of each side 
 constexpr int kAnchorGrid = 33;
 
 double max_distance(const View& view) {
-  return view.agl_m * std::tan(view.max_off_nadir_deg * std::numbers::pi / 180);
+  return view.agl_m * view.max_off_nadir_tan;
 }
 
 /// The point of the image that shows ground and lies nearest to its middle, of a regular grid with the middle on it.
@@ -94,7 +94,8 @@ std::optional<View> make_view(const Camera& camera, const Attitude& attitude, do
   }
   if (!(agl_m > 0 && agl_m <= 1e6)) return std::nullopt;
   if (!(max_off_nadir_deg > 0 && max_off_nadir_deg < 89.9)) return std::nullopt;
-  return View{make_lens(camera), enu_from_camera(camera.mount, attitude), agl_m, max_off_nadir_deg};
+  return View{make_lens(camera), enu_from_camera(camera.mount, attitude), agl_m,
+              std::tan(max_off_nadir_deg * std::numbers::pi / 180)};
 }
 
 std::optional<Eigen::Vector2d> ground_from_pixel(const View& view, const Eigen::Vector2d& pixel) {

@@ -17,8 +17,8 @@ struct View {
   Lens lens;
   Eigen::Matrix3d enu_from_camera;
   double agl_m = 0;  ///< Height above the ground.
-  /// Ground farther than agl_m·tan(max_off_nadir_deg) from the point below is not seen: beyond it the horizon begins.
-  double max_off_nadir_deg = 80;
+  /// Ground farther than agl_m times this from the point below is not seen: beyond it the horizon begins.
+  double max_off_nadir_tan = 0;
 };
 
 /// Nothing when the attitude is not finite, when `agl_m` is not in (0, 1e6], or when the camera has a problem. Never
@@ -26,14 +26,14 @@ struct View {
 std::optional<View> make_view(const Camera& camera, const Attitude& attitude, double agl_m,
                               double max_off_nadir_deg = 80);
 
-/// Where the ray of `pixel` meets the ground. Nothing when it points above View::max_off_nadir_deg or the pixel is
-/// outside the lens's domain; pixels outside the image are answered like others.
+/// Where the ray of `pixel` meets the ground. Nothing when it points farther than View::max_off_nadir_tan or the pixel
+/// is outside the lens's domain; pixels outside the image are answered like others.
 std::optional<Eigen::Vector2d> ground_from_pixel(const View& view, const Eigen::Vector2d& pixel);
 
 /// The same of a ray, in the camera's frame.
 std::optional<Eigen::Vector2d> ground_from_ray(const View& view, const Eigen::Vector3d& ray_camera);
 
-/// Where a point of the ground appears. Nothing when it lies behind the camera, beyond max_off_nadir_deg or outside the
+/// Where a point of the ground appears. Nothing when it lies behind the camera, beyond max_off_nadir_tan or outside the
 /// lens's domain; the pixel may lie outside the image.
 std::optional<Eigen::Vector2d> pixel_from_ground(const View& view, const Eigen::Vector2d& ground_m);
 

@@ -70,26 +70,36 @@ Weights linear_weights(double t) {
   return {0, 1 - t, t, 0};
 }
 
-/// The gray value at a position of `ground` (pixel centres at +0.5); nothing where it needs a pixel that is not valid.
-std::optional<double> sample(const Raster& ground, const Eigen::Vector2d& at, bool cubic) {
-  const double left = std::floor(at.x() - 0.5);
-  const double top = std::floor(at.y() - 0.5);
-  const double most_left = ground.pixels.cols - 3;
-  const double most_top = ground.pixels.rows - 3;
-  if (!(left >= 1 && left <= most_left && top >= 1 && top <= most_top)) return std::nullopt;
-  const Weights across = cubic ? cubic_weights(at.x() - 0.5 - left) : linear_weights(at.x() - 0.5 - left);
-  const Weights down = cubic ? cubic_weights(at.y() - 0.5 - top) : linear_weights(at.y() - 0.5 - top);
-  const int margin = cubic ? 0 : 1;
+/// Ground to sample; `all_valid` spares a look at each pixel's mask.
+struct SampledGround {
+  explicit SampledGround(const Raster& ground)
+      : raster(ground), all_valid(static_cast<std::size_t>(cv::countNonZero(ground.valid)) == ground.valid.total()) {}
+
+  const Raster& raster;
+  bool all_valid;
+};
+
+/// The gray value at a position of `ground` (pixel centres at +0.5), from taps `kMargin` to kTaps − kMargin; nothing
+/// where it needs a pixel that is not valid.
+template <int kMargin>
+std::optional<double> sample(const SampledGround& ground, const Eigen::Vector2d& at) {
+  const cv::Mat& pixels = ground.raster.pixels;
+  const double x = at.x() - 0.5;
+  const double y = at.y() - 0.5;
+  if (!(x >= 1 && x < pixels.cols - 2 && y >= 1 && y < pixels.rows - 2)) return std::nullopt;
+  const int left = static_cast<int>(x);
+  const int top = static_cast<int>(y);
+  const Weights across = kMargin == 0 ? cubic_weights(x - left) : linear_weights(x - left);
+  const Weights down = kMargin == 0 ? cubic_weights(y - top) : linear_weights(y - top);
   double sum = 0;
-  for (int j = margin; j < kTaps - margin; ++j) {
-    const int row = static_cast<int>(top) - 1 + j;
-    const auto* gray = ground.pixels.ptr<std::uint8_t>(row) + static_cast<int>(left) - 1;
-    const auto* valid = ground.valid.ptr<std::uint8_t>(row) + static_cast<int>(left) - 1;
-    double line = 0;
-    for (int i = margin; i < kTaps - margin; ++i) {
-      if (valid[i] == 0) return std::nullopt;
-      line += across[static_cast<std::size_t>(i)] * gray[i];
+  for (int j = kMargin; j < kTaps - kMargin; ++j) {
+    const auto* gray = pixels.ptr<std::uint8_t>(top - 1 + j) + left - 1;
+    if (!ground.all_valid) {
+      const auto* valid = ground.raster.valid.ptr<std::uint8_t>(top - 1 + j) + left - 1;
+      if (std::find(valid + kMargin, valid + kTaps - kMargin, 0) != valid + kTaps - kMargin) return std::nullopt;
     }
+    double line = 0;
+    for (int i = kMargin; i < kTaps - kMargin; ++i) line += across[static_cast<std::size_t>(i)] * gray[i];
     sum += down[static_cast<std::size_t>(j)] * line;
   }
   return sum;
@@ -109,20 +119,25 @@ struct Quadrilateral {
   }
 };
 
-std::optional<double> mean_over(const Quadrilateral& area, const Raster& ground) {
-  const double side = area.longest_side();
-  if (!std::isfinite(side)) return std::nullopt;  // a corner sees no ground
-  const bool cubic = side <= 1;
-  const int count = static_cast<int>(std::clamp(std::ceil(2 * side), 2.0, kMostSamples));
+/// The mean of count × count samples spread evenly over `area`.
+template <int kMargin>
+std::optional<double> mean_of_samples(const Quadrilateral& area, const SampledGround& ground, int count) {
   double sum = 0;
   for (int j = 0; j < count; ++j) {
     for (int i = 0; i < count; ++i) {
-      const auto value = sample(ground, area.at((i + 0.5) / count, (j + 0.5) / count), cubic);
+      const auto value = sample<kMargin>(ground, area.at((i + 0.5) / count, (j + 0.5) / count));
       if (!value) return std::nullopt;
       sum += *value;
     }
   }
   return sum / (count * count);
+}
+
+std::optional<double> mean_over(const Quadrilateral& area, const SampledGround& ground) {
+  const double side = area.longest_side();
+  if (!std::isfinite(side)) return std::nullopt;  // a corner sees no ground
+  const int count = static_cast<int>(std::clamp(std::ceil(2 * side), 2.0, kMostSamples));
+  return side <= 1 ? mean_of_samples<0>(area, ground, count) : mean_of_samples<1>(area, ground, count);
 }
 
 /// The rays of a row of corners of a lens's pixels.
@@ -181,6 +196,7 @@ RenderedFrame render_pixels(const GraySource& ground, const GroundPlace& place, 
   const PixelWindow window = window_within(bounds, ground);
   if (window.width == 0) return frame;
   const Raster pixels = ground.read(window);
+  const SampledGround sampled(pixels);
 
   GroundPlace in_window = place;
   in_window.nadir_px -= Eigen::Vector2d(static_cast<double>(window.col), static_cast<double>(window.row));
@@ -189,7 +205,7 @@ RenderedFrame render_pixels(const GraySource& ground, const GroundPlace& place, 
     std::vector<Eigen::Vector2d> below = corner_row(rays.row(row + 1), in_window, ground_of);
     for (int col = 0; col < frame.gray.cols; ++col) {
       const auto left = static_cast<std::size_t>(col);
-      const auto value = mean_over({above[left], above[left + 1], below[left], below[left + 1]}, pixels);
+      const auto value = mean_over({above[left], above[left + 1], below[left], below[left + 1]}, sampled);
       if (!value) continue;
       frame.gray.at<std::uint8_t>(row, col) = cv::saturate_cast<std::uint8_t>(*value);
       frame.valid.at<std::uint8_t>(row, col) = 255;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
@@ -105,7 +104,7 @@ std::optional<Eigen::Vector2d> terrain_from_ray(const View& view, const TerrainH
   const Eigen::Vector3d ray = view.enu_from_camera * ray_camera;
   if (!(ray.z() < 0)) return std::nullopt;
   const Eigen::Vector2d per_drop = ray.head<2>() / -ray.z();
-  if (!(per_drop.norm() <= std::tan(view.max_off_nadir_deg * std::numbers::pi / 180))) return std::nullopt;
+  if (!(per_drop.norm() <= view.max_off_nadir_tan)) return std::nullopt;
 
   const auto above_m = [&](double drop_m) { return view.agl_m - drop_m - terrain.height_m(drop_m * per_drop); };
   const double first_m = std::max(0.0, view.agl_m - terrain.highest_m() - kHeightError_m);

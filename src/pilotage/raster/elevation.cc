@@ -53,6 +53,7 @@ struct Elevation::Impl {
   std::optional<HeightTransform> height_transform;
   double metres_per_unit = 1;
   double center_x = 0;  // of the raster, in its CRS
+  bool in_degrees = false;
   std::string vertical_datum;
   std::list<Block> blocks;  // the last used first
 
@@ -60,7 +61,8 @@ struct Elevation::Impl {
       : info(inspect_imagery(dataset, height_options(crs))),
         source(open_gray(dataset, height_options(crs))),
         map_from_geodetic(info.crs),
-        center_x(info.map_from_pixel.map_from_pixel({info.width_px / 2.0, info.height_px / 2.0}).x()) {
+        center_x(info.map_from_pixel.map_from_pixel({info.width_px / 2.0, info.height_px / 2.0}).x()),
+        in_degrees(info.crs.is_geographic()) {
     choose_datum();
   }
 
@@ -155,7 +157,7 @@ Elevation& Elevation::operator=(Elevation&&) noexcept = default;
 double Elevation::amsl_m(GeodeticPoint point) const {
   auto map = impl_->map_from_geodetic.map_from_geodetic(point);
   if (!map) return kNaN;
-  if (impl_->info.crs.is_geographic()) map->x() = unwrap_lon_deg(map->x(), impl_->center_x);  // grids across 180°
+  if (impl_->in_degrees) map->x() = unwrap_lon_deg(map->x(), impl_->center_x);  // grids across 180°
   const double height =
       impl_->interpolate(impl_->info.map_from_pixel.pixel_from_map(*map)) * impl_->info.scale + impl_->info.offset;
   if (!impl_->height_transform || std::isnan(height)) return height * impl_->metres_per_unit;
