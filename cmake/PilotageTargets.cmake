@@ -40,19 +40,46 @@ function(pilotage_compile_by_folder target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# pilotage_add_tests(<folder> <file>_test.cc ...): one GoogleTest program per source folder, compiled as one, which is the test
-# <folder>.unit. It leaves its cases in Testing/cases/<folder>.unit.xml, where tests/testing/summary.py counts them. A process per case would
-# load 160 libraries each time.
+# The tests are of two tiers (docs/decisions/checks-in-tests.md). `tools/test` runs those without the label "thorough"; `tools/test --all` runs
+# all of them, and builds besides what is left out of the target `all`: the programs that only thorough tests run, and benchmarks.
+
+# pilotage_thorough_tests(<test>...): these tests are run by `tools/test --all` only.
+function(pilotage_thorough_tests)
+  set_property(TEST ${ARGN} APPEND PROPERTY LABELS thorough)
+endfunction()
+
+# pilotage_thorough_programs(<target>...): these are built by `tools/test --all` only, by the target thorough_programs.
+function(pilotage_thorough_programs)
+  set_target_properties(${ARGN} PROPERTIES EXCLUDE_FROM_ALL ON)
+  add_dependencies(thorough_programs ${ARGN})
+endfunction()
+
+# pilotage_add_tests(<folder> [THOROUGH] <file>_test.cc ...): one GoogleTest program per source folder, compiled as one, which is the test
+# <folder>.unit; with THOROUGH its suites whose names end so are the test <folder>.thorough instead. Each leaves its cases in
+# Testing/cases/<test>.xml, where tests/testing/summary.py counts them. A process per case would load 160 libraries each time.
 function(pilotage_add_tests folder)
-  add_executable(test_${folder} ${ARGN})
+  cmake_parse_arguments(PARSE_ARGV 1 tests THOROUGH "" "")
+  add_executable(test_${folder} ${tests_UNPARSED_ARGUMENTS})
   target_link_libraries(test_${folder} PRIVATE pilotage_testing pilotage_compile_options GTest::gmock_main)
   target_include_directories(test_${folder} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  add_test(NAME ${folder}.unit COMMAND test_${folder})
+  set(tests ${folder}.unit)
+  set(filter "")
+  if(tests_THOROUGH)
+    set(filter "--gtest_filter=-*Thorough.*")
+    add_test(NAME ${folder}.thorough COMMAND test_${folder} --gtest_filter=*Thorough.*)
+    list(APPEND tests ${folder}.thorough)
+  endif()
+  add_test(NAME ${folder}.unit COMMAND test_${folder} ${filter})
   set(labels unit)
   if(folder IN_LIST PILOTAGE_SANITIZED)
     list(APPEND labels sanitized)
     add_dependencies(sanitized_tests test_${folder})
   endif()
-  set_tests_properties(${folder}.unit PROPERTIES LABELS "${labels}" COST 50 TIMEOUT 1500
-                       ENVIRONMENT "GTEST_OUTPUT=xml:${PROJECT_BINARY_DIR}/Testing/cases/${folder}.unit.xml")
+  foreach(test IN LISTS tests)
+    set_tests_properties(${test} PROPERTIES LABELS "${labels}" COST 50 TIMEOUT 1500 FAIL_REGULAR_EXPRESSION " 0 tests from 0 test suites ran"
+                         ENVIRONMENT "GTEST_OUTPUT=xml:${PROJECT_BINARY_DIR}/Testing/cases/${test}.xml")
+  endforeach()
+  if(tests_THOROUGH)
+    pilotage_thorough_tests(${folder}.thorough)
+  endif()
 endfunction()

@@ -1,6 +1,6 @@
 // Runs one CLI case (tests/cli/cases/README.md) and says what did not come out as expected.
 //
-//   cli_case_runner FILE.case BIN_FOLDER SOURCE_FOLDER
+//   cli_case_runner FILE.case BIN_FOLDER SOURCE_FOLDER GIVEN_FOLDER
 
 #include <cstdlib>
 #include <filesystem>
@@ -39,6 +39,7 @@ struct Step {
 
 struct Case {
   std::vector<std::string> needs;  ///< Paths; the case is skipped when one does not exist.
+  std::vector<std::string> given;  ///< Names of folders whose content the case begins with.
   std::vector<Step> steps;
 };
 
@@ -61,6 +62,8 @@ Case parse_case(const std::string& text) {
     const std::string value = line.substr(colon + 2);
     if (key == "needs") {
       parsed.needs.push_back(value);
+    } else if (key == "given") {
+      parsed.given.push_back(value);
     } else if (key == "run") {
       parsed.steps.push_back({value, number, {}});
     } else if (parsed.steps.empty()) {
@@ -145,8 +148,11 @@ void check_complete(const Step& step) {
   throw std::runtime_error("line " + std::to_string(step.line) + ": the run has no \"exit: \"");
 }
 
-int run_case(const Case& parsed) {
+int run_case(const Case& parsed, const std::filesystem::path& all_given) {
   const testing::TemporaryFolder folder;
+  for (const std::string& name : parsed.given) {
+    std::filesystem::copy(all_given / name, folder.path(), std::filesystem::copy_options::recursive);
+  }
   const testing::TemporaryFolder logs;
   int failures = 0;
   for (const Step& step : parsed.steps) {
@@ -168,7 +174,9 @@ int run_case(const Case& parsed) {
 }
 
 int run(const std::vector<std::string>& arguments) {
-  if (arguments.size() != 3) throw std::runtime_error("usage: cli_case_runner FILE.case BIN_FOLDER SOURCE_FOLDER");
+  if (arguments.size() != 4) {
+    throw std::runtime_error("usage: cli_case_runner FILE.case BIN_FOLDER SOURCE_FOLDER GIVEN_FOLDER");
+  }
   const Case parsed = parse_case(read_file(arguments[0]));
   const char* path = std::getenv("PATH");
   ::setenv("PATH", (arguments[1] + ":" + (path != nullptr ? path : "")).c_str(), 1);
@@ -182,7 +190,7 @@ int run(const std::vector<std::string>& arguments) {
               << " does not exist: it comes with the target sample_mission or tools/install-packages\n";
     return kSkip;
   }
-  return run_case(parsed);
+  return run_case(parsed, arguments[3]);
 }
 
 }  // namespace

@@ -5,13 +5,14 @@
 #include <cstdlib>
 #include <span>
 
+#include "fuzz/fuzz_targets.h"
+
 #include "pilotage/airsim/airsim_fields.h"
 #include "pilotage/airsim/rpc_codec.h"
 #include "pilotage/base/error.h"
 
+namespace pilotage {
 namespace {
-
-using namespace pilotage;
 
 constexpr RpcLimits kLimits{std::size_t{1} << 16, 5000, 16};
 
@@ -38,7 +39,7 @@ void read_as_everything(const RpcValue& value) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void fuzz_airsim(const std::uint8_t* data, std::size_t size) {
   std::span<const std::uint8_t> bytes(data, size);
   try {
     RpcMessageScanner scanner(kLimits);
@@ -52,5 +53,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   } catch (const DataError&) {
   }
-  return 0;
 }
+
+}  // namespace pilotage

@@ -7,22 +7,25 @@
 #include <string>
 #include <utility>
 
+#include "fuzz/fuzz_targets.h"
+
 #include "pilotage/base/error.h"
 #include "pilotage/camera/camera.h"
 #include "pilotage/camera/camera_file.h"
 #include "pilotage/camera/camera_text.h"
 
+namespace pilotage {
 namespace {
 
-void check(const pilotage::Camera& camera) {
-  if (!pilotage::camera_problem(camera).empty()) std::abort();
-  const pilotage::CameraText text = pilotage::camera_to_text(camera);
-  if (pilotage::camera_to_text(pilotage::camera_from_text("again", text)) != text) std::abort();
+void check_camera(const Camera& camera) {
+  if (!camera_problem(camera).empty()) std::abort();
+  const CameraText text = camera_to_text(camera);
+  if (camera_to_text(camera_from_text("again", text)) != text) std::abort();
 }
 
 /// Lines "key value".
-pilotage::CameraText pairs_of(const std::string& text) {
-  pilotage::CameraText pairs;
+CameraText pairs_of(const std::string& text) {
+  CameraText pairs;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     const auto blank = line.find(' ');
@@ -33,15 +36,16 @@ pilotage::CameraText pairs_of(const std::string& text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void fuzz_camera(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   try {
-    check(pilotage::parse_camera_yaml("fuzz", text));
-  } catch (const pilotage::DataError&) {
+    check_camera(parse_camera_yaml("fuzz", text));
+  } catch (const DataError&) {
   }
   try {
-    check(pilotage::camera_from_text("fuzz", pairs_of(text)));
-  } catch (const pilotage::DataError&) {
+    check_camera(camera_from_text("fuzz", pairs_of(text)));
+  } catch (const DataError&) {
   }
-  return 0;
 }
+
+}  // namespace pilotage

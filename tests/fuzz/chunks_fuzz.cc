@@ -3,18 +3,22 @@
 #include <cstdint>
 #include <string>
 
+#include "fuzz/fuzz_targets.h"
 #include "fuzz/input_file.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/chunked_file.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace pilotage {
+
+void fuzz_chunks(const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
-  const pilotage::InputFile input(data, size, ".chunks");
+  const InputFile input(data, size, ".chunks");
   try {
-    const pilotage::ChunkedFile file(input.path(), "fuzz", bytes);
-    for (std::uint64_t i = 0; i < pilotage::chunk_count(file.size()); ++i) static_cast<void>(file.read_chunk(i));
-  } catch (const pilotage::DataError&) {
+    const ChunkedFile file(input.path(), "fuzz", bytes);
+    for (std::uint64_t i = 0; i < chunk_count(file.size()); ++i) static_cast<void>(file.read_chunk(i));
+  } catch (const DataError&) {
   }
-  return 0;
 }
+
+}  // namespace pilotage

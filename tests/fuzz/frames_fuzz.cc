@@ -5,11 +5,13 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "fuzz/fuzz_targets.h"
 #include <Eigen/LU>
 
 #include "pilotage/base/error.h"
 #include "pilotage/mission/frame_table.h"
 
+namespace pilotage {
 namespace {
 
 /// NaN where the table may say nothing.
@@ -18,13 +20,13 @@ void require_between(double value, double low, double high, bool may_be_missing)
   if (!holds) std::abort();
 }
 
-void check(const pilotage::FrameTable& table, bool may_be_missing) {
+void check_frames(const FrameTable& table, bool may_be_missing) {
   if (table.frames.empty()) std::abort();
-  for (const pilotage::FrameRecord& frame : table.frames) {
+  for (const FrameRecord& frame : table.frames) {
     if (frame.file.empty()) std::abort();
     require_between(frame.prior.lat_deg, -90, 90, may_be_missing);
     require_between(frame.prior.lon_deg, -180, 360, may_be_missing);
-    require_between(pilotage::largest_sigma_m(frame.prior_covariance_en_m2), 0, 1.5e5, may_be_missing);
+    require_between(largest_sigma_m(frame.prior_covariance_en_m2), 0, 1.5e5, may_be_missing);
     if (!(frame.prior_covariance_en_m2.determinant() >= -1e-3 * frame.prior_covariance_en_m2.squaredNorm()) &&
         !may_be_missing) {
       std::abort();
@@ -40,16 +42,16 @@ void check(const pilotage::FrameTable& table, bool may_be_missing) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void fuzz_frames(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  for (const auto truth : {pilotage::FrameTruth::kCenter, pilotage::FrameTruth::kNadir}) {
-    for (const auto required : {pilotage::FrameColumns::kAll, pilotage::FrameColumns::kFileOnly}) {
+  for (const auto truth : {FrameTruth::kCenter, FrameTruth::kNadir}) {
+    for (const auto required : {FrameColumns::kAll, FrameColumns::kFileOnly}) {
       try {
-        check(pilotage::frame_table_from_csv("fuzz", text, {truth, required}),
-              required == pilotage::FrameColumns::kFileOnly);
-      } catch (const pilotage::DataError&) {
+        check_frames(frame_table_from_csv("fuzz", text, {truth, required}), required == FrameColumns::kFileOnly);
+      } catch (const DataError&) {
       }
     }
   }
-  return 0;
 }
+
+}  // namespace pilotage

@@ -4,19 +4,23 @@
 #include <cstdlib>
 #include <string>
 
+#include "fuzz/fuzz_targets.h"
+
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/key_list_text.h"
 #include "pilotage/mapdb/minisign_files.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace pilotage {
+
+void fuzz_key_list(const std::uint8_t* data, std::size_t size) {
   try {
-    const pilotage::KeyList list =
-        pilotage::parse_key_list(std::string(reinterpret_cast<const char*>(data), size), "fuzz");
-    for (const pilotage::ListedKey& key : list.signers) {
+    const KeyList list = parse_key_list(std::string(reinterpret_cast<const char*>(data), size), "fuzz");
+    for (const ListedKey& key : list.signers) {
       if (list.find_signer(key.key_id) != &key) std::abort();
-      static_cast<void>(pilotage::parse_public_key(key.key, "fuzz"));
+      static_cast<void>(parse_public_key(key.key, "fuzz"));
     }
-  } catch (const pilotage::DataError&) {
+  } catch (const DataError&) {
   }
-  return 0;
 }
+
+}  // namespace pilotage

@@ -4,27 +4,29 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "fuzz/fuzz_targets.h"
 #include "fuzz/input_file.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/chip_codec.h"
 #include "pilotage/mapdb/map_reader.h"
 
+namespace pilotage {
 namespace {
 
 void read_everything(const std::filesystem::path& path) {
-  pilotage::MapReader reader = pilotage::MapReader::open_unverified(path);
+  MapReader reader = MapReader::open_unverified(path);
   std::size_t left = 2000;  // a damaged R-tree may name the same tile often
-  for (const pilotage::MapTile& tile : reader.tiles()) {
+  for (const MapTile& tile : reader.tiles()) {
     if (left-- == 0) break;
     static_cast<void>(reader.tile(tile.tile_id));
     static_cast<void>(reader.tile_values(tile.tile_id));
     static_cast<void>(reader.tiles_near(tile.center, 100, tile.level));
     static_cast<void>(reader.tiles_near(tile.bounds.center_m(), 100));
-    for (const pilotage::MapLevel& level : reader.levels()) {
+    for (const MapLevel& level : reader.levels()) {
       static_cast<void>(reader.descriptors(tile.tile_id, level.matrix.level));
       if (const auto chip = reader.chip(tile.tile_id, level.matrix.level)) {
-        static_cast<void>(pilotage::decode_chip(*chip, reader.name()));
+        static_cast<void>(decode_chip(*chip, reader.name()));
       }
     }
   }
@@ -32,11 +34,12 @@ void read_everything(const std::filesystem::path& path) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pilotage::InputFile file(data, size, ".gpkg");
+void fuzz_map(const std::uint8_t* data, std::size_t size) {
+  const InputFile file(data, size, ".gpkg");
   try {
     read_everything(file.path());
-  } catch (const pilotage::DataError&) {
+  } catch (const DataError&) {
   }
-  return 0;
 }
+
+}  // namespace pilotage

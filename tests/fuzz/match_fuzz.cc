@@ -17,6 +17,7 @@
 #include <string>
 #include <string_view>
 
+#include "fuzz/fuzz_targets.h"
 #include "testing/textured_map.h"
 #include <Eigen/LU>
 #include <opencv2/core.hpp>
@@ -33,12 +34,6 @@ namespace {
 constexpr double kMaxFramePx = 1 << 16;  // larger ones only take longer
 constexpr double kMaxSearch = 2e3;
 constexpr std::size_t kAskedTwice = 8;  // one question in so many
-
-void require(bool condition, const char* what) {
-  if (condition) return;
-  std::fprintf(stderr, "not so: %s\n", what);
-  std::abort();
-}
 
 /// Made once: the ground, its map, and a good frame.
 struct Scene {
@@ -193,7 +188,7 @@ bool is_sound(const Fix& fix) {
          std::isfinite(fix.roll_deg) && fix.height_agl_m > 0 && fix.scale > 0;
 }
 
-void check(const MatchResult& result) {
+void check_result(const MatchResult& result) {
   require(match_status_name(result.status) != "unknown", "the status has a name");
   require((result.status == MatchStatus::kFix) == result.fix.has_value(), "a fix goes with the status fix");
   require(result.stats.confidence >= 0 && result.stats.confidence <= 1, "confidence is in [0, 1]");
@@ -217,20 +212,20 @@ void require_that_the_good_frame_is_found() {
 }
 
 }  // namespace
-}  // namespace pilotage
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  [[maybe_unused]] static const bool once = (pilotage::require_that_the_good_frame_is_found(), true);
+void fuzz_match(const std::uint8_t* data, std::size_t size) {
+  [[maybe_unused]] static const bool once = (require_that_the_good_frame_is_found(), true);
   const std::string input(data, data + size);
-  pilotage::Question question = pilotage::read_question(input);
-  if (pilotage::is_long_search(question)) return 0;
-  const cv::Mat frame = pilotage::make_frame(question);
-  const pilotage::MatchResult result = pilotage::ask(frame, question);
-  pilotage::check(result);
-  if (std::hash<std::string>()(input) % pilotage::kAskedTwice != 0) return 0;
-  const pilotage::MatchResult again = pilotage::ask(frame, question);
-  pilotage::require(again.status == result.status && again.stats.inliers == result.stats.inliers &&
-                        again.stats.confidence == result.stats.confidence,
-                    "the same question has the same answer");
-  return 0;
+  Question question = read_question(input);
+  if (is_long_search(question)) return;
+  const cv::Mat frame = make_frame(question);
+  const MatchResult result = ask(frame, question);
+  check_result(result);
+  if (std::hash<std::string>()(input) % kAskedTwice != 0) return;
+  const MatchResult again = ask(frame, question);
+  require(again.status == result.status && again.stats.inliers == result.stats.inliers &&
+              again.stats.confidence == result.stats.confidence,
+          "the same question has the same answer");
 }
+
+}  // namespace pilotage

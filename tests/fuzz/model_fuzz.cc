@@ -2,11 +2,15 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fuzz/fuzz_targets.h"
 #include "fuzz/json_file.h"
 
 #include "pilotage/matchability/matchability_model.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  pilotage::read_json_file_twice(data, size, pilotage::read_matchability_model, pilotage::matchability_model_to_json);
-  return 0;
+namespace pilotage {
+
+void fuzz_model(const std::uint8_t* data, std::size_t size) {
+  read_json_file_twice(data, size, read_matchability_model, matchability_model_to_json);
 }
+
+}  // namespace pilotage

@@ -10,16 +10,13 @@
 
 #include "cli/toy_command.h"
 #include "cli_options.h"
+#include "fuzz/fuzz_targets.h"
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/options_json.h"
 
 namespace pilotage {
 namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void read_options(const OptionList& list, const std::string& text) {
   if (!text.starts_with("-")) return set_options_from_json(list, parse_json("fuzz.json", text), "fuzz.json");
@@ -39,21 +36,21 @@ void check_round_trip(const ToyOptions& options) {
   set_options_from_json(list_options(again), parse_json("again.json", printed), "again.json");
   const auto printed_again =
       options_to_json(list_options(again)).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  require(printed_again == printed);
+  require(printed_again == printed, "printed options are read as the same options");
 }
 
 }  // namespace
-}  // namespace pilotage
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  pilotage::ToyOptions options;
+void fuzz_options(const std::uint8_t* data, std::size_t size) {
+  ToyOptions options;
   try {
-    pilotage::read_options(pilotage::list_options(options), std::string(data, data + size));
-  } catch (const pilotage::UsageError&) {
-    return 0;
-  } catch (const pilotage::DataError&) {
-    return 0;
+    read_options(list_options(options), std::string(data, data + size));
+  } catch (const UsageError&) {
+    return;
+  } catch (const DataError&) {
+    return;
   }
-  pilotage::check_round_trip(options);
-  return 0;
+  check_round_trip(options);
 }
+
+}  // namespace pilotage

@@ -1,27 +1,28 @@
-// What takes libFuzzer's place where there is none: runs a fuzz target over every file of the folders it is given, and
-// over seeded mutations of each (cut short, bytes changed, pieces doubled), the same ones every time.
+// What takes libFuzzer's place where there is none: runs one of the fuzz targets over every file of the folders it is
+// given, and over seeded mutations of each (cut short, bytes changed, pieces doubled), the same ones every time.
 //
-//   fuzz_<name> MUTATIONS FOLDER_OR_FILE...
+//   fuzz_replay TARGET MUTATIONS FOLDER_OR_FILE...
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <string>
 #include <vector>
+
+#include "fuzz/fuzz_targets.h"
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/random.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-
 namespace pilotage {
 namespace {
 
-void run_one(const std::string& input) {
+void run_one(const FuzzTarget& target, const std::string& input) {
   const std::vector<std::uint8_t> bytes(input.begin(), input.end());
-  LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+  target.run(bytes.data(), bytes.size());
 }
 
 std::string mutate(std::string bytes, Random& random) {
@@ -44,14 +45,14 @@ std::string mutate(std::string bytes, Random& random) {
   return bytes;
 }
 
-void replay(const std::filesystem::path& file, int mutations) {
+void replay(const FuzzTarget& target, const std::filesystem::path& file, int mutations) {
   const std::string content = read_file(file);
-  run_one(content);
+  run_one(target, content);
   Random random(seed_from_name(file.filename().string()));
   for (int i = 0; i < mutations; ++i) {
     std::string mutated = content;
     for (std::uint64_t changes = random.below(4); changes > 0; --changes) mutated = mutate(mutated, random);
-    run_one(mutate(mutated, random));
+    run_one(target, mutate(mutated, random));
   }
 }
 
@@ -67,15 +68,19 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& place) 
 }  // namespace pilotage
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::cerr << "usage: " << argv[0] << " MUTATIONS FOLDER_OR_FILE...\n";
+  const auto* const target = std::find_if(std::begin(pilotage::kFuzzTargets), std::end(pilotage::kFuzzTargets),
+                                          [&](const auto& one) { return argc > 1 && one.name == argv[1]; });
+  if (argc < 4 || target == std::end(pilotage::kFuzzTargets)) {
+    std::cerr << "usage: " << argv[0] << " TARGET MUTATIONS FOLDER_OR_FILE..., with TARGET one of";
+    for (const auto& one : pilotage::kFuzzTargets) std::cerr << ' ' << one.name;
+    std::cerr << '\n';
     return 2;
   }
-  const int mutations = std::stoi(argv[1]);
+  const int mutations = std::stoi(argv[2]);
   std::size_t count = 0;
-  for (int i = 2; i < argc; ++i) {
+  for (int i = 3; i < argc; ++i) {
     for (const auto& file : pilotage::files_of(argv[i])) {
-      pilotage::replay(file, mutations);
+      pilotage::replay(*target, file, mutations);
       ++count;
     }
   }

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "fuzz/fuzz_targets.h"
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
@@ -13,42 +14,40 @@
 #include "pilotage/route/route_json.h"
 #include "pilotage/route/sample_route.h"
 
+namespace pilotage {
 namespace {
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-void check_route(const pilotage::Route& route) {
-  require(!route.legs.empty());
+void check_route(const Route& route) {
+  require(!route.legs.empty(), "a route has a leg");
   for (const auto& vertex : route.vertices) {
-    require(std::abs(vertex.point.lat_deg) <= 90 && std::abs(vertex.point.lon_deg) <= 180);
-    require(!std::isinf(vertex.amsl_m) && !std::isinf(vertex.agl_m));
+    require(std::abs(vertex.point.lat_deg) <= 90 && std::abs(vertex.point.lon_deg) <= 180, "vertices lie on the earth");
+    require(!std::isinf(vertex.amsl_m) && !std::isinf(vertex.agl_m), "heights are finite or NaN");
   }
   for (const auto& leg : route.legs) {
-    require(leg.length_m > 0 && leg.from >= 0 && leg.to >= 0);
-    require(static_cast<std::size_t>(leg.from) < route.vertices.size());
-    require(static_cast<std::size_t>(leg.to) < route.vertices.size());
+    require(leg.length_m > 0 && leg.from >= 0 && leg.to >= 0, "a leg has a length and two ends");
+    require(static_cast<std::size_t>(leg.from) < route.vertices.size(), "a leg begins at a vertex");
+    require(static_cast<std::size_t>(leg.to) < route.vertices.size(), "a leg ends at a vertex");
   }
-  require(!pilotage::describe_route_text(route).empty());
-  const auto json = pilotage::route_to_json(route);
-  require(pilotage::route_to_json(pilotage::route_from_json(json, "again")) == json);
+  require(!describe_route_text(route).empty(), "a route can be described");
+  const auto json = route_to_json(route);
+  require(route_to_json(route_from_json(json, "again")) == json, "the route's JSON gives the route again");
   try {
-    pilotage::sample_route(route, pilotage::route_length_m(route) / 10, [](pilotage::GeodeticPoint) { return 0.0; });
-  } catch (const pilotage::DataError&) {
+    sample_route(route, route_length_m(route) / 10, [](GeodeticPoint) { return 0.0; });
+  } catch (const DataError&) {
   }
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void fuzz_route(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  pilotage::RouteOptions options;
+  RouteOptions options;
   // Without the option most files end at "relative to home"; with it more of the code is reached.
   options.agl_m = size % 2 == 0 ? std::optional<double>(100) : std::nullopt;
   try {
-    check_route(pilotage::parse_route("fuzz", bytes, options));
-  } catch (const pilotage::DataError&) {
+    check_route(parse_route("fuzz", bytes, options));
+  } catch (const DataError&) {
   }
-  return 0;
 }
+
+}  // namespace pilotage

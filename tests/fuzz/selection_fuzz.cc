@@ -2,11 +2,15 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "fuzz/fuzz_targets.h"
 #include "fuzz/json_file.h"
 
 #include "pilotage/mission/selection_file.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  pilotage::read_json_file_twice(data, size, pilotage::read_selection, pilotage::selection_to_json);
-  return 0;
+namespace pilotage {
+
+void fuzz_selection(const std::uint8_t* data, std::size_t size) {
+  read_json_file_twice(data, size, read_selection, selection_to_json);
 }
+
+}  // namespace pilotage

@@ -5,27 +5,31 @@
 #include <cstdlib>
 #include <string>
 
+#include "fuzz/fuzz_targets.h"
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/file_digest.h"
 #include "pilotage/score/score_shard.h"
 
+namespace pilotage {
 namespace {
 
-void read(const std::string& bytes) {
+void read_shard(const std::string& bytes) {
   try {
-    const pilotage::ScoreShard shard = pilotage::score_shard_from_bytes("fuzz", bytes);
-    const std::string again = pilotage::score_shard_to_bytes(shard);
-    if (pilotage::score_shard_from_bytes("again", again).rows.size() != shard.rows.size()) std::abort();
-  } catch (const pilotage::DataError&) {
+    const ScoreShard shard = score_shard_from_bytes("fuzz", bytes);
+    const std::string again = score_shard_to_bytes(shard);
+    if (score_shard_from_bytes("again", again).rows.size() != shard.rows.size()) std::abort();
+  } catch (const DataError&) {
   }
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void fuzz_shard(const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
-  read(bytes);
+  read_shard(bytes);
   const std::string content = bytes.substr(0, size < 64 ? 0 : size - 64);
-  read(content + pilotage::bytes_digest(content));
-  return 0;
+  read_shard(content + bytes_digest(content));
 }
+
+}  // namespace pilotage

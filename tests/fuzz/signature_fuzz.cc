@@ -6,9 +6,12 @@
 #include <optional>
 #include <string>
 
+#include "fuzz/fuzz_targets.h"
+
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/minisign_secret_key.h"
 
+namespace pilotage {
 namespace {
 
 /// What `read` makes of the text, written by `write`; nothing when it is refused.
@@ -16,8 +19,8 @@ template <class Read, class Write>
 std::optional<std::string> read_and_write(const std::string& text, const Read& read, const Write& write) {
   try {
     return write(read(text));
-  } catch (const pilotage::DataError&) {
-  } catch (const pilotage::UsageError&) {
+  } catch (const DataError&) {
+  } catch (const UsageError&) {
   }
   return std::nullopt;
 }
@@ -28,14 +31,15 @@ std::string nothing(const auto&) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void fuzz_signature(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const auto as_public_key = [](const std::string& file) { return pilotage::parse_public_key(file, "fuzz"); };
-  const auto as_secret_key = [](const std::string& file) { return pilotage::parse_secret_key(file, {}, "fuzz"); };
-  const auto as_signature = [](const std::string& file) { return pilotage::parse_signature(file, "fuzz"); };
+  const auto as_public_key = [](const std::string& file) { return parse_public_key(file, "fuzz"); };
+  const auto as_secret_key = [](const std::string& file) { return parse_secret_key(file, {}, "fuzz"); };
+  const auto as_signature = [](const std::string& file) { return parse_signature(file, "fuzz"); };
   read_and_write(text, as_public_key, [](const auto& key) { return nothing(key); });
   read_and_write(text, as_secret_key, [](const auto& key) { return nothing(key); });
-  const auto written = read_and_write(text, as_signature, pilotage::format_signature_file);
-  if (written && read_and_write(*written, as_signature, pilotage::format_signature_file) != written) std::abort();
-  return 0;
+  const auto written = read_and_write(text, as_signature, format_signature_file);
+  if (written && read_and_write(*written, as_signature, format_signature_file) != written) std::abort();
 }
+
+}  // namespace pilotage

@@ -210,7 +210,7 @@ TEST(Match, TheCenterIsWhereTheCameraLooks) {
   EXPECT_LT(fix.center_covariance_en_m2.trace(), fix.covariance_en_m2.trace());
 }
 
-TEST(Match, AnyHeadingIsFound) {
+TEST(MatchThorough, AnyHeadingIsFound) {
   MatchOptions options;
   options.yaw_sigma_deg = 180;
   for (const double heading_deg : {15.0, 140.0, 265.0}) {
@@ -324,7 +324,7 @@ TEST(Match, ADeadlineOfNothingIsOutOfTimeBeforeAnything) {
   EXPECT_EQ(match(frame, prior_of(map, shot), map.ground.camera, reader, options).status, MatchStatus::kFix);
 }
 
-TEST(Match, WhoeverAsksToEndItIsHeardWhereverItIs) {
+TEST(MatchThorough, WhoeverAsksToEndItIsHeardWhereverItIs) {
   const Map& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   Shot shot;

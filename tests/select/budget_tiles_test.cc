@@ -125,7 +125,7 @@ TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {
   EXPECT_LE(lost / rounds, 0.02) << "mean over the cases";
 }
 
-TEST(BudgetTiles, BeatsTheOrderWhereGroundIsExpensive) {
+TEST(BudgetTilesThorough, BeatsTheOrderWhereGroundIsExpensive) {
   Random random(seed_from_name("BeatsTheOrderWhereGroundIsExpensive"));
   int better = 0;
   for (int round = 0; round < 4; ++round) {

@@ -213,7 +213,7 @@ TEST(DeniedStretches, FewestFixesAreTakenOnlyThere) {
   EXPECT_TRUE(fewest_fix_samples(mission, all, limit_m).empty());
 }
 
-TEST(DeniedStretches, ABudgetIsSpentThere) {
+TEST(DeniedStretchesThorough, ABudgetIsSpentThere) {
   Mission mission = denied_mission(6000, {{3000, 4600}});
   mission.flight.max_error_m = error_after_s(mission, 40);
   const std::vector<TileScores> scores = random_scores(mission, 0.5, 0.7, "ABudgetIsSpentThere");
@@ -263,7 +263,7 @@ std::vector<DeniedStretch> parts_of(const std::vector<DeniedStretch>& stretches,
 // The INS at a loss was once no better than at the start, so that less denial could give a smaller P: on the sample
 // 0.314 for 1 to 2.4 km and 0.957 for all of it. GNSS may only ever add. What is left is the merging of histories,
 // which is exact within some 0.03 (docs/methods/selection.md).
-TEST(DeniedStretches, LessDenialIsNeverWorse) {
+TEST(DeniedStretchesThorough, LessDenialIsNeverWorse) {
   const std::pair<InsGrade, double> grades[] = {{InsGrade::kConsumer, 12},
                                                 {InsGrade::kIndustrial, 20},
                                                 {InsGrade::kTactical, 40},
@@ -319,7 +319,7 @@ TEST(DeniedStretches, FixesBeforeALossAreNotForgotten) {
 }
 
 // Every point alone, as a plan that is denied from there to the end, must give the same.
-TEST(LossAnywhere, IsTheWorstOfAllSingleLosses) {
+TEST(LossAnywhereThorough, IsTheWorstOfAllSingleLosses) {
   Mission mission = straight_mission(1600, 50, 2);
   mission.flight.max_error_m = error_after_s(mission, 25);
   std::vector<TileScores> scores = random_scores(mission, 0.2, 0.8, "LossAnywhere");

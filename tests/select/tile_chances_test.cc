@@ -106,7 +106,7 @@ TEST(RouteOverLevels, ASharedLevelHoldsAChainOfTriesBack) {
   }
 }
 
-TEST(RouteOverLevels, AFixMoreLikelyNeverHurts) {
+TEST(RouteOverLevelsThorough, AFixMoreLikelyNeverHurts) {
   const Mission mission = testing::straight_mission(4000, 50);
   double before = 0;
   for (double p = 0.2; p < 0.96; p += 0.05) {

@@ -145,7 +145,7 @@ DrawnErrors fly_drawn(const InsErrorModel& model, std::uint64_t seed) {
   return drawn;
 }
 
-TEST(DrawnErrors, AgreeWithTheFilterThatFlies) {
+TEST(DrawnErrorsThorough, AgreeWithTheFilterThatFlies) {
   constexpr std::size_t kRuns = 300;
   for (const InsGrade grade : {InsGrade::kIndustrial, InsGrade::kTactical}) {
     const InsErrorModel model = drawn_model(grade);

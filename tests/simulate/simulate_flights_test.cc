@@ -159,7 +159,7 @@ TEST(SimulateFlights, BesideTheStripThereIsNoFix) {
   EXPECT_LT(found.within.share(), found.planned_p);
 }
 
-TEST(SimulateFlights, GnssIsLostWhereItIsSaid) {
+TEST(SimulateFlightsThorough, GnssIsLostWhereItIsSaid) {
   const Case made = case_of(0.35);
   SimulateOptions options = as_planned(500);
   const double all_the_way = made.fly(options).within.share();
@@ -172,7 +172,7 @@ TEST(SimulateFlights, GnssIsLostWhereItIsSaid) {
   EXPECT_THROW(made.fly(options), UsageError);
 }
 
-TEST(SimulateFlights, FalseFixesAndWindDoHarm) {
+TEST(SimulateFlightsThorough, FalseFixesAndWindDoHarm) {
   const Case made = case_of(0.35);
   SimulateOptions options = as_planned(1000);
   options.false_fix_rate = 0.5;
@@ -220,7 +220,7 @@ TEST(SimulateFlights, SaysWhatThePlanDoesNotKnow) {
   EXPECT_LT(shifted.as_planned->cost, shifted.as_planned->cost_interval.high);
 }
 
-TEST(SimulateFlights, FindsTheWorstPlaceToLoseGnss) {
+TEST(SimulateFlightsThorough, FindsTheWorstPlaceToLoseGnss) {
   const Case made = case_of(0.35);
   SimulateOptions options = as_planned(300);
   options.lost_every_km = 1.5;

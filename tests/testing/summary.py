@@ -1,10 +1,11 @@
-"""Closing lines of tools/test: what was skipped and why, what failed, and `N passed, N failed, N skipped`.
+"""Closing lines of tools/test: what was skipped and why, what failed, what each tier came to, and `N passed, N failed, N skipped`.
 
 summary.py FOLDER
 
 FOLDER is Testing/ of a build tree: junit.xml there is what ctest wrote with --output-junit, cases/<name of the test>.xml what a
-GoogleTest program did, and left_out.json the tests that unchanged.py found to need no second run, with their numbers of cases. A GoogleTest program counts as its cases, any other test of ctest as one; a program that ended without
-telling its cases counts as one that failed. Exits with 1 when something failed or nothing was run."""
+GoogleTest program did, and left_out.json the tests that unchanged.py found to need no second run, with their numbers of cases. A
+GoogleTest program counts as its cases, any other test of ctest as one; a program that ended without telling its cases counts as one
+that failed. Tests with the label "thorough" are of the second tier. Exits with 1 when something failed or nothing was run."""
 
 import collections
 import json
@@ -58,11 +59,34 @@ def outcomes_of(test, cases):
     return [Outcome(name, "failed", "")]
 
 
+def tests_of(junit):
+    """What ctest tells of each test; nothing when it ran nothing, because it refused its arguments."""
+    return ElementTree.parse(junit).getroot().iter("testcase") if junit.exists() else []
+
+
 def outcomes_by_test(junit, cases):
-    """By the name of the test; nothing when ctest ran nothing, because it refused its arguments."""
-    if not junit.exists():
-        return {}
-    return {test.get("name"): outcomes_of(test, cases) for test in ElementTree.parse(junit).getroot().iter("testcase")}
+    """By the name of the test."""
+    return {test.get("name"): outcomes_of(test, cases) for test in tests_of(junit)}
+
+
+def is_thorough(test):
+    return any("thorough" in one.get("value").split(";") for one in test.iter("property") if one.get("name") == "cmake_labels")
+
+
+def counts_told(outcomes, earlier=0):
+    count = collections.Counter(outcome.state for outcome in outcomes)
+    return f"{count['passed'] + earlier} passed, {count['failed']} failed, {count['skipped']} skipped"
+
+
+def print_tiers(junit, by_test):
+    """A line for each tier, when both ran."""
+    thorough = {test.get("name") for test in tests_of(junit) if is_thorough(test)}
+    if not thorough or len(thorough) == len(by_test):
+        return
+    print()
+    for tier, names in (("First tier", by_test.keys() - thorough), ("Second tier", thorough)):
+        outcomes = [outcome for name in names for outcome in by_test[name]]
+        print(f"{tier}, {len(names)} tests: {counts_told(outcomes)}")
 
 
 def print_skipped(outcomes):
@@ -80,7 +104,8 @@ def print_skipped(outcomes):
 
 def main(testing):
     testing = pathlib.Path(testing)
-    outcomes = [outcome for found in outcomes_by_test(testing / "junit.xml", testing / "cases").values() for outcome in found]
+    by_test = outcomes_by_test(testing / "junit.xml", testing / "cases")
+    outcomes = [outcome for found in by_test.values() for outcome in found]
     left_out = json.loads((testing / "left_out.json").read_text(encoding="utf-8")) if (testing / "left_out.json").exists() else {}
     print_skipped([outcome for outcome in outcomes if outcome.state == "skipped"])
     failed = sorted(outcome.name for outcome in outcomes if outcome.state == "failed")
@@ -88,12 +113,13 @@ def main(testing):
         print("\nFailed:")
         for name in failed:
             print(f"  {name}")
-    count = collections.Counter(outcome.state for outcome in outcomes)
+    left_out = {name: cases for name, cases in left_out.items() if name not in by_test}  # what a fixture makes may have run again
     earlier = sum(left_out.values())
     if earlier:
         print(f"\n{earlier} of the passed ones, in {len(left_out)} tests, ran before with the same program, files and packages; "
               "tools/test --all runs them again.")
-    print(f"\n{count['passed'] + earlier} passed, {count['failed']} failed, {count['skipped']} skipped")
+    print_tiers(testing / "junit.xml", by_test)
+    print(f"\n{counts_told(outcomes, earlier)}")
     return 1 if failed or not outcomes else 0
 
 

@@ -83,6 +83,14 @@ class Summary(unittest.TestCase):
         self.assertEqual((code, lines[-1]), (0, "75 passed, 0 failed, 2 skipped"))
         self.assertTrue(lines[-3].startswith("71 of the passed ones, in 2 tests, ran before"), lines[-3])
 
+    def test_tiers_are_told_when_both_ran(self):
+        more = ('<testcase name="accept.install" status="run">'
+                '<properties><property name="cmake_labels" value="accept;thorough"/></properties></testcase>')
+        _, lines = self.tell(JUNIT.format(match="run", more=more), geo=GEO)
+        self.assertEqual(lines[-4:-2], ["First tier, 4 tests: 4 passed, 0 failed, 2 skipped",
+                                        "Second tier, 1 tests: 1 passed, 0 failed, 0 skipped"])
+        self.assertEqual(lines[-1], "5 passed, 0 failed, 2 skipped")
+
     def test_nothing_run_is_a_failure(self):
         for junit in ("<testsuite/>", None):
             code, lines = self.tell(junit)

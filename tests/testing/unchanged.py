@@ -1,4 +1,4 @@
-"""Which tests need not run again: those that passed, with nothing skipped, when all that decides their outcome was the same.
+"""Which tests of the first tier need not run again: those that passed, with nothing skipped, when all that decides their outcome was the same.
 
 unchanged.py list BUILD      prints a regular expression of them for ctest -E, and notes them in BUILD/Testing/left_out.json
 unchanged.py record BUILD    notes what passed in the run that BUILD/Testing/junit.xml tells of; `list` must have run before it
@@ -47,7 +47,7 @@ def imagery_listing():
 
 
 def digests_of_tests(build, source):
-    """Of every test that is not a lint: all that decides its outcome, as one digest."""
+    """Of every test that is neither a lint nor of the second tier: all that decides its outcome, as one digest."""
     told = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], stdout=subprocess.PIPE, check=True).stdout
     files = [(path, digest_of_file(path)) for path in repository_files(source)]
     whole = [(str(path), digest) for path, digest in files]
@@ -64,7 +64,7 @@ def digests_of_tests(build, source):
     result = {}
     for test in json.loads(told)["tests"]:
         labels = {label for one in test["properties"] if one["name"] == "LABELS" for label in one["value"]}
-        if "lint" in labels or "command" not in test:
+        if labels & {"lint", "thorough"} or "command" not in test:
             continue
         own = [argument for argument in test["command"] if os.path.isfile(argument)]
         if not labels & LINKED:

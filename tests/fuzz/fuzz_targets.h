@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace pilotage {
+
+// Each takes any bytes, whatever they are, and aborts where something does not hold. fuzz_<name> is in <name>_fuzz.cc.
+void fuzz_airsim(const std::uint8_t* data, std::size_t size);
+void fuzz_airsim_recording(const std::uint8_t* data, std::size_t size);
+void fuzz_camera(const std::uint8_t* data, std::size_t size);
+void fuzz_chunks(const std::uint8_t* data, std::size_t size);
+void fuzz_dataflash(const std::uint8_t* data, std::size_t size);
+void fuzz_frames(const std::uint8_t* data, std::size_t size);
+void fuzz_key_list(const std::uint8_t* data, std::size_t size);
+void fuzz_map(const std::uint8_t* data, std::size_t size);
+void fuzz_match(const std::uint8_t* data, std::size_t size);
+void fuzz_model(const std::uint8_t* data, std::size_t size);
+void fuzz_options(const std::uint8_t* data, std::size_t size);
+void fuzz_plan(const std::uint8_t* data, std::size_t size);
+void fuzz_route(const std::uint8_t* data, std::size_t size);
+void fuzz_selection(const std::uint8_t* data, std::size_t size);
+void fuzz_shard(const std::uint8_t* data, std::size_t size);
+void fuzz_signature(const std::uint8_t* data, std::size_t size);
+void fuzz_telemetry(const std::uint8_t* data, std::size_t size);
+void fuzz_tiles(const std::uint8_t* data, std::size_t size);
+void fuzz_ulog(const std::uint8_t* data, std::size_t size);
+
+struct FuzzTarget {
+  std::string_view name;
+  void (*run)(const std::uint8_t* data, std::size_t size);
+};
+
+inline constexpr FuzzTarget kFuzzTargets[] = {
+    {"airsim", fuzz_airsim},       {"airsim_recording", fuzz_airsim_recording},
+    {"camera", fuzz_camera},       {"chunks", fuzz_chunks},
+    {"dataflash", fuzz_dataflash}, {"frames", fuzz_frames},
+    {"key_list", fuzz_key_list},   {"map", fuzz_map},
+    {"match", fuzz_match},         {"model", fuzz_model},
+    {"options", fuzz_options},     {"plan", fuzz_plan},
+    {"route", fuzz_route},         {"selection", fuzz_selection},
+    {"shard", fuzz_shard},         {"signature", fuzz_signature},
+    {"telemetry", fuzz_telemetry}, {"tiles", fuzz_tiles},
+    {"ulog", fuzz_ulog},
+};
+
+/// Aborts when `condition` does not hold, saying what should have held.
+inline void require(bool condition, const char* what) {
+  if (condition) return;
+  std::fprintf(stderr, "not so: %s\n", what);
+  std::abort();
+}
+
+}  // namespace pilotage
