@@ -13,7 +13,7 @@
 namespace pilotage {
 namespace {
 
-TEST(ReportInQgis, OpensStyled) {
+TEST(ReportInQgisThorough, OpensStyled) {
   // Looked for as a file: importing QGIS loads a hundred libraries.
   if (!std::filesystem::exists("/usr/lib/python3/dist-packages/qgis/core")) {
     GTEST_SKIP() << "QGIS is not installed: apt-get install python3-qgis";
