@@ -1,6 +1,6 @@
 # Somebody else's project, tests/accept/find_package, built and run against an installed tree: that of accept.install, or
 # with WHAT=onboard_only an onboard library that is built here, with GDAL and all other libraries of the ground out of
-# reach. Input: SOURCE, BUILD, INSTALLED, WHAT, SANITIZE, GENERATOR, CXX, LAUNCHER.
+# reach. Input: SOURCE, BUILD, INSTALLED, WHAT, SANITIZE, GENERATOR, CXX, LAUNCHER, JOBS.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -21,8 +21,10 @@ if(WHAT STREQUAL "onboard_only")
   foreach(package GDAL nlohmann_json Ceres CLI11 GTest)
     list(APPEND common -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
-  run(${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build ${common} -DPILOTAGE_ONBOARD_ONLY=ON -DPILOTAGE_SANITIZE=${SANITIZE})
-  run(${CMAKE_COMMAND} --build ${work}/build)
+  # What is looked for is missing sources, headers and libraries: nothing is optimised.
+  run(${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build ${common} -DPILOTAGE_ONBOARD_ONLY=ON -DPILOTAGE_SANITIZE=${SANITIZE}
+      -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0)
+  run(${CMAKE_COMMAND} --build ${work}/build --parallel ${JOBS})
   run(${CMAKE_COMMAND} --install ${work}/build --prefix ${prefix})
 else()
   set(component prep)
@@ -34,5 +36,5 @@ if(SANITIZE)
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/accept/find_package -B ${work}/consumer ${common}
     -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=${component})
-run(${CMAKE_COMMAND} --build ${work}/consumer)
+run(${CMAKE_COMMAND} --build ${work}/consumer --parallel ${JOBS})
 run(${work}/consumer/use_${component} ${SOURCE}/tests/fuzz/corpus/map/two_levels ${SOURCE}/README.md)

@@ -1,4 +1,5 @@
-# Builds the tests of the target sanitized_tests by the preset asan (build/asan), and runs them: JOBS at a time, in the source folder.
+# Builds the tests of the target sanitized_tests by the preset sanitized (build/sanitized), and runs them: JOBS at a time, in the
+# source folder.
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)
@@ -7,6 +8,6 @@ function(run)
   endif()
 endfunction()
 
-run(${CMAKE_COMMAND} --preset asan -DBUILD_TESTING=ON)
-run(${CMAKE_COMMAND} --build --preset asan --target sanitized_tests -- -j ${JOBS})
-run(${CMAKE_CTEST_COMMAND} --preset asan -L sanitized -j ${JOBS} --no-tests=error)
+run(${CMAKE_COMMAND} --preset sanitized -DBUILD_TESTING=ON)
+run(${CMAKE_COMMAND} --build --preset sanitized --target sanitized_tests -- -j ${JOBS})
+run(${CMAKE_CTEST_COMMAND} --preset sanitized -L sanitized -j ${JOBS} --no-tests=error)

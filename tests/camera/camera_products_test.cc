@@ -5,6 +5,7 @@
 #include <string>
 
 #include "testing/error_of.h"
+#include "testing/source_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -76,7 +77,7 @@ TEST(CameraProducts, ANameExcludesFigures) {
 }
 
 TEST(CameraProducts, ThePageNamesEach) {
-  const std::string page = read_file(PILOTAGE_SOURCE_DIR "/docs/methods/products.md");
+  const std::string page = read_file(testing::source_folder() / "docs/methods/products.md");
   for (const CameraProduct& product : camera_products()) {
     EXPECT_THAT(page, HasSubstr("| " + std::string(product.name) + " |"));
     EXPECT_THAT(page, HasSubstr(std::string(product.source)));

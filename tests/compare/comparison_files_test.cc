@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "compare/sample_comparison.h"
+#include "testing/source_folder.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ ComparisonSource source() {
 
 bool follows_schema(const nlohmann::ordered_json& json) {
   const auto schema_json =
-      nlohmann::json::parse(read_file(std::string(PILOTAGE_SOURCE_DIR) + "/schemas/comparison.schema.json"));
+      nlohmann::json::parse(read_file(testing::source_folder() / "schemas/comparison.schema.json"));
   valijson::Schema schema;
   valijson::SchemaParser parser;
   parser.populateSchema(Adapter(schema_json), schema);

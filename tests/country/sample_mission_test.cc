@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/source_folder.h"
 #include <GeographicLib/UTMUPS.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -20,7 +21,7 @@ namespace {
 using Eigen::Vector2d;
 
 std::string sample_file(const std::string& name) {
-  return read_file(std::string(PILOTAGE_SOURCE_DIR) + "/maps/sample/" + name);
+  return read_file(testing::source_folder() / ("maps/sample/" + name));
 }
 
 struct Flown {

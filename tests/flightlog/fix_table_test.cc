@@ -3,6 +3,7 @@
 #include <map>
 
 #include "flightlog/numbered_match.h"
+#include "testing/source_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -125,7 +126,7 @@ TEST(FixTable, WithoutTimingsOnlyThatColumnIsMissing) {
 }
 
 TEST(FixTable, EveryColumnIsSpecified) {
-  const std::string page = read_file(std::string(PILOTAGE_SOURCE_DIR) + "/schemas/fixes-csv.md");
+  const std::string page = read_file(testing::source_folder() / "schemas/fixes-csv.md");
   std::size_t place = 0;
   for (const FixColumn& column : fix_columns()) {
     const std::size_t found = page.find("\n| `" + column.name + "` |", place);

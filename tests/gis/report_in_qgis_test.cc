@@ -5,6 +5,7 @@
 
 #include "gis/gis_scene.h"
 #include "mapdb/run_command.h"
+#include "testing/source_folder.h"
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
 
@@ -21,9 +22,10 @@ TEST(ReportInQgisThorough, OpensStyled) {
   const testing::TemporaryFolder folder;
   const ReportInput input = testing::gis_scene();
   write_report_outputs(folder.path(), "report", input, make_report(input), {ReportOutput::kAll}, true);
-  const auto outcome = testing::run_command(
-      "QT_QPA_PLATFORM=offscreen XDG_RUNTIME_DIR=" + folder.path().string() + " HOME=" + folder.path().string() +
-      " timeout 120 /usr/bin/python3 " PILOTAGE_GIS_TESTS "/check_in_qgis.py " + folder.path().string());
+  const auto outcome = testing::run_command("QT_QPA_PLATFORM=offscreen XDG_RUNTIME_DIR=" + folder.path().string() +
+                                            " HOME=" + folder.path().string() + " timeout 120 /usr/bin/python3 " +
+                                            (testing::source_folder() / "tests/gis/check_in_qgis.py ").string() +
+                                            folder.path().string());
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("checked in QGIS 3."), std::string::npos) << outcome.output;
 }

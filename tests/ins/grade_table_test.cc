@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "testing/drift_after.h"
+#include "testing/source_folder.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/output_file.h"
@@ -26,7 +27,7 @@ std::vector<std::string> cells_of(const std::string& row) {
 
 // docs/methods/ins.md shows what the grades mean; its numbers are those of the code.
 TEST(GradeTable, OfTheDocsIsUpToDate) {
-  std::istringstream docs(read_file(std::filesystem::path(PILOTAGE_SOURCE_DIR) / "docs" / "methods" / "ins.md"));
+  std::istringstream docs(read_file(testing::source_folder() / "docs" / "methods" / "ins.md"));
   bool inside = false;
   int rows = 0;
   for (std::string line; std::getline(docs, line);) {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "testing/error_of.h"
+#include "testing/source_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,7 +104,7 @@ TEST(InsProducts, WordsSayWhatIsTaken) {
 }
 
 TEST(InsProducts, ThePageStatesTheFigures) {
-  const std::string page = read_file(PILOTAGE_SOURCE_DIR "/docs/methods/ins.md");
+  const std::string page = read_file(testing::source_folder() / "docs/methods/ins.md");
   const auto cell = [](double stated, int decimals) {
     return stated > 0 ? format_fixed(stated, decimals) : std::string("–");
   };

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "mapdb/small_map.h"
+#include "testing/source_folder.h"
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ void write_seed(const std::filesystem::path& path, const testing::SmallMapOption
 }
 
 TEST(MapCorpus, SeedsAreWholeMaps) {
-  const std::filesystem::path folder = std::filesystem::path(PILOTAGE_SOURCE_DIR) / "tests/fuzz/corpus/map";
+  const std::filesystem::path folder = testing::source_folder() / "tests/fuzz/corpus/map";
   testing::SmallMapOptions tiny;
   tiny.columns = tiny.rows = tiny.levels = 1;
   tiny.chips = false;

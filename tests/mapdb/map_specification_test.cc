@@ -6,6 +6,7 @@
 
 #include "mapdb/run_command.h"
 #include "mapdb/small_map.h"
+#include "testing/source_folder.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,7 +44,8 @@ TEST(MapSpecification, IsEnoughForAnotherReader) {
     const TileDescriptors d = *reader.descriptors(tile.tile_id, tile.level);
     for (std::size_t i = 0; i < d.features.size(); ++i) ours += line_of(d, i);
   }
-  const std::string command = "/usr/bin/python3 " PILOTAGE_SOURCE_DIR "/tests/mapdb/check_by_specification.py ";
+  const std::string command =
+      "/usr/bin/python3 " + (testing::source_folder() / "tests/mapdb/check_by_specification.py ").string();
   const auto outcome = run_command(command + path.string());
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_EQ(outcome.output, ours);

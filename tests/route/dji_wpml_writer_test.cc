@@ -4,6 +4,7 @@
 #include <string>
 
 #include "route/route_files.h"
+#include "testing/source_folder.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -79,7 +80,7 @@ TEST(DjiWpmlWriter, APlanComesBackWithItsLineHeightsAndSpeeds) {
   RouteOptions options;
   options.home_amsl_m = 400;
   options.speed_mps = 14;
-  const Route route = read_route(std::filesystem::path(PILOTAGE_SOURCE_DIR) / "maps/sample/route.plan", options);
+  const Route route = read_route(testing::source_folder() / "maps/sample/route.plan", options);
   const Route back = read_back(route);
   EXPECT_EQ(back.format, "DJI mission (KMZ)");
   expect_same_line(route, back);

@@ -4,13 +4,14 @@
 #include <string>
 
 #include "testing/error_of.h"
+#include "testing/source_folder.h"
 
 #include "pilotage/route/read_route.h"
 
 namespace pilotage::testing {
 
 inline std::filesystem::path route_file(const std::string& name) {
-  return std::filesystem::path(PILOTAGE_SOURCE_DIR) / "tests" / "data" / "routes" / name;
+  return testing::source_folder() / "tests" / "data" / "routes" / name;
 }
 
 /// The message of the DataError or UsageError that reading the text throws, "" when it throws none.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "testing/source_folder.h"
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
@@ -35,7 +36,7 @@ void spell_out_references(json& node, const std::string& name) {
 }
 
 json read_schema(const std::string& name) {
-  json schema = json::parse(read_file(std::string(PILOTAGE_SOURCE_DIR) + "/schemas/" + name));
+  json schema = json::parse(read_file(testing::source_folder() / ("schemas/" + name)));
   schema.erase("$id");
   spell_out_references(schema, name);
   return schema;

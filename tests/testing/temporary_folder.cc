@@ -5,6 +5,8 @@
 #include <string>
 #include <system_error>
 
+#include "testing/source_folder.h"
+
 namespace pilotage::testing {
 
 TemporaryFolder::TemporaryFolder() {
@@ -26,7 +28,7 @@ std::filesystem::path real_data_folder() {
     }
     return folder;
   }
-  const std::filesystem::path beside = std::filesystem::path(PILOTAGE_SOURCE_DIR) / "../shared/data";
+  const std::filesystem::path beside = testing::source_folder() / "../shared/data";
   return std::filesystem::is_directory(beside) ? beside : std::filesystem::path();
 }
 

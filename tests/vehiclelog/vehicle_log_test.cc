@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "testing/source_folder.h"
 #include "vehiclelog/log_writers.h"
 #include <gtest/gtest.h>
 
@@ -61,7 +62,7 @@ TEST(VehicleLog, DurationIsFromFirstToLast) {
 // PILOTAGE_WRITE_CORPUS=1 writes the files instead of comparing them.
 TEST(VehicleLog, FuzzCorpusIsWhatTheWritersWrite) {
   for (const std::string reader : {"ulog", "dataflash", "telemetry", "airsim_recording"}) {
-    const std::filesystem::path folder = std::filesystem::path(PILOTAGE_SOURCE_DIR) / "tests/fuzz/corpus" / reader;
+    const std::filesystem::path folder = testing::source_folder() / "tests/fuzz/corpus" / reader;
     for (const auto& [name, bytes] : fuzz_corpus(reader)) {
       if (std::getenv("PILOTAGE_WRITE_CORPUS") != nullptr) {
         std::filesystem::create_directories(folder);

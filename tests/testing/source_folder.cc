@@ -1,0 +1,9 @@
+#include "testing/source_folder.h"
+
+namespace pilotage::testing {
+
+std::filesystem::path source_folder() {
+  return PILOTAGE_SOURCE_DIR;
+}
+
+}  // namespace pilotage::testing
