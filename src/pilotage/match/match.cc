@@ -28,7 +28,9 @@ constexpr int kMinFeatures = 20;
 constexpr double kMinLead = 3;         // of the best place over its rival, in natural logarithms
 constexpr double kMinLeadShare = 0.2;  // likewise, of its own evidence: rows of trees are alike in all they show
 constexpr double kHeadingStepDeg = 10;
-constexpr double kKnownYawSigmaDeg = 3;    // up to it upright descriptors stand all turns of two standard deviations
+/// Up to this σ of yaw one search is enough: turns of two σ are within what upright descriptors tolerate. Above it
+/// headings are swept.
+constexpr double kKnownYawSigmaDeg = 3;
 constexpr double kFoundYawSigmaDeg = 1.5;  // of a heading that a sweep has found
 constexpr std::size_t kHeadingsLookedAtAgain = 3;
 

@@ -183,7 +183,8 @@ class GroupSearch {
     return {cell(std::floor(low) - kBlurReach), cell(std::floor(high) + kBlurReach)};
   }
 
-  /// Puts every pair where the group's middle moves it, and adds its votes to all cells that it can reach.
+  /// Places every pair by the group's middle turn and scale, and adds its weight to the bound of every cell that it may
+  /// reach by any turn and scale of the group.
   void bound_cells() {
     const std::size_t middle_yaw = (group_.first_yaw + group_.end_yaw - 1) / 2;
     const std::size_t middle_scale = (group_.first_scale + group_.end_scale - 1) / 2;

@@ -289,7 +289,8 @@ MissionCrs choose_mission_crs(const std::vector<GeodeticPoint>& route, double ha
             zone.name + ": its scale is within " + percent(zone.distortion) + " of true over the corridor"};
   }
   Candidate best = zone;
-  // From the simplest to the most general: one more general must be better by more than can matter.
+  // From the simplest to the most general: a candidate replaces a simpler one only where its scale is truer by more
+  // than kNegligible.
   for (auto& candidate :
        {transverse_mercator(points, middle), conformal_conic(points, middle), oblique_mercator(points)}) {
     if (candidate && candidate->distortion < best.distortion - kNegligible) best = *candidate;

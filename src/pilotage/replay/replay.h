@@ -24,9 +24,10 @@ struct FlownFixes {
   std::int64_t tries = 0;
   std::int64_t right = 0;  ///< Right fixes; those whose truth is not known are `unjudged`.
   std::int64_t unjudged = 0;
-  std::int64_t missed = 0;      ///< Over a stored tile, and no right fix came.
-  std::int64_t not_stored = 0;  ///< Over ground that is not stored, as the line is there (or nobody knows).
-  std::int64_t off_line = 0;    ///< The same, where the planned line is over a stored tile.
+  std::int64_t missed = 0;  ///< Over a stored tile, and no right fix came.
+  /// No right fix came, and no stored tile is known below the frame, nor below the planned line there.
+  std::int64_t not_stored = 0;
+  std::int64_t off_line = 0;  ///< The same, but the planned line is over a stored tile there.
   std::int64_t false_taken = 0;
   std::int64_t not_tried = 0;  ///< Frames that gave the matcher nothing to do; not among the tries.
 };

@@ -21,7 +21,8 @@ struct Label {
   std::uint32_t parent = kNoParent;
 };
 
-/// Of a label that has been looked at what tells most others apart: labels lie far from each other in memory.
+/// What decides most tests of dominance against a settled label, side by side for each place: the labels themselves lie
+/// far from each other in memory, and are read only where this does not decide.
 struct Settled {
   double cost_m = 0;
   double heading_rad = 0;

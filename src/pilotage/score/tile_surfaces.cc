@@ -11,8 +11,9 @@
 namespace pilotage {
 namespace {
 
-/// The map must be this smooth over half a step for surfaces of every second and every fourth lag: the steeper the tile
-/// that such a surface does not do justice, the more time the plain one costs.
+/// The least correlation of the map's pixels half a step apart, along the diagonals, for surfaces of every second (1
+/// px) and every fourth lag (2 px). A tile that is too steep for its lattice is correlated again at every lag by
+/// itself, which takes longer than to do all of them so: on rougher maps there would be too many such tiles.
 constexpr double kSmoothEnoughFor2 = 0.6;
 constexpr double kSmoothEnoughFor4 = 0.75;
 /// Smaller tiles and search areas are not worth two kinds of surfaces, and their mean and σ would suffer.

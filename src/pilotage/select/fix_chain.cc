@@ -6,12 +6,14 @@
 namespace pilotage {
 namespace {
 
-constexpr double kFaint = 1e-4;  // P of a fix where there is none, to learn the error after it
+/// The least P that an attempt is given while the chain is made, so that some flights have a fix there and show the
+/// error after it, even where no tile is stored.
+constexpr double kFaint = 1e-4;
 constexpr double kMeanWeight = 1e-3;
 constexpr double kNothing = 1e-12;  // of a group of flights: what is left of it is not followed
 
-// From one node to the next. Where GNSS is had between them: to where it comes back, with it to where it is lost again
-// (or to the node, where it is still had), and on from there.
+/// The way from one node to the next, in up to three parts: without GNSS to the first sample that has it, on to the
+/// last one that has it, and without it to the node. What is denied between those two samples is not looked at.
 struct NodeStep {
   struct WithGnss {
     std::size_t back = 0;

@@ -117,9 +117,11 @@ std::vector<bool> within_budget(const Chances& chances, const std::vector<TileSc
     best = filled;
     best_worth = filled_worth;
   };
+  // How far a flight gets after a fix is taken from flights over all wanted tiles first, which may be more than fit,
+  // then from flights over the best set so far.
   improve(best, wanted, false);
   improve(none, wanted, false);
-  improve(none, std::vector<bool>(best), false);  // knows better how far a flight gets
+  improve(none, std::vector<bool>(best), false);
   improve(std::vector<bool>(best), std::vector<bool>(best), true);
   return best;
 }
@@ -139,7 +141,8 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                                            survival.worst,
                                            {}};
   if (survival.p_at_level.size() > 1) {
-    // In the last digits a flight can do a little worse where fixes come more often: the interval is of P.
+    // More fixes should never make a flight worse, but branches are merged, so P at the higher level can come out a
+    // little smaller: the ends are sorted.
     const auto [low, high] = std::minmax(survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]);
     selection.probability->interval = ProbabilityInterval{low, high};
   }
