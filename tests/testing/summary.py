@@ -3,9 +3,10 @@
 summary.py FOLDER
 
 FOLDER is Testing/ of a build tree: junit.xml there is what ctest wrote with --output-junit, cases/<name of the test>.xml what a
-GoogleTest program did, and left_out.json the tests that unchanged.py found to need no second run, with their numbers of cases. A
-GoogleTest program counts as its cases, any other test of ctest as one; a program that ended without telling its cases counts as one
-that failed. Tests with the label "thorough" are of the second tier. Exits with 1 when something failed or nothing was run."""
+GoogleTest program did, left_out.json the tests that unchanged.py found to need no second run, with their numbers of cases, and
+thorough.json, where both tiers ran, what `ctest --show-only=json-v1 -L thorough` says of the second. A GoogleTest program counts as its
+cases, any other test of ctest as one; a program that ended without telling its cases counts as one that failed. Exits with 1 when
+something failed or nothing was run."""
 
 import collections
 import json
@@ -59,18 +60,11 @@ def outcomes_of(test, cases):
     return [Outcome(name, "failed", "")]
 
 
-def tests_of(junit):
-    """What ctest tells of each test; nothing when it ran nothing, because it refused its arguments."""
-    return ElementTree.parse(junit).getroot().iter("testcase") if junit.exists() else []
-
-
 def outcomes_by_test(junit, cases):
-    """By the name of the test."""
-    return {test.get("name"): outcomes_of(test, cases) for test in tests_of(junit)}
-
-
-def is_thorough(test):
-    return any("thorough" in one.get("value").split(";") for one in test.iter("property") if one.get("name") == "cmake_labels")
+    """By the name of the test; nothing when ctest ran nothing, because it refused its arguments."""
+    if not junit.exists():
+        return {}
+    return {test.get("name"): outcomes_of(test, cases) for test in ElementTree.parse(junit).getroot().iter("testcase")}
 
 
 def counts_told(outcomes, earlier=0):
@@ -78,11 +72,8 @@ def counts_told(outcomes, earlier=0):
     return f"{count['passed'] + earlier} passed, {count['failed']} failed, {count['skipped']} skipped"
 
 
-def print_tiers(junit, by_test):
-    """A line for each tier, when both ran."""
-    thorough = {test.get("name") for test in tests_of(junit) if is_thorough(test)}
-    if not thorough or len(thorough) == len(by_test):
-        return
+def print_tiers(by_test, thorough):
+    """A line for each tier; `thorough` are the names of the second's tests."""
     print()
     for tier, names in (("First tier", by_test.keys() - thorough), ("Second tier", thorough)):
         outcomes = [outcome for name in names for outcome in by_test[name]]
@@ -118,7 +109,9 @@ def main(testing):
     if earlier:
         print(f"\n{earlier} of the passed ones, in {len(left_out)} tests, ran before with the same program, files and packages; "
               "tools/test --all runs them again.")
-    print_tiers(testing / "junit.xml", by_test)
+    if (testing / "thorough.json").exists():
+        told = json.loads((testing / "thorough.json").read_text(encoding="utf-8"))
+        print_tiers(by_test, by_test.keys() & {test["name"] for test in told["tests"]})
     print(f"\n{counts_told(outcomes, earlier)}")
     return 1 if failed or not outcomes else 0
 

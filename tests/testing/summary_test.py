@@ -32,7 +32,7 @@ BAD_GEO = """<testsuites><testsuite name="Frame">
 
 
 class Summary(unittest.TestCase):
-    def tell(self, junit, left_out=None, **cases):
+    def tell(self, junit, left_out=None, thorough=None, **cases):
         """The exit code and the lines for a run of ctest and the XML of its GoogleTest programs."""
         with tempfile.TemporaryDirectory() as folder:
             testing = pathlib.Path(folder)
@@ -41,6 +41,9 @@ class Summary(unittest.TestCase):
                 (testing / "junit.xml").write_text(junit, encoding="utf-8")
             if left_out:
                 (testing / "left_out.json").write_text(json.dumps(left_out), encoding="utf-8")
+            if thorough:
+                told = {"tests": [{"name": name} for name in thorough]}
+                (testing / "thorough.json").write_text(json.dumps(told), encoding="utf-8")
             for name, text in cases.items():
                 (testing / f"cases/{name}.unit.xml").write_text(text, encoding="utf-8")
             said = io.StringIO()
@@ -84,9 +87,8 @@ class Summary(unittest.TestCase):
         self.assertTrue(lines[-3].startswith("71 of the passed ones, in 2 tests, ran before"), lines[-3])
 
     def test_tiers_are_told_when_both_ran(self):
-        more = ('<testcase name="accept.install" status="run">'
-                '<properties><property name="cmake_labels" value="accept;thorough"/></properties></testcase>')
-        _, lines = self.tell(JUNIT.format(match="run", more=more), geo=GEO)
+        more = '<testcase name="accept.install" status="run"/>'
+        _, lines = self.tell(JUNIT.format(match="run", more=more), thorough=["accept.install"], geo=GEO)
         self.assertEqual(lines[-4:-2], ["First tier, 4 tests: 4 passed, 0 failed, 2 skipped",
                                         "Second tier, 1 tests: 1 passed, 0 failed, 0 skipped"])
         self.assertEqual(lines[-1], "5 passed, 0 failed, 2 skipped")
