@@ -6,6 +6,7 @@
 #include <new>
 #include <thread>
 
+#include "match/shot.h"
 #include "testing/temporary_folder.h"
 #include "testing/textured_map.h"
 #include <Eigen/LU>
@@ -22,75 +23,18 @@
 namespace pilotage {
 namespace {
 
+using testing::match_shot;
+using testing::prior_of;
+using testing::Shot;
+using testing::ShotAnswer;
+using testing::ShotMap;
 using testing::TemporaryFolder;
 using testing::TexturedGround;
 
 /// A map of texture, made once for all tests.
-struct Map {
-  Map() {
-    path = folder / "map.gpkg";
-    testing::write_textured_map(path, ground, FeatureOptions());
-  }
-  GeodeticPoint place(double east_m, double north_m) const {
-    return LocalFrame(ground.center).geodetic_from_enu({east_m, north_m, 0});
-  }
-
-  TemporaryFolder folder;
-  TexturedGround ground = testing::make_textured_ground();
-  std::filesystem::path path;
-};
-
-const Map& textured_map() {
-  static const Map kMap;
+const ShotMap& textured_map() {
+  static const ShotMap kMap(testing::make_textured_ground());
   return kMap;
-}
-
-/// Where the aircraft is, and what it believes.
-struct Shot {
-  double east_m = 0;
-  double north_m = 0;
-  Attitude attitude;
-  double height_m = 60;
-  double focal_px = 140;  // 69 m wide
-  CameraMount mount;
-  Eigen::Vector2d prior_off_m{6, -8};
-  Attitude attitude_off;
-  double height_ratio = 1;  ///< Of the prior to the truth.
-};
-
-struct Answer {
-  MatchResult result;
-  Eigen::Vector2d error_m{kNaN, kNaN};         ///< Of position.
-  Eigen::Vector2d center_error_m{kNaN, kNaN};  ///< Of the ground under the principal point.
-};
-
-MatchPrior prior_of(const Map& map, const Shot& shot) {
-  MatchPrior prior;
-  prior.position = map.place(shot.east_m + shot.prior_off_m.x(), shot.north_m + shot.prior_off_m.y());
-  prior.covariance_en_m2 = isotropic_covariance_m2(10);
-  prior.height_agl_m = shot.height_m * shot.height_ratio;
-  prior.attitude = {shot.attitude.yaw_deg + shot.attitude_off.yaw_deg,
-                    shot.attitude.pitch_deg + shot.attitude_off.pitch_deg,
-                    shot.attitude.roll_deg + shot.attitude_off.roll_deg};
-  return prior;
-}
-
-Answer match_shot(const Map& map, const Shot& shot, const MatchOptions& options = {}) {
-  TexturedGround ground = map.ground;
-  ground.camera.mount = shot.mount;
-  ground.camera.fx_px = ground.camera.fy_px = shot.focal_px;
-  const cv::Mat frame = testing::frame_over(ground, shot.east_m, shot.north_m, shot.attitude, shot.height_m).gray;
-  MapReader reader = MapReader::open_unverified(map.path);
-  Answer answer;
-  answer.result = match(frame, prior_of(map, shot), ground.camera, reader, options);
-  if (!answer.result.fix) return answer;
-  const LocalFrame enu(map.ground.center);
-  const Eigen::Vector2d truth_m(shot.east_m, shot.north_m);
-  const auto view = make_view(ground.camera, shot.attitude, shot.height_m);
-  const Eigen::Vector2d center_m = *ground_from_pixel(*view, {ground.camera.cx_px, ground.camera.cy_px});
-  answer.error_m = enu.enu_from_geodetic(answer.result.fix->position).head<2>() - truth_m;
-  answer.center_error_m = enu.enu_from_geodetic(answer.result.fix->center).head<2>() - truth_m - center_m;
-  return answer;
 }
 
 double turn_between_deg(double a_deg, double b_deg) {
@@ -103,7 +47,7 @@ TEST(Match, AKnownPoseIsFound) {
     shot.east_m = 7;
     shot.north_m = -11;
     shot.attitude.yaw_deg = heading_deg;
-    const Answer answer = match_shot(textured_map(), shot);
+    const ShotAnswer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg;
     const Fix& fix = *answer.result.fix;
     EXPECT_LT(answer.error_m.norm(), 0.7) << heading_deg;
@@ -134,7 +78,7 @@ TEST(Match, ErrorsOfThePriorAreMended) {
     shot.attitude_off = {random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5)};
     shot.height_m = random.uniform(55, 65);
     shot.height_ratio = random.uniform(0.95, 1.05);
-    const Answer answer = match_shot(textured_map(), shot);
+    const ShotAnswer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << i;
     const Fix& fix = *answer.result.fix;
     EXPECT_LT(answer.error_m.norm(), 1) << i;
@@ -160,7 +104,7 @@ TEST(Match, EachErrorOfTheAttitudeIsMendedWithItsSign) {
         MatchOptions options;
         options.attitude_sigma_deg = 2;
         options.yaw_sigma_deg = 2;
-        const Answer answer = match_shot(textured_map(), shot, options);
+        const ShotAnswer answer = match_shot(textured_map(), shot, options);
         ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg << " " << axis;
         const Fix& fix = *answer.result.fix;
         EXPECT_LT(turn_between_deg(fix.yaw_deg, heading_deg), 0.5) << heading_deg << " " << axis;
@@ -177,7 +121,7 @@ TEST(Match, HeightIsMended) {
     Shot shot;
     shot.attitude.yaw_deg = 33;
     shot.height_ratio = ratio;
-    const Answer answer = match_shot(textured_map(), shot);
+    const ShotAnswer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix);
     EXPECT_NEAR(answer.result.fix->height_agl_m, 60, 0.6);
     EXPECT_LT(answer.result.fix->height_sigma_m, 1);
@@ -189,7 +133,7 @@ TEST(Match, TheMountTurnsTheView) {
     Shot shot;
     shot.attitude = {70, 1, 2};
     shot.mount = mount;
-    const Answer answer = match_shot(textured_map(), shot);
+    const ShotAnswer answer = match_shot(textured_map(), shot);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << mount.pitch_deg;
     EXPECT_LT(answer.error_m.norm(), 1) << mount.pitch_deg;
     EXPECT_LT(answer.center_error_m.norm(), 0.4) << mount.pitch_deg;
@@ -200,7 +144,7 @@ TEST(Match, TheCenterIsWhereTheCameraLooks) {
   Shot shot;
   shot.attitude = {90, 0, 0};
   shot.mount.pitch_deg = 15;  // looks ahead, to the east
-  const Answer answer = match_shot(textured_map(), shot);
+  const ShotAnswer answer = match_shot(textured_map(), shot);
   ASSERT_EQ(answer.result.status, MatchStatus::kFix);
   const Fix& fix = *answer.result.fix;
   const GeodesicLeg leg = geodesic_between(fix.position, fix.center);
@@ -217,7 +161,7 @@ TEST(MatchThorough, AnyHeadingIsFound) {
     Shot shot;
     shot.attitude = {heading_deg, 2, -1};
     shot.attitude_off.yaw_deg = -heading_deg;  // the prior says north
-    const Answer answer = match_shot(textured_map(), shot, options);
+    const ShotAnswer answer = match_shot(textured_map(), shot, options);
     ASSERT_EQ(answer.result.status, MatchStatus::kFix) << heading_deg;
     EXPECT_LT(answer.error_m.norm(), 1) << heading_deg;
     EXPECT_LT(turn_between_deg(answer.result.fix->yaw_deg, heading_deg), 0.5) << heading_deg;
@@ -228,14 +172,14 @@ TEST(Match, APriorWrongByMoreThanTheWindowGivesNoFix) {
   for (const Eigen::Vector2d& off : {Eigen::Vector2d(55, 0), Eigen::Vector2d(0, -58), Eigen::Vector2d(-50, 50)}) {
     Shot shot;
     shot.prior_off_m = off;
-    const Answer answer = match_shot(textured_map(), shot);
+    const ShotAnswer answer = match_shot(textured_map(), shot);
     EXPECT_NE(answer.result.status, MatchStatus::kFix) << off.transpose();
     EXPECT_FALSE(answer.result.fix);
   }
 }
 
 TEST(Match, FramesOfOtherGroundGiveNoFix) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   TexturedGround other = map.ground;
   Raster mirrored{{}, {}, map.ground.gray.map_from_pixel};
   const Raster whole = map.ground.gray.read({0, 0, 384, 384});
@@ -256,7 +200,7 @@ TEST(Match, FramesOfOtherGroundGiveNoFix) {
 }
 
 TEST(Match, BadInputIsAStatus) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   const Shot shot;
   const Camera& camera = map.ground.camera;
@@ -309,7 +253,7 @@ TEST(Match, BadInputIsAStatus) {
 }
 
 TEST(Match, ADeadlineOfNothingIsOutOfTimeBeforeAnything) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   const Shot shot;
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
@@ -325,7 +269,7 @@ TEST(Match, ADeadlineOfNothingIsOutOfTimeBeforeAnything) {
 }
 
 TEST(MatchThorough, WhoeverAsksToEndItIsHeardWhereverItIs) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   Shot shot;
   MatchPrior prior = prior_of(map, shot);
@@ -345,7 +289,7 @@ TEST(MatchThorough, WhoeverAsksToEndItIsHeardWhereverItIs) {
 }
 
 TEST(Match, LessMemoryThanItIsMeantToTakeIsTooUncertain) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   const Shot shot;
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   const auto result = [&](double max_memory_mib) {
@@ -396,7 +340,7 @@ class ScarceMatrices : public cv::MatAllocator {
 };
 
 TEST(Match, SaysThatMemoryRanOutWhereverItDoes) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   const MatchPrior prior = prior_of(map, {});
   const int opencv_threads = cv::getNumThreads();
@@ -422,7 +366,7 @@ TEST(Match, SaysThatMemoryRanOutWhereverItDoes) {
 }
 
 TEST(Match, AWindowThatNobodyCanSearchIsTooUncertain) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   const cv::Mat frame = testing::frame_over(map.ground, 0, 0, {}, 60).gray;
   MatchPrior prior = prior_of(map, {});
@@ -440,7 +384,7 @@ TEST(Match, AWindowThatNobodyCanSearchIsTooUncertain) {
 }
 
 TEST(Match, AWideWindowFindsWhatANarrowOneDoes) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   MapReader reader = MapReader::open_unverified(map.path);
   for (const Eigen::Vector2d& truth_m : {Eigen::Vector2d(12, -9), Eigen::Vector2d(-20, 15)}) {
     Shot shot;
@@ -495,7 +439,7 @@ std::vector<double> numbers_of(const MatchResult& result) {
 
 // Frames that overlap, with a reader for each frame, with readers that keep all tiles, some and none.
 TEST(Match, TheCacheOfTilesChangesNoResult) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   MapReader keeps_all = MapReader::open_unverified(map.path);
   MapReader keeps_some = MapReader::open_unverified(map.path, 400'000);
   MapReader keeps_none = MapReader::open_unverified(map.path, 0);
@@ -517,7 +461,7 @@ TEST(Match, TheCacheOfTilesChangesNoResult) {
 }
 
 TEST(Match, TheSameWheneverAndFromWhicheverThread) {
-  const Map& map = textured_map();
+  const ShotMap& map = textured_map();
   Shot shot;
   shot.attitude = {123, 3, -2};
   shot.attitude_off = {1, -0.5, 0.7};

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/LU>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -67,7 +68,11 @@ MapTile tile_of(const TileMatrix& matrix, int column, int row, int tiles, const 
 }
 
 /// The features that lie in the tile, relative to it.
-TileDescriptors descriptors_of(const MapTile& tile, const PixelWindow& window, const FeatureSet& all) {
+TileDescriptors descriptors_of(const TexturedGround& ground, const MapTile& tile, const PixelWindow& window,
+                               const FeatureSet& all) {
+  const GroundPlace place = ground_place(ground.crs, ground.gray.map_from_pixel,
+                                         Eigen::Vector2d::Constant(static_cast<double>(ground.gray.width_px) / 2));
+  const Eigen::Matrix2d enu_from_pixel_m = place.pixel_from_enu_m.inverse();
   TileDescriptors stored;
   stored.tile_id = tile.tile_id;
   stored.window = window;
@@ -82,6 +87,11 @@ TileDescriptors descriptors_of(const MapTile& tile, const PixelWindow& window, c
     stored.features.features.push_back(feature);
     stored.features.descriptors.insert(stored.features.descriptors.end(), all.descriptor(i),
                                        all.descriptor(i) + all.descriptor_bytes);
+    if (!ground.height_m) continue;
+    const Eigen::Vector2d place_px(static_cast<double>(all.features[i].x_px),
+                                   static_cast<double>(all.features[i].y_px));
+    stored.ground_height_m.push_back(
+        static_cast<float>(ground.height_m(enu_from_pixel_m * (place_px - place.nadir_px))));
   }
   return stored;
 }
@@ -130,7 +140,7 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
     writer.add_tile(tiles.back(), {});
   }
   for (const MapTile& tile : tiles) {
-    writer.add_descriptors(descriptors_of(tile, matrix.tile_window(tile.column, tile.row), all));
+    writer.add_descriptors(descriptors_of(ground, tile, matrix.tile_window(tile.column, tile.row), all));
   }
   for (const MapTile& tile : tiles) {
     writer.add_chip(chip_of(tile, matrix.tile_window(tile.column, tile.row), ground.gray));
@@ -138,12 +148,22 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   writer.finish();
 }
 
+TerrainHeights terrain_below(const TexturedGround& ground, const Eigen::Vector2d& nadir_m, const View& view) {
+  return sample_terrain(view, 1, [&](const Eigen::Vector2d& off_m) {
+    return ground.height_m(nadir_m + off_m) - ground.height_m(nadir_m);
+  });
+}
+
 RenderedFrame frame_over(const TexturedGround& ground, double east_m, double north_m, const Attitude& attitude,
                          double agl_m) {
   GroundPlace place = ground_place(ground.crs, ground.gray.map_from_pixel,
                                    Eigen::Vector2d::Constant(static_cast<double>(ground.gray.width_px) / 2));
-  place.nadir_px = place.pixel_from_ground({east_m, north_m});
-  return render_frame(ground.gray, place, ground.camera, attitude, agl_m);
+  const Eigen::Vector2d nadir_m(east_m, north_m);
+  place.nadir_px = place.pixel_from_ground(nadir_m);
+  if (!ground.height_m) return render_frame(ground.gray, place, ground.camera, attitude, agl_m);
+  const auto view = make_view(ground.camera, attitude, agl_m);
+  const TerrainHeights terrain = terrain_below(ground, nadir_m, *view);
+  return render_terrain_frame(ground.gray, place, ground.camera, attitude, agl_m, terrain);
 }
 
 }  // namespace pilotage::testing

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
 #include "pilotage/camera/attitude.h"
 #include "pilotage/camera/camera.h"
+#include "pilotage/camera/projection.h"
 #include "pilotage/camera/render_frame.h"
+#include "pilotage/camera/terrain_heights.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/vision/features.h"
@@ -21,6 +25,8 @@ struct TexturedGround {
   GeodeticPoint center;
   Camera camera;     ///< 160 × 120 px, 69 m wide from agl_m.
   double agl_m = 0;  ///< The height that the map's one level is for.
+  /// Of the ground, at metres east and north of the centre; without it the ground is level and the map has no heights.
+  std::function<double(const Eigen::Vector2d&)> height_m;
 };
 
 TexturedGround make_textured_ground(int tiles = 3);
@@ -29,7 +35,10 @@ TexturedGround make_textured_ground(int tiles = 3);
 void write_textured_map(const std::filesystem::path& path, const TexturedGround& ground,
                         const FeatureOptions& features = {});
 
-/// What the camera sees from `east_m`, `north_m` of the centre.
+/// The heights that the camera may see from `nadir_m` east and north of the centre; `height_m` must be given.
+TerrainHeights terrain_below(const TexturedGround& ground, const Eigen::Vector2d& nadir_m, const View& view);
+
+/// What the camera sees from `east_m`, `north_m` of the centre, `agl_m` above the ground there.
 RenderedFrame frame_over(const TexturedGround& ground, double east_m, double north_m, const Attitude& attitude,
                          double agl_m);
 

@@ -15,10 +15,21 @@ struct Reach {
   double half_width_px;
 };
 
-Reach reach_in_frame(const PivotedFrame& frame, const SearchSpace& space, const Eigen::Vector2d& map_px) {
+Reach reach_in_frame(const PivotedFrame& frame, const SearchSpace& space, const Eigen::Vector2d& map_px,
+                     double stretch) {
   const double turned_px = frame.radius_px * (2 * space.yaw_sigma_rad + 2 * space.scale_sigma);
-  return {map_px - space.center_px + frame.pivot_px, space.half_width_px + turned_px};
+  const Eigen::Vector2d on_level = frame.stretched(map_px - space.center_px, 1 / stretch);
+  return {on_level + frame.pivot_px, space.half_width_px / stretch + turned_px};
 }
+
+/// Features of the map that vote: every stride-th from the first on, at most `count`.
+struct Voters {
+  std::size_t first;
+  std::size_t stride;
+  std::size_t count;
+
+  std::size_t of_map(std::size_t voter) const { return first + voter * stride; }
+};
 
 /// Of how many features of the map one votes.
 std::size_t vote_stride(const PivotedFrame& frame, std::size_t map_features) {
@@ -27,12 +38,11 @@ std::size_t vote_stride(const PivotedFrame& frame, std::size_t map_features) {
   return static_cast<std::size_t>(std::max(1.0, std::min(wanted, std::floor(points / kVotingPoints))));
 }
 
-/// The features first, first + stride, … of the map, at most `count` of them.
-FeatureSet every_nth(const FeatureSet& features, std::size_t first, std::size_t stride, std::size_t count) {
+FeatureSet features_of(const FeatureSet& features, const Voters& voters) {
   FeatureSet some;
   some.pattern = features.pattern;
   some.descriptor_bytes = features.descriptor_bytes;
-  for (std::size_t i = first; i < features.size() && some.size() < count; i += stride) {
+  for (std::size_t i = voters.first; i < features.size() && some.size() < voters.count; i += voters.stride) {
     some.features.push_back(features.features[i]);
     const std::uint8_t* const descriptor = features.descriptor(i);
     some.descriptors.insert(some.descriptors.end(), descriptor, descriptor + features.descriptor_bytes);
@@ -40,14 +50,17 @@ FeatureSet every_nth(const FeatureSet& features, std::size_t first, std::size_t 
   return some;
 }
 
-/// Of the nearest descriptors of the frame to each of `features`.
-void append_similar_pairs(const HammingIndex& index, const PivotedFrame& frame, const FeatureSet& features,
-                          const SearchSpace& space, std::vector<VotePair>& pairs) {
+/// Of the nearest descriptors of the frame to each voter.
+void append_similar_pairs(const HammingIndex& index, const PivotedFrame& frame, const LocalMap& map,
+                          const Voters& voters, const SearchSpace& space, std::vector<VotePair>& pairs) {
+  const FeatureSet features = features_of(map.features, voters);
   std::vector<HammingWindow> windows;
   windows.reserve(features.size());
-  for (const Feature& feature : features.features) {
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const Feature& feature = features.features[i];
     const Reach reach =
-        reach_in_frame(frame, space, {static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)});
+        reach_in_frame(frame, space, {static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)},
+                       map.stretch_of(voters.of_map(i)));
     windows.push_back({reach.center_px.x() - reach.half_width_px, reach.center_px.y() - reach.half_width_px,
                        reach.center_px.x() + reach.half_width_px, reach.center_px.y() + reach.half_width_px});
   }
@@ -60,10 +73,11 @@ void append_similar_pairs(const HammingIndex& index, const PivotedFrame& frame, 
       if (!match.found()) break;
       const Feature& of_frame = frame.grid.points.features[match.index];
       const double nearness = 1 - match.distance / limit_bits;
-      pairs.push_back(
-          {Eigen::Vector2d(static_cast<double>(of_frame.x_px), static_cast<double>(of_frame.y_px)) - frame.pivot_px,
-           {static_cast<double>(of_map.x_px), static_cast<double>(of_map.y_px)},
-           static_cast<std::int32_t>(std::lround(nearness * nearness * kVoteUnit))});
+      const Eigen::Vector2d from_pivot =
+          Eigen::Vector2d(static_cast<double>(of_frame.x_px), static_cast<double>(of_frame.y_px)) - frame.pivot_px;
+      pairs.push_back({frame.stretched(from_pivot, map.stretch_of(voters.of_map(i))),
+                       {static_cast<double>(of_map.x_px), static_cast<double>(of_map.y_px)},
+                       static_cast<std::int32_t>(std::lround(nearness * nearness * kVoteUnit))});
     }
   }
 }
@@ -95,7 +109,7 @@ std::vector<VotePair> similar_pairs(const PivotedFrame& frame, const LocalMap& m
   const HammingIndex index(frame.grid.points);
   std::vector<VotePair> pairs;
   for (std::size_t first = 0; first < map.features.size(); first += stride * together) {
-    append_similar_pairs(index, frame, every_nth(map.features, first, stride, together), space, pairs);
+    append_similar_pairs(index, frame, map, {first, stride, together}, space, pairs);
     pass(checkpoint);
   }
   keep_heaviest(pairs, most_vote_pairs(space));

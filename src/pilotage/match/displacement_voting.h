@@ -15,7 +15,14 @@ namespace pilotage {
 struct PivotedFrame {
   FrameGrid grid;
   Eigen::Vector2d pivot_px{0, 0};
-  double radius_px = 0;  ///< Largest distance of a described point from the pivot.
+  Eigen::Vector2d nadir_px{0, 0};  ///< The point straight below the camera.
+  double radius_px = 0;            ///< Largest distance of a described point from the pivot.
+
+  /// A place, from the pivot, moved away from the nadir: `stretch` times as far off.
+  Eigen::Vector2d stretched(const Eigen::Vector2d& from_pivot_px, double stretch) const {
+    const Eigen::Vector2d nadir_from_pivot_px = nadir_px - pivot_px;
+    return nadir_from_pivot_px + stretch * (from_pivot_px - nadir_from_pivot_px);
+  }
 };
 
 /// What is searched: all places whose centre lies in a square, and all turns and scales the prior allows.
@@ -29,8 +36,10 @@ struct SearchSpace {
 /// Displacement voting: each feature of the map is paired with the kVoteNeighbours nearest descriptors of the frame
 /// among those that would put the frame inside the search square, nearer than BinaryDescriptor::vote_distance; each
 /// pair adds (1 − distance/limit)² to a two-dimensional histogram of centres, one for each turn and scale on a grid
-/// fine enough that no pair moves by more than kVoteStepPx between neighbours. The highest `count` peaks are returned
-/// (vote_peaks.h). Cf. D. H. Ballard, "Generalizing the Hough transform", Pattern Recognition 13(2), 1981.
+/// fine enough that no pair moves by more than kVoteStepPx between neighbours (on level ground; over relief by
+/// Relief::stretch as much). A pair's point of the frame is taken where its ray meets ground as high as the map's
+/// feature, so all pairs of a place agree over relief, too. The highest `count` peaks are returned (vote_peaks.h). Cf.
+/// D. H. Ballard, "Generalizing the Hough transform", Pattern Recognition 13(2), 1981.
 ///
 /// Where that takes more than kVotingComparisons of descriptors, every second, third … feature of the map votes, as
 /// long as the frame has kVotingPoints points for each of them: a large frame shows more features than voting needs. Of

@@ -82,6 +82,7 @@ PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& option
   PivotedFrame frame;
   frame.grid = describe_frame_grid(rectified.frame, options, 2, checkpoint);
   frame.pivot_px = rectified.frame.pixel_from_ground(rectified.pivot_m);
+  frame.nadir_px = rectified.frame.pixel_from_ground({0, 0});
   for (const Feature& point : frame.grid.points.features) {
     const Eigen::Vector2d place(static_cast<double>(point.x_px), static_cast<double>(point.y_px));
     frame.radius_px = std::max(frame.radius_px, (place - frame.pivot_px).norm());
@@ -94,7 +95,8 @@ SearchSpace search_space(const FrameOnGrid& rectified, const LocalMap& map, cons
   space.center_px = rectified.prior_px + rectified.px_from_m(rectified.pivot_m) - map.reference_px;
   space.half_width_px = rectified.half_width_px;
   space.yaw_sigma_rad = options.yaw_sigma_deg * kRadPerDeg;
-  space.scale_sigma = options.height_sigma_fraction;
+  constexpr double kMostScaleSigma = 0.5;  // two of them: down to nothing
+  space.scale_sigma = std::min(std::hypot(options.height_sigma_fraction, map.relief.scale_sigma), kMostScaleSigma);
   return space;
 }
 

@@ -33,12 +33,15 @@ class GuidedSearch {
   /// The features of the map that may lie on a point of the frame, in their order: the others are too far from the
   /// centre for any turn.
   std::vector<std::size_t> features_within(const Placement& placement) const {
-    const double reach_px = placement.scale * (frame_.radius_px + frame_.grid.step_px);
+    const double level_reach_px = placement.scale * (frame_.radius_px + frame_.grid.step_px);
+    const double nadir_px = placement.scale * (frame_.nadir_px - frame_.pivot_px).norm();
     std::vector<std::size_t> within;
     for (std::size_t i = 0; i < map_.features.size(); ++i) {
       const Feature& feature = map_.features.features[i];
       const double dx = static_cast<double>(feature.x_px) - placement.center_px.x();
       const double dy = static_cast<double>(feature.y_px) - placement.center_px.y();
+      const double stretch = map_.stretch_of(i);
+      const double reach_px = stretch * level_reach_px + std::abs(1 - stretch) * nadir_px;
       if (dx * dx + dy * dy <= reach_px * reach_px) within.push_back(i);
     }
     return within;
@@ -52,7 +55,9 @@ class GuidedSearch {
     GuidedPair pair;
     pair.map_feature = feature;
     pair.map_px = {static_cast<double>(of_map.x_px), static_cast<double>(of_map.y_px)};
-    const Eigen::Vector2d expected = placement.frame_from_map(pair.map_px) + frame_.pivot_px;
+    const double stretch = map_.stretch_of(feature);
+    const Eigen::Vector2d expected =
+        frame_.stretched(placement.frame_from_map(pair.map_px), 1 / stretch) + frame_.pivot_px;
     const double column = std::round((expected.x() - 0.5) / grid.step_px);
     const double row = std::round((expected.y() - 0.5) / grid.step_px);
     if (!(column >= 0 && row >= 0 && column < grid.columns && row < grid.rows)) return std::nullopt;
@@ -78,6 +83,7 @@ class GuidedSearch {
     const Feature& point = grid.points.features[static_cast<std::size_t>(points[nearest.index])];
     const Eigen::Vector2d place(static_cast<double>(point.x_px), static_cast<double>(point.y_px));
     pair.from_pivot_px = place - frame_.pivot_px;
+    pair.ground_from_pivot_px = frame_.stretched(pair.from_pivot_px, stretch);
     pair.distance = nearest.distance / bits(map_);
     pair.residual_px = (place - expected).norm();
     return pair;
@@ -118,9 +124,9 @@ class SimilarityFit {
   void add(const GuidedPair& pair) {
     const double nearness = std::max(0.0, 1 - pair.distance / fit_distance_);
     if (nearness <= 0) return;
-    const Eigen::Vector2d& o = pair.from_pivot_px;
+    const Eigen::Vector2d& o = pair.ground_from_pivot_px;
     const Eigen::Vector2d& m = pair.map_px;
-    const double error_px = (m - transform_.map_from_frame(pair.from_pivot_px)).norm();
+    const double error_px = (m - transform_.map_from_frame(o)).norm();
     const double weight = nearness * nearness / (1 + error_px * error_px / (kFitNoisePx * kFitNoisePx));
     // The sums of weight · Jᵀ J, its lower half, and weight · Jᵀ m for J = (1, 0, x, −y; 0, 1, y, x), spelt out for
     // speed.
@@ -220,7 +226,8 @@ std::vector<GuidedPair> supporting_pairs(const PivotedFrame& frame, const LocalM
     auto pair = search.find(feature, transform, 1);
     if (!pair || !supports(*pair, descriptor)) continue;
     pair->from_pivot_px = search.between_points(*pair);
-    pair->residual_px = (pair->map_px - transform.map_from_frame(pair->from_pivot_px)).norm();
+    pair->ground_from_pivot_px = frame.stretched(pair->from_pivot_px, map.stretch_of(feature));
+    pair->residual_px = (pair->map_px - transform.map_from_frame(pair->ground_from_pivot_px)).norm();
     pairs.push_back(*pair);
   }
   return pairs;

@@ -12,6 +12,8 @@ namespace pilotage {
 struct GuidedPair {
   std::size_t map_feature = 0;
   Eigen::Vector2d from_pivot_px{0, 0};  ///< The frame's point, to a fraction of a grid step.
+  /// Where its ray meets ground as high as the feature's: what the similarity of a placement puts on the map.
+  Eigen::Vector2d ground_from_pivot_px{0, 0};
   Eigen::Vector2d map_px{0, 0};
   double distance = 0;     ///< Share of differing bits.
   double residual_px = 0;  ///< Between the point's place on the map and the feature.
@@ -31,9 +33,9 @@ inline constexpr double kSupportResidualPx = 1.6;
 inline constexpr double kVoteValue = 10;
 
 /// Looks for every map feature that lies inside the frame, under the candidate's placement, among the frame's points
-/// around its expected place, and fits turn, scale and centre to the pairs by weighted least squares with the prior of
-/// `space`; three rounds, with a smaller neighbourhood after the first. Unlike votes this needs no descriptor to be
-/// among the nearest of the whole window.
+/// around its expected place (that of its own height: Relief::stretch), and fits turn, scale and centre to the pairs
+/// by weighted least squares with the prior of `space`; three rounds, with a smaller neighbourhood after the first.
+/// Unlike votes this needs no descriptor to be among the nearest of the whole window.
 GuidedMatch match_guided(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                          const Candidate& candidate);
 

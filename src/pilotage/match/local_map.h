@@ -11,6 +11,7 @@
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/match/checkpoint.h"
+#include "pilotage/match/relief.h"
 #include "pilotage/vision/feature_set.h"
 
 namespace pilotage {
@@ -37,6 +38,12 @@ struct LocalMap {
   Eigen::Vector2d reference_px{0, 0};  ///< A whole pixel of the level, so that floats keep 1/16 px.
   std::vector<float> ground_height_m;  ///< One for each feature, NaN where unknown; empty when no height is known.
   std::vector<std::int64_t> tile_ids;  ///< Of each feature.
+
+  Relief relief;  ///< Level until relief_of() is asked.
+
+  double stretch_of(std::size_t feature) const {
+    return relief.stretch.empty() ? 1 : static_cast<double>(relief.stretch[feature]);
+  }
 };
 
 /// The level that serves `height_agl_m` (the band it lies in, else the nearest), or nothing when the map has none.

@@ -16,6 +16,7 @@
 #include "pilotage/match/match_confidence.h"
 #include "pilotage/match/place_ranking.h"
 #include "pilotage/match/refined_fix.h"
+#include "pilotage/match/relief.h"
 #include "pilotage/match/search_memory.h"
 
 namespace pilotage {
@@ -65,7 +66,7 @@ MatchResult refused(MatchStatus status, const MatchStats& stats) {
   return {status, {}, {}, stats};
 }
 
-/// What the ranking found, in the words of the statistics. `searches`: how many headings were searched.
+/// What the ranking found, in the words of the statistics. `searches`: how many searches the best place is the best of.
 void describe_ranking(const RankedPlaces& places, double half_width_px, double searches, MatchStats& stats) {
   const RankedPlace& best = places.best;
   stats.support = best.match.evidence();
@@ -125,6 +126,21 @@ double feature_limit(const MemoryLeft& memory, const PivotedFrame& described, co
   return std::min({by_memory, kMaxComparisons / std::max(1.0, per_feature), 1e9});
 }
 
+/// The relief of the window, and of the ground under the aircraft where the window does not show it: an oblique view.
+Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrior& prior, double window_px,
+                   std::size_t max_features, const LocalMap& local, const Checkpoint& checkpoint) {
+  constexpr double kAboutNadirPx = 64;
+  const double sigma_px = largest_sigma_m(prior.covariance_en_m2) / rectified.gsd_m;
+  LocalMap below;
+  const double nadir_off_px = rectified.px_from_m(rectified.pivot_m).cwiseAbs().maxCoeff();
+  if (nadir_off_px + kAboutNadirPx > window_px && local.features.size() < max_features) {
+    below = read_local_map(map, *rectified.level, rectified.grid, rectified.prior_px,
+                           std::min(rectified.half_width_px, 2 * sigma_px) + kAboutNadirPx,
+                           max_features - local.features.size(), checkpoint);
+  }
+  return relief_of(local, below, {rectified.prior_px - local.reference_px, sigma_px, prior.height_agl_m});
+}
+
 /// A search about one heading, which is known well enough for upright descriptors. `searches`: how many such are made.
 MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                           const MatchOptions& options, double searches, const Checkpoint& checkpoint) {
@@ -146,11 +162,14 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   if (!memory.take(chip_comparison_bytes(map, options, rectified, described))) {
     return refused(MatchStatus::kTooUncertain, stats);
   }
+  const double window_px = rectified.half_width_px + described.radius_px;
+  if (!memory.take(ground_heights_bytes(2 * (window_px + rectified.px_from_m(rectified.pivot_m).norm())))) {
+    return refused(MatchStatus::kTooUncertain, stats);
+  }
   const double max_features = feature_limit(memory, described, features);
   const Eigen::Vector2d center_px = rectified.prior_px + rectified.px_from_m(rectified.pivot_m);
-  const LocalMap local =
-      read_local_map(map, *rectified.level, rectified.grid, center_px, rectified.half_width_px + described.radius_px,
-                     static_cast<std::size_t>(max_features), checkpoint);
+  LocalMap local = read_local_map(map, *rectified.level, rectified.grid, center_px, window_px,
+                                  static_cast<std::size_t>(max_features), checkpoint);
   stats.frame_features = static_cast<int>(described.grid.points.size());
   stats.map_features = static_cast<int>(local.features.size());
   if (local.features.size() == 0) return refused(MatchStatus::kNoMap, stats);
@@ -161,6 +180,8 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
     return refused(MatchStatus::kTooFewFeatures, stats);
   }
 
+  local.relief =
+      read_relief(map, rectified, prior, window_px, static_cast<std::size_t>(max_features), local, checkpoint);
   const SearchSpace space = search_space(rectified, local, options);
   if (stats.map_features > max_features || search_bins(described, space) > kMaxSearchBins) {
     return refused(MatchStatus::kTooUncertain, stats);
@@ -168,7 +189,9 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local, checkpoint);
   const auto places = rank_places(described, local, space, chips, rectified.gsd_m, checkpoint);
   if (!places) return refused(MatchStatus::kInconsistent, stats);
-  describe_ranking(*places, rectified.half_width_px, searches, stats);
+  // Over relief more scales are tried than the rate of false fixes was measured with: as many times as often.
+  const double scales = std::max(1.0, space.scale_sigma / options.height_sigma_fraction);
+  describe_ranking(*places, rectified.half_width_px, searches * scales, stats);
   const auto refined = refine_fix(rectified, described, local, prior, options, places->best.match);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   stats.inliers = refined->pose.inliers;

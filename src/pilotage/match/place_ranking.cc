@@ -27,8 +27,10 @@ double chip_reach_px(const FrameOnGrid& rectified, const PivotedFrame& described
 RankedPlace rank_place(const GuidedMatch& match, const LocalMap& map, const std::optional<ChipComparison>& chips) {
   RankedPlace place{match, 0, 0, 0};
   if (chips) {
-    const ChipMatch there =
-        confirm_chip_match(chips->frame, chips->mosaic, chips->match_at(match.placement), kChipReachPx);
+    const ChipMatch here = chips->match_at(match.placement);
+    const RectifiedFrame frame =
+        laid_over_relief(chips->frame, map.relief, here.nadir_px - map.reference_px, chips->mosaic.factor);
+    const ChipMatch there = confirm_chip_match(frame, chips->mosaic, here, kChipReachPx);
     place.ncc = there.found ? there.ncc : 0;
     place.compared_px = there.found ? there.pixels : 0;
   }
@@ -56,15 +58,18 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
   chips.frame =
       ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify);
   if (chips.frame.status != RectifyStatus::kOk) return std::nullopt;
+  // Over the whole window as the ground is where the aircraft should be: places found so are looked at again on theirs.
+  const RectifiedFrame searched =
+      laid_over_relief(chips.frame, local.relief, rectified.prior_px - local.reference_px, chips.mosaic.factor);
   const auto hypotheses =
       chip_hypotheses(1.5 * options.yaw_sigma_deg, kChipTurns, 1.5 * options.height_sigma_fraction, kChipScales);
   if (rectified.half_width_px / chips.mosaic.factor <= kFineHalfWidthPx) {
-    chips.best = search_chips(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, hypotheses, {},
-                              checkpoint);
+    chips.best =
+        search_chips(searched, chips.mosaic, rectified.prior_px, rectified.half_width_px, hypotheses, {}, checkpoint);
   } else {
     const auto coarse = chip_hypotheses(0.75 * options.yaw_sigma_deg, kChipTurns - 1,
                                         0.75 * options.height_sigma_fraction, kChipScales - 1);
-    chips.best = search_chips_coarsely(chips.frame, chips.mosaic, rectified.prior_px, rectified.half_width_px, coarse,
+    chips.best = search_chips_coarsely(searched, chips.mosaic, rectified.prior_px, rectified.half_width_px, coarse,
                                        hypotheses, {}, checkpoint);
   }
   return chips;
@@ -79,9 +84,9 @@ double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const 
   const double mosaic_side_px = 2 * reach_px / factor + 2;
   if (mosaic_side_px > kMaxMosaicSidePx) return std::numeric_limits<double>::infinity();
   const cv::Size frame = rectified.frame.gray.size();
-  return 2 * mosaic_side_px * mosaic_side_px + chip_search_bytes(std::max(frame.width, frame.height),
-                                                                 rectified.half_width_px / factor,
-                                                                 static_cast<std::size_t>(kChipTurns) * kChipScales);
+  return 2 * mosaic_side_px * mosaic_side_px + 2 * relief_frame_bytes(std::max(frame.width, frame.height)) +
+         chip_search_bytes(std::max(frame.width, frame.height), rectified.half_width_px / factor,
+                           static_cast<std::size_t>(kChipTurns) * kChipScales);
 }
 
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,

@@ -12,7 +12,7 @@ namespace pilotage {
 
 /// The frame on the map's chips.
 struct ChipComparison {
-  RectifiedFrame frame;
+  RectifiedFrame frame;  ///< On level ground.
   ChipMosaic mosaic;
   ChipMatch best;
   Eigen::Vector2d pivot_from_nadir_px{0, 0};  ///< In pixels of the level.

@@ -139,10 +139,10 @@ Eigen::Vector2d PoseCorrection::ground_from_ray(const Eigen::Vector3d& ray_m, do
   return ground_point(ray_m, rise_m, state);
 }
 
-Eigen::Matrix<double, 2, 6> PoseCorrection::ground_jacobian(const Eigen::Vector3d& ray_m) const {
+Eigen::Matrix<double, 2, 6> PoseCorrection::ground_jacobian(const Eigen::Vector3d& ray_m, double rise_m) const {
   State state;
   state << position_m, tilt_rad, turn_rad, log_height;
-  const auto place = jet_point(ray_m, 0, state);
+  const auto place = jet_point(ray_m, rise_m, state);
   Eigen::Matrix<double, 2, 6> jacobian;
   jacobian << place.x().v.transpose(), place.y().v.transpose();
   return jacobian;

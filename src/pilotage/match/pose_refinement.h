@@ -38,7 +38,7 @@ struct PoseCorrection {
   /// Where the corrected pose sees a ray of the prior pose on ground that rises by `rise_m`.
   Eigen::Vector2d ground_from_ray(const Eigen::Vector3d& ray_m, double rise_m = 0) const;
   /// Its derivatives by the six unknowns, in the order of `covariance`.
-  Eigen::Matrix<double, 2, 6> ground_jacobian(const Eigen::Vector3d& ray_m) const;
+  Eigen::Matrix<double, 2, 6> ground_jacobian(const Eigen::Vector3d& ray_m, double rise_m = 0) const;
 };
 
 /// Fits the pose to pairs by least squares over six unknowns with ceres::TinySolver: residuals on the ground under

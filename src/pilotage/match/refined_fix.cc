@@ -15,15 +15,16 @@ namespace {
 
 constexpr double kGateSigmas = 4;
 
+/// The ground's height at a place over that straight below the aircraft; 0 where no heights are known.
+double rise_m(const GroundHeights& ground, const Eigen::Vector2d& place_px, const Eigen::Vector2d& nadir_px) {
+  return ground.known() ? ground.height_m(place_px) - ground.height_m(nadir_px) : 0;
+}
+
 /// The frame's rays and the map's points of the pairs.
 std::vector<GroundPair> ground_pairs(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
-                                     const MatchPrior& prior, const std::vector<GuidedPair>& pairs) {
-  double heights_m = 0;
-  int known = 0;
-  for (const GuidedPair& pair : pairs) {
-    const auto height_m = static_cast<double>(map.ground_height_m[pair.map_feature]);
-    if (std::isfinite(height_m)) heights_m += height_m, ++known;
-  }
+                                     const MatchPrior& prior, const std::vector<GuidedPair>& pairs,
+                                     const Eigen::Vector2d& nadir_px) {
+  const double below_m = map.relief.ground.height_m(nadir_px);
   std::vector<GroundPair> result;
   for (const GuidedPair& pair : pairs) {
     const Eigen::Vector2d ground = rectified.frame.ground_from_pixel(pair.from_pivot_px + frame.pivot_px);
@@ -31,10 +32,24 @@ std::vector<GroundPair> ground_pairs(const FrameOnGrid& rectified, const Pivoted
     on_ground.ray_m = {ground.x(), ground.y(), -prior.height_agl_m};
     on_ground.map_m = rectified.m_from_px(pair.map_px);
     const auto height_m = static_cast<double>(map.ground_height_m[pair.map_feature]);
-    if (std::isfinite(height_m)) on_ground.rise_m = height_m - heights_m / known;
+    on_ground.rise_m = std::isfinite(height_m) && map.relief.ground.known()
+                           ? height_m - below_m
+                           : rise_m(map.relief.ground, pair.map_px, nadir_px);
     result.push_back(on_ground);
   }
   return result;
+}
+
+/// The rise of the ground that a ray meets: the height where it was met last, a few times over.
+double rise_of_ray(const FrameOnGrid& rectified, const GroundHeights& ground, const PoseCorrection& pose,
+                   const Eigen::Vector3d& ray_m) {
+  constexpr int kRounds = 4;
+  double rise = 0;
+  for (int i = 0; i < kRounds && ground.known(); ++i) {
+    const Eigen::Vector2d met_px = rectified.px_from_m(pose.ground_from_ray(ray_m, rise));
+    rise = rise_m(ground, met_px, rectified.px_from_m(pose.position_m));
+  }
+  return rise;
 }
 
 /// The tile of the feature nearest to the principal point's place.
@@ -58,7 +73,6 @@ std::int64_t tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place) {
   const auto pairs = supporting_pairs(frame, map, place.placement);
-  const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs);
   PosePrior sigmas;
   const Eigen::Matrix2d enu_from_grid = rectified.enu_from_grid_m();
   const Eigen::Matrix2d grid_from_enu = enu_from_grid.inverse();
@@ -67,10 +81,9 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   sigmas.yaw_sigma_rad = options.yaw_sigma_deg * kRadPerDeg;
   sigmas.log_height_sigma = options.height_sigma_fraction;
   const Eigen::Vector2d prior_m = rectified.m_from_px(rectified.prior_px - map.reference_px);
-  const Eigen::Vector2d nadir_from_pivot =
-      frame.grid.points.size() > 0 ? Eigen::Vector2d(rectified.frame.pixel_from_ground({0, 0}) - frame.pivot_px)
-                                   : Eigen::Vector2d::Zero();
-  const Eigen::Vector2d start_m = rectified.m_from_px(place.placement.map_from_frame(nadir_from_pivot));
+  const Eigen::Vector2d nadir_px = place.placement.map_from_frame(frame.nadir_px - frame.pivot_px);
+  const Eigen::Vector2d start_m = rectified.m_from_px(nadir_px);
+  const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs, nadir_px);
   RefinedFix refined;
   refined.pose = refine_pose(on_ground, sigmas, prior_m, start_m, 0.3 * rectified.gsd_m);
   if (!refined.pose.converged) return std::nullopt;
@@ -84,8 +97,9 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   fix.position = geodetic(pose.position_m);
   fix.covariance_en_m2 = enu_from_grid * pose.covariance.topLeftCorner<2, 2>() * enu_from_grid.transpose() + map_noise;
   const Eigen::Vector3d pivot_ray(rectified.pivot_m.x(), rectified.pivot_m.y(), -prior.height_agl_m);
-  fix.center = geodetic(pose.ground_from_ray(pivot_ray));
-  const Eigen::Matrix<double, 2, 6> jacobian = pose.ground_jacobian(pivot_ray);
+  const double center_rise_m = rise_of_ray(rectified, map.relief.ground, pose, pivot_ray);
+  fix.center = geodetic(pose.ground_from_ray(pivot_ray, center_rise_m));
+  const Eigen::Matrix<double, 2, 6> jacobian = pose.ground_jacobian(pivot_ray, center_rise_m);
   fix.center_covariance_en_m2 =
       enu_from_grid * jacobian * pose.covariance * jacobian.transpose() * enu_from_grid.transpose() + map_noise;
   fix.yaw_deg = std::remainder(prior.attitude.yaw_deg - pose.turn_rad / kRadPerDeg, 360.0);

@@ -14,8 +14,8 @@ struct RefinedFix {
   PoseCorrection pose;
 };
 
-/// Refines the pose from the supporters of `place`. Heights of the map's ground count against their mean. Nothing when
-/// the pose does not converge.
+/// Refines the pose from the supporters of `place`. Heights of the map's ground count against that straight below the
+/// aircraft there (Relief::ground), as the height of `prior` does. Nothing when the pose does not converge.
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place);
 

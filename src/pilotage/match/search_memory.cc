@@ -30,9 +30,10 @@ double bytes_to_describe(const FrameOnGrid& rectified, const FeatureOptions& fea
 
 double bytes_of_map_feature(const FeatureOptions& features) {
   constexpr double kIndexedPair = 4 * sizeof(double) + 2 * sizeof(std::int32_t);  // vote_peaks.cc
-  const double feature = sizeof(Feature) + features.descriptor_bits / 8.0 + sizeof(std::int64_t) + sizeof(float);
+  constexpr double kPointOfGround = 2 * kGrowth * 3 * sizeof(double);             // relief.cc, ground_heights.cc
+  const double feature = sizeof(Feature) + features.descriptor_bits / 8.0 + sizeof(std::int64_t) + 2 * sizeof(float);
   const double pair = kGrowth * sizeof(VotePair) + kIndexedPair;
-  return kGrowth * feature + kVoteNeighbours * pair;
+  return kGrowth * feature + kPointOfGround + kVoteNeighbours * pair;
 }
 
 }  // namespace pilotage
