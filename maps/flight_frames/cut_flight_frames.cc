@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include <opencv2/imgcodecs.hpp>
@@ -18,6 +19,7 @@
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/geo/position_covariance.h"
+#include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/route/read_route.h"
@@ -139,14 +141,18 @@ Eigen::Vector2d prior_error_m(Random& random, const Setup& setup, std::size_t in
   return {east_m + options.prior_shift_m * std::cos(direction), north_m + options.prior_shift_m * std::sin(direction)};
 }
 
-/// Truth and belief of a frame whose truth is `row`'s attitude and height at `place`.
-void fill_positions(Random& random, const Setup& setup, const GroundPlace& place, std::size_t index, FrameRow& row) {
+/// Truth and belief of a frame whose truth is `row`'s attitude and height at `place`; without `terrain` over level
+/// ground.
+void fill_positions(Random& random, const Setup& setup, const GroundPlace& place,
+                    const std::optional<TerrainHeights>& terrain, std::size_t index, FrameRow& row) {
   const FlightFrameOptions& options = setup.options;
   const CrsTransform transform(setup.ground.crs);
   const GeoTransform& map_from_pixel = setup.ground.map_from_pixel;
   row.nadir = geodetic_from_pixel(transform, map_from_pixel, place.nadir_px);
   const auto view = make_view(setup.camera, row.attitude, row.agl_m);
-  const auto center_m = ground_from_pixel(*view, {setup.camera.cx_px, setup.camera.cy_px});
+  const Eigen::Vector2d principal_px(setup.camera.cx_px, setup.camera.cy_px);
+  const auto center_m =
+      terrain ? terrain_from_pixel(*view, *terrain, principal_px) : ground_from_pixel(*view, principal_px);
   if (!center_m) throw DataError("the principal point shows no ground");
   row.center = geodetic_from_pixel(transform, map_from_pixel, place.pixel_from_ground(*center_m));
   const Eigen::Vector2d off_m = prior_error_m(random, setup, index);
@@ -191,7 +197,17 @@ bool also_shows_ground(const Setup& setup, const GroundPlace& place, const Attit
   return shows_ground(also, ground_place(setup.also->crs, also.map_from_pixel, nadir_px), setup, attitude);
 }
 
-FrameRow cut_frame(const Setup& setup, std::size_t index) {
+std::optional<TerrainHeights> terrain_below(const Setup& setup, const GroundPlace& place, const Attitude& attitude,
+                                            const Elevation* elevation) {
+  if (elevation == nullptr) return std::nullopt;
+  const auto view = make_view(setup.camera, attitude, setup.agl_m);
+  const GeodeticPoint nadir =
+      geodetic_from_pixel(CrsTransform(setup.ground.crs), setup.ground.map_from_pixel, place.nadir_px);
+  return terrain_under(*view, nadir, *elevation);
+}
+
+/// `elevation`: nullptr over level ground.
+FrameRow cut_frame(const Setup& setup, std::size_t index, const Elevation* elevation) {
   Random random(derive_seed(setup.seed, index));
   for (int tried = 0; tried < kTriesPerFrame; ++tried) {
     FrameRow row;
@@ -205,9 +221,12 @@ FrameRow cut_frame(const Setup& setup, std::size_t index) {
     const GroundPlace place = ground_place(setup.ground.crs, ground.map_from_pixel, nadir_px);
     if (!shows_ground(ground, place, setup, row.attitude)) continue;
     if (!also_shows_ground(setup, place, row.attitude)) continue;
-    const RenderedFrame frame = render_frame(ground, place, setup.camera, row.attitude, row.agl_m);
+    const auto terrain = terrain_below(setup, place, row.attitude, elevation);
+    const RenderedFrame frame =
+        terrain ? render_terrain_frame(ground, place, setup.camera, row.attitude, row.agl_m, *terrain)
+                : render_frame(ground, place, setup.camera, row.attitude, row.agl_m);
     if (frame.valid_fraction < setup.options.min_valid) continue;
-    fill_positions(random, setup, place, index, row);
+    fill_positions(random, setup, place, terrain, index, row);
     if (!cv::imwrite((setup.folder / row.file).string(), frame.gray, {cv::IMWRITE_JPEG_QUALITY, 95})) {
       throw DataError((setup.folder / row.file).string() + ": cannot be written");
     }
@@ -278,6 +297,7 @@ Setup make_setup(const std::string& imagery, const std::filesystem::path& folder
                  std::uint64_t seed) {
   if (!options.region.empty() && options.region.size() != 4) throw UsageError("--region needs four numbers");
   if (!options.region.empty() && !options.route.empty()) throw UsageError("give --region or --route, not both");
+  refuse_imagery_as_elevation(options.elevation, {imagery});
   Setup setup;
   setup.options = options;
   setup.seed = seed;
@@ -305,7 +325,12 @@ double cut_flight_frames(const std::string& imagery, const std::filesystem::path
   std::filesystem::create_directories(folder);
   OutputFile table(folder / "frames.csv", overwrite);
   std::vector<FrameRow> rows(static_cast<std::size_t>(options.frames));
-  parallel_for(rows.size(), threads, [&](std::size_t index, int) { rows[index] = cut_frame(setup, index); });
+  std::vector<std::unique_ptr<Elevation>> elevations(static_cast<std::size_t>(thread_count(threads)));  // one a thread
+  parallel_for(rows.size(), threads, [&](std::size_t index, int worker) {
+    std::unique_ptr<Elevation>& own = elevations[static_cast<std::size_t>(worker)];
+    if (!own && !options.elevation.empty()) own = std::make_unique<Elevation>(options.elevation);
+    rows[index] = cut_frame(setup, index, own.get());
+  });
   write_file(folder / "camera.yaml", camera_yaml(setup.camera), overwrite);
   table.write(csv_text(rows, options.prior_drifts));
   table.commit();

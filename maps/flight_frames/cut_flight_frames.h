@@ -38,6 +38,7 @@ struct FlightFrameOptions {
   std::string also;
   std::vector<double> region;
   std::string route;
+  std::string elevation;
   FrameFormat format = FrameFormat::kJpg;
   ImageryOptions imagery;
 
@@ -75,6 +76,10 @@ struct FlightFrameOptions {
     fields.path(
         "route", self.route,
         "Fly along this route: frames at equal distances, the nose along the leg. Default: any place and heading.");
+    fields.path(
+        "elevation", self.elevation,
+        "Lay the imagery over this elevation model: frames show its parallax, and the aircraft is as high above "
+        "the ground straight below it everywhere. Default: level ground.");
     fields.field("format", self.format, "Of the frames; jpg has quality 95.");
     fields.group("imagery", self.imagery, "How the raster is read.", FlagPrefix::kNone);
   }
@@ -85,7 +90,8 @@ struct FlightFrameOptions {
 /// which is made when it is missing. Everything about a frame comes from the seed and the frame's number, not from the
 /// number of threads. Returns the height above ground, in metres, at which a frame is as wide as was asked for. Throws
 /// UsageError for options that contradict each other, DataError when imagery, route or calibration cannot be read, when
-/// a file exists and `overwrite` is false, or when a frame finds no place that shows imagery all over.
+/// a file exists and `overwrite` is false, or when a frame finds no place that shows imagery all over (and, with
+/// an elevation model, heights).
 double cut_flight_frames(const std::string& imagery, const std::filesystem::path& folder,
                          const FlightFrameOptions& options, std::uint64_t seed, int threads, bool overwrite);
 

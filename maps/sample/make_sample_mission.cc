@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raise when this program writes other files from the same pictures.
-constexpr int kGeneratorVersion = 2;
+constexpr int kGeneratorVersion = 3;
 
 /// The flight over the second date: as many pixels across as the matcher needs, by a navigator that is some 15 m off.
 pilotage::FlightFrameOptions frames_of_the_second_date() {
@@ -140,6 +140,7 @@ void write_frames(const fs::path& folder, const SampleOptions& options) {
   frames.camera = folder / "camera.yaml";
   frames.route = folder / "route.plan";
   frames.also = folder / kPictures[0].file;
+  frames.elevation = folder / kElevationFile;
   pilotage::cut_flight_frames(folder / kPictures[1].file, folder / kFramesFolder, frames, kFramesSeed, 0, false);
 }
 
