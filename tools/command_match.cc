@@ -81,7 +81,9 @@ struct MatchCommandOptions {
                  Range{-180, 360});
     fields.field("true_lat_deg", self.true_lat_deg, "Where the frame really is, to judge the answer.", Range{-90, 90});
     fields.field("truth", self.truth,
-                 "What the true point is: the ground at the centre of the image, or straight below the aircraft.");
+                 "What true_lon_deg and true_lat_deg are: the ground at the centre of the image, or straight below the "
+                 "aircraft. "
+                 "Beside true_nadir_lon_deg they are the centre.");
     fields.field("correct_within_m", self.correct_within_m, "A fix with a larger error is false.", Range{0.001, 1e6});
     fields.field("timings", self.timings,
                  "Say how long matching took; without it the outputs are the same bytes in every run.");
@@ -149,7 +151,10 @@ FrameRecord record_of_options(const MatchCommandOptions& options, const std::str
   if (options.true_lon_deg.has_value() != options.true_lat_deg.has_value()) {
     throw UsageError("--true-lon-deg and --true-lat-deg go together: give both or none");
   }
-  if (options.true_lon_deg) frame.truth = {wrap_lon_deg(*options.true_lon_deg), *options.true_lat_deg};
+  if (options.true_lon_deg) {
+    auto& truth = options.truth == FrameTruth::kNadir ? frame.true_nadir : frame.true_center;
+    truth = {wrap_lon_deg(*options.true_lon_deg), *options.true_lat_deg};
+  }
   return frame;
 }
 
@@ -191,10 +196,11 @@ FlightFrames whole_flight(const MatchCommandOptions& options, const MapReader& m
   const FrameTable table =
       frame_table_from_csv(options.frames, read_named_input(options.frames), {options.truth, required});
   const bool has_truth = std::any_of(table.frames.begin(), table.frames.end(),
-                                     [](const FrameRecord& frame) { return frame.truth.has_value(); });
+                                     [](const FrameRecord& frame) { return frame.truth().has_value(); });
   if (!has_truth && (options.require_correct_rate || options.require_false_rate)) {
     throw UsageError(std::string(options.require_correct_rate ? "--require-correct-rate" : "--require-false-rate") +
-                     " needs the truth, which " + options.frames + " does not have (true_lon_deg, true_lat_deg)");
+                     " needs the truth, which " + options.frames +
+                     " does not have (true_nadir_lon_deg, true_nadir_lat_deg)");
   }
   return complete_frames(options.frames, table, sources_of(options, map));
 }
@@ -208,11 +214,10 @@ struct MatchedFrames {
 MatchedFrames match_frames(const MatchCommandOptions& options, const std::function<MapReader()>& open_map,
                            const std::vector<FlightFrame>& frames, const Invocation& invocation) {
   if (!options.sequential) {
-    return {
-        match_flight(open_map, frames, options.match, options.truth, invocation.threads, invocation.progress), {}, {}};
+    return {match_flight(open_map, frames, options.match, invocation.threads, invocation.progress), {}, {}};
   }
-  MatchedSequence done = match_sequence(open_map, frames, options.match, make_ins_error_model(options.ins),
-                                        options.truth, invocation.progress);
+  MatchedSequence done =
+      match_sequence(open_map, frames, options.match, make_ins_error_model(options.ins), invocation.progress);
   MatchedFrames matched{std::move(done.matches), done.summary, {}};
   if (!options.ins.grade && !options.ins.name) {
     matched.warnings.push_back(

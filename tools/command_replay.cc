@@ -84,7 +84,7 @@ struct ReplayCommandOptions {
     fields.field(
         "truth", self.truth,
         "What true_lon_deg and true_lat_deg of frames.csv are: the ground at the centre of the image, or straight "
-        "below the aircraft.");
+        "below the aircraft. Beside true_nadir_lon_deg they are the centre.");
     fields.field("correct_within_m", self.correct_within_m, "A fix with a larger error is false.", Range{0.001, 1e6});
     fields.field(
         "max_prior_sigma_m", self.max_prior_sigma_m,
@@ -156,21 +156,20 @@ Camera camera_of_replay(const ReplaySetup& setup) {
   throw UsageError("the map names no camera: give --camera, or --camera-hfov-deg and the size of the pictures");
 }
 
-ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames, FrameTruth truth) {
+ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames) {
   const ReplayCommandOptions& options = setup.options;
   const Invocation& invocation = setup.invocation;
   const auto open_map = [&] { return MapReader::open_unverified(setup.map); };
   std::vector<FrameMatch> matches;
   ReplayedFlight flight;
   if (options.sequential) {
-    MatchedSequence done =
-        match_sequence(open_map, frames.frames, options.match, setup.model, truth, invocation.progress);
+    MatchedSequence done = match_sequence(open_map, frames.frames, options.match, setup.model, invocation.progress);
     flight.notes.push_back("in sequence: " + std::to_string(done.summary.confirmed) +
                            " fixes confirmed by the track, " + std::to_string(done.summary.gate_refusals) +
                            " refused by it");
     matches = std::move(done.matches);
   } else {
-    matches = match_flight(open_map, frames.frames, options.match, truth, invocation.threads, invocation.progress);
+    matches = match_flight(open_map, frames.frames, options.match, invocation.threads, invocation.progress);
   }
   flight.frames = replayed_frames(matches, frames.frames, options.match, options.correct_within_m);
   setup.matches.insert(setup.matches.end(), matches.begin(), matches.end());
@@ -181,7 +180,7 @@ ReplayedFlight flight_of_rows(ReplaySetup& setup, const LogFrames& frames, const
   const Camera camera = camera_of_replay(setup);
   FlightFrames flight;
   for (const FrameRecord& row : frames.rows) flight.frames.push_back({frame_path(table_path, row.file), row, camera});
-  ReplayedFlight replayed = matched_flight(setup, flight, FrameTruth::kNadir);
+  ReplayedFlight replayed = matched_flight(setup, flight);
   replayed.priors = setup.options.priors == LogPriors::kDrawn ? "drawn" : "autopilot";
   replayed.notes.insert(replayed.notes.begin(), frames.notes.begin(), frames.notes.end());
   return replayed;
@@ -248,7 +247,7 @@ ReplayedFlight replay_log(ReplaySetup& setup, const std::string& path) {
 ReplayedFlight replay_frames(ReplaySetup& setup, const std::string& path) {
   const FrameTable table = frame_table_from_csv(path, read_file(path), {setup.options.truth, FrameColumns::kAll});
   const FlightFrames frames = complete_frames(path, table, sources_of_replay(setup));
-  ReplayedFlight flight = matched_flight(setup, frames, setup.options.truth);
+  ReplayedFlight flight = matched_flight(setup, frames);
   flight.priors = "inertial";
   flight.notes.insert(flight.notes.end(), table.warnings.begin(), table.warnings.end());
   return flight;
@@ -274,7 +273,7 @@ ReplayedFlight replay_photos(ReplaySetup& setup, const std::string& folder) {
   std::vector<FrameRecord> rows;
   for (FlightFrame& frame : frames.frames) {
     if (std::isnan(frame.frame.prior.lat_deg)) continue;
-    frame.frame.truth = frame.frame.prior;
+    frame.frame.true_nadir = frame.frame.prior;
     rows.push_back(frame.frame);
   }
   if (rows.empty()) throw DataError(folder + ": not one picture says in its EXIF where it was taken");
@@ -291,7 +290,7 @@ ReplayedFlight replay_photos(ReplaySetup& setup, const std::string& folder) {
     draw_priors(rows, setup.model, setup.invocation.seed);
     for (std::size_t i = 0; i < rows.size(); ++i) frames.frames[i].frame = rows[i];
   }
-  ReplayedFlight flight = matched_flight(setup, frames, FrameTruth::kNadir);
+  ReplayedFlight flight = matched_flight(setup, frames);
   flight.priors = setup.options.priors == LogPriors::kDrawn ? "drawn" : "autopilot";
   flight.notes.insert(flight.notes.begin(), notes.begin(), notes.end());
   return flight;

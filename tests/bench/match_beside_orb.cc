@@ -117,11 +117,12 @@ void measure(const std::string& map_path, const std::string& raster_path, const 
   const Camera given = read_camera_file(camera_path);
   const MatchOptions options;
   Tally ours;
+  Tally aircraft;
   Tally best_places;
   Tally orb;
   std::size_t frames = 0;
   for (const FrameRecord& record : table.frames) {
-    if (!record.truth) continue;
+    if (!record.true_center) continue;  // what ORB finds: it says nothing of tilt
     ++frames;
     const cv::Mat frame = read_gray8_picture(frame_path(table_path, record.file));
     const Camera camera = camera_for_size(record.file, given, frame.cols, frame.rows);
@@ -130,8 +131,12 @@ void measure(const std::string& map_path, const std::string& raster_path, const 
     const MatchResult result = match(frame, prior, camera, reader, options);
     ours.milliseconds.push_back(milliseconds_since(start));
     best_places.milliseconds.push_back(ours.milliseconds.back());
-    ours.add(result.fix ? std::optional(result.fix->center) : std::nullopt, *record.truth);
-    best_places.add(result.candidate ? std::optional(result.candidate->center) : std::nullopt, *record.truth);
+    ours.add(result.fix ? std::optional(result.fix->center) : std::nullopt, *record.true_center);
+    if (record.true_nadir) {
+      aircraft.milliseconds.push_back(ours.milliseconds.back());
+      aircraft.add(result.fix ? std::optional(result.fix->position) : std::nullopt, *record.true_nadir);
+    }
+    best_places.add(result.candidate ? std::optional(result.candidate->center) : std::nullopt, *record.true_center);
 
     const auto grid = local_grid(reader, level, prior.position, 1000);
     if (!grid) continue;
@@ -142,11 +147,12 @@ void measure(const std::string& map_path, const std::string& raster_path, const 
     start = std::chrono::steady_clock::now();
     const auto center = center_by_orb(frame, prior, camera, map);
     orb.milliseconds.push_back(milliseconds_since(start));
-    orb.add(center, *record.truth);
+    orb.add(center, *record.true_center);
   }
   if (frames == 0 || orb.milliseconds.empty()) throw DataError(table_path + ": no frame with truth on the map");
   ours.print("match()", frames);
   best_places.print("match(), refused too", frames);
+  if (!aircraft.milliseconds.empty()) aircraft.print("match(), aircraft", aircraft.milliseconds.size());
   orb.print("ORB, ratio, RANSAC", frames);
 }
 

@@ -46,10 +46,10 @@ TEST(EvaluationFiles, JsonFollowsItsSchema) {
 
 TEST(EvaluationFiles, CsvHasALineForEachOutcome) {
   const std::string csv = evaluation_csv(scored_dates().judged(), evaluated().evaluation);
-  EXPECT_THAT(csv,
-              StartsWith("tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,"
-                         "error_east_m,error_north_m,evidence,p_correct_fix,gray_variance,frieden_deficit,"
-                         "clean_peak_margin,degraded_peak_margin,map_features,vote_noise,relative_contrast\n"));
+  EXPECT_THAT(
+      csv, StartsWith("tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,"
+                      "error_east_m,error_north_m,nadir_error_m,evidence,p_correct_fix,gray_variance,frieden_deficit,"
+                      "clean_peak_margin,degraded_peak_margin,map_features,vote_noise,relative_contrast\n"));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 82);
 }
 

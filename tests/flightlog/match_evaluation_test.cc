@@ -19,7 +19,7 @@ using ::testing::Pair;
 
 FrameMatch with_fix(double error_m, double nees, double milliseconds = 10) {
   FrameMatch match;
-  match.frame.truth = {0, 0};
+  match.frame.true_nadir = {0, 0};
   match.result.status = MatchStatus::kFix;
   match.result.fix.emplace();
   match.error = FixError{error_m, 0, error_m, nees};
@@ -29,7 +29,7 @@ FrameMatch with_fix(double error_m, double nees, double milliseconds = 10) {
 
 FrameMatch refused(MatchStatus status) {
   FrameMatch match;
-  match.frame.truth = {0, 0};
+  match.frame.true_nadir = {0, 0};
   match.result.status = status;
   match.milliseconds = 30;
   return match;
@@ -37,7 +37,7 @@ FrameMatch refused(MatchStatus status) {
 
 FrameMatch unreadable() {
   FrameMatch match;
-  match.frame.truth = {0, 0};
+  match.frame.true_nadir = {0, 0};
   match.problem = "a.jpg: cannot be opened as a raster";
   return match;
 }
@@ -68,13 +68,40 @@ TEST(EvaluateMatches, CountsEveryFrameOnce) {
 
 TEST(EvaluateMatches, FramesWithoutTruthAreNotJudged) {
   std::vector<FrameMatch> matches{with_fix(1, 2), with_fix(100, 2)};
-  matches[1].frame.truth.reset();
+  matches[1].frame.true_nadir.reset();
   matches[1].error.reset();
   const MatchEvaluation evaluation = evaluate_matches(matches, 5);
   EXPECT_EQ(evaluation.accepted, 2);
   EXPECT_EQ(evaluation.frames_with_truth, 1);
   EXPECT_EQ(evaluation.correct.rate, 1);
   EXPECT_EQ(evaluation.false_fixes.of, 1);
+}
+
+TEST(EvaluateMatches, JudgesTheAircraftsPlaceAndTellsOfTheCentre) {
+  std::vector<FrameMatch> matches{with_fix(6, 9), with_fix(2, 2), with_fix(1, 1)};
+  for (FrameMatch& match : matches) {
+    match.frame.true_center = {0, 0};
+    match.center_error = FixError{0.5, 0, 0.5, 0.3};
+  }
+  const MatchEvaluation both = evaluate_matches(matches, 5);
+  EXPECT_EQ(both.correct.count, 2) << "a centre that is right does not make the place right";
+  EXPECT_EQ(both.judged_at_center, 0);
+  ASSERT_TRUE(both.centers);
+  EXPECT_EQ(both.centers->fixes, 3);
+  EXPECT_EQ(both.centers->within, 3);
+  EXPECT_EQ(both.centers->median_error_m, 0.5);
+  EXPECT_THAT(evaluation_text(both, false), HasSubstr("judged by the aircraft's own place"));
+  EXPECT_THAT(evaluation_text(both, false), HasSubstr("at the centre of the image: 3 of 3 fixes within 5 m"));
+
+  for (FrameMatch& match : matches) {
+    match.frame.true_nadir.reset();
+    match.error = match.center_error;
+  }
+  const MatchEvaluation centers = evaluate_matches(matches, 5);
+  EXPECT_EQ(centers.correct.count, 3);
+  EXPECT_EQ(centers.judged_at_center, 3);
+  EXPECT_FALSE(centers.centers) << "it has been told already";
+  EXPECT_THAT(evaluation_text(centers, false), HasSubstr("the aircraft's own place (true_nadir_lon_deg)"));
 }
 
 // 963 of 1000 and 3 of 497 as in base/statistics_test.cc.
@@ -134,7 +161,7 @@ TEST(EvaluateMatches, NothingToJudgeIsSaidAsSuch) {
   EXPECT_TRUE(json["nees"]["mean"].is_null());
   EXPECT_THAT(evaluation_text(evaluate_matches(matches, 5)), HasSubstr("false fixes, beyond 5 m: undefined (0 of 0"));
   std::vector<FrameMatch> without_truth = matches;
-  without_truth[0].frame.truth.reset();
+  without_truth[0].frame.true_nadir.reset();
   EXPECT_FALSE(to_json(evaluate_matches(without_truth, 5)).contains("correct_fixes"));
   EXPECT_THAT(evaluation_text(evaluate_matches(without_truth, 5)), Not(HasSubstr("correct")));
   EXPECT_EQ(evaluate_matches({}, 5).frames, 0);

@@ -46,7 +46,7 @@ class LoggedFlight {
   }
   const std::vector<FlightFrame>& frames() const { return frames_; }
   std::vector<FrameMatch> match(int threads, const Progress& progress = {}) const {
-    return match_flight(open_map(), frames_, {}, FrameTruth::kCenter, threads, progress);
+    return match_flight(open_map(), frames_, {}, threads, progress);
   }
 
  private:
@@ -54,7 +54,7 @@ class LoggedFlight {
     const std::string path = (folder_ / name).string();
     cv::imwrite(path, pixels);
     frames_.push_back({path,
-                       {name, 1.0 * i, place, isotropic_covariance_m2(10), 50, {10.0 * i, 0, 0}, place},
+                       {name, 1.0 * i, place, isotropic_covariance_m2(10), 50, {10.0 * i, 0, 0}, place, {}},
                        testing::pinhole_camera(80, 60, 80)});
   }
 
@@ -86,15 +86,15 @@ TEST(MatchFlight, NotOneReadableFrameIsAnError) {
   const LoggedFlight flight;
   const std::vector<FlightFrame> bad(flight.frames().end() - 2, flight.frames().end());
   try {
-    match_flight(flight.open_map(), bad, {}, FrameTruth::kCenter, 1, {});
+    match_flight(flight.open_map(), bad, {}, 1, {});
     FAIL();
   } catch (const DataError& error) {
     EXPECT_THAT(error.what(), HasSubstr("not one of 2 frames can be read; the first: "));
     EXPECT_THAT(error.what(), HasSubstr("tall.png: has 60 x 80 px"));
   }
-  EXPECT_THROW(match_flight([&] { return MapReader::open_unverified(flight.map_path() / "x"); }, flight.frames(), {},
-                            FrameTruth::kCenter, 2, {}),
-               DataError);
+  EXPECT_THROW(
+      match_flight([&] { return MapReader::open_unverified(flight.map_path() / "x"); }, flight.frames(), {}, 2, {}),
+      DataError);
 }
 
 TEST(MatchFlight, ProgressCountsFramesAndMayStop) {

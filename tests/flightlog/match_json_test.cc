@@ -100,7 +100,7 @@ TEST(MatchText, SaysTheFixOrTheReason) {
   const std::string fix = frame_match_text(numbered_match());
   EXPECT_THAT(fix,
               HasSubstr("fix: a fix\naircraft: lon 16.1000000, lat 55.2000000, sigma east 2.00 m, north 3.00 m\n"));
-  EXPECT_THAT(fix, HasSubstr("error: 2.25 m\n"));
+  EXPECT_THAT(fix, HasSubstr("error of the aircraft's place: 2.25 m\n"));
   EXPECT_THAT(fix, HasSubstr("time of matching: 21.5 ms\n"));
   const std::string refused = frame_match_text(refused_match(), false);
   EXPECT_THAT(refused, HasSubstr("ambiguous: another place in the window looks as good\n210 inliers of 1500 features"));

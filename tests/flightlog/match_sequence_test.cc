@@ -43,7 +43,7 @@ class TexturedFlight {
     row.prior_covariance_en_m2 = isotropic_covariance_m2(15);
     row.height_agl_m = ground_.agl_m;
     row.attitude = {0, 0, 0};
-    row.truth = at_center.geodetic_from_enu({east_m, 0, 0});
+    row.true_nadir = at_center.geodetic_from_enu({east_m, 0, 0});
     frames_.push_back({(folder_ / name).string(), row, ground_.camera});
   }
   std::vector<FlightFrame>& frames() { return frames_; }
@@ -51,7 +51,7 @@ class TexturedFlight {
     return [path = folder_ / "map.gpkg"] { return MapReader::open_unverified(path); };
   }
   MatchedSequence match(const MatchOptions& options = {}) const {
-    return match_sequence(open_map(), frames_, options, make_ins_error_model({}), FrameTruth::kNadir, {});
+    return match_sequence(open_map(), frames_, options, make_ins_error_model({}), {});
   }
 
  private:
@@ -74,8 +74,9 @@ TEST(MatchSequence, AFixNarrowsTheNextFramesWindow) {
               1e-9);
   for (std::size_t i = 1; i < 4; ++i) {
     EXPECT_LT(done.matches[i].result.stats.search_half_width_m, 15);
-    EXPECT_LT(LocalFrame(*done.matches[i].frame.truth).enu_from_geodetic(done.matches[i].frame.prior).head<2>().norm(),
-              3)
+    EXPECT_LT(
+        LocalFrame(*done.matches[i].frame.true_nadir).enu_from_geodetic(done.matches[i].frame.prior).head<2>().norm(),
+        3)
         << "the prior is moved by the error that the fixes tell of";
   }
 }
@@ -102,8 +103,7 @@ TEST(MatchSequence, WhatASequenceNeedsIsSaid) {
   EXPECT_THAT(error(strict), HasSubstr("max_false_fix_rate = 1e-06 is below 2e-06"));
   flight.frames()[1].frame.time_s = kNaN;
   EXPECT_EQ(error(), "1.png: time_s is not known, which frames in sequence need");
-  EXPECT_TRUE(
-      match_sequence(flight.open_map(), {}, {}, make_ins_error_model({}), FrameTruth::kNadir, {}).matches.empty());
+  EXPECT_TRUE(match_sequence(flight.open_map(), {}, {}, make_ins_error_model({}), {}).matches.empty());
 }
 
 TEST(MatchSequence, MayBeStopped) {
@@ -111,9 +111,7 @@ TEST(MatchSequence, MayBeStopped) {
   flight.add(0, {1, 1});
   flight.add(0, {1, 1});
   const auto stop = [](std::string_view, std::int64_t done, std::int64_t) { return done < 1; };
-  EXPECT_THROW(
-      match_sequence(flight.open_map(), flight.frames(), {}, make_ins_error_model({}), FrameTruth::kNadir, stop),
-      Interrupted);
+  EXPECT_THROW(match_sequence(flight.open_map(), flight.frames(), {}, make_ins_error_model({}), stop), Interrupted);
 }
 
 }  // namespace

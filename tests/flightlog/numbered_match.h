@@ -27,7 +27,7 @@ inline FrameMatch numbered_match() {
   FrameMatch match;
   match.frame.file = "a, b.jpg";
   match.frame.time_s = 12.5;
-  match.frame.truth = {16, 55};
+  match.frame.true_nadir = {16, 55};
   match.result.status = MatchStatus::kFix;
   match.result.fix = numbered_fix();
   match.result.candidate = match.result.fix;
@@ -35,6 +35,7 @@ inline FrameMatch numbered_match() {
   match.confirmed = true;
   match.milliseconds = 21.5;
   match.error = FixError{1, -2, 2.25, 3.5};
+  match.center_error = FixError{0.25, 0, 0.25, 1.75};
   match.candidate_error = match.error;
   return match;
 }

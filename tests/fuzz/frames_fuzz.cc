@@ -35,8 +35,10 @@ void check_frames(const FrameTable& table, bool may_be_missing) {
     for (const double angle_deg : {frame.attitude.yaw_deg, frame.attitude.pitch_deg, frame.attitude.roll_deg}) {
       require_between(angle_deg, -360, 360, may_be_missing);
     }
-    if (frame.truth) require_between(frame.truth->lat_deg, -90, 90, false);
-    if (frame.truth) require_between(frame.truth->lon_deg, -180, 360, false);
+    for (const auto& truth : {frame.true_nadir, frame.true_center}) {
+      if (truth) require_between(truth->lat_deg, -90, 90, false);
+      if (truth) require_between(truth->lon_deg, -180, 360, false);
+    }
   }
 }
 

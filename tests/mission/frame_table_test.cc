@@ -53,7 +53,7 @@ TEST(FrameTable, ReadsEveryColumn) {
   EXPECT_EQ(frame.attitude.yaw_deg, 152);
   EXPECT_EQ(frame.attitude.pitch_deg, 1.5);
   EXPECT_EQ(frame.attitude.roll_deg, -0.8);
-  EXPECT_FALSE(frame.truth);
+  EXPECT_FALSE(frame.truth());
   EXPECT_EQ(table.frames[1].file, "b, c.jpg");
   EXPECT_EQ(table.frames[1].prior.lon_deg, -170) << "longitudes are brought into [-180, 180)";
 }
@@ -98,16 +98,22 @@ TEST(FrameTable, UnknownColumnsAreToldOf) {
 TEST(FrameTable, TruthIsOfTheCentreOrTheNadir) {
   const std::string both = kNames + ",true_lon_deg,true_lat_deg,true_nadir_lon_deg,true_nadir_lat_deg\n" + kRow +
                            ",1,2,3,4\n" + kRow + ",1,2,,\n" + kRow + ",,,3,4\n";
-  const auto center = read(both, {FrameTruth::kCenter, FrameColumns::kAll}).frames;
-  EXPECT_EQ(center[0].truth->lon_deg, 1);
-  EXPECT_EQ(center[0].truth->lat_deg, 2);
-  EXPECT_FALSE(center[2].truth);
-  const auto nadir = read(both, {FrameTruth::kNadir, FrameColumns::kAll}).frames;
-  EXPECT_EQ(nadir[0].truth->lon_deg, 3);
-  EXPECT_EQ(nadir[0].truth->lat_deg, 4);
-  EXPECT_FALSE(nadir[1].truth) << "the centre does not stand in for the nadir of the same table";
-  const auto plain = read(kNames + ",true_lon_deg,true_lat_deg\n" + kRow + ",1,2\n", {FrameTruth::kNadir, {}}).frames;
-  EXPECT_EQ(plain[0].truth->lon_deg, 1) << "with one pair of columns the caller says what it is";
+  for (const FrameTruth truth : {FrameTruth::kCenter, FrameTruth::kNadir}) {
+    const auto frames = read(both, {truth, FrameColumns::kAll}).frames;
+    EXPECT_EQ(frames[0].true_center->lon_deg, 1) << "beside the nadir's columns these are the centre's";
+    EXPECT_EQ(frames[0].true_nadir->lat_deg, 4);
+    EXPECT_EQ(frames[0].truth()->lon_deg, 3) << "what is judged is the aircraft's own place";
+    EXPECT_FALSE(frames[1].true_nadir);
+    EXPECT_EQ(frames[1].truth()->lon_deg, 1);
+    EXPECT_FALSE(frames[2].true_center);
+  }
+  const std::string one = kNames + ",true_lon_deg,true_lat_deg\n" + kRow + ",1,2\n";
+  const auto nadir = read(one, {FrameTruth::kNadir, {}}).frames;
+  EXPECT_EQ(nadir[0].true_nadir->lon_deg, 1) << "with one pair of columns the caller says what it is";
+  EXPECT_FALSE(nadir[0].true_center);
+  const auto center = read(one, {FrameTruth::kCenter, {}}).frames;
+  EXPECT_EQ(center[0].true_center->lon_deg, 1);
+  EXPECT_FALSE(center[0].true_nadir);
 }
 
 TEST(FrameTable, HalfATruthIsRefused) {

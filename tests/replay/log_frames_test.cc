@@ -42,8 +42,8 @@ TEST(LogFrames, PriorsOfTheAutopilot) {
   EXPECT_EQ(frames.rows[4].prior_covariance_en_m2(0, 0), 900);
   EXPECT_NEAR(frames.rows[4].height_agl_m, 120, 1e-9);
   EXPECT_EQ(frames.rows[4].attitude.roll_deg, 2);
-  ASSERT_TRUE(frames.rows[4].truth);
-  EXPECT_EQ(frames.rows[4].truth->lon_deg, 16.5);
+  ASSERT_TRUE(frames.rows[4].true_nadir);
+  EXPECT_EQ(frames.rows[4].true_nadir->lon_deg, 16.5);
 }
 
 TEST(LogFrames, DrawnPriorsDriftAndAreTheSameForASeed) {
@@ -55,7 +55,7 @@ TEST(LogFrames, DrawnPriorsDriftAndAreTheSameForASeed) {
   EXPECT_EQ(one.rows[10].prior.lon_deg, again.rows[10].prior.lon_deg);
   EXPECT_NE(one.rows[10].prior.lon_deg, other.rows[10].prior.lon_deg);
   EXPECT_GT(one.rows[10].prior_covariance_en_m2(0, 0), one.rows[0].prior_covariance_en_m2(0, 0));
-  EXPECT_LT(geodesic_between(one.rows[10].prior, *one.rows[10].truth).length_m, 100);
+  EXPECT_LT(geodesic_between(one.rows[10].prior, *one.rows[10].true_nadir).length_m, 100);
 }
 
 TEST(LogFrames, RangeFinderGoesBeforeSeaLevelAndGroundIsAssumedWithANote) {

@@ -35,7 +35,7 @@ TEST(FixTable, FramesBesideItSayPriorAndTruth) {
   FrameRecord record;
   record.file = "b.jpg";
   record.prior = {16.6, 55.6};
-  record.truth = GeodeticPoint{16.61, 55.61};
+  record.true_nadir = GeodeticPoint{16.61, 55.61};
   record.height_agl_m = 120;
   FrameRecord first = record;
   first.file = "a.jpg";

@@ -58,7 +58,9 @@ struct CompareOptions {
     fields.field("max_scale_error", self.max_scale_error,
                  "A fix is refused when its scale differs from that of height and camera by more than this share.",
                  Range{0.001, 10});
-    fields.field("truth", self.truth, "Which point true_lon_deg and true_lat_deg are.");
+    fields.field(
+        "truth", self.truth,
+        "Which point frames are compared at, and what true_lon_deg and true_lat_deg are without true_nadir_lon_deg.");
     fields.field("picture_frame", self.picture_frame, "Row of the frame that the pictures show, from 1; 0 for none.",
                  Range{0, 1e9});
     ImageryOptions::describe(self.imagery, fields);

@@ -23,7 +23,7 @@ Crs local_crs(GeodeticPoint center) {
 
 void check_record(const FrameRecord& record) {
   const auto refuse = [&](const std::string& what) { throw DataError(record.file + ": " + what); };
-  if (!record.truth) refuse("a comparison needs true_lon_deg and true_lat_deg of every frame");
+  if (!record.truth()) refuse("a comparison needs true_lon_deg and true_lat_deg of every frame");
   const Attitude& a = record.attitude;
   if (!std::isfinite(a.yaw_deg) || !std::isfinite(a.pitch_deg) || !std::isfinite(a.roll_deg)) {
     refuse("yaw_deg, pitch_deg and roll_deg must be known");
@@ -41,6 +41,12 @@ cv::Mat allowed_within(const cv::Mat& valid) {
 
 void fill_with_mean(cv::Mat& gray, const cv::Mat& valid) {
   gray.setTo(cv::mean(gray, valid), valid == 0);
+}
+
+/// The point that the pair is compared at: the wanted one, or the other where only that is known.
+FrameTruth anchor_kind(const FrameRecord& record, FrameTruth wanted) {
+  const bool center = wanted == FrameTruth::kCenter ? record.true_center.has_value() : !record.true_nadir;
+  return center ? FrameTruth::kCenter : FrameTruth::kNadir;
 }
 
 struct Anchor {
@@ -80,7 +86,9 @@ void read_reference(const std::vector<std::string>& datasets, const FrameRecord&
   fill_with_mean(pair.reference, raster.valid);
   pair.reference_allowed = allowed_within(raster.valid);
 
-  const std::optional<Eigen::Vector2d> truth = CrsTransform(crs).map_from_geodetic(*record.truth);
+  const bool at_center = anchor_kind(record, options.truth) == FrameTruth::kCenter;
+  const std::optional<Eigen::Vector2d> truth =
+      CrsTransform(crs).map_from_geodetic(at_center ? *record.true_center : *record.true_nadir);
   if (!truth) throw DataError(record.file + ": its true position is on the other side of the Earth from its prior");
   pair.true_anchor_m = *truth;
   const Eigen::Vector2d pixel = pair.reference_from_ground(pair.true_anchor_m);
@@ -119,7 +127,8 @@ PairOrProblem make_compared_pair(const std::vector<std::string>& reference, cons
   RectifiedFrame rectified = ortho_rectify(frame, camera, record.attitude, record.height_agl_m, rectify);
   if (rectified.status != RectifyStatus::kOk) return std::string(rectify_status_text(rectified.status));
   const std::optional<View> view = make_view(camera, record.attitude, record.height_agl_m, kMaxOffNadirDeg);
-  const std::optional<Anchor> anchor = view ? find_anchor(*view, camera, options.truth) : std::nullopt;
+  const std::optional<Anchor> anchor =
+      view ? find_anchor(*view, camera, anchor_kind(record, options.truth)) : std::nullopt;
   if (!anchor) return std::string("The point of which the truth is known lies above the horizon.");
 
   ComparedPair pair;

@@ -39,7 +39,9 @@ struct EvaluateOptions {
   static void describe(Self& self, Fields& fields) {
     fields.path("file", self.file, "Imagery of another date: hold the scores against what a matcher finds on it.");
     fields.path("frames", self.frames, "Instead: real frames with their truth (frames.csv), matched as in flight.");
-    fields.field("frames_truth", self.frames_truth, "Which point true_lon_deg and true_lat_deg of the frames are.");
+    fields.field(
+        "frames_truth", self.frames_truth,
+        "What true_lon_deg and true_lat_deg of the frames are. Beside true_nadir_lon_deg they are the centre.");
     fields.field(
         "matcher", self.matcher,
         "voting: the matcher that flies, on frames rendered from the other date; ncc: normalised correlation.");

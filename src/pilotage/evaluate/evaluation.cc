@@ -36,8 +36,8 @@ constexpr Predictor kPredictors[] = {{"p_correct_fix", "P(correct fix)", true},
 
 void check(const LevelScores& judged, const std::vector<FlightFrame>& frames, const EvaluateOptions& options) {
   check_evaluation(options);
-  const bool any_truth =
-      std::any_of(frames.begin(), frames.end(), [](const FlightFrame& frame) { return frame.frame.truth.has_value(); });
+  const bool any_truth = std::any_of(frames.begin(), frames.end(),
+                                     [](const FlightFrame& frame) { return frame.frame.truth().has_value(); });
   if (!options.frames.empty() && !any_truth) {
     throw DataError(options.frames + ": no frame has its truth (true_lon_deg, true_lat_deg)");
   }

@@ -69,6 +69,25 @@ std::string level_text(const Evaluation& evaluation) {
          " the 80 % interval of " + format_fixed(kLevel80_z, 2);
 }
 
+/// Errors of the aircraft's own place where a place was accepted and they are known.
+std::vector<double> nadir_errors_m(const Evaluation& evaluation) {
+  std::vector<double> errors_m;
+  for (const TileOutcome& outcome : evaluation.outcomes) {
+    const bool accepted = outcome.outcome == Outcome::kCorrect || outcome.outcome == Outcome::kFalse;
+    if (accepted && !std::isnan(outcome.nadir_error_m)) errors_m.push_back(outcome.nadir_error_m);
+  }
+  return errors_m;
+}
+
+/// "" where none is known.
+std::string nadir_text(const Evaluation& evaluation) {
+  const std::vector<double> errors_m = nadir_errors_m(evaluation);
+  if (errors_m.empty()) return "";
+  return "the aircraft's own place, which tilt moves by the height: " + format_fixed(quantile(errors_m, 0.5), 2) +
+         " m off in the median, " + format_fixed(quantile(errors_m, 0.95), 2) + " m at 95 %, of " +
+         std::to_string(errors_m.size()) + " fixes; judged is the ground at the centre of the image";
+}
+
 const JudgedPredictor* probability_of(const Evaluation& evaluation) {
   const auto found = std::find_if(evaluation.predictors.begin(), evaluation.predictors.end(),
                                   [](const JudgedPredictor& predictor) { return predictor.quality.probability; });
@@ -98,6 +117,9 @@ Json evaluation_json(const Evaluation& evaluation, const EvaluationSource& sourc
   for (const Outcome outcome : kOutcomes) json["outcomes"][outcome_name(outcome)] = evaluation.counts.at(outcome);
   json["correct_fixes"] = share_json(correct, evaluation.judged());
   json["false_fixes"] = share_json(wrong, correct + wrong);
+  const std::vector<double> nadir_m = nadir_errors_m(evaluation);
+  json["nadir_median_error_m"] = json_number(quantile(nadir_m, 0.5));
+  json["nadir_p95_error_m"] = json_number(quantile(nadir_m, 0.95));
   json["false_like_neighbours"] = evaluation.false_like_neighbours;
   json["level_z"] = json_number(evaluation.level_z);
   json["predictors"] = Json::array();
@@ -120,6 +142,7 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
             " lie off as the accepted fixes around them do: where that is many, rather the two georeferences disagree "
             "than the matcher errs. Register the other date first, or judge with a larger tolerance.\n";
   }
+  if (const std::string nadir = nadir_text(evaluation); !nadir.empty()) text += "- Besides, " + nadir + ".\n";
   text += "- Refused: " + std::to_string(evaluation.counts.at(Outcome::kRefused)) +
           "; not covered and left out: " + std::to_string(evaluation.counts.at(Outcome::kNotCovered)) +
           "; tiles scored: " + std::to_string(evaluation.scored_tiles) + ".\n\n";
@@ -137,6 +160,7 @@ std::string evaluation_text(const Evaluation& evaluation) {
   const std::int64_t wrong = evaluation.counts.at(Outcome::kFalse);
   std::string text = "evaluation: correct " + share_text(correct, evaluation.judged()) + "; false among accepted " +
                      share_text(wrong, correct + wrong) + "\n";
+  if (const std::string nadir = nadir_text(evaluation); !nadir.empty()) text += "evaluation: " + nadir + "\n";
   for (const JudgedPredictor& predictor : evaluation.predictors) {
     const PredictionQuality& quality = predictor.quality;
     text += "evaluation: " + predictor.name + ": AUC " + estimate_text(quality.auc, 3);
@@ -154,7 +178,7 @@ std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluati
   std::vector<const Measure*> columns;
   std::string text =
       "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,error_east_m,error_"
-      "north_m,evidence";
+      "north_m,nadir_error_m,evidence";
   std::vector<std::string> names = predictor_columns();
   for (const char* input_of_model : {"map_features", "vote_noise", "relative_contrast"})
     names.emplace_back(input_of_model);
@@ -179,6 +203,7 @@ std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluati
                                    csv_cell(outcome.error_m),
                                    csv_cell(outcome.error_east_m),
                                    csv_cell(outcome.error_north_m),
+                                   csv_cell(outcome.nadir_error_m),
                                    csv_cell(outcome.evidence)};
     for (const Measure* measure : columns) cells.push_back(csv_cell(measure->get(judged.scores[outcome.tile])));
     text += join(cells, ",") + "\n";

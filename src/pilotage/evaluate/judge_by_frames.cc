@@ -36,7 +36,7 @@ std::vector<TileOutcome> judge_by_frames(const LevelScores& judged, const std::f
                                          double tolerance_m, int threads, const Progress& progress) {
   std::vector<FlightFrame> with_truth;
   std::copy_if(frames.begin(), frames.end(), std::back_inserter(with_truth),
-               [](const FlightFrame& frame) { return frame.frame.truth.has_value(); });
+               [](const FlightFrame& frame) { return frame.frame.truth().has_value(); });
   MatchOptions match;
   match.attitude_sigma_deg = options.attitude_sigma_deg;
   match.yaw_sigma_deg = options.attitude_sigma_deg;
@@ -45,20 +45,18 @@ std::vector<TileOutcome> judge_by_frames(const LevelScores& judged, const std::f
   const CrsTransform transform(judged.ground.crs);
   std::vector<TileOutcome> outcomes;
   const auto open_map = [&] { return MapReader::open_unverified(map); };
-  for (const FrameMatch& matched : match_flight(open_map, with_truth, match, options.frames_truth, threads, progress)) {
+  for (const FrameMatch& matched : match_flight(open_map, with_truth, match, threads, progress)) {
     TileOutcome outcome;
     outcome.frame = matched.frame.file;
     outcome.status = frame_status_name(matched);
-    const auto truth = transform.map_from_geodetic(*matched.frame.truth);
+    const FrameRecord& frame = matched.frame;
+    const auto truth = transform.map_from_geodetic(frame.true_center ? *frame.true_center : *frame.true_nadir);
     const NearestTile nearest =
         truth ? nearest_tile(judged, judged.matrix().map_from_pixel.pixel_from_map(*truth)) : NearestTile{};
     outcome.tile = nearest.tile;
     if (matched.readable()) outcome.evidence = matched.result.stats.vote_peak;
-    if (const auto& error = matched.error ? matched.error : matched.candidate_error) {
-      outcome.error_m = error->error_m;
-      outcome.error_east_m = error->east_m;
-      outcome.error_north_m = error->north_m;
-    }
+    const std::optional<Fix>& best = matched.result.fix ? matched.result.fix : matched.result.candidate;
+    if (matched.readable() && best) set_outcome_errors(outcome, *best, frame.true_center, frame.true_nadir);
     if (nearest.holds_it) {
       outcome.outcome = !matched.has_fix()               ? Outcome::kRefused
                         : outcome.error_m <= tolerance_m ? Outcome::kCorrect

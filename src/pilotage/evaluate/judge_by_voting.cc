@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <numbers>
 #include <optional>
 
@@ -13,6 +15,7 @@
 #include "pilotage/flightlog/frame_match.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mapdb/parallel_reading.h"
+#include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 
@@ -24,11 +27,25 @@ constexpr int kFrameOversampling = 2;  // frames are finer than maps
 constexpr int kMaxFrameSidePx = 2048;
 constexpr double kSearchSigmas = 3;
 
+/// Heights for several threads, one at a time.
+struct SharedElevation {
+  explicit SharedElevation(const std::string& dataset) : heights(dataset) {}
+
+  TerrainHeights terrain_below(const View& view, GeodeticPoint nadir) {
+    const std::lock_guard lock(mutex);
+    return terrain_under(view, nadir, heights);
+  }
+
+  std::mutex mutex;
+  Elevation heights;
+};
+
 /// What the frames over all tiles share.
 struct FrameSetup {
   const LevelScores& judged;
   const PlaceOnReference& place;
-  GraySource other;  ///< The other date.
+  GraySource other;                              ///< The other date.
+  std::shared_ptr<SharedElevation> elevation{};  ///< Nothing: frames show level ground, as the map has it.
   Camera camera{};
   MatchOptions match{};
   double agl_m = 0;
@@ -50,6 +67,9 @@ FrameSetup make_setup(const LevelScores& judged, const PlaceOnReference& place, 
   const double gsd_m = ground_gsd_m(judged);
   FrameSetup setup{judged, place,
                    stretch_to_8bit(open_gray(options.file, second_date_options(judged.ground.imagery.options)))};
+  if (!judged.ground.elevation.empty()) {
+    setup.elevation = std::make_shared<SharedElevation>(judged.ground.elevation);
+  }
   setup.camera = square_camera(std::min(kFrameOversampling * judged.matrix().tile_size_px, kMaxFrameSidePx));
   setup.agl_m = judged.matrix().tile_size_px * gsd_m / 2 / std::tan(kHalfFieldOfView_rad);
   setup.search_radius_m = judged.level.search_radius_px * gsd_m;
@@ -74,7 +94,8 @@ double grid_yaw_deg(const LevelScores& judged, const Eigen::Vector2d& center_map
 struct TileFrame {
   RenderedFrame picture;
   MatchPrior prior;
-  GeodeticPoint true_center;  ///< On the reference: the ground that the principal point shows.
+  GeodeticPoint true_nadir;   ///< On the reference.
+  GeodeticPoint true_center;  ///< Likewise: the ground that the principal point shows.
 };
 
 std::optional<TileFrame> take_frame(const FrameSetup& setup, const GroundTile& tile, std::uint64_t seed) {
@@ -100,13 +121,19 @@ std::optional<TileFrame> take_frame(const FrameSetup& setup, const GroundTile& t
   const auto truth = reference.geodetic_from_map(setup.place(center_map));
   const auto in_other = shown ? CrsTransform(setup.other.crs).map_from_geodetic(*shown) : std::nullopt;
   const auto view = make_view(setup.camera, attitude, agl_m);
-  const auto center_m = view ? ground_from_pixel(*view, {setup.camera.cx_px, setup.camera.cy_px}) : std::nullopt;
-  if (!truth || !in_other || !center_m) return std::nullopt;
+  if (!shown || !truth || !in_other || !view) return std::nullopt;
+  const Eigen::Vector2d principal_px(setup.camera.cx_px, setup.camera.cy_px);
+  const auto terrain = setup.elevation ? std::optional(setup.elevation->terrain_below(*view, *shown)) : std::nullopt;
+  const auto center_m =
+      terrain ? terrain_from_pixel(*view, *terrain, principal_px) : ground_from_pixel(*view, principal_px);
+  if (!center_m) return std::nullopt;
   const GeoTransform& other_grid = setup.other.map_from_pixel;
   const GroundPlace over = ground_place(setup.other.crs, other_grid, other_grid.pixel_from_map(*in_other));
-  frame.picture = render_frame(setup.other, over, setup.camera, attitude, agl_m);
+  frame.picture = terrain ? render_terrain_frame(setup.other, over, setup.camera, attitude, agl_m, *terrain)
+                          : render_frame(setup.other, over, setup.camera, attitude, agl_m);
   const LocalFrame at_nadir(*truth);
   frame.prior.position = at_nadir.geodetic_from_enu({east_m, north_m, 0});
+  frame.true_nadir = *truth;
   frame.true_center = at_nadir.geodetic_from_enu({center_m->x(), center_m->y(), 0});
   return frame;
 }
@@ -120,10 +147,7 @@ TileOutcome judge(const FrameSetup& setup, std::size_t index, std::uint64_t seed
   outcome.status = match_status_name(result.status);
   outcome.evidence = result.stats.vote_peak;
   if (const auto& best = result.fix ? result.fix : result.candidate) {
-    const FixError error = error_of_fix(*best, frame->true_center, FrameTruth::kCenter);
-    outcome.error_m = error.error_m;
-    outcome.error_east_m = error.east_m;
-    outcome.error_north_m = error.north_m;
+    set_outcome_errors(outcome, *best, frame->true_center, frame->true_nadir);
   }
   outcome.outcome = !result.fix                            ? Outcome::kRefused
                     : outcome.error_m <= setup.tolerance_m ? Outcome::kCorrect

@@ -18,7 +18,8 @@ namespace pilotage {
 inline constexpr double kMinCoveredFraction = 0.9;
 
 /// Tiles (indices into judged.ground.tiles) whose ground is looked for as an aircraft would: over the centre of each
-/// hangs a camera whose frame is the tile, twice as fine and north up; it shows the other date (camera/render_frame.h).
+/// hangs a camera whose frame is the tile, twice as fine and north up; it shows the other date (camera/render_frame.h),
+/// over the ground's elevation model where it has one, as the map does.
 /// Told are the true attitude and height with normal errors, and a prior displaced by up to the search radius in any
 /// direction, σ a third of it. match() looks for the frame in `map`. A tile is not
 /// covered whose frame is (kMinCoveredFraction). Draws are by tile (seed, tile_id), so that neither threads nor the

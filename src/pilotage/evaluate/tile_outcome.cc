@@ -1,5 +1,7 @@
 #include "pilotage/evaluate/tile_outcome.h"
 
+#include "pilotage/flightlog/frame_match.h"
+
 namespace pilotage {
 
 std::string_view outcome_name(Outcome outcome) {
@@ -14,6 +16,20 @@ std::string_view outcome_name(Outcome outcome) {
       break;
   }
   return "not_covered";
+}
+
+void set_outcome_errors(TileOutcome& outcome, const Fix& best, const std::optional<GeodeticPoint>& true_center,
+                        const std::optional<GeodeticPoint>& true_nadir) {
+  std::optional<FixError> judged;
+  if (true_nadir) {
+    judged = error_of_fix(best, *true_nadir, FrameTruth::kNadir);
+    outcome.nadir_error_m = judged->error_m;
+  }
+  if (true_center) judged = error_of_fix(best, *true_center, FrameTruth::kCenter);
+  if (!judged) return;
+  outcome.error_m = judged->error_m;
+  outcome.error_east_m = judged->east_m;
+  outcome.error_north_m = judged->north_m;
 }
 
 }  // namespace pilotage

@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "pilotage/match/match.h"
 
 namespace pilotage {
 
@@ -23,12 +26,19 @@ struct TileOutcome {
   std::size_t tile = 0;  ///< Index into the ground's tiles.
   Outcome outcome = Outcome::kNotCovered;
   std::string status;  ///< The matcher's word: "fix", "ambiguous" …; "peak" for ncc.
-  /// Of the best place, accepted or not, answer minus truth; NaN without one. For ncc along the grid's axes.
+  /// Of the best place, accepted or not, answer minus truth; NaN without one. For ncc along the grid's axes. At the
+  /// centre of the image: whether the ground is recognised is the question here. Of a frame whose centre is not known,
+  /// at the nadir.
   double error_m = std::numeric_limits<double>::quiet_NaN();
   double error_east_m = std::numeric_limits<double>::quiet_NaN();
   double error_north_m = std::numeric_limits<double>::quiet_NaN();
-  double evidence = std::numeric_limits<double>::quiet_NaN();  ///< MatchStats::vote_peak; ncc: the correlation.
-  std::string frame;                                           ///< Name of the real frame, "" for a rendered one.
+  double nadir_error_m = std::numeric_limits<double>::quiet_NaN();  ///< Of the aircraft's own place, likewise.
+  double evidence = std::numeric_limits<double>::quiet_NaN();       ///< MatchStats::vote_peak; ncc: the correlation.
+  std::string frame;                                                ///< Name of the real frame, "" for a rendered one.
 };
+
+/// Sets the errors of `best` against what is known of the truth.
+void set_outcome_errors(TileOutcome& outcome, const Fix& best, const std::optional<GeodeticPoint>& true_center,
+                        const std::optional<GeodeticPoint>& true_nadir);
 
 }  // namespace pilotage

@@ -35,17 +35,19 @@ FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind) {
   return result;
 }
 
-void set_errors(FrameMatch& match, FrameTruth truth) {
-  const MatchResult& result = match.result;
-  match.error.reset();
-  match.candidate_error.reset();
-  if (!match.frame.truth) return;
-  if (result.fix) match.error = error_of_fix(*result.fix, *match.frame.truth, truth);
-  if (result.candidate) match.candidate_error = error_of_fix(*result.candidate, *match.frame.truth, truth);
+void set_errors(FrameMatch& match) {
+  const FrameRecord& frame = match.frame;
+  const FrameTruth judged = frame.true_nadir ? FrameTruth::kNadir : FrameTruth::kCenter;
+  const auto error_of = [](const std::optional<Fix>& fix, const std::optional<GeodeticPoint>& truth, FrameTruth kind) {
+    return fix && truth ? std::optional(error_of_fix(*fix, *truth, kind)) : std::nullopt;
+  };
+  match.error = error_of(match.result.fix, frame.truth(), judged);
+  match.center_error = error_of(match.result.fix, frame.true_center, FrameTruth::kCenter);
+  match.candidate_error = error_of(match.result.candidate, frame.truth(), judged);
 }
 
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
-                       const MatchOptions& options, FrameTruth truth, const std::function<bool()>& go_on) {
+                       const MatchOptions& options, const std::function<bool()>& go_on) {
   FrameMatch done;
   done.frame = frame;
   cv::Mat picture;
@@ -61,7 +63,7 @@ FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const 
   const auto start = std::chrono::steady_clock::now();
   done.result = match(picture, prior, sized, map, options, go_on);
   done.milliseconds = milliseconds_since(start);
-  set_errors(done, truth);
+  set_errors(done);
   return done;
 }
 

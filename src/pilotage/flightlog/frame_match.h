@@ -28,8 +28,9 @@ struct FrameMatch {
   MatchResult result;                                              ///< Meaningless when there is a problem.
   double milliseconds = std::numeric_limits<double>::quiet_NaN();  ///< Of match() alone: reading the file is not in it.
   bool confirmed = false;                   ///< A fix because it lies where the frames before say (match_sequence.h).
-  std::optional<FixError> error;            ///< Of result.fix, when there is one and the truth is known.
-  std::optional<FixError> candidate_error;  ///< Of result.candidate, likewise.
+  std::optional<FixError> error;            ///< Of result.fix against FrameRecord::truth(), where both are known.
+  std::optional<FixError> center_error;     ///< Of its centre, where that is known.
+  std::optional<FixError> candidate_error;  ///< Of result.candidate against FrameRecord::truth().
 
   bool readable() const { return problem.empty(); }
   bool has_fix() const { return readable() && result.fix.has_value(); }
@@ -44,12 +45,12 @@ std::string frame_status_text(const FrameMatch& match);
 FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind);
 
 /// Sets the errors of what `match` holds, where the truth is known.
-void set_errors(FrameMatch& match, FrameTruth truth);
+void set_errors(FrameMatch& match);
 
 /// Reads the picture `path` (anything GDAL opens; gray as the map's imagery is made gray), and matches it. What cannot
 /// be read is a FrameMatch with a problem. Throws nothing but std::bad_alloc and, when `go_on` returns false,
 /// Interrupted.
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
-                       const MatchOptions& options, FrameTruth truth, const std::function<bool()>& go_on = {});
+                       const MatchOptions& options, const std::function<bool()>& go_on = {});
 
 }  // namespace pilotage

@@ -1,5 +1,6 @@
 #include "pilotage/flightlog/match_evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -76,6 +77,47 @@ std::string nees_text(const NeesSummary& nees) {
          std::to_string(nees.count) + " honest ones\n";
 }
 
+/// Of the fixes whose two points are known.
+std::optional<MatchEvaluation::Centers> summarise_centers(std::span<const FrameMatch> matches, double within_m) {
+  std::vector<double> errors_m;
+  std::vector<double> nees;
+  for (const FrameMatch& match : matches) {
+    if (!match.center_error || !match.frame.true_nadir) continue;
+    errors_m.push_back(match.center_error->error_m);
+    nees.push_back(match.center_error->nees);
+  }
+  if (errors_m.empty()) return std::nullopt;
+  MatchEvaluation::Centers centers;
+  centers.fixes = static_cast<std::int64_t>(errors_m.size());
+  centers.within = std::count_if(errors_m.begin(), errors_m.end(), [&](double error) { return error <= within_m; });
+  centers.median_error_m = quantile(errors_m, 0.5);
+  centers.p95_error_m = quantile(errors_m, 0.95);
+  centers.nees = summarise_nees(nees);
+  return centers;
+}
+
+Json centers_json(const MatchEvaluation::Centers& centers) {
+  return {{"fixes", centers.fixes},
+          {"within", centers.within},
+          {"median_error_m", json_number(centers.median_error_m)},
+          {"p95_error_m", json_number(centers.p95_error_m)},
+          {"nees", nees_json(centers.nees)}};
+}
+
+std::string judged_text(const MatchEvaluation& evaluation) {
+  if (evaluation.judged_at_center == 0) return "judged by the aircraft's own place, straight below it\n";
+  const bool all = evaluation.judged_at_center == evaluation.frames_with_truth;
+  return "judged by the ground at the centre of the image" +
+         (all ? std::string() : " for " + std::to_string(evaluation.judged_at_center) + " frames") +
+         ": the aircraft's own place (true_nadir_lon_deg), which tilt moves, is not known\n";
+}
+
+std::string centers_text(const MatchEvaluation::Centers& centers, const std::string& limit) {
+  return "at the centre of the image: " + std::to_string(centers.within) + " of " + std::to_string(centers.fixes) +
+         " fixes within " + limit + ", median " + format_fixed(centers.median_error_m, 2) + " m, 95 % below " +
+         format_fixed(centers.p95_error_m, 2) + " m, mean normalised error squared " + nees_text(centers.nees);
+}
+
 }  // namespace
 
 MatchRate match_rate(std::int64_t count, std::int64_t of) {
@@ -101,7 +143,8 @@ MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double cor
     } else {
       ++evaluation.refused[frame_status_name(match)];
     }
-    if (match.frame.truth) ++evaluation.frames_with_truth;
+    if (match.frame.truth()) ++evaluation.frames_with_truth;
+    if (match.frame.truth() && !match.frame.true_nadir) ++evaluation.judged_at_center;
     if (!std::isnan(match.milliseconds)) times_ms.push_back(match.milliseconds);
     if (!match.error) continue;
     errors_m.push_back(match.error->error_m);
@@ -116,6 +159,7 @@ MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double cor
   evaluation.p95_error_m = quantile(errors_m, 0.95);
   evaluation.nees = summarise_nees(nees);
   evaluation.nees_correct = summarise_nees(nees_correct);
+  evaluation.centers = summarise_centers(matches, correct_within_m);
   evaluation.median_ms = quantile(times_ms, 0.5);
   evaluation.p95_ms = quantile(times_ms, 0.95);
   return evaluation;
@@ -130,6 +174,7 @@ Json to_json(const MatchEvaluation& evaluation, bool timings) {
   if (evaluation.sequence) json["sequence"] = sequence_json(*evaluation.sequence);
   json["frames_with_truth"] = evaluation.frames_with_truth;
   if (evaluation.frames_with_truth > 0) {
+    json["judged_at_center"] = evaluation.judged_at_center;
     json["correct_within_m"] = evaluation.correct_within_m;
     json["correct_fixes"] = rate_json(evaluation.correct);
     json["false_fixes"] = rate_json(evaluation.false_fixes);
@@ -137,6 +182,7 @@ Json to_json(const MatchEvaluation& evaluation, bool timings) {
     json["p95_error_m"] = json_number(evaluation.p95_error_m);
     json["nees"] = nees_json(evaluation.nees);
     json["nees_correct"] = nees_json(evaluation.nees_correct);
+    json["centers"] = evaluation.centers ? centers_json(*evaluation.centers) : Json(nullptr);
   }
   if (timings) {
     json["median_ms"] = json_number(evaluation.median_ms);
@@ -151,8 +197,9 @@ std::string evaluation_text(const MatchEvaluation& evaluation, bool timings) {
     text += "  " + std::to_string(count) + " " + status + "\n";
   }
   if (evaluation.sequence) text += sequence_text(*evaluation.sequence);
+  const std::string limit = format_number(evaluation.correct_within_m) + " m";
   if (evaluation.frames_with_truth > 0) {
-    const std::string limit = format_number(evaluation.correct_within_m) + " m";
+    text += judged_text(evaluation);
     text += "correct fixes, within " + limit + ": " + rate_text(evaluation.correct, "frames");
     text += "false fixes, beyond " + limit + ": " + rate_text(evaluation.false_fixes, "fixes");
   }
@@ -161,6 +208,7 @@ std::string evaluation_text(const MatchEvaluation& evaluation, bool timings) {
             format_fixed(evaluation.p95_error_m, 2) + " m\n";
     text += "mean normalised error squared: " + nees_text(evaluation.nees);
     text += "the same of the correct fixes: " + nees_text(evaluation.nees_correct);
+    if (evaluation.centers) text += centers_text(*evaluation.centers, limit);
   }
   if (timings && !std::isnan(evaluation.median_ms)) {
     text += "time of matching: median " + format_fixed(evaluation.median_ms, 1) + " ms, 95 % below " +

@@ -38,15 +38,27 @@ struct MatchEvaluation {
   std::map<std::string, std::int64_t> refused;  ///< Frames without one, by frame_status_name().
   std::optional<SequenceSummary> sequence;      ///< Of frames that were matched in sequence.
 
-  // Of the frames whose truth is known.
+  // Of the frames whose truth is known, judged by FrameRecord::truth().
   double correct_within_m = 0;
   std::int64_t frames_with_truth = 0;
   MatchRate correct;          ///< Fixes with error ≤ correct_within_m, of all frames (unreadable ones too).
   MatchRate false_fixes;      ///< Fixes with a larger error, of the accepted ones.
   double median_error_m = 0;  ///< Of the accepted; NaN without one.
   double p95_error_m = 0;
-  NeesSummary nees;          ///< Of the accepted.
-  NeesSummary nees_correct;  ///< Of the correct ones: what a few false fixes cannot spoil.
+  NeesSummary nees;                   ///< Of the accepted.
+  NeesSummary nees_correct;           ///< Of the correct ones: what a few false fixes cannot spoil.
+  std::int64_t judged_at_center = 0;  ///< Frames with truth whose own place is not known, but that of their centre.
+
+  /// What the fixes' centres are worth, where both points are known: a tilt that is wrong moves the aircraft's place by
+  /// the height for each radian, and hardly the centre's.
+  struct Centers {
+    std::int64_t fixes = 0;
+    std::int64_t within = 0;  ///< correct_within_m.
+    double median_error_m = 0;
+    double p95_error_m = 0;
+    NeesSummary nees;
+  };
+  std::optional<Centers> centers;
 
   double median_ms = 0;  ///< Time of match(), of the frames that could be read; NaN when not measured.
   double p95_ms = 0;

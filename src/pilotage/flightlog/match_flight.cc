@@ -19,8 +19,7 @@ void require_readable_frame(const std::vector<FrameMatch>& matches) {
 }
 
 std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
-                                     const MatchOptions& options, FrameTruth truth, int threads,
-                                     const Progress& progress) {
+                                     const MatchOptions& options, int threads, const Progress& progress) {
   std::vector<FrameMatch> matches(frames.size());
   // A single frame may take long: it asks, too, with what was said last.
   std::mutex mutex;
@@ -36,8 +35,7 @@ std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map,
       [&](std::string_view, std::int64_t now_done, std::int64_t) { return report(now_done); },
       [&](std::size_t index, MapReader& reader) {
         const FlightFrame& frame = frames[index];
-        matches[index] =
-            match_frame(frame.path, frame.frame, frame.camera, reader, options, truth, [&] { return report(0); });
+        matches[index] = match_frame(frame.path, frame.frame, frame.camera, reader, options, [&] { return report(0); });
       });
   require_readable_frame(matches);
   return matches;

@@ -15,8 +15,7 @@ namespace pilotage {
 /// number of threads but for their milliseconds. Throws what `open_map` throws; DataError when no frame at all can be
 /// read (with the first one's problem); Interrupted.
 std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
-                                     const MatchOptions& options, FrameTruth truth, int threads,
-                                     const Progress& progress);
+                                     const MatchOptions& options, int threads, const Progress& progress);
 
 /// Throws DataError with the first one's problem when there are frames and not one could be read.
 void require_readable_frame(const std::vector<FrameMatch>& matches);

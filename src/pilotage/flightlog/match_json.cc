@@ -98,7 +98,10 @@ std::string frame_match_text(const FrameMatch& match, bool timings) {
   const MatchStats& stats = match.result.stats;
   std::string text = frame_status_name(match) + ": " + frame_status_text(match) + "\n";
   if (match.has_fix()) text += fix_text(*match.result.fix);
-  if (match.error) text += "error: " + format_fixed(match.error->error_m, 2) + " m\n";
+  if (match.error) {
+    text += std::string("error of ") + (match.frame.true_nadir ? "the aircraft's place" : "the centre of the image") +
+            ": " + format_fixed(match.error->error_m, 2) + " m\n";
+  }
   text += std::to_string(stats.inliers) + " inliers of " + std::to_string(stats.frame_features) +
           " features, against " + std::to_string(stats.map_features) + " of the map; vote " +
           format_fixed(stats.vote_peak, 1) + ", rival " + format_fixed(stats.vote_rival, 1) + ", confidence " +

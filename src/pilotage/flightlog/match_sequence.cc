@@ -39,8 +39,7 @@ std::vector<std::size_t> order_of_time(const std::vector<FlightFrame>& frames) {
 }  // namespace
 
 MatchedSequence match_sequence(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
-                               const MatchOptions& options, const InsErrorModel& model, FrameTruth truth,
-                               const Progress& progress) {
+                               const MatchOptions& options, const InsErrorModel& model, const Progress& progress) {
   MatchedSequence done;
   if (frames.empty()) return done;
   check_rows(frames, options);
@@ -57,9 +56,9 @@ MatchedSequence match_sequence(const std::function<MapReader()>& open_map, const
     if (i > 0) track.fly_on(motion_between(row(i - 1), row(i)));
     const FlightFrame& frame = frames[order[i]];
     FrameMatch& match = done.matches[order[i]];
-    match = match_frame(frame.path, track.with_prior(frame.frame), frame.camera, map, track.options(), truth, go_on);
+    match = match_frame(frame.path, track.with_prior(frame.frame), frame.camera, map, track.options(), go_on);
     track.judge(frame, match);
-    set_errors(match, truth);
+    set_errors(match);
   }
   if (progress) progress("matching", static_cast<std::int64_t>(order.size()), static_cast<std::int64_t>(order.size()));
   require_readable_frame(done.matches);

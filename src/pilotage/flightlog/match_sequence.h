@@ -33,7 +33,6 @@ struct MatchedSequence {
 /// positions drift, from the first frame on. Throws UsageError when a frame has no finite time_s or prior, and as
 /// match_flight().
 MatchedSequence match_sequence(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
-                               const MatchOptions& options, const InsErrorModel& model, FrameTruth truth,
-                               const Progress& progress);
+                               const MatchOptions& options, const InsErrorModel& model, const Progress& progress);
 
 }  // namespace pilotage

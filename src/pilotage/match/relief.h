@@ -22,8 +22,8 @@ struct Relief {
   double below_m = 0;          ///< z₀.
   double height_agl_m = 1;     ///< h.
   std::vector<float> stretch;  ///< Of each feature of the map; empty, as for level ground: 1 everywhere.
-  /// Standard deviation of that error of scale: the root mean square of z − z₀ where the aircraft may be, over h; at most
-  /// 0.25.
+  /// Standard deviation of that error of scale: the root mean square of z − z₀ where the aircraft may be, over h; at
+  /// most 0.25.
   double scale_sigma = 0;
 
   /// Of ground of this height; in [0.3, 3]: a camera above ground that rises by more of its height sees nothing that a

@@ -73,7 +73,7 @@ constexpr std::array<std::string_view, 4> kNotUsedNames{"true_yaw_deg", "true_pi
 struct Header {
   std::vector<int> columns;  ///< What stands in each column of the file: an index into kColumns, or one of the above.
   FrameColumns required = FrameColumns::kAll;
-  std::array<Column, 2> truth{kTrueLon, kTrueLat};
+  bool true_is_nadir = false;  ///< What true_lon_deg and true_lat_deg are.
   std::vector<std::string> warnings;
 };
 
@@ -106,7 +106,7 @@ Header read_header(const CsvTable& table, const FrameTableOptions& options) {
   const auto has = [&](int column) {
     return std::find(header.columns.begin(), header.columns.end(), column) != header.columns.end();
   };
-  if (options.truth == FrameTruth::kNadir && (has(kNadirLon) || has(kNadirLat))) header.truth = {kNadirLon, kNadirLat};
+  header.true_is_nadir = options.truth == FrameTruth::kNadir && !has(kNadirLon) && !has(kNadirLat);
   const auto need = [&](int column, const std::string& name) {
     if (has(column)) return;
     throw DataError(table.where() + "column \"" + name + "\" is missing; the columns are " + join(names, ", "));
@@ -178,7 +178,8 @@ FrameRecord read_row(const CsvTable& table, const Header& header, const std::vec
   frame.prior_covariance_en_m2 = read_prior_covariance(table, numbers);
   frame.height_agl_m = numbers[kHeight];
   frame.attitude = {numbers[kYaw], numbers[kPitch], numbers[kRoll]};
-  frame.truth = read_truth(table, numbers, header.truth[0], header.truth[1]);
+  frame.true_nadir = read_truth(table, numbers, kNadirLon, kNadirLat);
+  (header.true_is_nadir ? frame.true_nadir : frame.true_center) = read_truth(table, numbers, kTrueLon, kTrueLat);
   return frame;
 }
 

@@ -34,7 +34,12 @@ struct FrameRecord {
   Eigen::Matrix2d prior_covariance_en_m2 = Eigen::Matrix2d::Zero();
   double height_agl_m = 0;
   Attitude attitude;
-  std::optional<GeodeticPoint> truth;  ///< Of the point that FrameTableOptions::truth names.
+  std::optional<GeodeticPoint> true_nadir;
+  std::optional<GeodeticPoint> true_center;
+
+  /// What an answer is judged by: the aircraft's own place, which a flight is steered by; where only the centre of the
+  /// image is known, that.
+  const std::optional<GeodeticPoint>& truth() const { return true_nadir ? true_nadir : true_center; }
 };
 
 struct FrameTable {
@@ -49,8 +54,8 @@ enum class FrameColumns {
 };
 
 struct FrameTableOptions {
-  /// What `truth` is to be. kNadir: true_nadir_lon_deg and true_nadir_lat_deg where the table has these columns, else
-  /// true_lon_deg and true_lat_deg; kCenter: the latter.
+  /// What true_lon_deg and true_lat_deg are in a table without true_nadir_lon_deg and true_nadir_lat_deg; beside these
+  /// they are the centre.
   FrameTruth truth = FrameTruth::kCenter;
   FrameColumns required = FrameColumns::kAll;
 };

@@ -107,13 +107,13 @@ void draw_priors(std::vector<FrameRecord>& rows, const InsErrorModel& model, std
   std::vector<FlownPlace> places;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const FrameRecord& row = rows[i];
-    if (!row.truth) {
+    if (!row.true_nadir) {
       throw DataError("priors cannot be drawn: no true position is known at " + format_fixed(row.time_s, 1) +
                       " s; give --priors log");
     }
     double heading_deg = row.attitude.yaw_deg;
     if (i > 0) {
-      const GeodesicLeg leg = geodesic_between(*rows[i - 1].truth, *row.truth);
+      const GeodesicLeg leg = geodesic_between(*rows[i - 1].true_nadir, *row.true_nadir);
       way_m += leg.length_m;
       if (leg.length_m > 1) heading_deg = leg.end_azimuth_deg;
     }
@@ -124,7 +124,7 @@ void draw_priors(std::vector<FrameRecord>& rows, const InsErrorModel& model, std
   const std::vector<DriftingPrior> priors = drifting_priors(places, speed_mps, model, seed);
   for (std::size_t i = 0; i < priors.size(); ++i) {
     const Eigen::Vector2d& error_m = priors[i].error_en_m;
-    rows[i].prior = LocalFrame(*rows[i].truth).geodetic_from_enu({error_m.x(), error_m.y(), 0});
+    rows[i].prior = LocalFrame(*rows[i].true_nadir).geodetic_from_enu({error_m.x(), error_m.y(), 0});
     rows[i].prior_covariance_en_m2 = priors[i].covariance_en_m2;
   }
 }
@@ -165,7 +165,7 @@ LogFrames frames_of_log(const VehicleLog& log, const LogFrameOptions& options, c
     row.prior_covariance_en_m2 = isotropic_covariance_m2(options.prior_sigma_m);
     row.height_agl_m = pose.agl_m;
     row.attitude = *pose.attitude;
-    if (pose.truth) row.truth = pose.truth->point;
+    if (pose.truth) row.true_nadir = pose.truth->point;
     frames.rows.push_back(std::move(row));
     frames.true_agl_m.push_back(pose.agl_m);
     frames.true_attitude.push_back(*pose.true_attitude);

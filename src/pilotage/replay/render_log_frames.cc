@@ -18,7 +18,7 @@ constexpr double kLeastShown = 0.999;  // of a frame, as cut_flight_frames takes
 /// False where the imagery does not cover the frame.
 bool render_one(const GraySource& ground, const FrameRecord& row, double agl_m, const Attitude& attitude,
                 const Camera& camera, const std::filesystem::path& path) {
-  const auto nadir_map = CrsTransform(ground.crs).map_from_geodetic(*row.truth);
+  const auto nadir_map = CrsTransform(ground.crs).map_from_geodetic(*row.true_nadir);
   if (!nadir_map) return false;
   const GeoTransform& grid = ground.map_from_pixel;
   const GroundPlace place = ground_place(ground.crs, grid, grid.pixel_from_map(*nadir_map));
@@ -39,7 +39,7 @@ void render_log_frames(LogFrames& frames, const Camera& camera, const std::strin
   parallel_for(frames.rows.size(), threads, [&](std::size_t i, int) {
     FrameRecord& row = frames.rows[i];
     row.file = "frame_" + std::to_string(i + 1) + ".png";
-    if (!row.truth) return;
+    if (!row.true_nadir) return;
     shown[i] =
         render_one(ground, row, frames.true_agl_m[i], frames.true_attitude[i], camera, folder / row.file) ? 1 : 0;
   });

@@ -90,7 +90,7 @@ std::vector<ReplayedFrame> replayed_frames(std::span<const FrameMatch> matches, 
     frame.outcome = outcome_of(frame, match.has_fix(), correct_within_m);
     if (match.has_fix()) frame.inertial_error = inertial_error_of(*match.result.fix, match.frame, row.prior, options);
     const auto fix = match.has_fix() ? std::optional(match.result.fix->position) : std::nullopt;
-    set_place(frame, row.truth, fix);
+    set_place(frame, row.truth(), fix);
     frames.push_back(std::move(frame));
   }
   return frames;
@@ -202,7 +202,7 @@ std::vector<ReplayedFrame> frames_of_fix_table(const std::string& name, std::str
     const auto record = records.find(row.text("file"));
     const FrameRecord* of_frame = record == records.end() ? nullptr : record->second;
     ReadFix read = read_fix_row(table, row, of_frame, correct_within_m);
-    const auto truth = of_frame != nullptr ? of_frame->truth : std::nullopt;
+    const auto truth = of_frame != nullptr ? of_frame->truth() : std::nullopt;
     set_place(read.frame, truth, read.fix);
     frames.push_back(std::move(read.frame));
   }

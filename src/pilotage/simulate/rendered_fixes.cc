@@ -113,7 +113,7 @@ class RenderedFlight {
     done.match.result = match(frame.gray, prior, run_->frames.camera, worker.map, options.match, go_on_);
     done.match.milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    set_errors(done.match, FrameTruth::kNadir);
+    set_errors(done.match);
     const TriedFix answer{true, offered(done.match, prior)};
     run_->tries[flight_].push_back(std::move(done));
     return answer;
@@ -152,7 +152,7 @@ class RenderedFlight {
     FrameRecord& frame = done.match.frame;
     frame.file = "flight_" + padded(flight_) + "/sample_" + padded(tried.sample);
     frame.time_s = tried.time_s;
-    frame.truth = pose.position;
+    frame.true_nadir = pose.position;
     // By the map, as the filter that flies says it: where the map is off, so is the place that it expects.
     const Eigen::Vector2d error_m = drawn.position_error_m() + drawn.errors.segment<2>(DrawnErrors::kMap);
     frame.prior = LocalFrame(pose.position).geodetic_from_enu({error_m.x(), error_m.y(), 0});
