@@ -44,7 +44,7 @@ RATES = (0.1, 0.01, 0.001, 0.0001)
 HIGH = (50, 90, 95, 99, 99.5, 99.9, 100)
 LOW = (0.1, 1, 5, 10, 50)
 EXPECTED_BINS = (0, 50, 100, 200, 400, 600, 900, 1500, 2500, 100000)
-NUMBERS = ("support", "expected_features", "ncc", "chip_pixels", "vote_peak", "candidate_error_m")
+NUMBERS = ("support", "expected_features", "ncc", "chip_pixels", "vote_peak", "candidate_center_error_m")
 
 
 def make_raster(gdal, data, place, date, path):
@@ -197,7 +197,7 @@ def quantile_lines(label, rows, percents):
 
 
 def split_right(rows):
-    error_m = column(rows, "candidate_error_m")
+    error_m = column(rows, "candidate_center_error_m")
     at_truth = error_m <= CORRECT_M
     return [row for row, right in zip(rows, at_truth) if right], [row for row, right in zip(rows, at_truth) if not right]
 

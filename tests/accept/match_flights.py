@@ -54,17 +54,25 @@ def tell(what, told):
     text = f"{what}: correct {percent(told['correct_fixes'])}, false among accepted {told['false_fixes']['count']} of " \
            f"{told['false_fixes']['of']}; refused: {refused or 'none'}"
     if told["accepted"]:
+        centers = told["centers"]
         text += f"; error {told['median_error_m']:.2f} m median, {told['p95_error_m']:.2f} m 95 %, NEES mean of the " \
-                f"correct {told['nees_correct']['mean']:.2f}"
+                f"correct {told['nees_correct']['mean']:.2f}; centres {centers['within']} of {centers['fixes']} right, " \
+                f"{centers['median_error_m']:.2f} m median, {centers['p95_error_m']:.2f} m 95 %"
     print(text, flush=True)
 
 
+MOST_NEES = 2.8  # of the aircraft's place, 2 where covariances are true: of some 40 fixes and more
+
+
 def check_rates(what, told, least_correct, most_false):
-    """Shares: correct fixes of all frames, false fixes of the accepted ones."""
+    """Shares of fixes whose centre is right of all frames, and whose centre is not of the accepted: whether the ground
+    was recognised. How far the aircraft is off besides is tilt, and its covariance must say so."""
     tell(what, told)
-    check(told["correct_fixes"]["count"] >= least_correct * told["frames"], f"{what}: fewer than {least_correct} correct")
-    check(told["false_fixes"]["count"] <= most_false * max(1, told["accepted"]),
+    right = told["centers"]["within"] if told["centers"] else 0
+    check(right >= least_correct * told["frames"], f"{what}: fewer than {least_correct} correct")
+    check(told["accepted"] - right <= most_false * max(1, told["accepted"]),
           f"{what}: more than {most_false} of the accepted are false")
+    check(told["accepted"] < 40 or told["nees_correct"]["mean"] <= MOST_NEES, f"{what}: covariances are too small")
 
 
 def check_none(what, told, allowed=0):

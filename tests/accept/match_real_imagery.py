@@ -85,7 +85,7 @@ def moscow(pilotage, data, work):
         print(f"moscow 0.jpg, prior {east} m east, {north} m north: {lines[0]}",
               *[line for line in lines if line.startswith("error")], flush=True)
         if lines[0].startswith("fix"):
-            error_m = float([line for line in lines if line.startswith("error")][0].split()[1])
+            error_m = float([line for line in lines if line.startswith("error")][0].split()[-2])
             check(error_m <= 5, f"moscow: {error_m} m off")
             found += 1
         picture = data / "moscow/queries/1.png"

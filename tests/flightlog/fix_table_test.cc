@@ -36,7 +36,8 @@ TEST(FixTable, ColumnsAreThePromisedOnes) {
             "pitch_deg,roll_deg,height_agl_m,height_sigma_m,scale,tile_id,level,gsd_m,frame_features,map_features,"
             "support,expected_features,vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,chip_pixels,confidence,"
             "search_half_width_m,confirmed,"
-            "error_m,error_east_m,error_north_m,nees,center_error_m,center_nees,candidate_error_m,milliseconds\n");
+            "error_m,error_east_m,error_north_m,nees,center_error_m,center_nees,candidate_error_m,candidate_center_"
+            "error_m,milliseconds\n");
 }
 
 TEST(FixTable, EveryCellHoldsItsOwnNumber) {
@@ -86,6 +87,7 @@ TEST(FixTable, EveryCellHoldsItsOwnNumber) {
                                                     {"center_error_m", "0.25"},
                                                     {"center_nees", "1.75"},
                                                     {"candidate_error_m", "2.25"},
+                                                    {"candidate_center_error_m", "0.25"},
                                                     {"milliseconds", "21.5"}};
   EXPECT_EQ(cells, expected);
 }

@@ -37,6 +37,7 @@ inline FrameMatch numbered_match() {
   match.error = FixError{1, -2, 2.25, 3.5};
   match.center_error = FixError{0.25, 0, 0.25, 1.75};
   match.candidate_error = match.error;
+  match.candidate_center_error = match.center_error;
   return match;
 }
 

@@ -61,8 +61,9 @@ std::vector<GroundPair> pairs_of(const TruePose& pose, Random& random, int count
   return pairs;
 }
 
+/// Of pairs that are wrong each by itself.
 PosePrior weak_prior() {
-  return {isotropic_covariance_m2(30), 0.035, 0.035, 0.06};
+  return {isotropic_covariance_m2(30), 0.035, 0.035, 0.06, 0};
 }
 
 TruePose draw_pose(Random& random, const PosePrior& prior) {
@@ -148,6 +149,69 @@ TEST(RefinePose, OfIndependentPairsItIsAsManyTimesTooLarge) {
   expect_in_band(kPairsPerIndependentPair * nees.position, 2, kRuns);
 }
 
+/// Errors along one axis, or of heights, that neighbours share: waves in any direction, which add up to a Gaussian
+/// likeness of this length.
+class SharedError {
+ public:
+  SharedError(Random& random, double sigma, double length_m) {
+    for (int i = 0; i < kWaves; ++i) {
+      waves_.push_back({Eigen::Vector2d(random.normal(), random.normal()) / length_m, random.uniform(0, 2 * M_PI),
+                        sigma * std::sqrt(2.0 / kWaves)});
+    }
+  }
+  double at(const Eigen::Vector2d& place_m) const {
+    double sum = 0;
+    for (const Wave& wave : waves_) sum += wave.height * std::cos(wave.number_per_m.dot(place_m) + wave.phase_rad);
+    return sum;
+  }
+
+ private:
+  struct Wave {
+    Eigen::Vector2d number_per_m;
+    double phase_rad;
+    double height;
+  };
+  static constexpr int kWaves = 40;
+  std::vector<Wave> waves_;
+};
+
+/// Of the position, of pairs whose errors are shared: by their places, and by the heights of their ground.
+double shared_nees(double lean_sigma_m, double height_sigma_m, const PosePrior& prior) {
+  constexpr int kRuns = 300;
+  Random random(seed_from_name("shared errors"));
+  double nees = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    const TruePose truth = draw_pose(random, prior);
+    const SharedError east(random, lean_sigma_m, kLeanLength_m);
+    const SharedError north(random, lean_sigma_m, kLeanLength_m);
+    const SharedError height(random, height_sigma_m, kHeightErrorLength_m);
+    std::vector<GroundPair> pairs = pairs_of(truth, random, 200, 0.05);
+    for (GroundPair& pair : pairs) {
+      pair.rise_m = height.at(pair.map_m) - height.at(truth.position_m);  // the ground is level in truth
+      pair.map_m += Eigen::Vector2d(east.at(pair.map_m), north.at(pair.map_m));
+    }
+    const PoseCorrection pose = refine_pose(pairs, prior, {0, 0}, truth.position_m, 0.05);
+    EXPECT_TRUE(pose.converged);
+    const Eigen::Vector2d off = pose.position_m - truth.position_m;
+    nees += off.dot(pose.covariance.topLeftCorner<2, 2>().ldlt().solve(off)) / kRuns;
+  }
+  return nees;
+}
+
+TEST(RefinePose, ErrorsThatNeighboursShareAreInTheCovariance) {
+  PosePrior knowing = weak_prior();
+  knowing.lean_sigma_m = 0.4;
+  EXPECT_NEAR(shared_nees(0.4, 0, knowing), 2, 0.5);
+  EXPECT_GT(shared_nees(0.4, 0, weak_prior()), 5) << "residuals do not show them: tilt follows";
+}
+
+TEST(RefinePose, ErrorsOfTheHeightsAreInTheCovariance) {
+  PosePrior knowing = weak_prior();
+  knowing.height_sigma_m = 3;
+  EXPECT_NEAR(shared_nees(0, 3, knowing), 2, 0.6);
+  EXPECT_GT(shared_nees(0, 3, weak_prior()), 5);
+}
+
 /// Four pairs whose noise is far above the prior's: what is known before is all there is.
 TEST(RefinePose, ThePriorsWholeCovarianceCounts) {
   Random random(seed_from_name("prior"));
@@ -170,12 +234,12 @@ TEST(RefinePose, ThePriorsWholeCovarianceCounts) {
 TEST(RefinePose, ThirtyPercentOfOutliersDoLittle) {
   Random random(seed_from_name("outliers"));
   for (int round = 0; round < 10; ++round) {
-    const TruePose truth = draw_pose(random, {isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03});
+    const TruePose truth = draw_pose(random, {isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03, 0});
     auto pairs = pairs_of(truth, random, 100, 0.3);
     for (std::size_t i = 0; i < 30; ++i) {
       pairs[i].map_m += Eigen::Vector2d(random.uniform(-25, 25), random.uniform(-25, 25));
     }
-    const PosePrior prior{isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03};
+    const PosePrior prior{isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03, 0};
     const PoseCorrection pose = refine_pose(pairs, prior, {0, 0}, truth.position_m + Eigen::Vector2d(1, 1), 0.05);
     ASSERT_TRUE(pose.converged);
     EXPECT_LT((pose.position_m - truth.position_m).norm(), 1);
@@ -214,7 +278,7 @@ TEST(RefinePose, ThePriorDecidesWhatPairsLeaveOpen) {
     pair.map_m = pair.ray_m.head<2>() + Eigen::Vector2d(4, 0);
     pairs.push_back(pair);
   }
-  const PosePrior prior{isotropic_covariance_m2(30), 0.01, 0.02, 0.03};
+  const PosePrior prior{isotropic_covariance_m2(30), 0.01, 0.02, 0.03, 0};
   const PoseCorrection pose = refine_pose(pairs, prior, {0, 0}, {4, 0}, 0.05);
   ASSERT_TRUE(pose.converged);
   EXPECT_NEAR(std::sqrt(pose.covariance(2, 2)), 0.01, 0.0005);

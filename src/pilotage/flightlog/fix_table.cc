@@ -93,6 +93,7 @@ std::vector<FixColumn> fix_columns(bool timings) {
   list.of_error("center_error_m", &FrameMatch::center_error, &FixError::error_m);
   list.of_error("center_nees", &FrameMatch::center_error, &FixError::nees);
   list.of_error("candidate_error_m", &FrameMatch::candidate_error, &FixError::error_m);
+  list.of_error("candidate_center_error_m", &FrameMatch::candidate_center_error, &FixError::error_m);
   if (timings) list.number("milliseconds", [](const FrameMatch& match) { return match.milliseconds; });
   return list.take();
 }

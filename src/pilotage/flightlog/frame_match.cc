@@ -44,6 +44,7 @@ void set_errors(FrameMatch& match) {
   match.error = error_of(match.result.fix, frame.truth(), judged);
   match.center_error = error_of(match.result.fix, frame.true_center, FrameTruth::kCenter);
   match.candidate_error = error_of(match.result.candidate, frame.truth(), judged);
+  match.candidate_center_error = error_of(match.result.candidate, frame.true_center, FrameTruth::kCenter);
 }
 
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,

@@ -31,6 +31,7 @@ struct FrameMatch {
   std::optional<FixError> error;            ///< Of result.fix against FrameRecord::truth(), where both are known.
   std::optional<FixError> center_error;     ///< Of its centre, where that is known.
   std::optional<FixError> candidate_error;  ///< Of result.candidate against FrameRecord::truth().
+  std::optional<FixError> candidate_center_error;
 
   bool readable() const { return problem.empty(); }
   bool has_fix() const { return readable() && result.fix.has_value(); }

@@ -38,6 +38,7 @@ struct MatchOptions {
   double yaw_sigma_deg = 1;
   double height_sigma_fraction = 0.03;
   double map_sigma_m = 1;
+  double elevation_sigma_m = 1;
   double max_false_fix_rate = 0.001;
   bool chips = true;
   double max_memory_mib = 512;
@@ -58,6 +59,10 @@ struct MatchOptions {
     fields.field("height_sigma_fraction", self.height_sigma_fraction,
                  "Standard deviation of the height above ground, as a share of it.", Range{1e-4, 0.5});
     fields.field("map_sigma_m", self.map_sigma_m, "Standard deviation, along each axis, of the map's own georeference.",
+                 Range{0, 100});
+    fields.field("elevation_sigma_m", self.elevation_sigma_m,
+                 "Standard deviation of the map's ground heights, where it has any: about 1 of a lidar's model, 4 of a "
+                 "global one from radar.",
                  Range{0, 100});
     fields.field("max_false_fix_rate", self.max_false_fix_rate,
                  "Largest share of false fixes among frames that show other ground; sets the confidence asked for.",

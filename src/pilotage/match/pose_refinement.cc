@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <ceres/tiny_solver.h>
@@ -18,6 +20,10 @@ constexpr int kUnknowns = 6;
 /// noise.
 constexpr double kCauchyVariance = 1.325;
 using State = Eigen::Matrix<double, kUnknowns, 1>;
+using StateMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+/// Of the squares of ground whose pairs count together: what neighbours share hardly changes within one.
+constexpr double kLeastCell_m = 8;
+constexpr double kMostCellsAcross = 16;
 
 /// The point where a ray turned by the rotation vector meets the ground. Rodrigues' formula to second order: with turns
 /// of a few degrees what is left out is below 1e-5 of the height.
@@ -33,15 +39,14 @@ Eigen::Matrix<T, 2, 1> ground_point(const Eigen::Vector3d& ray_m, double rise_m,
   return {state[0] + along * turned.x(), state[1] + along * turned.y()};
 }
 
-/// Residuals of the pairs, made robust, and of the prior, in units of their standard deviations.
+/// Residuals of the pairs, made robust, and of the prior attitude and height, in units of their standard deviations.
+/// The prior position is no residual: add_position_prior().
 struct PoseResiduals {
   const std::vector<GroundPair>* pairs;
-  State prior_state;
-  State prior_inverse_sigma;  ///< Of all but the position.
-  Eigen::Matrix2d position_whitening;
+  State prior_inverse_sigma;
   double noise_m;
 
-  int NumResiduals() const { return 2 * static_cast<int>(pairs->size()) + kUnknowns; }
+  int NumResiduals() const { return 2 * static_cast<int>(pairs->size()) + kUnknowns - 2; }
 
   template <class T>
   bool operator()(const T* state, T* residuals) const {
@@ -58,11 +63,7 @@ struct PoseResiduals {
       residuals[row++] = factor * x;
       residuals[row++] = factor * y;
     }
-    const T right = state[0] - T(prior_state(0));
-    const T up = state[1] - T(prior_state(1));
-    residuals[row++] = T(position_whitening(0, 0)) * right;
-    residuals[row++] = T(position_whitening(1, 0)) * right + T(position_whitening(1, 1)) * up;
-    for (int i = 2; i < kUnknowns; ++i) residuals[row++] = (state[i] - T(prior_state(i))) * T(prior_inverse_sigma(i));
+    for (int i = 2; i < kUnknowns; ++i) residuals[row++] = state[i] * T(prior_inverse_sigma(i));
     return true;
   }
 };
@@ -75,16 +76,6 @@ State inverse_sigmas(const PosePrior& prior) {
   inverse << 0, 0, of(prior.tilt_sigma_rad), of(prior.tilt_sigma_rad), of(prior.yaw_sigma_rad),
       of(prior.log_height_sigma);
   return inverse;
-}
-
-/// The lower triangle W with W C Wᵀ = 1: of an error of covariance C it makes two of variance 1.
-Eigen::Matrix2d whitening(const Eigen::Matrix2d& covariance_m2) {
-  const double first = std::max(std::sqrt(covariance_m2(0, 0)), 1e-6);
-  const double shared = covariance_m2(1, 0) / first;
-  const double second = std::max(std::sqrt(std::max(0.0, covariance_m2(1, 1) - shared * shared)), 1e-6);
-  Eigen::Matrix2d matrix;
-  matrix << 1 / first, 0, -shared / (first * second), 1 / second;
-  return matrix;
 }
 
 std::vector<double> errors_m(const std::vector<GroundPair>& pairs, const State& state) {
@@ -119,17 +110,111 @@ Eigen::Matrix<Jet, 2, 1> jet_point(const Eigen::Vector3d& ray_m, double rise_m, 
   return ground_point(ray_m, rise_m, jets.data());
 }
 
-/// Information of the pairs about the unknowns; those beyond three standard deviations are left out.
-Eigen::Matrix<double, kUnknowns, kUnknowns> information(const std::vector<GroundPair>& pairs, const State& state,
-                                                        double noise_m) {
-  Eigen::Matrix<double, kUnknowns, kUnknowns> sum = Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
+/// What pairs close to each other do to the unknowns together: sums of Jᵀ / noise², by the axes of an error of their
+/// map points and by an error of the ground's height.
+struct GroundCell {
+  Eigen::Vector2d place_m{0, 0};
+  State by_x = State::Zero();
+  State by_y = State::Zero();
+  State by_height = State::Zero();
+  double pairs = 0;
+};
+
+/// The derivative of ground_point by rise_m: a ray that meets higher ground meets it nearer to the nadir.
+Eigen::Vector2d by_rise(const Eigen::Vector3d& ray_m, const State& state) {
+  const std::array<double, 2> rises_m{0, 1};
+  return ground_point(ray_m, rises_m[1], state.data()) - ground_point(ray_m, rises_m[0], state.data());
+}
+
+/// The pairs within three standard deviations.
+struct Inliers {
+  StateMatrix information = StateMatrix::Zero();  ///< Σ Jᵀ J / noise²: as the solver weights them.
+  std::vector<GroundCell> cells;
+};
+
+Inliers sum_inliers(const std::vector<GroundPair>& pairs, const State& state, double noise_m) {
+  double reach_m = 0;
+  for (const GroundPair& pair : pairs)
+    reach_m = std::max(reach_m, (pair.map_m - state.head<2>()).cwiseAbs().maxCoeff());
+  const double cell_m = std::max(kLeastCell_m, 2 * reach_m / kMostCellsAcross);
+  std::map<std::pair<int, int>, GroundCell> cells;  // in order: sums are the same every time
+  Inliers sums;
   for (const GroundPair& pair : pairs) {
     const auto place = jet_point(pair.ray_m, pair.rise_m, state);
     const Eigen::Vector2d error(place.x().a - pair.map_m.x(), place.y().a - pair.map_m.y());
     if (error.norm() > 3 * noise_m) continue;
-    sum += place.x().v * place.x().v.transpose() + place.y().v * place.y().v.transpose();
+    const State by_x = place.x().v / (noise_m * noise_m);
+    const State by_y = place.y().v / (noise_m * noise_m);
+    sums.information += by_x * place.x().v.transpose() + by_y * place.y().v.transpose();
+    const Eigen::Vector2d at = (pair.map_m - state.head<2>()) / cell_m;
+    GroundCell& cell = cells[{static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y()))}];
+    const Eigen::Vector2d rising = by_rise(pair.ray_m, state);
+    cell.place_m += pair.map_m;
+    cell.by_x += by_x;
+    cell.by_y += by_y;
+    cell.by_height += rising.x() * by_x + rising.y() * by_y;
+    cell.pairs += 1;
   }
-  return sum / (noise_m * noise_m * kPairsPerIndependentPair * kCauchyVariance);
+  for (auto& [key, cell] : cells) {
+    cell.place_m /= cell.pairs;
+    sums.cells.push_back(cell);
+  }
+  return sums;
+}
+
+/// What errors that neighbours share do to the unknowns, before the solver's gain: those of the map's points, and those
+/// of its heights, which count against the height under the aircraft.
+StateMatrix shared_errors(const std::vector<GroundCell>& cells, const Eigen::Vector2d& nadir_m,
+                          const PosePrior& prior) {
+  StateMatrix sum = StateMatrix::Zero();
+  State at_nadir = State::Zero();
+  for (const GroundCell& cell : cells) at_nadir -= cell.by_height;
+  const auto likeness = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, double length_m) {
+    return std::exp(-(a - b).squaredNorm() / (2 * length_m * length_m));
+  };
+  const double lean_m2 = prior.lean_sigma_m * prior.lean_sigma_m;
+  const double height_m2 = prior.height_sigma_m * prior.height_sigma_m;
+  sum += height_m2 * at_nadir * at_nadir.transpose();
+  for (const GroundCell& a : cells) {
+    State by_x = State::Zero();
+    State by_y = State::Zero();
+    State by_height = likeness(a.place_m, nadir_m, kHeightErrorLength_m) * at_nadir;
+    for (const GroundCell& b : cells) {
+      const double leaning = likeness(a.place_m, b.place_m, kLeanLength_m);
+      by_x += leaning * b.by_x;
+      by_y += leaning * b.by_y;
+      by_height += likeness(a.place_m, b.place_m, kHeightErrorLength_m) * b.by_height;
+    }
+    sum += lean_m2 * (a.by_x * by_x.transpose() + a.by_y * by_y.transpose());
+    sum += height_m2 * a.by_height * by_height.transpose();
+    sum += height_m2 * likeness(a.place_m, nadir_m, kHeightErrorLength_m) * at_nadir * a.by_height.transpose();
+  }
+  return (sum + sum.transpose()) / 2;
+}
+
+/// What the frame alone says, with the prior attitude and height: the covariance of the solver's answer when pairs are
+/// as far off as they are, by themselves (one in kPairsPerIndependentPair independent) and together.
+StateMatrix frame_covariance(const std::vector<GroundPair>& pairs, const State& state, const PosePrior& prior,
+                             double noise_m) {
+  const Inliers inliers = sum_inliers(pairs, state, noise_m);
+  StateMatrix of_prior = StateMatrix::Zero();
+  of_prior.diagonal() = inverse_sigmas(prior).cwiseAbs2();
+  const StateMatrix gain = (inliers.information + of_prior).inverse();
+  const StateMatrix error = kPairsPerIndependentPair * kCauchyVariance * inliers.information +
+                            shared_errors(inliers.cells, state.head<2>(), prior) + of_prior;
+  const StateMatrix covariance = gain * error * gain;
+  return (covariance + covariance.transpose()) / 2;
+}
+
+/// Joins what the frame says with the prior position, each by its covariance.
+void add_position_prior(const PosePrior& prior, const Eigen::Vector2d& prior_position_m, State& state,
+                        StateMatrix& covariance) {
+  const Eigen::Matrix<double, kUnknowns, 2> with_position = covariance.leftCols<2>();
+  const Eigen::Matrix2d innovation_m2 = covariance.topLeftCorner<2, 2>() + prior.position_covariance_m2;
+  const Eigen::Matrix<double, kUnknowns, 2> gain = with_position * innovation_m2.inverse();
+  state += gain * (prior_position_m - state.head<2>());
+  covariance -= gain * with_position.transpose();
+  covariance = ((covariance + covariance.transpose()) / 2).eval();
 }
 
 }  // namespace
@@ -155,9 +240,7 @@ PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior
   if (pairs.size() < 4) return pose;
   State state = State::Zero();
   state.head<2>() = start_m;
-  PoseResiduals residuals{&pairs, State::Zero(), inverse_sigmas(prior), whitening(prior.position_covariance_m2),
-                          std::max(1.0, floor_m)};
-  residuals.prior_state.head<2>() = prior_position_m;
+  PoseResiduals residuals{&pairs, inverse_sigmas(prior), std::max(1.0, floor_m)};
   // The noise is not known before the fit, nor the fit without the noise.
   for (int round = 0; round < 2; ++round) {
     state = solve_state(residuals, state);
@@ -172,10 +255,8 @@ PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior
     sum_m2 += error * error;
   }
   if (pose.inliers < 4) return pose;
-  Eigen::Matrix<double, kUnknowns, kUnknowns> total = information(pairs, state, residuals.noise_m);
-  total.diagonal() += residuals.prior_inverse_sigma.cwiseAbs2();
-  total.topLeftCorner<2, 2>() += residuals.position_whitening.transpose() * residuals.position_whitening;
-  pose.covariance = total.inverse();
+  pose.covariance = frame_covariance(pairs, state, prior, residuals.noise_m);
+  add_position_prior(prior, prior_position_m, state, pose.covariance);
   pose.position_m = state.head<2>();
   pose.tilt_rad = state.segment<2>(2);
   pose.turn_rad = state(4);

@@ -15,12 +15,20 @@ struct GroundPair {
   double rise_m = 0;  ///< Height of the map's ground there above that under the aircraft.
 };
 
-/// How sure the prior pose is.
+/// Of the errors that pairs share: docs/methods/match.md has what they were fitted to.
+inline constexpr double kPairsPerIndependentPair = 8;
+inline constexpr double kLeanSigma_m = 0.35;
+inline constexpr double kLeanLength_m = 35;
+inline constexpr double kHeightErrorLength_m = 100;
+
+/// How sure the prior pose is, and what the map says of the ground.
 struct PosePrior {
   Eigen::Matrix2d position_covariance_m2 = Eigen::Matrix2d::Identity();  ///< Right and up in the map's grid.
   double tilt_sigma_rad = 0.02;
   double yaw_sigma_rad = 0.02;
   double log_height_sigma = 0.03;
+  double lean_sigma_m = kLeanSigma_m;  ///< Of what neighbouring pairs are off by together, along each axis.
+  double height_sigma_m = 0;           ///< Of the heights behind GroundPair::rise_m.
 };
 
 /// The aircraft's pose against the prior one: what the frame says.
@@ -42,15 +50,19 @@ struct PoseCorrection {
 };
 
 /// Fits the pose to pairs by least squares over six unknowns with ceres::TinySolver: residuals on the ground under
-/// Cauchy's loss, and the prior position, attitude and height as further residuals (S. Agarwal, K. Mierle, Ceres
-/// Solver; P. J. Huber, "Robust Statistics", 1981). `start_m` is the position to start from. The noise of a pair is
-/// estimated from the residuals (their median) and the covariance is the inverse of the information at the solution,
-/// with the pairs weighted as if only one in kPairsPerIndependentPair were independent: patches overlap. `floor_m` is
-/// the least noise believed. Not converged with fewer than four pairs or when numbers are not finite. Never throws but
-/// std::bad_alloc.
+/// Cauchy's loss, and the prior attitude and height as further residuals (S. Agarwal, K. Mierle, Ceres Solver; P. J.
+/// Huber, "Robust Statistics", 1981). `start_m` is the position to start from. The noise of a pair is estimated from
+/// the residuals (their median); `floor_m` is the least noise believed.
+///
+/// The covariance of that is S⁻¹ E S⁻¹, with the solver's information S and the covariance E of what it was given: the
+/// noise of the pairs, of which only one in kPairsPerIndependentPair is independent, for patches overlap; errors of the
+/// map's points that neighbours share, for ground looks otherwise in patches on another day (PosePrior::lean_sigma_m
+/// along each axis, falling as a Gaussian of kLeanLength_m); errors of the map's heights likewise
+/// (PosePrior::height_sigma_m, kHeightErrorLength_m); and the prior. Residuals do not show what is shared: tilt follows
+/// it (docs/methods/match.md). Then the prior position is joined with what the frame says, each by its covariance, so
+/// without_prior() gets back the latter. Not converged with fewer than four pairs or when numbers are not finite. Never
+/// throws but std::bad_alloc.
 PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior& prior,
                            const Eigen::Vector2d& prior_position_m, const Eigen::Vector2d& start_m, double floor_m);
-
-inline constexpr double kPairsPerIndependentPair = 8;
 
 }  // namespace pilotage
