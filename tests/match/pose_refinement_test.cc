@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kHeight_m = 120;
 constexpr double kHalfFootprint_m = 70;
+constexpr double kLeanLength_m = 35;
 
 /// The true pose against the prior one.
 struct TruePose {
@@ -63,7 +64,7 @@ std::vector<GroundPair> pairs_of(const TruePose& pose, Random& random, int count
 
 /// Of pairs that are wrong each by itself.
 PosePrior weak_prior() {
-  return {isotropic_covariance_m2(30), 0.035, 0.035, 0.06, 0};
+  return {isotropic_covariance_m2(30), 0.035, 0.035, 0.06};
 }
 
 TruePose draw_pose(Random& random, const PosePrior& prior) {
@@ -201,6 +202,7 @@ double shared_nees(double lean_sigma_m, double height_sigma_m, const PosePrior& 
 TEST(RefinePose, ErrorsThatNeighboursShareAreInTheCovariance) {
   PosePrior knowing = weak_prior();
   knowing.lean_sigma_m = 0.4;
+  knowing.lean_length_m = kLeanLength_m;
   EXPECT_NEAR(shared_nees(0.4, 0, knowing), 2, 0.5);
   EXPECT_GT(shared_nees(0.4, 0, weak_prior()), 5) << "residuals do not show them: tilt follows";
 }
@@ -234,12 +236,12 @@ TEST(RefinePose, ThePriorsWholeCovarianceCounts) {
 TEST(RefinePose, ThirtyPercentOfOutliersDoLittle) {
   Random random(seed_from_name("outliers"));
   for (int round = 0; round < 10; ++round) {
-    const TruePose truth = draw_pose(random, {isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03, 0});
+    const TruePose truth = draw_pose(random, {isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03});
     auto pairs = pairs_of(truth, random, 100, 0.3);
     for (std::size_t i = 0; i < 30; ++i) {
       pairs[i].map_m += Eigen::Vector2d(random.uniform(-25, 25), random.uniform(-25, 25));
     }
-    const PosePrior prior{isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03, 0};
+    const PosePrior prior{isotropic_covariance_m2(30), 0.0175, 0.0175, 0.03};
     const PoseCorrection pose = refine_pose(pairs, prior, {0, 0}, truth.position_m + Eigen::Vector2d(1, 1), 0.05);
     ASSERT_TRUE(pose.converged);
     EXPECT_LT((pose.position_m - truth.position_m).norm(), 1);
@@ -278,7 +280,7 @@ TEST(RefinePose, ThePriorDecidesWhatPairsLeaveOpen) {
     pair.map_m = pair.ray_m.head<2>() + Eigen::Vector2d(4, 0);
     pairs.push_back(pair);
   }
-  const PosePrior prior{isotropic_covariance_m2(30), 0.01, 0.02, 0.03, 0};
+  const PosePrior prior{isotropic_covariance_m2(30), 0.01, 0.02, 0.03};
   const PoseCorrection pose = refine_pose(pairs, prior, {0, 0}, {4, 0}, 0.05);
   ASSERT_TRUE(pose.converged);
   EXPECT_NEAR(std::sqrt(pose.covariance(2, 2)), 0.01, 0.0005);

@@ -22,7 +22,7 @@ constexpr double kCauchyVariance = 1.325;
 using State = Eigen::Matrix<double, kUnknowns, 1>;
 using StateMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 /// Of the squares of ground whose pairs count together: what neighbours share hardly changes within one.
-constexpr double kLeastCell_m = 8;
+constexpr double kCellsInLength = 4;  // of the likeness
 constexpr double kMostCellsAcross = 16;
 
 /// The point where a ray turned by the rotation vector meets the ground. Rodrigues' formula to second order: with turns
@@ -132,11 +132,11 @@ struct Inliers {
   std::vector<GroundCell> cells;
 };
 
-Inliers sum_inliers(const std::vector<GroundPair>& pairs, const State& state, double noise_m) {
+Inliers sum_inliers(const std::vector<GroundPair>& pairs, const State& state, const PosePrior& prior, double noise_m) {
   double reach_m = 0;
   for (const GroundPair& pair : pairs)
     reach_m = std::max(reach_m, (pair.map_m - state.head<2>()).cwiseAbs().maxCoeff());
-  const double cell_m = std::max(kLeastCell_m, 2 * reach_m / kMostCellsAcross);
+  const double cell_m = std::max(prior.lean_length_m / kCellsInLength, 2 * reach_m / kMostCellsAcross);
   std::map<std::pair<int, int>, GroundCell> cells;  // in order: sums are the same every time
   Inliers sums;
   for (const GroundPair& pair : pairs) {
@@ -180,7 +180,7 @@ StateMatrix shared_errors(const std::vector<GroundCell>& cells, const Eigen::Vec
     State by_y = State::Zero();
     State by_height = likeness(a.place_m, nadir_m, kHeightErrorLength_m) * at_nadir;
     for (const GroundCell& b : cells) {
-      const double leaning = likeness(a.place_m, b.place_m, kLeanLength_m);
+      const double leaning = likeness(a.place_m, b.place_m, prior.lean_length_m);
       by_x += leaning * b.by_x;
       by_y += leaning * b.by_y;
       by_height += likeness(a.place_m, b.place_m, kHeightErrorLength_m) * b.by_height;
@@ -196,7 +196,7 @@ StateMatrix shared_errors(const std::vector<GroundCell>& cells, const Eigen::Vec
 /// as far off as they are, by themselves (one in kPairsPerIndependentPair independent) and together.
 StateMatrix frame_covariance(const std::vector<GroundPair>& pairs, const State& state, const PosePrior& prior,
                              double noise_m) {
-  const Inliers inliers = sum_inliers(pairs, state, noise_m);
+  const Inliers inliers = sum_inliers(pairs, state, prior, noise_m);
   StateMatrix of_prior = StateMatrix::Zero();
   of_prior.diagonal() = inverse_sigmas(prior).cwiseAbs2();
   const StateMatrix gain = (inliers.information + of_prior).inverse();

@@ -17,8 +17,8 @@ struct GroundPair {
 
 /// Of the errors that pairs share: docs/methods/match.md has what they were fitted to.
 inline constexpr double kPairsPerIndependentPair = 8;
-inline constexpr double kLeanSigma_m = 0.35;
-inline constexpr double kLeanLength_m = 35;
+inline constexpr double kLeanSigma_px = 0.64;
+inline constexpr double kLeanLength_px = 64;
 inline constexpr double kHeightErrorLength_m = 100;
 
 /// How sure the prior pose is, and what the map says of the ground.
@@ -27,8 +27,9 @@ struct PosePrior {
   double tilt_sigma_rad = 0.02;
   double yaw_sigma_rad = 0.02;
   double log_height_sigma = 0.03;
-  double lean_sigma_m = kLeanSigma_m;  ///< Of what neighbouring pairs are off by together, along each axis.
-  double height_sigma_m = 0;           ///< Of the heights behind GroundPair::rise_m.
+  double lean_sigma_m = 0;    ///< Of what neighbouring pairs are off by together, along each axis:
+  double lean_length_m = 1;   ///< its likeness falls as a Gaussian of this. kLeanSigma_px, kLeanLength_px.
+  double height_sigma_m = 0;  ///< Of the heights behind GroundPair::rise_m.
 };
 
 /// The aircraft's pose against the prior one: what the frame says.
@@ -57,7 +58,7 @@ struct PoseCorrection {
 /// The covariance of that is S⁻¹ E S⁻¹, with the solver's information S and the covariance E of what it was given: the
 /// noise of the pairs, of which only one in kPairsPerIndependentPair is independent, for patches overlap; errors of the
 /// map's points that neighbours share, for ground looks otherwise in patches on another day (PosePrior::lean_sigma_m
-/// along each axis, falling as a Gaussian of kLeanLength_m); errors of the map's heights likewise
+/// along each axis, falling as a Gaussian of lean_length_m); errors of the map's heights likewise
 /// (PosePrior::height_sigma_m, kHeightErrorLength_m); and the prior. Residuals do not show what is shared: tilt follows
 /// it (docs/methods/match.md). Then the prior position is joined with what the frame says, each by its covariance, so
 /// without_prior() gets back the latter. Not converged with fewer than four pairs or when numbers are not finite. Never
