@@ -67,10 +67,6 @@ std::vector<TileOutcome> outcomes_of(const LevelScores& judged, const std::vecto
   return judge_by_voting(judged, tiles, map.temporary_path(), place, options, within_m, seed, threads, progress);
 }
 
-bool accepted(const TileOutcome& outcome) {
-  return outcome.outcome == Outcome::kCorrect || outcome.outcome == Outcome::kFalse;
-}
-
 std::int64_t count_false_like_neighbours(const LevelScores& judged, const Evaluation& evaluation) {
   constexpr std::size_t kFewestNeighbours = 5;
   std::int64_t count = 0;
@@ -80,7 +76,7 @@ std::int64_t count_false_like_neighbours(const LevelScores& judged, const Evalua
     std::vector<double> east_m;
     std::vector<double> north_m;
     for (const TileOutcome& other : evaluation.outcomes) {
-      if (&other == &outcome || !accepted(other)) continue;
+      if (&other == &outcome || !is_accepted(other)) continue;
       const GroundTile& there = judged.ground.tiles[other.tile];
       const double distance_px =
           std::hypot(static_cast<double>((there.column - here.column) * judged.matrix().stride_px),

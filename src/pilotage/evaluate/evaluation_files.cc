@@ -73,8 +73,7 @@ std::string level_text(const Evaluation& evaluation) {
 std::vector<double> nadir_errors_m(const Evaluation& evaluation) {
   std::vector<double> errors_m;
   for (const TileOutcome& outcome : evaluation.outcomes) {
-    const bool accepted = outcome.outcome == Outcome::kCorrect || outcome.outcome == Outcome::kFalse;
-    if (accepted && !std::isnan(outcome.nadir_error_m)) errors_m.push_back(outcome.nadir_error_m);
+    if (is_accepted(outcome) && !std::isnan(outcome.nadir_error_m)) errors_m.push_back(outcome.nadir_error_m);
   }
   return errors_m;
 }

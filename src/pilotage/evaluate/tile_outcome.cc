@@ -18,6 +18,10 @@ std::string_view outcome_name(Outcome outcome) {
   return "not_covered";
 }
 
+bool is_accepted(const TileOutcome& outcome) {
+  return outcome.outcome == Outcome::kCorrect || outcome.outcome == Outcome::kFalse;
+}
+
 void set_outcome_errors(TileOutcome& outcome, const Fix& best, const std::optional<GeodeticPoint>& true_center,
                         const std::optional<GeodeticPoint>& true_nadir) {
   std::optional<FixError> judged;

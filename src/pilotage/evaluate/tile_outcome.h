@@ -37,6 +37,9 @@ struct TileOutcome {
   std::string frame;                                                ///< Name of the real frame, "" for a rendered one.
 };
 
+/// Whether a place was accepted, right or not.
+bool is_accepted(const TileOutcome& outcome);
+
 /// Sets the errors of `best` against what is known of the truth.
 void set_outcome_errors(TileOutcome& outcome, const Fix& best, const std::optional<GeodeticPoint>& true_center,
                         const std::optional<GeodeticPoint>& true_nadir);

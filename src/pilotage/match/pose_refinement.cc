@@ -22,7 +22,7 @@ constexpr double kCauchyVariance = 1.325;
 using State = Eigen::Matrix<double, kUnknowns, 1>;
 using StateMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 /// Of the squares of ground whose pairs count together: what neighbours share hardly changes within one.
-constexpr double kCellsInLength = 4;  // of the likeness
+constexpr double kCellsInLength = 4;  // of PosePrior::lean_length_m
 constexpr double kMostCellsAcross = 16;
 
 /// The point where a ray turned by the rotation vector meets the ground. Rodrigues' formula to second order: with turns
@@ -122,8 +122,7 @@ struct GroundCell {
 
 /// The derivative of ground_point by rise_m: a ray that meets higher ground meets it nearer to the nadir.
 Eigen::Vector2d by_rise(const Eigen::Vector3d& ray_m, const State& state) {
-  const std::array<double, 2> rises_m{0, 1};
-  return ground_point(ray_m, rises_m[1], state.data()) - ground_point(ray_m, rises_m[0], state.data());
+  return ground_point(ray_m, 1, state.data()) - ground_point(ray_m, 0, state.data());
 }
 
 /// The pairs within three standard deviations.
