@@ -73,7 +73,7 @@ Command make_select_command() {
     mission.flight.max_error_m = options.max_error_m.value_or(mission.flight.max_error_m);
     const Selection selection =
         select_tiles(mission, read_scores(options.table, mission.ground, invocation.inputs.front()),
-                     stored_size(options.build, mission.ground), options.select);
+                     stored_size(options.build, mission.ground), options.select, invocation.threads);
     write_file(invocation.output, json_text(selection_to_json(selection)), invocation.overwrite);
 
     CommandResult result;

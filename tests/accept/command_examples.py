@@ -19,7 +19,7 @@ NOT_RUN = "# not run: "
 EXIT_CODE = "echo $?"
 
 
-def run_block(where, examples, folder, environment):
+def run_block(where, examples, folder, environment, page):
     """What of a block came out otherwise than the page says; the later examples are run all the same."""
     problems = []
     code = 0
@@ -29,7 +29,7 @@ def run_block(where, examples, folder, environment):
                 check(expected == [str(code)], f"{where}:{number}: $ {command}\nis {code}, and the page says {expected}")
                 continue
             may_fail = index + 1 < len(examples) and examples[index + 1][1] == EXIT_CODE
-            code = run_example(f"{where}:{number}", command, expected, folder, environment, may_fail)
+            code = run_example(f"{where}:{number}", command, expected, folder, environment, may_fail, page)
         except Failed as failure:
             problems.append(str(failure))
     return problems
@@ -63,7 +63,7 @@ def test(pilotage, source, work, rest):
             if block[1] and block[1][0].startswith(NOT_RUN):
                 not_run.append(f"{name}:{block[0]}: {block[1][0].removeprefix(NOT_RUN)}")
             elif examples:
-                problems += run_block(name, examples, folder, environment)
+                problems += run_block(name, examples, folder, environment, source / name)
                 ran += len(examples)
             else:
                 problems += not_marked(name, block, word)

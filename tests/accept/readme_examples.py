@@ -48,7 +48,7 @@ def test(pilotage, source, work, rest):
             for block in blocks(source / name):
                 for number, command, expected in examples_in(block):
                     where = f"{name}:{number}{', second time' if again else ''}"
-                    run_example(where, command, expected, checkout, environment)
+                    run_example(where, command, expected, checkout, environment, page=source / name)
                     count += 1
     ignored = [line[1:] for line in (source / ".gitignore").read_text().splitlines() if line.startswith("/")]
     strays = [name for name in files_of(checkout) - before if not any(name.startswith(path) for path in ignored)]

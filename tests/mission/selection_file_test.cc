@@ -26,7 +26,7 @@ Selection make_selection() {
   selection.estimated_bytes = 123456789;
   selection.notes = {"a \"note\""};
   selection.left_out = LeftOut{0.25, 1.0 / 16, {1, 7}};
-  selection.tries = FixTries{1.0 / 3, 45.5};
+  selection.tries = FixTries{1.0 / 3, 45.5, 0.002};
   return selection;
 }
 

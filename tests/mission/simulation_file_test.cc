@@ -51,8 +51,8 @@ TEST(SimulationFile, SaysSimulatedBesidePlanned) {
   EXPECT_THAT(text, HasSubstr("where P is 0.420: right fixes of 60 tries 0.500 [0.368, 0.631]\n"));
   EXPECT_THAT(text, HasSubstr("note: dry\nnot simulated: rain; snow\n"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("at 0.70 km"))) << "people get whole kilometres";
-  EXPECT_THAT(text, HasSubstr("nothing but what the plan knows: 0.970 [0.914, 0.993]; wind, the map's error and false "
-                              "fixes cost 0.030 [-0.010, 0.070]\n"));
+  EXPECT_THAT(text, HasSubstr("in the plan's own conditions: 0.970 [0.914, 0.993]; those given instead cost "
+                              "0.030 [-0.010, 0.070]\n"));
   EXPECT_THAT(text, HasSubstr("lost for good at 0.00 km: planned 0.968, simulated 0.940 [0.873, 0.977], the worst "
                               "place: all that follows is of it\n"));
 }

@@ -143,7 +143,7 @@ TEST(Verdict, TheProbabilityThatWasAskedForIsNeededForGo) {
       << "an error within the limit beside flights that are lost is explained";
   const QualityRow row = row_named(input, "route_probability");
   EXPECT_EQ(row.status, QualityStatus::kBad);
-  EXPECT_THAT(row.advice, HasSubstr("between 1.0 km and 4.4 km, from leg 3"));
+  EXPECT_THAT(row.advice, HasSubstr("between 1.0 km and 4.4 km, on leg 3"));
   input.selection.probability.reset();
   EXPECT_THROW(row_named(input, "route_probability"), std::out_of_range);
 }
@@ -182,14 +182,17 @@ TEST(Assumptions, WhatWasNotGivenIsCalledDefault) {
   Selection selection;
   selection.max_error_m = 50;
   EXPECT_EQ(said_assumptions(flight, selection),
-            "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m (default)");
+            "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m (default), map error 1 m on "
+            "each axis");
   selection.max_error_m = 35;  // select --max-error-m
   flight.ins.grade = InsGrade::kTactical;
-  EXPECT_EQ(said_assumptions(flight, selection), "assumes: tactical INS, GNSS lost at the first point, limit 35 m");
+  EXPECT_EQ(said_assumptions(flight, selection),
+            "assumes: tactical INS, GNSS lost at the first point, limit 35 m, map error 1 m on each axis");
   flight.ins.grade = InsGrade::kVisualOdometry;
   flight.flat_ground_amsl_m = 15;
   EXPECT_EQ(said_assumptions(flight, selection),
-            "assumes: visual-odometry INS, GNSS lost at the first point, limit 35 m, flat ground at home's height "
+            "assumes: visual-odometry INS, GNSS lost at the first point, limit 35 m, map error 1 m on each axis, flat "
+            "ground at home's height "
             "(default)");
 }
 

@@ -69,7 +69,7 @@ TEST(ReportHtml, AnswersTheQuestionAndSaysWhereToLookFirst) {
       "The error is predicted up to 56 m &gt; 50 m, if what is assumed holds and every fix comes; how often fixes come "
       "is not known.");
   EXPECT_EQ(between(html, "<p class=\"assumes\">", "</p>"),
-            "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m");
+            "assumes: tactical INS (default), GNSS lost at the first point, limit 50 m, map error 1 m on each axis");
   EXPECT_EQ(between(html, "<h2 id=\"first-heading\">", "</h2>"), "Where it cannot, why, and what to do");
   const std::string places = between(html, "<ol class=\"places\">", "</ol>");
   for (const std::string& text : {bad.weak_places[0].where, bad.weak_places[0].why, bad.weak_places[0].todo})

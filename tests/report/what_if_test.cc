@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 // The page's predictions themselves are held against the program by accept.what_if.
 ReportInput scene_with_tries() {
   ReportInput input = testing::report_scene({});
-  input.selection.tries = FixTries{2.5, std::nullopt};
+  input.selection.tries = FixTries{2.5, std::nullopt, 0.001};
   for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = 18;
   return input;
 }

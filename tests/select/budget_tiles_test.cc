@@ -75,9 +75,8 @@ StoredChoice outcome_of(const FlightPath& path, const std::vector<FixAttempt>& a
   for (std::size_t i = 0; i < p_of_tile.size(); ++i) {
     if (p_of_tile[i] > 0) count.add(mission.ground.tiles[i]);
   }
-  return {predict_survival(path, route_chances(attempts, p_of_tile, mission.flight.samples.size(), 2))
-              .p_within_limit.back(),
-          count.bytes()};
+  const auto levels = level_chances(mission, mission.flight.samples, attempts, level_free(p_of_tile), {2, {}, 0.001});
+  return {predict_survival(path, levels, 1).p_within_limit.back(), count.bytes()};
 }
 
 TEST(BudgetTiles, IsAsGoodAsTheBestOfAllSubsets) {

@@ -49,7 +49,7 @@ TEST(FixAttempts, OfAWindowTheBestCounts) {
   ASSERT_NE(best, samples.end());
   EXPECT_LE(*(best - 1), 90U) << "the window begins at 900 m";
   EXPECT_GE(*(best + 1), 120U) << "and ends at 1,200 m";
-  const RouteChances chances = route_chances(attempts, p, scene.tiles.size(), 2);
+  const RouteChances chances = route_chances(attempts, p, scene.tiles.size(), {2, {}, 0});
   EXPECT_EQ(chances.p[100], 0.9);
   EXPECT_EQ(std::count(chances.p.begin(), chances.p.end(), 0.2), static_cast<std::ptrdiff_t>(attempts.size()) - 1);
   EXPECT_EQ(chances.window[100], 3);
@@ -79,11 +79,11 @@ TEST(FixAttempts, ATileMoreNeverTakesAChanceAway) {
 TEST(ExpectedFixes, EveryTryCounts) {
   const FlownPlan scene;
   const std::vector<bool> stored(scene.mission.ground.tiles.size(), true);
-  const ExpectedFixes fixes = expected_fixes(scene.mission, scene.tiles, stored, scene.p_of_tile(0.75), 2, 0.001);
+  const ExpectedFixes fixes = expected_fixes(scene.mission, scene.tiles, stored, scene.p_of_tile(0.75), {2, {}, 0.001});
   EXPECT_NEAR(fixes.correct, 51 * 0.75, 1e-9) << "100 s, one try every 2 s, the first at once";
   EXPECT_NEAR(fixes.wrong, 51 * 0.25 * 0.001, 1e-12);
   const std::vector<bool> none(scene.mission.ground.tiles.size(), false);
-  EXPECT_EQ(expected_fixes(scene.mission, scene.tiles, none, scene.p_of_tile(0.75), 2, 0.001).correct, 0);
+  EXPECT_EQ(expected_fixes(scene.mission, scene.tiles, none, scene.p_of_tile(0.75), {2, {}, 0.001}).correct, 0);
 }
 
 }  // namespace

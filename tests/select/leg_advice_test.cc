@@ -61,7 +61,7 @@ TEST(LegAdvice, SaysWhereNothingIsGoodEnough) {
   EXPECT_EQ(advice.side, AdviceSide::kLeft);
   EXPECT_FALSE(advice.good);
   EXPECT_GT(advice.p_after, advice.p_before);
-  EXPECT_THAT(selection.notes, ::testing::Contains(HasSubstr("makes it good; the best: flown 100 m to the left")));
+  EXPECT_THAT(selection.notes, ::testing::Contains(HasSubstr("makes it good; the best: flown 150 m to the left")));
 }
 
 TEST(LegAdvice, SaysWhereNothingIsBetter) {

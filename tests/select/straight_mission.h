@@ -12,10 +12,12 @@
 namespace pilotage::testing {
 
 /// A mission over a straight eastward route of `length_m` at y = 0, flown at 20 m/s, one level of tiles of 100 m every
-/// 50 m, in a band of ± `half_width_m`. No CRS, no imagery: enough for selection.
+/// 50 m, in a band of ± `half_width_m`. No wind, a map without error, no frame dropped. No CRS, no imagery: enough
+/// for selection.
 inline Mission straight_mission(double length_m, double half_width_m = 50, int legs = 1) {
   Mission mission;
   mission.flight.max_error_m = 50;
+  mission.flight.conditions = {0, 0, 300, 0};
   mission.flight.corridor_half_width_m = half_width_m;
   mission.flight.route.name = "straight";
   GridLevel level;

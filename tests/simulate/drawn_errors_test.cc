@@ -23,28 +23,32 @@ InsErrorModel drawn_model(InsGrade grade, double aid_mps = 0) {
   return make_ins_error_model(options);
 }
 
+InsErrorModel with_map(InsErrorModel model, double sigma_m) {
+  model.map_sigma_m = sigma_m;
+  return model;
+}
+
 /// Three courses with a fix after each.
-DrawnErrors fly_courses(const InsErrorModel& model, const MapError& map, Random& random, double fix_sigma_m) {
-  DrawnErrors drawn = draw_errors(model, map, 10, 20, random);
+DrawnErrors fly_courses(const InsErrorModel& model, Random& random, double fix_sigma_m) {
+  DrawnErrors drawn = draw_errors(model, true, 10, 20, random);
   for (const double heading_deg : {10.0, 100.0, 70.0}) {
     const DrawnStep step(make_ins_step(12, heading_deg, 20, model));
-    fly_step(drawn, step, map, random);
+    fly_step(drawn, step, random);
     take_fix(drawn, innovation_of_fix(drawn, fix_sigma_m, random), isotropic_covariance_m2(fix_sigma_m));
   }
   return drawn;
 }
 
-TEST(DrawnErrors, CovarianceIsThatOfThePlanWithoutAnErrorOfTheMap) {
+TEST(DrawnErrors, CovarianceIsThatOfThePlan) {
   for (const InsErrorModel& model : {drawn_model(InsGrade::kIndustrial), drawn_model(InsGrade::kIndustrial, 1),
-                                     drawn_model(InsGrade::kVisualOdometry)}) {
+                                     with_map(drawn_model(InsGrade::kVisualOdometry), 4)}) {
     Random random(1);
-    const DrawnErrors drawn = fly_courses(model, {0, 300}, random, 2);
+    const DrawnErrors drawn = fly_courses(model, random, 2);
     InsState state = initial_ins_state(model, 10, 20);
     for (const double heading_deg : {10.0, 100.0, 70.0}) {
       state = update_with_fix(propagate(state, 12, heading_deg, 20, model), 2);
     }
-    const InsState::Covariance own = drawn.covariance.topLeftCorner<InsState::kSize, InsState::kSize>();
-    EXPECT_LT((own - state.covariance).norm(), 1e-9 * state.covariance.norm());
+    EXPECT_LT((drawn.believed.covariance - state.covariance).norm(), 1e-9 * state.covariance.norm());
   }
 }
 
@@ -55,7 +59,7 @@ TEST(DrawnErrors, AreDrawnFromTheirCovariance) {
     double sum = 0;
     for (std::uint64_t i = 0; i < kRuns; ++i) {
       Random random(derive_seed(seed_from_name("DrawnErrors"), i));
-      const DrawnErrors drawn = fly_courses(model, {3, 300}, random, 2);
+      const DrawnErrors drawn = fly_courses(with_map(model, 3), random, 2);
       sum += mahalanobis_squared(drawn.position_error_m(), drawn.position_covariance_m2());
     }
     EXPECT_GT(sum, chi_squared_quantile(0.005, 2 * kRuns));
@@ -78,15 +82,14 @@ TEST(DrawnErrors, GnssHoldsThemAsInThePlan) {
   double sum = 0;
   for (std::uint64_t i = 0; i < kRuns; ++i) {
     Random random(derive_seed(seed_from_name("GnssHolds"), i));
-    DrawnErrors drawn = draw_errors(model, {0, 300}, 70, 20, random);
+    DrawnErrors drawn = draw_errors(model, true, 70, 20, random);
     InsState state = initial_ins_state(model, 70, 20);
     const InsStep step = make_ins_step(100, 70, 20, model);
-    fly_step(drawn, DrawnStep(step), {0, 300}, random);
+    fly_step(drawn, DrawnStep(step), random);
     hold_by_gnss(drawn, model, random);
     state = hold_with_gnss(propagate(state, step), 70, 20, model);
     if (i == 0) {
-      const InsState::Covariance own = drawn.covariance.topLeftCorner<InsState::kSize, InsState::kSize>();
-      EXPECT_LT((own - state.covariance).norm(), 1e-9 * state.covariance.norm());
+      EXPECT_LT((drawn.believed.covariance - state.covariance).norm(), 1e-9 * state.covariance.norm());
       EXPECT_LE(largest_sigma_m(drawn.position_covariance_m2()), model.start_sigma_m + 1e-9);
     }
     sum += drawn.errors.segment<2>(2).squaredNorm() / state.covariance(2, 2);  // velocity
@@ -102,7 +105,8 @@ struct StrapdownEnd {
 };
 
 constexpr double kFixSigma_m = 2;
-constexpr MapError kMapOfBoth{2, 300};
+constexpr double kMapOfBoth_m = 2;
+constexpr double kMapOfBothCorrelation_m = 300;  // as an InsErrorModel has it
 bool fix_at(int second) {
   return second % 10 == 0 && second != 40 && second != 50 && second != 70;
 }
@@ -111,10 +115,10 @@ StrapdownEnd fly_strapdown(const InsErrorModel& model, std::uint64_t seed) {
   Random random(seed);
   FlownPath path({16.5, 55.5}, 25, 20, {{11, 12, 90}, {41, 12, -60}});
   SimulatedImu imu(model, random);
-  SlowError<2> map(kMapOfBoth.sigma_m, kMapOfBoth.correlation_m, random);
+  SlowError<2> map(kMapOfBoth_m, kMapOfBothCorrelation_m, random);
   NavigationOptions options;
-  options.map_sigma_m = kMapOfBoth.sigma_m;
-  options.map_correlation_m = kMapOfBoth.correlation_m;
+  options.map_sigma_m = kMapOfBoth_m;
+  options.map_correlation_m = kMapOfBothCorrelation_m;
   NavigationFilter filter(model, options, wrong_start(path.state(), model, random));
   for (int i = 1; i <= 70 * 40; ++i) {
     filter.advance(imu.measure(path.fly(0.025)));
@@ -125,7 +129,7 @@ StrapdownEnd fly_strapdown(const InsErrorModel& model, std::uint64_t seed) {
     if (!fix_at(i / 40)) continue;
     const Eigen::Vector2d off_m = map.value + kFixSigma_m * Eigen::Vector2d(random.normal(), random.normal());
     filter.take_fix(filter.take_frame(), {LocalFrame(point).geodetic_from_enu({off_m.x(), off_m.y(), 0}),
-                                          isotropic_covariance_m2(std::hypot(kFixSigma_m, kMapOfBoth.sigma_m))});
+                                          isotropic_covariance_m2(std::hypot(kFixSigma_m, kMapOfBoth_m))});
   }
   const InertialState truth = path.state();
   const Eigen::Matrix3d to_enu = enu_from_ecef(geodetic_from_ecef(truth.position_m));
@@ -135,10 +139,10 @@ StrapdownEnd fly_strapdown(const InsErrorModel& model, std::uint64_t seed) {
 
 DrawnErrors fly_drawn(const InsErrorModel& model, std::uint64_t seed) {
   Random random(seed);
-  DrawnErrors drawn = draw_errors(model, kMapOfBoth, 20, 25, random);
+  DrawnErrors drawn = draw_errors(model, true, 20, 25, random);
   for (int second = 1; second <= 70; ++second) {
     const double heading_deg = second <= 17 ? 20 : second <= 47 ? 110 : 50;
-    fly_step(drawn, DrawnStep(make_ins_step(1, heading_deg, 25, model)), kMapOfBoth, random);
+    fly_step(drawn, DrawnStep(make_ins_step(1, heading_deg, 25, model)), random);
     if (fix_at(second))
       take_fix(drawn, innovation_of_fix(drawn, kFixSigma_m, random), isotropic_covariance_m2(kFixSigma_m));
   }
@@ -153,7 +157,7 @@ TEST(DrawnErrorsThorough, AgreeWithTheFilterThatFlies) {
     std::vector<DrawnErrors> drawn(kRuns);
     parallel_for(kRuns, 0, [&](std::size_t i, int) {
       strapdown[i] = fly_strapdown(model, derive_seed(seed_from_name("strapdown"), i));
-      drawn[i] = fly_drawn(model, derive_seed(seed_from_name("drawn"), i));
+      drawn[i] = fly_drawn(with_map(model, kMapOfBoth_m), derive_seed(seed_from_name("drawn"), i));
     });
     double of_strapdown = 0;
     double of_drawn = 0;

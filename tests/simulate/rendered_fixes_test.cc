@@ -32,7 +32,7 @@ struct PlaceWithMap {
     mission.flight.samples = {sample};
     mission.flight.camera = ground.camera;
     simulate.flights = 2;
-    options.dropped_frames = 0;
+    simulate.dropped_frames = 0;
   }
 
   RenderedFixes fixes(int threads = 2) const {
@@ -46,7 +46,7 @@ struct PlaceWithMap {
 DrawnErrors off_by_six() {
   DrawnErrors drawn;
   drawn.errors.head<2>() << 6, -4;
-  drawn.covariance.topLeftCorner<2, 2>() = 25 * Eigen::Matrix2d::Identity();
+  drawn.believed.covariance.topLeftCorner<2, 2>() = 25 * Eigen::Matrix2d::Identity();
   return drawn;
 }
 
@@ -108,7 +108,7 @@ TEST(RenderedFixes, WithoutAFrameThereIsNoTry) {
   beyond.off_line_m = {400, 0};  // the imagery ends
   RenderedFixes fixes = place.fixes();
   EXPECT_FALSE(fixes.source().begin_flight(0, 77, 0, {})(beyond).has_frame);
-  place.options.dropped_frames = 1;
+  place.simulate.dropped_frames = 1;
   EXPECT_FALSE(fixes.source().begin_flight(0, 77, 0, {})(try_with(drawn)).has_frame);
   EXPECT_TRUE(fixes.take_tries().empty());
 }

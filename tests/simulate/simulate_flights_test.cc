@@ -15,7 +15,7 @@ using testing::good_scores;
 using testing::kStoredSize;
 using testing::straight_mission;
 
-/// Nothing but what the plan knows of.
+/// In calm, by a map without error.
 SimulateOptions as_planned(std::int64_t flights) {
   SimulateOptions options;
   options.flights = flights;
@@ -62,6 +62,24 @@ TEST(SimulateFlights, AgreesWithThePlanInWhatThePlanKnows) {
     EXPECT_EQ(found.legs[0].within.of, 1000);
     EXPECT_EQ(found.legs[1].within.of, found.legs[0].within.count);
     EXPECT_EQ(found.legs[1].within.count, found.within.count);
+  }
+}
+
+TEST(SimulateFlights, AgreesWithThePlanInItsConditions) {
+  for (const double level_sigma : {0.0, 1.0}) {
+    Case made = case_of(0.35, level_sigma);
+    const double calm = made.selection.probability->p_within_limit;
+    made.mission.flight.conditions = {6, 3, 300, 0.05};
+    made.selection = select_tiles(made.mission, made.scores, kStoredSize, {});
+    SimulateOptions options;
+    options.flights = 2000;
+    const Simulation found = made.fly(options);
+    EXPECT_FALSE(found.as_planned) << "no other conditions were asked for";
+    EXPECT_EQ(found.planned_p, made.selection.probability->p_within_limit);
+    EXPECT_LT(found.planned_p, calm - 0.05) << "wind, the map's error and dropped frames cost";
+    EXPECT_GE(found.planned_p, found.within.interval.low - 0.03) << level_sigma;
+    EXPECT_LE(found.planned_p, found.within.interval.high + 0.03) << level_sigma;
+    EXPECT_GT(found.fixes.no_frame, 0);
   }
 }
 
@@ -205,7 +223,7 @@ TEST(SimulateFlights, ASelectionWithoutItsTriesIsRefused) {
   EXPECT_THROW(made.fly(as_planned(1)), DataError);
 }
 
-TEST(SimulateFlights, SaysWhatThePlanDoesNotKnow) {
+TEST(SimulateFlights, SaysWhatOtherConditionsThanThePlansCost) {
   const Case made = case_of(0.35);
   const Simulation calm = made.fly(as_planned(400));
   EXPECT_EQ(calm.as_planned->within.count, calm.within.count);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "pilotage/ins/ins_options.h"
@@ -24,10 +25,14 @@ struct InsErrorModel {
   double velocity_aid_sigma_mps = 0;  ///< 0: no aiding velocity.
   double velocity_aid_correlation_s = 300;
   double start_sigma_m = 3;
-  double fix_sigma_m = 2;
+  double fix_sigma_m = 2;  ///< Beside the map's.
   double sigma_multiple = 3;
+  double map_sigma_m = 0;          ///< Of the map's georeference.
+  double map_correlation_m = 300;  ///< Way over which it changes.
 
   bool is_odometry() const { return odometry_drift > 0; }
+  /// Of the position after the first fix by a map.
+  double fixed_position_sigma_m() const { return std::hypot(fix_sigma_m, map_sigma_m); }
 };
 
 /// Noise of an aiding velocity beside its slow error: σ of the mean over 1 s.

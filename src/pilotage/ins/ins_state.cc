@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -32,7 +33,11 @@ Eigen::Matrix2d enu_from_body(double heading_deg) {
   return (Eigen::Matrix2d() << s, c, c, -s).finished();
 }
 
-/// d(error)/dt = F · error for constant heading and speed.
+/// The states before these are driven by others; these drive, and decay by themselves.
+constexpr int kDrivers = kAccelBias;
+
+/// d(error)/dt = F · error for constant heading and speed. The map's error, which no state drives and which drives
+/// none, is not in it.
 Matrix system_matrix(const InsErrorModel& model, double heading_deg, double speed_mps) {
   const Eigen::Matrix2d rotation = enu_from_body(heading_deg);
   const double decay = model.bias_correlation_s > 0 ? -1 / model.bias_correlation_s : 0;
@@ -123,19 +128,6 @@ double longest_step_s(const InsErrorModel& model, bool aided) {
   return step_s;
 }
 
-/// Kalman update in Joseph form: `h` picks two states' combination, each with measurement variance `variance`.
-/// `errors`, if not null, learn that the combination is 0.
-void update(Matrix& covariance, const Eigen::Matrix<double, 2, InsState::kSize>& h, double variance,
-            InsEstimate::Errors* errors = nullptr) {
-  const Eigen::Matrix<double, InsState::kSize, 2> ph = covariance * h.transpose();
-  const Eigen::Matrix2d innovation = h * ph + variance * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix<double, InsState::kSize, 2> gain = innovation.ldlt().solve(ph.transpose()).transpose();
-  const Matrix keep = Matrix::Identity() - gain * h;
-  if (errors != nullptr) *errors = (keep * *errors).eval();
-  const Matrix next = keep * covariance * keep.transpose() + variance * gain * gain.transpose();
-  covariance = 0.5 * (next + next.transpose());
-}
-
 /// A change of heading and speed at one instant: what a turn and an acceleration do to the errors.
 void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry,
                InsEstimate::Errors* errors = nullptr) {
@@ -210,6 +202,7 @@ InsState initial_ins_state(const InsErrorModel& model, double heading_deg, doubl
   p(kHeading, kHeading) = square(model.start_heading_sigma_rad);
   p.block<3, 3>(kGyroBias, kGyroBias).diagonal().setConstant(square(model.gyro_bias_radps));
   p(kGyroScale, kGyroScale) = square(model.gyro_scale);
+  p.block<2, 2>(kMap, kMap).diagonal().setConstant(square(model.map_sigma_m));
   if (model.is_odometry()) {
     // Radial rms = drift: each of the two axes takes half of the variance.
     p.block<2, 2>(kAid, kAid).diagonal().setConstant(square(model.odometry_drift) / 2);
@@ -240,7 +233,62 @@ InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const I
   const Transition transition(system_matrix(model, heading_deg, speed_mps));
   step.phi = transition.at(part_s);
   step.noise = step_noise(transition, noise_density(model), part_s);
+  if (model.map_sigma_m > 0) {
+    // First-order Gauss-Markov along the way, exact for any length.
+    const double decay = std::exp(-speed_mps * part_s / model.map_correlation_m);
+    step.phi.block<2, 2>(kMap, kMap).diagonal().setConstant(decay);
+    step.noise.block<2, 2>(kMap, kMap)
+        .diagonal()
+        .setConstant((1 - decay * decay) * model.map_sigma_m * model.map_sigma_m);
+  }
+  for (int row = 0; row < kDrivers; ++row) {
+    for (int col = 0; col < InsState::kSize; ++col) {
+      if (step.phi(row, col) != 0) step.driving.push_back({row, col, step.phi(row, col)});
+    }
+  }
   return step;
+}
+
+Matrix covariance_after_part(const Matrix& covariance, const InsStep& step) {
+  constexpr int kDriving = InsState::kSize - kDrivers;
+  const Eigen::Matrix<double, kDriving, 1> decay = step.phi.diagonal().tail<kDriving>();
+  // P Φᵀ, its first columns; most of Φ is 0.
+  Eigen::Matrix<double, InsState::kSize, kDrivers> half = Eigen::Matrix<double, InsState::kSize, kDrivers>::Zero();
+  for (const InsStep::Entry& e : step.driving) half.col(e.row) += e.value * covariance.col(e.col);
+  Matrix grown;
+  grown.topLeftCorner<kDrivers, kDrivers>().setZero();
+  for (const InsStep::Entry& e : step.driving) {
+    for (int i = 0; i <= e.row; ++i) grown(i, e.row) += e.value * half(e.col, i);
+  }
+  grown.topRightCorner<kDrivers, kDriving>() = half.bottomRows<kDriving>().transpose() * decay.asDiagonal();
+  grown.bottomRightCorner<kDriving, kDriving>() =
+      decay.asDiagonal() * covariance.bottomRightCorner<kDriving, kDriving>() * decay.asDiagonal();
+  for (int j = 0; j < InsState::kSize; ++j) {
+    for (int i = 0; i <= j; ++i) grown(j, i) = grown(i, j) += step.noise(i, j);
+  }
+  return grown;
+}
+
+Eigen::Matrix<double, 2, InsState::kSize> fix_by_map() {
+  Eigen::Matrix<double, 2, InsState::kSize> h = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
+  h.block<2, 2>(0, kPosition).setIdentity();
+  h.block<2, 2>(0, kMap) = -Eigen::Matrix2d::Identity();
+  return h;
+}
+
+Eigen::Matrix<double, InsState::kSize, 2> update_covariance(Matrix& covariance,
+                                                            const Eigen::Matrix<double, 2, InsState::kSize>& h,
+                                                            const Eigen::Matrix2d& noise) {
+  using Columns = Eigen::Matrix<double, InsState::kSize, 2>;
+  const Columns ph = covariance.lazyProduct(h.transpose());
+  const Eigen::Matrix2d innovation = h.lazyProduct(ph) + noise;
+  const Columns gain = innovation.ldlt().solve(ph.transpose()).transpose();
+  covariance -= gain.lazyProduct(ph.transpose());
+  const Columns left = covariance.lazyProduct(h.transpose());
+  const Columns noisy = gain * noise - left;
+  covariance += noisy.lazyProduct(gain.transpose());
+  covariance = (0.5 * (covariance + covariance.transpose())).eval();
+  return gain;
 }
 
 namespace {
@@ -252,12 +300,12 @@ void fly(InsState& next, const InsStep& step, InsEstimate::Errors* errors) {
   aid.block<2, 2>(0, kVelocity).setIdentity();
   aid.block<2, 2>(0, kAid) = -Eigen::Matrix2d::Identity();
   for (double i = 0; i < step.parts; ++i) {
-    const Matrix grown = step.phi * next.covariance * step.phi.transpose() + step.noise;
-    next.covariance = 0.5 * (grown + grown.transpose());
+    next.covariance = covariance_after_part(next.covariance, step);
     if (errors != nullptr) *errors = (step.phi * *errors).eval();
-    const double part_s = step.dt_s / step.parts;
-    if (step.aided)
-      update(next.covariance, aid, kVelocityAidNoise_mps_rt_hz * kVelocityAidNoise_mps_rt_hz / part_s, errors);
+    if (!step.aided) continue;
+    const double variance = kVelocityAidNoise_mps_rt_hz * kVelocityAidNoise_mps_rt_hz * step.parts / step.dt_s;
+    const auto gain = update_covariance(next.covariance, aid, variance * Eigen::Matrix2d::Identity());
+    if (errors != nullptr) *errors -= (gain * (aid * *errors)).eval();  // the combination is 0
   }
   next.time_s += step.dt_s;
 }
@@ -278,16 +326,11 @@ InsEstimate propagate(const InsEstimate& estimate, const InsStep& step) {
 
 InsEstimate update_with_position_error(const InsEstimate& estimate, const Eigen::Vector2d& measured_m,
                                        const Eigen::Matrix2d& covariance_m2) {
-  const Matrix& p = estimate.state.covariance;
-  const Eigen::Matrix2d innovation = p.block<2, 2>(kPosition, kPosition) + covariance_m2;
-  const Eigen::Matrix<double, InsState::kSize, 2> gain =
-      innovation.ldlt().solve(p.block<2, InsState::kSize>(kPosition, 0)).transpose();
-  Matrix keep = Matrix::Identity();
-  keep.block<InsState::kSize, 2>(0, kPosition) -= gain;
+  Eigen::Matrix<double, 2, InsState::kSize> position = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
+  position.block<2, 2>(0, kPosition).setIdentity();
   InsEstimate next = estimate;
+  const auto gain = update_covariance(next.state.covariance, position, covariance_m2);
   next.errors += gain * (measured_m - estimate.errors.segment<2>(kPosition));
-  const Matrix joseph = keep * p * keep.transpose() + gain * covariance_m2 * gain.transpose();
-  next.state.covariance = 0.5 * (joseph + joseph.transpose());
   return next;
 }
 
@@ -301,9 +344,7 @@ InsState update_with_fix(const InsState& state, double fix_sigma_m) {
     throw UsageError("fix_sigma_m = " + format_number(fix_sigma_m) + " is not a positive length");
   }
   InsState next = state;
-  Eigen::Matrix<double, 2, InsState::kSize> h = Eigen::Matrix<double, 2, InsState::kSize>::Zero();
-  h.block<2, 2>(0, kPosition).setIdentity();
-  update(next.covariance, h, fix_sigma_m * fix_sigma_m);
+  update_covariance(next.covariance, fix_by_map(), fix_sigma_m * fix_sigma_m * Eigen::Matrix2d::Identity());
   return next;
 }
 
@@ -323,7 +364,28 @@ InsState hold_with_gnss(const InsState& state, double heading_deg, double speed_
 }
 
 double position_error_m(const InsState& state, double sigma_multiple) {
-  return sigma_multiple * std::sqrt(largest_variance(state.covariance.block<2, 2>(kPosition, kPosition)));
+  return position_error_m(state.covariance.block<2, 2>(kPosition, kPosition), sigma_multiple);
+}
+
+double position_error_m(const Eigen::Matrix2d& position_covariance_m2, double sigma_multiple) {
+  return sigma_multiple * std::sqrt(largest_variance(position_covariance_m2));
+}
+
+PositionAhead::PositionAhead(const InsStep& step) {
+  assert(!step.aided);
+  Matrix all = Matrix::Identity();
+  noise.setZero();
+  for (double i = 0; i < step.parts; ++i) {
+    const auto rows = all.topRows<2>();
+    noise += rows * step.noise * rows.transpose();
+    all = (all * step.phi).eval();
+  }
+  phi = all.topRows<2>();
+}
+
+Eigen::Matrix2d PositionAhead::covariance_m2(const InsState& state) const {
+  return phi.lazyProduct(Eigen::Matrix<double, InsState::kSize, 2>(state.covariance.lazyProduct(phi.transpose()))) +
+         noise;
 }
 
 AttitudeError attitude_error(const InsState& state, double sigma_multiple) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "pilotage/ins/ins_error_model.h"
@@ -17,13 +19,14 @@ namespace pilotage {
 ///   11    gyro bias about the vertical, clockwise (rad/s)
 ///   12    accelerometer scale error, 13 gyro scale error (fractions)
 ///   14–15 error of the aiding velocity east, north (m/s), or with visual odometry the drift along and across the track
-///   as
-///         fractions of the distance
+///         as fractions of the distance
+///   16–17 error of the map's georeference east, north (m), which every fix has in common with those of its
+///   surroundings
 /// Method: linear error-state propagation, docs/methods/ins.md; the equations are the horizontal channels of the
 /// ψ-angle error model (D. Titterton, J. Weston, Strapdown Inertial Navigation Technology, 2nd ed., 2004, ch. 12; P.
 /// Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013, ch. 14).
 struct InsState {
-  static constexpr int kSize = 16;
+  static constexpr int kSize = 18;
   /// Where they begin.
   enum Index : int {
     kPosition = 0,
@@ -35,7 +38,8 @@ struct InsState {
     kGyroBiasZ = 11,
     kAccelScale = 12,
     kGyroScale = 13,
-    kAid = 14
+    kAid = 14,
+    kMap = 16
   };
   using Covariance = Eigen::Matrix<double, kSize, kSize>;
 
@@ -63,22 +67,50 @@ struct InsStep {
   double dt_s = 0;
   double heading_deg = 0;
   double speed_mps = 0;
-  bool odometry = false;       ///< Of the model it was made for.
-  bool aided = false;          ///< An aiding velocity is used after each of `parts`.
-  double parts = 0;            ///< The step is flown in this many equal parts; 0 when dt_s = 0.
-  InsState::Covariance phi;    ///< Transition over one part.
+  bool odometry = false;     ///< Of the model it was made for.
+  bool aided = false;        ///< An aiding velocity is used after each of `parts`.
+  double parts = 0;          ///< The step is flown in this many equal parts; 0 when dt_s = 0.
+  InsState::Covariance phi;  ///< Transition over one part.
+  /// What of `phi` is not 0, in the rows of the states that others drive.
+  struct Entry {
+    int row = 0;
+    int col = 0;
+    double value = 0;
+  };
+  std::vector<Entry> driving;
   InsState::Covariance noise;  ///< What one part adds.
 };
 InsStep make_ins_step(double dt_s, double heading_deg, double speed_mps, const InsErrorModel& model);
 InsState propagate(const InsState& state, const InsStep& step);
 
+/// Φ P Φᵀ and what is added over one of the step's parts, without its aiding velocity: symmetric to the bit.
+InsState::Covariance covariance_after_part(const InsState::Covariance& covariance, const InsStep& step);
+
+/// The position's covariance after a way flown straight on by `step`: that of propagate(), at a tenth of the work for
+/// many states. For steps without an aiding velocity.
+struct PositionAhead {
+  Eigen::Matrix<double, 2, InsState::kSize> phi;
+  Eigen::Matrix2d noise;
+
+  explicit PositionAhead(const InsStep& step);
+  Eigen::Matrix2d covariance_m2(const InsState& state) const;
+};
+
 /// What a change of heading and speed at one instant makes of the errors: this matrix times them.
 InsState::Covariance manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg,
                                     double speed_mps, bool odometry);
 
-/// Kalman update with a position fix of error `fix_sigma_m` on each axis (Joseph form). Each fix bounds the position
-/// error, and several also bound velocity, tilt and biases. Throws UsageError unless fix_sigma_m is positive and
-/// finite.
+/// What a position fix measures of the errors: that of the position less that of the map.
+Eigen::Matrix<double, 2, InsState::kSize> fix_by_map();
+
+/// Kalman update of a covariance (Joseph form, multiplied out) with a measurement of h · errors; returns the gain.
+Eigen::Matrix<double, InsState::kSize, 2> update_covariance(InsState::Covariance& covariance,
+                                                            const Eigen::Matrix<double, 2, InsState::kSize>& h,
+                                                            const Eigen::Matrix2d& noise);
+
+/// Kalman update with a position fix of error `fix_sigma_m` on each axis beside the map's. Each fix bounds the position
+/// error, but never below the map's, and several also bound velocity, tilt and biases. Throws UsageError unless
+/// fix_sigma_m is positive and finite.
 InsState update_with_fix(const InsState& state, double fix_sigma_m);
 
 /// An inertial system's errors as fixes of known places tell them: what InsState does not need, for it predicts.
@@ -92,7 +124,8 @@ struct InsEstimate {
 /// The estimate after a step; its covariance is that of propagate(state, step) to the bit.
 InsEstimate propagate(const InsEstimate& estimate, const InsStep& step);
 
-/// Kalman update (Joseph form) with a measurement of the position's error.
+/// Kalman update (Joseph form) with a measurement of the position's error; what is in `covariance_m2` of the map's own
+/// error is taken for noise.
 InsEstimate update_with_position_error(const InsEstimate& estimate, const Eigen::Vector2d& measured_m,
                                        const Eigen::Matrix2d& covariance_m2);
 
@@ -106,6 +139,7 @@ InsState hold_with_gnss(const InsState& state, double heading_deg, double speed_
 /// k times the standard deviation of position along the worst direction (largest axis of the error ellipse): a circle
 /// of this radius holds the error with 98.9 % (round ellipse) to 99.7 % (thin one) for k = 3.
 double position_error_m(const InsState& state, double sigma_multiple);
+double position_error_m(const Eigen::Matrix2d& position_covariance_m2, double sigma_multiple);
 
 /// k times the standard deviations of attitude.
 struct AttitudeError {

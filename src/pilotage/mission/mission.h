@@ -9,6 +9,7 @@
 #include "pilotage/camera/camera.h"
 #include "pilotage/ground/ground.h"
 #include "pilotage/ins/ins_options.h"
+#include "pilotage/mission/flight_conditions.h"
 #include "pilotage/route/route.h"
 
 #pragma GCC visibility push(default)
@@ -59,6 +60,7 @@ struct Flight {
   double min_agl_m = 0;               ///< Below it no matching is expected.
   Camera camera;
   InsOptions ins;
+  FlightConditions conditions;
   GnssDenial denied;
   std::string flight_time;  ///< When it begins, as parse_utc_date() takes it; "" when the planner did not say.
   std::optional<GroundHidden> ground_hidden;

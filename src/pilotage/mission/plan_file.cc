@@ -223,6 +223,7 @@ Json plan_to_json(const Mission& mission) {
                {"imagery_options", json_of(mission.ground.imagery.options)},
                {"camera", camera_to_json(mission.flight.camera)},
                {"ins", json_of(mission.flight.ins)},
+               {"conditions", json_of(mission.flight.conditions)},
                {"max_error_m", mission.flight.max_error_m},
                {"min_agl_m", mission.flight.min_agl_m},
                {"corridor_half_width_m", mission.flight.corridor_half_width_m},
@@ -276,6 +277,7 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   mission.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
   mission.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
   mission.flight.ins = options_of<InsOptions>(object, "ins");
+  if (object.has("conditions")) mission.flight.conditions = options_of<FlightConditions>(object, "conditions");
   mission.flight.max_error_m = object.number("max_error_m");
   mission.flight.max_error_assumed = object.has("max_error_assumed") && object.boolean("max_error_assumed");
   if (object.has("flat_ground_amsl_m")) mission.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");

@@ -46,16 +46,16 @@ struct ErrorSample {
   double p_within_limit = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// The stretch over which most flights are lost: a fix was taken, or GNSS lost, where it starts, no fix came after it,
-/// and where it ends the error is beyond its limit.
+/// Where most flights are lost: from their last fixes, or the loss of GNSS, to where their error is beyond its limit.
 struct WorstStretch {
-  int leg = 0;                 ///< Leg on which it starts.
+  int leg = 0;                 ///< Leg on which they are lost.
   double from_distance_m = 0;  ///< Along the route.
   double to_distance_m = 0;
-  double p_first_excess = 0;  ///< P that the error first exceeds its limit here.
+  double p_first_excess = 0;  ///< P that the error first exceeds its limit so.
 };
 
-/// The P of the route where the level of the place lies at the ends of its 80 % interval (ground/place_level.h).
+/// The P of the route where the level of the place lies at the ends of its 80 % interval (ground/place_level.h),
+/// widened to hold the mean over all levels.
 struct ProbabilityInterval {
   double low = 0;
   double high = 0;
@@ -102,6 +102,7 @@ struct LeftOut {
 struct FixTries {
   double interval_s = 0;                  ///< No fix comes sooner after another.
   std::optional<double> decorrelation_m;  ///< Way over which tries fare alike; nothing: the width of a tile.
+  double false_fix_rate = 0.001;  ///< Of the tries that find no right place, those that find a false one, at most.
 };
 
 /// What comes of losing GNSS at one point of the route for good.

@@ -166,7 +166,7 @@ Json selection_to_json(const Selection& selection) {
                         {"beyond_budget", left_out->beyond_budget}};
   }
   if (const auto& tries = selection.tries) {
-    json["tries"] = {{"interval_s", tries->interval_s}};
+    json["tries"] = {{"interval_s", tries->interval_s}, {"false_fix_rate", tries->false_fix_rate}};
     if (tries->decorrelation_m) json["tries"]["decorrelation_m"] = *tries->decorrelation_m;
   }
   if (selection.loss_anywhere) json["loss_anywhere"] = loss_to_json(*selection.loss_anywhere);
@@ -258,7 +258,9 @@ Selection selection_from_json(const Json& json, const std::string& name) {
   }
   if (object.has("tries")) {
     JsonObject tries = object.object("tries");
-    selection.tries = FixTries{tries.number("interval_s"), std::nullopt};
+    selection.tries = FixTries{};
+    selection.tries->interval_s = tries.number("interval_s");
+    if (tries.has("false_fix_rate")) selection.tries->false_fix_rate = tries.number("false_fix_rate");
     if (tries.has("decorrelation_m")) selection.tries->decorrelation_m = tries.number("decorrelation_m");
     tries.finish();
   }

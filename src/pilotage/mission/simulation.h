@@ -71,10 +71,10 @@ struct SimulatedMark {
   TruePlaceEllipse true_place;
 };
 
-/// The same flights with what the plan does not know (wind, the map's error, false fixes) and without.
+/// The same flights in the plan's own conditions, where others were given.
 struct AsPlanned {
-  SimulatedShare within;  ///< Without.
-  double cost = 0;        ///< That share less the share with all of it.
+  SimulatedShare within;
+  double cost = 0;  ///< That share less the share in the conditions given.
   Interval cost_interval{-1, 1};
 };
 

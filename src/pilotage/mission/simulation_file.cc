@@ -71,8 +71,8 @@ std::string losses_text(const Simulation& simulation) {
 
 std::string cost_text(const std::optional<AsPlanned>& planned) {
   if (!planned) return "";
-  return "the same flights with nothing but what the plan knows: " + share_text(planned->within) +
-         "; wind, the map's error and false fixes cost " + format_fixed(planned->cost, 3) + " [" +
+  return "the same flights in the plan's own conditions: " + share_text(planned->within) +
+         "; those given instead cost " + format_fixed(planned->cost, 3) + " [" +
          format_fixed(planned->cost_interval.low, 3) + ", " + format_fixed(planned->cost_interval.high, 3) + "]\n";
 }
 

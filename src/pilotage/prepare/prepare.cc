@@ -138,7 +138,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
 
   report_progress(selecting, "selecting", 0, 0);
-  const Selection selection = select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select);
+  const Selection selection =
+      select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select, run.threads);
   write_file(publish_later("selection.json"), json_text(selection_to_json(selection)), true);
 
   std::vector<InputFile> inputs = input_files(mission);  // hashed once, for map and report

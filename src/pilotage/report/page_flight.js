@@ -2,6 +2,7 @@
 // fix_attempts.cc, route_probability.cc, worst_loss.cc) on the same numbers. Long work is done by generators, which yield
 // so that the page stays alive.
 const whatIfData = data.what_if || null;  // null: nothing tells when a flight tries to fix
+let besideLine = null;  // of each sample: the step, then three shares
 
 function numbersOf(base64) {
   const text = atob(base64);
@@ -15,6 +16,7 @@ function alongSamples(runs) {
 }
 function readFlight() {
   const numbers = numbersOf(whatIfData.samples);
+  besideLine = besideLine || numbersOf(whatIfData.beside_line);
   const count = numbers.length / 2;
   const p = alongSamples(whatIfData.tile_runs.map(([count, known]) => [count, known === null ? null : known[0]]));
   return { count, distance_m: numbers.subarray(0, count), azimuth_deg: numbers.subarray(count), leg: alongSamples(whatIfData.leg_runs),
@@ -47,6 +49,17 @@ function gnssDenied(flight, stretches) {
 const plannedGnss = (flight) => (whatIfData.denied.length ? gnssDenied(flight, whatIfData.denied) : gnssEverywhere(flight.count, false));
 
 // ---- What tries may give (select/fix_attempts.cc, ground/tile_chances.cc) ----
+// Of a sample: what P is off the line by sigma_m, as a share of P on it.
+function shareBesideLine(sample, sigma_m) {
+  const at = 4 * sample;
+  const step_m = besideLine[at];
+  if (step_m === 0) return 1;
+  const [one, two, four] = [besideLine[at + 1], besideLine[at + 2], besideLine[at + 3]];
+  const quarters = 4 * sigma_m / step_m;
+  if (quarters <= 1) return 1 + quarters * (one - 1);
+  if (quarters <= 2) return one + (quarters - 1) * (two - one);
+  return two + Math.min(1, (quarters - 2) / 2) * (four - two);
+}
 // Those at each level of the place, which all tries share, with how much it counts.
 const levelChances = (flight, interval_s) => whatIfData.level_weights.map((weight, level) =>
   ({ weight, chances: routeChances(flight, interval_s, level) }));
@@ -87,6 +100,38 @@ function makePath(flight, model, limit_m, gnss) {
   const step = (i) => (steps ? steps[i] || (steps[i] = make(i)) : make(i));
   return { flight, model, limit_m, gnss, horizon_s: Math.min(600, Math.max(1, reach_s)), step };
 }
+// ---- The route in a wind (select/flown_steps.cc) ----
+function groundSpeed_mps(air_mps, azimuth_deg, [east_mps, north_mps]) {
+  const s = Math.sin(azimuth_deg * insRadPerDeg), c = Math.cos(azimuth_deg * insRadPerDeg);
+  const cross = east_mps * c - north_mps * s;
+  const ahead = Math.sqrt(Math.max(0, air_mps * air_mps - cross * cross));
+  return Math.max(0.3 * air_mps, ahead + east_mps * s + north_mps * c);
+}
+function flownSteps(path, wind_mps) {
+  const { flight, model } = path;
+  const way_m = (i) => flight.distance_m[i + 1] - flight.distance_m[i];
+  const made = [];  // [step, error of a state a horizon later]
+  const index = [];
+  let first = 0;
+  for (let i = 0; i + 1 < flight.count; ++i) {
+    const alike = i > 0 && flight.leg[i] === flight.leg[first] && flight.speed_mps[i] === flight.speed_mps[first] &&
+      Math.abs(way_m(i) - way_m(first)) < 1e-4 && Math.abs(turnBetween_deg(flight.azimuth_deg[first], flight.azimuth_deg[i])) < 0.1;
+    if (!alike) {
+      first = i;
+      const speed_mps = groundSpeed_mps(flight.speed_mps[i], flight.azimuth_deg[i], wind_mps);
+      const horizon = makeInsStep(path.horizon_s, flight.azimuth_deg[i], speed_mps, model);
+      const ahead = positionAhead(horizon);
+      made.push({ step: makeInsStep(way_m(i) / speed_mps, flight.azimuth_deg[i], speed_mps, model),
+        errorAhead_m: ahead ? (state) => errorOf_m(ahead(state), model) : (state) => positionError_m(insPropagate(state, horizon), model) });
+    }
+    index.push(made.length - 1);
+  }
+  return { count: index.length, step: (i) => made[index[i]].step,
+    errorAhead_m: (i, state) => made[index.length ? index[i > 0 ? i - 1 : 0] : 0].errorAhead_m(state) };
+}
+const flightCases = (path) => whatIfData.cases.map(([level, weight, east_mps, north_mps]) =>
+  ({ level, weight, steps: flownSteps(path, [east_mps, north_mps]) }));
+
 const heldAt = (path, i, state) => holdWithGnss(state, path.flight.azimuth_deg[i], path.flight.speed_mps[i], path.model);
 const insAtStart = (path) => initialInsState(path.model, path.flight.azimuth_deg[0], path.flight.speed_mps[0]);
 
@@ -148,7 +193,7 @@ function loseFlights(path, sample, stretch) {
   const least = 1e-9 * totalProbability(stretch.branches);
   stretch.branches = stretch.branches.filter((branch) => {
     const beyond = !(positionError_m(branch.state, path.model) <= path.limit_m);
-    if (beyond) stretch.losses.push([branch.fixSample, sample]);
+    if (beyond) stretch.losses.push({ fixSample: branch.fixSample, lostAt: sample, probability: branch.probability });
     return !(beyond || branch.probability <= least);
   });
 }
@@ -163,14 +208,12 @@ function groupEnds(fixed, share) {
   }
   return ends;
 }
-function mergeAlike(path, branches) {
-  const one = branches[0].state;
-  const horizon = makeInsStep(path.horizon_s, one.heading_deg, one.speed_mps, path.model);
-  const fixed = branches.map((branch) => ({ branch, error_m: positionError_m(insPropagate(branch.state, horizon), path.model) }));
+function mergeAlike(steps, sample, branches) {
+  const fixed = branches.map((branch) => ({ branch, error_m: steps.errorAhead_m(sample, branch.state) }));
   fixed.sort((a, b) => a.branch.low - b.branch.low || a.branch.high - b.branch.high || a.error_m - b.error_m);
   let share = 0.02;
   let ends = groupEnds(fixed, share);
-  while (ends.length > 12 && share < 1) ends = groupEnds(fixed, share *= 2);
+  while (ends.length > 8 && share < 1) ends = groupEnds(fixed, share *= 2);
   let first = 0;
   return ends.map((end) => {
     const members = fixed.slice(first, end).map((after) => after.branch);
@@ -184,81 +227,122 @@ function mergeAlike(path, branches) {
     return { ...members[0], probability, state: { ...members[0].state, covariance } };
   });
 }
-function takeFix(path, chances, sample, stretch) {
-  const p = chances.p[sample];
+// How far a branch's flights are off the line: rms of an axis.
+const offLine_m = (branch) => Math.sqrt((branch.state.covariance[0] + branch.state.covariance[insSize + 1]) / 2);
+// Share of the square of half side 1 that lies beyond a circle around its middle.
+function shareBeyond(radius) {
+  if (radius >= Math.SQRT2) return 0;
+  if (radius <= 1) return 1 - Math.PI / 4 * radius * radius;
+  return 1 - Math.sqrt(radius * radius - 1) - radius * radius * (Math.PI / 4 - Math.acos(1 / radius));
+}
+function takeFix(path, steps, chances, sample, stretch) {
+  const p = whatIfData.frames_that_come * chances.p[sample];
   if (!(p > 0)) return;
   const fixed = [];
   for (const branch of stretch.branches) {
     if (branch.state.time_s - branch.fixTime_s < chances.interval_s - 1e-9) continue;
     if (branch.window !== chances.window[sample]) Object.assign(branch, { window: chances.window[sample], low: 0, high: 1 });
-    const share = Math.min(1, Math.max(0, (p - branch.low) / (branch.high - branch.low)));
+    const drawn = Math.min(1, Math.max(0, (p - branch.low) / (branch.high - branch.low)));
+    const share = Math.min(1, shareBesideLine(sample, offLine_m(branch)) * drawn);
     if (share > 0) {
       fixed.push({ ...branch, fixSample: sample, fixTime_s: branch.state.time_s, probability: branch.probability * share,
         high: Math.min(branch.high, p), state: updateWithFix(branch.state, path.model) });
     }
-    branch.probability *= 1 - share;
-    branch.low = Math.max(branch.low, p);
+    const searched_m = 3 / path.model.sigma_multiple *
+      Math.hypot(positionError_m(branch.state, path.model), path.model.sigma_multiple * path.model.map_sigma_m);
+    branch.probability *= (1 - share) *
+      (1 - whatIfData.frames_that_come * whatIfData.false_fix_rate * shareBeyond(path.limit_m / searched_m));
+    if (1 - drawn >= drawn - share) branch.low = Math.max(branch.low, p);
   }
   stretch.branches = stretch.branches.filter((branch) => !(branch.probability <= 0));
-  if (fixed.length) stretch.branches.push(...mergeAlike(path, fixed));
+  if (fixed.length) stretch.branches.push(...mergeAlike(steps, sample, fixed));
 }
 function takeGnss(path, sample, branches) {
   for (const branch of branches) Object.assign(branch, { fixSample: sample, state: heldAt(path, sample, branch.state) });
 }
-function* flyStretch(path, chances, begin, end, branches) {
+function* flyStretch(path, steps, chances, begin, end, branches) {
   const stretch = { p_within_limit: [], losses: [], branches: branches.map((branch) => ({ ...branch })) };
   for (let i = begin; i < end; ++i) {
     loseFlights(path, i, stretch);
     const before = stretch.p_within_limit.length ? stretch.p_within_limit[stretch.p_within_limit.length - 1] : 1;
     stretch.p_within_limit.push(Math.min(before, totalProbability(stretch.branches)));
     if (path.gnss.at[i]) takeGnss(path, i, stretch.branches);
-    takeFix(path, chances, i, stretch);
-    if (i + 1 >= path.flight.count) continue;
-    for (const branch of stretch.branches) {
-      branch.state = insPropagate(branch.state, path.step(i));
-      yield i / path.flight.count;
-    }
+    takeFix(path, steps, chances, i, stretch);
+    if (i >= steps.count) continue;
+    for (const branch of stretch.branches) branch.state = insPropagate(branch.state, steps.step(i));
+    yield i / path.flight.count;
     if (path.gnss.over[i]) takeGnss(path, i + 1, stretch.branches);
   }
   return stretch;
 }
-function* survivalAlong(path, levels) {
+function weightedQuantile(weighted, share) {
+  weighted.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  let rest = weighted.reduce((sum, [, weight]) => sum + share * weight, 0);
+  for (const [value, weight] of weighted) {
+    rest -= weight;
+    if (rest <= 0) return value;
+  }
+  return weighted[weighted.length - 1][0];
+}
+// Where most flights are lost: on the leg with most, those whose ways since the last fix overlap.
+function worstStretch(flight, losses) {
+  if (!losses.length) return null;
+  const onLeg = new Map();
+  for (const loss of losses) onLeg.set(flight.leg[loss.lostAt], (onLeg.get(flight.leg[loss.lostAt]) || 0) + loss.probability);
+  let worst = null;
+  for (const [leg, p] of [...onLeg].sort((a, b) => a[0] - b[0])) if (worst === null || p > worst[1]) worst = [leg, p];
+  const there = losses.filter((loss) => flight.leg[loss.lostAt] === worst[0]).sort((a, b) => a.fixSample - b.fixSample || a.lostAt - b.lostAt);
+  let most = [], most_p = 0;
+  for (let begin = 0; begin < there.length;) {
+    let end = begin, reach = there[begin].lostAt, p = 0;
+    for (; end < there.length && there[end].fixSample <= reach; ++end) {
+      reach = Math.max(reach, there[end].lostAt);
+      p += there[end].probability;
+    }
+    if (p > most_p) [most, most_p] = [there.slice(begin, end), p];
+    begin = end;
+  }
+  return { leg: worst[0], p_first_excess: most_p,
+    from_distance_m: flight.distance_m[weightedQuantile(most.map((loss) => [loss.fixSample, loss.probability]), 0.05)],
+    to_distance_m: flight.distance_m[weightedQuantile(most.map((loss) => [loss.lostAt, loss.probability]), 0.95)] };
+}
+function* survivalAlong(path, cases, levels) {
   const { flight } = path;
   const survival = { p_within_limit: [], legs_p: Array(whatIfData.leg_lengths_m.length).fill(null), at_level: [], worst: null };
   const losses = [];
-  const branches = levels.map(() => firstBranches(path));
+  const branches = cases.map(() => firstBranches(path));
   let before = 1;
   for (let begin = 0; begin < flight.count;) {
     let end = begin;
     while (end < flight.count && flight.leg[end] === flight.leg[begin]) ++end;
     for (let i = begin; i < end; ++i) survival.p_within_limit.push(0);
-    for (let k = 0; k < levels.length; ++k) {
-      const stretch = yield* flyStretch(path, levels[k].chances, begin, end, branches[k]);
-      stretch.p_within_limit.forEach((p, i) => { survival.p_within_limit[begin + i] += levels[k].weight * p; });
-      survival.at_level[k] = stretch.p_within_limit[stretch.p_within_limit.length - 1];
-      for (const loss of stretch.losses) losses.push(loss);
+    survival.at_level = levels.map(() => 0);
+    for (let k = 0; k < cases.length; ++k) {
+      const { level, steps } = cases[k];
+      const stretch = yield* flyStretch(path, steps, levels[level].chances, begin, end, branches[k]);
+      const weight = levels[level].weight * cases[k].weight;
+      stretch.p_within_limit.forEach((p, i) => { survival.p_within_limit[begin + i] += weight * p; });
+      survival.at_level[level] += cases[k].weight * Math.min(1, stretch.p_within_limit[stretch.p_within_limit.length - 1]);
+      for (const loss of stretch.losses) losses.push({ ...loss, probability: weight * loss.probability });
       branches[k] = stretch.branches;
     }
+    for (let i = begin; i < end; ++i) survival.p_within_limit[i] = Math.min(1, survival.p_within_limit[i]);
     const after = survival.p_within_limit[survival.p_within_limit.length - 1];
     if (before > 0) survival.legs_p[flight.leg[begin]] = Math.min(1, after / before);
     before = after;
     begin = end;
   }
-  for (const [from, to] of losses) {
-    const p_first_excess = (from === 0 && to === 0 ? 1 : survival.p_within_limit[from]) - survival.p_within_limit[to];
-    if (survival.worst && p_first_excess <= survival.worst.p_first_excess) continue;
-    survival.worst = { leg: flight.leg[from], from_distance_m: flight.distance_m[from], to_distance_m: flight.distance_m[to], p_first_excess };
-  }
+  survival.worst = worstStretch(flight, losses);
   return survival;
 }
 
 // ---- GNSS lost anywhere (select/worst_loss.cc) ----
-function lossSamples(flight, levels) {
+function lossSamples(flight, cases) {
   const flown = (starts) => starts.reduce((sum, start) => sum + flight.count - start, 0);
   const within = (starts) => {
     const every = (step) => starts.filter((_, i) => i % step === 0);
     let step = 1;
-    while (step < starts.length && levels * flown(every(step)) > 60000) ++step;
+    while (step < starts.length && cases * flown(every(step)) > 60000) ++step;
     return every(step);
   };
   const all = [...Array(flight.count).keys()];
@@ -271,16 +355,16 @@ function lossSamples(flight, levels) {
   if (at.size > 1) at.delete(flight.distance_m[flight.count - 1]);
   return [...at.values()].sort((a, b) => a - b);
 }
-function* loseAnywhere(path, levels, interval_s) {
+function* loseAnywhere(path, cases, levels, interval_s) {
   const { flight } = path;
   const had = gnssEverywhere(flight.count, true), lost = gnssEverywhere(flight.count, false);
   const withGnss = { sample: 0, state: insAtStart(path), lastFix_s: -Infinity };
   let withGnss_m = positionError_m(withGnss.state, path.model);
   const paths = { had: { ...path, gnss: had }, lost: { ...path, gnss: lost } };
-  const branches = levels ? levels.map(() => firstBranches(path)) : [];
+  const branches = levels ? cases.map(() => firstBranches(path)) : [];
   let at = 0;
   const points = [];
-  for (const loss of lossSamples(flight, levels ? levels.length : 1)) {
+  for (const loss of lossSamples(flight, levels ? cases.length : 1)) {
     while (withGnss.sample < loss) {
       takePosition(path, had, interval_s, withGnss);
       flyOneSample(path, had, withGnss);
@@ -298,11 +382,12 @@ function* loseAnywhere(path, levels, interval_s) {
     const point = { distance_m: flight.distance_m[loss], leg: flight.leg[loss], max_error_m, p_within_limit: null };
     if (levels) {
       point.p_within_limit = 0;
-      for (let k = 0; k < levels.length; ++k) {
-        const { weight, chances } = levels[k];
-        branches[k] = (yield* flyStretch(paths.had, chances, at, loss, branches[k])).branches;
-        const rest = yield* flyStretch(paths.lost, chances, loss, flight.count, branches[k]);
-        point.p_within_limit += weight * rest.p_within_limit[rest.p_within_limit.length - 1];
+      for (let k = 0; k < cases.length; ++k) {
+        const { level, steps } = cases[k];
+        const { weight, chances } = levels[level];
+        branches[k] = (yield* flyStretch(paths.had, steps, chances, at, loss, branches[k])).branches;
+        const rest = yield* flyStretch(paths.lost, steps, chances, loss, flight.count, branches[k]);
+        point.p_within_limit += weight * cases[k].weight * rest.p_within_limit[rest.p_within_limit.length - 1];
       }
       at = loss;
     }
@@ -325,9 +410,10 @@ function* predictFlight(settings) {
   const flight = settings.speed_mps === null ? planned : { ...planned, speed_mps: planned.speed_mps.map(() => settings.speed_mps) };
   const path = makePath(flight, settings.model, settings.limit_m, plannedGnss(flight));
   const chances = whatIfData.min_route_probability === null ? null : levelChances(flight, settings.interval_s);
+  const cases = chances && flightCases(path);
   const predicted = { max_error_m: settings.limit_m, probability: null, loss: null };
   if (whatIfData.anywhere) {
-    predicted.loss = yield* loseAnywhere(path, chances, settings.interval_s);
+    predicted.loss = yield* loseAnywhere(path, cases, chances, settings.interval_s);
     path.gnss = gnssDenied(flight, [[predicted.loss.worst.distance_m, Infinity]]);
   }
   const errors_m = yield* errorsAlong(path, settings.interval_s);
@@ -337,13 +423,14 @@ function* predictFlight(settings) {
   predicted.profile = errors_m.map((error_m, i) => ({ distance_m: flight.distance_m[i], error_m, p_correct_fix: chances ? flight.p[i] || 0 : null,
     p_within_limit: null }));
   if (!chances) return predicted;
-  const survival = yield* survivalAlong(path, chances);
+  const survival = yield* survivalAlong(path, cases, chances);
   const p = survival.p_within_limit;
   predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: whatIfData.min_route_probability, worst: survival.worst,
     interval: null };
   if (chances.length > 1) {
     const ends = whatIfData.level_interval.map((level) => survival.at_level[level]);
-    predicted.probability.interval = { low: Math.min(...ends), high: Math.max(...ends) };
+    const mean = predicted.probability.p_within_limit;
+    predicted.probability.interval = { low: Math.min(...ends, mean), high: Math.max(...ends, mean) };
   }
   predicted.profile.forEach((sample, i) => { sample.p_within_limit = p[i]; });
   predicted.legs.forEach((leg) => { leg.p_within_limit = survival.legs_p[leg.leg]; });

@@ -1,7 +1,8 @@
 // The error model of the inertial system: the formulas of src/pilotage/ins/ins_state.cc and drift.cc on the same numbers.
-// A covariance is a row after row Float64Array of 16 × 16; the order of the states is that of ins_state.h.
-const insSize = 16;
-const insState = { position: 0, velocity: 2, tilt: 4, heading: 6, accelBias: 7, gyroBias: 9, gyroBiasZ: 11, accelScale: 12, gyroScale: 13, aid: 14 };
+// A covariance is a row after row Float64Array of 18 × 18; the order of the states is that of ins_state.h.
+const insSize = 18;
+const insState = { position: 0, velocity: 2, tilt: 4, heading: 6, accelBias: 7, gyroBias: 9, gyroBiasZ: 11, accelScale: 12, gyroScale: 13, aid: 14,
+  map: 16 };
 const insGravity_mps2 = 9.80665, insEarthRadius_m = 6371000;
 const insMaxStep_s = 10, insMaxStepOfCorrelation = 0.1, insAidStep_s = 0.5, insAidNoise = 0.1;
 const insRadPerDeg = Math.PI / 180;
@@ -60,7 +61,7 @@ function insNoiseDensity(model) {
   const q = new Float64Array(insSize);
   if (!isOdometry(model)) {
     q.fill(square(model.velocity_random_walk_mps_rt_s), insState.velocity, insState.tilt);
-    q.fill(2 * square(model.velocity_aid_sigma_mps) / model.velocity_aid_correlation_s, insState.aid, insSize);
+    q.fill(2 * square(model.velocity_aid_sigma_mps) / model.velocity_aid_correlation_s, insState.aid, insState.map);
   }
   q.fill(square(model.angle_random_walk_rad_rt_s), insState.tilt, insState.accelBias);
   if (model.bias_correlation_s > 0) {
@@ -109,6 +110,8 @@ function makeInsStep(time_s, heading_deg, speed_mps, model) {
   const powers = [insSystem(model, heading_deg, speed_mps)];
   while (powers.length < 8) powers.push(insProduct(powers[powers.length - 1], powers[0]));
   const phi = insTransition(powers, part_s);
+  const mapDecay = model.map_sigma_m > 0 ? Math.exp(-speed_mps * part_s / model.map_correlation_m) : 1;
+  for (const i of [insState.map, insState.map + 1]) phi[insIndex(i, i)] = mapDecay;
   // What of Φ is not 0, row after row: entries first[i] … first[i + 1] − 1 are those of row i.
   const entries = phi.reduce((count, value) => count + (value !== 0), 0);
   Object.assign(step, { first: new Int32Array(insSize + 1), columns: new Int32Array(entries), factors: new Float64Array(entries) });
@@ -120,7 +123,9 @@ function makeInsStep(time_s, heading_deg, speed_mps, model) {
     }
     step.first[i + 1] = n;
   }
+  step.decay = Float64Array.from({ length: insSize }, (_, i) => phi[insIndex(i, i)]);
   step.noise = insStepNoise(powers, insNoiseDensity(model), part_s);
+  for (const i of [insState.map, insState.map + 1]) step.noise[insIndex(i, i)] = (1 - mapDecay * mapDecay) * square(model.map_sigma_m);
   return step;
 }
 
@@ -165,7 +170,7 @@ function symmetric(covariance) {
     }
   }
 }
-const fixMeasured = [[[insState.position, 1]], [[insState.position + 1, 1]]];
+const fixMeasured = [0, 1].map((i) => [[insState.position + i, 1], [insState.map + i, -1]]);
 const aidMeasured = [0, 1].map((i) => [[insState.velocity + i, 1], [insState.aid + i, -1]]);
 
 // std::remainder(x, 360)
@@ -199,11 +204,13 @@ function insManoeuvre(covariance, before, heading_deg, speed_mps, odometry) {
   }
 }
 const insBefore = new Float64Array(insSize * insSize), insHalf = new Float64Array(insSize * insSize);
-// One part of a step: Φ P Φᵀ and what it adds, of `insBefore`.
+// One part of a step: Φ P Φᵀ and what it adds, of `insBefore`. The states from `insState.accelBias` on drive the others
+// and only decay themselves.
 function insGrown(step) {
-  const { first, columns, factors } = step;
+  const { first, columns, factors, decay } = step;
+  const drivers = insState.accelBias;
   const grown = new Float64Array(step.noise);
-  for (let i = 0; i < insSize; ++i) {
+  for (let i = 0; i < drivers; ++i) {
     const to = insSize * i;
     for (let j = 0; j < insSize; ++j) insHalf[to + j] = 0;
     for (let n = first[i]; n < first[i + 1]; ++n) {
@@ -211,13 +218,25 @@ function insGrown(step) {
       for (let j = 0; j < insSize; ++j) insHalf[to + j] += factor * insBefore[from + j];
     }
   }
-  for (let j = 0; j < insSize; ++j) {
-    for (let i = j; i < insSize; ++i) {
+  for (let j = 0; j < drivers; ++j) {
+    for (let i = j; i < drivers; ++i) {
       const from = insSize * i;
       let sum = grown[from + j];
       for (let n = first[j]; n < first[j + 1]; ++n) sum += insHalf[from + columns[n]] * factors[n];
       grown[from + j] = sum;
       grown[insSize * j + i] = sum;
+    }
+  }
+  for (let j = drivers; j < insSize; ++j) {
+    for (let i = 0; i < drivers; ++i) {
+      const value = grown[insSize * i + j] + insHalf[insSize * i + j] * decay[j];
+      grown[insSize * i + j] = value;
+      grown[insSize * j + i] = value;
+    }
+    for (let i = drivers; i <= j; ++i) {
+      const value = grown[insSize * i + j] + decay[i] * insBefore[insSize * i + j] * decay[j];
+      grown[insSize * i + j] = value;
+      grown[insSize * j + i] = value;
     }
   }
   return grown;
@@ -242,6 +261,7 @@ function initialInsState(model, heading_deg, speed_mps) {
   set(insState.heading, 1, model.start_heading_sigma_rad);
   set(insState.gyroBias, 3, model.gyro_bias_radps);
   set(insState.gyroScale, 1, model.gyro_scale);
+  set(insState.map, 2, model.map_sigma_m);
   if (isOdometry(model)) {
     for (const i of [0, 1]) covariance[insIndex(insState.aid + i, insState.aid + i)] = square(model.odometry_drift) / 2;
   } else {
@@ -287,15 +307,47 @@ function holdWithGnss(state, heading_deg, speed_mps, model) {
   if (model.start_heading_sigma_rad > 0) insHold(next.covariance, [[insState.heading, 1]], square(model.start_heading_sigma_rad));
   return next;
 }
+// The position's covariance a step later, for the many states that it is asked of: null with an aiding velocity.
+function positionAhead(step) {
+  if (step.aided) return null;
+  // Rows of position of the transition over all parts, and what is added on the way.
+  let rows = [0, 1].map((i) => { const row = new Float64Array(insSize); row[i] = 1; return row; });
+  const noise = [0, 0, 0];
+  for (let part = 0; part < step.parts; ++part) {
+    [[0, 0], [0, 1], [1, 1]].forEach(([i, j], n) => {
+      for (let k = 0; k < insSize; ++k) {
+        if (rows[i][k] === 0) continue;
+        for (let m = 0; m < insSize; ++m) noise[n] += rows[i][k] * step.noise[insIndex(k, m)] * rows[j][m];
+      }
+    });
+    rows = rows.map((row) => {
+      const next = new Float64Array(insSize);
+      for (let k = 0; k < insSize; ++k) for (let n = step.first[k]; n < step.first[k + 1]; ++n) next[step.columns[n]] += row[k] * step.factors[n];
+      return next;
+    });
+  }
+  return (state) => {
+    const half = rows.map((row) => {
+      const product = new Float64Array(insSize);
+      for (let k = 0; k < insSize; ++k) {
+        if (row[k] === 0) continue;
+        for (let j = 0; j < insSize; ++j) product[j] += row[k] * state.covariance[insSize * k + j];
+      }
+      return product;
+    });
+    const along = (i, j) => half[i].reduce((sum, value, k) => sum + value * rows[j][k], 0);
+    return [along(0, 0) + noise[0], along(0, 1) + noise[1], along(1, 1) + noise[2]];
+  };
+}
 // k·σ of position along the worst direction.
-function positionError_m(state, model) {
-  const [a, b, d] = [state.covariance[0], state.covariance[1], state.covariance[insSize + 1]];
+const positionError_m = (state, model) => errorOf_m([state.covariance[0], state.covariance[1], state.covariance[insSize + 1]], model);
+function errorOf_m([a, b, d], model) {
   return model.sigma_multiple * Math.sqrt(0.5 * (a + d) + Math.hypot(0.5 * (a - d), b));
 }
 // How long k·σ stays within the limit in straight flight after a fix: the first crossing.
 function longestBridgeableGap_s(model, speed_mps, limit_m) {
   const resolution_s = 1e-3, longest_s = 86400;
-  let inside = initialInsState({ ...model, start_sigma_m: model.fix_sigma_m }, 0, speed_mps);
+  let inside = initialInsState({ ...model, start_sigma_m: Math.hypot(model.fix_sigma_m, model.map_sigma_m) }, 0, speed_mps);
   if (positionError_m(inside, model) > limit_m) return 0;
   let step_s = 1;
   while (inside.time_s < longest_s) {

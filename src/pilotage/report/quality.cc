@@ -87,7 +87,7 @@ QualityRow probability_row(const RouteProbability& route) {
       "Lead the route over ground with a larger probability of a correct fix (--advise looks for a line beside it).";
   if (route.worst) {
     row.advice += " Most flights are lost between " + length_text(route.worst->from_distance_m) + " and " +
-                  length_text(route.worst->to_distance_m) + ", from leg " + std::to_string(route.worst->leg + 1) + ".";
+                  length_text(route.worst->to_distance_m) + ", on leg " + std::to_string(route.worst->leg + 1) + ".";
   }
   return row;
 }

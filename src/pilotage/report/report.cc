@@ -211,13 +211,13 @@ InertialReach inertial_reach(const ReportInput& input) {
   const Flight& flight = input.mission.flight;
   const double limit_m = input.selection.max_error_m;
   if (flight.samples.empty() || !(flight.samples.front().speed_mps > 0) || !(limit_m > 0)) return reach;
-  const InsErrorModel model = make_ins_error_model(flight.ins);
+  const InsErrorModel model = make_error_model(flight.ins, flight.conditions);
   reach.speed_mps = flight.samples.front().speed_mps;
   const auto reach_s = [&](double start_sigma_m) {
     return longest_bridgeable_gap_s(model, reach.speed_mps, limit_m, model.sigma_multiple, start_sigma_m);
   };
   reach.from_start_s = reach_s(model.start_sigma_m);
-  reach.after_fix_s = reach_s(model.fix_sigma_m);
+  reach.after_fix_s = reach_s(model.fixed_position_sigma_m());
   return reach;
 }
 

@@ -129,8 +129,8 @@ std::string fixes_text(const Simulation& simulation) {
 std::string cost_text(const Simulation& simulation) {
   if (!simulation.as_planned) return "";
   const AsPlanned& planned = *simulation.as_planned;
-  return "The same flights with nothing but what the plan knows: " + share_text(planned.within) +
-         ". Wind, the map's own error and false fixes cost " + format_fixed(planned.cost, 3) + " [" +
+  return "The same flights in the plan's own conditions: " + share_text(planned.within) +
+         ". Those given instead cost " + format_fixed(planned.cost, 3) + " [" +
          format_fixed(planned.cost_interval.low, 3) + ", " + format_fixed(planned.cost_interval.high, 3) +
          "] (pairs of flights).";
 }

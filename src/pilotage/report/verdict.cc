@@ -109,7 +109,12 @@ std::string gnss_text(const Flight& flight, const Selection& selection) {
 
 std::string further_assumptions(const Mission& mission, const Selection& selection) {
   const std::string rests_on = selection.probability ? rests_on_text(*selection.probability) : "";
-  return (mission.flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
+  const FlightConditions& conditions = mission.flight.conditions;
+  const std::string met = selection.probability
+                              ? ", wind " + format_number(conditions.wind_sigma_mps) + " m/s and map error " +
+                                    format_number(conditions.map_sigma_m) + " m on each axis"
+                              : ", map error " + format_number(conditions.map_sigma_m) + " m on each axis";
+  return met + (mission.flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
          imagery_age_assumptions(mission) + (rests_on.empty() ? "" : "; " + rests_on);
 }
 

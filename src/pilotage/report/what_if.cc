@@ -14,7 +14,9 @@
 #include "pilotage/ground/tile_chances.h"
 #include "pilotage/ins/ins_error_model.h"
 #include "pilotage/ins/ins_products.h"
+#include "pilotage/mission/chances_beside_line.h"
 #include "pilotage/mission/tile_under.h"
+#include "pilotage/mission/wind_cases.h"
 #include "pilotage/report/disagreement.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/verdict.h"
@@ -45,8 +47,8 @@ Json runs_of(std::size_t count, Key key_of, Value value_of) {
   return runs;
 }
 
-Json model_json(const InsOptions& options) {
-  const InsErrorModel model = make_ins_error_model(options);
+Json model_json(const InsOptions& options, const FlightConditions& conditions) {
+  const InsErrorModel model = make_error_model(options, conditions);
   return {{"text", ins_text(options)},
           {"accel_bias_mps2", model.accel_bias_mps2},
           {"gyro_bias_radps", model.gyro_bias_radps},
@@ -63,18 +65,20 @@ Json model_json(const InsOptions& options) {
           {"velocity_aid_correlation_s", model.velocity_aid_correlation_s},
           {"start_sigma_m", model.start_sigma_m},
           {"fix_sigma_m", model.fix_sigma_m},
-          {"sigma_multiple", model.sigma_multiple}};
+          {"sigma_multiple", model.sigma_multiple},
+          {"map_sigma_m", model.map_sigma_m},
+          {"map_correlation_m", model.map_correlation_m}};
 }
 
-Json models_json(const InsOptions& planned) {
-  Json models = Json::array({model_json(planned)});
+Json models_json(const InsOptions& planned, const FlightConditions& conditions) {
+  Json models = Json::array({model_json(planned, conditions)});
   models.back()["grade"] = nullptr;
   for (const auto& [grade, name] : enum_names(InsGrade{})) {
     if (grade == InsGrade::kCustom) continue;
     InsOptions options = planned;
     options.name.reset();
     options.grade = grade;
-    models.push_back(model_json(options));
+    models.push_back(model_json(options, conditions));
     models.back()["grade"] = name;
   }
   return models;
@@ -121,6 +125,23 @@ Json flight_json(const ReportInput& input) {
   json["level_weights"] = Json::array();
   for (const TileChances::AtLevel& level : chances.levels) json["level_weights"].push_back(level.weight);
   json["level_interval"] = Json::array({kLevelLow, kLevelHigh});
+  json["cases"] = Json::array();
+  for (const WindCase& one : wind_cases(mission.flight.conditions.wind_sigma_mps, chances.levels.size())) {
+    json["cases"].push_back({one.level, one.node.weight, one.node.wind_mps.x(), one.node.wind_mps.y()});
+  }
+  std::vector<double> p_of_stored = chances.p;
+  for (std::size_t i = 0; i < p_of_stored.size(); ++i) {
+    if (!stored.contains(mission.ground.tiles[i].tile_id)) p_of_stored[i] = 0;
+  }
+  std::vector<double> beside_line;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const ChancesBesideLine beside = chances_beside_line(mission, samples[i], p_of_stored);
+    beside_line.push_back(beside.step_m);
+    beside_line.insert(beside_line.end(), beside.shares.begin(), beside.shares.end());
+  }
+  json["beside_line"] = base64_of(beside_line);
+  json["frames_that_come"] = 1 - mission.flight.conditions.dropped_frames;
+  json["false_fix_rate"] = input.selection.tries->false_fix_rate;
   json["leg_lengths_m"] = Json::array();
   for (const RouteLeg& leg : mission.flight.route.legs) json["leg_lengths_m"].push_back(leg.length_m);
   json["denied"] = Json::array();
@@ -140,7 +161,7 @@ Json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quali
                                                             [](const auto& s) { return s.speed_mps > 0; });
   if (!selection.tries || !flown) return nullptr;
   Json json = flight_json(input);
-  json["models"] = models_json(flight.ins);
+  json["models"] = models_json(flight.ins, flight.conditions);
   json["max_error_m"] = selection.max_error_m;
   json["fix_interval_s"] = selection.tries->interval_s;
   json["min_route_probability"] = selection.probability ? Json(selection.probability->min_p_within_limit) : Json();

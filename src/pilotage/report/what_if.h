@@ -21,6 +21,8 @@ namespace pilotage {
 ///                 place]; a run for each tile
 ///   level_weights, level_interval
 ///                 how much each level counts, and the two whose P are the ends of the interval
+///   cases         [index of the level, weight at that level, wind east and north in m/s]: what P is the mean over
+///   beside_line   base64 of little-endian doubles: of each sample the step_m and the shares of ChancesBesideLine
 ///   models        what is planned, then each grade with the figures of its own that the plan gives (InsErrorModel)
 ///   others        rows of the quality table that decide and are not predicted here
 nlohmann::ordered_json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quality);

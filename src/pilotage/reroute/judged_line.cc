@@ -70,8 +70,8 @@ JudgedLine judge_as_prepare(const PrepareOptions& options, const TileOptions& ti
   JudgedLine line;
   line.mission = plan_tiles(tile, progress);
   line.scores = score_ground(line.mission.ground, score_options_of(options), run.seed, run.threads, progress).scores;
-  line.selection =
-      select_tiles(line.mission, line.scores, stored_size(options.build, line.mission.ground), options.select);
+  line.selection = select_tiles(line.mission, line.scores, stored_size(options.build, line.mission.ground),
+                                options.select, run.threads);
   judge(line);
   return line;
 }

@@ -209,8 +209,9 @@ void LineFinder::make_model() {
                 options_.mission.select.fix_interval_s * speed_mps, 1.0});
   // How far the filter has settled half way: it knows velocity and tilt the better, the more fixes came before.
   const double fixes = std::clamp(samples.back().distance_m / window_m / 2, kFewestFixes, kMostFixes);
-  model_ = make_fix_age_model(make_ins_error_model(area_.flight.ins), speed_mps, area_.flight.max_error_m,
-                              QualityThresholds::kErrorShareGood, window_m, stride_m / 2, static_cast<int>(fixes));
+  model_ = make_fix_age_model(make_error_model(area_.flight.ins, area_.flight.conditions), speed_mps,
+                              area_.flight.max_error_m, QualityThresholds::kErrorShareGood, window_m, stride_m / 2,
+                              static_cast<int>(fixes));
 }
 
 // At a share of the length of a run.
@@ -322,7 +323,7 @@ JudgedLine LineFinder::predict(const MovedPlan& plan) {
   }
   trial_.flight.route = std::move(route);
   JudgedLine line;
-  line.selection = select_tiles(trial_, scores_, stored_size(options_.mission.build, trial_.ground), select_);
+  line.selection = select_tiles(trial_, scores_, stored_size(options_.mission.build, trial_.ground), select_, threads_);
   line.mission.flight = trial_.flight;
   line.mission.ground = trial_.ground;
   line.scores = scores_;

@@ -233,7 +233,7 @@ std::vector<bool> tiles_in_order(const Mission& mission, const std::vector<TileS
 std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                                       const TileChances& tile_chances, const std::vector<bool>& start,
                                       const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
-                                      double fix_interval_s, bool flown) {
+                                      const FixTries& tries, bool flown, int threads) {
   const FixChain chain = make_fix_chain(path, attempts, of_chosen(tile_chances, history).p);
   TileSet set(path, attempts, tile_chances, chain, size, static_cast<double>(budget));
   for (const std::size_t tile : set.candidates()) {
@@ -243,11 +243,11 @@ std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<
   exchange(set, size, kMostTrials, [](const TileSet& trial) { return trial.value(); });
   if (!flown) return set.chosen();
   const std::size_t sample_count = path.mission->flight.samples.size();
-  const std::size_t flown_samples = sample_count * tile_chances.levels.size();
+  const std::size_t flown_samples = sample_count * path.cases.size();
   const int flown_trials = std::min(kMostFlownTrials, kSamplesFlown / static_cast<int>(flown_samples));
   exchange(set, size, flown_trials, [&](const TileSet& trial) {
-    const auto levels = level_chances(attempts, trial.stored(), sample_count, fix_interval_s);
-    return flight_worth(predict_survival(path, levels).p_within_limit);
+    const auto levels = level_chances(*path.mission, path.mission->flight.samples, attempts, trial.stored(), tries);
+    return flight_worth(predict_survival(path, levels, threads).p_within_limit);
   });
   return set.chosen();
 }

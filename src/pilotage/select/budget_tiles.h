@@ -29,11 +29,11 @@ double flight_worth(const std::vector<double>& p_within_limit);
 /// (fix_chain.h), whose reach is that of flights with the tiles of `history`, then, when `flown`, at most 100 times
 /// (60,000 samples) by predict_survival(). Gains are derivatives of the probability, which is multilinear in the P of
 /// the attempts: one forward and one backward recursion give all of them (as in L. Rabiner, A tutorial on hidden Markov
-/// models, Proc. IEEE 77(2), 1989). Worth and gains are means over the levels of the place; the reach is that at its
-/// mean P. No bound is claimed: the problem contains the knapsack problem.
+/// models, Proc. IEEE 77(2), 1989). Worth and gains of the chain are means over the levels of the place; the reach is
+/// that at its mean P, without wind. No bound is claimed: the problem contains the knapsack problem.
 std::vector<bool> most_probable_tiles(const FlightPath& path, const std::vector<FixAttempt>& attempts,
                                       const TileChances& tile_chances, const std::vector<bool>& start,
                                       const std::vector<bool>& history, const StoredSize& size, std::int64_t budget,
-                                      double fix_interval_s, bool flown);
+                                      const FixTries& tries, bool flown, int threads);
 
 }  // namespace pilotage

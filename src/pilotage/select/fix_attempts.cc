@@ -91,9 +91,12 @@ std::vector<std::size_t> counted_attempts(const std::vector<FixAttempt>& attempt
 }
 
 RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
-                           std::size_t sample_count, double fix_interval_s) {
-  RouteChances chances{std::vector<double>(sample_count, 0.0), std::vector<std::int64_t>(sample_count, 0),
-                       fix_interval_s};
+                           std::size_t sample_count, const FixTries& tries) {
+  RouteChances chances{std::vector<double>(sample_count, 0.0),
+                       std::vector<std::int64_t>(sample_count, 0),
+                       tries.interval_s,
+                       tries.false_fix_rate,
+                       {}};
   for (const FixAttempt& attempt : attempts) {
     chances.p[attempt.sample] = p_of_tile[attempt.tile];
     chances.window[attempt.sample] = attempt.window;
@@ -101,18 +104,27 @@ RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::v
   return chances;
 }
 
-std::vector<LevelChances> level_chances(const std::vector<FixAttempt>& attempts, const TileChances& tiles,
-                                        std::size_t sample_count, double fix_interval_s) {
+std::vector<LevelChances> level_chances(const Mission& mission, const std::vector<FlightSample>& samples,
+                                        const std::vector<FixAttempt>& attempts, const TileChances& tiles,
+                                        const FixTries& tries) {
+  std::vector<ChancesBesideLine> beside_line(samples.size());
+  for (const FixAttempt& attempt : attempts) {
+    if (tiles.p[attempt.tile] > 0) {
+      beside_line[attempt.sample] = chances_beside_line(mission, samples[attempt.sample], tiles.p);
+    }
+  }
   std::vector<LevelChances> levels;
   for (const TileChances::AtLevel& level : tiles.levels) {
-    levels.push_back({level.weight, route_chances(attempts, level.p, sample_count, fix_interval_s)});
+    levels.push_back({level.weight, route_chances(attempts, level.p, samples.size(), tries)});
+    levels.back().chances.beside_line = beside_line;
   }
   return levels;
 }
 
 ExpectedFixes expected_fixes(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                              const std::vector<bool>& stored, const std::vector<double>& p_of_tile,
-                             double fix_interval_s, double max_false_fix_rate) {
+                             const FixTries& tries) {
+  const double frames = 1 - mission.flight.conditions.dropped_frames;
   ExpectedFixes expected;
   double time_s = 0;
   double last_try_s = -std::numeric_limits<double>::infinity();
@@ -121,10 +133,10 @@ ExpectedFixes expected_fixes(const Mission& mission, const std::vector<std::opti
       const FlightSample& from = mission.flight.samples[i - 1];
       time_s += (mission.flight.samples[i].distance_m - from.distance_m) / from.speed_mps;
     }
-    if (!tiles[i] || !stored[*tiles[i]] || time_s - last_try_s < fix_interval_s) continue;
+    if (!tiles[i] || !stored[*tiles[i]] || time_s - last_try_s < tries.interval_s) continue;
     last_try_s = time_s;
-    expected.correct += p_of_tile[*tiles[i]];
-    expected.wrong += (1 - p_of_tile[*tiles[i]]) * max_false_fix_rate;
+    expected.correct += frames * p_of_tile[*tiles[i]];
+    expected.wrong += frames * (1 - p_of_tile[*tiles[i]]) * tries.false_fix_rate;
   }
   return expected;
 }

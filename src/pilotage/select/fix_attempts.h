@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "pilotage/ground/tile_chances.h"
+#include "pilotage/mission/chances_beside_line.h"
 #include "pilotage/mission/gnss_availability.h"
 #include "pilotage/mission/mission.h"
+#include "pilotage/mission/selection.h"
 
 namespace pilotage {
 
@@ -44,11 +46,13 @@ struct RouteChances {
   std::vector<std::int64_t> window;  ///< Of each sample. Within a window one draw u from [0, 1) decides: a try with P >
                                      ///< u succeeds.
   double fix_interval_s = 0;         ///< No fix comes sooner after another.
+  double false_fix_rate = 0;         ///< Of the tries without a correct fix, those with a false one.
+  std::vector<ChancesBesideLine> beside_line;  ///< Of each sample; may be empty.
 };
 
 /// The chances of attempts at tiles of which some are stored: `p_of_tile` is 0 for the others.
 RouteChances route_chances(const std::vector<FixAttempt>& attempts, const std::vector<double>& p_of_tile,
-                           std::size_t sample_count, double fix_interval_s);
+                           std::size_t sample_count, const FixTries& tries);
 
 /// The chances at a level that the place may have, and how much that level counts.
 struct LevelChances {
@@ -56,18 +60,21 @@ struct LevelChances {
   RouteChances chances;
 };
 
-/// route_chances() at each level of `tiles`.
-std::vector<LevelChances> level_chances(const std::vector<FixAttempt>& attempts, const TileChances& tiles,
-                                        std::size_t sample_count, double fix_interval_s);
+/// route_chances() at each level of `tiles`, with what they are beside the line by the P over all levels. `samples` are
+/// the mission's, or those of a line beside them.
+std::vector<LevelChances> level_chances(const Mission& mission, const std::vector<FlightSample>& samples,
+                                        const std::vector<FixAttempt>& attempts, const TileChances& tiles,
+                                        const FixTries& tries);
 
-/// Correct fixes, and false ones at most, that a flight along the route must expect with one try every `fix_interval_s`
-/// over stored ground. Expectations add up whether tries depend on each other or not, so every one counts.
+/// Correct fixes, and false ones at most, that a flight along the route must expect with one try every interval
+/// over stored ground, as far as frames come. Expectations add up whether tries depend on each other or not, so every
+/// one counts.
 struct ExpectedFixes {
   double correct = 0;
-  double wrong = 0;  ///< Σ (1 − P) · max_false_fix_rate.
+  double wrong = 0;  ///< Σ (1 − P) · false_fix_rate.
 };
 ExpectedFixes expected_fixes(const Mission& mission, const std::vector<std::optional<std::size_t>>& tiles,
                              const std::vector<bool>& stored, const std::vector<double>& p_of_tile,
-                             double fix_interval_s, double max_false_fix_rate);
+                             const FixTries& tries);
 
 }  // namespace pilotage

@@ -77,9 +77,9 @@ FixChain make_fix_chain(const FlightPath& path, const std::vector<FixAttempt>& a
   sample_of_node.push_back(sample_count - 1);
   const std::vector<NodeStep> steps = node_steps(path, sample_of_node);
 
-  RouteChances chances = route_chances(attempts, p_of_tile, sample_count, 0);
+  RouteChances chances = route_chances(attempts, p_of_tile, sample_count, {});
   for (const FixAttempt& attempt : attempts) chances.p[attempt.sample] = std::max(chances.p[attempt.sample], kFaint);
-  const FlightStretch flight = fly_stretch(path, chances, 0, sample_count, first_branches(path));
+  const FlightStretch flight = fly_stretch(path, path.steps, chances, 0, sample_count, first_branches(path));
 
   FixChain chain;
   chain.last.push_back(fly_on(path, steps, 0, first_branches(path).front().state));

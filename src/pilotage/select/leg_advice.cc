@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "pilotage/base/parallel.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mission/tile_under.h"
 
@@ -60,26 +62,30 @@ std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& 
     if (!(p_before < options.min_leg_probability)) continue;
     const LegSamples samples = legs[leg];
     double entering = 0;
-    for (std::size_t k = 0; k < tile_chances.levels.size(); ++k) {
-      for (const FlightBranch& branch : survival.leg_entries[leg][k]) {
-        entering += tile_chances.levels[k].weight * branch.probability;
-      }
+    const auto weight = [&](std::size_t k) {
+      return tile_chances.levels[path.cases[k].level].weight * path.cases[k].weight;
+    };
+    for (std::size_t k = 0; k < path.cases.size(); ++k) {
+      for (const FlightBranch& branch : survival.leg_entries[leg][k]) entering += weight(k) * branch.probability;
     }
     LegAdvice best{static_cast<int>(leg), AdviceSide::kNone, 0, p_before, p_before, false};
     const auto try_line = [&](double right_m) {
       auto moved = tiles;
+      std::vector<FlightSample> line = mission.flight.samples;
       for (std::size_t i = samples.begin; i < samples.end; ++i) {
-        moved[i] = tile_under(mission, moved_aside(mission, samples, i, right_m));
+        line[i] = moved_aside(mission, samples, i, right_m);
+        moved[i] = tile_under(mission, line[i]);
       }
-      const auto attempts = fix_attempts(mission, moved, options.fix_interval_s, options.decorrelation_m);
-      double staying = 0;
-      for (std::size_t k = 0; k < tile_chances.levels.size(); ++k) {
-        const TileChances::AtLevel& level = tile_chances.levels[k];
-        const RouteChances chances = route_chances(attempts, level.p, moved.size(), options.fix_interval_s);
-        staying +=
-            level.weight *
-            fly_stretch(path, chances, samples.begin, samples.end, survival.leg_entries[leg][k]).p_within_limit.back();
-      }
+      const auto attempts = fix_attempts(mission, moved, options.tries.interval_s, options.tries.decorrelation_m);
+      const auto levels = level_chances(mission, line, attempts, tile_chances, options.tries);
+      std::vector<double> staying_in(path.cases.size());
+      parallel_for(path.cases.size(), options.threads, [&](std::size_t k, int) {
+        const FlightCase& one = path.cases[k];
+        const FlightStretch stretch = fly_stretch(path, one.steps, levels[one.level].chances, samples.begin,
+                                                  samples.end, survival.leg_entries[leg][k]);
+        staying_in[k] = weight(k) * stretch.p_within_limit.back();
+      });
+      const double staying = std::accumulate(staying_in.begin(), staying_in.end(), 0.0);
       const double p_after = std::min(1.0, staying / entering);
       if (p_after <= best.p_after) return;
       best.p_after = p_after;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,17 +10,17 @@
 namespace pilotage {
 
 struct AdviceOptions {
-  double fix_interval_s = 2;
-  std::optional<double> decorrelation_m;
+  FixTries tries;
   double min_leg_probability = 0.95;
+  int threads = 1;
 };
 
 /// For each leg whose P to stay within the limit is below min_leg_probability: parallel lines to the left and to the
 /// right, one tile stride further aside each time up to the corridor's half width, because only there tiles are scored.
 /// The nearest one that makes the leg good, left before right; else the best, the nearest among equals. The line itself
 /// is tried first, because `tile_chances` may hold more than was selected. The leg is entered with the flights of
-/// `survival`; the way to the parallel line and back is not counted. Legs that no flight reaches within the limit are
-/// left out.
+/// `survival`, which must have kept them (entries_below); the way to the parallel line and back is not counted. Legs
+/// that no flight reaches within the limit are left out.
 std::vector<LegAdvice> advise_legs(const FlightPath& path, const RouteSurvival& survival,
                                    const TileChances& tile_chances, const AdviceOptions& options);
 

@@ -105,7 +105,7 @@ std::vector<LegStatus> leg_statuses(const Mission& mission, const std::vector<Er
 
 RouteError predict_route_error(const Mission& mission, const GnssAvailability& gnss, const std::vector<bool>& matchable,
                                double max_error_m, double fix_interval_s) {
-  const InsErrorModel model = make_ins_error_model(mission.flight.ins);
+  const InsErrorModel model = make_error_model(mission.flight.ins, mission.flight.conditions);
   RouteError result;
   InsAtSample aircraft = ins_at_start(mission, model);
   while (true) {
@@ -136,7 +136,7 @@ RouteError predict_route_error(const Mission& mission, const std::vector<bool>& 
 
 std::vector<double> largest_errors_of_losses(const Mission& mission, const std::vector<std::size_t>& losses,
                                              const std::vector<bool>& matchable, double fix_interval_s) {
-  const InsErrorModel model = make_ins_error_model(mission.flight.ins);
+  const InsErrorModel model = make_error_model(mission.flight.ins, mission.flight.conditions);
   const GnssAvailability had = gnss_everywhere(mission.flight, true);
   const GnssAvailability lost = gnss_everywhere(mission.flight, false);
   const std::size_t count = mission.flight.samples.size();
@@ -164,7 +164,7 @@ std::vector<double> largest_errors_of_losses(const Mission& mission, const std::
 
 std::vector<std::size_t> fewest_fix_samples(const Mission& mission, const std::vector<bool>& matchable,
                                             double max_error_m) {
-  const InsErrorModel model = make_ins_error_model(mission.flight.ins);
+  const InsErrorModel model = make_error_model(mission.flight.ins, mission.flight.conditions);
   const GnssAvailability gnss = gnss_availability(mission.flight);
   const std::size_t count = mission.flight.samples.size();
   std::vector<std::size_t> fixes;

@@ -3,17 +3,34 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <tuple>
 
 #include "pilotage/base/nan.h"
+#include "pilotage/base/parallel.h"
 #include "pilotage/ins/drift.h"
+#include "pilotage/mission/wind_cases.h"
 
 namespace pilotage {
 namespace {
 
 constexpr double kLeastShare = 1e-9;
 constexpr double kSameError = 0.02;
-constexpr std::size_t kMostGroups = 12;
+constexpr std::size_t kMostGroups = 8;
+constexpr double kSearchSigmas = 3;  // to each side of a prior
+
+// How far the branch's flights are off the line that their navigation holds them on: rms of an axis.
+double off_line_m(const FlightBranch& branch) {
+  return std::sqrt(branch.state.covariance.topLeftCorner<2, 2>().trace() / 2);
+}
+
+// Share of the square of half side 1 that lies beyond a circle of this radius around its middle.
+double share_beyond(double radius) {
+  if (radius >= std::numbers::sqrt2) return 0;
+  if (radius <= 1) return 1 - std::numbers::pi / 4 * radius * radius;
+  return 1 - std::sqrt(radius * radius - 1) - radius * radius * (std::numbers::pi / 4 - std::acos(1 / radius));
+}
 
 double total_probability(const std::vector<FlightBranch>& branches) {
   double total = 0;
@@ -26,7 +43,7 @@ void lose_flights(const FlightPath& path, std::size_t sample, FlightStretch& str
   const double least = kLeastShare * total_probability(stretch.branches);
   std::erase_if(stretch.branches, [&](const FlightBranch& branch) {
     const bool beyond = !(position_error_m(branch.state, path.model.sigma_multiple) <= path.max_error_m);
-    if (beyond) stretch.losses.emplace_back(branch.fix_sample, sample);
+    if (beyond) stretch.losses.push_back({branch.fix_sample, sample, branch.probability});
     return beyond || branch.probability <= least;
   });
 }
@@ -53,11 +70,10 @@ std::vector<std::size_t> group_ends(const std::vector<FixedBranch>& fixed, doubl
   return ends;
 }
 
-std::vector<FlightBranch> merge_alike(const FlightPath& path, std::vector<FixedBranch> fixed) {
-  const InsState& one = fixed.front().branch.state;
-  const InsStep horizon = make_ins_step(path.horizon_s, one.heading_deg, one.speed_mps, path.model);
+std::vector<FlightBranch> merge_alike(const FlightPath& path, const FlownSteps& steps, std::size_t sample,
+                                      std::vector<FixedBranch> fixed) {
   for (FixedBranch& after : fixed) {
-    after.error_m = position_error_m(propagate(after.branch.state, horizon), path.model.sigma_multiple);
+    after.error_m = steps.error_ahead_m(sample, after.branch.state, path.model.sigma_multiple);
   }
   std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.branch.u_low, a.branch.u_high, a.error_m) <
@@ -83,8 +99,9 @@ std::vector<FlightBranch> merge_alike(const FlightPath& path, std::vector<FixedB
 }
 
 // Parts of all branches get a fix at the sample and become new branches.
-void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t sample, FlightStretch& stretch) {
-  const double p = chances.p[sample];
+void take_fix(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances, std::size_t sample,
+              FlightStretch& stretch) {
+  const double p = path.frames_that_come * chances.p[sample];  // on the line
   if (!(p > 0)) return;
   std::vector<FixedBranch> fixed;
   for (FlightBranch& branch : stretch.branches) {
@@ -94,7 +111,10 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t s
       branch.u_low = 0;
       branch.u_high = 1;
     }
-    const double share = std::clamp((p - branch.u_low) / (branch.u_high - branch.u_low), 0.0, 1.0);
+    const double beside = chances.beside_line.empty() ? 1 : chances.beside_line[sample].share_at(off_line_m(branch));
+    // The draw is held against P on the line, or no two branches could be merged.
+    const double drawn = std::clamp((p - branch.u_low) / (branch.u_high - branch.u_low), 0.0, 1.0);
+    const double share = std::min(1.0, beside * drawn);
     if (share > 0) {
       if (!branch.fixed_on_stretch) stretch.p_fix += share * branch.probability;
       FlightBranch after = branch;
@@ -106,12 +126,17 @@ void take_fix(const FlightPath& path, const RouteChances& chances, std::size_t s
       after.state = update_with_fix(branch.state, path.model.fix_sigma_m);
       fixed.push_back({after});
     }
-    branch.probability *= 1 - share;
-    branch.u_low = std::max(branch.u_low, p);
+    const double searched_m = kSearchSigmas / path.model.sigma_multiple *
+                              std::hypot(position_error_m(branch.state, path.model.sigma_multiple),
+                                         path.model.sigma_multiple * path.model.map_sigma_m);
+    branch.probability *= (1 - share) * (1 - path.frames_that_come * chances.false_fix_rate *
+                                                 share_beyond(path.max_error_m / searched_m));
+    // Without a fix are those whose draw is above P, and those whose draw is not but who were beside: the more decide.
+    if (1 - drawn >= drawn - share) branch.u_low = std::max(branch.u_low, p);
   }
   std::erase_if(stretch.branches, [](const FlightBranch& branch) { return branch.probability <= 0; });
   if (fixed.empty()) return;
-  for (const FlightBranch& group : merge_alike(path, std::move(fixed))) {
+  for (const FlightBranch& group : merge_alike(path, steps, sample, std::move(fixed))) {
     stretch.branches.push_back(group);
     stretch.fixes.push_back(group);
   }
@@ -124,33 +149,81 @@ void take_gnss(const FlightPath& path, std::size_t sample, std::vector<FlightBra
   }
 }
 
-std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vector<double>& p_within_limit,
-                                          const std::vector<std::pair<std::size_t, std::size_t>>& losses) {
-  std::optional<WorstStretch> worst;
-  const std::vector<FlightSample>& samples = path.mission->flight.samples;
-  for (const auto& [from, to] : losses) {
-    const double before = from == 0 && to == 0 ? 1 : p_within_limit[from];
-    const double loss = before - p_within_limit[to];
-    if (worst && loss <= worst->p_first_excess) continue;
-    worst = WorstStretch{samples[from].leg, samples[from].distance_m, samples[to].distance_m, loss};
+// The value below which `share` of the weight of (value, weight) lies.
+std::size_t weighted_quantile(std::vector<std::pair<std::size_t, double>> weighted, double share) {
+  std::sort(weighted.begin(), weighted.end());
+  double rest = 0;
+  for (const auto& [value, weight] : weighted) rest += share * weight;
+  for (const auto& [value, weight] : weighted) {
+    rest -= weight;
+    if (rest <= 0) return value;
   }
-  return worst;
+  return weighted.back().first;
+}
+
+// The losses of the leg with most, and of those the ones whose ways since the last fix overlap and that are most
+// together.
+std::vector<LostFlights> most_lost_together(const std::vector<FlightSample>& samples, std::vector<LostFlights> losses) {
+  std::map<int, double> on_leg;
+  for (const LostFlights& loss : losses) on_leg[samples[loss.lost_at].leg] += loss.probability;
+  const auto less = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const int leg = std::max_element(on_leg.begin(), on_leg.end(), less)->first;
+  std::erase_if(losses, [&](const LostFlights& loss) { return samples[loss.lost_at].leg != leg; });
+  std::stable_sort(losses.begin(), losses.end(), [](const LostFlights& a, const LostFlights& b) {
+    return std::pair(a.fix_sample, a.lost_at) < std::pair(b.fix_sample, b.lost_at);
+  });
+  std::vector<LostFlights> most;
+  double most_probability = 0;
+  for (std::size_t begin = 0; begin < losses.size();) {
+    std::size_t end = begin;
+    std::size_t reach = losses[begin].lost_at;
+    double probability = 0;
+    for (; end < losses.size() && losses[end].fix_sample <= reach; ++end) {
+      reach = std::max(reach, losses[end].lost_at);
+      probability += losses[end].probability;
+    }
+    if (probability > most_probability) {
+      most.assign(losses.begin() + static_cast<std::ptrdiff_t>(begin),
+                  losses.begin() + static_cast<std::ptrdiff_t>(end));
+      most_probability = probability;
+    }
+    begin = end;
+  }
+  return most;
+}
+
+std::optional<WorstStretch> worst_stretch(const FlightPath& path, const std::vector<LostFlights>& losses) {
+  if (losses.empty()) return {};
+  constexpr double kLeftOut = 0.05;
+  const std::vector<FlightSample>& samples = path.mission->flight.samples;
+  std::vector<std::pair<std::size_t, double>> fixed_at;
+  std::vector<std::pair<std::size_t, double>> lost_at;
+  double probability = 0;
+  for (const LostFlights& loss : most_lost_together(samples, losses)) {
+    fixed_at.emplace_back(loss.fix_sample, loss.probability);
+    lost_at.emplace_back(loss.lost_at, loss.probability);
+    probability += loss.probability;
+  }
+  const FlightSample& from = samples[weighted_quantile(fixed_at, kLeftOut)];
+  const FlightSample& to = samples[weighted_quantile(lost_at, 1 - kLeftOut)];
+  return WorstStretch{to.leg, from.distance_m, to.distance_m, probability};
 }
 
 }  // namespace
 
-FlightPath make_flight_path(const Mission& mission, double max_error_m) {
+FlightPath make_flight_path(const Mission& mission, double max_error_m, std::size_t levels) {
   FlightPath path;
   path.mission = &mission;
-  path.model = make_ins_error_model(mission.flight.ins);
+  path.model = make_error_model(mission.flight.ins, mission.flight.conditions);
+  path.frames_that_come = 1 - mission.flight.conditions.dropped_frames;
   path.max_error_m = max_error_m;
   const double reach_s = longest_bridgeable_gap_s(path.model, mission.flight.samples.front().speed_mps, max_error_m,
-                                                  path.model.sigma_multiple, path.model.fix_sigma_m);
+                                                  path.model.sigma_multiple, path.model.fixed_position_sigma_m());
   path.horizon_s = std::clamp(reach_s, 1.0, 600.0);
-  for (std::size_t i = 0; i + 1 < mission.flight.samples.size(); ++i) {
-    const FlightSample& from = mission.flight.samples[i];
-    const double step_s = (mission.flight.samples[i + 1].distance_m - from.distance_m) / from.speed_mps;
-    path.steps.push_back(make_ins_step(step_s, from.azimuth_deg, from.speed_mps, path.model));
+  path.steps = FlownSteps(mission.flight, Eigen::Vector2d::Zero(), path.model, path.horizon_s);
+  for (const WindCase& one : wind_cases(mission.flight.conditions.wind_sigma_mps, levels)) {
+    path.cases.push_back(
+        {one.level, one.node.weight, FlownSteps(mission.flight, one.node.wind_mps, path.model, path.horizon_s)});
   }
   path.gnss = gnss_availability(mission.flight);
   return path;
@@ -166,8 +239,8 @@ std::vector<FlightBranch> first_branches(const FlightPath& path) {
   return {{0, 1, initial_ins_state(path.model, first.azimuth_deg, first.speed_mps)}};
 }
 
-FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, std::size_t begin, std::size_t end,
-                          std::vector<FlightBranch> branches) {
+FlightStretch fly_stretch(const FlightPath& path, const FlownSteps& steps, const RouteChances& chances,
+                          std::size_t begin, std::size_t end, std::vector<FlightBranch> branches) {
   assert(end <= chances.p.size() && chances.p.size() == path.mission->flight.samples.size());
   FlightStretch stretch;
   stretch.branches = std::move(branches);
@@ -177,41 +250,52 @@ FlightStretch fly_stretch(const FlightPath& path, const RouteChances& chances, s
     const double before = stretch.p_within_limit.empty() ? 1.0 : stretch.p_within_limit.back();
     stretch.p_within_limit.push_back(std::min(before, total_probability(stretch.branches)));  // sums are rounded
     if (path.gnss.at_sample[i]) take_gnss(path, i, stretch.branches);
-    take_fix(path, chances, i, stretch);
-    if (i >= path.steps.size()) continue;
-    for (FlightBranch& branch : stretch.branches) branch.state = propagate(branch.state, path.steps[i]);
+    take_fix(path, steps, chances, i, stretch);
+    if (i >= steps.size()) continue;
+    for (FlightBranch& branch : stretch.branches) branch.state = propagate(branch.state, steps[i]);
     if (path.gnss.over_step[i]) take_gnss(path, i + 1, stretch.branches);
   }
   return stretch;
 }
 
-RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChances> levels) {
+RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChances> levels, int threads,
+                               double entries_below) {
   const std::vector<FlightSample>& samples = path.mission->flight.samples;
   const std::size_t leg_count = path.mission->flight.route.legs.size();
   RouteSurvival survival;
   survival.leg_p_within_limit.assign(leg_count, kNaN);
   survival.leg_p_fix.assign(leg_count, kNaN);
   survival.leg_entries.resize(leg_count);
-  std::vector<std::pair<std::size_t, std::size_t>> losses;
-  std::vector<std::vector<FlightBranch>> branches(levels.size(), first_branches(path));
+  std::vector<LostFlights> losses;
+  std::vector<FlightStretch> flown(path.cases.size());
+  for (FlightStretch& stretch : flown) stretch.branches = first_branches(path);
   double before = 1;
   for (std::size_t begin = 0; begin < samples.size();) {
     std::size_t end = begin;
     while (end < samples.size() && samples[end].leg == samples[begin].leg) ++end;
     const auto leg = static_cast<std::size_t>(samples[begin].leg);
-    survival.leg_entries[leg] = branches;
+    std::vector<std::vector<FlightBranch>> entries(flown.size());
+    parallel_for(flown.size(), threads, [&](std::size_t k, int) {
+      const FlightCase& one = path.cases[k];
+      entries[k] = flown[k].branches;
+      flown[k] = fly_stretch(path, one.steps, levels[one.level].chances, begin, end, std::move(flown[k].branches));
+    });
     survival.p_within_limit.resize(end, 0.0);
     survival.p_at_level.assign(levels.size(), 0.0);
     double p_fix = 0;
-    for (std::size_t k = 0; k < levels.size(); ++k) {
-      FlightStretch stretch = fly_stretch(path, levels[k].chances, begin, end, std::move(branches[k]));
+    for (std::size_t k = 0; k < flown.size(); ++k) {
+      const FlightCase& one = path.cases[k];
+      const FlightStretch& stretch = flown[k];
+      const double weight = levels[one.level].weight * one.weight;
       for (std::size_t i = begin; i < end; ++i) {
-        survival.p_within_limit[i] += levels[k].weight * stretch.p_within_limit[i - begin];
+        survival.p_within_limit[i] += weight * stretch.p_within_limit[i - begin];
       }
-      survival.p_at_level[k] = std::min(1.0, stretch.p_within_limit.back());
-      p_fix += levels[k].weight * stretch.p_fix;
-      losses.insert(losses.end(), stretch.losses.begin(), stretch.losses.end());
-      branches[k] = std::move(stretch.branches);
+      survival.p_at_level[one.level] += one.weight * std::min(1.0, stretch.p_within_limit.back());
+      p_fix += weight * stretch.p_fix;
+      for (LostFlights loss : stretch.losses) {
+        loss.probability *= weight;
+        losses.push_back(loss);
+      }
     }
     // Weights and states add up to 1 but for rounding.
     for (std::size_t i = begin; i < end; ++i) survival.p_within_limit[i] = std::min(1.0, survival.p_within_limit[i]);
@@ -219,17 +303,18 @@ RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChan
     if (before > 0) {
       survival.leg_p_within_limit[leg] = std::min(1.0, after / before);
       survival.leg_p_fix[leg] = std::min(1.0, p_fix / before);
+      if (survival.leg_p_within_limit[leg] < entries_below) survival.leg_entries[leg] = std::move(entries);
     }
     before = after;
     begin = end;
   }
-  survival.worst = worst_stretch(path, survival.p_within_limit, losses);
+  survival.worst = worst_stretch(path, losses);
   return survival;
 }
 
 RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances) {
-  const std::vector<LevelChances> levels{{1, chances}};
-  return predict_survival(path, levels);
+  const LevelChances alone{1, chances};
+  return predict_survival(path, {&alone, 1}, 1);
 }
 
 }  // namespace pilotage

@@ -69,12 +69,15 @@ struct Chances {
   std::vector<FixAttempt> attempts;         // with GNSS or without
   std::vector<FixAttempt> needed_attempts;  // where GNSS is denied: a budget is spent there first
   TileChances of_tiles;                     // of the matchable ones
-  double fix_interval_s = 0;
+  FixTries tries;
+  int threads = 1;
 
   std::vector<LevelChances> along(const std::vector<bool>& chosen) const {
-    return level_chances(attempts, of_chosen(of_tiles, chosen), path.mission->flight.samples.size(), fix_interval_s);
+    return level_chances(*path.mission, path.mission->flight.samples, attempts, of_chosen(of_tiles, chosen), tries);
   }
-  RouteSurvival of(const std::vector<bool>& chosen) const { return predict_survival(path, along(chosen)); }
+  RouteSurvival of(const std::vector<bool>& chosen, double entries_below = 0) const {
+    return predict_survival(path, along(chosen), threads, entries_below);
+  }
 };
 
 // "GNSS may be lost anywhere, for good: …", for the planner.
@@ -109,8 +112,9 @@ std::vector<bool> within_budget(const Chances& chances, const std::vector<TileSc
   double best_worth = worth(best);
   const TileChances of_wanted = of_chosen(chances.of_tiles, wanted);
   const auto improve = [&](const std::vector<bool>& start, const std::vector<bool>& history, bool flown) {
-    const std::vector<bool> under_route = most_probable_tiles(chances.path, chances.needed_attempts, of_wanted, start,
-                                                              history, size, budget, chances.fix_interval_s, flown);
+    const std::vector<bool> under_route =
+        most_probable_tiles(chances.path, chances.needed_attempts, of_wanted, start, history, size, budget,
+                            chances.tries, flown, chances.threads);
     const std::vector<bool> filled = tiles_in_order(mission, scores, wanted, sparse, under_route, size, budget);
     const double filled_worth = worth(filled);
     if (filled_worth <= best_worth) return;
@@ -129,11 +133,10 @@ std::vector<bool> within_budget(const Chances& chances, const std::vector<TileSc
 void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                  const std::vector<std::optional<std::size_t>>& tiles, const SelectOptions& options,
                  Selection& selection) {
-  const RouteSurvival survival = chances.of(chosen);
+  const RouteSurvival survival = chances.of(chosen, options.advise ? options.min_leg_probability : 0);
   const Mission& mission = *chances.path.mission;
   const std::vector<double> p_of_stored = of_chosen(chances.of_tiles, chosen).p;
-  const ExpectedFixes expected =
-      expected_fixes(mission, tiles, chosen, p_of_stored, options.fix_interval_s, options.max_false_fix_rate);
+  const ExpectedFixes expected = expected_fixes(mission, tiles, chosen, p_of_stored, chances.tries);
   selection.probability = RouteProbability{survival.p_within_limit.back(),
                                            options.min_route_probability,
                                            expected.correct,
@@ -144,7 +147,9 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
     // More fixes should never make a flight worse, but branches are merged, so P at the higher level can come out a
     // little smaller: the ends are sorted.
     const auto [low, high] = std::minmax(survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]);
-    selection.probability->interval = ProbabilityInterval{low, high};
+    // Where only the worst levels lose the flight, they pull the mean below P at the lower end.
+    const double p = selection.probability->p_within_limit;
+    selection.probability->interval = ProbabilityInterval{std::min(low, p), std::max(high, p)};
   }
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     selection.error_profile[i].p_correct_fix = tiles[i] ? p_of_stored[*tiles[i]] : 0;
@@ -165,7 +170,7 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
   }
   if (!options.advise) return;
   selection.advice = advise_legs(chances.path, survival, chances.of_tiles,
-                                 {options.fix_interval_s, options.fix_decorrelation_m, options.min_leg_probability});
+                                 {chances.tries, options.min_leg_probability, chances.threads});
   for (const LegAdvice& advice : selection.advice) {
     selection.notes.push_back(advice_text(advice, options.min_leg_probability, mission.flight.corridor_half_width_m));
   }
@@ -185,7 +190,7 @@ bool is_matchable(const TileScores& score, const SelectOptions& options) {
 }
 
 Selection select_tiles(const Mission& mission, const std::vector<TileScores>& scores, const StoredSize& size,
-                       const SelectOptions& options) {
+                       const SelectOptions& options, int threads) {
   check_options(options);
   const double max_error_m = mission.flight.max_error_m;
   ScoreTable(mission.ground, scores);  // one for each tile
@@ -196,14 +201,17 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   const std::vector<bool> sparse = sparse_areas(mission, matchable, samples_over(tiles, matchable), max_error_m);
   const std::vector<bool> wanted = options.sparse ? sparse : matchable;
   std::vector<bool> chosen = wanted;
+  const FixTries tries{options.fix_interval_s, options.fix_decorrelation_m, options.max_false_fix_rate};
   std::optional<Chances> chances;
   if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
-    const auto tries = [&](const std::vector<std::optional<std::size_t>>& over) {
+    const auto attempts = [&](const std::vector<std::optional<std::size_t>>& over) {
       return fix_attempts(mission, over, options.fix_interval_s, options.fix_decorrelation_m);
     };
-    chances = Chances{make_flight_path(mission, max_error_m), tries(tiles),
-                      tries(tiles_without_gnss(tiles, gnss_availability(mission.flight))),
-                      tile_chances(scores, matchable), options.fix_interval_s};
+    TileChances of_tiles = tile_chances(scores, matchable);
+    FlightPath path = make_flight_path(mission, max_error_m, of_tiles.levels.size());
+    chances = Chances{
+        std::move(path),     attempts(tiles), attempts(tiles_without_gnss(tiles, gnss_availability(mission.flight))),
+        std::move(of_tiles), tries,           threads};
   }
   if (options.budget) {
     const std::int64_t budget = parse_byte_budget(*options.budget);
@@ -213,7 +221,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   }
 
   Selection selection;
-  selection.tries = FixTries{options.fix_interval_s, options.fix_decorrelation_m};
+  selection.tries = tries;
   selection.left_out = LeftOut{options.min_p_correct_fix, options.min_peak_margin, {}};
   StorageCount count(mission, size);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -227,7 +235,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   if (mission.flight.denied.anywhere) {
     const LossAnywhere loss = lose_gnss_anywhere(mission, stored, chances ? &chances->path : nullptr,
                                                  chances ? chances->along(chosen) : std::vector<LevelChances>{},
-                                                 max_error_m, options.fix_interval_s);
+                                                 max_error_m, options.fix_interval_s, threads);
     gnss = gnss_lost_at(mission.flight, loss.points[loss.worst].distance_m);
     if (chances) chances->path.gnss = gnss;
     selection.loss_anywhere = loss;

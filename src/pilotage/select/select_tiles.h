@@ -40,7 +40,7 @@ bool is_matchable(const TileScores& score, const SelectOptions& options);
 /// Throws UsageError for options out of range or a budget that cannot hold an empty map, DataError when a score is not
 /// of this plan.
 Selection select_tiles(const Mission& mission, const std::vector<TileScores>& scores, const StoredSize& size,
-                       const SelectOptions& options);
+                       const SelectOptions& options, int threads = 1);
 
 }  // namespace pilotage
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pilotage/base/nan.h"
+#include "pilotage/base/parallel.h"
 #include "pilotage/select/route_error.h"
 
 namespace pilotage {
@@ -28,29 +29,36 @@ std::vector<std::size_t> every(const std::vector<std::size_t>& starts, std::size
 }
 
 // Every k-th with the smallest k that keeps the bound; the first alone when none does.
-std::vector<std::size_t> within_bound(const std::vector<std::size_t>& starts, std::size_t count, std::size_t levels) {
+std::vector<std::size_t> within_bound(const std::vector<std::size_t>& starts, std::size_t count, std::size_t cases) {
   std::size_t step = 1;
-  while (step < starts.size() && levels * samples_flown(every(starts, step), count) > kSamplesFlownAfterLoss) ++step;
+  while (step < starts.size() && cases * samples_flown(every(starts, step), count) > kSamplesFlownAfterLoss) ++step;
   return every(starts, step);
 }
 
-// P of each flight that loses GNSS at one of the samples to be within the limit at the route's end, over the levels.
+// P of each flight that loses GNSS at one of the samples to be within the limit at the route's end, over the cases.
 std::vector<double> p_of_losses(FlightPath path, std::span<const LevelChances> levels,
-                                const std::vector<std::size_t>& losses) {
+                                const std::vector<std::size_t>& losses, int threads) {
   const Flight& flight = path.mission->flight;
   FlightPath with_gnss = path;
   with_gnss.gnss = gnss_everywhere(flight, true);
   path.gnss = gnss_everywhere(flight, false);
   std::vector<double> p(losses.size(), 0.0);
-  for (const LevelChances& level : levels) {
+  std::vector<std::vector<double>> p_of_case(path.cases.size(), std::vector<double>(losses.size()));
+  parallel_for(path.cases.size(), threads, [&](std::size_t k, int) {
+    const FlightCase& one = path.cases[k];
+    const LevelChances& level = levels[one.level];
+    const double weight = level.weight * one.weight;
     std::vector<FlightBranch> branches = first_branches(path);
     std::size_t at = 0;
     for (std::size_t i = 0; i < losses.size(); ++i) {
-      branches = fly_stretch(with_gnss, level.chances, at, losses[i], std::move(branches)).branches;
+      branches = fly_stretch(with_gnss, one.steps, level.chances, at, losses[i], std::move(branches)).branches;
       at = losses[i];
-      p[i] +=
-          level.weight * fly_stretch(path, level.chances, at, flight.samples.size(), branches).p_within_limit.back();
+      const FlightStretch rest = fly_stretch(path, one.steps, level.chances, at, flight.samples.size(), branches);
+      p_of_case[k][i] = weight * rest.p_within_limit.back();
     }
+  });
+  for (const std::vector<double>& of_case : p_of_case) {
+    for (std::size_t i = 0; i < p.size(); ++i) p[i] += of_case[i];
   }
   for (double& each : p) each = std::min(1.0, each);  // but for rounding
   return p;
@@ -58,7 +66,7 @@ std::vector<double> p_of_losses(FlightPath path, std::span<const LevelChances> l
 
 }  // namespace
 
-std::vector<std::size_t> loss_samples(const Mission& mission, std::size_t levels) {
+std::vector<std::size_t> loss_samples(const Mission& mission, std::size_t cases) {
   const std::vector<FlightSample>& samples = mission.flight.samples;
   std::vector<std::size_t> all;
   std::vector<std::size_t> legs;
@@ -67,7 +75,7 @@ std::vector<std::size_t> loss_samples(const Mission& mission, std::size_t levels
     if (i == 0 || samples[i].leg != samples[i - 1].leg) legs.push_back(i);
   }
   std::map<double, std::size_t> at;  // of two samples at one place, where the course changes, the second
-  for (const auto& starts : {within_bound(all, samples.size(), levels), within_bound(legs, samples.size(), levels)}) {
+  for (const auto& starts : {within_bound(all, samples.size(), cases), within_bound(legs, samples.size(), cases)}) {
     for (std::size_t i : starts) {
       while (i + 1 < samples.size() && samples[i + 1].distance_m == samples[i].distance_m) ++i;
       at[samples[i].distance_m] = i;
@@ -80,12 +88,13 @@ std::vector<std::size_t> loss_samples(const Mission& mission, std::size_t levels
 }
 
 LossAnywhere lose_gnss_anywhere(const Mission& mission, const std::vector<bool>& stored, const FlightPath* path,
-                                std::span<const LevelChances> levels, double max_error_m, double fix_interval_s) {
+                                std::span<const LevelChances> levels, double max_error_m, double fix_interval_s,
+                                int threads) {
   const std::vector<FlightSample>& samples = mission.flight.samples;
-  const std::vector<std::size_t> losses = loss_samples(mission, std::max<std::size_t>(levels.size(), 1));
+  const std::vector<std::size_t> losses = loss_samples(mission, path != nullptr ? path->cases.size() : 1);
   const std::vector<double> largest_m = largest_errors_of_losses(mission, losses, stored, fix_interval_s);
   const std::vector<double> p_within_limit =
-      path != nullptr ? p_of_losses(*path, levels, losses) : std::vector<double>(losses.size(), kNaN);
+      path != nullptr ? p_of_losses(*path, levels, losses, threads) : std::vector<double>(losses.size(), kNaN);
   LossAnywhere loss;
   for (std::size_t i = 0; i < losses.size(); ++i) {
     const FlightSample& at = samples[losses[i]];

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "pilotage/base/random.h"
@@ -7,36 +9,25 @@
 
 namespace pilotage {
 
-/// The errors that one flight really has, drawn, and the covariance that its filter believes them to have. The filter
-/// is closed-loop: what it has learnt is taken out, so `errors` are what is left, estimated minus true. In the order of
-/// InsState, then
-///   16–17 error of the map's georeference, east and north (m)
-/// It is the filter of navigate/ at a coarse rate: the horizontal channels alone, from one sample of the route to the
-/// next by the exact transition of ins/ (docs/methods/simulate.md).
+/// The errors that one flight really has, drawn, and what its filter believes of them. The filter is closed-loop: what
+/// it has learnt is taken out, so `errors` are what is left, estimated minus true, in the order of InsState. It is the
+/// filter of navigate/ at a coarse rate: the horizontal channels alone, from one sample of the route to the next by the
+/// exact transition of ins/ (docs/methods/simulate.md).
 struct DrawnErrors {
-  static constexpr int kMap = InsState::kSize;
-  static constexpr int kSize = kMap + 2;
-  using Vector = Eigen::Matrix<double, kSize, 1>;
-  using Covariance = Eigen::Matrix<double, kSize, kSize>;
+  using Vector = InsEstimate::Errors;
 
+  InsState believed;
   Vector errors = Vector::Zero();
-  Covariance covariance = Covariance::Zero();
-  double heading_deg = 0;
-  double speed_mps = 0;
+  /// False: the map is not off, and the filter reckons with it all the same.
+  bool map_is_off = true;
 
-  Eigen::Vector2d position_error_m() const { return errors.head<2>(); }
-  Eigen::Matrix2d position_covariance_m2() const { return covariance.topLeftCorner<2, 2>(); }
-};
-
-/// How far the map's georeference is off, standing deviation of each axis, and over which way it changes.
-struct MapError {
-  double sigma_m = 0;
-  double correlation_m = 300;
-  bool is_drawn = true;  ///< False: it is not off, and the filter reckons with it all the same.
+  Eigen::Vector2d position_error_m() const { return errors.segment<2>(InsState::kPosition); }
+  Eigen::Vector2d map_error_m() const { return errors.segment<2>(InsState::kMap); }
+  Eigen::Matrix2d position_covariance_m2() const { return believed.covariance.topLeftCorner<2, 2>(); }
 };
 
 /// At the loss of GNSS, flying in direction `heading_deg`.
-DrawnErrors draw_errors(const InsErrorModel& model, const MapError& map, double heading_deg, double speed_mps,
+DrawnErrors draw_errors(const InsErrorModel& model, bool map_is_off, double heading_deg, double speed_mps,
                         Random& random);
 
 /// What GNSS does where it is had, as hold_with_gnss() of ins/ does to the covariance: a measurement of each error that
@@ -54,7 +45,7 @@ struct DrawnStep {
 /// A lower triangular root of a covariance, which may be singular: columns of directions without variance are 0.
 InsState::Covariance root_of(const InsState::Covariance& covariance);
 
-void fly_step(DrawnErrors& drawn, const DrawnStep& step, const MapError& map, Random& random);
+void fly_step(DrawnErrors& drawn, const DrawnStep& step, Random& random);
 
 /// Predicted minus measured position of a right fix, with its own error drawn.
 Eigen::Vector2d innovation_of_fix(const DrawnErrors& drawn, double fix_sigma_m, Random& random);

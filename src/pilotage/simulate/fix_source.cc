@@ -20,15 +20,19 @@ class DrawnFixes {
         options_(options),
         fixes_(flight_stream(seed, FlightStream::kFixes)),
         windows_seed_(flight_stream_seed(seed, FlightStream::kWindows)),
+        frames_seed_(flight_stream_seed(seed, FlightStream::kFrames)),
         level_z_(flight_stream(seed, FlightStream::kLevel).normal()) {}
 
   TriedFix operator()(const FixTry& tried) {
+    if (Random(derive_seed(frames_seed_, tried.sample)).uniform() < mission_.conditions.dropped_frames) {
+      return {false, std::nullopt};
+    }
     if (!tried.below) return {};
     const double u = Random(derive_seed(windows_seed_, static_cast<std::uint64_t>(tried.window))).uniform();
     if (u < p_at_level(mission_.tiles[*tried.below], level_z_)) {
       return {true, OfferedFix{innovation_of_fix(*tried.drawn, sigma_m(), fixes_), noise_m2(), true}};
     }
-    if (!(fixes_.uniform() < options_.false_fix_rate)) return {};
+    if (!(fixes_.uniform() < options_.false_fix_rate.value_or(mission_.tries.false_fix_rate))) return {};
     // A false place lies anywhere in the square that is searched.
     const double half_m = kSearchSigmas * largest_sigma_m(innovation_covariance(*tried.drawn, Eigen::Matrix2d::Zero()));
     const double east_m = fixes_.uniform(-half_m, half_m);
@@ -44,6 +48,7 @@ class DrawnFixes {
   const SimulateOptions& options_;
   Random fixes_;
   std::uint64_t windows_seed_;
+  std::uint64_t frames_seed_;
   double level_z_;
 };
 
@@ -58,7 +63,7 @@ FixSource drawn_fixes(const SimulatedMission& mission, const SimulateOptions& op
   source.not_simulated = {
       "frames and the matcher: whether a fix comes is drawn by the P of the tile below",
       "heights: the barometer, the altimeter and the terrain's error move no drawn fix",
-      "attitude of the aircraft and of the camera's mount, exposure, blur, frames that are dropped or answered late"};
+      "attitude of the aircraft and of the camera's mount, exposure, blur, frames that are answered late"};
   return source;
 }
 

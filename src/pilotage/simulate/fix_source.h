@@ -51,8 +51,8 @@ struct FixSource {
   /// when it returns false, a long answer throws Interrupted.
   std::function<FlightFixes(std::size_t flight, std::uint64_t seed, int worker, const std::function<bool()>& go_on)>
       begin_flight;
-  /// The error of the map's georeference is drawn (SimulateOptions::map_sigma_m). False: it is in what frames show, and
-  /// the filter alone reckons with the option's.
+  /// The error of the map's georeference is drawn (FlightConditions::map_sigma_m). False: it is in what frames show,
+  /// and the filter alone reckons with that.
   bool draws_map_error = true;
   std::vector<std::string> notes;          ///< What to know of the result, as sentences.
   std::vector<std::string> not_simulated;  ///< What was left out, as sentences.

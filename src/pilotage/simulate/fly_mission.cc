@@ -9,6 +9,7 @@
 #include "pilotage/match/position_measurement.h"
 #include "pilotage/mission/tile_under.h"
 #include "pilotage/navigate/navigation_filter.h"
+#include "pilotage/select/flown_steps.h"
 #include "pilotage/simulate/flight_streams.h"
 
 namespace pilotage {
@@ -16,54 +17,34 @@ namespace {
 
 /// Time in which the aircraft takes back 63 % of the way by which its navigation finds it off the line.
 constexpr double kSteering_s = 10;
-constexpr double kLeastShareOfAirspeed = 0.3;
-
-double ground_speed_mps(double airspeed_mps, double azimuth_deg, const Eigen::Vector2d& wind_mps) {
-  const double azimuth_rad = azimuth_deg * kRadPerDeg;
-  const Eigen::Vector2d along(std::sin(azimuth_rad), std::cos(azimuth_rad));
-  const double cross = wind_mps.dot(Eigen::Vector2d(along.y(), -along.x()));
-  const double ahead = std::sqrt(std::max(0.0, airspeed_mps * airspeed_mps - cross * cross));
-  return std::max(kLeastShareOfAirspeed * airspeed_mps, ahead + wind_mps.dot(along));
-}
-
-/// The steps of the route in a wind: neighbours of the same length and course are flown by the same step.
-std::vector<DrawnStep> steps_in_wind(const SimulatedMission& mission, const Eigen::Vector2d& wind_mps) {
-  const std::vector<FlightSample>& samples = mission.path.mission->flight.samples;
-  std::vector<DrawnStep> steps;
-  steps.reserve(mission.steps.size());
-  for (std::size_t i = 0; i < mission.steps.size(); ++i) {
-    const FlightSample& at = samples[i];
-    const double way_m = samples[i + 1].distance_m - at.distance_m;
-    const auto alike = [&](std::size_t j) {
-      return samples[j].leg == at.leg && samples[j].speed_mps == at.speed_mps &&
-             std::abs(samples[j + 1].distance_m - samples[j].distance_m - way_m) < 1e-4 &&
-             std::abs(std::remainder(samples[j].azimuth_deg - at.azimuth_deg, 360)) < 0.1;
-    };
-    if (i > 0 && alike(i - 1)) {
-      steps.push_back(steps.back());
-      continue;
-    }
-    const double speed_mps = ground_speed_mps(at.speed_mps, at.azimuth_deg, wind_mps);
-    steps.emplace_back(make_ins_step(way_m / speed_mps, at.azimuth_deg, speed_mps, mission.path.model));
+/// Steps whose noise can be drawn, as they are flown in a wind.
+class DrawnSteps {
+ public:
+  explicit DrawnSteps(FlownSteps steps) : steps_(std::move(steps)) {
+    for (const InsStep& step : steps_.distinct()) drawn_.emplace_back(step);
   }
-  return steps;
-}
+  std::size_t size() const { return steps_.size(); }
+  const DrawnStep& operator[](std::size_t i) const { return drawn_[steps_.index(i)]; }
+
+ private:
+  FlownSteps steps_;
+  std::vector<DrawnStep> drawn_;
+};
 
 /// A flight under way.
 class Flying {
  public:
-  Flying(const SimulatedMission& mission, const MapError& map, const Eigen::Vector2d& wind_mps, std::uint64_t seed,
+  Flying(const SimulatedMission& mission, bool map_is_off, const Eigen::Vector2d& wind_mps, std::uint64_t seed,
          const FlightFixes& fixes)
       : mission_(mission),
         samples_(mission.path.mission->flight.samples),
         errors_(flight_stream(seed, FlightStream::kErrors)),
         fixes_(fixes),
         wind_mps_(wind_mps),
-        map_(map),
-        drawn_(
-            draw_errors(mission.path.model, map_, samples_.front().azimuth_deg, samples_.front().speed_mps, errors_)) {}
+        drawn_(draw_errors(mission.path.model, map_is_off, samples_.front().azimuth_deg, samples_.front().speed_mps,
+                           errors_)) {}
 
-  SimulatedFlight fly(const std::vector<DrawnStep>& steps, FlightTrack* track) {
+  SimulatedFlight fly(const DrawnSteps& steps, FlightTrack* track) {
     std::size_t attempt = 0;
     std::size_t mark = 0;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -81,7 +62,7 @@ class Flying {
         track->believed_off_line_m.push_back(beside_m_);
       }
       if (i >= steps.size()) continue;
-      fly_step(drawn_, steps[i], map_, errors_);
+      fly_step(drawn_, steps[i], errors_);
       time_s_ += steps[i].step.dt_s;
       beside_m_ *= std::exp(-steps[i].step.dt_s / kSteering_s);
       if (mission_.path.gnss.over_step[i]) hold();
@@ -183,9 +164,11 @@ class Flying {
   /// As the filter on board: position and velocity may be off by what refused fixes say.
   void doubt(const Eigen::Vector2d& innovation_m) {
     const double since_s = std::max(1.0, time_s_ - last_taken_s_);
-    drawn_.covariance.block<2, 2>(0, 0).diagonal().array() += innovation_m.squaredNorm();
+    InsState::Covariance& covariance = drawn_.believed.covariance;
+    covariance.block<2, 2>(InsState::kPosition, InsState::kPosition).diagonal().array() += innovation_m.squaredNorm();
     if (!mission_.path.model.is_odometry()) {
-      drawn_.covariance.block<2, 2>(2, 2).diagonal().array() += innovation_m.squaredNorm() / (since_s * since_s);
+      covariance.block<2, 2>(InsState::kVelocity, InsState::kVelocity).diagonal().array() +=
+          innovation_m.squaredNorm() / (since_s * since_s);
     }
   }
 
@@ -194,7 +177,6 @@ class Flying {
   Random errors_;
   const FlightFixes& fixes_;
   Eigen::Vector2d wind_mps_;
-  MapError map_;
   DrawnErrors drawn_;
   SimulatedFlight flight_;
   double time_s_ = 0;
@@ -218,14 +200,14 @@ std::size_t SimulatedFlight::lost_at(std::size_t samples) const {
   return std::min(unsure_at.value_or(samples), off_at.value_or(samples));
 }
 
-SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
-                            const MapError& map, const FlightFixes& fixes, FlightTrack* track) {
-  if (options.wind_sigma_mps == 0) return Flying(mission, map, {0, 0}, seed, fixes).fly(mission.steps, track);
+SimulatedFlight fly_mission(const SimulatedMission& mission, std::uint64_t seed, bool map_is_off,
+                            const FlightFixes& fixes, FlightTrack* track) {
   Random random = flight_stream(seed, FlightStream::kWind);
-  const double east_mps = options.wind_sigma_mps * random.normal();
-  const double north_mps = options.wind_sigma_mps * random.normal();
+  const double east_mps = mission.conditions.wind_sigma_mps * random.normal();
+  const double north_mps = mission.conditions.wind_sigma_mps * random.normal();
   const Eigen::Vector2d wind_mps(east_mps, north_mps);
-  return Flying(mission, map, wind_mps, seed, fixes).fly(steps_in_wind(mission, wind_mps), track);
+  const DrawnSteps steps(FlownSteps(mission.path.mission->flight, wind_mps, mission.path.model));
+  return Flying(mission, map_is_off, wind_mps, seed, fixes).fly(steps, track);
 }
 
 }  // namespace pilotage

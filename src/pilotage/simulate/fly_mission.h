@@ -51,7 +51,7 @@ struct SimulatedFlight {
 
 /// Flies the mission with everything drawn from `seed`, and with fixes from `fixes`; writes down where it flew when
 /// there is a `track`. docs/methods/simulate.md.
-SimulatedFlight fly_mission(const SimulatedMission& mission, const SimulateOptions& options, std::uint64_t seed,
-                            const MapError& map, const FlightFixes& fixes, FlightTrack* track = nullptr);
+SimulatedFlight fly_mission(const SimulatedMission& mission, std::uint64_t seed, bool map_is_off,
+                            const FlightFixes& fixes, FlightTrack* track = nullptr);
 
 }  // namespace pilotage

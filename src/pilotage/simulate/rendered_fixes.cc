@@ -77,6 +77,7 @@ class RenderedFlight {
         worker_(worker),
         go_on_(std::move(go_on)),
         frames_seed_(flight_stream_seed(seed, FlightStream::kFrames)),
+        dropped_frames_(run_->simulate.dropped_frames.value_or(run_->mission.flight.conditions.dropped_frames)),
         degrader_(std::make_shared<FrameDegrader>(run_->options.degradation, frames_seed_)) {
     Random random(frames_seed_);
     const double sigma_deg = run_->options.boresight_sigma_deg;
@@ -91,7 +92,7 @@ class RenderedFlight {
     Random random(derive_seed(frames_seed_, 1 + tried.sample));
     const double pitch_deg = options.tilt_sigma_deg * random.normal();
     const double roll_deg = options.tilt_sigma_deg * random.normal();
-    if (random.uniform() < options.dropped_frames) return {false, std::nullopt};
+    if (random.uniform() < dropped_frames_) return {false, std::nullopt};
     auto& worker = run_->worker(worker_);
     const std::optional<CameraPose> pose =
         true_pose(tried, {wrapped_deg(tried.heading_deg), pitch_deg, roll_deg}, worker.taker);
@@ -154,7 +155,7 @@ class RenderedFlight {
     frame.time_s = tried.time_s;
     frame.true_nadir = pose.position;
     // By the map, as the filter that flies says it: where the map is off, so is the place that it expects.
-    const Eigen::Vector2d error_m = drawn.position_error_m() + drawn.errors.segment<2>(DrawnErrors::kMap);
+    const Eigen::Vector2d error_m = fix_by_map() * drawn.errors;
     frame.prior = LocalFrame(pose.position).geodetic_from_enu({error_m.x(), error_m.y(), 0});
     frame.prior_covariance_en_m2 = innovation_covariance(drawn, Eigen::Matrix2d::Zero());
     frame.height_agl_m = pose.height_agl_m * height_told_;
@@ -190,6 +191,7 @@ class RenderedFlight {
   int worker_;
   std::function<bool()> go_on_;
   std::uint64_t frames_seed_;
+  double dropped_frames_;
   std::shared_ptr<FrameDegrader> degrader_;
   Attitude boresight_;
   double height_told_ = 1;
@@ -276,7 +278,6 @@ nlohmann::ordered_json rendered_json(const RenderedOptions& options, const Match
           {"boresight_sigma_deg", options.boresight_sigma_deg},
           {"altimeter_sigma", options.altimeter_sigma},
           {"exposure_ms", options.exposure_ms},
-          {"dropped_frames", options.dropped_frames},
           {"degradation", options.world.empty() ? options.degradation : 0},
           {"matches", to_json(matches, false)}};
 }

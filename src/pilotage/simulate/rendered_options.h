@@ -16,7 +16,6 @@ struct RenderedOptions {
   double boresight_sigma_deg = 0.3;
   double altimeter_sigma = 0.02;
   double exposure_ms = 2;
-  double dropped_frames = 0.01;
   double degradation = 1;
   double correct_within_m = 5;
   MatchOptions match;
@@ -38,7 +37,6 @@ struct RenderedOptions {
                  "Error of the height above ground that the matcher is told, as a share of it, one for a flight.",
                  Range{0, 0.3});
     fields.field("exposure_ms", self.exposure_ms, "Frames are blurred by the way flown meanwhile.", Range{0, 1000});
-    fields.field("dropped_frames", self.dropped_frames, "Share of the tries to which no frame comes.", Range{0, 1});
     fields.field("degradation", self.degradation,
                  "How much the mission's own imagery is changed, in units of the defaults of `score`; 0: not at all.",
                  Range{0, 1.5});

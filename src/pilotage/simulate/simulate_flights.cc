@@ -164,7 +164,6 @@ struct Campaign {
 std::vector<SimulatedFlight> fly_all(const Campaign& campaign, const std::string& stage,
                                      std::vector<SimulatedTrack>* tracks) {
   const SimulateOptions& options = campaign.options;
-  const MapError map{options.map_sigma_m, options.map_correlation_m, campaign.fixes.draws_map_error};
   const auto count = static_cast<std::size_t>(options.flights);
   const std::size_t batch_size = std::clamp<std::size_t>(count / 256, 1, kLargestBatch);
   std::vector<SimulatedFlight> flights(count);
@@ -179,7 +178,7 @@ std::vector<SimulatedFlight> fly_all(const Campaign& campaign, const std::string
     for (std::size_t i = batch * batch_size; i < end; ++i) {
       FlightTrack* track = tracks != nullptr && i < tracks->size() ? &(*tracks)[i].places : nullptr;
       const std::uint64_t flight_seed = derive_seed(campaign.seed, i);
-      flights[i] = fly_mission(campaign.mission, options, flight_seed, map,
+      flights[i] = fly_mission(campaign.mission, flight_seed, campaign.fixes.draws_map_error,
                                campaign.fixes.begin_flight(i, flight_seed, worker, go_on), track);
     }
     const std::lock_guard lock(reporting);
@@ -189,11 +188,15 @@ std::vector<SimulatedFlight> fly_all(const Campaign& campaign, const std::string
   return flights;
 }
 
-/// What the plan knows of, and nothing else.
-SimulateOptions as_the_plan_takes_it(SimulateOptions options) {
-  options.map_sigma_m = 0;
-  options.wind_sigma_mps = 0;
-  options.false_fix_rate = 0;
+/// Conditions are other than the plan's.
+bool changes_conditions(const SimulateOptions& options) {
+  return options.map_sigma_m || options.map_correlation_m || options.wind_sigma_mps || options.dropped_frames ||
+         options.false_fix_rate;
+}
+
+SimulateOptions as_planned(SimulateOptions options) {
+  options.map_sigma_m = options.map_correlation_m = options.wind_sigma_mps = options.dropped_frames =
+      options.false_fix_rate = std::nullopt;
   return options;
 }
 
@@ -289,17 +292,18 @@ Simulation simulate_flights(const Mission& mission, const std::vector<TileScores
   std::optional<Simulation> worst;
   std::vector<SimulatedLoss> losses;
   for (const SimulateOptions& variant : variants) {
-    const SimulatedMission simulated = make_simulated_mission(mission, scores, selection, variant);
+    const SimulatedMission simulated = make_simulated_mission(mission, scores, selection, variant, threads);
     const FixSource fixes = source.begin_flight ? source : source_of_options(simulated, variant);
     Flown flown = fly_campaign({simulated, variant, fixes, seed, threads, progress});
     const Simulation& found = flown.simulation;
     losses.push_back({found.lost_from_m, found.planned_p, found.within});
     if (worst && worst->within.count <= found.within.count) continue;
-    if (variant.fixes == FixesFrom::kDrawn) {
-      const SimulateOptions planned = as_the_plan_takes_it(variant);
-      const FixSource drawn = drawn_fixes(simulated, planned);
+    if (variant.fixes == FixesFrom::kDrawn && changes_conditions(variant)) {
+      const SimulateOptions planned = as_planned(variant);
+      const SimulatedMission in_plan = make_simulated_mission(mission, scores, selection, planned, threads);
+      const FixSource drawn = drawn_fixes(in_plan, planned);
       flown.simulation.as_planned = compare_with_plan(
-          flown.flights, fly_all({simulated, planned, drawn, seed, threads, progress}, "flying as planned", nullptr));
+          flown.flights, fly_all({in_plan, planned, drawn, seed, threads, progress}, "flying as planned", nullptr));
     }
     worst = std::move(flown.simulation);
   }

@@ -23,10 +23,11 @@ struct SimulateOptions {
   FixesFrom fixes = FixesFrom::kDrawn;
   std::optional<double> lost_from_km;
   std::optional<double> lost_every_km;
-  double map_sigma_m = 1;
-  double map_correlation_m = 300;
-  double wind_sigma_mps = 3;
-  double false_fix_rate = 0.001;
+  std::optional<double> map_sigma_m;
+  std::optional<double> map_correlation_m;
+  std::optional<double> wind_sigma_mps;
+  std::optional<double> dropped_frames;
+  std::optional<double> false_fix_rate;
   std::optional<double> require_simulated;
 
   template <class Self, class Fields>
@@ -43,12 +44,17 @@ struct SimulateOptions {
     fields.field("lost_every_km", self.lost_every_km,
                  "Lose GNSS for good at each of these distances in turn; the result is that of the worst place.",
                  Range{0.001, 100000});
-    fields.field("map_sigma_m", self.map_sigma_m, "Error of the map's own georeference.", Range{0, 100});
+    fields.field("map_sigma_m", self.map_sigma_m, "Error of the map's own georeference; the plan's if not given.",
+                 Range{0, 100});
     fields.field("map_correlation_m", self.map_correlation_m,
-                 "Way over which the error of the map's georeference changes.", Range{1, 1e6});
+                 "Way over which the error of the map's georeference changes; the plan's if not given.", Range{1, 1e6});
     fields.field("wind_sigma_mps", self.wind_sigma_mps,
-                 "Wind, steady over a flight; the planned speed is held against the air.", Range{0, 100});
-    fields.field("false_fix_rate", self.false_fix_rate, "Share of false fixes among tries that find no right one.",
+                 "Wind, steady over a flight; the planned speed is held against the air. The plan's if not given.",
+                 Range{0, 100});
+    fields.field("dropped_frames", self.dropped_frames,
+                 "Share of the tries to which no frame comes; the plan's if not given.", Range{0, 1});
+    fields.field("false_fix_rate", self.false_fix_rate,
+                 "Share of false fixes among tries that find no right one; the selection's if not given.",
                  Range{0, 0.5});
     fields.field(
         "require_simulated", self.require_simulated,

@@ -75,20 +75,28 @@ GnssAvailability availability(const Mission& mission, const Selection& selection
   return gnss_availability(mission.flight);
 }
 
+FlightConditions conditions_flown(FlightConditions conditions, const SimulateOptions& options) {
+  conditions.wind_sigma_mps = options.wind_sigma_mps.value_or(conditions.wind_sigma_mps);
+  conditions.map_sigma_m = options.map_sigma_m.value_or(conditions.map_sigma_m);
+  conditions.map_correlation_m = options.map_correlation_m.value_or(conditions.map_correlation_m);
+  conditions.dropped_frames = options.dropped_frames.value_or(conditions.dropped_frames);
+  return conditions;
+}
+
 }  // namespace
 
 SimulatedMission make_simulated_mission(const Mission& mission, const std::vector<TileScores>& scores,
-                                        const Selection& selection, const SimulateOptions& options) {
+                                        const Selection& selection, const SimulateOptions& options, int threads) {
   if (!selection.tries) {
     throw DataError(
         "the selection does not say when fixes are tried; `pilotage select` or `prepare` writes one that does");
   }
   SimulatedMission simulated;
   simulated.tries = *selection.tries;
-  simulated.path = make_flight_path(mission, selection.max_error_m);
-  simulated.path.gnss = availability(mission, selection, options);
-  for (const InsStep& step : simulated.path.steps) simulated.steps.emplace_back(step);
   const std::vector<bool> stored = stored_tiles(mission, selection);
+  const TileChances chances = tile_chances(scores, stored);
+  simulated.path = make_flight_path(mission, selection.max_error_m, chances.levels.size());
+  simulated.path.gnss = availability(mission, selection, options);
   for (std::size_t i = 0; i < scores.size(); ++i) simulated.tiles.push_back(tile_chance(scores[i], stored[i]));
   simulated.attempts =
       fix_attempts(mission, tiles_under_route(mission), selection.tries->interval_s, selection.tries->decorrelation_m);
@@ -102,11 +110,12 @@ SimulatedMission make_simulated_mission(const Mission& mission, const std::vecto
   const auto lost = static_cast<std::size_t>(std::find(had.begin(), had.end(), false) - had.begin());
   simulated.lost_from_m = lost < samples.size() ? samples[lost].distance_m : end_m;
 
-  const TileChances chances = tile_chances(scores, stored);
   const RouteSurvival planned = predict_survival(
-      simulated.path, level_chances(simulated.attempts, chances, samples.size(), selection.tries->interval_s));
+      simulated.path, level_chances(mission, samples, simulated.attempts, chances, *selection.tries), threads);
   simulated.planned_p = planned.p_within_limit.back();
   simulated.planned_leg_p = planned.leg_p_within_limit;
+  simulated.conditions = conditions_flown(mission.flight.conditions, options);
+  simulated.path.model = make_error_model(mission.flight.ins, simulated.conditions);
   return simulated;
 }
 

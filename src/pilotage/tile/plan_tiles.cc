@@ -380,6 +380,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   mission.flight.route = read_route(options.route, options.route_options);
   mission.flight.camera = make_camera(options.camera, mission.flight.route.camera);
   mission.flight.ins = options.ins;
+  mission.flight.conditions = options.conditions;
   if (options.ins.name) {
     const InsProduct& product = ins_product(*options.ins.name);
     if (!product.confirmed) {

@@ -7,6 +7,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/camera/camera_options.h"
 #include "pilotage/ins/ins_options.h"
+#include "pilotage/mission/flight_conditions.h"
 #include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/route/route_options.h"
 
@@ -26,6 +27,7 @@ struct TileOptions {
   RouteOptions route_options;
   CameraOptions camera;
   InsOptions ins;
+  FlightConditions conditions;
   std::optional<std::vector<std::string>> denied;
   std::optional<std::vector<std::string>> imagery_date;
   std::string flight_time;
@@ -60,6 +62,7 @@ struct TileOptions {
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("camera", self.camera, "How the aircraft sees the ground.");
     fields.group("ins", self.ins, "How the position error grows without GNSS.");
+    FlightConditions::describe(self.conditions, fields);
     fields.path("denied", self.denied,
                 "Where GNSS is denied: stretches in km along the route as 3.2-7.5, files of polygons (GeoJSON, KML, "
                 "KMZ, GeoPackage), or anywhere, for its loss at the worst point; if not given, all: from the first "

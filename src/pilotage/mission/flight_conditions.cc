@@ -1,0 +1,13 @@
+#include "pilotage/mission/flight_conditions.h"
+
+namespace pilotage {
+
+InsErrorModel make_error_model(const InsOptions& ins, const FlightConditions& conditions) {
+  check_options(conditions);
+  InsErrorModel model = make_ins_error_model(ins);
+  model.map_sigma_m = conditions.map_sigma_m;
+  model.map_correlation_m = conditions.map_correlation_m;
+  return model;
+}
+
+}  // namespace pilotage
