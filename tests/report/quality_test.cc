@@ -106,6 +106,13 @@ TEST(Verdict, TheSelectionsOwnFlagIsNotOverruled) {
   EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
 }
 
+TEST(Verdict, WhatNobodyJudgedIsNoGo) {
+  ReportInput input = plain_input(31, 50);
+  input.selection.matchability_judged = false;
+  EXPECT_THAT(sentence(input), StartsWith("NO-GO: "));
+  EXPECT_THAT(sentence(input), HasSubstr("Whether the matcher finds the tiles: not judged"));
+}
+
 TEST(Verdict, DistortionAndAnEmptyMapEnterIt) {
   ReportInput input = plain_input(31, 50);
   input.mission.ground.max_scale_distortion = 0.002;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "select/straight_mission.h"
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
@@ -44,6 +45,20 @@ TEST(IsMatchable, AProbabilityDecidesBeforeTheMargin) {
   EXPECT_TRUE(is_matchable(score, options));
   score.status = TileStatus::kTooLittleGround;
   EXPECT_FALSE(is_matchable(score, options));
+}
+
+TEST(SelectTiles, WithoutAnyMeasureOfMatchabilityNothingIsJudged) {
+  const Mission mission = straight_mission(1000);
+  std::vector<TileScores> scores = good_scores(mission);
+  EXPECT_TRUE(select_tiles(mission, scores, kStoredSize, {}).matchability_judged);
+  for (TileScores& score : scores)
+    score.degraded.margin = score.clean.margin = std::numeric_limits<double>::quiet_NaN();
+  const Selection selection = select_tiles(mission, scores, kStoredSize, {});
+  EXPECT_FALSE(selection.tile_ids.empty());
+  EXPECT_TRUE(selection.within_limit);
+  EXPECT_FALSE(selection.matchability_judged);
+  EXPECT_FALSE(meets_gate(selection));
+  EXPECT_THAT(selection.notes.back(), ::testing::HasSubstr("not judged"));
 }
 
 TEST(SelectTiles, WithoutProbabilitiesThereAreNone) {

@@ -127,10 +127,11 @@ struct Selection {
   std::vector<RouteGap> gaps;
   std::vector<LegStatus> legs;
   std::vector<ErrorSample> error_profile;
-  double matchable_fraction = 0;  ///< Of the whole route's length.
-  double max_error_m = 0;         ///< The limit that was asked for.
-  double sigma_multiple = 3;      ///< k of k·σ.
-  bool within_limit = true;       ///< No gap lets the error exceed the limit.
+  double matchable_fraction = 0;    ///< Of the whole route's length.
+  double max_error_m = 0;           ///< The limit that was asked for.
+  double sigma_multiple = 3;        ///< k of k·σ.
+  bool within_limit = true;         ///< No gap lets the error exceed the limit.
+  bool matchability_judged = true;  ///< A stored tile has a P or a margin: false where nothing says that any is found.
   std::int64_t estimated_bytes = 0;
   std::optional<RouteProbability> probability;  ///< Nothing when no tile has a P.
   std::optional<LossAnywhere> loss_anywhere;    ///< Where the plan says that GNSS may be lost anywhere.
@@ -143,9 +144,10 @@ struct Selection {
 /// "0.987": three decimals, rounded down, so that what is not certain never reads 1.000; "–" for NaN.
 std::string probability_text(double p);
 
-/// Whether the flight may go: within_limit, and the route's probability, where there is one, is what was asked for.
+/// Whether the flight may go: tiles were judged by more than their status, within_limit, and the route's probability,
+/// where there is one, is what was asked for.
 inline bool meets_gate(const Selection& selection) {
-  return selection.within_limit &&
+  return selection.matchability_judged && selection.within_limit &&
          (!selection.probability || selection.probability->p_within_limit >= selection.probability->min_p_within_limit);
 }
 

@@ -165,6 +165,7 @@ Json selection_to_json(const Selection& selection) {
                         {"min_peak_margin", left_out->min_peak_margin},
                         {"beyond_budget", left_out->beyond_budget}};
   }
+  if (!selection.matchability_judged) json["matchability_judged"] = false;
   if (const auto& tries = selection.tries) {
     json["tries"] = {{"interval_s", tries->interval_s}, {"false_fix_rate", tries->false_fix_rate}};
     if (tries->decorrelation_m) json["tries"]["decorrelation_m"] = *tries->decorrelation_m;
@@ -256,6 +257,7 @@ Selection selection_from_json(const Json& json, const std::string& name) {
                                  tile_ids_of(left_out, "beyond_budget")};
     left_out.finish();
   }
+  if (object.has("matchability_judged")) selection.matchability_judged = object.boolean("matchability_judged");
   if (object.has("tries")) {
     JsonObject tries = object.object("tries");
     selection.tries = FixTries{};

@@ -92,6 +92,23 @@ QualityRow probability_row(const RouteProbability& route) {
   return row;
 }
 
+// For a selection whose tiles nobody judged.
+QualityRow not_judged_row() {
+  QualityRow row;
+  row.name = "matchability_judged";
+  row.label = "Whether the matcher finds the tiles";
+  row.unit = "1";
+  row.number = 0;
+  row.value = "not judged";
+  row.threshold = "good with a probability of a correct fix or a margin of any selected tile";
+  row.status = QualityStatus::kBad;
+  row.decides = true;
+  row.advice =
+      "No selected tile has a probability of a correct fix or a margin: score with the measure `correct_fix`, or "
+      "`degraded`.";
+  return row;
+}
+
 QualityRow matchable_row(const Selection& selection) {
   QualityRow row;
   row.name = "matchable_length";
@@ -385,6 +402,7 @@ std::vector<QualityRow> quality_rows(const ReportInput& input) {
     rows.insert(rows.begin() + 2, probability_row(*probability));
   }
   if (input.simulation) rows.insert(rows.begin() + 2, simulated_row(*input.simulation, input.selection));
+  if (!input.selection.matchability_judged) rows.insert(rows.begin() + 2, not_judged_row());
   return rows;
 }
 

@@ -18,7 +18,8 @@ double judged_margin(const TileScores& score);
 /// Whether a frame can be expected to match this tile: scored, and its probability of a correct fix, where it is known,
 /// is at least min_p_correct_fix; else its peak stands min_peak_margin above every rival. Judged on degraded copies; on
 /// the clean surface only where no degraded one was computed, because clean uniqueness can point the wrong way
-/// (docs/methods/uniqueness.md). A tile without either is judged by its status alone.
+/// (docs/methods/uniqueness.md). A tile without either is judged by its status alone; where no
+/// stored tile has either, Selection::matchability_judged is false.
 bool is_matchable(const TileScores& score, const SelectOptions& options);
 
 /// Chooses the tiles that are stored and predicts what the flight looks like with them.
