@@ -350,7 +350,10 @@ void visit_speed(Follower& follower, Cursor& cursor) {
   }
   cursor.speed_mps = speed_mps;
   became = "speed " + format_number(speed_mps) + " m/s from here on";
-  if (type != 1) add_note(follower.route, "Airspeed is taken for speed over ground: no wind is assumed.");
+  if (type != 1) {
+    add_note(follower.route,
+             "Airspeed is taken as the planned speed: what wind makes of it is in the P of the route, not in times.");
+  }
 }
 
 /// Where a jump leads, and what is left of the way that does not jump.
