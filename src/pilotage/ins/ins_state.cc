@@ -128,15 +128,21 @@ double longest_step_s(const InsErrorModel& model, bool aided) {
   return step_s;
 }
 
-/// A change of heading and speed at one instant: what a turn and an acceleration do to the errors.
-void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry,
-               InsEstimate::Errors* errors = nullptr) {
-  if (heading_deg == state.heading_deg && speed_mps == state.speed_mps) return;
-  const Matrix jump = manoeuvre_jump(state.heading_deg, state.speed_mps, heading_deg, speed_mps, odometry);
-  if (errors != nullptr) *errors = (jump * *errors).eval();
-  state.covariance = (jump * state.covariance * jump.transpose()).eval();
-  state.heading_deg = heading_deg;
-  state.speed_mps = speed_mps;
+/// What a change of heading and speed at one instant makes of the errors: this matrix times them.
+Matrix manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg, double speed_mps,
+                      bool odometry) {
+  const double turn_rad = std::remainder(heading_deg - from_heading_deg, 360.0) * kRadPerDeg;
+  Matrix jump = Matrix::Identity();
+  jump(kHeading, kGyroScale) = turn_rad;
+  if (odometry) return jump;
+  const Eigen::Vector2d change_mps =
+      enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(from_heading_deg).col(0) * from_speed_mps;
+  jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
+  // The acceleration is resolved along axes turned clockwise by the heading error (half of the turn's own share).
+  const Eigen::Vector2d turned(change_mps.y(), -change_mps.x());
+  jump.block<2, 1>(kVelocity, kHeading) = turned;
+  jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
+  return jump;
 }
 
 using Vector = Eigen::Matrix<double, InsState::kSize, 1>;
@@ -175,20 +181,13 @@ double largest_variance(const Eigen::Matrix2d& covariance) {
 
 }  // namespace
 
-InsState::Covariance manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg,
-                                    double speed_mps, bool odometry) {
-  const double turn_rad = std::remainder(heading_deg - from_heading_deg, 360.0) * kRadPerDeg;
-  Matrix jump = Matrix::Identity();
-  jump(kHeading, kGyroScale) = turn_rad;
-  if (odometry) return jump;
-  const Eigen::Vector2d change_mps =
-      enu_from_body(heading_deg).col(0) * speed_mps - enu_from_body(from_heading_deg).col(0) * from_speed_mps;
-  jump.block<2, 1>(kVelocity, kAccelScale) = change_mps;
-  // The acceleration is resolved along axes turned clockwise by the heading error (half of the turn's own share).
-  const Eigen::Vector2d turned(change_mps.y(), -change_mps.x());
-  jump.block<2, 1>(kVelocity, kHeading) = turned;
-  jump.block<2, 1>(kVelocity, kGyroScale) = 0.5 * turn_rad * turned;
-  return jump;
+void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry, InsEstimate::Errors* errors) {
+  if (heading_deg == state.heading_deg && speed_mps == state.speed_mps) return;
+  const Matrix jump = manoeuvre_jump(state.heading_deg, state.speed_mps, heading_deg, speed_mps, odometry);
+  if (errors != nullptr) *errors = (jump * *errors).eval();
+  state.covariance = (jump * state.covariance * jump.transpose()).eval();
+  state.heading_deg = heading_deg;
+  state.speed_mps = speed_mps;
 }
 
 InsState initial_ins_state(const InsErrorModel& model, double heading_deg, double speed_mps) {

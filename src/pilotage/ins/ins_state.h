@@ -96,10 +96,6 @@ struct PositionAhead {
   Eigen::Matrix2d covariance_m2(const InsState& state) const;
 };
 
-/// What a change of heading and speed at one instant makes of the errors: this matrix times them.
-InsState::Covariance manoeuvre_jump(double from_heading_deg, double from_speed_mps, double heading_deg,
-                                    double speed_mps, bool odometry);
-
 /// What a position fix measures of the errors: that of the position less that of the map.
 Eigen::Matrix<double, 2, InsState::kSize> fix_by_map();
 
@@ -120,6 +116,11 @@ struct InsEstimate {
   InsState state;
   Errors errors = Errors::Zero();  ///< Expected, in the order of InsState: computed minus true for the position.
 };
+
+/// A change of heading and speed at one instant: what a turn and an acceleration do to the errors, of which `errors`,
+/// if not null, are those that there are.
+void manoeuvre(InsState& state, double heading_deg, double speed_mps, bool odometry,
+               InsEstimate::Errors* errors = nullptr);
 
 /// The estimate after a step; its covariance is that of propagate(state, step) to the bit.
 InsEstimate propagate(const InsEstimate& estimate, const InsStep& step);

@@ -253,13 +253,12 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
                             std::to_string(mission.ground.tiles.size()) + " tiles can be matched; " +
                             std::to_string(selection.tile_ids.size()) + " are stored");
   if (selection.loss_anywhere) selection.notes.push_back(loss_note(*selection.loss_anywhere));
-  const auto judged = [&](std::size_t i) {
-    return chosen[i] && !(std::isnan(scores[i].p_correct_fix) && std::isnan(judged_margin(scores[i])));
-  };
-  bool any_judged = selection.tile_ids.empty();
-  for (std::size_t i = 0; i < chosen.size() && !any_judged; ++i) any_judged = judged(i);
-  selection.matchability_judged = any_judged;
-  if (!any_judged) {
+  selection.matchability_judged = selection.tile_ids.empty();
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const bool judged = !std::isnan(scores[i].p_correct_fix) || !std::isnan(judged_margin(scores[i]));
+    if (chosen[i] && judged) selection.matchability_judged = true;
+  }
+  if (!selection.matchability_judged) {
     selection.notes.emplace_back(
         "not judged: no stored tile has a probability of a correct fix or a margin, so nothing says whether any is "
         "found; score with the measure correct_fix, or degraded");

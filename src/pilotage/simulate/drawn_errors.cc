@@ -90,14 +90,7 @@ void fly_step(DrawnErrors& drawn, const DrawnStep& drawn_step, Random& random) {
   const InsStep& step = drawn_step.step;
   InsState& believed = drawn.believed;
   InsState::Covariance& p = believed.covariance;
-  if (believed.heading_deg != step.heading_deg || believed.speed_mps != step.speed_mps) {
-    const InsState::Covariance jump =
-        manoeuvre_jump(believed.heading_deg, believed.speed_mps, step.heading_deg, step.speed_mps, step.odometry);
-    p = (jump * p * jump.transpose()).eval();
-    drawn.errors = (jump * drawn.errors).eval();
-    believed.heading_deg = step.heading_deg;
-    believed.speed_mps = step.speed_mps;
-  }
+  manoeuvre(believed, step.heading_deg, step.speed_mps, step.odometry, &drawn.errors);
   const double part_s = step.parts > 0 ? step.dt_s / step.parts : 0;
   for (double i = 0; i < step.parts; ++i) {
     p = covariance_after_part(p, step);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 
 #include "pilotage/base/random.h"
@@ -22,7 +20,6 @@ struct DrawnErrors {
   bool map_is_off = true;
 
   Eigen::Vector2d position_error_m() const { return errors.segment<2>(InsState::kPosition); }
-  Eigen::Vector2d map_error_m() const { return errors.segment<2>(InsState::kMap); }
   Eigen::Matrix2d position_covariance_m2() const { return believed.covariance.topLeftCorner<2, 2>(); }
 };
 
