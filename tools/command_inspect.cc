@@ -15,10 +15,13 @@
 #include "pilotage/base/text.h"
 #include "pilotage/mapdb/map_inspect.h"
 #include "pilotage/mapdb/map_verify.h"
+#include "pilotage/mission/simulation_file.h"
 #include "pilotage/raster/gdal_io.h"
+#include "pilotage/report/evidence.h"
 #include "pilotage/report/explain.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report_file.h"
+#include "pilotage/report/simulated_flights.h"
 #include "pilotage/route/describe_route.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_json.h"
@@ -45,8 +48,8 @@ struct InspectOptions {
     fields.field("kind", self.kind, "What the file is; found out if not given.");
     fields.field(
         "explain", self.explain,
-        "Of an output folder of prepare: say in words why a leg (\"leg 3\") or a tile (\"tile 1204\") is judged as "
-        "it is.");
+        "Of an output folder of prepare: say in words why the route (\"verdict\"), a leg (\"leg 3\") or a tile (\"tile "
+        "1204\") is judged as it is.");
     RouteOptions::describe(self.route, fields);
   }
 };
@@ -148,7 +151,22 @@ std::vector<std::string> explain_outputs(const std::filesystem::path& folder, co
   const auto file = [&](const char* name) { return (folder / name).string(); };
   const StageFiles files =
       read_stage_files(file("plan.json"), {.table = file("tiles.csv"), .selection = file("selection.json")});
-  const Report again = make_report(make_report_input(files.mission, files.scores, files.selection));
+  ReportInput input = make_report_input(files.mission, files.scores, files.selection);
+  const auto flown = std::find_if(report.inputs.begin(), report.inputs.end(),
+                                  [](const InputFile& one) { return one.role == "simulation"; });
+  if (flown != report.inputs.end()) {
+    const std::string name = file("simulation.json");
+    need_file(name, "prepare");
+    try {
+      add_simulation(input, read_simulation(name), name,
+                     {input_file("plan", file("plan.json"), ""), input_file("table", file("tiles.csv"), ""),
+                      input_file("selection", file("selection.json"), "")});
+    } catch (const DataError& error) {
+      throw IntegrityError(folder.string() +
+                           ": plan.json, tiles.csv and selection.json are not those of report.json: " + error.what());
+    }
+  }
+  const Report again = make_report(input);
   if (again.verdict_text != report.verdict_text) {
     throw IntegrityError(
         folder.string() + ": plan.json, tiles.csv and selection.json are not those of report.json: by them it is \"" +
@@ -181,13 +199,16 @@ CommandResult inspect_outputs(const std::filesystem::path& folder, const std::st
     throw IntegrityError(map.string() + ": is not the map that report.json speaks of: its digest is " + digest +
                          ", the report's " + of_map->digest + "; run `pilotage prepare` again");
   }
+  const std::string evidence = evidence_line(report.quality);
   CommandResult result;
   result.text = folder.string() + ": the report speaks of the map beside it, which is intact; digest " +
-                verified.content_digest + "\n" + report.verdict_text + "\n" + report.assumptions + "\n";
+                verified.content_digest + "\n" + report.verdict_text + "\n" + report.assumptions + "\n" + evidence +
+                "\n";
   result.json = {{"folder", folder.string()},
                  {"map_digest", digest},
                  {"verdict", report.verdict_text},
-                 {"assumptions", report.assumptions}};
+                 {"assumptions", report.assumptions},
+                 {"evidence", evidence}};
   if (what.empty()) return result;
   const std::vector<std::string> lines = explain_outputs(folder, report, what);
   result.text += "\n" + join(lines, "\n") + "\n";
@@ -241,7 +262,8 @@ Command make_inspect_command() {
   command.examples = {{"A map database.", "pilotage inspect map.gpkg --json"},
                       {"A route, and what became of each of its items.", "pilotage inspect route.plan"},
                       {"Whether report and map are of one run.", "pilotage inspect out/"},
-                      {"Why a leg is judged as it is.", "pilotage inspect out/ --explain \"leg 3\""}};
+                      {"Why a leg is judged as it is.", "pilotage inspect out/ --explain \"leg 3\""},
+                      {"What the verdict rests on.", "pilotage inspect out/ --explain verdict"}};
   command.inputs = {
       .name = "FILE",
       .help = "Map database, route file, GDAL dataset, or output folder of prepare; a route may be \"-\".",

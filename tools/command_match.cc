@@ -223,6 +223,9 @@ MatchedFrames match_frames(const MatchCommandOptions& options, const std::functi
     matched.warnings.push_back(
         "no inertial grade is given (--ins-grade): " + options_detail::enum_to_name(kAssumedInsGrade) + " is assumed");
   }
+  if (const std::string warning = rows_jump_warning(done.summary); !warning.empty()) {
+    matched.warnings.push_back(warning);
+  }
   return matched;
 }
 

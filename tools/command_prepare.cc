@@ -36,7 +36,7 @@ Command make_prepare_command() {
   command.output = {.kind = OutputKind::kFolder,
                     .help =
                         "Folder for map.gpkg, scores.tif, tiles.csv, the files of the report (--outputs), and "
-                        "plan.json and selection.json, from which the stages can be run again.",
+                        "plan.json and selection.json, from which the stages can be run again, and simulation.json.",
                     .files = [](const std::string& folder) {
                       std::vector<std::filesystem::path> files;
                       for (const std::string& name : earlier_outputs(folder)) {
@@ -54,10 +54,11 @@ Command make_prepare_command() {
     const PrepareResult done = prepare(options, run, invocation.progress);
     CommandResult result;
     const std::string folder = invocation.output;
-    result.text = done.verdict + "\n" + done.assumptions + "\n" + std::to_string(done.planned_tiles) + " tiles, " +
-                  std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
-                  " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
-                  bytes_per_tile_text(done.map) + kept_features_text(done.map);
+    result.text = done.verdict + "\n" + done.assumptions + "\n" + done.evidence + "\n" +
+                  std::to_string(done.planned_tiles) + " tiles, " + std::to_string(done.selected_tiles) +
+                  " stored with " + std::to_string(done.map.descriptors) + " descriptors, " +
+                  format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(done.map) +
+                  kept_features_text(done.map);
     if (signing.sign_key) {
       result.text += "signed: " + signature_path_of(std::filesystem::path(folder) / "map.gpkg").string() + "\n";
     }
@@ -66,6 +67,7 @@ Command make_prepare_command() {
     }
     result.json = {{"verdict", done.verdict},
                    {"assumptions", done.assumptions},
+                   {"evidence", done.evidence},
                    {"output", folder},
                    {"files", done.files},
                    {"tiles", done.planned_tiles},

@@ -167,6 +167,7 @@ ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames) {
     flight.notes.push_back("in sequence: " + std::to_string(done.summary.confirmed) +
                            " fixes confirmed by the track, " + std::to_string(done.summary.gate_refusals) +
                            " refused by it");
+    if (const std::string warning = rows_jump_warning(done.summary); !warning.empty()) flight.notes.push_back(warning);
     matches = std::move(done.matches);
   } else {
     matches = match_flight(open_map, frames.frames, options.match, invocation.threads, invocation.progress);

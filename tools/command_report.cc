@@ -14,6 +14,7 @@
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/report/compare_reports.h"
+#include "pilotage/report/evidence.h"
 #include "pilotage/report/page_pdf.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
@@ -30,9 +31,10 @@ struct ReportCommandOptions {
   std::string report_json;
   std::string title;
   std::string evaluation;
-  std::string simulation;
+  std::vector<std::string> simulation;
   std::string envelope;
   std::string replay;
+  bool require = false;
   std::string pdf;
   std::string pdf_browser;
 
@@ -45,11 +47,15 @@ struct ReportCommandOptions {
     fields.field("title", self.title, "Title of the page; the route's name if not given.");
     fields.path("evaluation", self.evaluation,
                 "Also show what the scores are worth: evaluation.json of score --evaluate, or its folder.");
-    fields.path("simulation", self.simulation,
-                "Also show, and judge by, simulated flights: simulation.json of simulate, of these files.");
+    fields.path(
+        "simulation", self.simulation,
+        "Also show, and judge by, simulated flights: simulation.json of simulate or prepare, of these files; two "
+        "of them where fixes of the one are drawn and of the other by frames.");
     fields.path("envelope", self.envelope,
                 "Also show how far the flight may leave its plan: envelope.json of envelope.");
-    fields.path("replay", self.replay, "Also show flights that were flown: replay.json of replay.");
+    fields.path("replay", self.replay,
+                "Also show, and judge by, flights that were flown: replay.json of replay, with --plan.");
+    fields.field("require", self.require, "Exit with 3 when the verdict is NO-GO.");
     fields.path("pdf", self.pdf, "Also print the page into this PDF; needs Chromium.");
     fields.field("pdf_browser", self.pdf_browser,
                  "Browser to print with, one that takes Chromium's options. Default: the first that is installed.");
@@ -85,13 +91,12 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
     input.evaluation = read_evaluation_note(options.evaluation);
     input.inputs.push_back(input_file("evaluation", input.evaluation->file, ""));
   }
-  if (!options.simulation.empty()) {
-    input.simulation = read_simulation(options.simulation);
-    refuse_other_simulation(
-        *input.simulation, options.simulation,
-        {input_file("plan", invocation.inputs.front(), ""), input_file("table", options.files.table, ""),
-         input_file("selection", options.files.selection, "")});
-    input.inputs.push_back(input_file("simulation", options.simulation, ""));
+  const std::vector<InputFile> simulated_files = {input_file("plan", invocation.inputs.front(), ""),
+                                                  input_file("table", options.files.table, ""),
+                                                  input_file("selection", options.files.selection, "")};
+  for (const std::string& file : options.simulation) {
+    add_simulation(input, read_simulation(file), file, simulated_files);
+    input.inputs.push_back(input_file("simulation", file, ""));
   }
   if (!options.envelope.empty()) {
     input.envelope = read_envelope_note(options.envelope);
@@ -99,6 +104,7 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
   }
   if (!options.replay.empty()) {
     input.replay = read_replay_note(options.replay);
+    refuse_other_replay(*input.replay, input.selection);
     input.inputs.push_back(input_file("replay", options.replay, ""));
   }
   return input;
@@ -139,11 +145,14 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (pdf) others.push_back(&*pdf);
   staging.publish(written, {}, others);  // all appear, or none
   CommandResult result;
-  result.text = report.verdict_text + "\n" + report.assumptions + "\n";
+  const std::string evidence = evidence_line(report.quality);
+  result.text = report.verdict_text + "\n" + report.assumptions + "\n" + evidence + "\n";
+  if (options.require && report.verdict == QualityStatus::kBad) result.exit_code = kExitGateNotMet;
   result.json = {{"output", invocation.output},
                  {"files", written},
                  {"verdict", report.verdict_text},
-                 {"assumptions", report.assumptions}};
+                 {"assumptions", report.assumptions},
+                 {"evidence", evidence}};
   return result;
 }
 

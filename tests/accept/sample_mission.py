@@ -15,7 +15,8 @@ from acceptance import check, main, need_gdal, run
 gdal = need_gdal()
 
 FILES = ["map.gpkg", "plan.json", "report.gpkg", "report.html", "report.json", "report_classes.qml",
-         "report_classes.tif", "report_classes.tif.aux.xml", "scores.qml", "scores.tif", "selection.json", "tiles.csv"]
+         "report_classes.tif", "report_classes.tif.aux.xml", "scores.qml", "scores.tif", "selection.json",
+         "simulation.json", "tiles.csv"]
 BANDS = ["valid_fraction", "gray_variance", "frieden_entropy", "frieden_deficit", "clean_peak_margin",
          "degraded_peak_margin"]
 
@@ -90,9 +91,10 @@ def stages_alone_agree(pilotage, mission, work):
     run(pilotage, "score", "plan.json", "-o", "scores.tif", "--table", "tiles.csv", cwd=stages)
     run(pilotage, "select", "plan.json", "--table", "tiles.csv", "-o", "selection.json", cwd=stages)
     files = ["--table", "tiles.csv", "--selection", "selection.json"]
+    run(pilotage, "simulate", "plan.json", *files, "--flights", "2000", "-o", "simulation.json", cwd=stages)
     run(pilotage, "build", "plan.json", *files, "-o", "map.gpkg", cwd=stages)
     run(pilotage, "report", "plan.json", *files, "-o", "report.html", "--report-json", "report.json", cwd=stages)
-    for name in ("plan.json", "tiles.csv", "selection.json", "scores.tif"):
+    for name in ("plan.json", "tiles.csv", "selection.json", "simulation.json", "scores.tif"):
         check((stages / name).read_bytes() == (work / "out" / name).read_bytes(), f"{name} of the stages is another")
     digests = [run(pilotage, "verify", folder / "map.gpkg").split("digest ")[1].strip()
                for folder in (stages, work / "out")]

@@ -14,6 +14,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/base/random.h"
 #include "pilotage/flightlog/fix_table.h"
 #include "pilotage/flightlog/match_flight.h"
 #include "pilotage/geo/local_frame.h"
@@ -59,6 +60,28 @@ class TexturedFlight {
   TexturedGround ground_ = testing::make_textured_ground();
   std::vector<FlightFrame> frames_;
 };
+
+// Positions that each err on their own, by 15 m on each axis: a track of one says nothing of the next.
+TEST(MatchSequence, PriorsThatAreNoDriftAreUsedAsTheyAre) {
+  TexturedFlight flight;
+  Random random(3);
+  for (int i = 0; i < 24; ++i) flight.add(-20 + 10 * (i % 5), {15 * random.normal(), 15 * random.normal()});
+  const MatchedSequence done = flight.match();
+  EXPECT_TRUE(done.summary.rows_jump);
+  EXPECT_THAT(rows_jump_warning(done.summary), HasSubstr("are not those of one drifting system"));
+  const std::vector<FrameMatch> alone = match_flight(flight.open_map(), flight.frames(), {}, 1, {});
+  EXPECT_EQ(fix_table_to_csv(done.matches, false), fix_table_to_csv(alone, false));
+  EXPECT_GE(std::count_if(alone.begin(), alone.end(), [](const FrameMatch& match) { return match.has_fix(); }), 20);
+}
+
+TEST(MatchSequence, ADriftOfTheGradeIsNoJump) {
+  TexturedFlight flight;
+  for (int i = 0; i < 24; ++i) flight.add(-20 + 10 * (i % 5), {12 + 0.02 * i, -9});
+  const MatchedSequence done = flight.match();
+  EXPECT_FALSE(done.summary.rows_jump);
+  EXPECT_EQ(rows_jump_warning(done.summary), "");
+  EXPECT_EQ(done.summary.narrowed, 23);
+}
 
 TEST(MatchSequence, AFixNarrowsTheNextFramesWindow) {
   TexturedFlight flight;

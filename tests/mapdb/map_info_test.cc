@@ -85,6 +85,18 @@ TEST(MapInfo, GivesBackTheFeatureOptionsThatWereWritten) {
   EXPECT_EQ(none.pattern, kDefaultDescriptorPattern);
 }
 
+TEST(MapInfo, SaysHowGoodItsHeightsAre) {
+  EXPECT_EQ(elevation_sigma_m_of_info(info_of({{"elevation_sigma_m", "2.5"}}), "map.gpkg"), 2.5);
+  EXPECT_EQ(elevation_sigma_m_of_info(info_of({{"schema_version", "1"}}), "map.gpkg"), std::nullopt);
+  for (const char* bad : {"", "x", "-1", "101", "nan", "1e400"}) {
+    EXPECT_THAT(
+        [&] {
+          elevation_sigma_m_of_info(info_of({{"elevation_sigma_m", bad}}), "map.gpkg");
+        },
+        ThrowsMessage<DataError>(HasSubstr("map.gpkg: map_info: elevation_sigma_m = \"" + std::string(bad))));
+  }
+}
+
 TEST(MapInfo, RefusesDamagedFeatureOptions) {
   const auto expect = [](std::vector<MapInfoEntry> entries, const std::string& message) {
     EXPECT_THAT([&] { features_of_info(info_of(entries), "map.gpkg"); },

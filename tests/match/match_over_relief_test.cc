@@ -59,6 +59,27 @@ TEST(MatchOverRelief, TheAircraftIsFoundOnSlopes) {
   }
 }
 
+// An error of the heights at the footprint's edge is one of tilt, which moves the aircraft's place.
+TEST(MatchOverRelief, TheMapSaysHowGoodItsHeightsAre) {
+  testing::TexturedGround ground = testing::make_textured_ground();
+  ground.height_m = Hills{0.1, 0};
+  const auto area_of = [](const ShotAnswer& answer) { return answer.result.fix->covariance_en_m2.determinant(); };
+  const Shot shot = shot_from(6, -9, {110, 2, -3});
+  const auto told = [](double sigma_m) {
+    MatchOptions options;
+    options.elevation_sigma_m = sigma_m;
+    return options;
+  };
+  const double silent = area_of(match_shot(ShotMap(ground), shot));
+  ground.elevation_sigma_m = 4;
+  const ShotMap coarse(ground);
+  const double said = area_of(match_shot(coarse, shot));
+  EXPECT_DOUBLE_EQ(area_of(match_shot(coarse, shot, told(1))), silent)
+      << "the option counts, and 1 is taken where nobody says";
+  EXPECT_GT(said, 1.5 * silent);
+  EXPECT_DOUBLE_EQ(area_of(match_shot(coarse, shot, told(4))), said);
+}
+
 TEST(MatchOverRelief, TheAircraftIsFoundOverHills) {
   const ShotMap map = map_over({0.1, 12});
   for (int i = 0; i < 6; ++i) {

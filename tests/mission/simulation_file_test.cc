@@ -94,8 +94,8 @@ TEST(SimulationFile, RefusesWhatItIsNot) {
   };
   EXPECT_THAT(problem({{"pilotage_plan", 1}}), HasSubstr("a.json: is no simulation"));
   auto json = simulation_to_json(small_simulation());
-  json["pilotage_simulation"] = 2;
-  EXPECT_THAT(problem(json), HasSubstr("is of version 2, this program knows 1"));
+  json["pilotage_simulation"] = 3;
+  EXPECT_THAT(problem(json), HasSubstr("is of version 3, this program knows 2"));
   json = simulation_to_json(small_simulation());
   json["within"]["of"] = 3;
   EXPECT_THAT(problem(json), HasSubstr("a.json.within.of")) << "fewer than those within";

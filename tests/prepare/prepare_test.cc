@@ -45,8 +45,9 @@ TEST(Prepare, WritesAllFilesAndNothingElse) {
   EXPECT_EQ(names_in(folder / "out"),
             (std::set<std::string>{"map.gpkg", "plan.json", "report.gpkg", "report.html", "report.json",
                                    "report_classes.qml", "report_classes.tif", "report_classes.tif.aux.xml",
-                                   "scores.qml", "scores.tif", "selection.json", "tiles.csv"}));
-  EXPECT_THAT(result.verdict, ::testing::StartsWith("GO"));
+                                   "scores.qml", "scores.tif", "selection.json", "simulation.json", "tiles.csv"}));
+  EXPECT_THAT(result.verdict, ::testing::StartsWith("MARGINAL: 94 of 100")) << "one date";
+  EXPECT_THAT(result.evidence, ::testing::HasSubstr("of 2000 flights"));
   EXPECT_EQ(result.selected_tiles, result.map.tiles);
   EXPECT_EQ(result.matchable_fraction, 1);
 }
@@ -67,8 +68,9 @@ TEST(Prepare, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST(Prepare, RefusesExistingOutputsBeforeAnyWork) {
-  for (const char* name : {"plan.json", "tiles.csv", "scores.tif", "scores_level1.tif", "selection.json", "map.gpkg",
-                           "report.html", "report.json", "report.kmz", "report_classes_level2.tif", "scores.qml"}) {
+  for (const char* name :
+       {"plan.json", "tiles.csv", "scores.tif", "scores_level1.tif", "selection.json", "simulation.json", "map.gpkg",
+        "report.html", "report.json", "report.kmz", "report_classes_level2.tif", "scores.qml"}) {
     const testing::TemporaryFolder folder;
     write_file(folder / name, "mine", false);
     PrepareOptions options;
@@ -90,7 +92,7 @@ TEST(Prepare, WritesOnlyTheOutputsThatAreAskedFor) {
   options.outputs = {ReportOutput::kKmz};
   prepare(options, run_into(folder / "out"));
   EXPECT_EQ(names_in(folder / "out"), (std::set<std::string>{"map.gpkg", "plan.json", "report.kmz", "scores.tif",
-                                                             "selection.json", "tiles.csv"}));
+                                                             "selection.json", "simulation.json", "tiles.csv"}));
 }
 
 // Interrupted wherever progress is told: nothing is left, and what stood there before is untouched.

@@ -160,7 +160,7 @@ TEST(Headline, SaysNoMoreFlightsThanThereAre) {
   selection.max_error_m = 60;
   const auto said = [&](double p) {
     selection.probability = RouteProbability{p, 0.9, 1, 0, std::nullopt, {}};
-    return headline(selection);
+    return headline({}, selection);
   };
   EXPECT_THAT(said(0.9579), StartsWith("95 of 100 flights stay within 60 m all the way, if what is assumed holds"));
   EXPECT_THAT(said(0.99999), StartsWith("99 of 100 flights stay"));
@@ -171,7 +171,7 @@ TEST(Headline, SaysNoMoreFlightsThanThereAre) {
   EXPECT_THAT(said(0), StartsWith("fewer than 1 of 100 flights stay"));
   selection.probability.reset();
   selection.error_profile = {{0, 31, true}};
-  EXPECT_EQ(headline(selection),
+  EXPECT_EQ(headline({}, selection),
             "the error is predicted up to 31 m ≤ 60 m, if what is assumed holds and every fix comes; how often fixes "
             "come is not known");
 }

@@ -62,7 +62,7 @@ TEST(SimulatedRow, OfferedAPlanThatIsGoTheVerdictIsNoGo) {
   ReportInput input = testing::report_scene({});
   input.selection.probability = asking(0.9).probability;
   EXPECT_NE(make_report(input).verdict, QualityStatus::kBad);
-  input.simulation = flown(800, 1000);
+  input.simulations = {flown(800, 1000)};
   const Report report = make_report(input);
   EXPECT_EQ(report.verdict, QualityStatus::kBad);
   EXPECT_THAT(report.verdict_text, HasSubstr("Simulated flights that stay within the limit: 0.800 [0.773, 0.824]"));
@@ -73,11 +73,12 @@ TEST(SimulatedFlights, StandOnThePage) {
   const std::string without = report_html(input);
   EXPECT_THAT(without, Not(HasSubstr("simulation-heading")));
   EXPECT_THAT(without, Not(HasSubstr("show-true-places\"")));
-  input.simulation = flown(960, 1000);
+  input.simulations = {flown(960, 1000)};
   const Report report = make_report(input);
   const std::string html = report_html(report);
-  EXPECT_THAT(html, HasSubstr("960 of 1000 flights stay within 50 m all the way and know it: 0.960 [0.945, 0.971]; "
-                              "planned 0.950; fixes drawn by the tiles&#39; modelled P"));
+  EXPECT_THAT(html,
+              HasSubstr("Simulated flights that stay within the limit: 0.960 [0.945, 0.971], 960 of 1000 flights; "
+                        "planned 0.950</li>"));
   EXPECT_THAT(html, HasSubstr("+0.010 [−0.004, +0.021]")) << "difference of the leg";
   EXPECT_THAT(html, HasSubstr("2.40 outside [1.80, 2.20]"));
   EXPECT_THAT(html, HasSubstr("&lt;rain&gt;"));
@@ -109,12 +110,20 @@ TEST(SimulatedFlights, NumbersSayWhatTheyRestOn) {
 TEST(SimulatedFlights, OfAnotherPlanAreRefused) {
   Simulation simulation = flown(9, 10);
   simulation.inputs = {{"plan", "", "", "blake2b-256:aa"}, {"table", "", "", "blake2b-256:bb"}};
-  refuse_other_simulation(simulation, "s.json", {{"plan", "p.json", "", "blake2b-256:aa"}});
+  ReportInput input;
+  add_simulation(input, simulation, "s.json", {{"plan", "p.json", "", "blake2b-256:aa"}});
   try {
-    refuse_other_simulation(simulation, "s.json", {{"table", "t.csv", "", "blake2b-256:cc"}});
+    ReportInput other;
+    add_simulation(other, simulation, "s.json", {{"table", "t.csv", "", "blake2b-256:cc"}});
     FAIL();
   } catch (const DataError& error) {
     EXPECT_STREQ(error.what(), "s.json: was simulated with another table than t.csv; run `pilotage simulate` again");
+  }
+  try {
+    add_simulation(input, simulation, "again.json", {});
+    FAIL();
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("again.json: is the second simulation with drawn fixes"));
   }
 }
 

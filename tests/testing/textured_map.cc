@@ -10,6 +10,7 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/base/random.h"
+#include "pilotage/base/text.h"
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/mapdb/map_writer.h"
@@ -127,6 +128,7 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   header.levels = {level_of(ground)};
   const TileMatrix matrix = header.levels.front().matrix;
   MapWriter writer(path, header, true);
+  if (ground.elevation_sigma_m) writer.add_info("elevation_sigma_m", format_number(*ground.elevation_sigma_m));
   for (const auto& [key, value] : camera_to_text(ground.camera)) writer.add_info("camera." + key, value);
   FeatureOptions copy = options;
   for (const OptionField& field : list_options(copy).fields) {

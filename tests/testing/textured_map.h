@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
@@ -27,6 +28,7 @@ struct TexturedGround {
   double agl_m = 0;  ///< The height that the map's one level is for.
   /// Of the ground, at metres east and north of the centre; without it the ground is level and the map has no heights.
   std::function<double(const Eigen::Vector2d&)> height_m;
+  std::optional<double> elevation_sigma_m;  ///< What the map says of its heights.
 };
 
 TexturedGround make_textured_ground(int tiles = 3);

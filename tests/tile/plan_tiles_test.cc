@@ -24,6 +24,7 @@ using ::testing::HasSubstr;
 using testing::make_small_mission;
 using testing::MissionPoint;
 using testing::TemporaryFolder;
+using ::testing::ThrowsMessage;
 using testing::two_legs;
 
 std::string plan_error(const TileOptions& options) {
@@ -124,6 +125,21 @@ TileOptions over_home(const TemporaryFolder& folder, double home_amsl_m) {
   options.tile_size_px = 90;
   options.gsd_m = 1;
   return options;
+}
+
+TEST(PlanTiles, SaysHowGoodHeightsAre) {
+  const TemporaryFolder folder;
+  TileOptions options = make_small_mission(folder.path(), two_legs());
+  EXPECT_EQ(plan_tiles(options).ground.elevation_sigma_m, std::nullopt);
+  options.elevation_sigma_m = 2;
+  EXPECT_THAT([&] { plan_tiles(options); },
+              ThrowsMessage<UsageError>(HasSubstr("elevation_sigma_m is of an elevation")));
+  options.elevation = testing::make_flat_elevation(folder.path(), 50);
+  EXPECT_EQ(plan_tiles(options).ground.elevation_sigma_m, 2);
+  options.elevation_sigma_m.reset();
+  EXPECT_EQ(plan_tiles(options).ground.elevation_sigma_m, 4) << "a height every 10 m";
+  options.elevation = testing::make_flat_elevation(folder.path(), 50, 2);
+  EXPECT_EQ(plan_tiles(options).ground.elevation_sigma_m, 1) << "every 2 m";
 }
 
 TEST(PlanTiles, WarnsOfAHomeThatIsNotOnItsGround) {  // 2026-11: home 400 m off its ground passed in silence

@@ -69,13 +69,13 @@ inline TileOptions make_small_mission(const std::filesystem::path& folder, const
   return options;
 }
 
-/// Flat ground of `amsl_m` under and around a small mission; returns the file's name.
-inline std::string make_flat_elevation(const std::filesystem::path& folder, double amsl_m) {
+/// Flat ground of `amsl_m` under and around a small mission, a height every `spacing_m`; returns the file's name.
+inline std::string make_flat_elevation(const std::filesystem::path& folder, double amsl_m, double spacing_m = 10) {
   RasterSpec spec;
-  spec.width = 100;
-  spec.height = 80;
+  spec.width = static_cast<int>(1000 / spacing_m);
+  spec.height = static_cast<int>(800 / spacing_m);
   spec.type = GDT_Float32;
-  spec.place = GeoTransform::north_up(499'800, 5'000'200, 10);
+  spec.place = GeoTransform::north_up(499'800, 5'000'200, spacing_m);
   spec.value = [amsl_m](int, int, int) { return amsl_m; };
   return make_raster(folder / "elevation.tif", spec);
 }

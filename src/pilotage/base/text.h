@@ -22,6 +22,9 @@ std::optional<double> parse_number(std::string_view text);
 /// near: more than half of its letters would have to change.
 std::string nearest_word(std::string_view text, const std::vector<std::string>& words);
 
+/// The text with its first letter as a capital, if that is one of ASCII.
+std::string capitalized(std::string text);
+
 std::string join(const std::vector<std::string>& parts, std::string_view separator);
 
 }  // namespace pilotage

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
 #include "pilotage/build_map/tile_owner.h"
 #include "pilotage/geo/enu_from_grid.h"
 #include "pilotage/ground/ground_imagery.h"
@@ -231,6 +232,8 @@ BuildStats write_ground(MapWriter& writer, const ScoreTable& table, std::span<co
     }
   }
   write_tiles(writer, table, stored, places);
+  const std::optional<double>& elevation_sigma_m = table.ground.elevation_sigma_m;
+  if (elevation_sigma_m) writer.add_info("elevation_sigma_m", format_number(*elevation_sigma_m));
   BuildStats stats;
   stats.tiles = std::ssize(stored);
   if (stable) stats.stable.emplace();

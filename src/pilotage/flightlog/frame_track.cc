@@ -20,6 +20,13 @@ MatchPrior prior_of(const FrameRecord& row) {
 
 }  // namespace
 
+std::string rows_jump_warning(const SequenceSummary& summary) {
+  if (!summary.rows_jump) return "";
+  return "the positions that the frames were taken at, as told, move against each other by more than the inertial "
+         "grade allows: they are not those of one drifting system (or --ins-grade is another). Each frame was matched "
+         "with its own prior, as without --sequential";
+}
+
 FrameMotion motion_between(const FrameRecord& from, const FrameRecord& to) {
   FrameMotion motion{to.time_s - from.time_s, to.attitude.yaw_deg, 0};
   const GeodesicLeg leg = geodesic_between(from.prior, to.prior);
@@ -37,6 +44,7 @@ FrameTrack::FrameTrack(const MatchOptions& options, const InsErrorModel& model, 
 void FrameTrack::fly_on(const FrameMotion& motion) {
   filter_.fly_on(motion.dt_s, motion.heading_deg, motion.speed_mps);
   if (track_) track_->filter.fly_on(motion.dt_s, motion.heading_deg, motion.speed_mps);
+  if (given_up_) given_up_->fly_on(motion.dt_s, motion.heading_deg, motion.speed_mps);
 }
 
 FrameRecord FrameTrack::with_prior(const FrameRecord& row) {
@@ -78,6 +86,7 @@ Eigen::Matrix2d FrameTrack::difference_covariance(const MeasuredError& measured)
 
 void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
   if (!track_ || !track_->established) {
+    judge_given_up(measured);
     track_ = Track{filter_, true, 0, {}, 0};
     track_->filter.start(measured.error_m, measured.covariance_m2);
     refusals_ = 0;
@@ -91,7 +100,7 @@ void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
     return refuse();
   }
   track_->filter.update(measured.error_m, measured.covariance_m2);
-  refusals_ = 0;
+  refusals_ = jumps_ = 0;
 }
 
 /// Whether a weak candidate lies where the track says, seldom enough by chance.
@@ -134,8 +143,20 @@ void FrameTrack::remember(const FlightFrame& frame, const MeasuredError& measure
 void FrameTrack::refuse() {
   if (!narrowed_ || ++refusals_ < kTrackRefusals) return;
   ++summary_.resets;
+  given_up_ = track_->filter;
   track_.reset();
   refusals_ = 0;
+}
+
+/// A fix by the row's own prior, after a track was given up: did the rows' errors drift from there to here as the model
+/// lets them? Where they did not, time and again, they are no drift.
+void FrameTrack::judge_given_up(const MeasuredError& measured) {
+  if (!given_up_) return;
+  const Eigen::Vector2d moved_m = measured.error_m - given_up_->error_m();
+  const Eigen::Matrix2d covariance = given_up_->covariance_m2() + measured.covariance_m2;
+  jumps_ = mahalanobis_squared(moved_m, covariance) > kInnovationGateChiSquared ? jumps_ + 1 : 0;
+  given_up_.reset();
+  summary_.rows_jump = summary_.rows_jump || jumps_ >= kTrackJumps;
 }
 
 }  // namespace pilotage

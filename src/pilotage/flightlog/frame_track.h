@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -17,7 +18,13 @@ struct SequenceSummary {
   std::int64_t confirmed = 0;      ///< Fixes too weak by themselves that lie where the track says.
   std::int64_t gate_refusals = 0;  ///< Fixes that contradict the track.
   std::int64_t resets = 0;         ///< Tracks given up after kTrackRefusals frames in a row that did not agree.
+  /// The rows' positions are not those of one drifting system, by the model's figures: match_sequence() then matches
+  /// each frame with its own prior, and the numbers above are those of the attempt.
+  bool rows_jump = false;
 };
+
+/// "the positions of frames.csv move against each other …": for the planner; "" where rows do not jump.
+std::string rows_jump_warning(const SequenceSummary& summary);
 
 /// How the row's inertial system flew from a frame to the next.
 struct FrameMotion {
@@ -72,15 +79,20 @@ class FrameTrack {
   bool shows_ground_of_candidate(const FlightFrame& frame) const;
   void remember(const FlightFrame& frame, const MeasuredError& measured, const MatchStats& stats);
   void refuse();
+  void judge_given_up(const MeasuredError& measured);
 
   MatchOptions options_;
   DriftFilter filter_;  ///< Without any fix: what new tracks begin with.
   std::optional<Track> track_;
+  std::optional<DriftFilter> given_up_;  ///< The track before, until a fix says whether it was right.
+  int jumps_ = 0;                        ///< Tracks in a row that were given up and contradicted by the next fix.
   SequenceSummary summary_;
   bool narrowed_ = false;
   int refusals_ = 0;
 };
 
 inline constexpr int kTrackRefusals = 4;
+/// One track may have begun with a false fix; the next one not, too.
+inline constexpr int kTrackJumps = 2;
 
 }  // namespace pilotage

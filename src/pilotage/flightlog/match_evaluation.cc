@@ -54,13 +54,15 @@ Json sequence_json(const SequenceSummary& sequence) {
   return {{"narrowed", sequence.narrowed},
           {"confirmed", sequence.confirmed},
           {"gate_refusals", sequence.gate_refusals},
-          {"resets", sequence.resets}};
+          {"resets", sequence.resets},
+          {"rows_jump", sequence.rows_jump}};
 }
 
 std::string sequence_text(const SequenceSummary& sequence) {
-  return "in sequence: " + std::to_string(sequence.narrowed) + " priors narrowed, " +
-         std::to_string(sequence.confirmed) + " fixes by confirmation, " + std::to_string(sequence.gate_refusals) +
-         " against the track, " + std::to_string(sequence.resets) + " tracks given up\n";
+  return (sequence.rows_jump ? "not in sequence, for the priors are no one system's; tried: " : "in sequence: ") +
+         std::to_string(sequence.narrowed) + " priors narrowed, " + std::to_string(sequence.confirmed) +
+         " fixes by confirmation, " + std::to_string(sequence.gate_refusals) + " against the track, " +
+         std::to_string(sequence.resets) + " tracks given up\n";
 }
 
 std::string rate_text(const MatchRate& rate, const std::string& of_what) {

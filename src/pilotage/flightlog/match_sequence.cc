@@ -58,6 +58,10 @@ MatchedSequence match_sequence(const std::function<MapReader()>& open_map, const
     FrameMatch& match = done.matches[order[i]];
     match = match_frame(frame.path, track.with_prior(frame.frame), frame.camera, map, track.options(), go_on);
     track.judge(frame, match);
+    if (track.summary().rows_jump) {
+      done.matches = match_flight(open_map, frames, options, 1, progress);
+      break;
+    }
     set_errors(match);
   }
   if (progress) progress("matching", static_cast<std::int64_t>(order.size()), static_cast<std::int64_t>(order.size()));

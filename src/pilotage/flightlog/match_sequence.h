@@ -28,6 +28,9 @@ struct MatchedSequence {
 ///   false_confirmation_rate() is low enough. Without a fix so far the last such candidate that shows no ground of this
 ///   frame starts a filter of its own, which says where to expect this one.
 /// - After kTrackRefusals frames in a row without agreement the filter is given up, and rows count alone.
+/// - When the next fix says kTrackJumps times in a row that the rows' errors did not drift from that filter's as the
+///   model lets them (χ² above the same quantile), the rows are not those of one drifting system: all frames are
+///   matched with their own priors, as by match_flight() (SequenceSummary::rows_jump).
 ///
 /// Of MatchOptions::max_false_fix_rate each of the two ways to a fix gets one half. `model` is how the rows' inertial
 /// positions drift, from the first frame on. Throws UsageError when a frame has no finite time_s or prior, and as

@@ -66,8 +66,9 @@ struct Ground {
   double max_scale_distortion = 0;  ///< Largest |scale − 1| of the grid over the tiles; 0 where nobody asked.
   std::vector<GridLevel> levels;    ///< levels[i].matrix.level = i.
   Imagery imagery;
-  std::string elevation;          ///< GDAL dataset string, "" when none was given.
-  std::vector<GroundTile> tiles;  ///< Ascending tile_id.
+  std::string elevation;                    ///< GDAL dataset string, "" when none was given.
+  std::optional<double> elevation_sigma_m;  ///< Standard deviation of its heights; nothing without one.
+  std::vector<GroundTile> tiles;            ///< Ascending tile_id.
 
   const GridLevel& level_of(const GroundTile& tile) const { return levels[static_cast<std::size_t>(tile.level)]; }
   PixelWindow window_of(const GroundTile& tile) const { return level_of(tile).matrix.tile_window(tile.cell()); }

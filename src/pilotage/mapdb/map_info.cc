@@ -4,6 +4,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/file_digest.h"
+#include "pilotage/base/text.h"
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/vision/ground_pattern.h"
 
@@ -60,6 +61,14 @@ FeatureOptions features_of_info(const MapInfo& info, const std::string& file) {
                     options_detail::enum_to_name(options.pattern) + " of this program has; build it anew");
   }
   return options;
+}
+
+std::optional<double> elevation_sigma_m_of_info(const MapInfo& info, const std::string& file) {
+  const std::optional<std::string> text = info.find("elevation_sigma_m");
+  if (!text) return std::nullopt;
+  const std::optional<double> sigma_m = parse_number(*text);
+  if (sigma_m && *sigma_m >= 0 && *sigma_m <= 100) return sigma_m;
+  throw DataError(file + ": map_info: elevation_sigma_m = \"" + text->substr(0, 40) + "\" is no number in [0, 100]");
 }
 
 std::string pattern_digest(DescriptorPattern pattern) {

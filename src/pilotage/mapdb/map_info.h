@@ -33,6 +33,10 @@ std::optional<Camera> camera_of_info(const MapInfo& info, const std::string& fil
 /// outside its range, or the pattern's tests are not those of this library (pattern_digest).
 FeatureOptions features_of_info(const MapInfo& info, const std::string& file);
 
+/// Standard deviation of the ground heights that the map stores (key "elevation_sigma_m"); nothing when the map does
+/// not say. Throws DataError beginning with `file` when the value is no number in [0, 100].
+std::optional<double> elevation_sigma_m_of_info(const MapInfo& info, const std::string& file);
+
 /// What the line "pattern_digest" of map_info says of a pattern that was learned: BLAKE2b-256 of its tests, four signed
 /// bytes each, in hexadecimal digits. "" for the others, whose name says all.
 std::string pattern_digest(DescriptorPattern pattern);

@@ -203,6 +203,7 @@ void MapReader::read_info() {
   camera_ = camera_of_info(info_, database_.name());
   purpose_ = purpose_of_info(info_, database_.name());
   features_ = features_of_info(info_, database_.name());
+  elevation_sigma_m_ = elevation_sigma_m_of_info(info_, database_.name());
   Statement statement = database_.prepare(
       "SELECT s.srs_name, s.organization, s.organization_coordsys_id, s.definition, s.srs_id FROM "
       "gpkg_geometry_columns g "

@@ -59,6 +59,8 @@ class MapReader {
   const MapPurpose& purpose() const { return purpose_; }
   /// How its features are described, and so how a frame must be.
   const FeatureOptions& features() const { return features_; }
+  /// Of the ground heights of its features; nothing when the map does not say.
+  std::optional<double> elevation_sigma_m() const { return elevation_sigma_m_; }
   const std::vector<MapLevel>& levels() const { return levels_; }  ///< Ascending by level.
   const MapLevel* find_level(int level) const;                     ///< Or nullptr.
 
@@ -106,6 +108,7 @@ class MapReader {
   FeatureOptions features_;
   std::vector<MapLevel> levels_;
   std::vector<MapColumn> tile_columns_;
+  std::optional<double> elevation_sigma_m_;
   bool has_chips_ = false;
   TileCache cache_;
   // Prepared when first needed: parsing costs more than reading a tile.

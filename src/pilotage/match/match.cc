@@ -126,9 +126,13 @@ double feature_limit(const MemoryLeft& memory, const PivotedFrame& described, co
   return std::min({by_memory, kMaxComparisons / std::max(1.0, per_feature), 1e9});
 }
 
+/// Of a map that does not say how good its heights are: those made before there was a place for it.
+constexpr double kUnknownHeightSigma_m = 1;
+
 /// The relief of the window, and of the ground under the aircraft where the window does not show it: an oblique view.
 Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrior& prior, double window_px,
-                   std::size_t max_features, const LocalMap& local, const Checkpoint& checkpoint) {
+                   std::size_t max_features, const LocalMap& local, const MatchOptions& options,
+                   const Checkpoint& checkpoint) {
   constexpr double kAboutNadirPx = 64;
   const double sigma_px = largest_sigma_m(prior.covariance_en_m2) / rectified.gsd_m;
   LocalMap below;
@@ -138,7 +142,11 @@ Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrio
                            std::min(rectified.half_width_px, 2 * sigma_px) + kAboutNadirPx,
                            max_features - local.features.size(), checkpoint);
   }
-  return relief_of(local, below, {rectified.prior_px - local.reference_px, sigma_px, prior.height_agl_m});
+  Relief relief = relief_of(local, below, {rectified.prior_px - local.reference_px, sigma_px, prior.height_agl_m});
+  if (relief.ground.known()) {
+    relief.height_sigma_m = options.elevation_sigma_m.value_or(map.elevation_sigma_m().value_or(kUnknownHeightSigma_m));
+  }
+  return relief;
 }
 
 /// A search about one heading, which is known well enough for upright descriptors. `searches`: how many such are made.
@@ -181,7 +189,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   }
 
   local.relief =
-      read_relief(map, rectified, prior, window_px, static_cast<std::size_t>(max_features), local, checkpoint);
+      read_relief(map, rectified, prior, window_px, static_cast<std::size_t>(max_features), local, options, checkpoint);
   const SearchSpace space = search_space(rectified, local, options);
   if (stats.map_features > max_features || search_bins(described, space) > kMaxSearchBins) {
     return refused(MatchStatus::kTooUncertain, stats);

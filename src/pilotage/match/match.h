@@ -38,7 +38,7 @@ struct MatchOptions {
   double yaw_sigma_deg = 1;
   double height_sigma_fraction = 0.03;
   double map_sigma_m = 1;
-  double elevation_sigma_m = 1;
+  std::optional<double> elevation_sigma_m;
   double max_false_fix_rate = 0.001;
   bool chips = true;
   double max_memory_mib = 512;
@@ -62,7 +62,7 @@ struct MatchOptions {
                  Range{0, 100});
     fields.field("elevation_sigma_m", self.elevation_sigma_m,
                  "Standard deviation of the map's ground heights, where it has any: about 1 of a lidar's model, 4 of a "
-                 "global one from radar.",
+                 "global one from radar. Default: what the map says, else 1.",
                  Range{0, 100});
     fields.field("max_false_fix_rate", self.max_false_fix_rate,
                  "Largest share of false fixes among frames that show other ground; sets the confidence asked for.",

@@ -82,7 +82,7 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   sigmas.log_height_sigma = options.height_sigma_fraction;
   sigmas.lean_sigma_m = kLeanSigma_px * rectified.gsd_m;
   sigmas.lean_length_m = kLeanLength_px * rectified.gsd_m;
-  sigmas.height_sigma_m = map.relief.ground.known() ? options.elevation_sigma_m : 0;
+  sigmas.height_sigma_m = map.relief.height_sigma_m;
   const Eigen::Vector2d prior_m = rectified.m_from_px(rectified.prior_px - map.reference_px);
   const Eigen::Vector2d nadir_px = place.placement.map_from_frame(frame.nadir_px - frame.pivot_px);
   const Eigen::Vector2d start_m = rectified.m_from_px(nadir_px);

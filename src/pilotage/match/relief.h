@@ -19,6 +19,7 @@ struct LocalMap;
 /// another, and all offsets are longer or shorter by one factor: an error of scale.
 struct Relief {
   GroundHeights ground;        ///< Places are pixels of the level relative to LocalMap::reference_px.
+  double height_sigma_m = 0;   ///< Of those heights; 0 where none is known.
   double below_m = 0;          ///< z₀.
   double height_agl_m = 1;     ///< h.
   std::vector<float> stretch;  ///< Of each feature of the map; empty, as for level ground: 1 everywhere.

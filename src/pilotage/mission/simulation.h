@@ -11,6 +11,7 @@
 
 #include "pilotage/base/statistics.h"
 #include "pilotage/mission/input_files.h"
+#include "pilotage/mission/integrity.h"
 
 #pragma GCC visibility push(default)
 
@@ -117,6 +118,7 @@ struct Simulation {
   SimulatedShare within_sure;  ///< k·σ of the filter stays within the limit: what the plan's P is of.
   SimulatedShare within_true;  ///< The true error stays within the limit, whatever the filter knows.
   SimulatedShare unaware;      ///< Flights that were off while the filter held itself within the limit.
+  Integrity integrity;         ///< Over all flights, wherever they fly without GNSS.
   std::optional<AsPlanned> as_planned;
   std::vector<SimulatedLoss> losses;  ///< With `lost_every_km`: by place; all else is of the worst of them.
   std::vector<SimulatedLeg> legs;
@@ -128,6 +130,8 @@ struct Simulation {
   std::vector<std::string> not_simulated;  ///< Sentences.
   std::vector<SimulatedTrack> tracks;      ///< Of the first kMostTracks flights. Not part of simulation.json.
   std::vector<InputFile> inputs;           ///< Plan, scores and selection, when they came from files.
+
+  bool by_frames() const { return !rendered.is_null(); }  ///< The matcher answered to frames; else fixes were drawn.
 };
 
 }  // namespace pilotage

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kSimulationVersion = 1;
+constexpr int kSimulationVersion = 2;
 constexpr int kMostLegs = 1'000'000;
 
 Json share_json(const SimulatedShare& share) {
@@ -231,6 +231,7 @@ Simulation simulation_from_json(const Json& json, const std::string& name) {
   simulation.within_sure = read_share(object.object("within_by_sigma"));
   simulation.within_true = read_share(object.object("within_by_true_error"));
   simulation.unaware = read_share(object.object("off_unaware"));
+  simulation.integrity = integrity_from_json(object.object("integrity"));
   simulation.as_planned = read_as_planned(object);
   simulation.fixes = read_fixes(object.object("fixes"));
   read_lists(object, simulation);
@@ -260,6 +261,7 @@ Json simulation_to_json(const Simulation& simulation) {
                {"within_by_sigma", share_json(simulation.within_sure)},
                {"within_by_true_error", share_json(simulation.within_true)},
                {"off_unaware", share_json(simulation.unaware)},
+               {"integrity", integrity_to_json(simulation.integrity)},
                {"as_planned", as_planned_json(simulation.as_planned)},
                {"lost_at", Json::array()},
                {"fixes",
@@ -319,6 +321,7 @@ std::string simulation_text(const Simulation& simulation) {
           " sigma of the filter alone, as the plan counts: " + share_text(simulation.within_sure) +
           "; by the true error alone: " + share_text(simulation.within_true) +
           "; off without knowing: " + share_text(simulation.unaware) + "\n";
+  text += integrity_text(simulation.integrity) + "\n";
   text += cost_text(simulation.as_planned);
   text += legs_text(simulation);
   text += marks_text(simulation);

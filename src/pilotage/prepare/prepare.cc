@@ -19,13 +19,16 @@
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
+#include "pilotage/mission/simulation_file.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
+#include "pilotage/report/evidence.h"
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/score/score_second_epoch.h"
 #include "pilotage/select/select_tiles.h"
+#include "pilotage/simulate/simulate_flights.h"
 #include "pilotage/tile/plan_tiles.h"
 
 namespace pilotage {
@@ -37,6 +40,10 @@ std::string score_raster_name(int level) {
   return level == 0 ? "scores.tif" : "scores_level" + std::to_string(level) + ".tif";
 }
 
+constexpr const char* kPlan = "plan.json";
+constexpr const char* kTable = "tiles.csv";
+constexpr const char* kSelection = "selection.json";
+constexpr const char* kSimulation = "simulation.json";
 constexpr const char* kMap = "map.gpkg";
 constexpr const char* kDisagreement = "disagreement.tif";
 constexpr const char* kReport = "report";  // what the names of its files begin with
@@ -48,8 +55,8 @@ std::vector<std::string> earlier_outputs(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool one_of_ours = name == "plan.json" || name == "tiles.csv" || name == "selection.json" || name == kMap ||
-                             name == signature_path_of(kMap) || name == chunk_list_path_of(kMap) ||
+    const bool one_of_ours = name == kPlan || name == kTable || name == kSelection || name == kSimulation ||
+                             name == kMap || name == signature_path_of(kMap) || name == chunk_list_path_of(kMap) ||
                              name == kDisagreement || name == score_raster_name(0) || name == "scores.qml" ||
                              is_report_output(kReport, name);
     const bool further_level = name.starts_with("scores_level") && (name.ends_with(".tif") || name.ends_with(".qml"));
@@ -85,6 +92,15 @@ ScoreOptions score_options_of(const PrepareOptions& options) {
   return score;
 }
 
+std::optional<Simulation> fly_plan(const Mission& mission, const std::vector<TileScores>& scores,
+                                   const Selection& selection, const PrepareOptions& options, std::uint64_t seed,
+                                   int threads, const Progress& progress) {
+  if (options.flights == 0 || !selection.probability) return std::nullopt;
+  SimulateOptions drawn;
+  drawn.flights = options.flights;
+  return simulate_flights(mission, scores, selection, drawn, seed, threads, progress);
+}
+
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);
   const ScoreOptions score_options = score_options_of(options);
@@ -93,12 +109,13 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
   refuse_existing(run.output_folder, run.overwrite);
   const MapPurpose purpose = make_purpose(options.purpose);
-  constexpr int kParts = 5;
+  constexpr int kParts = 6;
   const Progress planning = part_of(progress, 1, kParts);
   const Progress scoring = part_of(progress, 2, kParts);
   const Progress selecting = part_of(progress, 3, kParts);
-  const Progress building = part_of(progress, 4, kParts);
-  const Progress reporting = part_of(progress, 5, kParts);
+  const Progress flying = part_of(progress, 4, kParts);
+  const Progress building = part_of(progress, 5, kParts);
+  const Progress reporting = part_of(progress, 6, kParts);
   std::vector<ImageryInfo> second_dates;
   for (const std::string& dataset : options.score.second_epoch) {  // fails now, not after hours
     second_dates.push_back(inspect_imagery(dataset, second_date_options(options.tile.imagery_options), planning));
@@ -111,7 +128,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     result.files.push_back(name);
     return staging / name;
   };
-  write_file(publish_later("plan.json"), json_text(plan_to_json(mission)), true);
+  write_file(publish_later(kPlan), json_text(plan_to_json(mission)), true);
 
   report_progress(scoring, "reading imagery", 0, 0);  // until there are tiles to count
   std::optional<GroundImagery> imagery = open_imagery(mission.ground);
@@ -125,7 +142,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
   report_progress(scoring, "writing scores", 0, 0);
   const ScoreTable table(mission.ground, scores);
-  write_file(publish_later("tiles.csv"), tile_table_to_csv(mission.ground, scores), true);
+  write_file(publish_later(kTable), tile_table_to_csv(mission.ground, scores), true);
   for (const GridLevel& level : mission.ground.levels) {
     const ScoreRaster raster = score_raster(table, level.matrix.level);
     if (raster.bands.empty()) continue;
@@ -140,7 +157,16 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   report_progress(selecting, "selecting", 0, 0);
   const Selection selection =
       select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select, run.threads);
-  write_file(publish_later("selection.json"), json_text(selection_to_json(selection)), true);
+  write_file(publish_later(kSelection), json_text(selection_to_json(selection)), true);
+
+  std::optional<Simulation> simulation = fly_plan(mission, scores, selection, options, run.seed, run.threads, flying);
+  if (simulation) {
+    for (const auto& [role, name] : {std::pair{"plan", kPlan}, {"table", kTable}, {"selection", kSelection}}) {
+      simulation->inputs.push_back(input_file(role, (staging / name).string(), ""));
+      simulation->inputs.back().name = name;
+    }
+    write_file(publish_later(kSimulation), json_text(simulation_to_json(*simulation)), true);
+  }
 
   std::vector<InputFile> inputs = input_files(mission);  // hashed once, for map and report
   for (const ImageryInfo& info : second_dates) {
@@ -169,6 +195,11 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   ReportInput input = make_report_input(mission, scores, selection, inputs, run.software_version);
   if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, run.threads, reporting, open_second);
   report_progress(reporting, "writing the report", 0, 0);
+  if (simulation) {
+    input.simulations.push_back(*std::move(simulation));
+    InputFile& flown = input.inputs.emplace_back(input_file("simulation", (staging / kSimulation).string(), ""));
+    flown.name = kSimulation;
+  }
   input.parameters = described(options);
   input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
@@ -185,11 +216,12 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
 
   result.verdict = report.verdict_text;
   result.assumptions = report.assumptions;
+  result.evidence = evidence_line(report.quality);
   result.planned_tiles = static_cast<std::int64_t>(mission.ground.tiles.size());
   result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   result.matchable_fraction = selection.matchable_fraction;
   result.within_limit = selection.within_limit;
-  result.meets_gate = meets_gate(selection);
+  result.meets_gate = report.verdict != QualityStatus::kBad;
   result.warnings = report.warnings;
   if (options.build.keep_features != KeepFeatures::kAll && score_options.measure(ScoreMeasure::kCorrectFix)) {
     result.warnings.emplace_back(

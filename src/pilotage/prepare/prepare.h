@@ -14,6 +14,7 @@
 #include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
+#include "pilotage/mission/simulation.h"
 #include "pilotage/score/score_tiles.h"
 #include "pilotage/select/select_options.h"
 #include "pilotage/tile/tile_options.h"
@@ -29,6 +30,7 @@ struct PrepareOptions {
   SelectOptions select;
   BuildOptions build;
   PurposeOptions purpose;
+  std::int64_t flights = 2000;
   std::vector<ReportOutput> outputs{ReportOutput::kHtml, ReportOutput::kJson, ReportOutput::kCog, ReportOutput::kGpkg};
 
   template <class Self, class Fields>
@@ -38,6 +40,9 @@ struct PrepareOptions {
     fields.group("select", self.select, "Which tiles become matching areas.", FlagPrefix::kNone);
     fields.group("build", self.build, "What is stored of them.", FlagPrefix::kNone);
     fields.group("purpose", self.purpose, "What the map says that it is for.", FlagPrefix::kNone);
+    fields.field("flights", self.flights,
+                 "How many drawn flights the plan is flown by before it is judged (simulation.json); 0: none.",
+                 Range{0, 1000000});
     fields.field("outputs", self.outputs, outputs_help());
   }
 };
@@ -56,12 +61,13 @@ struct PrepareRun {
 struct PrepareResult {
   std::string verdict;      ///< The report's first sentence.
   std::string assumptions;  ///< What it takes for granted, as the report says it.
+  std::string evidence;     ///< What it rests on (report/evidence.h), in one line.
   BuildStats map;
   std::int64_t planned_tiles = 0;
   std::int64_t selected_tiles = 0;
   double matchable_fraction = 0;
   bool within_limit = false;
-  bool meets_gate = false;            ///< Of the selection: what `require` asks for.
+  bool meets_gate = false;            ///< The verdict is not NO-GO: what `require` asks for.
   std::vector<std::string> files;     ///< Written, in the output folder.
   std::vector<std::string> warnings;  ///< For the planner.
 };
@@ -74,14 +80,20 @@ ScoreOptions score_options_of(const PrepareOptions& options);
 /// list of chunks of the map.
 std::vector<std::string> earlier_outputs(const std::filesystem::path& folder);
 
-/// The main job: tile → score → select → build → report. Writes plan.json, tiles.csv, scores.tif (scores_level1.tif …
-/// for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif (with
-/// score.second_epoch), selection.json, map.gpkg and the files of the report that `outputs` ask for, "report.html" and
-/// so on, and with a secret key map.gpkg.minisig and for a large map map.gpkg.chunks, into the output folder, which is
-/// made when it does not exist. All of them appear at the end, in place of those of an earlier run, the map last: at no
-/// moment an output of the one stands beside one of the other (base/output_file.h, replace_together). When anything
-/// fails, those of the earlier run stand there as before. Throws as the stages; DataError when an output exists and
-/// overwrite is not set.
+/// Flies a plan `options.flights` times with drawn fixes, as `simulate` does without other options; nothing where none
+/// are asked for, or where the selection has no P to hold them against.
+std::optional<Simulation> fly_plan(const Mission& mission, const std::vector<TileScores>& scores,
+                                   const Selection& selection, const PrepareOptions& options, std::uint64_t seed,
+                                   int threads, const Progress& progress = {});
+
+/// The main job: tile → score → select → fly → build → report. Writes plan.json, tiles.csv, scores.tif
+/// (scores_level1.tif … for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif
+/// (with score.second_epoch), selection.json, simulation.json (of fly_plan), map.gpkg and the files of the report that
+/// `outputs` ask for, "report.html" and so on, and with a secret key map.gpkg.minisig and for a large map
+/// map.gpkg.chunks, into the output folder, which is made when it does not exist. All of them appear at the end, in
+/// place of those of an earlier run, the map last: at no moment an output of the one stands beside one of the other
+/// (base/output_file.h, replace_together). When anything fails, those of the earlier run stand there as before. Throws
+/// as the stages; DataError when an output exists and overwrite is not set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage

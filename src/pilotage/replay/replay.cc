@@ -252,6 +252,20 @@ void set_errors_of_fixes(const std::vector<Try>& tries, Replay& replay) {
                  {chi_squared_quantile(0.025, 2 * count) / count, chi_squared_quantile(0.975, 2 * count) / count}};
 }
 
+/// Frames of which it is known how sure navigation was and how far off. A fix ends a stretch, and so does a flight.
+Integrity integrity_of(std::span<const ReplayedFlight> flights, double limit_m) {
+  IntegrityCount count;
+  for (const ReplayedFlight& flight : flights) {
+    for (const ReplayedFrame& frame : flight.frames) {
+      if (frame.has_fix()) count.end_stretch();
+      if (std::isnan(frame.navigated_error_m)) continue;
+      count.look(1, frame.navigated_sigma_m, frame.navigated_error_m, limit_m);
+    }
+    count.end_stretch();
+  }
+  return count.result(limit_m);
+}
+
 }  // namespace
 
 Replay score_replay(std::span<const ReplayedFlight> flights, PredictedTiles& tiles,
@@ -279,6 +293,7 @@ Replay score_replay(std::span<const ReplayedFlight> flights, PredictedTiles& til
   if (plan) {
     replay.legs = legs_of_plan(tries, *plan);
     replay.line = line_of(tries);
+    replay.integrity = integrity_of(flights, plan->selection.max_error_m);
     if (plan->selection.probability) replay.planned_p = plan->selection.probability->p_within_limit;
   }
   if (model) replay.grade = fit_grade(flights, *model);

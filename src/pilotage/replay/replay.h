@@ -9,6 +9,7 @@
 
 #include "pilotage/flightlog/match_evaluation.h"
 #include "pilotage/matchability/prediction_quality.h"
+#include "pilotage/mission/integrity.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/replay/flown_line.h"
@@ -99,6 +100,7 @@ struct Replay {
   std::vector<FlownLeg> legs;                       ///< Of the plan; empty without one.
   std::optional<FlownLine> line;
   std::optional<double> planned_p;
+  std::optional<Integrity> integrity;  ///< Frames whose truth is known, by the plan's limit; nothing without a plan.
   std::optional<GradeFit> grade;
   std::string grade_name;
   Contradictions contradictions;

@@ -229,6 +229,7 @@ Json replay_to_json(const Replay& replay) {
             {"max_prior_sigma_m", replay.max_prior_sigma_m ? Json(*replay.max_prior_sigma_m) : Json()},
             {"planned_p", replay.planned_p ? json_number(*replay.planned_p) : Json()},
             {"fixes", flown_fixes_json(replay.fixes)},
+            {"integrity", replay.integrity ? integrity_to_json(*replay.integrity) : Json()},
             {"median_error_m", json_number(replay.median_error_m)},
             {"p95_error_m", json_number(replay.p95_error_m)},
             {"nees", json_number(replay.nees.mean)},
@@ -247,6 +248,7 @@ Json replay_to_json(const Replay& replay) {
 std::string replay_text(const Replay& replay) {
   std::string text = fixes_text(replay);
   if (replay.prediction) text += prediction_text(*replay.prediction);
+  if (replay.integrity && replay.integrity->looked > 0) text += integrity_text(*replay.integrity) + "\n";
   for (const FlownLeg& leg : replay.legs) text += leg_text(leg);
   if (replay.line) text += line_text(*replay.line);
   if (replay.grade) text += grade_text(*replay.grade, replay.grade_name);

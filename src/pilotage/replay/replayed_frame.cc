@@ -11,6 +11,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
+#include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/geo/position_covariance.h"
 #include "pilotage/match/position_measurement.h"
@@ -60,6 +61,13 @@ void set_place(ReplayedFrame& frame, const std::optional<GeodeticPoint>& truth,
   if (frame.prior && is_place(*frame.prior)) return set(*frame.prior, PlaceSource::kPrior);
 }
 
+void set_navigated(ReplayedFrame& frame, const std::optional<GeodeticPoint>& truth, GeodeticPoint position,
+                   const Eigen::Matrix2d& covariance_m2) {
+  if (!truth || !is_place(position) || !covariance_m2.allFinite()) return;
+  frame.navigated_sigma_m = largest_sigma_m(covariance_m2);
+  frame.navigated_error_m = geodesic_between(*truth, position).length_m;
+}
+
 }  // namespace
 
 bool is_tried_status(const std::string& status) {
@@ -91,6 +99,8 @@ std::vector<ReplayedFrame> replayed_frames(std::span<const FrameMatch> matches, 
     if (match.has_fix()) frame.inertial_error = inertial_error_of(*match.result.fix, match.frame, row.prior, options);
     const auto fix = match.has_fix() ? std::optional(match.result.fix->position) : std::nullopt;
     set_place(frame, row.truth(), fix);
+    set_navigated(frame, row.true_nadir, fix.value_or(match.frame.prior),
+                  fix ? match.result.fix->covariance_en_m2 : match.frame.prior_covariance_en_m2);
     frames.push_back(std::move(frame));
   }
   return frames;
@@ -153,14 +163,17 @@ ReadFix read_fix_row(const CsvTable& table, const FixRow& row, const FrameRecord
     if (std::isnan(frame.height_agl_m)) frame.height_agl_m = record->height_agl_m;
     if (std::isnan(frame.yaw_deg)) frame.yaw_deg = record->attitude.yaw_deg;
   }
-  if (read.fix && frame.prior) {
+  const std::optional<GeodeticPoint> truth = record != nullptr ? record->true_nadir : std::nullopt;
+  if (!read.fix && frame.prior) set_navigated(frame, truth, *frame.prior, record->prior_covariance_en_m2);
+  if (read.fix) {
     const double east_m = row.number("east_sigma_m", 0, 1e6);
     const double north_m = row.number("north_sigma_m", 0, 1e6);
     const double shared_m2 = row.number("covariance_en_m2", -1e12, 1e12);
     Fix fix;
     fix.position = *read.fix;
     fix.covariance_en_m2 << east_m * east_m, shared_m2, shared_m2, north_m * north_m;
-    if (fix.covariance_en_m2.allFinite() && fix.covariance_en_m2.determinant() > 0) {
+    set_navigated(frame, truth, fix.position, fix.covariance_en_m2);
+    if (frame.prior && fix.covariance_en_m2.allFinite() && fix.covariance_en_m2.determinant() > 0) {
       frame.inertial_error = inertial_error_of(fix, *record, *frame.prior, MatchOptions{});
     }
   }

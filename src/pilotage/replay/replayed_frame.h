@@ -45,7 +45,11 @@ struct ReplayedFrame {
   double error_m = std::numeric_limits<double>::quiet_NaN();  ///< Of the fix, where the truth is known.
   double nees = std::numeric_limits<double>::quiet_NaN();
   double prior_sigma_m = std::numeric_limits<double>::quiet_NaN();  ///< Largest, of what it was matched with.
-  std::optional<GeodeticPoint> prior;                               ///< What the inertial system said.
+  /// Of the position after the frame, that of the fix or else the one it was matched with: the largest standard
+  /// deviation that is believed, and how far it is from the truth; NaN where that is not known.
+  double navigated_sigma_m = std::numeric_limits<double>::quiet_NaN();
+  double navigated_error_m = std::numeric_limits<double>::quiet_NaN();
+  std::optional<GeodeticPoint> prior;  ///< What the inertial system said.
   std::optional<InertialError> inertial_error;
 
   bool is_tried() const { return outcome != FrameOutcome::kNotTried; }

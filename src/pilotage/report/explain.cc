@@ -6,6 +6,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/ground/measures.h"
+#include "pilotage/report/evidence.h"
 #include "pilotage/report/reason_words.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/stretch_reasons.h"
@@ -126,7 +127,21 @@ std::vector<std::string> explain_tile(const Report& report, std::int64_t tile_id
   return lines;
 }
 
+std::vector<std::string> explain_verdict(const Report& report) {
+  std::vector<std::string> lines = {std::string(verdict_name(report.verdict)) +
+                                    " is the lowest of what decides. Evidence, strongest first:"};
+  for (const std::string& line : evidence_lines(report.quality)) lines.push_back("  " + line);
+  for (const QualityRow& row : report.quality) {
+    if (!row.decides || row.status == QualityStatus::kGood) continue;
+    lines.push_back(row.label + ": " + row.value + ": " + std::string(status_name(row.status)) + " (" + row.threshold +
+                    ")");
+    if (!row.advice.empty()) lines.push_back("  What to do: " + row.advice);
+  }
+  return lines;
+}
+
 std::vector<std::string> explain(const Report& report, const std::vector<LegAdvice>& advice, const std::string& what) {
+  if (what == "verdict") return explain_verdict(report);
   const std::size_t space = std::min(what.find(' '), what.size());
   const std::string kind = what.substr(0, space);
   constexpr double kMostDigits = 1e15;  // whole numbers that a double holds
@@ -136,7 +151,7 @@ std::vector<std::string> explain(const Report& report, const std::vector<LegAdvi
     if (kind == "leg") return explain_leg(report, advice, whole);
     if (kind == "tile") return explain_tile(report, whole);
   }
-  throw UsageError("explain = \"" + what + "\": allowed are \"leg NUMBER\" and \"tile ID\"");
+  throw UsageError("explain = \"" + what + "\": allowed are \"verdict\", \"leg NUMBER\" and \"tile ID\"");
 }
 
 }  // namespace pilotage

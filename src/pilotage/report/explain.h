@@ -24,7 +24,12 @@ std::vector<std::string> explain_leg(const Report& report, const std::vector<Leg
 /// then each measure that it has. Throws UsageError where there is no such tile.
 std::vector<std::string> explain_tile(const Report& report, std::int64_t tile_id);
 
-/// explain_leg or explain_tile of "leg 3" or "tile 1204". Throws UsageError for anything else.
+/// What the verdict rests on, strongest first (report/evidence.h), and each row that decides and is not good, with what
+/// to do.
+std::vector<std::string> explain_verdict(const Report& report);
+
+/// explain_verdict, explain_leg or explain_tile of "verdict", "leg 3" or "tile 1204". Throws UsageError for anything
+/// else.
 std::vector<std::string> explain(const Report& report, const std::vector<LegAdvice>& advice, const std::string& what);
 
 }  // namespace pilotage

@@ -12,6 +12,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/mission/integrity.h"
 #include "pilotage/mission/selection.h"
 #include "pilotage/report/number_kind.h"
 #include "pilotage/report/page_parts.h"
@@ -54,9 +55,24 @@ std::string signed_text(double number) {
   return (number < 0 ? "−" : "+") + format_fixed(std::abs(number), 2);
 }
 
+FlownAgainstPlan read_flown(JsonObject& prediction, JsonObject fixes) {
+  FlownAgainstPlan flown;
+  JsonObject observed = prediction.object("observed");
+  flown.fixes = observed.integer("count", 0);
+  flown.tries = observed.integer("of", flown.fixes);
+  flown.predicted = prediction.number_or_nan("predicted");
+  flown.z = prediction.number_or_nan("large_z");
+  flown.z_with_level = prediction.number_or_nan("large_z_with_level");
+  flown.false_taken = fixes.integer("false_taken", 0);
+  flown.without_right =
+      std::max(flown.false_taken, fixes.integer("tries", 0) - fixes.integer("right", 0) - fixes.integer("unjudged", 0));
+  return flown;
+}
+
 void read_prediction(JsonObject& replay, ReplayNote& note) {
   if (!replay.has_value("prediction")) return;
   JsonObject prediction = replay.object("prediction");
+  note.flown = read_flown(prediction, replay.object("fixes"));
   note.sentences.push_back(
       "Over stored tiles, with priors that P is of: " + share_of_text(prediction.object("observed")) +
       " came as a fix, " + probability_text(prediction.number("predicted")) + " were predicted; " +
@@ -164,11 +180,16 @@ ReplayNote read_replay_note(const std::filesystem::path& path) {
   JsonObject replay(json, path.string());
   ReplayNote note;
   note.file = path.string();
+  if (replay.has_value("planned_p")) note.planned_p = replay.number("planned_p");
   note.sentences.push_back(tries_text(replay.object("fixes")));
   read_prediction(replay, note);
   if (replay.has_value("median_error_m")) {
     note.sentences.push_back("Errors of fixes: median " + metres_text(replay.number("median_error_m")) +
                              ", 95 of 100 below " + metres_text(replay.number_or_nan("p95_error_m")) + ".");
+  }
+  if (replay.has_value("integrity")) {
+    const Integrity integrity = integrity_from_json(replay.object("integrity"));
+    if (integrity.looked > 0) note.sentences.push_back(capitalized(integrity_text(integrity)) + ".");
   }
   if (replay.has_value("inertial")) note.sentences.push_back(inertial_text(replay.object("inertial")));
   read_legs(replay, note);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,9 +17,22 @@ struct NoteTable {
   std::vector<std::vector<std::string>> rows;
 };
 
+/// What flights that were flown say of the P that the plan rests on. Of replay.json.
+struct FlownAgainstPlan {
+  std::int64_t tries = 0;          ///< Over stored tiles, with priors that P is of;
+  std::int64_t fixes = 0;          ///< those that gave a fix which is not known to be false;
+  double predicted = 0;            ///< and the share of them that was predicted.
+  double z = 0;                    ///< Fixes less predicted ones in standard deviations, were tries independent;
+  double z_with_level = 0;         ///< and with the level of the place, which all tries share.
+  std::int64_t without_right = 0;  ///< Tries of the whole flight that gave no right fix;
+  std::int64_t false_taken = 0;    ///< those of them that gave a false one.
+};
+
 /// What flights that were flown say of the plan (`pilotage replay`), for the page.
 struct ReplayNote {
-  std::string file;  ///< That was read.
+  std::string file;                       ///< That was read.
+  std::optional<double> planned_p;        ///< P of the plan that they were held against.
+  std::optional<FlownAgainstPlan> flown;  ///< Nothing where no try was over a tile with a P.
   std::vector<std::string> sentences;
   std::vector<NoteTable> tables;   ///< P against what came of it; legs; tiles to look at again.
   std::vector<std::string> notes;  ///< What was lost, left out or assumed.

@@ -47,6 +47,10 @@ function judgeProbability(p, predicted) {
 }
 const tooOftenLost = (predicted) => predicted.probability !== null &&
   predicted.probability.p_within_limit < predicted.probability.min_p_within_limit;
+function judgeRoute(route) {
+  if (!(route.p_within_limit >= route.min_p_within_limit)) return 2;
+  return route.interval && !(route.interval.low >= route.min_p_within_limit) ? 1 : 0;
+}
 function judgeLeg(leg, predicted) {
   if (!leg.within_limit) return 2;
   return Math.max(judgeError(leg.max_error_m, predicted.max_error_m), judgeProbability(leg.p_within_limit, predicted));
@@ -77,7 +81,7 @@ function decidingRows(predicted, model) {
   const rows = [['largest_error', '', '', predicted.within_limit ? judgeError(predicted.largest_error_m, limit_m) : 2]];
   const gap = longestGap(predicted);
   rows.push(['longest_gap', '', '', gap === null ? 0 : gap.within_limit ? judgeError(gap.error_m, limit_m) : 2]);
-  if (predicted.probability) rows.push(['route_probability', '', '', tooOftenLost(predicted) ? 2 : 0]);
+  if (predicted.probability) rows.push(['route_probability', '', '', judgeRoute(predicted.probability)]);
   const apart = whatIfData.disagreement;
   if (apart) {
     const together_m = predicted.largest_error_m + apart.largest_m;
@@ -114,9 +118,13 @@ function detailWords(predicted, rows, verdict) {
   if (gap === null || errorWords(gap.error_m) !== errorWords(predicted.largest_error_m)) {
     text += '; ' + where + 'largest error ' + comparisonWords(predicted.largest_error_m, limit_m);
   }
-  const said = ['largest_error', 'longest_gap', 'route_probability'];
   for (const [name, label, value, status] of rows) {
-    if (verdict > 0 && status === verdict && !said.includes(name)) text += '; ' + label + ': ' + value;
+    if (verdict === 0 || status !== verdict || name === 'largest_error' || name === 'longest_gap') continue;
+    if (name === 'route_probability') {
+      if (verdict === 1) text += '; ' + whatIfData.interval_below;
+      continue;
+    }
+    text += '; ' + label + ': ' + value;
   }
   return text;
 }

@@ -6,6 +6,7 @@
 
 #include "pilotage/base/text.h"
 #include "pilotage/report/disagreement.h"
+#include "pilotage/report/evidence.h"
 #include "pilotage/report/imagery_age.h"
 #include "pilotage/report/simulated_flights.h"
 #include "pilotage/report/wording.h"
@@ -79,10 +80,17 @@ QualityRow probability_row(const RouteProbability& route) {
   row.unit = "1";
   row.value = probability_comparison(route) + "; expected fixes " + number_text(route.expected_fixes, 1) +
               ", false ones at most " + number_text(route.expected_false_fixes, 4);
-  row.threshold = "good from " + probability_text(route.min_p_within_limit) + ", bad below";
+  row.threshold = "good from " + probability_text(route.min_p_within_limit) +
+                  " at the lower end of its interval, bad below at its mean";
+  row.status = judge_route(route);
   row.decides = true;
-  if (route.p_within_limit >= route.min_p_within_limit) return row;
-  row.status = QualityStatus::kBad;
+  if (row.status == QualityStatus::kGood) return row;
+  if (row.status == QualityStatus::kMarginal) {
+    row.advice = kIntervalBelow +
+                 ". A second date of this ground narrows it (score --second-epoch, calibrate --adapt); "
+                 "another line may raise it (reroute).";
+    return row;
+  }
   row.advice =
       "Lead the route over ground with a larger probability of a correct fix (--advise looks for a line beside it).";
   if (route.worst) {
@@ -316,6 +324,12 @@ QualityStatus judge_error(double error_m, double limit_m) {
   return error_m <= limit_m ? QualityStatus::kMarginal : QualityStatus::kBad;
 }
 
+QualityStatus judge_route(const RouteProbability& route) {
+  if (!(route.p_within_limit >= route.min_p_within_limit)) return QualityStatus::kBad;
+  const bool known = !route.interval || route.interval->low >= route.min_p_within_limit;
+  return known ? QualityStatus::kGood : QualityStatus::kMarginal;
+}
+
 bool too_often_lost(const Selection& selection) {
   return selection.probability && selection.probability->p_within_limit < selection.probability->min_p_within_limit;
 }
@@ -401,7 +415,11 @@ std::vector<QualityRow> quality_rows(const ReportInput& input) {
   if (const auto& probability = input.selection.probability) {
     rows.insert(rows.begin() + 2, probability_row(*probability));
   }
-  if (input.simulation) rows.insert(rows.begin() + 2, simulated_row(*input.simulation, input.selection));
+  for (const Simulation& simulation : input.simulations) {
+    rows.insert(rows.begin() + 2, simulated_row(simulation, input.selection));
+  }
+  if (input.replay && input.replay->flown)
+    rows.insert(rows.begin() + 2, flown_row(*input.replay->flown, input.selection));
   if (!input.selection.matchability_judged) rows.insert(rows.begin() + 2, not_judged_row());
   return rows;
 }

@@ -64,6 +64,13 @@ QualityStatus judge_leg(const LegStatus& leg, const Selection& selection);
 /// bad where it lies in the stretch that loses most flights of a route that too few survive.
 QualityStatus judge_gap(const RouteGap& gap, const Selection& selection);
 
+/// Judges the P of the whole route: bad where its mean over the levels of the place is below what was asked for,
+/// marginal where only the lower end of its 80 % interval is: at one place of ten or more P is below it.
+QualityStatus judge_route(const RouteProbability& route);
+
+/// What a marginal P of the route is marginal by.
+inline const std::string kIntervalBelow = "P is below what is asked for at the lower end of its 80 % interval";
+
 /// Whether fewer flights stay within the limit than were asked for.
 bool too_often_lost(const Selection& selection);
 

@@ -233,7 +233,7 @@ Report make_report(const ReportInput& input) {
   report.tiles = report_tiles(input);
   report.quality = quality_rows(input);
   report.verdict = verdict_of(report.quality);
-  report.headline = valid_utf8(headline(selection));
+  report.headline = valid_utf8(headline(report.quality, selection));
   report.verdict_detail = valid_utf8(verdict_detail(report.verdict, report.quality, selection));
   report.verdict_text = valid_utf8(verdict_sentence(report.verdict, report.quality, selection));
   report.assumptions = assumptions_line(mission, selection);
@@ -290,10 +290,10 @@ Report make_report(const ReportInput& input) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
   }
   report.evaluation = input.evaluation;
-  report.simulation = input.simulation;
+  report.simulations = input.simulations;
   report.envelope = input.envelope;
   report.replay = input.replay;
-  if (report.simulation) report.simulation->not_simulated = valid_texts(input.simulation->not_simulated);
+  for (Simulation& simulation : report.simulations) simulation.not_simulated = valid_texts(simulation.not_simulated);
   report.imagery_age = imagery_age(mission);
   report.weak_places = weak_places(report, selection.advice);
   report.what_if = what_if_data(input, report.quality);

@@ -81,7 +81,7 @@ struct ReportDisplay {
   std::vector<std::vector<Eigen::Vector2d>> leg_lines_m;         ///< Per leg of the report.
   std::vector<std::vector<Eigen::Vector2d>> gap_lines_m;         ///< Per gap of the report.
   std::vector<std::vector<Eigen::Vector2d>> denied_lines_m;      ///< Per denied stretch of the report.
-  std::vector<std::vector<Eigen::Vector2d>> true_place_lines_m;  ///< Ellipses of the report's simulation.
+  std::vector<std::vector<Eigen::Vector2d>> true_place_lines_m;  ///< Ellipses of its first simulation.
   std::vector<std::pair<double, Eigen::Vector2d>> places_m;      ///< Points by distance along the route, ascending.
 };
 
@@ -143,7 +143,7 @@ struct Report {
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
   std::optional<EvaluationNote> evaluation;  ///< Not part of report.json: it is a file of its own. So the next.
-  std::optional<Simulation> simulation;
+  std::vector<Simulation> simulations;
   std::optional<EnvelopeNote> envelope;
   std::optional<ReplayNote> replay;
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 
@@ -8,6 +7,7 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/markup.h"
 #include "pilotage/base/text.h"
+#include "pilotage/report/evidence.h"
 #include "pilotage/report/explain.h"
 #include "pilotage/report/ground_json.h"
 #include "pilotage/report/page_assets.h"
@@ -53,9 +53,23 @@ std::string copy_cell(GeodeticPoint from, GeodeticPoint to, const std::string& s
 
 // The question the page answers, in one sentence.
 std::string answer_text(const Report& report) {
-  std::string text = report.headline + ".";
-  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text;
+  return capitalized(report.headline) + ".";
+}
+
+// What the verdict rests on, strongest first, and what of it is not there.
+std::string evidence_html(const Report& report) {
+  std::string html;
+  for (const QualityRow* row : evidence_rows(report.quality)) {
+    html += "      <li>" + badge(status_name(row->status)) + " " + kind_mark(row->kind) + " " +
+            html_escape(row->label + ": " + row->value) + "</li>\n";
+  }
+  if (!report.probability) {
+    html +=
+        "      <li>" + kind_mark(NumberKind::kModelled) + " by the inertial error model alone: no tile has a P</li>\n";
+  }
+  const std::string missing = missing_evidence(report.quality);
+  if (!missing.empty()) html += "      <li>" + html_escape(missing) + "</li>\n";
+  return html;
 }
 
 std::string places_heading(const Report& report) {
@@ -181,7 +195,7 @@ std::string simulated_box_html(const Report& report) {
 }
 
 std::string simulated_key_html(const Report& report) {
-  if (!report.simulation) return "";
+  if (report.simulations.empty()) return "";
   return "<span class=\"swatch simulated-cep50\"></span> CEP50 <span class=\"swatch simulated-r95\"></span> R95 of the "
          "simulated flights " +
          kind_mark(NumberKind::kSimulated);
@@ -306,11 +320,12 @@ std::string report_html(const Report& report) {
        {"assumptions", html_escape(report.assumptions)},
        {"places_heading", places_heading(report)},
        {"places", places_html(report)},
-       {"simulated_answer", simulated_answer(report)},
+       {"evidence", evidence_html(report)},
        {"simulation", simulation_html(report)},
        {"envelope", report.envelope ? envelope_html(*report.envelope) : ""},
        {"replay", report.replay ? replay_html(*report.replay) : ""},
-       {"what_if_simulated", report.simulation ? " Simulated flights are not flown again, and do not enter." : ""},
+       {"what_if_simulated",
+        !report.simulations.empty() ? " Simulated flights are not flown again, and do not enter." : ""},
        {"simulated_box", simulated_box_html(report)},
        {"simulated_key", simulated_key_html(report)},
        {"measured", kind_mark(NumberKind::kMeasured)},

@@ -38,7 +38,7 @@ struct ReportInput {
   TilePictures pictures;                     ///< Of plan.ground.tiles, in their order; may be empty.
   SeenFrames seen;                           ///< What the camera will see along the route; may have no frame.
   std::optional<EvaluationNote> evaluation;  ///< What the scores are worth, where that was measured.
-  std::optional<Simulation> simulation;      ///< What `simulate` found of this plan.
+  std::vector<Simulation> simulations;       ///< What `simulate` found of this plan; drawn fixes before frames.
   std::optional<EnvelopeNote> envelope;      ///< What `envelope` found of it.
   std::optional<ReplayNote> replay;          ///< What `replay` found of flights by it.
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -98,12 +99,19 @@ std::string losses_table(const Simulation& simulation) {
                     rows);
 }
 
+/// Whose frames the matcher answered to.
+std::string frames_of_text(const Simulation& simulation) {
+  const std::string world = simulation.rendered.value("world", "");
+  if (simulation.options.value("fixes", "") == "airsim") return "frames of a simulator";
+  return world.empty() ? "frames of the map's own imagery, changed" : "frames of " + name_as_utf8(world);
+}
+
 /// Who answered the tries.
 std::string fixes_from_text(const Simulation& simulation) {
   const std::string from = simulation.options.value("fixes", "drawn");
   if (from == "drawn") return "fixes drawn by the tiles' modelled P";
   if (from == "none") return "without any fix";
-  return "fixes of the matcher on computed frames (" + valid_utf8(from) + ")";
+  return "fixes of the matcher on " + frames_of_text(simulation);
 }
 
 /// Where most flights are lost: the stretch between two marks.
@@ -135,51 +143,10 @@ std::string cost_text(const Simulation& simulation) {
          "] (pairs of flights).";
 }
 
-}  // namespace
-
-QualityRow simulated_row(const Simulation& simulation, const Selection& selection) {
-  QualityRow row;
-  row.name = "simulated_flights";
-  row.label = "Simulated flights that stay within the limit";
-  row.kind = NumberKind::kSimulated;
-  row.number = simulation.within.share();
-  row.unit = "1";
-  row.value = share_text(simulation.within) + ", " + flights_of(simulation.within) + "; planned " +
-              probability_text(simulation.planned_p);
-  if (!selection.probability) {
-    row.threshold = "none: the plan has no probability";
-    return row;
-  }
-  const double asked = selection.probability->min_p_within_limit;
-  row.threshold = "good when the lower end of the interval reaches " + probability_text(asked) +
-                  ", bad when the upper end does not";
-  row.decides = true;
-  if (simulation.within.interval.low >= asked) return row;
-  row.status = simulation.within.interval.high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
-  row.advice =
-      row.status == QualityStatus::kBad
-          ? most_lost_text(simulation)
-          : "The interval holds what is asked for: fly more (--flights) to know. " + most_lost_text(simulation);
-  return row;
-}
-
-std::string simulated_answer(const Report& report) {
-  if (!report.simulation) return "";
-  const Simulation& simulation = *report.simulation;
-  return "    <p class=\"rests-on\">" + kind_mark(NumberKind::kSimulated) + " " +
-         html_escape(flights_of(simulation.within) + " stay within " + error_text(simulation.max_error_m) +
-                     " all the way and know it: " + share_text(simulation.within) + "; planned " +
-                     probability_text(simulation.planned_p) + "; " + fixes_from_text(simulation) +
-                     (simulation.lost_from_m > 0 ? "; GNSS lost from " + length_text(simulation.lost_from_m) : "")) +
-         "</p>\n";
-}
-
-std::string simulation_html(const Report& report) {
-  if (!report.simulation) return "";
-  const Simulation& simulation = *report.simulation;
-  std::string html =
-      "<section aria-labelledby=\"simulation-heading\">\n  <h2 id=\"simulation-heading\">Simulated flights " +
-      kind_mark(NumberKind::kSimulated) + "</h2>\n";
+std::string one_simulation_html(const Simulation& simulation, const std::string& id) {
+  std::string html = "<section aria-labelledby=\"" + id + "\">\n  <h2 id=\"" + id + "\">" +
+                     (simulation.by_frames() ? "Flights by computed frames " : "Simulated flights ") +
+                     kind_mark(NumberKind::kSimulated) + "</h2>\n";
   const auto paragraph = [&](const std::string& text) {
     if (!text.empty()) html += "  <p>" + html_escape(text) + "</p>\n";
   };
@@ -189,6 +156,7 @@ std::string simulation_html(const Report& report) {
             "σ of the filter alone, as the plan counts: " + share_text(simulation.within_sure) +
             "; by the true error alone: " + share_text(simulation.within_true) + "; off without knowing: " +
             share_text(simulation.unaware) + ". Intervals are of 95 %; " + fixes_from_text(simulation) + ".");
+  paragraph(capitalized(integrity_text(simulation.integrity)) + ".");
   paragraph(cost_text(simulation));
   paragraph(most_lost_text(simulation));
   paragraph(fixes_text(simulation));
@@ -205,10 +173,50 @@ std::string simulation_html(const Report& report) {
   return html + "</section>\n";
 }
 
+}  // namespace
+
+QualityRow simulated_row(const Simulation& simulation, const Selection& selection) {
+  const bool by_frames = simulation.by_frames();
+  QualityRow row;
+  row.name = by_frames ? "rendered_flights" : "simulated_flights";
+  row.label = by_frames ? "Flights by computed frames that stay within the limit"
+                        : "Simulated flights that stay within the limit";
+  row.kind = NumberKind::kSimulated;
+  row.number = simulation.within.share();
+  row.unit = "1";
+  row.value = share_text(simulation.within) + ", " + flights_of(simulation.within) + "; planned " +
+              probability_text(simulation.planned_p) + (by_frames ? "; " + frames_of_text(simulation) : "");
+  if (!selection.probability) {
+    row.threshold = "none: the plan has no probability";
+    return row;
+  }
+  const double asked = selection.probability->min_p_within_limit;
+  // Frames take the matcher a second or two a flight, so that flights are few: what they do not bound, they do not
+  // contradict as long as their share is what is asked for.
+  row.threshold = "good when " + std::string(by_frames ? "it" : "the lower end of the interval") + " reaches " +
+                  probability_text(asked) + ", bad when the upper end of the interval does not";
+  row.decides = true;
+  if ((by_frames ? simulation.within.share() : simulation.within.interval.low) >= asked) return row;
+  row.status = simulation.within.interval.high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
+  row.advice =
+      row.status == QualityStatus::kBad
+          ? most_lost_text(simulation)
+          : "The interval holds what is asked for: fly more (--flights) to know. " + most_lost_text(simulation);
+  return row;
+}
+
+std::string simulation_html(const Report& report) {
+  std::string html;
+  for (std::size_t i = 0; i < report.simulations.size(); ++i) {
+    html += one_simulation_html(report.simulations[i], i == 0 ? "simulation-heading" : "rendered-heading");
+  }
+  return html;
+}
+
 nlohmann::ordered_json simulated_marks_json(const Report& report) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  if (!report.simulation) return json;
-  for (const SimulatedMark& mark : report.simulation->marks) {
+  if (report.simulations.empty()) return json;
+  for (const SimulatedMark& mark : report.simulations.front().marks) {
     json.push_back({mark.distance_m, json_number(mark.cep50_m), json_number(mark.r95_m), mark.p_within});
   }
   return json;
@@ -216,8 +224,8 @@ nlohmann::ordered_json simulated_marks_json(const Report& report) {
 
 std::vector<std::vector<GeodeticPoint>> true_place_outlines(const ReportInput& input) {
   std::vector<std::vector<GeodeticPoint>> outlines;
-  if (!input.simulation) return outlines;
-  for (const SimulatedMark& mark : input.simulation->marks) {
+  if (input.simulations.empty()) return outlines;
+  for (const SimulatedMark& mark : input.simulations.front().marks) {
     if (std::isnan(mark.true_place.major_m)) continue;
     const LocalFrame frame(route_point_at(input.mission.flight.samples, mark.distance_m));
     std::vector<GeodeticPoint>& outline = outlines.emplace_back();
@@ -229,7 +237,8 @@ std::vector<std::vector<GeodeticPoint>> true_place_outlines(const ReportInput& i
   return outlines;
 }
 
-void refuse_other_simulation(const Simulation& simulation, const std::string& name, const std::vector<InputFile>& of) {
+void add_simulation(ReportInput& input, Simulation simulation, const std::string& name,
+                    const std::vector<InputFile>& of) {
   for (const InputFile& file : of) {
     for (const InputFile& simulated : simulation.inputs) {
       if (simulated.role != file.role || simulated.digest == file.digest) continue;
@@ -237,6 +246,13 @@ void refuse_other_simulation(const Simulation& simulation, const std::string& na
                       "; run `pilotage simulate` again");
     }
   }
+  for (const Simulation& other : input.simulations) {
+    if (other.by_frames() != simulation.by_frames()) continue;
+    throw DataError(name + ": is the second simulation with " + (other.by_frames() ? "frames" : "drawn fixes") +
+                    "; a report takes one with drawn fixes and one by frames");
+  }
+  const auto at = simulation.by_frames() ? input.simulations.end() : input.simulations.begin();
+  input.simulations.insert(at, std::move(simulation));
 }
 
 }  // namespace pilotage

@@ -1,7 +1,6 @@
 #include "pilotage/report/stretch_reasons.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -39,9 +38,7 @@ StretchReasons explain_refused(const Report& report, double from_m, double to_m)
                     (parts.empty() ? " (" + std::to_string(count) + " of " + tiles + " tiles)"
                                    : " (" + std::to_string(count) + ")"));
   }
-  std::string why = join(parts, ", ") + ".";
-  why[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(why[0])));
-  return {why, std::string(reason_words(order.front().first).todo)};
+  return {capitalized(join(parts, ", ") + "."), std::string(reason_words(order.front().first).todo)};
 }
 
 // Whether GNSS is lost there: at the start, or where it is denied from, to a step of the plan's samples.

@@ -186,10 +186,10 @@ std::string loss_curve(const Report& report, const Axes& axes) {
 // Half and 95 of 100 of the simulated flights' true errors; what a chart of the plan's errors cannot hold runs along
 // its top.
 std::string simulated_curves(const Report& report, const Axes& axes) {
-  if (!report.simulation) return "";
+  if (report.simulations.empty()) return "";
   const auto curve = [&](const char* type, const char* what, double SimulatedMark::*error_m) {
     std::string path;
-    for (const SimulatedMark& mark : report.simulation->marks) {
+    for (const SimulatedMark& mark : report.simulations.front().marks) {
       if (std::isnan(mark.*error_m)) continue;
       path +=
           (path.empty() ? "M" : "L") + kSvg.number(axes.x(mark.distance_m)) + " " + kSvg.number(axes.y(mark.*error_m));

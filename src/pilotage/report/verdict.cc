@@ -6,6 +6,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/base/text.h"
 #include "pilotage/ins/ins_products.h"
+#include "pilotage/report/evidence.h"
 #include "pilotage/report/imagery_age.h"
 #include "pilotage/report/wording.h"
 
@@ -17,6 +18,17 @@ std::string flights_text(double p) {
   const double of_hundred = std::floor(p * 100 + 1e-9);
   if (!(of_hundred >= 1)) return "fewer than 1 of 100 flights stay";
   return format_fixed(of_hundred, 0) + " of 100 flights " + (of_hundred == 1 ? "stays" : "stay");
+}
+
+std::string modelled_headline(const Selection& selection) {
+  if (!selection.probability) {
+    return "the error is predicted up to " + comparison_text(largest_error_m(selection), selection.max_error_m) +
+           ", if what is assumed holds and every fix comes; how often fixes come is not known";
+  }
+  const RouteProbability& route = *selection.probability;
+  return flights_text(route.p_within_limit) + " within " + error_text(selection.max_error_m) + " all the way, " +
+         (too_often_lost(selection) ? "even " : "") + "if what is assumed holds (P = " + probability_comparison(route) +
+         ")";
 }
 
 constexpr std::size_t kMostStretchesNamed = 3;
@@ -38,15 +50,12 @@ QualityStatus verdict_of(const std::vector<QualityRow>& rows) {
   return decided ? verdict : QualityStatus::kBad;
 }
 
-std::string headline(const Selection& selection) {
-  if (!selection.probability) {
-    return "the error is predicted up to " + comparison_text(largest_error_m(selection), selection.max_error_m) +
-           ", if what is assumed holds and every fix comes; how often fixes come is not known";
+std::string headline(const std::vector<QualityRow>& rows, const Selection& selection) {
+  if (const QualityRow* against = contradiction(rows)) {
+    return "the plan is contradicted: " + against->label + ": " + against->value + "; by the model alone " +
+           modelled_headline(selection);
   }
-  const RouteProbability& route = *selection.probability;
-  return flights_text(route.p_within_limit) + " within " + error_text(selection.max_error_m) + " all the way, " +
-         (too_often_lost(selection) ? "even " : "") + "if what is assumed holds (P = " + probability_comparison(route) +
-         ")";
+  return modelled_headline(selection);
 }
 
 std::string verdict_detail(QualityStatus verdict, const std::vector<QualityRow>& rows, const Selection& selection) {
@@ -70,16 +79,21 @@ std::string verdict_detail(QualityStatus verdict, const std::vector<QualityRow>&
   }
   const bool said = gap != nullptr && error_text(gap->error_m) == error_text(error_m);
   if (!said) text += "; " + where + "largest error " + comparison_text(error_m, selection.max_error_m);
+  const QualityRow* against = contradiction(rows);
   for (const QualityRow& row : rows) {
-    if (!row.decides || row.status != verdict || verdict == QualityStatus::kGood) continue;
-    if (row.name == "largest_error" || row.name == "longest_gap" || row.name == "route_probability") continue;
+    if (!row.decides || row.status != verdict || verdict == QualityStatus::kGood || &row == against) continue;
+    if (row.name == "largest_error" || row.name == "longest_gap") continue;
+    if (row.name == "route_probability") {
+      if (verdict == QualityStatus::kMarginal) text += "; " + kIntervalBelow;
+      continue;
+    }
     text += "; " + row.label + ": " + row.value;
   }
   return text;
 }
 
 std::string verdict_sentence(QualityStatus verdict, const std::vector<QualityRow>& rows, const Selection& selection) {
-  return std::string(verdict_name(verdict)) + ": " + (selection.probability ? headline(selection) + "; " : "") +
+  return std::string(verdict_name(verdict)) + ": " + (selection.probability ? headline(rows, selection) + "; " : "") +
          verdict_detail(verdict, rows, selection);
 }
 

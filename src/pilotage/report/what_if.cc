@@ -166,12 +166,14 @@ Json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quali
   json["fix_interval_s"] = selection.tries->interval_s;
   json["min_route_probability"] = selection.probability ? Json(selection.probability->min_p_within_limit) : Json();
   json["matchable_fraction"] = selection.matchable_fraction;
+  json["interval_below"] = kIntervalBelow;
   json["disagreement"] = nullptr;
   if (const auto apart = georeference_disagreement(input)) {
     json["disagreement"] = {{"largest_m", apart->largest_m}, {"median_m", apart->median_m}};
   }
-  static const std::set<std::string> kPredicted = {"largest_error", "longest_gap", "route_probability",
-                                                   "georeference_disagreement", "simulated_flights"};
+  static const std::set<std::string> kPredicted = {"largest_error",     "longest_gap",
+                                                   "route_probability", "georeference_disagreement",
+                                                   "simulated_flights", "rendered_flights"};
   json["others"] = Json::array();
   for (const QualityRow& row : quality) {
     if (!row.decides || kPredicted.contains(row.name)) continue;

@@ -20,8 +20,9 @@ double p_or_zero(const Selection& selection) {
 
 }  // namespace
 
-void judge(JudgedLine& line) {
+void judge(JudgedLine& line, const std::optional<Simulation>& simulation) {
   ReportInput input;
+  if (simulation) input.simulations.push_back(*simulation);
   input.mission = line.mission;
   input.scores = line.scores;
   input.selection = line.selection;
@@ -72,7 +73,7 @@ JudgedLine judge_as_prepare(const PrepareOptions& options, const TileOptions& ti
   line.scores = score_ground(line.mission.ground, score_options_of(options), run.seed, run.threads, progress).scores;
   line.selection = select_tiles(line.mission, line.scores, stored_size(options.build, line.mission.ground),
                                 options.select, run.threads);
-  judge(line);
+  judge(line, fly_plan(line.mission, line.scores, line.selection, options, run.seed, run.threads, progress));
   return line;
 }
 

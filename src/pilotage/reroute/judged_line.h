@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
+#include "pilotage/mission/simulation.h"
 #include "pilotage/reroute/no_fly_zones.h"
 #include "pilotage/reroute/reroute.h"
 
@@ -19,8 +21,9 @@ struct JudgedLine {
   std::string text;  ///< The verdict in one line, as `prepare` prints it.
 };
 
-/// Fills status and text from the rest, by the rows and the words of the report (report/quality.h, report/verdict.h).
-void judge(JudgedLine& line);
+/// Fills status and text from the rest, and from drawn flights where there are any, by the rows and the words of the
+/// report (report/quality.h, report/verdict.h).
+void judge(JudgedLine& line, const std::optional<Simulation>& simulation = std::nullopt);
 
 /// Is a a better line than b, whatever they cost? By verdict, then P, then largest error.
 bool is_safer(const JudgedLine& a, const JudgedLine& b);
@@ -28,7 +31,7 @@ bool is_safer(const JudgedLine& a, const JudgedLine& b);
 /// Its figures for the result.
 RerouteLine figures_of(const JudgedLine& line, const NoFlyZones& zones);
 
-/// Plans, scores and selects a mission as `prepare` does, and judges it. Throws as the stages.
+/// Plans, scores, selects and flies a mission as `prepare` does, and judges it. Throws as the stages.
 JudgedLine judge_as_prepare(const PrepareOptions& options, const TileOptions& tile, const RerouteRun& run,
                             const Progress& progress);
 

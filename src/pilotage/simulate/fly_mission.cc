@@ -49,6 +49,7 @@ class Flying {
     std::size_t mark = 0;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       judge(i);
+      if (i > 0 && !mission_.path.gnss.over_step[i - 1]) look(steps[i - 1].step.dt_s);
       if (mission_.path.gnss.at_sample[i]) hold();
       while (mark < mission_.marks_m.size() && samples_[i].distance_m >= mission_.marks_m[mark] - 1e-6) {
         flight_.marks.push_back(error_now());
@@ -74,6 +75,7 @@ class Flying {
   void hold() {
     hold_by_gnss(drawn_, mission_.path.model, errors_);
     last_taken_s_ = time_s_;
+    flight_.integrity.end_stretch();
   }
 
   ErrorAtMark error_now() const {
@@ -92,6 +94,12 @@ class Flying {
     if (unsure && !flight_.unsure_at) flight_.unsure_at = i;
     if (off && !flight_.off_at) flight_.off_at = i;
     if (off && !flight_.unsure_at && !flight_.unaware_at) flight_.unaware_at = i;
+  }
+
+  /// What the step that led here was flown by: its end, where the error is largest.
+  void look(double dt_s) {
+    flight_.integrity.look(dt_s, largest_sigma_m(drawn_.position_covariance_m2()), drawn_.position_error_m().norm(),
+                           mission_.path.max_error_m);
   }
 
   /// The tile really below.
@@ -157,6 +165,7 @@ class Flying {
     take_fix(drawn_, innovation_m, fix.noise_m2);
     beside_m_ += drawn_.position_error_m() - before_m;
     fix_time_s_ = last_taken_s_ = time_s_;
+    flight_.integrity.end_stretch();
     refusals_ = 0;
     ++(fix.right ? flight_.fixes.right : flight_.fixes.false_taken);
   }

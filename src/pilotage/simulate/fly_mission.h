@@ -41,6 +41,7 @@ struct SimulatedFlight {
   std::optional<std::size_t> unaware_at;  ///< First place where it is off and the filter does not know.
   TriedFixes fixes;
   FoundByP found;
+  IntegrityCount integrity;  ///< Seconds flown without GNSS.
   std::vector<ErrorAtMark> marks;
 
   /// Within the limit all the way, and knew it.

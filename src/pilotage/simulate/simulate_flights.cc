@@ -230,7 +230,12 @@ Simulation sum_up(const Campaign& campaign, const std::vector<SimulatedFlight>& 
   result.unaware = share_of(flights, [](const SimulatedFlight& f) { return f.unaware_at.has_value(); });
   result.legs = legs_of(mission, flights);
   result.marks = marks_of(mission, flights);
-  for (const SimulatedFlight& flight : flights) add(flight.fixes, result.fixes);
+  IntegrityCount integrity;
+  for (const SimulatedFlight& flight : flights) {
+    add(flight.fixes, result.fixes);
+    integrity.add(flight.integrity);
+  }
+  result.integrity = integrity.result(result.max_error_m);
   result.by_p = bins_of(flights);
   result.notes = campaign.fixes.notes;
   result.not_simulated = campaign.fixes.not_simulated;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -23,11 +22,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostRows = 400;  // of the table of squares; all stand in survey_squares.csv
 constexpr std::size_t kMostCauses = 3;
 
-std::string with_capital(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text;
-}
-
 // What makes the ground weak, over the whole area.
 std::string causes_html(const Survey& survey) {
   const AreaStatistics& all = survey.statistics;
@@ -37,7 +31,7 @@ std::string causes_html(const Survey& survey) {
     const auto& [code, count] = all.reasons[i];
     const ReasonWords& words = reason_words(code);
     const double share = all.share(count);
-    html += "<li class=\"marginal\"><p><span class=\"where\">" + with_capital(std::string(words.what)) +
+    html += "<li class=\"marginal\"><p><span class=\"where\">" + capitalized(std::string(words.what)) +
             "</span></p><p>" + area_text(share * all.area_km2) + ", " +
             percent_text(static_cast<double>(count) / weak) + " of the ground that is not go.</p><p class=\"todo\">" +
             std::string(words.todo) + "</p></li>\n";
@@ -83,7 +77,7 @@ std::string squares_html(const Survey& survey) {
             cell_html("No-go", share(statistics.tiles.no_go)) +
             cell_html("Median P", number_text(statistics.median_p_correct_fix, 2)) +
             cell_html("Surveyed", area_text(statistics.area_km2)) +
-            cell_html("Weak because", with_capital(weak_because(statistics))) + place_cell(square, i) + "</tr>\n";
+            cell_html("Weak because", capitalized(weak_because(statistics))) + place_cell(square, i) + "</tr>\n";
   }
   return html;
 }
@@ -139,7 +133,7 @@ std::string survey_html(const Survey& survey) {
   data["report"] = survey_json(survey);
   data["display"] = survey_display_json(survey);
   std::vector<std::string> assumptions = survey.assumptions;
-  for (std::string& phrase : assumptions) phrase = with_capital(phrase) + ".";
+  for (std::string& phrase : assumptions) phrase = capitalized(phrase) + ".";
   assumptions.push_back("Not looked at: " + survey.not_looked_at + ".");
   return fill_template(
       page_assets::survey_html(),
@@ -153,8 +147,8 @@ std::string survey_html(const Survey& survey) {
                      page_assets::page_panel_js(), page_assets::survey_squares_js(), page_assets::page_start_js()})},
        {"data", script_json(data)},
        {"go_share", html_escape(survey.go_share)},
-       {"answer", html_escape(with_capital(survey.headline)) + "."},
-       {"detail", html_escape(with_capital(survey.detail)) + "."},
+       {"answer", html_escape(capitalized(survey.headline)) + "."},
+       {"detail", html_escape(capitalized(survey.detail)) + "."},
        {"assumptions", list_html(assumptions)},
        {"title_block", title_block_html(survey.title_block)},
        {"causes", causes_html(survey)},

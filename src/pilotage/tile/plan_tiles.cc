@@ -57,6 +57,22 @@ double coarsest_gsd_m(const std::vector<ImageryInfo>& infos) {
   return gsd_m;
 }
 
+/// Of an elevation model of which nothing else is known: errors of lidar's models are about a metre, those of global
+/// ones from radar about four (Copernicus DEM, product handbook: 4 m at 90 % linear error on gentle ground).
+double sigma_of_elevation_m(const std::string& elevation) {
+  constexpr double kLidarSpacing_m = 5.5;  // 5 m, by whatever ellipsoid and scale
+  return Elevation(elevation).resolution_m() <= kLidarSpacing_m ? 1 : 4;
+}
+
+void set_elevation(const TileOptions& options, Ground& ground) {
+  ground.elevation = options.elevation;
+  if (options.elevation.empty()) {
+    if (options.elevation_sigma_m) throw UsageError("elevation_sigma_m is of an elevation model, and none is given");
+    return;
+  }
+  ground.elevation_sigma_m = options.elevation_sigma_m.value_or(sigma_of_elevation_m(options.elevation));
+}
+
 // The ground's height above sea level: of the elevation model, or flat at home where the route's heights need one and
 // only home's is known.
 TerrainHeight open_terrain(const std::string& elevation, const std::optional<double>& flat_ground_amsl_m) {
@@ -374,7 +390,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   const auto infos = inspect_all(options, progress);
   add_imagery(mission, options, infos);
   warn_of_mistakes(options, infos, mission);
-  mission.ground.elevation = options.elevation;
+  set_elevation(options, mission.ground);
   mission.flight.route_file = options.route;
   mission.ground.imagery.options = options.imagery_options;
   mission.flight.route = read_route(options.route, options.route_options);

@@ -23,6 +23,7 @@ struct TileOptions {
   std::vector<std::string> imagery;
   std::string route;
   std::string elevation;
+  std::optional<double> elevation_sigma_m;
   ImageryOptions imagery_options;
   RouteOptions route_options;
   CameraOptions camera;
@@ -48,6 +49,10 @@ struct TileOptions {
                 "Route file: QGroundControl plan, QGC WPL 110, DJI mission, Litchi CSV, UgCS, KML, KMZ, GPX, GeoJSON, "
                 "GeoPackage.");
     fields.path("elevation", self.elevation, "Elevation model: a GDAL dataset, metres above mean sea level.");
+    fields.field("elevation_sigma_m", self.elevation_sigma_m,
+                 "Standard deviation of its heights, which the map tells the matcher. Default: 1 of a model with a "
+                 "height every 5 m or closer, as lidar gives it, 4 of a coarser one, as Copernicus.",
+                 Range{0, 100});
     fields.field(
         "imagery_date", self.imagery_date,
         "Date of the imagery in UTC, as 2023-06-14 or 2023-06-14T10:30:00Z: one for all, or one for each; that "

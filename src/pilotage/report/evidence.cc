@@ -1,0 +1,148 @@
+#include "pilotage/report/evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/statistics.h"
+#include "pilotage/base/text.h"
+#include "pilotage/mission/simulation_file.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kMarginalSigmas = 2;
+constexpr double kBadSigmas = 3;
+constexpr double kSameP = 1e-9;
+
+/// A kind of evidence: what it is called, the row of the quality table that holds it, how to get it.
+struct EvidenceKind {
+  std::string_view word;
+  std::string_view what;
+  std::string_view row;
+  std::string_view get_it;
+};
+
+// Strongest first.
+constexpr std::array<EvidenceKind, 4> kKinds = {
+    {{"flown", "flights that were flown", "flown_flights",
+      "`pilotage replay` holds flights against the plan, `report --replay` takes it"},
+     {"rendered", "flights by frames of another date", "rendered_flights",
+      "`pilotage simulate --fixes rendered --world` flies frames of another date, `report --simulation` takes it"},
+     {"drawn", "drawn flights", "simulated_flights",
+      "`pilotage simulate` draws flights, `report --simulation` takes it"},
+     {"modelled", "a P of the route", "route_probability", "score with the measure `correct_fix`: no tile has a P"}}};
+
+std::string sigmas_text(double z) {
+  return (z < 0 ? "−" : "+") + format_fixed(std::abs(z), 1) + " σ";
+}
+
+/// More false fixes than the rate that the plan reckons with.
+bool too_many_false(const FlownAgainstPlan& flown, const Selection& selection) {
+  if (flown.false_taken == 0 || !selection.tries) return false;
+  return binomial_interval(flown.false_taken, flown.without_right).low > selection.tries->false_fix_rate;
+}
+
+const QualityRow* row_named(const std::vector<QualityRow>& rows, std::string_view name) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const QualityRow& row) { return row.name == name; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+void refuse_other_replay(const ReplayNote& replay, const Selection& selection) {
+  if (!replay.planned_p || !selection.probability) return;
+  const double here = selection.probability->p_within_limit;
+  if (std::abs(*replay.planned_p - here) <= kSameP) return;
+  throw DataError(replay.file + ": was held against a plan of P " + probability_text(*replay.planned_p) +
+                  ", and here it is " + probability_text(here) + "; run `pilotage replay --plan` again");
+}
+
+QualityRow flown_row(const FlownAgainstPlan& flown, const Selection& selection) {
+  QualityRow row;
+  row.name = "flown_flights";
+  row.label = "Fixes that came on flown flights";
+  row.kind = NumberKind::kMeasured;
+  row.unit = "1";
+  row.threshold =
+      "bad where fewer came than predicted by 3 σ with the level of the place; marginal by 2, by 3 σ were tries "
+      "independent, or with more false fixes than are reckoned with";
+  row.decides = true;
+  if (flown.tries > 0) {
+    row.number = static_cast<double>(flown.fixes) / static_cast<double>(flown.tries);
+    row.value = share_text(simulated_share(flown.fixes, flown.tries)) + ", " + std::to_string(flown.fixes) + " of " +
+                std::to_string(flown.tries) + " tries; predicted " + probability_text(flown.predicted) + ": " +
+                sigmas_text(flown.z_with_level) + " with the level of the place, " + sigmas_text(flown.z) +
+                " were tries independent";
+  } else {
+    row.value = "no try over a stored tile with a P";
+  }
+  if (flown.z_with_level < -kBadSigmas) {
+    row.status = QualityStatus::kBad;
+  } else if (flown.z_with_level < -kMarginalSigmas || flown.z < -kBadSigmas) {
+    row.status = QualityStatus::kMarginal;
+  }
+  if (row.status != QualityStatus::kGood) {
+    row.advice =
+        "This ground is found less often than its P says: refit P with what was flown (replay --calibration, "
+        "calibrate), or refresh the imagery.";
+  }
+  if (too_many_false(flown, selection)) {
+    row.status = std::max(row.status, QualityStatus::kMarginal);
+    row.value += "; false " + share_text(simulated_share(flown.false_taken, flown.without_right)) +
+                 " of tries without a right fix, " + format_number(selection.tries->false_fix_rate) + " reckoned with";
+    row.advice +=
+        std::string(row.advice.empty() ? "" : " ") +
+        "More fixes are false than are reckoned with: look at them (replay --fixes) before flying by this map.";
+  }
+  return row;
+}
+
+std::vector<const QualityRow*> evidence_rows(const std::vector<QualityRow>& rows) {
+  std::vector<const QualityRow*> found;
+  for (const EvidenceKind& kind : kKinds) {
+    if (const QualityRow* row = row_named(rows, kind.row)) found.push_back(row);
+  }
+  return found;
+}
+
+const QualityRow* contradiction(const std::vector<QualityRow>& rows) {
+  const std::vector<const QualityRow*> chain = evidence_rows(rows);
+  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+    if (chain[i]->decides && chain[i]->status == QualityStatus::kBad) return chain[i];
+  }
+  return nullptr;
+}
+
+std::string missing_evidence(const std::vector<QualityRow>& rows) {
+  std::vector<std::string> missing;
+  for (const EvidenceKind& kind : kKinds) {
+    if (row_named(rows, kind.row) == nullptr) missing.emplace_back(kind.what);
+  }
+  return missing.empty() ? "" : "Not there: " + join(missing, ", ") + ".";
+}
+
+std::vector<std::string> evidence_lines(const std::vector<QualityRow>& rows) {
+  std::vector<std::string> lines;
+  for (const EvidenceKind& kind : kKinds) {
+    const QualityRow* row = row_named(rows, kind.row);
+    lines.push_back(std::string(kind.word) + ": " +
+                    (row != nullptr ? row->value + " (" + std::string(status_name(row->status)) + ")"
+                                    : "none; " + std::string(kind.get_it)));
+  }
+  return lines;
+}
+
+std::string evidence_line(const std::vector<QualityRow>& rows) {
+  std::vector<std::string> said;
+  for (const EvidenceKind& kind : kKinds) {
+    const QualityRow* row = row_named(rows, kind.row);
+    said.push_back(std::string(kind.word) + " " +
+                   (row != nullptr ? row->value + " (" + std::string(status_name(row->status)) + ")" : "none"));
+  }
+  return "evidence, strongest first: " + join(said, "; ");
+}
+
+}  // namespace pilotage
