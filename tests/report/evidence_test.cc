@@ -106,6 +106,12 @@ TEST(Evidence, OfFewFramesEndsAGoOnlyWhereItContradicts) {
                  "[0.187, 0.812], 5 of 10 flights; planned 0.970; frames of later.tif; by the model alone 97 of "
                  "100 flights stay within 50 m"));
   EXPECT_THAT(report_html(report), HasSubstr("The plan is contradicted"));
+  input.selection.probability->p_within_limit = 0.85;
+  input.simulations = {simulated(1700, 2000), simulated(5, 10, "later.tif")};
+  const Report agreed = make_report(input);
+  EXPECT_EQ(contradiction(agreed.quality), nullptr) << "all say no";
+  EXPECT_THAT(agreed.verdict_text, StartsWith("NO-GO: 85 of 100 flights stay"));
+  EXPECT_THAT(agreed.verdict_text, HasSubstr("; Flights by computed frames that stay within the limit: 0.500"));
 }
 
 TEST(Evidence, ThatIsFlownCountsMost) {

@@ -110,10 +110,9 @@ std::vector<const QualityRow*> evidence_rows(const std::vector<QualityRow>& rows
 
 const QualityRow* contradiction(const std::vector<QualityRow>& rows) {
   const std::vector<const QualityRow*> chain = evidence_rows(rows);
-  for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
-    if (chain[i]->decides && chain[i]->status == QualityStatus::kBad) return chain[i];
-  }
-  return nullptr;
+  const auto is_bad = [](const QualityRow* row) { return row->decides && row->status == QualityStatus::kBad; };
+  const auto against = std::find_if(chain.begin(), chain.end(), is_bad);
+  return std::all_of(against, chain.end(), is_bad) ? nullptr : *against;
 }
 
 std::string missing_evidence(const std::vector<QualityRow>& rows) {

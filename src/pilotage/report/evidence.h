@@ -22,7 +22,7 @@ QualityRow flown_row(const FlownAgainstPlan& flown, const Selection& selection);
 /// The rows that the verdict rests on, strongest first: flown, rendered, drawn, modelled; those that are there.
 std::vector<const QualityRow*> evidence_rows(const std::vector<QualityRow>& rows);
 
-/// The strongest row that is bad and stands above another of `evidence_rows`: it contradicts what the plan is made of.
+/// The strongest row that is bad where a weaker one of `evidence_rows` is not: it contradicts what the plan rests on.
 /// nullptr without one.
 const QualityRow* contradiction(const std::vector<QualityRow>& rows);
 
