@@ -82,8 +82,7 @@ TEST(Evidence, IsReadFromTheStrongestDown) {
 
 TEST(Evidence, ThatIsNotThereIsSaid) {
   const std::vector<QualityRow> rows = quality_rows(planned());
-  EXPECT_EQ(missing_evidence(rows),
-            "Not there: flights that were flown, flights by frames of another date, drawn flights.");
+  EXPECT_EQ(missing_evidence(rows), "not there: flown flights, frames of another date, drawn flights");
   const std::vector<std::string> lines = evidence_lines(rows);
   ASSERT_EQ(lines.size(), 4U);
   EXPECT_THAT(lines[1], StartsWith("rendered: none; `pilotage simulate --fixes rendered"));

@@ -17,7 +17,8 @@ constexpr double kMarginalSigmas = 2;
 constexpr double kBadSigmas = 3;
 constexpr double kSameP = 1e-9;
 
-/// A kind of evidence: what it is called, the row of the quality table that holds it, how to get it.
+/// A kind of evidence: what it is called, the words for it where it is not there ("" for the model),
+/// the row of the quality table that holds it, how to get it.
 struct EvidenceKind {
   std::string_view word;
   std::string_view what;
@@ -27,13 +28,13 @@ struct EvidenceKind {
 
 // Strongest first.
 constexpr std::array<EvidenceKind, 4> kKinds = {
-    {{"flown", "flights that were flown", "flown_flights",
+    {{"flown", "flown flights", "flown_flights",
       "`pilotage replay` holds flights against the plan, `report --replay` takes it"},
-     {"rendered", "flights by frames of another date", "rendered_flights",
+     {"rendered", "frames of another date", "rendered_flights",
       "`pilotage simulate --fixes rendered --world` flies frames of another date, `report --simulation` takes it"},
      {"drawn", "drawn flights", "simulated_flights",
       "`pilotage simulate` draws flights, `report --simulation` takes it"},
-     {"modelled", "a P of the route", "route_probability", "score with the measure `correct_fix`: no tile has a P"}}};
+     {"modelled", "", "route_probability", "score with the measure `correct_fix`: no tile has a P"}}};
 
 std::string sigmas_text(double z) {
   return (z < 0 ? "−" : "+") + format_fixed(std::abs(z), 1) + " σ";
@@ -118,9 +119,9 @@ const QualityRow* contradiction(const std::vector<QualityRow>& rows) {
 std::string missing_evidence(const std::vector<QualityRow>& rows) {
   std::vector<std::string> missing;
   for (const EvidenceKind& kind : kKinds) {
-    if (row_named(rows, kind.row) == nullptr) missing.emplace_back(kind.what);
+    if (!kind.what.empty() && row_named(rows, kind.row) == nullptr) missing.emplace_back(kind.what);
   }
-  return missing.empty() ? "" : "Not there: " + join(missing, ", ") + ".";
+  return missing.empty() ? "" : "not there: " + join(missing, ", ");
 }
 
 std::vector<std::string> evidence_lines(const std::vector<QualityRow>& rows) {

@@ -26,7 +26,8 @@ std::vector<const QualityRow*> evidence_rows(const std::vector<QualityRow>& rows
 /// nullptr without one.
 const QualityRow* contradiction(const std::vector<QualityRow>& rows);
 
-/// "Not there: flights that were flown, frames of another date." What stronger evidence is missing; "" where none is.
+/// "not there: flown flights, frames of another date": what stronger evidence than the model is missing; "" where none
+/// is.
 std::string missing_evidence(const std::vector<QualityRow>& rows);
 
 /// One line for each kind, strongest first: what it says and how good that is, or how to get it.

@@ -56,20 +56,19 @@ std::string answer_text(const Report& report) {
   return capitalized(report.headline) + ".";
 }
 
-// What the verdict rests on, strongest first, and what of it is not there.
+// What the verdict rests on, strongest first: what is stronger than the model, which the headline tells, and what of
+// that is not there.
 std::string evidence_html(const Report& report) {
   std::string html;
   for (const QualityRow* row : evidence_rows(report.quality)) {
+    if (row->kind == NumberKind::kModelled) continue;
     html += "      <li>" + badge(status_name(row->status)) + " " + kind_mark(row->kind) + " " +
             html_escape(row->label + ": " + row->value) + "</li>\n";
   }
-  if (!report.probability) {
-    html +=
-        "      <li>" + kind_mark(NumberKind::kModelled) + " by the inertial error model alone: no tile has a P</li>\n";
-  }
   const std::string missing = missing_evidence(report.quality);
-  if (!missing.empty()) html += "      <li>" + html_escape(missing) + "</li>\n";
-  return html;
+  return html + "      <li>" + kind_mark(NumberKind::kModelled) + " by the inertial error model" +
+         (report.probability ? " and the tiles' P" : "") + (missing.empty() ? "" : "; " + html_escape(missing)) +
+         "</li>\n";
 }
 
 std::string places_heading(const Report& report) {
