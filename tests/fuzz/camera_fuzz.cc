@@ -39,7 +39,7 @@ CameraText pairs_of(const std::string& text) {
 void fuzz_camera(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   try {
-    check_camera(parse_camera_yaml("fuzz", text));
+    check_camera(parse_camera_file("fuzz", text));
   } catch (const DataError&) {
   }
   try {

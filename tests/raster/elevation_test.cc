@@ -87,6 +87,36 @@ TEST(Elevation, KnowsUnitScaleAndOffset) {
   EXPECT_THAT(elevation.vertical_datum(), HasSubstr("in ft"));
 }
 
+TEST(Elevation, KnowsEverySpellingOfAUnit) {
+  const TemporaryFolder folder;
+  const auto metres_of_seven = [&](const char* unit) {
+    RasterSpec spec = heights(GDT_Float32);
+    spec.value = [](int, int, int) { return 7; };
+    spec.finish = [unit](GDALDataset& dataset) { dataset.GetRasterBand(1)->SetUnitType(unit); };
+    const Elevation elevation(make_raster(folder / "dem.tif", spec));
+    const CrsTransform utm(Crs::from_user_input("EPSG:32633"));
+    return elevation.amsl_m(*utm.geodetic_from_map(spec.place.map_from_pixel({300, 200})));
+  };
+  for (const char* unit : {"", "m", "M", "Metre", "meters"}) EXPECT_NEAR(metres_of_seven(unit), 7, 1e-9) << unit;
+  for (const char* unit : {"ft", "FT", "Feet", "FEET", "Foot", "foot (International)", "international_foot"}) {
+    EXPECT_NEAR(metres_of_seven(unit), 7 * 0.3048, 1e-9) << unit;
+  }
+  for (const char* unit :
+       {"us-ft", "US survey foot", "US_survey_foot", "Foot_US", "ftUS", "foot (U.S. survey)", "U.S. Feet"}) {
+    EXPECT_NEAR(metres_of_seven(unit), 7 * 1200.0 / 3937.0, 1e-9) << unit;
+  }
+  EXPECT_NEAR(metres_of_seven("Clarke's foot"), 7 * 0.3047972654, 1e-9);
+  EXPECT_NEAR(metres_of_seven("decimetre"), 0.7, 1e-9);
+  EXPECT_NEAR(metres_of_seven("CM"), 0.07, 1e-9);
+  EXPECT_NEAR(metres_of_seven("mm"), 0.007, 1e-9);
+  EXPECT_NEAR(metres_of_seven("Kilometres"), 7000, 1e-9);
+  for (const char* unit : {"furlong", "degree", "gal", "mft"}) {
+    EXPECT_THAT([&] { metres_of_seven(unit); },
+                ::testing::ThrowsMessage<DataError>(
+                    HasSubstr("its heights are in \"" + std::string(unit) + "\", a unit that is not known")));
+  }
+}
+
 TEST(Elevation, TakesTheGeoidOffEllipsoidalHeights) {
   const TemporaryFolder folder;
   RasterSpec spec;

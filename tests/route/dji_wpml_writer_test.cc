@@ -11,7 +11,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/route/ogr_xml.h"
+#include "pilotage/raster/gdal_xml.h"
 
 namespace pilotage {
 namespace {

@@ -1,10 +1,12 @@
 #include "pilotage/camera/camera_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <initializer_list>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
@@ -12,6 +14,8 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
+#include "pilotage/camera/photogrammetry_cameras.h"
+#include "pilotage/raster/gdal_xml.h"
 
 namespace pilotage {
 namespace {
@@ -72,8 +76,10 @@ struct YamlMap {
     return result;
   }
 
-  /// The numbers of a matrix written as {rows, cols, data}; their count must be rows × cols.
+  /// The numbers of a matrix written as {rows, cols, data}, whose count must be rows × cols, as a list, or as a list of
+  /// rows.
   std::vector<double> matrix(const std::string& key, const YAML::Node& value) const {
+    if (value.IsSequence()) return listed(key, value);
     if (!value.IsMap()) fail(key + " is not a matrix with rows, cols and data");
     const YamlMap map{name + ": " + key, value};
     const auto dimension = [&](const char* what) {
@@ -88,6 +94,18 @@ struct YamlMap {
     const std::vector<double> result = data ? map.numbers("data", data->second) : std::vector<double>{};
     if (static_cast<double>(result.size()) != count) {
       map.fail("data has " + std::to_string(result.size()) + " numbers, rows x cols is " + format_number(count));
+    }
+    return result;
+  }
+
+ private:
+  std::vector<double> listed(const std::string& key, const YAML::Node& value) const {
+    if (value.size() == 0 || !value[0].IsSequence()) return numbers(key, value);
+    std::vector<double> result;
+    for (const auto& row : value) {
+      const std::vector<double> of_row = numbers(key, row);
+      result.insert(result.end(), of_row.begin(), of_row.end());
+      if (result.size() > 64) fail(key + " has more than 64 numbers");
     }
     return result;
   }
@@ -130,6 +148,57 @@ void set_distortion(const YamlMap& map, const std::string& key, bool fisheye, co
   }
 }
 
+/// A whole number of a ROS message; `unsaid` where it is not there.
+int count_of(const YamlMap& map, const char* key, int unsaid) {
+  const auto found = map.find({key});
+  if (!found) return unsaid;
+  const double count = map.number(found->first, found->second);
+  if (count >= 0 && count <= 100000 && count == std::floor(count)) return static_cast<int>(count);
+  map.fail(found->first + " = " + found->second.Scalar() + " is not a whole number in [0, 100000]");
+}
+
+/// A ROS driver sends a part of the sensor (roi, in full pixels; all 0: the whole) in larger pixels (binning; 0: as 1).
+/// Size and matrix of the file are those of the whole sensor in full pixels; the camera becomes that of the pictures.
+void cut_and_bin(const YamlMap& map, Camera& camera) {
+  int left_px = 0;
+  int top_px = 0;
+  if (const auto roi = map.find({"roi"}); roi && roi->second.IsMap()) {
+    const YamlMap part{map.name + ": roi", roi->second};
+    left_px = count_of(part, "x_offset", 0);
+    top_px = count_of(part, "y_offset", 0);
+    const int width_px = count_of(part, "width", 0);
+    const int height_px = count_of(part, "height", 0);
+    if ((width_px == 0) != (height_px == 0)) part.fail("width and height are 0 together, or neither");
+    if (left_px + width_px > camera.width_px || top_px + height_px > camera.height_px) {
+      part.fail("leaves the image of " + std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) +
+                " px");
+    }
+    if (width_px == 0 && (left_px != 0 || top_px != 0)) part.fail("x_offset and y_offset are of a part without a size");
+    if (width_px > 0) {
+      camera.width_px = width_px;
+      camera.height_px = height_px;
+    }
+  }
+  const int across = std::max(1, count_of(map, "binning_x", 1));
+  const int down = std::max(1, count_of(map, "binning_y", 1));
+  if (across > camera.width_px || down > camera.height_px) map.fail("binning leaves no pixel");
+  camera.width_px /= across;
+  camera.height_px /= down;
+  camera.fx_px /= across;
+  camera.fy_px /= down;
+  camera.cx_px = (camera.cx_px - left_px) / across;
+  camera.cy_px = (camera.cy_px - top_px) / down;
+}
+
+/// Of four coefficients both readings are possible, and they put a ray at 45° elsewhere by a fifth of its radius.
+void refuse_four_without_a_model(const YamlMap& map, const std::string& key, const std::vector<double>& coefficients) {
+  const bool all_zero = std::all_of(coefficients.begin(), coefficients.end(), [](double k) { return k == 0; });
+  if (coefficients.size() != 4 || all_zero) return;
+  map.fail(key +
+           " has four numbers and no model: OpenCV's fisheye writes four (k1 … k4), and so does Brown-Conrady "
+           "without k3 (k1, k2, p1, p2); add \"distortion_model: equidistant\" or \"distortion_model: plumb_bob\"");
+}
+
 /// ROS and OpenCV name nearly the same things.
 Camera camera_from_matrices(const YamlMap& map) {
   Camera camera;
@@ -137,18 +206,21 @@ Camera camera_from_matrices(const YamlMap& map) {
   const auto height = map.require({"image_height", "image_Height", "imageHeight", "height"});
   camera.width_px = map.size(width.first, width.second);
   camera.height_px = map.size(height.first, height.second);
-  const auto matrix = map.require({"camera_matrix", "Camera_Matrix", "cameraMatrix", "K"});
+  const auto matrix = map.require({"camera_matrix", "Camera_Matrix", "cameraMatrix", "K", "k"});
   set_camera_matrix(map, matrix.first, map.matrix(matrix.first, matrix.second), camera);
 
   bool fisheye = false;
+  bool says_model = false;
   if (const auto flag = map.find({"fisheye_model"})) {
     const double value = map.number(flag->first, flag->second);
     if (value != 0 && value != 1) map.fail(flag->first + " = " + format_number(value) + " is not 0 or 1");
     fisheye = value == 1;
+    says_model = true;
   }
   if (const auto model = map.find({"distortion_model"})) {
     const std::string name = map.text(model->first, model->second);
     const std::set<std::string> brown{"plumb_bob", "radtan", "rational_polynomial", ""};
+    says_model = says_model || !name.empty();
     if (name == "equidistant" || name == "fisheye") {
       fisheye = true;
     } else if (!brown.contains(name)) {
@@ -156,14 +228,31 @@ Camera camera_from_matrices(const YamlMap& map) {
                "\" is not one of: plumb_bob, radtan, rational_polynomial, equidistant, fisheye");
     }
   }
-  const auto distortion =
-      map.find({"distortion_coefficients", "Distortion_Coefficients", "distortionCoefficients", "distCoeffs", "D"});
+  const auto distortion = map.find(
+      {"distortion_coefficients", "Distortion_Coefficients", "distortionCoefficients", "distCoeffs", "D", "d"});
   if (distortion) {
-    set_distortion(map, distortion->first, fisheye, map.matrix(distortion->first, distortion->second), camera);
+    const std::vector<double> coefficients = map.matrix(distortion->first, distortion->second);
+    if (!says_model) refuse_four_without_a_model(map, distortion->first, coefficients);
+    set_distortion(map, distortion->first, fisheye, coefficients, camera);
   } else {
     set_distortion(map, "distortion_coefficients", fisheye, {}, camera);
   }
+  cut_and_bin(map, camera);
   return camera;
+}
+
+/// OpenCV's storage as XML, as the YAML that it could have been.
+YAML::Node yaml_of(const XmlElement& element, bool is_data) {
+  if (is_data) {
+    YAML::Node list(YAML::NodeType::Sequence);
+    std::istringstream words(element.text);
+    for (std::string word; words >> word;) list.push_back(word);
+    return list;
+  }
+  if (element.children.empty()) return YAML::Node(element.text);
+  YAML::Node map(YAML::NodeType::Map);
+  for (const XmlElement& child : element.children) map.force_insert(child.name, yaml_of(child, child.name == "data"));
+  return map;
 }
 
 Camera camera_from_kalibr(const YamlMap& map) {
@@ -208,9 +297,7 @@ std::vector<std::string> kalibr_cameras(const YAML::Node& root) {
   return names;
 }
 
-}  // namespace
-
-Camera parse_camera_yaml(const std::string& name, std::string_view text) {
+Camera camera_from_yaml(const std::string& name, std::string_view text) {
   YAML::Node root;
   try {
     root = YAML::Load(std::string(text));
@@ -227,17 +314,39 @@ Camera parse_camera_yaml(const std::string& name, std::string_view text) {
   } else if (cameras.size() == 1) {
     const std::string& key = cameras.front();
     camera = camera_from_kalibr({name + ": " + key, map.require({key.c_str()}).second});
-  } else if (map.find({"camera_matrix", "Camera_Matrix", "cameraMatrix", "K"})) {
+  } else if (map.find({"camera_matrix", "Camera_Matrix", "cameraMatrix", "K", "k"})) {
     camera = camera_from_matrices(map);
   } else {
-    map.fail("not a camera calibration of ROS or OpenCV (no camera_matrix) or Kalibr (no camera_model)");
+    map.fail("not a camera calibration of ROS or OpenCV (no camera_matrix, K or k) or Kalibr (no camera_model)");
+  }
+  return camera;
+}
+
+}  // namespace
+
+Camera parse_camera_file(const std::string& name, std::string_view text) {
+  Camera camera;
+  if (looks_like_colmap_cameras(text)) {
+    camera = parse_colmap_cameras(name, text);
+  } else if (text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size())).starts_with('<')) {
+    const XmlElement root = parse_xml(name, text);
+    if (root.name == "calibration") {
+      camera = parse_agisoft_calibration(name, text);
+    } else if (root.name == "opencv_storage") {
+      camera = camera_from_matrices({name, yaml_of(root, false)});
+    } else {
+      throw DataError(name + ": not a camera calibration: XML with the root <" + root.name.substr(0, 40) +
+                      ">; OpenCV's is <opencv_storage>, Agisoft's <calibration>");
+    }
+  } else {
+    camera = camera_from_yaml(name, text);
   }
   check_camera(name, camera);
   return camera;
 }
 
 Camera read_camera_file(const std::filesystem::path& path) {
-  return parse_camera_yaml(path.string(), read_file(path, kMaxFileBytes));
+  return parse_camera_file(path.string(), read_file(path, kMaxFileBytes));
 }
 
 }  // namespace pilotage

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <list>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
@@ -19,14 +22,55 @@ namespace {
 constexpr int kBlockSide = 256;
 constexpr std::size_t kBlocksKept = 32;  // 32 × 256² doubles and masks: 19 MB
 
+/// The name of a unit in small letters and figures, a blank for everything else: "US_survey_foot" is "us survey foot".
+std::string plain_unit(const std::string& unit) {
+  std::string plain;
+  for (const char c : unit) {
+    const auto letter = static_cast<unsigned char>(c);
+    const bool kept = std::isalnum(letter) != 0;
+    if (kept) plain += static_cast<char>(std::tolower(letter));
+    if (!kept && !plain.empty() && plain.back() != ' ') plain += ' ';
+  }
+  if (plain.ends_with(' ')) plain.pop_back();
+  return plain;
+}
+
+/// A unit of height, metres in it (EPSG's figures), and how it is spelt by those who write rasters.
+struct HeightUnit {
+  double metres;
+  std::vector<std::string_view> names;
+};
+
+const std::vector<HeightUnit>& height_units() {
+  static const std::vector<HeightUnit> units = {
+      {1, {"", "m", "metre", "meter", "metres", "meters"}},
+      {0.3048,
+       {"ft", "foot", "feet", "foot international", "feet international", "ft international", "international foot",
+        "international feet", "intl foot", "intl feet", "intl ft", "foot intl", "feet intl", "ft intl"}},
+      {1200.0 / 3937.0, {"us ft",           "usft",           "ft us",           "ftus",
+                         "us foot",         "us feet",        "foot us",         "feet us",
+                         "us survey foot",  "us survey feet", "us survey ft",    "survey foot",
+                         "survey feet",     "survey ft",      "foot us survey",  "feet us survey",
+                         "ft us survey",    "ussurveyfoot",   "u s survey foot", "u s survey feet",
+                         "foot u s survey", "foot u s",       "feet u s",        "u s foot",
+                         "u s feet",        "foot survey us"}},
+      {0.3047972654, {"clarke s foot", "clarke foot", "foot clarke", "clarke s feet"}},
+      {0.304799514, {"indian foot", "indian feet", "ind ft", "foot indian"}},
+      {0.304799472, {"british foot sears 1922", "british foot", "foot british"}},
+      {0.9144, {"yd", "yard", "yards"}},
+      {0.1, {"dm", "decimetre", "decimeter", "decimetres", "decimeters"}},
+      {0.01, {"cm", "centimetre", "centimeter", "centimetres", "centimeters"}},
+      {0.001, {"mm", "millimetre", "millimeter", "millimetres", "millimeters"}},
+      {1000, {"km", "kilometre", "kilometer", "kilometres", "kilometers"}}};
+  return units;
+}
+
 /// Metres per unit of a band's unit as GDAL gives it; nothing when it is not known.
 std::optional<double> metres_of(const std::string& unit) {
-  if (unit.empty() || unit == "m" || unit == "metre" || unit == "meter" || unit == "metres" || unit == "meters")
-    return 1.0;
-  if (unit == "ft" || unit == "foot" || unit == "feet") return 0.3048;
-  if (unit == "us-ft" || unit == "US survey foot" || unit == "ftUS" || unit == "us_survey_foot") return 1200.0 / 3937.0;
-  if (unit == "dm") return 0.1;
-  if (unit == "cm") return 0.01;
+  const std::string plain = plain_unit(unit);
+  for (const HeightUnit& known : height_units()) {
+    if (std::find(known.names.begin(), known.names.end(), plain) != known.names.end()) return known.metres;
+  }
   return std::nullopt;
 }
 
@@ -80,10 +124,15 @@ struct Elevation::Impl {
       height_transform.reset();
     }
     const std::optional<double> metres = metres_of(info.unit);
-    metres_per_unit = metres.value_or(1.0);
+    if (!metres) {
+      throw DataError(
+          info.dataset + ": its heights are in \"" + info.unit.substr(0, 40) +
+          "\", a unit that is not known; known are metre, foot, US survey foot, Clarke's, Indian and British "
+          "foot, yard, dm, cm, mm and km: say it with gdal_edit.py -units m");
+    }
+    metres_per_unit = *metres;
     vertical_datum = "assumed to be metres above mean sea level";
-    if (metres && *metres != 1) vertical_datum = "assumed to be above mean sea level, in " + info.unit;
-    if (!metres) vertical_datum += " (its unit \"" + info.unit + "\" is not known)";
+    if (*metres != 1) vertical_datum = "assumed to be above mean sea level, in " + info.unit;
     if (info.crs.has_height()) {
       vertical_datum += " (PROJ has no grid here to transform the heights of \"" + info.crs.name() + "\")";
     }

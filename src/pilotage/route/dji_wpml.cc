@@ -9,9 +9,9 @@
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_products.h"
+#include "pilotage/raster/gdal_xml.h"
 #include "pilotage/route/corner_cut.h"
 #include "pilotage/route/ogr_route.h"
-#include "pilotage/route/ogr_xml.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_size.h"
 

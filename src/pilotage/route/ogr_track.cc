@@ -8,7 +8,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
-#include "pilotage/route/ogr_xml.h"
+#include "pilotage/raster/gdal_xml.h"
 #include "pilotage/route/route_builder.h"
 
 namespace pilotage {

@@ -1,4 +1,4 @@
-#include "pilotage/route/ogr_xml.h"
+#include "pilotage/raster/gdal_xml.h"
 
 #include <algorithm>
 #include <memory>
@@ -11,7 +11,7 @@
 namespace pilotage {
 namespace {
 
-constexpr int kMaxXmlDepth = 64;
+constexpr int kDeepestElement = 64;
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kXmlBlanks = " \t\r\n";
@@ -21,8 +21,8 @@ std::string_view trimmed(std::string_view text) {
 }
 
 XmlElement element_of(const CPLXMLNode& node, const std::string& name, int depth) {
-  if (depth > kMaxXmlDepth) {
-    throw DataError(name + ": its XML is nested deeper than " + std::to_string(kMaxXmlDepth) + " elements");
+  if (depth > kDeepestElement) {
+    throw DataError(name + ": its XML is nested deeper than " + std::to_string(kDeepestElement) + " elements");
   }
   XmlElement element;
   const std::string_view full_name = node.pszValue;

@@ -1,4 +1,4 @@
-#include "pilotage/route/ogr_xml.h"
+#include "pilotage/raster/gdal_xml.h"
 
 #include <string>
 
