@@ -159,8 +159,7 @@ std::vector<std::string> explain_outputs(const std::filesystem::path& folder, co
     need_file(name, "prepare");
     try {
       add_simulation(input, read_simulation(name), name,
-                     {input_file("plan", file("plan.json"), ""), input_file("table", file("tiles.csv"), ""),
-                      input_file("selection", file("selection.json"), "")});
+                     simulated_inputs(file("plan.json"), file("tiles.csv"), file("selection.json")));
     } catch (const DataError& error) {
       throw IntegrityError(folder.string() +
                            ": plan.json, tiles.csv and selection.json are not those of report.json: " + error.what());

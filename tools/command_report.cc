@@ -91,11 +91,9 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
     input.evaluation = read_evaluation_note(options.evaluation);
     input.inputs.push_back(input_file("evaluation", input.evaluation->file, ""));
   }
-  const std::vector<InputFile> simulated_files = {input_file("plan", invocation.inputs.front(), ""),
-                                                  input_file("table", options.files.table, ""),
-                                                  input_file("selection", options.files.selection, "")};
   for (const std::string& file : options.simulation) {
-    add_simulation(input, read_simulation(file), file, simulated_files);
+    add_simulation(input, read_simulation(file), file,
+                   simulated_inputs(invocation.inputs.front(), options.files.table, options.files.selection));
     input.inputs.push_back(input_file("simulation", file, ""));
   }
   if (!options.envelope.empty()) {

@@ -111,8 +111,7 @@ CommandResult run_simulate(const SimulateCommandOptions& options, const Invocati
   const StageFileOptions names = stage_files_beside(plan, options.files);
   const StageFiles files = read_stage_files(plan.string(), names);
   auto [simulation, text] = fly(files, plan, options, invocation);
-  simulation.inputs = {input_file("plan", plan.string(), ""), input_file("table", names.table, ""),
-                       input_file("selection", names.selection, "")};
+  simulation.inputs = simulated_inputs(plan.string(), names.table, names.selection);
   CommandResult result;
   result.json = simulation_to_json(simulation);
   OutputFile output(invocation.output, invocation.overwrite);

@@ -1,6 +1,7 @@
 #include "pilotage/camera/camera_file.h"
 
 #include "testing/error_of.h"
+#include "testing/replaced.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +14,7 @@ namespace pilotage {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::replaced;
 
 const std::string kRos = R"(image_width: 640
 image_height: 480
@@ -67,12 +69,6 @@ Camera expected_camera(double k3) {
   camera.distortion_model = DistortionModel::kBrownConrady;
   camera.distortion = {-0.25, 0.07, 1.5e-4, -2e-4, k3};
   return camera;
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
 }
 
 std::string yaml_error(const std::string& yaml) {

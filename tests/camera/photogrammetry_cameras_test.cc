@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "testing/error_of.h"
+#include "testing/replaced.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,6 +15,7 @@ namespace pilotage {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::replaced;
 
 const std::string kColmap = R"(# Camera list with one line of data per camera:
 #   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
@@ -38,12 +40,6 @@ const std::string kAgisoft = R"(<?xml version="1.0" encoding="UTF-8"?>
   <date>2025-10-09T08:53:20Z</date>
 </calibration>
 )";
-
-std::string with(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
 
 std::string problem(const std::string& text) {
   return testing::error_of<DataError>([&] { parse_camera_file("c", text); });
@@ -76,12 +72,13 @@ TEST(ColmapCameras, AllModels) {
 }
 
 TEST(ColmapCameras, ErrorsNameTheLine) {
-  EXPECT_THAT(problem(with(kColmap, "OPENCV", "FOV")), HasSubstr("c: line 4: the camera model FOV cannot be used"));
+  EXPECT_THAT(problem(replaced(kColmap, "OPENCV", "FOV")), HasSubstr("c: line 4: the camera model FOV cannot be used"));
   EXPECT_EQ(problem(kColmap + kColmap), "c: holds 2 cameras of COLMAP; keep one of them");
-  EXPECT_EQ(problem(with(kColmap, " -0.002", "")),
+  EXPECT_EQ(problem(replaced(kColmap, " -0.002", "")),
             "c: line 4: OPENCV has 7 numbers, expected fx, fy, cx, cy, k1, k2, p1, p2");
-  EXPECT_EQ(problem(with(kColmap, "1490", "x")), "c: line 4: fy = \"x\" is not a finite number");
-  EXPECT_EQ(problem(with(kColmap, "1920", "1920.5")), "c: line 4: width = 1920.5 is not a whole number in [1, 100000]");
+  EXPECT_EQ(problem(replaced(kColmap, "1490", "x")), "c: line 4: fy = \"x\" is not a finite number");
+  EXPECT_EQ(problem(replaced(kColmap, "1920", "1920.5")),
+            "c: line 4: width = 1920.5 is not a whole number in [1, 100000]");
   EXPECT_THAT(problem("1 FULL_OPENCV 640 480 500 500 320 240 0 0 0 0 0 0.5 0 0"),
               HasSubstr("k4 = 0.5 is of a distortion model that cannot be used"));
 }
@@ -94,18 +91,18 @@ TEST(AgisoftCalibration, CountsFromTheMiddleAndNamesP1TheOtherWay) {
   EXPECT_EQ(camera.cx_px, 963.5);
   EXPECT_EQ(camera.cy_px, 598);
   EXPECT_EQ(camera.distortion, (std::array<double, 5>{-0.012, 0.009, -0.002, 0.001, 0.0001}));
-  const std::string fisheye = with(with(with(kAgisoft, "frame", "fisheye"), "0.001", "0"), "-0.002", "0");
+  const std::string fisheye = replaced(replaced(replaced(kAgisoft, "frame", "fisheye"), "0.001", "0"), "-0.002", "0");
   EXPECT_EQ(parse_camera_file("c.xml", fisheye).distortion, (std::array<double, 5>{-0.012, 0.009, 0.0001, 0, 0}));
 }
 
 TEST(AgisoftCalibration, ErrorsNameTheElement) {
-  EXPECT_EQ(problem(with(kAgisoft, "<f>1500</f>", "")), "c: <f> is missing");
-  EXPECT_EQ(problem(with(kAgisoft, "<f>1500</f>", "<f>1500</f><f>1</f>")), "c: <f> stands there 2 times");
-  EXPECT_THAT(problem(with(kAgisoft, "frame", "spherical")), HasSubstr("only frame and fisheye can"));
-  EXPECT_EQ(problem(with(kAgisoft, "<b1>10</b1>", "<b2>0.5</b2>")), "c: <b2> = 0.5 is skew, only 0 can be used");
-  EXPECT_THAT(problem(with(kAgisoft, "<k3>0.0001", "<k4>0.0001</k4><k3>0")), HasSubstr("k4 = 1e-04 is of"));
-  EXPECT_THAT(problem(with(kAgisoft, "frame", "fisheye")), HasSubstr("p2 = 0.001 is of"));
-  EXPECT_THAT(problem(with(kAgisoft, "<f>1500</f>", "<fx>1500</fx>")), HasSubstr("old version of Agisoft"));
+  EXPECT_EQ(problem(replaced(kAgisoft, "<f>1500</f>", "")), "c: <f> is missing");
+  EXPECT_EQ(problem(replaced(kAgisoft, "<f>1500</f>", "<f>1500</f><f>1</f>")), "c: <f> stands there 2 times");
+  EXPECT_THAT(problem(replaced(kAgisoft, "frame", "spherical")), HasSubstr("only frame and fisheye can"));
+  EXPECT_EQ(problem(replaced(kAgisoft, "<b1>10</b1>", "<b2>0.5</b2>")), "c: <b2> = 0.5 is skew, only 0 can be used");
+  EXPECT_THAT(problem(replaced(kAgisoft, "<k3>0.0001", "<k4>0.0001</k4><k3>0")), HasSubstr("k4 = 1e-04 is of"));
+  EXPECT_THAT(problem(replaced(kAgisoft, "frame", "fisheye")), HasSubstr("p2 = 0.001 is of"));
+  EXPECT_THAT(problem(replaced(kAgisoft, "<f>1500</f>", "<fx>1500</fx>")), HasSubstr("old version of Agisoft"));
 }
 
 TEST(PhotogrammetryCameras, SurviveTruncationAndFlippedBytes) {

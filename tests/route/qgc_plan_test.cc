@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "route/route_files.h"
+#include "testing/replaced.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,15 +18,10 @@ namespace {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::replaced;
 using testing::route_error;
 using testing::route_file;
 using testing::route_file_error;
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
 
 TEST(QgcPlan, ReadsSurveyCorridorAndLanding) {
   const Route route = read_route(route_file("survey.plan"));

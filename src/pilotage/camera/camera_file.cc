@@ -15,7 +15,6 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/photogrammetry_cameras.h"
-#include "pilotage/raster/gdal_xml.h"
 
 namespace pilotage {
 namespace {
@@ -331,7 +330,7 @@ Camera parse_camera_file(const std::string& name, std::string_view text) {
   } else if (text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size())).starts_with('<')) {
     const XmlElement root = parse_xml(name, text);
     if (root.name == "calibration") {
-      camera = parse_agisoft_calibration(name, text);
+      camera = agisoft_camera(name, root);
     } else if (root.name == "opencv_storage") {
       camera = camera_from_matrices({name, yaml_of(root, false)});
     } else {

@@ -10,7 +10,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
-#include "pilotage/raster/gdal_xml.h"
 
 namespace pilotage {
 namespace {
@@ -170,11 +169,8 @@ Camera parse_colmap_cameras(const std::string& name, std::string_view text) {
   return colmap_camera(where, lines.front().words);
 }
 
-Camera parse_agisoft_calibration(const std::string& name, std::string_view text) {
-  const XmlElement root = parse_xml(name, text);
+Camera agisoft_camera(const std::string& name, const XmlElement& root) {
   const auto fail = [&](const std::string& what) -> DataError { return DataError(name + ": " + what); };
-  if (root.name != "calibration")
-    throw fail("has the root <" + root.name + ">, a calibration of Agisoft <calibration>");
   const auto text_of = [&](const std::string& key) {
     const auto count = std::count_if(root.children.begin(), root.children.end(),
                                      [&](const XmlElement& one) { return one.name == key; });

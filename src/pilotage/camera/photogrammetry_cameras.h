@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "pilotage/camera/camera.h"
+#include "pilotage/raster/gdal_xml.h"
 
 namespace pilotage {
 
@@ -18,9 +19,10 @@ bool looks_like_colmap_cameras(std::string_view text);
 /// stands for the file in messages. Throws DataError naming line, model and number.
 Camera parse_colmap_cameras(const std::string& name, std::string_view text);
 
-/// The camera of a calibration that Agisoft Metashape writes as XML (root `calibration`): frame or fisheye projection,
-/// f, cx, cy from the middle of the image, k1, k2, k3, p1, p2 (in the order of Agisoft: p1 along the image's rows), b1.
-/// Skew (b2), k4 of a frame camera and p1, p2 of a fisheye must be 0. Throws DataError naming the element.
-Camera parse_agisoft_calibration(const std::string& name, std::string_view text);
+/// The camera of a calibration that Agisoft Metashape writes as XML, by its root `calibration`: frame or fisheye
+/// projection, f, cx, cy from the middle of the image, k1, k2, k3, p1, p2 (in the order of Agisoft: p1 along the
+/// image's rows), b1. Skew (b2), k4 of a frame camera and p1, p2 of a fisheye must be 0. Throws DataError naming the
+/// element.
+Camera agisoft_camera(const std::string& name, const XmlElement& calibration);
 
 }  // namespace pilotage

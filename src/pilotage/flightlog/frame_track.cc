@@ -84,6 +84,12 @@ Eigen::Matrix2d FrameTrack::difference_covariance(const MeasuredError& measured)
   return track_->filter.covariance_m2() + measured.covariance_m2;
 }
 
+/// Whether the filter, as it was flown on, does not let the error be what was measured.
+bool FrameTrack::contradicts(const MeasuredError& measured, const DriftFilter& filter) {
+  return mahalanobis_squared(measured.error_m - filter.error_m(), filter.covariance_m2() + measured.covariance_m2) >
+         kInnovationGateChiSquared;
+}
+
 void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
   if (!track_ || !track_->established) {
     judge_given_up(measured);
@@ -92,8 +98,7 @@ void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
     refusals_ = 0;
     return;
   }
-  const Eigen::Vector2d innovation_m = measured.error_m - track_->filter.error_m();
-  if (mahalanobis_squared(innovation_m, difference_covariance(measured)) > kInnovationGateChiSquared) {
+  if (contradicts(measured, track_->filter)) {
     ++summary_.gate_refusals;
     result.status = MatchStatus::kOutsideGate;
     result.fix.reset();
@@ -152,9 +157,7 @@ void FrameTrack::refuse() {
 /// lets them? Where they did not, time and again, they are no drift.
 void FrameTrack::judge_given_up(const MeasuredError& measured) {
   if (!given_up_) return;
-  const Eigen::Vector2d moved_m = measured.error_m - given_up_->error_m();
-  const Eigen::Matrix2d covariance = given_up_->covariance_m2() + measured.covariance_m2;
-  jumps_ = mahalanobis_squared(moved_m, covariance) > kInnovationGateChiSquared ? jumps_ + 1 : 0;
+  jumps_ = contradicts(measured, *given_up_) ? jumps_ + 1 : 0;
   given_up_.reset();
   summary_.rows_jump = summary_.rows_jump || jumps_ >= kTrackJumps;
 }

@@ -73,6 +73,7 @@ class FrameTrack {
 
   MeasuredError measured_error(const FrameRecord& row, const FrameMatch& match) const;
   Eigen::Matrix2d difference_covariance(const MeasuredError& measured) const;
+  static bool contradicts(const MeasuredError& measured, const DriftFilter& filter);
   void take_fix(const MeasuredError& measured, MatchResult& result);
   bool confirms(const FlightFrame& frame, const MeasuredError& measured, const MatchStats& stats) const;
   void take_confirmed(const MeasuredError& measured, FrameMatch& match);

@@ -242,6 +242,11 @@ Simulation simulation_from_json(const Json& json, const std::string& name) {
   return simulation;
 }
 
+std::vector<InputFile> simulated_inputs(const std::string& plan, const std::string& table,
+                                        const std::string& selection) {
+  return {input_file("plan", plan, ""), input_file("table", table, ""), input_file("selection", selection, "")};
+}
+
 Simulation read_simulation(const std::filesystem::path& path) {
   return simulation_from_json(parse_json(path.string(), read_file(path)), path.string());
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -16,6 +17,11 @@ nlohmann::ordered_json simulation_to_json(const Simulation& simulation);
 
 /// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path.
 Simulation simulation_from_json(const nlohmann::ordered_json& json, const std::string& name);
+
+/// What a simulation of these files is held to: their digests, as roles plan, table and selection. Throws DataError
+/// when one cannot be read.
+std::vector<InputFile> simulated_inputs(const std::string& plan, const std::string& table,
+                                        const std::string& selection);
 
 /// simulation_from_json of a file. Throws DataError.
 Simulation read_simulation(const std::filesystem::path& path);

@@ -161,10 +161,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
 
   std::optional<Simulation> simulation = fly_plan(mission, scores, selection, options, run.seed, run.threads, flying);
   if (simulation) {
-    for (const auto& [role, name] : {std::pair{"plan", kPlan}, {"table", kTable}, {"selection", kSelection}}) {
-      simulation->inputs.push_back(input_file(role, (staging / name).string(), ""));
-      simulation->inputs.back().name = name;
-    }
+    simulation->inputs =
+        simulated_inputs((staging / kPlan).string(), (staging / kTable).string(), (staging / kSelection).string());
     write_file(publish_later(kSimulation), json_text(simulation_to_json(*simulation)), true);
   }
 

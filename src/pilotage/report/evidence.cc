@@ -51,6 +51,11 @@ const QualityRow* row_named(const std::vector<QualityRow>& rows, std::string_vie
   return found == rows.end() ? nullptr : &*found;
 }
 
+/// What a row says, and how good that is; `absent` without one.
+std::string judged_text(const QualityRow* row, const std::string& absent) {
+  return row == nullptr ? absent : row->value + " (" + std::string(status_name(row->status)) + ")";
+}
+
 }  // namespace
 
 void refuse_other_replay(const ReplayNote& replay, const Selection& selection) {
@@ -127,10 +132,8 @@ std::string missing_evidence(const std::vector<QualityRow>& rows) {
 std::vector<std::string> evidence_lines(const std::vector<QualityRow>& rows) {
   std::vector<std::string> lines;
   for (const EvidenceKind& kind : kKinds) {
-    const QualityRow* row = row_named(rows, kind.row);
     lines.push_back(std::string(kind.word) + ": " +
-                    (row != nullptr ? row->value + " (" + std::string(status_name(row->status)) + ")"
-                                    : "none; " + std::string(kind.get_it)));
+                    judged_text(row_named(rows, kind.row), "none; " + std::string(kind.get_it)));
   }
   return lines;
 }
@@ -138,9 +141,7 @@ std::vector<std::string> evidence_lines(const std::vector<QualityRow>& rows) {
 std::string evidence_line(const std::vector<QualityRow>& rows) {
   std::vector<std::string> said;
   for (const EvidenceKind& kind : kKinds) {
-    const QualityRow* row = row_named(rows, kind.row);
-    said.push_back(std::string(kind.word) + " " +
-                   (row != nullptr ? row->value + " (" + std::string(status_name(row->status)) + ")" : "none"));
+    said.push_back(std::string(kind.word) + " " + judged_text(row_named(rows, kind.row), "none"));
   }
   return "evidence, strongest first: " + join(said, "; ");
 }

@@ -86,7 +86,7 @@ QualityRow probability_row(const RouteProbability& route) {
   row.decides = true;
   if (row.status == QualityStatus::kGood) return row;
   if (row.status == QualityStatus::kMarginal) {
-    row.advice = kIntervalBelow +
+    row.advice = std::string(kIntervalBelow) +
                  ". A second date of this ground narrows it (score --second-epoch, calibrate --adapt); "
                  "another line may raise it (reroute).";
     return row;

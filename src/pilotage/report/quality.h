@@ -69,7 +69,7 @@ QualityStatus judge_gap(const RouteGap& gap, const Selection& selection);
 QualityStatus judge_route(const RouteProbability& route);
 
 /// What a marginal P of the route is marginal by.
-inline const std::string kIntervalBelow = "P is below what is asked for at the lower end of its 80 % interval";
+inline constexpr const char* kIntervalBelow = "P is below what is asked for at the lower end of its 80 % interval";
 
 /// Whether fewer flights stay within the limit than were asked for.
 bool too_often_lost(const Selection& selection);

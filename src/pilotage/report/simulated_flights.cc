@@ -191,8 +191,8 @@ QualityRow simulated_row(const Simulation& simulation, const Selection& selectio
     return row;
   }
   const double asked = selection.probability->min_p_within_limit;
-  // Frames take the matcher a second or two a flight, so that flights are few: what they do not bound, they do not
-  // contradict as long as their share is what is asked for.
+  // A flight by frames takes seconds, so that flights are few: what they do not bound, they do not contradict as long
+  // as their share is what is asked for.
   row.threshold = "good when " + std::string(by_frames ? "it" : "the lower end of the interval") + " reaches " +
                   probability_text(asked) + ", bad when the upper end of the interval does not";
   row.decides = true;

@@ -84,7 +84,7 @@ std::string verdict_detail(QualityStatus verdict, const std::vector<QualityRow>&
     if (!row.decides || row.status != verdict || verdict == QualityStatus::kGood || &row == against) continue;
     if (row.name == "largest_error" || row.name == "longest_gap") continue;
     if (row.name == "route_probability") {
-      if (verdict == QualityStatus::kMarginal) text += "; " + kIntervalBelow;
+      if (verdict == QualityStatus::kMarginal) text += std::string("; ") + kIntervalBelow;
       continue;
     }
     text += "; " + row.label + ": " + row.value;

@@ -70,7 +70,8 @@ void set_elevation(const TileOptions& options, Ground& ground) {
     if (options.elevation_sigma_m) throw UsageError("elevation_sigma_m is of an elevation model, and none is given");
     return;
   }
-  ground.elevation_sigma_m = options.elevation_sigma_m.value_or(sigma_of_elevation_m(options.elevation));
+  ground.elevation_sigma_m =
+      options.elevation_sigma_m ? options.elevation_sigma_m : sigma_of_elevation_m(options.elevation);
 }
 
 // The ground's height above sea level: of the elevation model, or flat at home where the route's heights need one and
