@@ -1,6 +1,6 @@
 // The flight with other settings, over the map as it is built: the formulas of src/pilotage/select (route_error.cc,
-// fix_attempts.cc, route_probability.cc, worst_loss.cc) on the same numbers. Long work is done by generators, which yield
-// so that the page stays alive.
+// fix_attempts.cc, route_probability.cc, worst_loss.cc) on the same numbers, but for how the many flights that fly alike are
+// flown on (page_ins.js). Long work is done by generators, which yield so that the page stays alive.
 const whatIfData = data.what_if || null;  // null: nothing tells when a flight tries to fix
 let besideLine = null;  // of each sample: the step, then three shares
 
@@ -110,7 +110,7 @@ function groundSpeed_mps(air_mps, azimuth_deg, [east_mps, north_mps]) {
 function flownSteps(path, wind_mps) {
   const { flight, model } = path;
   const way_m = (i) => flight.distance_m[i + 1] - flight.distance_m[i];
-  const made = [];  // [step, error of a state a horizon later]
+  const made = [];  // steps, each with its horizon
   const index = [];
   let first = 0;
   for (let i = 0; i + 1 < flight.count; ++i) {
@@ -120,14 +120,18 @@ function flownSteps(path, wind_mps) {
       first = i;
       const speed_mps = groundSpeed_mps(flight.speed_mps[i], flight.azimuth_deg[i], wind_mps);
       const horizon = makeInsStep(path.horizon_s, flight.azimuth_deg[i], speed_mps, model);
-      const ahead = positionAhead(horizon);
-      made.push({ step: makeInsStep(way_m(i) / speed_mps, flight.azimuth_deg[i], speed_mps, model),
-        errorAhead_m: ahead ? (state) => errorOf_m(ahead(state), model) : (state) => positionError_m(insPropagate(state, horizon), model) });
+      made.push({ step: makeInsStep(way_m(i) / speed_mps, flight.azimuth_deg[i], speed_mps, model), horizon, ahead: positionAhead(horizon) });
     }
     index.push(made.length - 1);
   }
-  return { count: index.length, step: (i) => made[index[i]].step,
-    errorAhead_m: (i, state) => made[index.length ? index[i > 0 ? i - 1 : 0] : 0].errorAhead_m(state) };
+  // The error of a covariance at sample i a horizon later, for those of `flights`.
+  const errorAhead_m = (i, { span, instant }) => {
+    const { horizon, ahead } = made[index.length ? index[i > 0 ? i - 1 : 0] : 0];
+    if (!ahead) return (covariance) => positionError_m(insPropagate({ ...instant, covariance }, horizon), model);
+    const form = spanForm(span, ahead.rows, ahead.added);
+    return (covariance) => errorOf_m(formVariances(form, covariance), model);
+  };
+  return { count: index.length, step: (i) => made[index[i]].step, errorAhead_m };
 }
 const flightCases = (path) => whatIfData.cases.map(([level, weight, east_mps, north_mps]) =>
   ({ level, weight, steps: flownSteps(path, [east_mps, north_mps]) }));
@@ -187,12 +191,17 @@ function legsOf(path, errors_m) {
 
 // ---- Flights whose tries come or do not (select/route_probability.cc) ----
 const totalProbability = (branches) => branches.reduce((sum, branch) => sum + branch.probability, 0);
-const firstBranches = (path) => [{ fixSample: 0, probability: 1, state: insAtStart(path), fixTime_s: -Infinity, window: -1, low: 0, high: 1 }];
-
+// Flights of one wind and level: their branches (covariances of the span's first sample), and what all of them share at a sample.
+function firstFlights(path) {
+  const { covariance, ...instant } = insAtStart(path);
+  return { instant, branches: [{ fixSample: 0, probability: 1, covariance, fixTime_s: -Infinity, window: -1, low: 0, high: 1 }] };
+}
 function loseFlights(path, sample, stretch) {
   const least = 1e-9 * totalProbability(stretch.branches);
+  const position = spanForm(stretch.span, insPositionRows);
   stretch.branches = stretch.branches.filter((branch) => {
-    const beyond = !(positionError_m(branch.state, path.model) <= path.limit_m);
+    branch.variances_m2 = formVariances(position, branch.covariance);
+    const beyond = !(errorOf_m(branch.variances_m2, path.model) <= path.limit_m);
     if (beyond) stretch.losses.push({ fixSample: branch.fixSample, lostAt: sample, probability: branch.probability });
     return !(beyond || branch.probability <= least);
   });
@@ -208,8 +217,8 @@ function groupEnds(fixed, share) {
   }
   return ends;
 }
-function mergeAlike(steps, sample, branches) {
-  const fixed = branches.map((branch) => ({ branch, error_m: steps.errorAhead_m(sample, branch.state) }));
+function mergeAlike(errorAhead_m, branches) {
+  const fixed = branches.map((branch) => ({ branch, error_m: errorAhead_m(branch.covariance) }));
   fixed.sort((a, b) => a.branch.low - b.branch.low || a.branch.high - b.branch.high || a.error_m - b.error_m);
   let share = 0.02;
   let ends = groupEnds(fixed, share);
@@ -222,13 +231,13 @@ function mergeAlike(steps, sample, branches) {
     const covariance = new Float64Array(insSize * insSize);
     for (const member of members) {
       const weight = member.probability / probability;
-      for (let n = 0; n < covariance.length; ++n) covariance[n] += weight * member.state.covariance[n];
+      for (let n = 0; n < covariance.length; ++n) covariance[n] += weight * member.covariance[n];
     }
-    return { ...members[0], probability, state: { ...members[0].state, covariance } };
+    return { ...members[0], probability, covariance };
   });
 }
-// How far a branch's flights are off the line: rms of an axis.
-const offLine_m = (branch) => Math.sqrt((branch.state.covariance[0] + branch.state.covariance[insSize + 1]) / 2);
+// How far flights are off the line: rms of an axis.
+const offLine_m = ([a, , d]) => Math.sqrt((a + d) / 2);
 // Share of the square of half side 1 that lies beyond a circle around its middle.
 function shareBeyond(radius) {
   if (radius >= Math.SQRT2) return 0;
@@ -238,40 +247,65 @@ function shareBeyond(radius) {
 function takeFix(path, steps, chances, sample, stretch) {
   const p = whatIfData.frames_that_come * chances.p[sample];
   if (!(p > 0)) return;
+  const { time_s } = stretch.instant;
   const fixed = [];
+  let form = null;
   for (const branch of stretch.branches) {
-    if (branch.state.time_s - branch.fixTime_s < chances.interval_s - 1e-9) continue;
+    if (time_s - branch.fixTime_s < chances.interval_s - 1e-9) continue;
     if (branch.window !== chances.window[sample]) Object.assign(branch, { window: chances.window[sample], low: 0, high: 1 });
     const drawn = Math.min(1, Math.max(0, (p - branch.low) / (branch.high - branch.low)));
-    const share = Math.min(1, shareBesideLine(sample, offLine_m(branch)) * drawn);
+    const share = Math.min(1, shareBesideLine(sample, offLine_m(branch.variances_m2)) * drawn);
     if (share > 0) {
-      fixed.push({ ...branch, fixSample: sample, fixTime_s: branch.state.time_s, probability: branch.probability * share,
-        high: Math.min(branch.high, p), state: updateWithFix(branch.state, path.model) });
+      form = form || fixForm(stretch.span);
+      fixed.push({ ...branch, fixSample: sample, fixTime_s: time_s, probability: branch.probability * share,
+        high: Math.min(branch.high, p), covariance: fixedCovariance(form, branch.covariance, square(path.model.fix_sigma_m)) });
     }
     const searched_m = 3 / path.model.sigma_multiple *
-      Math.hypot(positionError_m(branch.state, path.model), path.model.sigma_multiple * path.model.map_sigma_m);
+      Math.hypot(errorOf_m(branch.variances_m2, path.model), path.model.sigma_multiple * path.model.map_sigma_m);
     branch.probability *= (1 - share) *
       (1 - whatIfData.frames_that_come * whatIfData.false_fix_rate * shareBeyond(path.limit_m / searched_m));
     if (1 - drawn >= drawn - share) branch.low = Math.max(branch.low, p);
   }
   stretch.branches = stretch.branches.filter((branch) => !(branch.probability <= 0));
-  if (fixed.length) stretch.branches.push(...mergeAlike(steps, sample, fixed));
+  if (fixed.length) stretch.branches.push(...mergeAlike(steps.errorAhead_m(sample, stretch), fixed));
 }
-function takeGnss(path, sample, branches) {
-  for (const branch of branches) Object.assign(branch, { fixSample: sample, state: heldAt(path, sample, branch.state) });
+// `stretch` is at a span's first sample.
+function takeGnss(path, sample, stretch) {
+  const position = spanForm(stretch.span, insPositionRows);
+  for (const branch of stretch.branches) {
+    const { covariance } = heldAt(path, sample, { ...stretch.instant, covariance: branch.covariance });
+    Object.assign(branch, { fixSample: sample, covariance, variances_m2: formVariances(position, covariance) });
+  }
+  stretch.instant = { ...stretch.instant, heading_deg: path.flight.azimuth_deg[sample], speed_mps: path.flight.speed_mps[sample] };
 }
-function* flyStretch(path, steps, chances, begin, end, branches) {
-  const stretch = { p_within_limit: [], losses: [], branches: branches.map((branch) => ({ ...branch })) };
+// All flights one step on: the span grows, or ends there and another begins.
+function flyOn(step, lastOfSpan, stretch) {
+  const { instant, span } = stretch;
+  if (span.atFirst && (lastOfSpan || step.aided)) {
+    for (const branch of stretch.branches) branch.covariance = insPropagate({ ...instant, covariance: branch.covariance }, step).covariance;
+  } else {
+    flySpan(span, instant, step);
+    if (lastOfSpan || isLongSpan(span)) {
+      for (const branch of stretch.branches) branch.covariance = insAtSample(span, branch.covariance);
+      stretch.span = newSpan();
+    }
+  }
+  stretch.instant = { heading_deg: step.heading_deg, speed_mps: step.speed_mps, time_s: instant.time_s + step.time_s };
+}
+function* flyStretch(path, steps, chances, begin, end, flights) {
+  const { gnss } = path;
+  const stretch = { p_within_limit: [], losses: [], branches: flights.branches.map((branch) => ({ ...branch })), instant: flights.instant,
+    span: newSpan() };
   for (let i = begin; i < end; ++i) {
     loseFlights(path, i, stretch);
     const before = stretch.p_within_limit.length ? stretch.p_within_limit[stretch.p_within_limit.length - 1] : 1;
     stretch.p_within_limit.push(Math.min(before, totalProbability(stretch.branches)));
-    if (path.gnss.at[i]) takeGnss(path, i, stretch.branches);
+    if (gnss.at[i]) takeGnss(path, i, stretch);
     takeFix(path, steps, chances, i, stretch);
     if (i >= steps.count) continue;
-    for (const branch of stretch.branches) branch.state = insPropagate(branch.state, steps.step(i));
+    flyOn(steps.step(i), i + 1 === end || gnss.over[i] || gnss.at[i + 1], stretch);
     yield i / path.flight.count;
-    if (path.gnss.over[i]) takeGnss(path, i + 1, stretch.branches);
+    if (gnss.over[i]) takeGnss(path, i + 1, stretch);
   }
   return stretch;
 }
@@ -310,7 +344,7 @@ function* survivalAlong(path, cases, levels) {
   const { flight } = path;
   const survival = { p_within_limit: [], legs_p: Array(whatIfData.leg_lengths_m.length).fill(null), at_level: [], worst: null };
   const losses = [];
-  const branches = cases.map(() => firstBranches(path));
+  const flights = cases.map(() => firstFlights(path));
   let before = 1;
   for (let begin = 0; begin < flight.count;) {
     let end = begin;
@@ -319,12 +353,12 @@ function* survivalAlong(path, cases, levels) {
     survival.at_level = levels.map(() => 0);
     for (let k = 0; k < cases.length; ++k) {
       const { level, steps } = cases[k];
-      const stretch = yield* flyStretch(path, steps, levels[level].chances, begin, end, branches[k]);
+      const stretch = yield* flyStretch(path, steps, levels[level].chances, begin, end, flights[k]);
       const weight = levels[level].weight * cases[k].weight;
       stretch.p_within_limit.forEach((p, i) => { survival.p_within_limit[begin + i] += weight * p; });
       survival.at_level[level] += cases[k].weight * Math.min(1, stretch.p_within_limit[stretch.p_within_limit.length - 1]);
       for (const loss of stretch.losses) losses.push({ ...loss, probability: weight * loss.probability });
-      branches[k] = stretch.branches;
+      flights[k] = stretch;
     }
     for (let i = begin; i < end; ++i) survival.p_within_limit[i] = Math.min(1, survival.p_within_limit[i]);
     const after = survival.p_within_limit[survival.p_within_limit.length - 1];
@@ -361,7 +395,7 @@ function* loseAnywhere(path, cases, levels, interval_s) {
   const withGnss = { sample: 0, state: insAtStart(path), lastFix_s: -Infinity };
   let withGnss_m = positionError_m(withGnss.state, path.model);
   const paths = { had: { ...path, gnss: had }, lost: { ...path, gnss: lost } };
-  const branches = levels ? cases.map(() => firstBranches(path)) : [];
+  const flights = levels ? cases.map(() => firstFlights(path)) : [];
   let at = 0;
   const points = [];
   for (const loss of lossSamples(flight, levels ? cases.length : 1)) {
@@ -385,8 +419,8 @@ function* loseAnywhere(path, cases, levels, interval_s) {
       for (let k = 0; k < cases.length; ++k) {
         const { level, steps } = cases[k];
         const { weight, chances } = levels[level];
-        branches[k] = (yield* flyStretch(paths.had, steps, chances, at, loss, branches[k])).branches;
-        const rest = yield* flyStretch(paths.lost, steps, chances, loss, flight.count, branches[k]);
+        flights[k] = yield* flyStretch(paths.had, steps, chances, at, loss, flights[k]);
+        const rest = yield* flyStretch(paths.lost, steps, chances, loss, flight.count, flights[k]);
         point.p_within_limit += weight * cases[k].weight * rest.p_within_limit[rest.p_within_limit.length - 1];
       }
       at = loss;

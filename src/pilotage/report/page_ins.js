@@ -186,21 +186,21 @@ function addRow(covariance, to, from, factor) {
 function addColumn(covariance, to, from, factor) {
   for (let j = 0; j < insSize; ++j) covariance[insSize * j + to] += factor * covariance[insSize * j + from];
 }
-// What a turn and an acceleration at one instant do to a covariance, which is changed.
-function insManoeuvre(covariance, before, heading_deg, speed_mps, odometry) {
+// What a turn and an acceleration at one instant do to a covariance, which is changed; to a transition by `adds` of rows alone.
+function insManoeuvre(matrix, before, heading_deg, speed_mps, odometry, adds = [addRow, addColumn]) {
   const turn_rad = turnBetween_deg(before.heading_deg, heading_deg) * insRadPerDeg;
   if (turn_rad === 0 && speed_mps === before.speed_mps) return;
   const forward = enuFromBody(heading_deg), forwardBefore = enuFromBody(before.heading_deg);
   const east_mps = forward[0][0] * speed_mps - forwardBefore[0][0] * before.speed_mps;
   const north_mps = forward[1][0] * speed_mps - forwardBefore[1][0] * before.speed_mps;
-  for (const add of [addRow, addColumn]) {  // what is added is not changed before
+  for (const add of adds) {  // what is added is not changed before
     for (let i = 0; i < 2 && !odometry; ++i) {
       const turned = i === 0 ? north_mps : -east_mps;
-      add(covariance, insState.velocity + i, insState.accelScale, i === 0 ? east_mps : north_mps);
-      add(covariance, insState.velocity + i, insState.heading, turned);
-      add(covariance, insState.velocity + i, insState.gyroScale, 0.5 * turn_rad * turned);
+      add(matrix, insState.velocity + i, insState.accelScale, i === 0 ? east_mps : north_mps);
+      add(matrix, insState.velocity + i, insState.heading, turned);
+      add(matrix, insState.velocity + i, insState.gyroScale, 0.5 * turn_rad * turned);
     }
-    add(covariance, insState.heading, insState.gyroScale, turn_rad);
+    add(matrix, insState.heading, insState.gyroScale, turn_rad);
   }
 }
 const insBefore = new Float64Array(insSize * insSize), insHalf = new Float64Array(insSize * insSize);
@@ -307,37 +307,172 @@ function holdWithGnss(state, heading_deg, speed_mps, model) {
   if (model.start_heading_sigma_rad > 0) insHold(next.covariance, [[insState.heading, 1]], square(model.start_heading_sigma_rad));
   return next;
 }
-// The position's covariance a step later, for the many states that it is asked of: null with an aiding velocity.
+// Position a step later, for the many states that it is asked of: two rows, and the variances that the step adds; null with an
+// aiding velocity.
 function positionAhead(step) {
   if (step.aided) return null;
-  // Rows of position of the transition over all parts, and what is added on the way.
-  let rows = [0, 1].map((i) => { const row = new Float64Array(insSize); row[i] = 1; return row; });
-  const noise = [0, 0, 0];
+  let rows = insPositionRows;
+  const added = [0, 0, 0];
   for (let part = 0; part < step.parts; ++part) {
-    [[0, 0], [0, 1], [1, 1]].forEach(([i, j], n) => {
-      for (let k = 0; k < insSize; ++k) {
-        if (rows[i][k] === 0) continue;
-        for (let m = 0; m < insSize; ++m) noise[n] += rows[i][k] * step.noise[insIndex(k, m)] * rows[j][m];
-      }
-    });
+    [[0, 0], [0, 1], [1, 1]].forEach(([i, j], n) => { added[n] += insBilinear(rows[i], step.noise, rows[j]); });
     rows = rows.map((row) => {
       const next = new Float64Array(insSize);
       for (let k = 0; k < insSize; ++k) for (let n = step.first[k]; n < step.first[k + 1]; ++n) next[step.columns[n]] += row[k] * step.factors[n];
       return next;
     });
   }
-  return (state) => {
-    const half = rows.map((row) => {
-      const product = new Float64Array(insSize);
-      for (let k = 0; k < insSize; ++k) {
-        if (row[k] === 0) continue;
-        for (let j = 0; j < insSize; ++j) product[j] += row[k] * state.covariance[insSize * k + j];
+  return { rows, added };
+}
+
+// ---- Many states that fly alike ----
+// Where errors only grow (no GNSS, no aiding velocity), a state is not flown step by step: its covariance C stays as it was at
+// the span's first sample. With Ψ the transition from there and Q what was added on the way, that at the sample is Ψ C Ψᵀ + Q,
+// of which a position asks for two rows. A fix changes C as if it were measured with h Ψ, where Ψ⁻¹ Q hᵀ joins its C Ψᵀ hᵀ.
+const insPositionRows = [0, 1].map((i) => Float64Array.from({ length: insSize }, (_, k) => (k === insState.position + i ? 1 : 0)));
+const insFixRows = [0, 1].map((i) => Float64Array.from({ length: insSize }, (_, k) => (k === insState.position + i) - (k === insState.map + i)));
+const insLongestSpan_s = 60, insLeastOfMap = 1e-3;  // beyond which digits are lost
+
+const newSpan = () => ({ atFirst: true, time_s: 0, transition: insIdentity(), noise: new Float64Array(insSize * insSize) });
+const isLongSpan = (span) => span.time_s > insLongestSpan_s || span.transition[insIndex(insState.map, insState.map)] < insLeastOfMap;
+
+function insTimes(matrix, vector) {
+  const product = new Float64Array(insSize);
+  for (let i = 0; i < insSize; ++i) for (let k = 0; k < insSize; ++k) product[i] += matrix[insSize * i + k] * vector[k];
+  return product;
+}
+function rowTimes(row, matrix) {
+  const product = new Float64Array(insSize);
+  for (let k = 0; k < insSize; ++k) {
+    if (row[k] === 0) continue;
+    for (let j = 0; j < insSize; ++j) product[j] += row[k] * matrix[insSize * k + j];
+  }
+  return product;
+}
+function insBilinear(left, matrix, right) {
+  const half = rowTimes(left, matrix);
+  let sum = 0;
+  for (let k = 0; k < insSize; ++k) sum += half[k] * right[k];
+  return sum;
+}
+// The span one step longer; `before` has heading and speed of the step before.
+function flySpan(span, before, step) {
+  insManoeuvre(span.transition, before, step.heading_deg, step.speed_mps, step.odometry, [addRow]);
+  insManoeuvre(span.noise, before, step.heading_deg, step.speed_mps, step.odometry);
+  for (let part = 0; part < step.parts; ++part) {
+    const next = new Float64Array(insSize * insSize);
+    for (let i = 0; i < insSize; ++i) {
+      for (let n = step.first[i]; n < step.first[i + 1]; ++n) {
+        const factor = step.factors[n], from = insSize * step.columns[n];
+        for (let j = 0; j < insSize; ++j) next[insSize * i + j] += factor * span.transition[from + j];
       }
-      return product;
-    });
-    const along = (i, j) => half[i].reduce((sum, value, k) => sum + value * rows[j][k], 0);
-    return [along(0, 0) + noise[0], along(0, 1) + noise[1], along(1, 1) + noise[2]];
-  };
+    }
+    span.transition = next;
+    insBefore.set(span.noise);
+    span.noise = insGrown(step);
+  }
+  span.time_s += step.time_s;
+  span.atFirst = false;
+}
+// The covariance at the span's sample.
+function insAtSample(span, covariance) {
+  if (span.atFirst) return covariance;
+  const { transition } = span;
+  const half = insProduct(transition, covariance);
+  const sum = new Float64Array(span.noise);
+  for (let i = 0; i < insSize; ++i) {
+    for (let j = 0; j <= i; ++j) {
+      let product = sum[insSize * i + j];
+      for (let k = 0; k < insSize; ++k) product += half[insSize * i + k] * transition[insSize * j + k];
+      sum[insSize * i + j] = sum[insSize * j + i] = product;
+    }
+  }
+  return sum;
+}
+// Two combinations of the states at the span's sample: rows for the covariances of its first, those not 0, and what is added.
+function spanForm(span, rows, more = [0, 0, 0]) {
+  const [x, y] = span.atFirst ? rows : rows.map((row) => rowTimes(row, span.transition));
+  const used = [];
+  for (let k = 0; k < insSize; ++k) if (x[k] !== 0 || y[k] !== 0) used.push(k);
+  if (span.atFirst) return { rows: [x, y], used, added: more };
+  const added = [[0, 0], [0, 1], [1, 1]].map(([i, j], n) => more[n] + insBilinear(rows[i], span.noise, rows[j]));
+  return { rows: [x, y], used, added };
+}
+// The variances and the covariance of the two combinations.
+function formVariances({ rows: [x, y], used, added }, covariance) {
+  let [a, b, d] = added;
+  for (let n = 0; n < used.length; ++n) {
+    const k = used[n], from = insSize * k, own = covariance[from + k];
+    let alongX = 0, alongY = 0;
+    for (let m = n + 1; m < used.length; ++m) {
+      const j = used[m], value = covariance[from + j];
+      alongX += value * x[j];
+      alongY += value * y[j];
+    }
+    a += x[k] * (x[k] * own + 2 * alongX);
+    b += x[k] * y[k] * own + x[k] * alongY + y[k] * alongX;
+    d += y[k] * (y[k] * own + 2 * alongY);
+  }
+  return [a, b, d];
+}
+// Solutions of matrix · u = column for each column: elimination, the largest pivot of each column first.
+function solveColumns(matrix, columns) {
+  const left = new Float64Array(matrix);
+  const solved = columns.map((column) => new Float64Array(column));
+  for (let k = 0; k < insSize; ++k) {
+    let pivot = k;
+    for (let i = k + 1; i < insSize; ++i) if (Math.abs(left[insSize * i + k]) > Math.abs(left[insSize * pivot + k])) pivot = i;
+    for (let j = 0; j < insSize && pivot !== k; ++j) {
+      [left[insSize * k + j], left[insSize * pivot + j]] = [left[insSize * pivot + j], left[insSize * k + j]];
+    }
+    for (const column of solved) [column[k], column[pivot]] = [column[pivot], column[k]];
+    for (let i = k + 1; i < insSize; ++i) {
+      const factor = left[insSize * i + k] / left[insSize * k + k];
+      if (factor === 0) continue;
+      for (let j = k; j < insSize; ++j) left[insSize * i + j] -= factor * left[insSize * k + j];
+      for (const column of solved) column[i] -= factor * column[k];
+    }
+  }
+  for (const column of solved) {
+    for (let k = insSize - 1; k >= 0; --k) {
+      for (let j = k + 1; j < insSize; ++j) column[k] -= left[insSize * k + j] * column[j];
+      column[k] /= left[insSize * k + k];
+    }
+  }
+  return solved;
+}
+// What a fix at the span's sample asks of a covariance.
+function fixForm(span) {
+  const form = spanForm(span, insFixRows);
+  form.joined = insFixRows.map((row) => insTimes(span.noise, row));
+  if (!span.atFirst) form.joined = solveColumns(span.transition, form.joined);
+  return form;
+}
+function fixedCovariance({ rows, used, joined: [first, second] }, covariance, variance) {
+  const ph = new Float64Array(first), qh = new Float64Array(second);
+  const [x, y] = rows;
+  for (let n = 0; n < used.length; ++n) {
+    const k = used[n], from = insSize * k, xk = x[k], yk = y[k];
+    for (let j = 0; j < insSize; ++j) {
+      ph[j] += xk * covariance[from + j];
+      qh[j] += yk * covariance[from + j];
+    }
+  }
+  let a = variance, b = 0, d = variance;
+  for (let n = 0; n < used.length; ++n) {
+    const k = used[n];
+    a += x[k] * ph[k];
+    b += x[k] * qh[k];
+    d += y[k] * qh[k];
+  }
+  const determinant = a * d - b * b;
+  const after = new Float64Array(insSize * insSize);
+  for (let i = 0; i < insSize; ++i) {
+    const gain = (d * ph[i] - b * qh[i]) / determinant, gainOther = (a * qh[i] - b * ph[i]) / determinant;
+    for (let j = 0; j <= i; ++j) {
+      after[insSize * i + j] = after[insSize * j + i] = covariance[insSize * i + j] - gain * ph[j] - gainOther * qh[j];
+    }
+  }
+  return after;
 }
 // k·σ of position along the worst direction.
 const positionError_m = (state, model) => errorOf_m([state.covariance[0], state.covariance[1], state.covariance[insSize + 1]], model);
