@@ -71,7 +71,8 @@ struct ReplayCommandOptions {
     fields.field("prior_sigma_m", self.prior_sigma_m, "With --priors log: standard deviation of each axis.",
                  Range{0.01, 100000});
     fields.field("ground_amsl_m", self.ground_amsl_m,
-                 "Height of the ground where the log says no height above it; its own lowest height if not given.",
+                 "Height of the ground where the log says no height above it; if not given the elevation model of "
+                 "--plan, else the flat ground it assumed, else the log's own lowest height.",
                  Range{-1000, 10000});
     fields.field("every_s", self.every_s, "Time between frames that are rendered from a log without captures.",
                  Range{0.05, 3600});
@@ -128,10 +129,26 @@ InputKind kind_of_log(const std::string& path) {
                   "of frames or fixes, and no folder");
 }
 
+struct PlanFiles {
+  Mission mission;
+  Selection selection;
+};
+
+std::optional<PlanFiles> planned_flight_of(const std::string& folder) {
+  if (folder.empty()) return std::nullopt;
+  const std::string plan = (std::filesystem::path(folder) / "plan.json").string();
+  const std::string selection = (std::filesystem::path(folder) / "selection.json").string();
+  PlanFiles files{read_stage_plan(plan), {}};
+  need_file(selection, "select");
+  files.selection = read_selection(selection);
+  return files;
+}
+
 /// What is the same for all logs.
 struct ReplaySetup {
   const ReplayCommandOptions& options;
   const Invocation& invocation;
+  const std::optional<PlanFiles>& plan;
   std::string map;
   std::optional<Camera> map_camera;
   InsErrorModel model;
@@ -195,14 +212,20 @@ std::optional<LogOrigin> origin_of(const ReplayCommandOptions& options) {
   return LogOrigin{{*options.origin_lon_deg, *options.origin_lat_deg}, options.origin_amsl_m};
 }
 
-LogFrameOptions log_frame_options(const ReplayCommandOptions& options) {
-  return {options.priors, options.prior_sigma_m, options.ground_amsl_m, options.every_s};
+LogFrameOptions log_frame_options(const ReplaySetup& setup) {
+  const ReplayCommandOptions& options = setup.options;
+  LogFrameOptions frames{options.priors, options.prior_sigma_m, options.ground_amsl_m, "", {}, options.every_s};
+  if (setup.plan) {
+    frames.elevation = setup.plan->mission.ground.elevation;
+    frames.flat_ground_amsl_m = setup.plan->mission.flight.flat_ground_amsl_m;
+  }
+  return frames;
 }
 
 /// Leaves the captures that have a photo, with its name.
 std::string pair_with_photos(VehicleLog& log, const std::string& folder) {
   const std::vector<Photo> photos = photos_of_folder(folder);
-  const PhotoPairs pairs = pair_photos(log.captures, photos);
+  const PhotoPairs pairs = pair_photos(log.captures, photos, log.utc_minus_log_s);
   std::vector<LoggedCapture> captures;
   for (std::size_t i = 0; i < log.captures.size(); ++i) {
     const auto& photo = pairs.photo_of_capture[i];
@@ -231,7 +254,7 @@ ReplayedFlight replay_log(ReplaySetup& setup, const std::string& path) {
                      "--world to render frames from imagery");
   }
   const bool renders = options.photos.empty() && !options.world.empty();
-  LogFrames frames = frames_of_log(log, log_frame_options(options), setup.model, renders, setup.invocation.seed);
+  LogFrames frames = frames_of_log(log, log_frame_options(setup), setup.model, renders, setup.invocation.seed);
   std::unique_ptr<WorkFolder> rendered;
   if (renders) {
     const std::filesystem::path output(setup.invocation.output);
@@ -339,21 +362,6 @@ std::string map_of(const ReplayCommandOptions& options) {
   return (std::filesystem::path(options.plan) / "map.gpkg").string();
 }
 
-struct PlanFiles {
-  Mission mission;
-  Selection selection;
-};
-
-std::optional<PlanFiles> planned_flight_of(const std::string& folder) {
-  if (folder.empty()) return std::nullopt;
-  const std::string plan = (std::filesystem::path(folder) / "plan.json").string();
-  const std::string selection = (std::filesystem::path(folder) / "selection.json").string();
-  PlanFiles files{read_stage_plan(plan), {}};
-  need_file(selection, "select");
-  files.selection = read_selection(selection);
-  return files;
-}
-
 std::string grade_name_of(const InsOptions& ins) {
   if (ins.name) return *ins.name;
   return options_detail::enum_to_name(ins.grade.value_or(kAssumedInsGrade));
@@ -385,8 +393,8 @@ void write_calibration(const Replay& replay, const ReplayCommandOptions& options
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {
   const std::string map = map_of(options);
   MapReader reader = MapReader::open_unverified(map);
-  ReplaySetup setup{options, invocation, map, reader.camera(), make_ins_error_model(options.ins), {}};
   const std::optional<PlanFiles> plan = planned_flight_of(options.plan);
+  ReplaySetup setup{options, invocation, plan, map, reader.camera(), make_ins_error_model(options.ins), {}};
   std::vector<ReplayedFlight> flights;
   for (const std::string& input : invocation.inputs) flights.push_back(replay_input(setup, input));
   PredictedTiles tiles(reader);

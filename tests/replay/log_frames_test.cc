@@ -2,9 +2,12 @@
 
 #include <cmath>
 
+#include "raster/raster_maker.h"
+#include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
 
 namespace pilotage {
@@ -46,6 +49,41 @@ TEST(LogFrames, PriorsOfTheAutopilot) {
   EXPECT_EQ(frames.rows[4].true_nadir->lon_deg, 16.5);
 }
 
+/// From 100 m above the sea, before the first capture.
+VehicleLog with_take_off() {
+  VehicleLog log = northward(true);
+  log.truth.positions.insert(log.truth.positions.begin(), {-1, {16.5, 55.4999}, 100});
+  return log;
+}
+
+/// The notes of frames whose height is less than the ground's, which `options` says.
+std::string heights_by(LogFrameOptions options, const VehicleLog& log, double expected_agl_m) {
+  options.priors = LogPriors::kLog;
+  const LogFrames frames = frames_of_log(log, options, model(), false, 1);
+  for (const FrameRecord& row : frames.rows) EXPECT_NEAR(row.height_agl_m, expected_agl_m, 1e-6);
+  return join(frames.notes, "; ");
+}
+
+TEST(LogFrames, TheGroundIsTheGivenThePlansModelItsFlatGroundOrTheLowestHeight) {
+  const testing::TemporaryFolder folder;
+  testing::RasterSpec spec;
+  spec.type = GDT_Float32;
+  spec.srs = "EPSG:4326";
+  spec.place = GeoTransform::north_up(16.4, 55.6, 0.01);
+  spec.value = [](int, int, int) { return 150; };
+  const std::string model_of_plan = testing::make_raster(folder / "ground.tif", spec);
+  LogFrameOptions options;
+  EXPECT_NE(heights_by(options, with_take_off(), 120).find("the lowest height of the log"), std::string::npos);
+  options.flat_ground_amsl_m = 130;
+  EXPECT_NE(heights_by(options, with_take_off(), 90).find("as the plan assumed"), std::string::npos);
+  options.elevation = model_of_plan;
+  EXPECT_NE(heights_by(options, with_take_off(), 70).find("the elevation model of the plan"), std::string::npos);
+  options.elevation = (folder / "gone.tif").string();
+  EXPECT_NE(heights_by(options, with_take_off(), 90).find("the plan's elevation model is not used"), std::string::npos);
+  options.ground_amsl_m = 140;
+  EXPECT_NE(heights_by(options, with_take_off(), 80).find("as given"), std::string::npos);
+}
+
 TEST(LogFrames, DrawnPriorsDriftAndAreTheSameForASeed) {
   LogFrameOptions options;
   options.ground_amsl_m = 100;
@@ -60,7 +98,8 @@ TEST(LogFrames, DrawnPriorsDriftAndAreTheSameForASeed) {
 
 TEST(LogFrames, RangeFinderGoesBeforeSeaLevelAndGroundIsAssumedWithANote) {
   VehicleLog log = northward(true);
-  log.heights.push_back({5, 77});
+  log.heights.push_back({5, 66});
+  log.ranges.push_back({5, 77});
   log.truth.positions[0].amsl_m = 90;
   const LogFrames frames = frames_of_log(log, {}, model(), false, 1);
   // The first is on the ground that its own height is taken for, and left out.
@@ -68,7 +107,10 @@ TEST(LogFrames, RangeFinderGoesBeforeSeaLevelAndGroundIsAssumedWithANote) {
   EXPECT_EQ(frames.rows[4].height_agl_m, 77);
   EXPECT_NEAR(frames.rows[9].height_agl_m, 130, 1e-9);
   EXPECT_EQ(frames.notes[0], "frames left out: 1 without a height above the ground");
-  EXPECT_NE(frames.notes[1].find("the ground is taken to lie at 90.0 m above sea level"), std::string::npos);
+  EXPECT_EQ(frames.notes[1],
+            "height above ground of 7 frames: by the ground at 90.0 m above sea level, the lowest height of the log: "
+            "give --ground-amsl-m");
+  EXPECT_EQ(frames.notes[2], "height above ground of 3 frames: by the range finder");
 }
 
 TEST(LogFrames, WithoutCapturesFramesAreMadeUpOnlyToBeRendered) {

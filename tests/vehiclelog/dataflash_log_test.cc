@@ -98,7 +98,7 @@ TEST(DataFlash, FurtherReceiversAndFiltersAreLeftOut) {
   log += record(1, 3) + record(0, 1) + record(0, 3);
   const VehicleLog read = parse_flight(log);
   ASSERT_EQ(read.gnss.positions.size(), 1U);
-  EXPECT_EQ(read.losses.other_sources, 1);
+  EXPECT_EQ(read.losses.other_sources.at("GPS 1"), 1);
   ASSERT_EQ(read.gnss.velocities.size(), 1U);
   EXPECT_NEAR(read.gnss.velocities[0].east_mps, 20, 1e-5);
   ASSERT_TRUE(read.utc_minus_log_s);
@@ -111,6 +111,50 @@ TEST(DataFlash, TriggersCountOnlyWithoutPictures) {
                               dataflash_record(30, LogText().u(1000000, 8).i(1, 4).i(1, 4).i(100, 4));
   EXPECT_EQ(parse_flight(format_of_formats() + trigger).captures.size(), 1U);
   EXPECT_EQ(parse_flight(small_dataflash() + trigger).captures.size(), 5U);
+}
+
+TEST(DataFlash, ARangeCountsByItsStatusAndItsSensor) {
+  const std::string format =
+      format_of_formats() + dataflash_format(40, "RFND", "QBfBBb", "TimeUS,Instance,Dist,Stat,Orient,Quality");
+  const auto record = [](int second, int instance, double distance_m, int status, int orientation, int quality) {
+    return dataflash_record(40, LogText()
+                                    .u(static_cast<std::uint64_t>(second) * 1000000, 8)
+                                    .u(instance, 1)
+                                    .f(distance_m)
+                                    .u(status, 1)
+                                    .u(orientation, 1)
+                                    .i(quality, 1));
+  };
+  // The first sensor looks ahead; the second, downward, counts where its status is 4 and its signal is not 0.
+  const std::string log = small_dataflash() + format + record(10, 0, 15, 4, 0, 100) + record(10, 1, 60, 4, 25, 100) +
+                          record(11, 1, 61, 4, 25, -1) + record(12, 1, 8, 3, 25, 100) + record(13, 1, 8, 1, 25, 100) +
+                          record(14, 1, 8, 4, 25, 0) + record(15, 2, 30, 4, 25, 90);
+  const VehicleLog read = parse_flight(log);
+  ASSERT_EQ(read.ranges.size(), 2U);
+  // Pitch 2°, roll −1.5°.
+  EXPECT_NEAR(read.ranges[0].agl_m, 60 * 0.999391 * 0.999657, 1e-4);
+  EXPECT_EQ(read.losses.ranges_left_out, 3);
+  EXPECT_EQ(read.losses.other_sources.at("range finder 2"), 1);
+}
+
+TEST(DataFlash, TwoSensorsInOneRecordAsOlderVersionsWriteThem) {
+  const std::string format =
+      format_of_formats() + dataflash_format(40, "RFND", "QCBBCBB", "TimeUS,Dist1,Stat1,Orient1,Dist2,Stat2,Orient2");
+  const auto record = [](int second, int first_cm, int first_status, int second_cm) {
+    return dataflash_record(40, LogText()
+                                    .u(static_cast<std::uint64_t>(second) * 1000000, 8)
+                                    .u(first_cm, 2)
+                                    .u(first_status, 1)
+                                    .u(25, 1)
+                                    .u(second_cm, 2)
+                                    .u(4, 1)
+                                    .u(0, 1));
+  };
+  const VehicleLog read = parse_flight(small_dataflash() + format + record(20, 6000, 4, 900) + record(21, 700, 2, 900));
+  ASSERT_EQ(read.ranges.size(), 1U);
+  EXPECT_NEAR(read.ranges[0].agl_m, 60, 1e-9) << "no attitude within 1 s: taken as level";
+  EXPECT_EQ(read.losses.ranges_left_out, 1);
+  EXPECT_TRUE(read.losses.other_sources.empty());
 }
 
 TEST(DataFlash, BytesBetweenRecordsAreSkipped) {

@@ -89,13 +89,13 @@ std::string small_dataflash() {
 }
 
 std::string telemetry_record(int version, double time_s, std::uint32_t id, std::string payload, std::uint8_t extra,
-                             std::uint8_t system) {
+                             std::uint8_t system, std::uint8_t component) {
   LogText frame;
   if (version == 1) {
-    frame.u(payload.size(), 1).u(7, 1).u(system, 1).u(1, 1).u(id, 1);
+    frame.u(payload.size(), 1).u(7, 1).u(system, 1).u(component, 1).u(id, 1);
   } else {
     while (payload.size() > 1 && payload.back() == '\0') payload.pop_back();
-    frame.u(payload.size(), 1).u(0, 2).u(7, 1).u(system, 1).u(1, 1).u(id, 3);
+    frame.u(payload.size(), 1).u(0, 2).u(7, 1).u(system, 1).u(component, 1).u(id, 3);
   }
   frame.text(payload);
   const char last = static_cast<char>(extra);

@@ -95,7 +95,7 @@ std::string small_dataflash();
 
 /// A frame of version 1 or 2 behind its time; `extra` is the seed of the message's checksum.
 std::string telemetry_record(int version, double time_s, std::uint32_t id, std::string payload, std::uint8_t extra,
-                             std::uint8_t system = 1);
+                             std::uint8_t system = 1, std::uint8_t component = 1);
 /// The same flight, version 1 and 2 by turns.
 std::string small_telemetry();
 

@@ -100,7 +100,7 @@ TEST(Ulog, OfSeveralInstancesTheLowestWithRecordsIsTaken) {
   const VehicleLog read = parse_flight(log);
   ASSERT_EQ(read.estimate.positions.size(), 1U);
   EXPECT_EQ(read.estimate.positions[0].point.lat_deg, 11);
-  EXPECT_EQ(read.losses.other_sources, 1);
+  EXPECT_EQ(read.losses.other_sources.at("vehicle_global_position 2"), 1);
 }
 
 TEST(Ulog, GnssOfBothAgesAndUtc) {
@@ -161,6 +161,28 @@ TEST(Ulog, GroundTruthIsKeptApart) {
   EXPECT_EQ(read.truth.positions.size(), 1U);
   ASSERT_EQ(read.truth.attitudes.size(), 1U);
   EXPECT_NEAR(read.truth.attitudes[0].attitude.yaw_deg, -30, 1e-4);
+}
+
+TEST(Ulog, ARangeCountsByItsSignalItsReachAndItsSensor) {
+  const auto sensor = [](double time_s, double distance_m, double largest_m, int quality, int orientation) {
+    return ulog_time(time_s).f(0.2).f(largest_m).f(distance_m).i(quality, 1).u(orientation, 1);
+  };
+  std::string log =
+      ulog_head() +
+      ulog_format(
+          "distance_sensor:uint64_t timestamp;float min_distance;float max_distance;float current_distance;"
+          "int8_t signal_quality;uint8_t orientation;") +
+      ulog_format(kPositionFormat) + ulog_stream(0, "distance_sensor", 0) + ulog_stream(1, "distance_sensor", 1) +
+      ulog_stream(2, "vehicle_global_position") + ulog_record(2, ulog_time(1).d(55).d(16).f(1));
+  log += ulog_record(0, sensor(1, 6.9, 7, 100, 25));  // one reading: the other sensor has more
+  log += ulog_record(1, sensor(1, 60, 120, 100, 25)) + ulog_record(1, sensor(2, 61, 120, -1, 25));
+  log += ulog_record(1, sensor(3, 8, 120, 0, 25)) + ulog_record(1, sensor(4, 120, 120, 100, 25));
+  log += ulog_record(1, sensor(5, 9, 120, 100, 0));
+  const VehicleLog read = parse_flight(log);
+  ASSERT_EQ(read.ranges.size(), 2U);
+  EXPECT_NEAR(read.ranges[1].agl_m, 61, 1e-5);
+  EXPECT_EQ(read.losses.ranges_left_out, 2);
+  EXPECT_EQ(read.losses.other_sources.at("distance_sensor 0"), 1);
 }
 
 TEST(Ulog, LocalPositionNeedsItsReference) {

@@ -32,7 +32,8 @@ struct CameraOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.path("file", self.file, "Camera calibration: ROS camera_info, OpenCV or Kalibr YAML.");
+    fields.path("file", self.file,
+                "Camera calibration: ROS camera_info or its message, OpenCV (YAML, XML), Kalibr, COLMAP, Agisoft.");
     fields.field(
         "name", self.name,
         "A camera by the name it is sold under, as \"DJI Mavic 3E\": the whole photo, an ideal lens; list names "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
@@ -10,6 +11,7 @@
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/geo/position_covariance.h"
+#include "pilotage/raster/elevation.h"
 #include "pilotage/vehiclelog/pose_at.h"
 
 namespace pilotage {
@@ -26,23 +28,53 @@ struct LoggedPose {
   std::optional<Attitude> true_attitude;
   std::optional<Attitude> attitude;  ///< Believed.
   double agl_m = kNaN;
+  std::string agl_from;
 };
+
+double lowest_amsl_m(const VehicleLog& log) {
+  double lowest_m = kNaN;
+  for (const LoggedTrack* track : {&log.truth, &log.estimate, &log.gnss}) {
+    for (const LoggedPosition& position : track->positions) lowest_m = std::fmin(lowest_m, position.amsl_m);
+    if (!std::isnan(lowest_m)) break;
+  }
+  return lowest_m;
+}
 
 /// The height of the ground where nothing measures the height above it.
-struct FlatGround {
-  double amsl_m = kNaN;
-  bool assumed = false;
-};
-
-FlatGround flat_ground_of(const VehicleLog& log, const LogFrameOptions& options) {
-  if (options.ground_amsl_m) return {*options.ground_amsl_m, false};
-  FlatGround ground{kNaN, true};
-  for (const LoggedTrack* track : {&log.truth, &log.estimate, &log.gnss}) {
-    for (const LoggedPosition& position : track->positions) ground.amsl_m = std::fmin(ground.amsl_m, position.amsl_m);
-    if (!std::isnan(ground.amsl_m)) return ground;
+class GroundBelow {
+ public:
+  GroundBelow(const VehicleLog& log, const LogFrameOptions& options)
+      : options_(options), lowest_m_(lowest_amsl_m(log)) {
+    if (options.ground_amsl_m || options.elevation.empty()) return;
+    try {
+      elevation_.emplace(options.elevation);
+    } catch (const DataError& error) {  // the model may lie on the machine that planned
+      unreadable_ = error.what();
+    }
   }
-  return ground;
-}
+
+  void set_height(const LoggedPosition& position, LoggedPose& pose) {
+    const auto take = [&](double ground_amsl_m, const std::string& from) {
+      pose.agl_m = position.amsl_m - ground_amsl_m;
+      pose.agl_from = from;
+    };
+    const auto at = [](double amsl_m) { return "the ground at " + format_fixed(amsl_m, 1) + " m above sea level, "; };
+    if (options_.ground_amsl_m) return take(*options_.ground_amsl_m, at(*options_.ground_amsl_m) + "as given");
+    const double below_m = elevation_ ? elevation_->amsl_m(position.point) : kNaN;
+    if (!std::isnan(below_m)) return take(below_m, "the elevation model of the plan, " + options_.elevation);
+    if (options_.flat_ground_amsl_m) {
+      return take(*options_.flat_ground_amsl_m, at(*options_.flat_ground_amsl_m) + "as the plan assumed");
+    }
+    take(lowest_m_, at(lowest_m_) + "the lowest height of the log: give --ground-amsl-m");
+  }
+  const std::string& unreadable() const { return unreadable_; }
+
+ private:
+  const LogFrameOptions& options_;
+  double lowest_m_;
+  std::optional<Elevation> elevation_;
+  std::string unreadable_;
+};
 
 LoggedPose pose_of(const VehicleLog& log, double time_s) {
   LoggedPose pose;
@@ -53,7 +85,13 @@ LoggedPose pose_of(const VehicleLog& log, double time_s) {
   pose.true_attitude = attitude_at(log.truth.attitudes, time_s, kReach_s);
   if (!pose.true_attitude) pose.true_attitude = pose.attitude;
   if (!pose.attitude) pose.attitude = pose.true_attitude;
-  if (const auto height = height_at(log.heights, time_s, kReach_s)) pose.agl_m = *height;
+  if (const auto range_m = height_at(log.ranges, time_s, kReach_s)) {
+    pose.agl_m = *range_m;
+    pose.agl_from = "the range finder";
+  } else if (const auto height_m = height_at(log.heights, time_s, kReach_s)) {
+    pose.agl_m = *height_m;
+    pose.agl_from = "the autopilot's own height above ground";
+  }
   return pose;
 }
 
@@ -63,7 +101,9 @@ void add_capture_to_pose(const LoggedCapture& capture, LoggedPose& pose) {
   if (!pose.truth && !pose.believed && capture.point) {
     pose.believed = LoggedPosition{capture.time_s, *capture.point, capture.amsl_m};
   }
-  if (!std::isnan(capture.agl_m)) pose.agl_m = capture.agl_m;
+  if (std::isnan(capture.agl_m)) return;
+  pose.agl_m = capture.agl_m;
+  pose.agl_from = "the capture";
 }
 
 std::vector<LoggedCapture> made_up_captures(const VehicleLog& log, double every_s) {
@@ -134,9 +174,9 @@ LogFrames frames_of_log(const VehicleLog& log, const LogFrameOptions& options, c
   LogFrames frames;
   const bool made_up = log.captures.empty() && make_up;
   const std::vector<LoggedCapture> captures = made_up ? made_up_captures(log, options.every_s) : log.captures;
-  const FlatGround ground = flat_ground_of(log, options);
+  GroundBelow ground(log, options);
   LeftOutFrames left_out;
-  bool ground_used = false;
+  std::map<std::string, std::int64_t> heights_from;
   for (const LoggedCapture& capture : captures) {
     LoggedPose pose = pose_of(log, capture.time_s);
     add_capture_to_pose(capture, pose);
@@ -150,10 +190,7 @@ LogFrames frames_of_log(const VehicleLog& log, const LogFrameOptions& options, c
       ++left_out.no_attitude;
       continue;
     }
-    if (std::isnan(pose.agl_m)) {
-      pose.agl_m = position->amsl_m - ground.amsl_m;
-      ground_used = true;
-    }
+    if (std::isnan(pose.agl_m)) ground.set_height(*position, pose);
     if (!(pose.agl_m > 0)) {
       ++left_out.no_height;
       continue;
@@ -166,6 +203,7 @@ LogFrames frames_of_log(const VehicleLog& log, const LogFrameOptions& options, c
     row.height_agl_m = pose.agl_m;
     row.attitude = *pose.attitude;
     if (pose.truth) row.true_nadir = pose.truth->point;
+    ++heights_from[pose.agl_from];
     frames.rows.push_back(std::move(row));
     frames.true_agl_m.push_back(pose.agl_m);
     frames.true_attitude.push_back(*pose.true_attitude);
@@ -176,9 +214,11 @@ LogFrames frames_of_log(const VehicleLog& log, const LogFrameOptions& options, c
                         ? "the log has no capture or trigger of a camera, and no imagery to render from is given"
                         : "no frame has all that matching needs; " + left_out.text());
   }
-  if (ground_used && ground.assumed) {
-    frames.notes.push_back("the ground is taken to lie at " + format_fixed(ground.amsl_m, 1) +
-                           " m above sea level, the lowest height of the log: give --ground-amsl-m");
+  if (!ground.unreadable().empty()) {
+    frames.notes.push_back("the plan's elevation model is not used: " + ground.unreadable());
+  }
+  for (const auto& [from, count] : heights_from) {
+    frames.notes.push_back("height above ground of " + std::to_string(count) + " frames: by " + from);
   }
   if (log.truth.positions.empty() && !log.gnss.positions.empty()) {
     frames.notes.emplace_back("GNSS counts as the truth");

@@ -26,9 +26,11 @@ inline EnumNames<LogPriors> enum_names(LogPriors) {
 
 struct LogFrameOptions {
   LogPriors priors = LogPriors::kDrawn;
-  double prior_sigma_m = 30;            ///< Of LogPriors::kLog.
-  std::optional<double> ground_amsl_m;  ///< Height of the ground where the log says no height above it.
-  double every_s = 2;                   ///< Between rendered frames of a log without captures.
+  double prior_sigma_m = 30;                 ///< Of LogPriors::kLog.
+  std::optional<double> ground_amsl_m;       ///< Height of the ground where the log says no height above it …
+  std::string elevation;                     ///< … else this elevation model, the plan's ("": none) …
+  std::optional<double> flat_ground_amsl_m;  ///< … else the flat ground that the plan assumed.
+  double every_s = 2;                        ///< Between rendered frames of a log without captures.
 };
 
 /// The frames of a log, where each was taken, and what of it is not known.
@@ -42,8 +44,9 @@ struct LogFrames {
 /// A frame for each capture of the log that has a position and an attitude within 1 s (2 s for positions of GNSS);
 /// those without are left out with a note. Where the log has none and `make_up` is set, every
 /// LogFrameOptions::every_s along the track. The truth is the simulator's, else GNSS; the height above ground the
-/// capture's, else the range finder's, else the height above sea level less ground_amsl_m, else less the lowest height
-/// of the log (with a note). Throws DataError when no frame is left, and when there is no truth to draw priors from;
+/// capture's, else the range finder's, else the log's own; else the height above sea level less ground_amsl_m, less the
+/// elevation model's below, less flat_ground_amsl_m, or less the lowest height of the log; a note says how many are of
+/// which. Throws DataError when no frame is left, and when there is no truth to draw priors from;
 /// UsageError as drifting_priors.
 LogFrames frames_of_log(const VehicleLog& log, const LogFrameOptions& options, const InsErrorModel& model, bool make_up,
                         std::uint64_t seed);
@@ -58,19 +61,23 @@ struct Photo {
   std::optional<double> taken_s;
 };
 
-/// The pictures (jpg, jpeg, png, tif, tiff, pgm) of a folder, by name. Throws DataError when there are none.
+/// The pictures (jpg, jpeg, png, tif, tiff, pgm) of a folder, by name, numbers in names as numbers: 9 before 10. Throws
+/// DataError when there are none.
 std::vector<Photo> photos_of_folder(const std::filesystem::path& folder);
 
 /// Which photo is of which capture.
 struct PhotoPairs {
   std::vector<std::optional<std::size_t>> photo_of_capture;
-  std::string how;  ///< A sentence: by order, or by time with which offset, and what was left over.
+  std::string how;  ///< A sentence: by time with which difference and what was left over, or by order.
 };
 
-/// By order where there are as many photos as captures. Else by time, where all photos have one: the constant
-/// difference of the two clocks with which most captures have a photo within 1 s of theirs. Throws DataError when
-/// neither is possible, or when less than half of the smaller list finds a partner.
-PhotoPairs pair_photos(const std::vector<LoggedCapture>& captures, const std::vector<Photo>& photos);
+/// By time, where all photos have one, with a constant difference of the two clocks, and photos within 1 s of their
+/// captures: where the log's UTC is known, whole quarters of an hour (a time zone) if at least half of the smaller list
+/// finds a partner so; else the difference with which most do. Captures at regular intervals have a second reading
+/// then, which is said. Else by order, where there are as many photos as captures. Throws DataError when neither is
+/// possible.
+PhotoPairs pair_photos(const std::vector<LoggedCapture>& captures, const std::vector<Photo>& photos,
+                       std::optional<double> utc_minus_log_s);
 
 /// Renders what `camera` saw of the ground in `world` at the true poses, flat ground, as PNG files in `folder`, and
 /// leaves out frames that the imagery does not cover (with a note). Throws DataError as open_gray, and when not one

@@ -47,10 +47,11 @@ std::optional<double> taken_s(const ImageMetadata& metadata) {
   return seconds;
 }
 
+using TimedPhotos = std::vector<std::pair<double, std::size_t>>;
+
 /// Pairs in the order of times, each photo once, at most kSameInstant_s apart.
 std::vector<std::optional<std::size_t>> pairs_with_offset(const std::vector<LoggedCapture>& captures,
-                                                          const std::vector<std::pair<double, std::size_t>>& photos,
-                                                          double offset_s) {
+                                                          const TimedPhotos& photos, double offset_s) {
   std::vector<std::optional<std::size_t>> pairs(captures.size());
   std::size_t next = 0;
   for (std::size_t i = 0; i < captures.size(); ++i) {
@@ -67,8 +68,7 @@ std::int64_t pair_count(const std::vector<std::optional<std::size_t>>& pairs) {
 
 /// The offset that most differences between a photo and a capture agree on, to half a second. Of long flights only the
 /// first captures are asked: the vote of some hundred is clear.
-double most_voted_offset_s(const std::vector<LoggedCapture>& captures,
-                           const std::vector<std::pair<double, std::size_t>>& photos) {
+double most_voted_offset_s(const std::vector<LoggedCapture>& captures, const TimedPhotos& photos) {
   constexpr std::size_t kVoters = 300;
   std::map<std::int64_t, std::int64_t> votes;
   for (std::size_t i = 0; i < std::min(kVoters, captures.size()); ++i) {
@@ -83,6 +83,93 @@ double most_voted_offset_s(const std::vector<LoggedCapture>& captures,
   return static_cast<double>(best->first) / 2;
 }
 
+/// Pairs with one difference of the clocks.
+struct ClockPairs {
+  double offset_s = 0;  ///< The photos' clock minus the log's.
+  std::vector<std::optional<std::size_t>> pairs;
+  std::int64_t count = -1;
+
+  void take_if_more(const std::vector<LoggedCapture>& captures, const TimedPhotos& photos, double other_s) {
+    auto other = pairs_with_offset(captures, photos, other_s);
+    const std::int64_t other_count = pair_count(other);
+    if (other_count > count) *this = {other_s, std::move(other), other_count};
+  }
+};
+
+ClockPairs pairs_of_most(const std::vector<LoggedCapture>& captures, const TimedPhotos& photos) {
+  const double voted_s = most_voted_offset_s(captures, photos);
+  ClockPairs most;
+  for (int step = -4; step <= 4; ++step) most.take_if_more(captures, photos, voted_s + 0.25 * step);
+  return most;
+}
+
+/// A camera shows the time of some zone: whole quarters of an hour from UTC, the nearest first.
+ClockPairs pairs_of_a_time_zone(const std::vector<LoggedCapture>& captures, const TimedPhotos& photos,
+                                double utc_minus_log_s) {
+  constexpr int kQuarters = 14 * 4;
+  ClockPairs most;
+  for (int quarter = 0; quarter <= kQuarters; ++quarter) {
+    for (const int sign : {1, -1}) most.take_if_more(captures, photos, utc_minus_log_s + sign * 900.0 * quarter);
+  }
+  return most;
+}
+
+/// How texts are ordered in which numbers count as numbers: IMG_9 before IMG_10.
+bool less_with_numbers(std::string_view a, std::string_view b) {
+  const auto digits = [](std::string_view text) {
+    const std::size_t end = text.find_first_not_of("0123456789");
+    return text.substr(0, end);
+  };
+  const auto value = [](std::string_view number) {
+    return number.substr(std::min(number.find_first_not_of('0'), number.size()));
+  };
+  const std::string_view whole_a = a;
+  const std::string_view whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    const std::string_view number_a = digits(a);
+    const std::string_view number_b = digits(b);
+    if (!number_a.empty() && !number_b.empty()) {
+      const std::string_view value_a = value(number_a);
+      const std::string_view value_b = value(number_b);
+      if (value_a.size() != value_b.size()) return value_a.size() < value_b.size();
+      if (value_a != value_b) return value_a < value_b;
+      a.remove_prefix(number_a.size());
+      b.remove_prefix(number_b.size());
+    } else {
+      if (a.front() != b.front()) return a.front() < b.front();
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  if (a.size() != b.size()) return a.size() < b.size();
+  return whole_a < whole_b;
+}
+
+/// Nothing where less than half of the smaller list finds a partner.
+std::optional<PhotoPairs> pair_by_time(const std::vector<LoggedCapture>& captures, const TimedPhotos& photos,
+                                       std::optional<double> utc_minus_log_s) {
+  const auto smaller = static_cast<std::int64_t>(std::min(captures.size(), photos.size()));
+  ClockPairs taken = pairs_of_most(captures, photos);
+  std::string other;
+  if (utc_minus_log_s) {
+    ClockPairs of_zone = pairs_of_a_time_zone(captures, photos, *utc_minus_log_s);
+    if (2 * of_zone.count >= smaller) {
+      if (taken.count > of_zone.count) {
+        other = "; were the photos' clock off by another " + format_fixed(taken.offset_s - of_zone.offset_s, 2) +
+                " s, " + std::to_string(taken.count) + " would be paired";
+      }
+      taken = std::move(of_zone);
+    }
+  }
+  if (2 * taken.count < smaller) return std::nullopt;
+  const std::string difference = utc_minus_log_s ? "UTC " + format_fixed(taken.offset_s - *utc_minus_log_s, 2)
+                                                 : "the log's " + format_fixed(taken.offset_s, 2);
+  return PhotoPairs{std::move(taken.pairs),
+                    std::to_string(taken.count) + " paired by time, photos' clock minus " + difference + " s; " +
+                        std::to_string(std::ssize(captures) - taken.count) + " captures and " +
+                        std::to_string(std::ssize(photos) - taken.count) + " photos are left over" + other};
+}
+
 }  // namespace
 
 std::vector<Photo> photos_of_folder(const std::filesystem::path& folder) {
@@ -93,7 +180,7 @@ std::vector<Photo> photos_of_folder(const std::filesystem::path& folder) {
   }
   if (error) throw DataError(folder.string() + ": cannot be read as a folder: " + error.message());
   if (files.empty()) throw DataError(folder.string() + ": holds no picture (jpg, jpeg, png, tif, tiff, pgm)");
-  std::sort(files.begin(), files.end());
+  std::sort(files.begin(), files.end(), less_with_numbers);
   std::vector<Photo> photos;
   for (const std::string& file : files) {
     Photo photo{file, {}};
@@ -107,45 +194,33 @@ std::vector<Photo> photos_of_folder(const std::filesystem::path& folder) {
   return photos;
 }
 
-PhotoPairs pair_photos(const std::vector<LoggedCapture>& captures, const std::vector<Photo>& photos) {
-  PhotoPairs result;
+PhotoPairs pair_photos(const std::vector<LoggedCapture>& captures, const std::vector<Photo>& photos,
+                       std::optional<double> utc_minus_log_s) {
   const std::string counts =
       std::to_string(photos.size()) + " photos for " + std::to_string(captures.size()) + " captures of the log";
   if (captures.empty()) throw DataError("the log has no capture or trigger of a camera to pair photos with");
-  if (photos.size() == captures.size()) {
-    for (std::size_t i = 0; i < photos.size(); ++i) result.photo_of_capture.emplace_back(i);
-    result.how = counts + ": paired by their order";
-    return result;
-  }
-  std::vector<std::pair<double, std::size_t>> timed;
+  TimedPhotos timed;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (photos[i].taken_s) timed.emplace_back(*photos[i].taken_s, i);
   }
-  if (timed.size() != photos.size() || timed.size() > kMostPhotosByTime) {
-    throw DataError(counts + ", and they cannot be paired by time: " + std::to_string(photos.size() - timed.size()) +
-                    " photos have no DateTimeOriginal in their EXIF (at most " + std::to_string(kMostPhotosByTime) +
-                    " photos are paired so)");
+  const bool all_timed = timed.size() == photos.size() && timed.size() <= kMostPhotosByTime;
+  if (all_timed) {
+    std::sort(timed.begin(), timed.end());
+    if (auto pairs = pair_by_time(captures, timed, utc_minus_log_s)) {
+      pairs->how = counts + ": " + pairs->how;
+      return *std::move(pairs);
+    }
   }
-  std::sort(timed.begin(), timed.end());
-  const double voted_s = most_voted_offset_s(captures, timed);
-  std::int64_t most = -1;
-  double offset_s = voted_s;
-  for (int step = -4; step <= 4; ++step) {
-    const auto pairs = pairs_with_offset(captures, timed, voted_s + 0.25 * step);
-    const std::int64_t count = pair_count(pairs);
-    if (count <= most) continue;
-    most = count;
-    offset_s = voted_s + 0.25 * step;
-    result.photo_of_capture = pairs;
+  const std::string why = all_timed ? "by time less than half find a partner"
+                                    : std::to_string(photos.size() - timed.size()) +
+                                          " photos have no DateTimeOriginal in their EXIF (at most " +
+                                          std::to_string(kMostPhotosByTime) + " photos are paired by time)";
+  if (photos.size() != captures.size()) {
+    throw DataError(counts + ", and they cannot be paired: " + why + "; are these the photos of this flight?");
   }
-  const auto smaller = static_cast<std::int64_t>(std::min(captures.size(), photos.size()));
-  if (2 * most < smaller) {
-    throw DataError(counts + ", and by time only " + std::to_string(most) +
-                    " find a partner: are these the photos of this flight?");
-  }
-  result.how = counts + ": " + std::to_string(most) + " paired by time, photos' clock minus log's " +
-               format_fixed(offset_s, 2) + " s; " + std::to_string(std::ssize(captures) - most) + " captures and " +
-               std::to_string(std::ssize(photos) - most) + " photos are left over";
+  PhotoPairs result;
+  for (std::size_t i = 0; i < photos.size(); ++i) result.photo_of_capture.emplace_back(i);
+  result.how = counts + ": paired by the order of their names, for " + why;
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,22 @@
 namespace pilotage {
 namespace {
 
-constexpr std::string_view kFirstColumn = "VehicleName\t";
+/// What a column is called: today, and in the first versions.
+struct ColumnNames {
+  std::string_view name;
+  std::string_view first_name;
+};
+constexpr ColumnNames kTime{"TimeStamp", "Timestamp"};
+constexpr ColumnNames kNorth{"POS_X", "Position(x)"};
+constexpr ColumnNames kEast{"POS_Y", "Position(y)"};
+constexpr ColumnNames kDown{"POS_Z", "Position(z)"};
+constexpr ColumnNames kTurnW{"Q_W", "Orientation(w)"};
+constexpr ColumnNames kTurnX{"Q_X", "Orientation(x)"};
+constexpr ColumnNames kTurnY{"Q_Y", "Orientation(y)"};
+constexpr ColumnNames kTurnZ{"Q_Z", "Orientation(z)"};
+constexpr ColumnNames kPicture{"ImageFile", "ImageName"};
+constexpr std::string_view kVehicle = "VehicleName";  // the first versions have one vehicle
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string_view take_recording_line(std::string_view& rest) {
   const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -33,38 +49,101 @@ std::vector<std::string_view> split_at_tabs(std::string_view line) {
   }
 }
 
+std::optional<std::size_t> column_index(const std::vector<std::string_view>& names, const ColumnNames& column) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == column.name || names[i] == column.first_name) return i;
+  }
+  return std::nullopt;
+}
+
 /// A row, with the columns of the first line.
 class RecordingRow {
  public:
   RecordingRow(const std::vector<std::string_view>& names, std::vector<std::string_view> cells)
       : names_(names), cells_(std::move(cells)) {}
 
-  std::string_view text(std::string_view name) const {
-    const auto found = std::find(names_.begin(), names_.end(), name);
-    const auto index = static_cast<std::size_t>(found - names_.begin());
-    return found == names_.end() || index >= cells_.size() ? std::string_view() : cells_[index];
+  std::string_view text(const ColumnNames& column) const {
+    const auto index = column_index(names_, column);
+    return index && *index < cells_.size() ? cells_[*index] : std::string_view();
   }
-  double number(std::string_view name) const { return parse_number(text(name)).value_or(kNaN); }
+  double number(const ColumnNames& column) const { return parse_number(text(column)).value_or(kNaN); }
 
  private:
   const std::vector<std::string_view>& names_;
   std::vector<std::string_view> cells_;
 };
 
-/// Pictures of one instant stand in one cell, with ";" between them: the first is taken.
-std::string picture_of(const RecordingRow& row) {
-  const std::string_view files = row.text("ImageFile");
-  const std::string file(files.substr(0, files.find(';')));
-  return file.empty() || file.find('/') != std::string::npos ? file : "images/" + file;
+/// What the name of a picture says: img_[vehicle_]camera_type_time.
+struct RecordedPicture {
+  std::string file;
+  std::string camera;
+  std::optional<int> type;  ///< Nothing where the name is another.
+
+  bool is_scene() const { return type == 0; }
+  bool looks_down() const { return camera == "3" || camera == "bottom_center"; }
+};
+
+RecordedPicture recorded_picture(std::string_view file) {
+  RecordedPicture picture{std::string(file), "", {}};
+  std::string_view stem = file.substr(file.find_last_of("/\\") + 1);
+  stem = stem.substr(0, stem.rfind('.'));
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t end = std::min(stem.find('_'), stem.size());
+    parts.push_back(stem.substr(0, end));
+    if (end == stem.size()) break;
+    stem.remove_prefix(end + 1);
+  }
+  if (parts.size() < 4 || parts.front() != "img") return picture;
+  const auto type = parse_number(parts[parts.size() - 2]);
+  if (!type || *type < 0 || *type > 99 || *type != std::floor(*type)) return picture;
+  picture.type = static_cast<int>(*type);
+  // Cameras have numbers or names such as bottom_center; a vehicle's name, which may have "_" as well, stands before.
+  const std::string_view last = parts[parts.size() - 3];
+  picture.camera = last == "center" || last == "right" || last == "left"
+                       ? std::string(parts[parts.size() - 4]) + "_" + std::string(last)
+                       : std::string(last);
+  return picture;
+}
+
+/// Pictures of one instant stand in one cell, with ";" between them.
+std::vector<RecordedPicture> pictures_of(const RecordingRow& row) {
+  std::vector<RecordedPicture> pictures;
+  std::string_view files = row.text(kPicture);
+  while (!files.empty()) {
+    const std::size_t end = std::min(files.find(';'), files.size());
+    if (end > 0) pictures.push_back(recorded_picture(files.substr(0, end)));
+    files.remove_prefix(std::min(end + 1, files.size()));
+  }
+  return pictures;
+}
+
+/// The one that shows the scene, of the camera that looks down where there are several; the first where names say
+/// nothing. "" when only others are there: depth, segmentation …
+std::string picture_of(const RecordingRow& row, LogBuilder& builder) {
+  const std::vector<RecordedPicture> pictures = pictures_of(row);
+  const RecordedPicture* best = nullptr;
+  for (const RecordedPicture& picture : pictures) {
+    const bool counts = picture.is_scene() || !picture.type;
+    if (!counts) continue;
+    if (best == nullptr || (picture.looks_down() && !best->looks_down())) best = &picture;
+  }
+  for (const RecordedPicture& picture : pictures) {
+    if (&picture == best) continue;
+    builder.leave_out_source(picture.is_scene() || !picture.type ? "another picture, of camera " + picture.camera
+                                                                 : "image type " + std::to_string(*picture.type));
+  }
+  if (best == nullptr) return "";
+  return best->file.find('/') != std::string::npos ? best->file : "images/" + best->file;
 }
 
 void take_recording_row(const RecordingRow& row, const LocalFrame& frame, double origin_amsl_m, LogBuilder& builder) {
   static constexpr double kFurthest_m = 1e6;
-  const double time_s = row.number("TimeStamp") * 1e-3;
+  const double time_s = row.number(kTime) * 1e-3;
   if (!builder.accept(time_s)) return;
-  const double north_m = row.number("POS_X");
-  const double east_m = row.number("POS_Y");
-  const double down_m = row.number("POS_Z");
+  const double north_m = row.number(kNorth);
+  const double east_m = row.number(kEast);
+  const double down_m = row.number(kDown);
   if (!(std::abs(north_m) < kFurthest_m && std::abs(east_m) < kFurthest_m)) {
     ++builder.losses().bad_values;
     return;
@@ -73,7 +152,7 @@ void take_recording_row(const RecordingRow& row, const LocalFrame& frame, double
   const double amsl_m = origin_amsl_m - down_m;
   builder.add_position(&VehicleLog::truth, time_s, point.lat_deg, point.lon_deg, amsl_m);
   const auto attitude =
-      attitude_of_quaternion(row.number("Q_W"), row.number("Q_X"), row.number("Q_Y"), row.number("Q_Z"));
+      attitude_of_quaternion(row.number(kTurnW), row.number(kTurnX), row.number(kTurnY), row.number(kTurnZ));
   if (attitude) {
     builder.add_attitude(&VehicleLog::truth, time_s, *attitude);
   } else {
@@ -84,22 +163,26 @@ void take_recording_row(const RecordingRow& row, const LocalFrame& frame, double
   capture.point = point;
   capture.amsl_m = amsl_m;
   capture.attitude = attitude;
-  capture.file = picture_of(row);
+  capture.file = picture_of(row, builder);
   if (!capture.file.empty()) builder.add_capture(std::move(capture));
 }
 
 }  // namespace
 
 bool is_airsim_recording(std::string_view text) {
-  return text.starts_with(kFirstColumn);
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const std::vector<std::string_view> names = split_at_tabs(take_recording_line(text));
+  return names.size() > 1 && column_index(names, kTime) && column_index(names, kPicture);
 }
 
 VehicleLog parse_airsim_recording(const std::string& name, std::string_view text, const LogOrigin& origin) {
   std::string_view rest = text;
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
   const std::vector<std::string_view> names = split_at_tabs(take_recording_line(rest));
-  for (const std::string_view needed : {"VehicleName", "TimeStamp", "POS_X", "POS_Y", "POS_Z", "Q_W", "ImageFile"}) {
-    if (std::find(names.begin(), names.end(), needed) == names.end()) {
-      throw DataError(name + ": line 1: column \"" + std::string(needed) + "\" of an AirSim recording is missing");
+  for (const ColumnNames& needed : {kTime, kNorth, kEast, kDown, kTurnW, kTurnX, kTurnY, kTurnZ, kPicture}) {
+    if (!column_index(names, needed)) {
+      throw DataError(name + ": line 1: column \"" + std::string(needed.name) + "\" (or \"" +
+                      std::string(needed.first_name) + "\") of an AirSim recording is missing");
     }
   }
   LogBuilder builder(LogFormat::kAirSim);
@@ -109,15 +192,21 @@ VehicleLog parse_airsim_recording(const std::string& name, std::string_view text
     const std::string_view line = take_recording_line(rest);
     if (line.empty()) continue;
     const RecordingRow row(names, split_at_tabs(line));
-    const std::string_view of(row.text("VehicleName"));
+    const std::string_view of(row.text({kVehicle, kVehicle}));
     if (vehicle.empty()) vehicle = of;
     if (of != vehicle) {
-      ++builder.losses().other_sources;
+      builder.leave_out_source("vehicle " + std::string(of));
       continue;
     }
     take_recording_row(row, frame, origin.amsl_m, builder);
   }
-  return builder.finish();
+  VehicleLog log = builder.finish();
+  if (log.captures.empty() && !log.losses.other_sources.empty()) {
+    throw DataError(name +
+                    ": an AirSim recording without any picture of image type 0, Scene: record one (RecordingCameras "
+                    "of settings.json: \"ImageType\": 0)");
+  }
+  return log;
 }
 
 }  // namespace pilotage

@@ -118,12 +118,13 @@ class DataFlashRecord {
   double number(std::string_view field) const { return number({field}); }
   bool has(std::string_view field) const { return format_.fields.find(field) != format_.fields.end(); }
   double time_s() const { return number("TimeUS") * 1e-6; }
-  /// Which of several receivers or filters: the first one counts.
-  bool is_first_source() const {
+  /// Which of several receivers, filters or sensors.
+  int instance() const {
     for (const std::string_view field : {"I", "C", "Instance"}) {
-      if (has(field) && number(field) != 0) return false;
+      const double value = has(field) ? number(field) : 0;
+      if (value != 0) return value > 0 && value <= 255 ? static_cast<int>(value) : 255;
     }
-    return true;
+    return 0;
   }
 
  private:
@@ -165,12 +166,24 @@ void take_dataflash_capture(const DataFlashRecord& record, LogBuilder& builder) 
   builder.add_capture(std::move(capture));
 }
 
+/// A record of one sensor, or of two as older ones are. Without a status, 0 m says that there is no reading.
 void take_range_finder(const DataFlashRecord& record, LogBuilder& builder) {
   static constexpr double kDownward = 25;
-  const double orientation = record.number({"Orient", "Orient1"});
-  if (!std::isnan(orientation) && orientation != kDownward) return;
-  const double distance_m = record.number({"Dist", "Dist1"});
-  if (distance_m > 0) builder.add_height(record.time_s(), distance_m);
+  static constexpr double kGood = 4;
+  static constexpr double kNoSignal = 0;  // −1: unknown
+  for (const std::string_view suffix : {"", "1", "2"}) {
+    const auto field = [&](std::string_view name) { return record.number(std::string(name) + std::string(suffix)); };
+    const double distance_m = field("Dist");
+    const double orientation = field("Orient");
+    const double status = field("Stat");
+    if (std::isnan(distance_m) || (!std::isnan(orientation) && orientation != kDownward)) continue;
+    if ((!std::isnan(status) && status != kGood) || field("Quality") == kNoSignal || !(distance_m > 0)) {
+      builder.leave_out_range();
+      continue;
+    }
+    const std::string sensor = suffix.empty() ? std::to_string(record.instance()) : std::string(suffix);
+    builder.add_range(record.time_s(), "range finder " + sensor, distance_m);
+  }
 }
 
 void take_terrain(const DataFlashRecord& record, LogBuilder& builder) {
@@ -298,8 +311,9 @@ VehicleLog parse_dataflash_log(const std::string& name, std::string_view bytes) 
   while (records.next(format, bytes_of_record)) {
     if (!is_used_record(format->name)) continue;
     const DataFlashRecord record(*format, bytes_of_record);
-    if (!record.is_first_source()) {
-      ++builder.losses().other_sources;
+    // Of range finders the builder chooses one.
+    if (record.instance() != 0 && record.name() != "RFND") {
+      builder.leave_out_source(record.name() + " " + std::to_string(record.instance()));
       continue;
     }
     if (builder.accept(record.time_s())) take_dataflash_record(record, captures, builder);

@@ -7,6 +7,7 @@
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/vehiclelog/pose_at.h"
 
 namespace pilotage {
 namespace {
@@ -14,6 +15,10 @@ namespace {
 constexpr double kHighest_m = 1e5;
 constexpr double kFastest_mps = 1e4;
 constexpr double kLatestTime_s = 1e11;  // in µs still below 2^53
+/// Farther from its range's attitude none is known.
+constexpr double kAttitudeReach_s = 1;
+/// A beam that is tilted by more than 45° tells of other ground.
+constexpr double kLeastUpright = 0.7071;
 
 bool is_height(double height_m) {
   return std::isfinite(height_m) && std::abs(height_m) <= kHighest_m;
@@ -131,6 +136,35 @@ void LogBuilder::add_height(double time_s, double agl_m) {
   part_.log.heights.push_back({time_s, agl_m});
 }
 
+void LogBuilder::add_range(double time_s, const std::string& sensor, double range_m) {
+  if (!is_height(range_m) || range_m <= 0) {
+    ++losses_.bad_values;
+    return;
+  }
+  part_.ranges[sensor].push_back({time_s, range_m});
+}
+
+void LogBuilder::take_ranges(Part& part) {
+  const auto most = std::max_element(part.ranges.begin(), part.ranges.end(),
+                                     [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+  if (most == part.ranges.end()) return;
+  for (const auto& [sensor, ranges] : part.ranges) {
+    if (sensor != most->first) losses_.other_sources[sensor] += std::ssize(ranges);
+  }
+  const LoggedTrack& track = part.log.estimate.attitudes.empty() ? part.log.truth : part.log.estimate;
+  for (const LoggedHeight& range : most->second) {
+    const auto attitude = attitude_at(track.attitudes, range.time_s, kAttitudeReach_s);
+    const double upright =
+        attitude ? std::cos(attitude->pitch_deg * kRadPerDeg) * std::cos(attitude->roll_deg * kRadPerDeg) : 1;
+    if (upright < kLeastUpright) {
+      ++losses_.ranges_left_out;
+      continue;
+    }
+    part.log.ranges.push_back({range.time_s, range.agl_m * upright});
+  }
+  sort_by_time(part.log.ranges);
+}
+
 void LogBuilder::add_capture(LoggedCapture capture) {
   if (capture.point && !is_logged_point(capture.point->lat_deg, capture.point->lon_deg)) capture.point.reset();
   if (capture.attitude && !is_attitude(*capture.attitude)) capture.attitude.reset();
@@ -148,10 +182,11 @@ void LogBuilder::set_utc(double utc_minus_log_s) {
 VehicleLog LogBuilder::finish() {
   if (part_.records > largest_.records) std::swap(part_, largest_);
   losses_.records_left_out += part_.records;
+  for (LoggedTrack* track : {&largest_.log.estimate, &largest_.log.gnss, &largest_.log.truth}) sort_by_time(*track);
+  take_ranges(largest_);
   VehicleLog log = std::move(largest_.log);
   log.format = format_;
   log.losses = losses_;
-  for (LoggedTrack* track : {&log.estimate, &log.gnss, &log.truth}) sort_by_time(*track);
   sort_by_time(log.heights);
   sort_by_time(log.captures);
   return log;

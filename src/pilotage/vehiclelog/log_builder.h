@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 
 #include "pilotage/vehiclelog/vehicle_log.h"
 
@@ -29,6 +31,12 @@ class LogBuilder {
   void add_velocity(LoggedTrack VehicleLog::*track, double time_s, double north_mps, double east_mps, double down_mps);
   void add_attitude(LoggedTrack VehicleLog::*track, double time_s, const Attitude& attitude);
   void add_height(double time_s, double agl_m);
+  /// A sound reading of the range finder `sensor` along the body's down axis; of several sensors, the one with most
+  /// readings counts (of equal ones the first by name), the others are counted as other sources.
+  void add_range(double time_s, const std::string& sensor, double range_m);
+  /// A reading that says no distance.
+  void leave_out_range() { ++losses_.ranges_left_out; }
+  void leave_out_source(const std::string& source) { ++losses_.other_sources[source]; }
   /// Without its point, attitude or heights where these are not sound.
   void add_capture(LoggedCapture capture);
   void set_utc(double utc_minus_log_s);
@@ -41,11 +49,14 @@ class LogBuilder {
  private:
   struct Part {
     VehicleLog log;
+    std::map<std::string, std::vector<LoggedHeight>> ranges;  ///< Along the body's down axis, by sensor.
     std::int64_t records = 0;
   };
 
   bool agrees(double time_s, double last_s) const;
   void begin_part();
+  /// Chooses the sensor, and turns what it says upright.
+  void take_ranges(Part& part);
 
   LogFormat format_;
   Part part_;

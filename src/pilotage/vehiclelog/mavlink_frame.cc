@@ -22,6 +22,8 @@ constexpr std::size_t kSignatureSize = 13;
 
 std::optional<std::uint8_t> mavlink_crc_extra(std::uint32_t message_id) {
   switch (message_id) {
+    case 0:  // HEARTBEAT
+      return 50;
     case 24:  // GPS_RAW_INT
       return 24;
     case 30:  // ATTITUDE

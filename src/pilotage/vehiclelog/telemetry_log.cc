@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 #include <string>
+#include <tuple>
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
@@ -71,12 +73,18 @@ void take_global_position_int(double time_s, std::string_view payload, LogBuilde
                        speed_of_cm_at(payload, 24));
 }
 
-void take_distance_sensor(double time_s, std::string_view payload, LogBuilder& builder) {
+/// Ends with an extension of version 2: whole_payload() makes it 0, "unknown", where it is not sent.
+void take_distance_sensor(double time_s, std::string_view payload, const std::string& source, LogBuilder& builder) {
   static constexpr std::uint64_t kDownward = 25;
+  static constexpr std::uint64_t kNoSignal = 1;
+  if (unsigned_at(payload, 12, 1) != kDownward) return;
   const std::uint64_t distance_cm = unsigned_at(payload, 8, 2);
-  const bool in_range = distance_cm >= unsigned_at(payload, 4, 2) && distance_cm <= unsigned_at(payload, 6, 2);
-  if (unsigned_at(payload, 12, 1) != kDownward || !in_range) return;
-  builder.add_height(time_s, static_cast<double>(distance_cm) * 1e-2);
+  const std::uint64_t largest_cm = unsigned_at(payload, 6, 2);
+  // At the largest range the sensor says "farther"; 0 says that it does not know its range.
+  const bool in_range = distance_cm > unsigned_at(payload, 4, 2) && (largest_cm == 0 || distance_cm < largest_cm);
+  if (!in_range || unsigned_at(payload, 38, 1) == kNoSignal) return builder.leave_out_range();
+  builder.add_range(time_s, "range finder " + std::to_string(unsigned_at(payload, 11, 1)) + " of " + source,
+                    static_cast<double>(distance_cm) * 1e-2);
 }
 
 void take_camera_trigger(double time_s, std::string_view payload, LogBuilder& builder) {
@@ -107,6 +115,11 @@ void take_image_captured(double time_s, std::string_view payload, LogBuilder& bu
   builder.add_capture(std::move(capture));
 }
 
+constexpr std::uint32_t kHeartbeat = 0;
+constexpr std::uint32_t kDistanceSensor = 132;
+constexpr std::size_t kDistanceSensorSize = 39;
+
+/// A message that tells where the aircraft is, or of a picture.
 struct TelemetryMessage {
   std::uint32_t id;
   std::size_t size;  ///< Of the payload without extensions.
@@ -117,7 +130,6 @@ constexpr TelemetryMessage kTelemetryMessages[] = {{24, 30, take_gps_raw},
                                                    {30, 28, take_telemetry_attitude},
                                                    {33, 28, take_global_position_int},
                                                    {112, 12, take_camera_trigger, true},
-                                                   {132, 14, take_distance_sensor},
                                                    {180, 45, take_camera_feedback, true},
                                                    {263, 255, take_image_captured, true}};
 /// What says most of a picture is taken, for one picture is often announced by several.
@@ -175,28 +187,101 @@ class TelemetryRecords {
   std::size_t at_ = 0;
 };
 
-struct TelemetryContents {
-  std::optional<std::uint8_t> system;  ///< The first that says where it is.
-  std::uint32_t capture_id = 0;
+/// Who sent a message.
+struct TelemetrySource {
+  std::uint8_t system = 0;
+  std::uint8_t component = 0;
+
+  auto operator<=>(const TelemetrySource&) const = default;
+  std::string text() const {
+    std::string text = "system " + std::to_string(system) + ", component " + std::to_string(component);
+    if (component == 1) return text + " (autopilot)";
+    if (component >= 100 && component <= 105) return text + " (camera)";
+    if (component == 154 || (component >= 171 && component <= 175)) return text + " (gimbal)";
+    if (component == 190) return text + " (ground station)";
+    if (component >= 191 && component <= 194) return text + " (companion computer)";
+    return text;
+  }
 };
 
-TelemetryContents contents_of(std::string_view bytes) {
-  TelemetryContents contents;
-  std::set<std::uint32_t> captures;
+TelemetrySource source_of(const MavlinkFrame& frame) {
+  return {frame.system_id, frame.component_id};
+}
+
+/// What a source sent.
+struct SourceContents {
+  bool is_autopilot = false;  ///< Its heartbeat says that it flies the aircraft.
+  std::int64_t poses = 0;     ///< Messages that tell where it is.
+  std::map<std::uint32_t, std::int64_t> captures;
+};
+
+/// An autopilot by its heartbeat, of something that flies: not a ground station's, gimbal's or antenna tracker's.
+bool is_heartbeat_of_autopilot(std::string_view payload) {
+  static constexpr std::uint64_t kNoAutopilot = 8;
+  static constexpr std::uint64_t kDoNotFly[] = {5,  6,  18,
+                                                26, 27, 30};  // tracker, station, companion, gimbal, ADS-B, camera
+  const std::uint64_t type = unsigned_at(payload, 4, 1);
+  return unsigned_at(payload, 5, 1) != kNoAutopilot &&
+         std::find(std::begin(kDoNotFly), std::end(kDoNotFly), type) == std::end(kDoNotFly);
+}
+
+/// Whose messages are taken.
+struct TelemetryRoles {
+  std::optional<TelemetrySource> autopilot;
+  std::optional<TelemetrySource> camera;
+  std::uint32_t capture_id = 0;
+
+  bool takes(const TelemetryMessage& message, TelemetrySource source) const {
+    if (message.is_capture) return message.id == capture_id && source == camera;
+    return source == autopilot;
+  }
+};
+
+/// Of the sources with poses: those with an autopilot's heartbeat before those with an autopilot's number before
+/// others, and of each the one with most.
+std::optional<TelemetrySource> autopilot_among(const std::map<TelemetrySource, SourceContents>& sources) {
+  std::optional<TelemetrySource> best;
+  std::tuple<bool, bool, std::int64_t> best_rank;
+  for (const auto& [source, contents] : sources) {
+    const std::tuple rank(contents.is_autopilot, source.component == 1, contents.poses);
+    if (contents.poses == 0 || (best && rank <= best_rank)) continue;
+    best = source;
+    best_rank = rank;
+  }
+  return best;
+}
+
+TelemetryRoles roles_of_telemetry(std::string_view bytes) {
+  std::map<TelemetrySource, SourceContents> sources;
   LogLosses losses;
   TelemetryRecords records(bytes, losses);
   double time_s = 0;
   MavlinkFrame frame;
   while (records.next(time_s, frame)) {
     const TelemetryMessage* message = message_of(frame.message_id);
+    if (frame.message_id == kHeartbeat && is_heartbeat_of_autopilot(whole_payload(frame.payload, 9))) {
+      sources[source_of(frame)].is_autopilot = true;
+    }
     if (message == nullptr) continue;
-    if (message->is_capture) captures.insert(message->id);
-    if (!message->is_capture && !contents.system) contents.system = frame.system_id;
+    SourceContents& source = sources[source_of(frame)];
+    ++(message->is_capture ? source.captures[message->id] : source.poses);
   }
+  TelemetryRoles roles;
+  roles.autopilot = autopilot_among(sources);
+  // Pictures of this aircraft, by the message that says most, of the one source with most of them.
   for (const std::uint32_t id : kCaptureRanks) {
-    if (contents.capture_id == 0 && captures.contains(id)) contents.capture_id = id;
+    std::int64_t most = 0;
+    for (const auto& [source, contents] : sources) {
+      const auto found = contents.captures.find(id);
+      const bool of_aircraft = !roles.autopilot || source.system == roles.autopilot->system;
+      if (!of_aircraft || found == contents.captures.end() || found->second <= most) continue;
+      most = found->second;
+      roles.camera = source;
+      roles.capture_id = id;
+    }
+    if (roles.camera) break;
   }
-  return contents;
+  return roles;
 }
 
 }  // namespace
@@ -213,21 +298,31 @@ VehicleLog parse_telemetry_log(const std::string& name, std::string_view bytes) 
   if (!is_telemetry_log(bytes)) {
     throw DataError(name + ": does not begin with a time and a whole frame of MAVLink, as telemetry logs do");
   }
-  const TelemetryContents contents = contents_of(bytes);
+  const TelemetryRoles roles = roles_of_telemetry(bytes);
   LogBuilder builder(LogFormat::kTelemetry);
   builder.set_utc(0);
   TelemetryRecords records(bytes, builder.losses());
   double time_s = 0;
   MavlinkFrame frame;
   while (records.next(time_s, frame)) {
-    const TelemetryMessage* message = message_of(frame.message_id);
-    if (message == nullptr || (message->is_capture && message->id != contents.capture_id)) continue;
-    if (frame.system_id != contents.system.value_or(frame.system_id)) {
-      ++builder.losses().other_sources;
+    const TelemetrySource source = source_of(frame);
+    if (frame.message_id == kDistanceSensor) {
+      const bool of_aircraft = !roles.autopilot || source.system == roles.autopilot->system;
+      if (!of_aircraft) {
+        builder.leave_out_source(source.text());
+      } else if (builder.accept(time_s)) {
+        take_distance_sensor(time_s, whole_payload(frame.payload, kDistanceSensorSize), source.text(), builder);
+      }
       continue;
     }
-    if (!builder.accept(time_s)) continue;
-    message->take(time_s, whole_payload(frame.payload, message->size), builder);
+    const TelemetryMessage* message = message_of(frame.message_id);
+    if (message == nullptr) continue;
+    if (!roles.takes(*message, source)) {
+      // Another announcement of the same pictures is no source of its own.
+      if (!message->is_capture || message->id == roles.capture_id) builder.leave_out_source(source.text());
+      continue;
+    }
+    if (builder.accept(time_s)) message->take(time_s, whole_payload(frame.payload, message->size), builder);
   }
   return builder.finish();
 }

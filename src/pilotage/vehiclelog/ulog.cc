@@ -191,11 +191,15 @@ void take_gnss(const UlogRecord& record, LogBuilder& builder) {
   if (record.number("time_utc_usec") > 0) builder.set_utc(record.number("time_utc_usec") * 1e-6 - time_s);
 }
 
-void take_distance(const UlogRecord& record, LogBuilder& builder) {
+void take_distance(const UlogRecord& record, int instance, LogBuilder& builder) {
   static constexpr double kDownward = 25;  // ROTATION_DOWNWARD_FACING
+  static constexpr double kNoSignal = 0;   // −1: unknown
+  if (record.number("orientation") != kDownward) return;
   const double distance_m = record.number("current_distance");
-  const bool in_range = distance_m >= record.number("min_distance") && distance_m <= record.number("max_distance");
-  if (record.number("orientation") == kDownward && in_range) builder.add_height(record.time_s(), distance_m);
+  // At the largest range the sensor says "farther".
+  const bool in_range = distance_m > record.number("min_distance") && distance_m < record.number("max_distance");
+  if (!in_range || record.number("signal_quality") == kNoSignal) return builder.leave_out_range();
+  builder.add_range(record.time_s(), "distance_sensor " + std::to_string(instance), distance_m);
 }
 
 void take_capture(const UlogRecord& record, LogBuilder& builder) {
@@ -237,7 +241,6 @@ void take_record(const std::string& topic, const UlogRecord& record, const UlogR
   if (topic.starts_with("vehicle_local_position"))
     return take_local_position(record, track, topic == position, builder);
   if (topic.starts_with("vehicle_attitude")) return take_attitude(record, track, builder);
-  if (topic == "distance_sensor") return take_distance(record, builder);
   if (topic == roles.gnss) return take_gnss(record, builder);
   if (topic == roles.capture) return take_capture(record, builder);
 }
@@ -308,13 +311,19 @@ VehicleLog parse_ulog(const std::string& name, std::string_view bytes) {
     if (message.type != 'D' || message.body.size() < 2) continue;
     const auto stream = contents.streams.find(static_cast<unsigned>(unsigned_at(message.body, 0, 2)));
     if (stream == contents.streams.end() || !is_used(stream->second.topic, roles)) continue;
-    if (!stream->second.used) {
-      ++builder.losses().other_sources;
+    const std::string& topic = stream->second.topic;
+    const bool is_distance = topic == "distance_sensor";  // of which the builder chooses one
+    if (!stream->second.used && !is_distance) {
+      builder.leave_out_source(topic + " " + std::to_string(stream->second.instance));
       continue;
     }
-    const std::string& topic = stream->second.topic;
     const UlogRecord record(contents.formats, topic, message.body.substr(2), places[topic]);
-    if (builder.accept(record.time_s())) take_record(topic, record, roles, builder);
+    if (!builder.accept(record.time_s())) continue;
+    if (is_distance) {
+      take_distance(record, stream->second.instance, builder);
+    } else {
+      take_record(topic, record, roles, builder);
+    }
   }
   return builder.finish();
 }

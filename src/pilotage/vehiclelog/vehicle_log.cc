@@ -43,8 +43,13 @@ void add_losses(std::vector<std::string>& notes, const LogLosses& losses) {
             "bytes hold no record that can be read");
   add_count(notes, losses.bad_checksums, "record has a wrong checksum", "records have a wrong checksum");
   add_count(notes, losses.bad_values, "record has a number that cannot be", "records have a number that cannot be");
-  add_count(notes, losses.other_sources, "record is of another aircraft or a further sensor, and left out",
-            "records are of another aircraft or a further sensor, and left out");
+  for (const auto& [source, count] : losses.other_sources) {
+    add_count(notes, count, "record of " + source + " is left out: another one is taken",
+              "records of " + source + " are left out: another one is taken");
+  }
+  add_count(notes, losses.ranges_left_out, "reading of a range finder says no height, and is left out",
+            "readings of range finders say no height (no signal, out of range, tilted by more than 45°), and are left "
+            "out");
   add_count(notes, losses.bad_times, "record has a time that contradicts its neighbours",
             "records have a time that contradicts their neighbours");
   if (losses.clock_jumps > 0) {

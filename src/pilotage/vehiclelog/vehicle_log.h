@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -48,7 +49,7 @@ struct LoggedTrack {
   std::vector<LoggedAttitude> attitudes;
 };
 
-/// Above the ground below, by a range finder or a terrain database.
+/// Above the ground straight below.
 struct LoggedHeight {
   double time_s = 0;
   double agl_m = 0;
@@ -70,7 +71,9 @@ struct LogLosses {
   std::int64_t bytes_skipped = 0;  ///< No record could be read there.
   std::int64_t bad_checksums = 0;  ///< Records whose checksum is wrong.
   std::int64_t bad_values = 0;  ///< Records with a number that cannot be (latitude 95°, a quaternion of length 0 …).
-  std::int64_t other_sources = 0;     ///< Records of a second sensor or aircraft, beside the one that was taken.
+  /// Records of a second sensor, component or aircraft, beside the one that was taken: how many of which.
+  std::map<std::string, std::int64_t> other_sources;
+  std::int64_t ranges_left_out = 0;   ///< Readings of a range finder that say no distance: no signal, out of range.
   std::int64_t bad_times = 0;         ///< Records whose time contradicts those around it.
   std::int64_t clock_jumps = 0;       ///< The clock went back for good, and a part of the log began anew …
   std::int64_t records_left_out = 0;  ///< … whose records, or those before it, were left out: the larger part counts.
@@ -83,10 +86,11 @@ struct LogLosses {
 /// A flight as an autopilot or a simulator logged it: seconds by the log's own clock.
 struct VehicleLog {
   LogFormat format = LogFormat::kUlog;
-  LoggedTrack estimate;  ///< What the autopilot believed.
-  LoggedTrack gnss;      ///< What its receiver said: positions and velocities.
-  LoggedTrack truth;     ///< Of a simulator that knows it; empty for real flights.
-  std::vector<LoggedHeight> heights;
+  LoggedTrack estimate;               ///< What the autopilot believed.
+  LoggedTrack gnss;                   ///< What its receiver said: positions and velocities.
+  LoggedTrack truth;                  ///< Of a simulator that knows it; empty for real flights.
+  std::vector<LoggedHeight> ranges;   ///< By one range finder that looks down, turned upright by the attitude.
+  std::vector<LoggedHeight> heights;  ///< By a terrain database or the autopilot's own estimate.
   std::vector<LoggedCapture> captures;
   std::optional<double> utc_minus_log_s;  ///< Where the log says both times at once.
   LogLosses losses;
