@@ -106,6 +106,49 @@ TEST(OgrRoute, GeoJsonHeightsMeanWhatTheUserSays) {
   EXPECT_EQ(parse_route("r", text, home).vertices[0].amsl_m, 900);
 }
 
+// OGR gives a line 2.5-D with 0 m where one of its positions has no height; a height of 0 that is written stays.
+TEST(OgrRoute, PositionsWithoutAHeightInALineWithHeightsHaveNone) {
+  const auto heights = [](const Route& route) {
+    std::vector<double> values;
+    for (const RouteVertex& vertex : route.vertices) {
+      const double height_m = std::isnan(vertex.agl_m) ? vertex.amsl_m : vertex.agl_m;
+      values.push_back(std::isnan(height_m) ? -1 : height_m);
+    }
+    return values;
+  };
+  const RouteOptions agl = choose("", HeightReference::kAgl);
+  const Route json = parse_route("r", line_geojson("[[8, 47], [8, 47.1, 0], [8, 47.2], [8, 47.3, 60]]"), agl);
+  EXPECT_EQ(heights(json), (std::vector<double>{-1, 0, -1, 60}));
+  EXPECT_THAT(json.notes, Contains(HasSubstr("2 of 4 positions have no height")));
+  const Route nested =
+      parse_route("r",
+                  R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {}, "geometry":
+          {"type": "MultiLineString", "coordinates": [[[8, 47, 50], [8, 47.1]], [[8, 47.2, 0], [8, 47.3, 60]]]}}]})",
+                  agl);
+  EXPECT_EQ(heights(nested), (std::vector<double>{50, -1, 0, 60}));
+  const auto kml = [&](const std::string& mode, const std::string& coordinates) {
+    return parse_route("r", R"(<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><LineString>)"
+                            "<altitudeMode>" +
+                                mode + "</altitudeMode><coordinates>" + coordinates +
+                                "</coordinates></LineString></Placemark></Document></kml>");
+  };
+  EXPECT_EQ(heights(kml("relativeToGround", "8,47,60 8,47.1\n8,47.2,0 8,47.3,")), (std::vector<double>{60, -1, 0, -1}));
+  EXPECT_EQ(heights(kml("absolute", " 8,47,360\t8,47.1,0  8,47.2,360 ")), (std::vector<double>{360, 0, 360}));
+}
+
+TEST(OgrRoute, PositionsOfATrackWithoutAHeightHaveNone) {
+  const Route route = parse_route(
+      "r",
+      R"(<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2"><Placemark><gx:Track>)"
+      "<altitudeMode>relativeToGround</altitudeMode><when>2026-01-01T00:00:00Z</when><when>2026-01-01T00:10:00Z</when>"
+      "<when>2026-01-01T00:20:00Z</when><gx:coord>8 47 60</gx:coord><gx:coord>8 47.1</gx:coord>"
+      "<gx:coord>8 47.2 0</gx:coord></gx:Track></Placemark></kml>");
+  ASSERT_EQ(route.vertices.size(), 3U);
+  EXPECT_EQ(route.vertices[0].agl_m, 60);
+  EXPECT_TRUE(std::isnan(route.vertices[1].agl_m));
+  EXPECT_EQ(route.vertices[2].agl_m, 0);
+}
+
 TEST(OgrRoute, EllipsoidHeightsComeToSeaLevel) {
   // EGM96 undulations published with the model's test points (NIMA F477: 38.6281550, 269.7791550 -> -31.628;
   // -14.6212170, 305.0211140 -> -2.969), to the 15-minute grid's interpolation error.

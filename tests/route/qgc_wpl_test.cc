@@ -1,5 +1,6 @@
 #include "pilotage/route/qgc_wpl.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "route/route_files.h"
@@ -64,6 +65,55 @@ TEST(QgcWpl, RowZeroThatIsNoHomeIsFlown) {
   EXPECT_TRUE(std::isnan(route.home->amsl_m));
   EXPECT_EQ(route.vertices[2].point.lat_deg, 47);
   EXPECT_THAT(route.notes, Contains(HasSubstr("stands in for home")));
+}
+
+// ArduPilot: "set to default_loc's altitude" where the altitude is 0, whatever its frame.
+TEST(QgcWpl, AHeightOfZeroKeepsTheOneBefore) {
+  const Route route = parse_route("r", kHead + kHome +
+                                           "1 0 3 22 0 0 0 0 47 8 50 1\n"      // takeoff to 450 m
+                                           "2 0 3 16 0 0 0 0 47.01 8 0 1\n"    // keeps it
+                                           "3 0 0 16 0 0 0 0 47.02 8 600 1\n"  // above the sea
+                                           "4 0 3 19 9 0 0 0 47.03 8 0 1\n"    // keeps that
+                                           "5 0 10 16 0 0 0 0 47.04 8 80 1\n"  // above the ground
+                                           "6 0 3 16 0 0 0 0 47.05 8 0 1\n"    // keeps that
+                                           "7 0 3 21 0 0 0 0 47.06 8 0 1\n");  // a landing is on the ground
+  ASSERT_EQ(route.vertices.size(), 7U);
+  EXPECT_EQ(route.vertices[1].amsl_m, 450);
+  EXPECT_EQ(route.vertices[3].amsl_m, 600);
+  EXPECT_EQ(route.vertices[5].agl_m, 80);
+  EXPECT_TRUE(std::isnan(route.vertices[5].amsl_m));
+  EXPECT_EQ(route.vertices[6].amsl_m, 400);
+  EXPECT_THAT(route.notes, Contains("3 items (the first: item 2) have a height of 0: the height before is kept, as "
+                                    "ArduPilot flies. PX4 would fly at 0 m."));
+}
+
+TEST(QgcWpl, TheFirstHeightOfZeroIsTakenAsWritten) {
+  const Route route = parse_route("r", kHead + kHome + "1 0 3 16 0 0 0 0 47 8 0 1\n2 0 3 16 0 0 0 0 47.1 8 60 1\n");
+  EXPECT_EQ(route.vertices[0].amsl_m, 400);
+  EXPECT_TRUE(std::none_of(route.notes.begin(), route.notes.end(),
+                           [](const std::string& note) { return note.find("kept") != std::string::npos; }));
+}
+
+TEST(QgcWpl, ChangeOfAltitudeSetsTheHeightThatIsKept) {
+  const Route route = parse_route("r", kHead + kHome +
+                                           "1 0 3 16 0 0 0 0 47 8 60 1\n2 0 3 30 1 0 0 0 0 0 120 1\n"
+                                           "3 0 3 16 0 0 0 0 47.1 8 0 1\n4 0 3 30 0 0 0 0 0 0 90 1\n"
+                                           "5 0 3 16 0 0 0 0 47.2 8 70 1\n");
+  ASSERT_EQ(route.vertices.size(), 3U);
+  EXPECT_EQ(route.vertices[1].amsl_m, 520);
+  EXPECT_EQ(route.vertices[2].amsl_m, 470) << "its own height";
+  EXPECT_THAT(route.items[2].became, HasSubstr("height 520.0 m above sea level from here on"));
+  EXPECT_THAT(route.notes, Contains(HasSubstr("Item 4 (continue and change altitude, to 490.0 m above sea level)")));
+  RouteOptions options;
+  options.agl_m = 100;
+  EXPECT_EQ(parse_route("r",
+                        kHead + kHome +
+                            "1 0 3 16 0 0 0 0 47 8 60 1\n2 0 3 30 1 0 0 0 0 0 120 1\n"
+                            "3 0 3 16 0 0 0 0 47.1 8 0 1\n",
+                        options)
+                .vertices[1]
+                .agl_m,
+            100);
 }
 
 TEST(QgcWpl, ErrorsNameTheLine) {

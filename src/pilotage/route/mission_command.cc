@@ -18,7 +18,7 @@ constexpr std::array kCommands = {
     CommandInfo{22, "takeoff", kTakeoff},
     CommandInfo{23, "land at local position", kLocal},
     CommandInfo{24, "takeoff from local position", kLocal},
-    CommandInfo{30, "continue and change altitude", kNoPlace},
+    CommandInfo{30, "continue and change altitude", kClimb},
     CommandInfo{31, "loiter to altitude", kPath},
     CommandInfo{34, "orbit", kPath},
     CommandInfo{80, "region of interest", kPlaceNotFlownTo},

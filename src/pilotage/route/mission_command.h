@@ -14,6 +14,7 @@ enum class CommandRole {
   kJumpToTag,        ///< To tag param1, param2 times.
   kTag,              ///< Carries tag param1.
   kSpeed,            ///< Changes the speed.
+  kClimb,            ///< Changes the height on the way.
   kPlaceNotFlownTo,  ///< Names a place that the aircraft does not fly to.
   kNoPlace,          ///< Has nothing to do with places.
   kLocal,            ///< A path in local coordinates: refused.
@@ -25,6 +26,9 @@ struct CommandInfo {
   std::string_view name;
   CommandRole role;
 };
+
+/// PX4's number among the autopilots (MAV_AUTOPILOT).
+inline constexpr int kPx4Autopilot = 12;
 
 /// The entry of a MAV_CMD (MAVLink common.xml); role kUnknown and an empty name for commands not listed.
 CommandInfo command_info(int command);

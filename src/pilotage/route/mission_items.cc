@@ -37,6 +37,15 @@ struct Cursor {
   /// The way it came to its vertex without stopping, which a spline that leaves there goes on from: the last straight
   /// leg, or the end vector of the last spline.
   GroundVector came{};
+  /// What a height of 0 keeps.
+  double kept_amsl_m = kNaN;
+  double kept_agl_m = kNaN;
+
+  void keep_height_of(const RouteVertex& place) {
+    kept_amsl_m = place.amsl_m;
+    kept_agl_m = place.agl_m;
+  }
+  bool keeps_height() const { return std::isfinite(kept_amsl_m) || std::isfinite(kept_agl_m); }
 };
 
 /// The state of following a mission; lives for one call of append_mission.
@@ -50,8 +59,9 @@ struct Follower {
   std::vector<std::string> became{};  ///< Per mission item; empty: not reached.
   std::set<std::pair<int, int>> legs{};
   std::set<std::pair<std::size_t, int>> visited{};
-  std::vector<Cursor> open{};  ///< Ways still to follow, last first.
-  double widest_spline_m = 0;  ///< Largest distance of a spline from its straight leg.
+  std::vector<Cursor> open{};              ///< Ways still to follow, last first.
+  double widest_spline_m = 0;              ///< Largest distance of a spline from its straight leg.
+  std::vector<std::size_t> kept_height{};  ///< Items whose height of 0 keeps the one before.
 };
 
 std::string where(const Follower& follower, const MissionItem& item) {
@@ -115,6 +125,17 @@ void set_height(const Follower& follower, const MissionItem& item, RouteVertex& 
   }
   checked_height_m(vertex.amsl_m, where(follower, item));
   checked_height_m(vertex.agl_m, where(follower, item));
+}
+
+std::string height_text(double amsl_m, double agl_m) {
+  return std::isfinite(amsl_m) ? format_fixed(amsl_m, 1) + " m above sea level"
+                               : format_fixed(agl_m, 1) + " m above ground";
+}
+
+/// A height of 0 of a place that is flown to: "keep the height" to ArduPilot.
+bool keeps_height_before(const Follower& follower, const Cursor& cursor, const MissionItem& item) {
+  return command_info(item.command).role == CommandRole::kPath && item.params[6] == 0 && !follower.options.agl_m &&
+         !follower.mission.is_px4 && cursor.keeps_height();
 }
 
 GeodeticPoint place_of(const Follower& follower, int vertex) {
@@ -254,6 +275,7 @@ void fly_to_item(Follower& follower, Cursor& cursor, GeodeticPoint point) {
   if (known >= 0) {
     const RouteVertex again = follower.route.vertices[static_cast<std::size_t>(known)];
     fly_item_to(follower, cursor, again, known);
+    cursor.keep_height_of(again);
     return;
   }
   RouteVertex vertex;
@@ -262,7 +284,15 @@ void fly_to_item(Follower& follower, Cursor& cursor, GeodeticPoint point) {
   vertex.source_item = item.index;
   vertex.kind = item.kind.empty() ? std::string(info.name) : item.kind;
   vertex.on_ground = info.role == CommandRole::kLand;
-  set_height(follower, item, vertex);
+  if (!keeps_height_before(follower, cursor, item)) {
+    set_height(follower, item, vertex);
+  } else {
+    altitude_frame(follower, item);
+    vertex.amsl_m = cursor.kept_amsl_m;
+    vertex.agl_m = cursor.kept_agl_m;
+    follower.kept_height.push_back(cursor.item);
+  }
+  if (!vertex.on_ground) cursor.keep_height_of(vertex);
   const auto& home = follower.mission.home;
   if (info.role == CommandRole::kTakeoff && cursor.vertex < 0 && home &&
       geodesic_between(home->point, point).length_m > kAtHome_m) {
@@ -356,6 +386,24 @@ void visit_speed(Follower& follower, Cursor& cursor) {
   }
 }
 
+/// On the way to the next position, which has the height if it names none of its own.
+void visit_climb(Follower& follower, Cursor& cursor) {
+  const MissionItem& item = follower.mission.items[cursor.item];
+  std::string& became = follower.became[cursor.item];
+  if (follower.options.agl_m) {
+    became = "no change of height: the route is flown at a constant height above ground";
+    return;
+  }
+  RouteVertex height;
+  set_height(follower, item, height);
+  cursor.keep_height_of(height);
+  const std::string text = height_text(height.amsl_m, height.agl_m);
+  became = "height " + text + " from here on, where an item has none of its own";
+  add_note(follower.route, "Item " + std::to_string(item.index) + " (" + mission_command_name(item.command) + ", to " +
+                               text +
+                               ") is taken to be flown on the way to the next position, at whose height it ends.");
+}
+
 /// Where a jump leads, and what is left of the way that does not jump.
 void visit_jump(Follower& follower, Cursor& cursor, bool by_tag) {
   const MissionItem& item = follower.mission.items[cursor.item];
@@ -377,7 +425,9 @@ void visit_jump(Follower& follower, Cursor& cursor, bool by_tag) {
   }
   became = "jump, each leg of the loop stands once";
   if (times > 0) {
-    follower.open.push_back({next, cursor.vertex, cursor.speed_mps, cursor.came});
+    Cursor rest = cursor;
+    rest.item = next;
+    follower.open.push_back(rest);
   } else {
     add_note(follower.route, "Item " + std::to_string(item.index) + " jumps without end; the loop is flown once.");
   }
@@ -403,6 +453,9 @@ void visit(Follower& follower, Cursor& cursor) {
       break;
     case CommandRole::kSpeed:
       visit_speed(follower, cursor);
+      break;
+    case CommandRole::kClimb:
+      visit_climb(follower, cursor);
       break;
     case CommandRole::kJump:
       visit_jump(follower, cursor, false);
@@ -435,7 +488,9 @@ void visit(Follower& follower, Cursor& cursor) {
 }
 
 void follow(Follower& follower) {
-  follower.open.push_back({0, -1, follower.mission.speed_mps, {}});
+  Cursor begin;
+  begin.speed_mps = follower.mission.speed_mps;
+  follower.open.push_back(begin);
   while (!follower.open.empty()) {
     Cursor cursor = follower.open.back();
     follower.open.pop_back();
@@ -489,6 +544,13 @@ void append_mission(Route& route, const MavlinkMission& mission, const RouteOpti
   route.home = mission.home;
   if (route.home && options.home_amsl_m) route.home->amsl_m = *options.home_amsl_m;
   follow(follower);
+  if (!follower.kept_height.empty()) {
+    const MissionItem& first = mission.items[follower.kept_height.front()];
+    const std::size_t count = follower.kept_height.size();
+    add_note(route, (count == 1 ? "Item " : std::to_string(count) + " items (the first: item ") +
+                        std::to_string(first.index) + (count == 1 ? " has" : ") have") +
+                        " a height of 0: the height before is kept, as ArduPilot flies. PX4 would fly at 0 m.");
+  }
   const auto is_spline = [](const MissionItem& item) { return item.command == kSplineWaypoint; };
   if (std::any_of(mission.items.begin(), mission.items.end(), is_spline)) {
     add_note(route, "Spline waypoints are flown as ArduCopter does, as chords that leave its curve by " +

@@ -27,6 +27,7 @@ struct MavlinkMission {
   std::optional<RouteHome> home;
   double speed_mps = std::numeric_limits<double>::quiet_NaN();  ///< Until an item changes it.
   bool hovers = false;  ///< Is it known to be a multicopter, which loiters at a point?
+  bool is_px4 = false;  ///< Is it known to be for PX4, which takes a height of 0 as it is written?
 };
 
 /// Follows the items as an autopilot would (MAVLink common.xml, the mission protocol) and appends vertices, legs, items
@@ -36,6 +37,9 @@ struct MavlinkMission {
 ///     entered and left at its point nearest to where the aircraft comes from; a multicopter loiters at the point
 ///     unless turns are asked for;
 ///   - frames 0/5 are above sea level, 3/6 relative to home, 10/11 above terrain; others are refused;
+///   - a waypoint's height of 0 keeps the height before, as ArduPilot flies, unless the mission is for PX4; "continue
+///   and
+///     change altitude" sets the height that is kept, and its climb is on the way to the next position; both are noted;
 ///   - a takeoff away from home starts with a leg from home, flown at the takeoff's height;
 ///   - return to launch is a leg to home at the height of the vertex before;
 ///   - jumps are followed, each distinct leg stands once, items never reached are said.

@@ -16,6 +16,7 @@
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/route/ogr_file.h"
 #include "pilotage/route/ogr_track.h"
+#include "pilotage/route/ogr_written_heights.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/route_builder.h"
 #include "pilotage/route/route_line.h"
@@ -78,7 +79,7 @@ void collect(const OGRGeometry& geometry, GeometryParts& parts, int depth = 0) {
 }
 
 /// Lines of a layer, or its points as one line when it has no line.
-std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
+std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format, WrittenHeights& written) {
   const bool is_kml = format == OgrFormat::kKml || format == OgrFormat::kKmz;
   const ToWgs84 to_wgs84(layer, route.name + ": layer \"" + layer.GetName() + "\"");
   if (layer.GetSpatialRef() == nullptr) {
@@ -97,9 +98,13 @@ std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
     const HeightReference heights = is_kml ? kml_heights(*feature) : HeightReference::kAuto;
     if (!parts.lines.empty()) {
       lines.push_back({layer.GetName(), feature_name(*feature), "line", std::move(parts.lines), heights});
-      for (auto& part : lines.back().parts) to_wgs84.apply(part);
+      for (auto& part : lines.back().parts) {
+        written.apply(part);
+        to_wgs84.apply(part);
+      }
       count += lines.back().point_count();
     } else if (!parts.points.empty()) {
+      written.apply(parts.points);
       to_wgs84.apply(parts.points);
       const bool first = points.parts[0].empty();
       if (first) points.heights = heights;
@@ -117,11 +122,14 @@ std::vector<Line> layer_lines(Route& route, OGRLayer& layer, OgrFormat format) {
   return lines;
 }
 
-std::vector<Line> vector_lines(Route& route, GDALDataset& dataset, OgrFormat format) {
+std::vector<Line> vector_lines(Route& route, GDALDataset& dataset, OgrFormat format, std::string_view bytes) {
+  WrittenHeights written(route.name, bytes, format);
   std::vector<Line> lines;
   std::vector<Line> points;
   for (OGRLayer* layer : dataset.GetLayers()) {
-    for (Line& line : layer_lines(route, *layer, format)) (line.what == "line" ? lines : points).push_back(line);
+    for (Line& line : layer_lines(route, *layer, format, written)) {
+      (line.what == "line" ? lines : points).push_back(line);
+    }
   }
   return lines.empty() ? points : lines;
 }
@@ -235,7 +243,7 @@ Route parse_ogr_route(const std::string& name, std::string_view bytes, OgrFormat
   route.name = name;
   route.format = file.title();
   std::vector<Line> lines = format == OgrFormat::kGpx ? gpx_lines(route, file.dataset(), options.layer)
-                                                      : vector_lines(route, file.dataset(), format);
+                                                      : vector_lines(route, file.dataset(), format, bytes);
   file.check_whole();
   apply_kml_tracks(route, file.tracks(), lines);
   const Line line = choose_line(route, std::move(lines), options);

@@ -31,6 +31,7 @@ bool read_coord(const std::string& text, LinePoint& point) {
   if (numbers.size() < 2) return false;
   point.x = numbers[0];
   point.y = numbers[1];
+  if (numbers.size() > 2) point.z_m = numbers[2];
   return true;
 }
 
@@ -64,14 +65,14 @@ void collect_tracks(const XmlElement& element, std::vector<KmlTrack>& tracks) {
   for (const XmlElement& child : element.children) collect_tracks(child, tracks);
 }
 
-bool same_positions(const std::vector<LinePoint>& line, const std::vector<LinePoint>& track) {
-  constexpr double kSameDegrees = 1e-9;
-  return std::equal(line.begin(), line.end(), track.begin(), track.end(), [](const LinePoint& a, const LinePoint& b) {
-    return std::abs(a.x - b.x) < kSameDegrees && std::abs(a.y - b.y) < kSameDegrees;
+}  // namespace
+
+bool same_positions(const std::vector<LinePoint>& line, const std::vector<LinePoint>& other) {
+  constexpr double kSame = 1e-9;
+  return std::equal(line.begin(), line.end(), other.begin(), other.end(), [](const LinePoint& a, const LinePoint& b) {
+    return std::abs(a.x - b.x) < kSame && std::abs(a.y - b.y) < kSame;
   });
 }
-
-}  // namespace
 
 double seconds_of(const OGRField& field) {
   const auto& date = field.Date;
@@ -106,7 +107,10 @@ void apply_kml_tracks(Route& route, const std::vector<KmlTrack>& tracks, std::ve
       line.what = "track";
       if (track->altitude_mode == "absolute") line.heights = HeightReference::kAmsl;
       if (track->altitude_mode == "relativeToGround") line.heights = HeightReference::kAgl;
-      for (std::size_t i = 0; i < part.size(); ++i) part[i].time_s = track->points[i].time_s;
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        part[i].time_s = track->points[i].time_s;
+        if (std::isnan(track->points[i].z_m)) part[i].z_m = track->points[i].z_m;
+      }
       if (track->times != track->coords) {
         add_note(route, "The track \"" + line.name + "\" has " + std::to_string(track->times) + " times for " +
                             std::to_string(track->coords) + " positions: they are not used.");

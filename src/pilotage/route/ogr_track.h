@@ -18,7 +18,7 @@ double seconds_of(const OGRField& field);
 /// A gx:Track of a KML document ("KML Reference", Google, extension namespace): what OGR leaves out of it.
 struct KmlTrack {
   std::string altitude_mode;
-  std::vector<LinePoint> points;  ///< Without heights; times where there are as many as positions.
+  std::vector<LinePoint> points;  ///< Heights where they are written; times where there are as many as positions.
   std::size_t coords = 0;         ///< With those that are empty.
   std::size_t times = 0;
 };
@@ -27,8 +27,12 @@ struct KmlTrack {
 /// positions, beyond the last of which GDAL 3.6 reads: so look before OGR opens the document.
 std::vector<KmlTrack> kml_tracks(const std::string& name, std::string_view document);
 
-/// `lines` are what OGR read of the document; a line that has the positions of a track takes the track's heights and
-/// times. A track with another number of times than of positions keeps none, and a note says so.
+/// Whether two lines have the same coordinates, within 1e-9.
+bool same_positions(const std::vector<LinePoint>& line, const std::vector<LinePoint>& other);
+
+/// `lines` are what OGR read of the document; a line that has the positions of a track takes what the track's
+/// heights are above and its times, and has no height where the track has none. A track with another number of times
+/// than of positions keeps none, and a note says so.
 void apply_kml_tracks(Route& route, const std::vector<KmlTrack>& tracks, std::vector<Line>& lines);
 
 }  // namespace pilotage

@@ -9,12 +9,12 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/text.h"
 #include "pilotage/geo/geodesic.h"
+#include "pilotage/route/mission_command.h"
 #include "pilotage/route/route_builder.h"
 
 namespace pilotage {
 namespace {
 
-constexpr int kPx4 = 12;  // MAV_AUTOPILOT
 constexpr double kLargestFence_m = 1e6;
 
 GeodeticArea fence_polygon(JsonObject& json) {
@@ -66,7 +66,7 @@ QgcGeofence parse_qgc_geofence(const std::string& name, const nlohmann::ordered_
   add("circles", [](JsonObject& one, bool inclusion) { return fence_circle(one, inclusion); });
   if (plan.has_value("mission")) {
     JsonObject mission = plan.object("mission");
-    fence.inside_any = mission.has_value("firmwareType") && mission.small_integer("firmwareType") == kPx4;
+    fence.inside_any = mission.has_value("firmwareType") && mission.small_integer("firmwareType") == kPx4Autopilot;
   }
   return fence;
 }

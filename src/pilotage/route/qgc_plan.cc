@@ -238,6 +238,8 @@ Route parse_qgc_plan(const std::string& name, const nlohmann::ordered_json& json
   MavlinkMission mission;
   mission.home = parse_home(mission_json);
   mission.hovers = plan_hovers(mission_json);
+  mission.is_px4 =
+      mission_json.has_value("firmwareType") && mission_json.small_integer("firmwareType") == kPx4Autopilot;
   mission.speed_mps = planned_speed_mps(mission_json, mission.hovers);
   read_items(route, mission, mission_json);
   append_mission(route, mission, options);

@@ -15,7 +15,14 @@ std::vector<AglBand> agl_bands(const std::vector<double>& agl_m) {
     const double high = i + 1 == count ? *highest : *lowest * std::exp2(octaves * (i + 1) / count);
     bands.push_back({low, high, std::sqrt(low * high)});
   }
-  return bands;
+  // A route that climbs steeply has no sample between its heights.
+  std::vector<bool> flown(bands.size());
+  for (const double height_m : agl_m) flown[static_cast<std::size_t>(band_of(bands, height_m))] = true;
+  std::vector<AglBand> served;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    if (flown[i]) served.push_back(bands[i]);
+  }
+  return served;
 }
 
 int band_of(const std::vector<AglBand>& bands, double agl_m) {
