@@ -16,6 +16,7 @@
 #include "pilotage/mapdb/map_inspect.h"
 #include "pilotage/mapdb/map_verify.h"
 #include "pilotage/mission/simulation_file.h"
+#include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/report/evidence.h"
 #include "pilotage/report/explain.h"
@@ -141,6 +142,18 @@ CommandResult inspect_imagery_dataset(const std::string& dataset, const Progress
                  {"overviews", info.overviews},
                  {"acquired", info.acquired}};
   result.warnings = info.warnings;
+  if (!looks_like_heights(info)) return result;
+  try {
+    const Elevation heights(dataset);
+    result.text += "as an elevation model: heights " + heights.vertical_datum() + "\n";
+    result.json["vertical_datum"] = heights.vertical_datum();
+    const std::vector<GeodeticPoint> around{info.center};
+    for (const UndeclaredVoid& found : heights.undeclared_voids(around)) {
+      result.warnings.push_back(undeclared_void_text(dataset, found));
+    }
+  } catch (const DataError& error) {  // it may be something else
+    result.warnings.push_back("it cannot be an elevation model: " + std::string(error.what()));
+  }
   return result;
 }
 

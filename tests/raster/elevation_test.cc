@@ -1,6 +1,8 @@
 #include "pilotage/raster/elevation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "raster/raster_maker.h"
 #include "testing/temporary_folder.h"
@@ -27,6 +29,90 @@ RasterSpec heights(GDALDataType type) {
   spec.place = GeoTransform::north_up(500000, 5'000'000, 10);
   spec.value = [](int, int col, int row) { return (col * 37 + row * 11) % 500 - 20; };
   return spec;
+}
+
+/// Ground at 60 m with a void of `value` in its middle third: 2 of 24 columns of 6 are declared no data.
+RasterSpec with_void(double value, GDALDataType type = GDT_Float32) {
+  RasterSpec spec;
+  spec.width = spec.height = 24;
+  spec.type = type;
+  spec.place = GeoTransform::north_up(500000, 5'000'000, 10);
+  spec.value = [value](int, int col, int) { return col >= 10 && col < 14 ? value : 60; };
+  return spec;
+}
+
+GeodeticPoint utm_point(double x_m, double y_m) {
+  return *CrsTransform(Crs::from_user_input("EPSG:32633")).geodetic_from_map({x_m, y_m});
+}
+
+TEST(Elevation, AValueThatNoGroundHasIsNoHeight) {
+  const TemporaryFolder folder;
+  for (const double value :
+       {-32768.0, -32767.0, 32767.0, -9999.0, -999.0, -3.4028234663852886e38, 3.4028234663852886e38}) {
+    const Elevation elevation(make_raster(folder / "dem.tif", with_void(value)));
+    EXPECT_TRUE(std::isnan(elevation.amsl_m(utm_point(500125, 4'999'900)))) << value;
+    EXPECT_NEAR(elevation.amsl_m(utm_point(500030, 4'999'900)), 60, 1e-9);
+    const auto voids = elevation.undeclared_voids({});
+    ASSERT_EQ(voids.size(), 1U) << value;
+    EXPECT_TRUE(voids[0].certain);
+    EXPECT_EQ(voids[0].pixels, 96);
+    EXPECT_EQ(voids[0].looked_at, 576);
+    EXPECT_THAT(undeclared_void_text("dem.tif", voids[0]),
+                ::testing::AllOf(HasSubstr("96 of 576 heights (16.7 %)"), HasSubstr("gdal_translate -a_nodata ")));
+    std::filesystem::remove(folder / "dem.tif");
+  }
+}
+
+TEST(Elevation, AValueThatMayBeNoHeightIsTakenForGroundAndSaid) {
+  const TemporaryFolder folder;
+  for (const double value : {0.0, -99.0}) {
+    const Elevation elevation(make_raster(folder / "dem.tif", with_void(value, GDT_Int16)));
+    EXPECT_NEAR(elevation.amsl_m(utm_point(500125, 4'999'900)), value, 1e-9);
+    const auto voids = elevation.undeclared_voids({});
+    ASSERT_EQ(voids.size(), 1U) << value;
+    EXPECT_FALSE(voids[0].certain);
+    EXPECT_EQ(voids[0].stored, value);
+    std::filesystem::remove(folder / "dem.tif");
+  }
+}
+
+TEST(Elevation, TheSeaItsFloorAndDeclaredVoidsAreNoUndeclaredOnes) {
+  const TemporaryFolder folder;
+  // A beach that rises by 2 m a pixel from the sea's 0, and a sea's floor.
+  RasterSpec coast = with_void(0);
+  coast.value = [](int, int col, int) { return std::max(0, 2 * (col - 12)); };
+  EXPECT_TRUE(Elevation(make_raster(folder / "coast.tif", coast)).undeclared_voids({}).empty());
+  RasterSpec floor_of_sea = with_void(0);
+  floor_of_sea.value = [](int, int col, int) { return -4000 - 100 * col; };
+  const Elevation sea(make_raster(folder / "sea.tif", floor_of_sea));
+  EXPECT_TRUE(sea.undeclared_voids({}).empty());
+  EXPECT_LT(sea.amsl_m(utm_point(500125, 4'999'900)), -4000);
+  RasterSpec declared = with_void(-9999);
+  declared.finish = [](GDALDataset& dataset) { dataset.GetRasterBand(1)->SetNoDataValue(-9999); };
+  EXPECT_TRUE(Elevation(make_raster(folder / "declared.tif", declared)).undeclared_voids({}).empty());
+}
+
+TEST(Elevation, OfALargeModelTheBlocksAroundTheRouteAreLookedThrough) {
+  const TemporaryFolder folder;
+  RasterSpec spec = with_void(0);
+  spec.width = spec.height = 9 * 256;
+  spec.value = [](int, int col, int) { return col < 256 ? -32768 : 60; };
+  const Elevation elevation(make_raster(folder / "dem.tif", spec));
+  const std::vector<GeodeticPoint> west{utm_point(500010, 4'999'990)};
+  const std::vector<GeodeticPoint> east{utm_point(520000, 4'999'990), utm_point(515000, 4'998'000)};
+  EXPECT_EQ(elevation.undeclared_voids(west).size(), 1U);
+  EXPECT_TRUE(elevation.undeclared_voids(east).empty());
+  EXPECT_TRUE(elevation.undeclared_voids({}).empty()) << "around nothing";
+}
+
+TEST(Elevation, AnAssumedDatumSaysWhatTheOtherWouldGive) {
+  const TemporaryFolder folder;
+  const Elevation elevation(make_raster(folder / "dem.tif", with_void(60)));
+  EXPECT_TRUE(elevation.datum_assumed());
+  // EGM96 lies some 46 m above the ellipsoid at 45.15° N 15° E.
+  EXPECT_THAT(elevation.vertical_datum(),
+              ::testing::MatchesRegex("assumed to be metres above mean sea level .above the "
+                                      "ellipsoid the ground would lie 4[4-7].. m lower."));
 }
 
 TEST(Elevation, IsBilinearBetweenPixelCentres) {

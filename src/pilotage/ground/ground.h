@@ -68,6 +68,8 @@ struct Ground {
   Imagery imagery;
   std::string elevation;                    ///< GDAL dataset string, "" when none was given.
   std::optional<double> elevation_sigma_m;  ///< Standard deviation of its heights; nothing without one.
+  std::string elevation_datum;              ///< What its heights were taken for (Elevation::vertical_datum);
+  bool elevation_datum_assumed = false;     ///< it does not say so itself.
   std::vector<GroundTile> tiles;            ///< Ascending tile_id.
 
   const GridLevel& level_of(const GroundTile& tile) const { return levels[static_cast<std::size_t>(tile.level)]; }

@@ -237,6 +237,10 @@ Json plan_to_json(const Mission& mission) {
                {"route_samples", Json::array()},
                {"tiles", Json::array()}};
   if (mission.ground.elevation_sigma_m) json["elevation_sigma_m"] = *mission.ground.elevation_sigma_m;
+  if (!mission.ground.elevation_datum.empty()) {
+    json["elevation_datum"] = mission.ground.elevation_datum;
+    json["elevation_datum_assumed"] = mission.ground.elevation_datum_assumed;
+  }
   if (mission.flight.max_error_assumed) json["max_error_assumed"] = true;
   if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
   if (!mission.flight.denied.from_start()) json["denied"] = denial_to_json(mission.flight.denied);
@@ -275,6 +279,10 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   mission.ground.max_scale_distortion = object.number("max_scale_distortion");
   mission.ground.elevation = bytes_of_name(object.text("elevation"));
   if (object.has("elevation_sigma_m")) mission.ground.elevation_sigma_m = object.number("elevation_sigma_m");
+  if (object.has("elevation_datum")) {
+    mission.ground.elevation_datum = object.text("elevation_datum");
+    mission.ground.elevation_datum_assumed = object.boolean("elevation_datum_assumed");
+  }
   mission.flight.route_file = bytes_of_name(object.text("route_file"));
   mission.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
   mission.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));

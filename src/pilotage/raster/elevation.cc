@@ -2,77 +2,56 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/base/text.h"
 #include "pilotage/raster/gdal_gray.h"
+#include "pilotage/raster/height_unit.h"
 
 namespace pilotage {
 namespace {
 
 constexpr int kBlockSide = 256;
 constexpr std::size_t kBlocksKept = 32;  // 32 × 256² doubles and masks: 19 MB
+/// Models of so many blocks are looked through for voids as a whole, larger ones around the route, there so many
+/// blocks.
+constexpr std::int64_t kBlocksOfWhole = 64;
+constexpr std::int64_t kBlocksAround = 256;
+constexpr double kHighestGround_m = 9000;   // Everest: 8,849 m
+constexpr double kLowestGround_m = -12000;  // Challenger Deep: -10,935 m
+constexpr double kLowestLand_m = -500;      // Dead Sea: -430 m
+constexpr double kCliff_m = 20;
 
-/// The name of a unit in small letters and figures, a blank for everything else: "US_survey_foot" is "us survey foot".
-std::string plain_unit(const std::string& unit) {
-  std::string plain;
-  for (const char c : unit) {
-    const auto letter = static_cast<unsigned char>(c);
-    const bool kept = std::isalnum(letter) != 0;
-    if (kept) plain += static_cast<char>(std::tolower(letter));
-    if (!kept && !plain.empty() && plain.back() != ' ') plain += ' ';
-  }
-  if (plain.ends_with(' ')) plain.pop_back();
-  return plain;
+/// Whether no ground has that height: what is left of a void that was not declared.
+bool is_no_height(double stored, double metres) {
+  if (!(metres <= kHighestGround_m && metres >= kLowestGround_m)) return true;
+  if (metres >= kLowestLand_m) return false;  // else the floor of a sea, unless it is one of the usual marks
+  return stored == -32768 || stored == -32767 || stored == -9999 || stored == -999;
 }
 
-/// A unit of height, metres in it (EPSG's figures), and how it is spelt by those who write rasters.
-struct HeightUnit {
-  double metres;
-  std::vector<std::string_view> names;
+/// Marks that can be heights as well.
+bool may_be_no_height(double stored) {
+  return stored == 0 || stored == -99;
+}
+
+/// What is met of a value that may stand for no height.
+struct VoidCount {
+  bool certain = false;
+  std::int64_t pixels = 0;
+  std::int64_t cliffs = 0;  ///< Heights beside it that lie far from it,
+  std::int64_t slopes = 0;  ///< and near it.
+  GeodeticPoint first;
 };
-
-const std::vector<HeightUnit>& height_units() {
-  static const std::vector<HeightUnit> units = {
-      {1, {"", "m", "metre", "meter", "metres", "meters"}},
-      {0.3048,
-       {"ft", "foot", "feet", "foot international", "feet international", "ft international", "international foot",
-        "international feet", "intl foot", "intl feet", "intl ft", "foot intl", "feet intl", "ft intl"}},
-      {1200.0 / 3937.0, {"us ft",           "usft",           "ft us",           "ftus",
-                         "us foot",         "us feet",        "foot us",         "feet us",
-                         "us survey foot",  "us survey feet", "us survey ft",    "survey foot",
-                         "survey feet",     "survey ft",      "foot us survey",  "feet us survey",
-                         "ft us survey",    "ussurveyfoot",   "u s survey foot", "u s survey feet",
-                         "foot u s survey", "foot u s",       "feet u s",        "u s foot",
-                         "u s feet",        "foot survey us"}},
-      {0.3047972654, {"clarke s foot", "clarke foot", "foot clarke", "clarke s feet"}},
-      {0.304799514, {"indian foot", "indian feet", "ind ft", "foot indian"}},
-      {0.304799472, {"british foot sears 1922", "british foot", "foot british"}},
-      {0.9144, {"yd", "yard", "yards"}},
-      {0.1, {"dm", "decimetre", "decimeter", "decimetres", "decimeters"}},
-      {0.01, {"cm", "centimetre", "centimeter", "centimetres", "centimeters"}},
-      {0.001, {"mm", "millimetre", "millimeter", "millimetres", "millimeters"}},
-      {1000, {"km", "kilometre", "kilometer", "kilometres", "kilometers"}}};
-  return units;
-}
-
-/// Metres per unit of a band's unit as GDAL gives it; nothing when it is not known.
-std::optional<double> metres_of(const std::string& unit) {
-  const std::string plain = plain_unit(unit);
-  for (const HeightUnit& known : height_units()) {
-    if (std::find(known.names.begin(), known.names.end(), plain) != known.names.end()) return known.metres;
-  }
-  return std::nullopt;
-}
 
 ImageryOptions height_options(const std::string& crs) {
   ImageryOptions options;
@@ -99,6 +78,7 @@ struct Elevation::Impl {
   double center_x = 0;  // of the raster, in its CRS
   bool in_degrees = false;
   std::string vertical_datum;
+  bool datum_assumed = false;
   std::list<Block> blocks;  // the last used first
 
   explicit Impl(const std::string& dataset, const std::string& crs)
@@ -123,7 +103,7 @@ struct Elevation::Impl {
       }
       height_transform.reset();
     }
-    const std::optional<double> metres = metres_of(info.unit);
+    const std::optional<double> metres = metres_per_height_unit(info.unit);
     if (!metres) {
       throw DataError(
           info.dataset + ": its heights are in \"" + info.unit.substr(0, 40) +
@@ -131,10 +111,25 @@ struct Elevation::Impl {
           "foot, yard, dm, cm, mm and km: say it with gdal_edit.py -units m");
     }
     metres_per_unit = *metres;
+    datum_assumed = true;
     vertical_datum = "assumed to be metres above mean sea level";
     if (*metres != 1) vertical_datum = "assumed to be above mean sea level, in " + info.unit;
     if (info.crs.has_height()) {
       vertical_datum += " (PROJ has no grid here to transform the heights of \"" + info.crs.name() + "\")";
+    } else if (const auto geoid_m = geoid_at_center_m()) {
+      vertical_datum += " (above the ellipsoid the ground would lie " + format_fixed(std::abs(*geoid_m), 1) + " m " +
+                        (*geoid_m > 0 ? "lower" : "higher") + ")";
+    }
+  }
+
+  /// Of EGM96 above the WGS 84 ellipsoid; nothing where PROJ has no grid for it.
+  std::optional<double> geoid_at_center_m() const {
+    try {
+      const HeightTransform ellipsoid(Crs::from_user_input("EPSG:4979"));
+      const auto amsl_m = ellipsoid.amsl_m({info.center.lon_deg, info.center.lat_deg}, 0);
+      return amsl_m ? std::optional(-*amsl_m) : std::nullopt;
+    } catch (const DataError&) {
+      return std::nullopt;
     }
   }
 
@@ -148,8 +143,14 @@ struct Elevation::Impl {
     const Block& block = block_of(col / kBlockSide, row / kBlockSide);
     const auto x = static_cast<int>(col % kBlockSide);
     const auto y = static_cast<int>(row % kBlockSide);
-    if (block.raster.valid.at<std::uint8_t>(y, x) == 0) return kNaN;
-    const cv::Mat& pixels = block.raster.pixels;
+    const double value = value_of(block.raster, x, y);
+    return is_no_height(value, metres_of(value)) ? kNaN : value;
+  }
+
+  /// As stored; NaN for what is declared to be no data.
+  static double value_of(const Raster& raster, int x, int y) {
+    if (raster.valid.at<std::uint8_t>(y, x) == 0) return kNaN;
+    const cv::Mat& pixels = raster.pixels;
     switch (pixels.depth()) {
       case CV_8U:
         return pixels.at<std::uint8_t>(y, x);
@@ -160,6 +161,55 @@ struct Elevation::Impl {
     }
   }
 
+  double metres_of(double stored) const { return (stored * info.scale + info.offset) * metres_per_unit; }
+
+  PixelWindow block_window(std::int64_t col, std::int64_t row) const {
+    const std::int64_t first_col = col * kBlockSide;
+    const std::int64_t first_row = row * kBlockSide;
+    return {first_col, first_row, static_cast<int>(std::min<std::int64_t>(kBlockSide, source.width_px - first_col)),
+            static_cast<int>(std::min<std::int64_t>(kBlockSide, source.height_px - first_row))};
+  }
+
+  /// Which blocks are looked through for voids.
+  std::vector<std::pair<std::int64_t, std::int64_t>> blocks_to_look_at(std::span<const GeodeticPoint> around) const {
+    const std::int64_t columns = (source.width_px + kBlockSide - 1) / kBlockSide;
+    const std::int64_t rows = (source.height_px + kBlockSide - 1) / kBlockSide;
+    std::int64_t first_col = 0;
+    std::int64_t last_col = columns - 1;
+    std::int64_t first_row = 0;
+    std::int64_t last_row = rows - 1;
+    if (columns * rows > kBlocksOfWhole) {
+      std::swap(first_col, last_col);
+      std::swap(first_row, last_row);
+      for (const GeodeticPoint& point : around) {
+        const auto map = map_of(point);
+        if (!map) continue;
+        const Eigen::Vector2d block = info.map_from_pixel.pixel_from_map(*map) / kBlockSide;
+        const auto col = static_cast<std::int64_t>(std::clamp(block.x(), 0.0, static_cast<double>(columns - 1)));
+        const auto row = static_cast<std::int64_t>(std::clamp(block.y(), 0.0, static_cast<double>(rows - 1)));
+        first_col = std::min(first_col, col);
+        last_col = std::max(last_col, col);
+        first_row = std::min(first_row, row);
+        last_row = std::max(last_row, row);
+      }
+    }
+    std::vector<std::pair<std::int64_t, std::int64_t>> chosen;
+    if (last_col < first_col) return chosen;  // around nothing
+    const std::int64_t all = (last_col - first_col + 1) * (last_row - first_row + 1);
+    const std::int64_t step = std::max<std::int64_t>(1, (all + kBlocksAround - 1) / kBlocksAround);
+    for (std::int64_t i = 0; i < all; i += step) {
+      chosen.emplace_back(first_col + i % (last_col - first_col + 1), first_row + i / (last_col - first_col + 1));
+    }
+    return chosen;
+  }
+
+  /// In the raster's CRS.
+  std::optional<Eigen::Vector2d> map_of(GeodeticPoint point) const {
+    auto map = map_from_geodetic.map_from_geodetic(point);
+    if (map && in_degrees) map->x() = unwrap_lon_deg(map->x(), center_x);  // grids across 180°
+    return map;
+  }
+
   const Block& block_of(std::int64_t col, std::int64_t row) {
     const auto found = std::find_if(blocks.begin(), blocks.end(),
                                     [&](const Block& block) { return block.col == col && block.row == row; });
@@ -167,11 +217,7 @@ struct Elevation::Impl {
       blocks.splice(blocks.begin(), blocks, found);
       return blocks.front();
     }
-    const std::int64_t first_col = col * kBlockSide;
-    const std::int64_t first_row = row * kBlockSide;
-    const auto width = static_cast<int>(std::min<std::int64_t>(kBlockSide, source.width_px - first_col));
-    const auto height = static_cast<int>(std::min<std::int64_t>(kBlockSide, source.height_px - first_row));
-    blocks.push_front({col, row, source.read({first_col, first_row, width, height})});
+    blocks.push_front({col, row, source.read(block_window(col, row))});
     if (blocks.size() > kBlocksKept) blocks.pop_back();
     return blocks.front();
   }
@@ -204,9 +250,8 @@ Elevation::Elevation(Elevation&&) noexcept = default;
 Elevation& Elevation::operator=(Elevation&&) noexcept = default;
 
 double Elevation::amsl_m(GeodeticPoint point) const {
-  auto map = impl_->map_from_geodetic.map_from_geodetic(point);
+  const auto map = impl_->map_of(point);
   if (!map) return kNaN;
-  if (impl_->in_degrees) map->x() = unwrap_lon_deg(map->x(), impl_->center_x);  // grids across 180°
   const double height =
       impl_->interpolate(impl_->info.map_from_pixel.pixel_from_map(*map)) * impl_->info.scale + impl_->info.offset;
   if (!impl_->height_transform || std::isnan(height)) return height * impl_->metres_per_unit;
@@ -219,6 +264,61 @@ const std::string& Elevation::dataset() const {
 const std::string& Elevation::vertical_datum() const {
   return impl_->vertical_datum;
 }
+bool Elevation::datum_assumed() const {
+  return impl_->datum_assumed;
+}
+
+std::vector<UndeclaredVoid> Elevation::undeclared_voids(std::span<const GeodeticPoint> around) const {
+  const CrsTransform& geodetic = impl_->map_from_geodetic;
+  std::map<double, VoidCount> counts;
+  std::int64_t looked_at = 0;
+  for (const auto& [col, row] : impl_->blocks_to_look_at(around)) {
+    const PixelWindow window = impl_->block_window(col, row);
+    const Raster raster = impl_->source.read(window);
+    for (int y = 0; y < window.height; ++y) {
+      for (int x = 0; x < window.width; ++x) {
+        const double value = Impl::value_of(raster, x, y);
+        if (std::isnan(value)) continue;
+        ++looked_at;
+        const double metres = impl_->metres_of(value);
+        const bool certain = is_no_height(value, metres);
+        if (!certain && !may_be_no_height(value)) continue;
+        VoidCount& count = counts[value];
+        if (count.pixels++ == 0) {
+          count.certain = certain;
+          const auto place = geodetic.geodetic_from_map(impl_->info.map_from_pixel.map_from_pixel(
+              {static_cast<double>(window.col + x) + 0.5, static_cast<double>(window.row + y) + 0.5}));
+          if (place) count.first = *place;
+        }
+        for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
+          const bool inside = x + dx >= 0 && x + dx < window.width && y + dy >= 0 && y + dy < window.height;
+          const double beside = inside ? Impl::value_of(raster, x + dx, y + dy) : kNaN;
+          if (std::isnan(beside) || beside == value || is_no_height(beside, impl_->metres_of(beside))) continue;
+          ++(std::abs(impl_->metres_of(beside) - metres) > kCliff_m ? count.cliffs : count.slopes);
+        }
+      }
+    }
+  }
+  std::vector<UndeclaredVoid> voids;
+  for (const auto& [value, count] : counts) {
+    if (!count.certain && !(count.cliffs > count.slopes && count.cliffs >= 4)) continue;
+    voids.push_back({value, count.certain, count.pixels, looked_at, count.first});
+  }
+  return voids;
+}
+
+std::string undeclared_void_text(const std::string& dataset, const UndeclaredVoid& found) {
+  const std::string value = format_number(found.stored);
+  const double percent = 100.0 * static_cast<double>(found.pixels) / static_cast<double>(found.looked_at);
+  return dataset + ": " + std::to_string(found.pixels) + " of " + std::to_string(found.looked_at) + " heights (" +
+         format_fixed(percent, 1) + " %) are " + value + ", as at lat " + format_fixed(found.first.lat_deg, 6) +
+         ", lon " + format_fixed(found.first.lon_deg, 6) +
+         (found.certain ? ", which no ground has, and are taken for no height"
+                        : ", with a step of more than 20 m to most of those beside them: they may stand for no height, "
+                          "and are taken for ground") +
+         "; if they are none, declare it: gdal_translate -a_nodata " + value;
+}
+
 double Elevation::resolution_m() const {
   return std::max(impl_->info.gsd_x_m, impl_->info.gsd_y_m);
 }

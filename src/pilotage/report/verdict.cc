@@ -129,6 +129,7 @@ std::string further_assumptions(const Mission& mission, const Selection& selecti
                                     format_number(conditions.map_sigma_m) + " m on each axis"
                               : ", map error " + format_number(conditions.map_sigma_m) + " m on each axis";
   return met + (mission.flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
+         (mission.ground.elevation_datum_assumed ? ", heights of the ground " + mission.ground.elevation_datum : "") +
          imagery_age_assumptions(mission) + (rests_on.empty() ? "" : "; " + rests_on);
 }
 

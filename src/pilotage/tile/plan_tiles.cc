@@ -59,27 +59,45 @@ double coarsest_gsd_m(const std::vector<ImageryInfo>& infos) {
 
 /// Of an elevation model of which nothing else is known: errors of lidar's models are about a metre, those of global
 /// ones from radar about four (Copernicus DEM, product handbook: 4 m at 90 % linear error on gentle ground).
-double sigma_of_elevation_m(const std::string& elevation) {
+double sigma_of_elevation_m(const Elevation& elevation) {
   constexpr double kLidarSpacing_m = 5.5;  // 5 m, by whatever ellipsoid and scale
-  return Elevation(elevation).resolution_m() <= kLidarSpacing_m ? 1 : 4;
+  return elevation.resolution_m() <= kLidarSpacing_m ? 1 : 4;
 }
 
-void set_elevation(const TileOptions& options, Ground& ground) {
-  ground.elevation = options.elevation;
+// The model, nullptr without one; what it is goes to the mission.
+std::shared_ptr<const Elevation> open_elevation(const TileOptions& options, Mission& mission) {
+  Ground& ground = mission.ground;
   if (options.elevation.empty()) {
     if (options.elevation_sigma_m) throw UsageError("elevation_sigma_m is of an elevation model, and none is given");
-    return;
+    return nullptr;
   }
-  ground.elevation_sigma_m =
-      options.elevation_sigma_m ? options.elevation_sigma_m : sigma_of_elevation_m(options.elevation);
+  auto model = std::make_shared<const Elevation>(options.elevation);
+  ground.elevation = options.elevation;
+  ground.elevation_sigma_m = options.elevation_sigma_m ? *options.elevation_sigma_m : sigma_of_elevation_m(*model);
+  ground.elevation_datum = model->vertical_datum();
+  ground.elevation_datum_assumed = model->datum_assumed();
+  mission.notes.push_back("Heights of the ground: " + options.elevation + ", " + ground.elevation_datum);
+  return model;
+}
+
+// Warns of values that stand, or may stand, for no height; those that do as one text.
+std::string warn_of_voids(const Elevation& model, Mission& mission) {
+  std::vector<GeodeticPoint> points;
+  for (const RouteVertex& vertex : mission.flight.route.vertices) points.push_back(vertex.point);
+  std::vector<std::string> certain;
+  for (const UndeclaredVoid& found : model.undeclared_voids(points)) {
+    mission.warnings.push_back(undeclared_void_text(model.dataset(), found));
+    if (found.certain) certain.push_back(mission.warnings.back());
+  }
+  return join(certain, "; ");
 }
 
 // The ground's height above sea level: of the elevation model, or flat at home where the route's heights need one and
 // only home's is known.
-TerrainHeight open_terrain(const std::string& elevation, const std::optional<double>& flat_ground_amsl_m) {
+TerrainHeight open_terrain(const std::shared_ptr<const Elevation>& model,
+                           const std::optional<double>& flat_ground_amsl_m) {
   if (flat_ground_amsl_m) return [amsl_m = *flat_ground_amsl_m](GeodeticPoint) { return amsl_m; };
-  if (elevation.empty()) return {};
-  const auto model = std::make_shared<const Elevation>(elevation);
+  if (!model) return {};
   return [model](GeodeticPoint point) { return model->amsl_m(point); };
 }
 
@@ -98,9 +116,17 @@ void assume_flat_ground(const RouteOptions& options, Mission& mission) {
 }
 
 // The samples of the plan's route, and what a planner should look at again in its heights.
-void sample_plan_route(Mission& mission) {
-  const TerrainHeight terrain = open_terrain(mission.ground.elevation, mission.flight.flat_ground_amsl_m);
-  const std::vector<RouteSample> samples = sample_route(mission.flight.route, kSampleStep_m, terrain);
+void sample_plan_route(const std::shared_ptr<const Elevation>& model, Mission& mission) {
+  const TerrainHeight terrain = open_terrain(model, mission.flight.flat_ground_amsl_m);
+  const std::string voids = model ? warn_of_voids(*model, mission) : "";
+  std::vector<RouteSample> samples;
+  try {
+    samples = sample_route(mission.flight.route, kSampleStep_m, terrain);
+  } catch (const DataError& error) {
+    // A void may be why.
+    if (voids.empty()) throw;
+    throw DataError(std::string(error.what()) + "; " + voids);
+  }
   for (const RouteSample& sample : samples) {
     mission.flight.samples.push_back(FlightSample{sample});
     if (!std::isfinite(sample.speed_mps)) {
@@ -391,7 +417,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   const auto infos = inspect_all(options, progress);
   add_imagery(mission, options, infos);
   warn_of_mistakes(options, infos, mission);
-  set_elevation(options, mission.ground);
+  const std::shared_ptr<const Elevation> elevation = open_elevation(options, mission);
   mission.flight.route_file = options.route;
   mission.ground.imagery.options = options.imagery_options;
   mission.flight.route = read_route(options.route, options.route_options);
@@ -417,7 +443,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   mission.flight.min_agl_m = options.min_agl_m;
   mission.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(mission.flight.max_error_m);
   assume_flat_ground(options.route_options, mission);
-  sample_plan_route(mission);
+  sample_plan_route(elevation, mission);
   if (options.denied) {
     mission.flight.denied = read_denial(*options.denied, mission.flight.samples, mission.warnings);
   }
