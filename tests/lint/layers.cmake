@@ -55,9 +55,9 @@ foreach(folder IN LISTS folders)
         endif()
       elseif(include MATCHES "\"")
         problem("${file}: our headers are included by their full path: ${include}")
-      elseif(include MATCHES "<(gdal|ogr|cpl_|vrtdataset)" AND
+      elseif(include MATCHES "<(gdal|ogr|cpl_|vrtdataset|proj)" AND
              NOT file MATCHES "^src/pilotage/(raster/gdal_|route/ogr_)[a-z_]+\\.(h|cc)$")
-        problem("${file}: only raster/gdal_* and route/ogr_* include GDAL: ${include}")
+        problem("${file}: only raster/gdal_* and route/ogr_* include GDAL and PROJ: ${include}")
       endif()
     endforeach()
   endforeach()

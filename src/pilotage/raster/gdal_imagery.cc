@@ -19,6 +19,7 @@
 #include "pilotage/raster/block_limits.h"
 #include "pilotage/raster/gdal_collar.h"
 #include "pilotage/raster/gdal_control_points.h"
+#include "pilotage/raster/gdal_datum.h"
 #include "pilotage/raster/gdal_handle.h"
 #include "pilotage/raster/gdal_tile_folder.h"
 
@@ -135,6 +136,13 @@ Crs find_crs(const OGRSpatialReference* reference, const std::string& name, cons
   }
   if (!crs.is_projected() && !crs.is_geographic()) {
     throw DataError(name + ": its CRS \"" + crs.name() + "\" is neither projected nor geographic");
+  }
+  const std::string ellipsoid = ellipsoid_without_datum(crs);
+  if (!stand_in.empty() && !ellipsoid.empty()) {
+    const Crs given = Crs::from_user_input(stand_in);
+    warnings.push_back(name + ": its CRS names no datum, only the ellipsoid \"" + ellipsoid +
+                       "\"; taken is the one given, " + stand_in + ", \"" + given.name() + "\"");
+    return given;
   }
   if (!stand_in.empty() && !crs.same_as(Crs::from_user_input(stand_in))) {
     warnings.push_back(name + ": states its own CRS \"" + crs.name() + "\"; the one given, " + stand_in +
@@ -275,6 +283,66 @@ void measure_gsd(ImageryInfo& info) {
   info.gsd_y_m = geodesic_between(at(0, -half_y), at(0, half_y)).length_m / (2 * half_y);
 }
 
+/// Refuses coordinates in degrees under a CRS of metres.
+void refuse_degrees_as_metres(const ImageryInfo& info) {
+  constexpr double kSmallestPixel_m = 1e-3;
+  if (!info.crs.is_projected() || std::min(info.gsd_x_m, info.gsd_y_m) >= kSmallestPixel_m) return;
+  for (const double x_share : {0.0, 1.0}) {
+    for (const double y_share : {0.0, 1.0}) {
+      const Eigen::Vector2d corner =
+          info.map_from_pixel.map_from_pixel({info.width_px * x_share, info.height_px * y_share});
+      if (std::abs(corner.x()) > 360 || std::abs(corner.y()) > 90) return;
+    }
+  }
+  const Eigen::Vector2d center = info.map_from_pixel.map_from_pixel({info.width_px / 2.0, info.height_px / 2.0});
+  ImageryInfo in_degrees = info;
+  in_degrees.crs = Crs::wgs84();
+  measure_gsd(in_degrees);
+  throw DataError(info.dataset + ": its CRS \"" + info.crs.name() + "\" is in metres, but its coordinates (" +
+                  format_fixed(center.x(), 6) + ", " + format_fixed(center.y(), 6) + " at its centre, pixels of " +
+                  format_number(std::max(info.gsd_x_m, info.gsd_y_m)) +
+                  " m) look like degrees; as EPSG:4326 its centre is at lon " +
+                  format_fixed(in_degrees.center.lon_deg, 7) + ", lat " + format_fixed(in_degrees.center.lat_deg, 7) +
+                  ", its pixels " + format_fixed(std::max(in_degrees.gsd_x_m, in_degrees.gsd_y_m), 2) +
+                  " m. If that is right, say it with gdal_edit.py -a_srs EPSG:4326, or with --imagery-crs where the "
+                  "file states no CRS");
+}
+
+std::string grid_text(const DatumShift& shift) {
+  if (shift.missing_grid.empty()) return "";
+  return "; PROJ's grid " + shift.missing_grid + ", which is not installed (projsync --file " + shift.missing_grid +
+         "), " +
+         (shift.accuracy_with_grid_m ? "is good to " + format_number(*shift.accuracy_with_grid_m) + " m" : "is better");
+}
+
+/// Says how well the datum is changed; refuses coordinates whose datum is not known or cannot be changed.
+void judge_datum(ImageryInfo& info) {
+  const std::string ellipsoid = ellipsoid_without_datum(info.crs);
+  if (!ellipsoid.empty()) {
+    std::vector<std::string> texts;
+    for (const PossibleDatum& datum : possible_datums(ellipsoid, info.center)) {
+      texts.push_back("on " + datum.name + " it lies " + format_fixed(datum.shift_m, 0) +
+                      " m from where WGS 84 would have it");
+    }
+    throw DataError(info.dataset + ": its CRS names no datum, only the ellipsoid \"" + ellipsoid + "\"" +
+                    (texts.empty() ? "" : ": " + join(texts, ", ")) +
+                    "; say the CRS with --imagery-crs, or in the file with gdal_edit.py -a_srs");
+  }
+  const DatumShift shift = datum_shift(info.crs, info.center);
+  const NearWgs84 near = shift.ballpark ? near_wgs84(info.crs) : NearWgs84::kSame;
+  if (near == NearWgs84::kFar) {
+    throw DataError(info.dataset + ": PROJ cannot bring \"" + info.crs.name() + "\" to WGS 84 here (" +
+                    shift.operation + " changes no datum, which may be a hundred metres)" + grid_text(shift) +
+                    "; install it, or re-project the raster where it is known");
+  }
+  constexpr double kNearDatums_m = 3;  // NAD83, ETRS89, GDA … against each other and WGS 84
+  const double accuracy_m = near == NearWgs84::kNear ? kNearDatums_m : shift.accuracy_m.value_or(0);
+  if (accuracy_m < kDatumAccuracySaid_m) return;
+  info.datum_accuracy_m = accuracy_m;
+  info.warnings.push_back(info.dataset + ": \"" + info.crs.name() + "\" is brought to WGS 84 within " +
+                          format_number(accuracy_m) + " m (" + shift.operation + ")" + grid_text(shift));
+}
+
 void read_bands(GDALDataset& dataset, const ImageryOptions& options, ImageryInfo& info) {
   info.gray_bands = choose_bands(dataset, info.dataset, options.bands);
   for (int band = 1; band <= dataset.GetRasterCount(); ++band) {
@@ -382,6 +450,8 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
     const std::string message = error.what();
     throw DataError(message.starts_with(dataset) ? message : dataset + ": " + message);
   }
+  refuse_degrees_as_metres(info);
+  judge_datum(info);
   add_warnings(*opened, georeference.from_points, info);
   if (info.mask == MaskKind::kNone && options.collar == CollarRule::kMask) {
     const CollarFinding found = find_collar(info, options, progress);

@@ -118,6 +118,8 @@ struct ImageryInfo {
   /// Where ground control points that are no affine transform place the raster: it is read warped by them, and the
   /// size and place above are those of the warped raster.
   std::optional<ControlPointFit> control_points;
+  /// How well its CRS is brought to WGS 84, where that is known to DatumShift's kDatumAccuracySaid_m or worse; 0 else.
+  double datum_accuracy_m = 0;
   int overviews = 0;
   int block_width_px = 1;  ///< Of the blocks in which the file holds the first used band.
   int block_height_px = 1;

@@ -386,20 +386,26 @@ void add_flight_time(const TileOptions& options, Flight& flight) {
   flight.ground_hidden = GroundHidden{fraction, options.clouds};
 }
 
-/// A map that ground control points place is wrong by what they miss, and so is each fix that is taken on it: the error
-/// of a fix along one axis grows by the share of one axis of the worst raster's residual.
+/// A map is wrong by what the ground control points that place it miss, and by what its change of datum is uncertain,
+/// and so is each fix that is taken on it: the error of a fix along one axis grows by the share of one axis of the
+/// worst raster's.
 void add_map_error(const std::vector<ImageryInfo>& infos, Mission& mission) {
   double rms_m = 0;
+  std::string from;
   for (const auto& info : infos) {
-    if (info.control_points) rms_m = std::max(rms_m, info.control_points->rms_m);
+    const double raster_m = std::hypot(info.control_points ? info.control_points->rms_m : 0, info.datum_accuracy_m);
+    if (raster_m <= rms_m) continue;
+    rms_m = raster_m;
+    from = info.datum_accuracy_m == 0 ? "whose place comes from ground control points"
+           : info.control_points      ? "whose place comes from ground control points and a change of datum"
+                                      : "whose place comes by a change of datum";
   }
   if (rms_m == 0) return;
   double& fix_sigma_m = mission.flight.ins.fix_sigma_m;
   const double with_map_m = std::hypot(fix_sigma_m, rms_m / std::numbers::sqrt2);
   mission.notes.push_back("Error of a fix: " + format_fixed(with_map_m, 2) + " m each axis, of which " +
                           format_fixed(fix_sigma_m, 2) + " m are the matcher's and " +
-                          format_fixed(rms_m / std::numbers::sqrt2, 2) +
-                          " m the map's, whose place comes from ground control points");
+                          format_fixed(rms_m / std::numbers::sqrt2, 2) + " m the map's, " + from);
   fix_sigma_m = with_map_m;
 }
 
