@@ -302,7 +302,12 @@ ReplayedFlight replay_photos(ReplaySetup& setup, const std::string& folder) {
   }
   if (rows.empty()) throw DataError(folder + ": not one picture says in its EXIF where it was taken");
   std::vector<std::string> notes = frames.warnings;
-  notes.emplace_back("the position in the EXIF counts as the truth");
+  std::set<std::string> place_tags;
+  for (const TakenField& field : frames.taken) {
+    if (field.field == "prior_lat_deg") place_tags.insert(field.tag);
+  }
+  notes.push_back("the pictures' own place counts as the truth: " +
+                  join(std::vector<std::string>(place_tags.begin(), place_tags.end()), "; "));
   if (setup.options.priors == LogPriors::kDrawn) {
     const bool timed = std::all_of(rows.begin(), rows.end(), [](const auto& row) { return std::isfinite(row.time_s); });
     if (!timed) {

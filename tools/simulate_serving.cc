@@ -24,6 +24,9 @@ CommandResult serve_airsim(const Mission& mission, const std::string& imagery, c
                 " dropped because they sent no calls\n";
   result.json = {
       {"served", where}, {"calls", served.calls}, {"connections", served.connections}, {"dropped", served.dropped}};
+  for (const auto& [text, count] : served.refused) {
+    result.warnings.push_back(std::to_string(count) + (count == 1 ? " call was" : " calls were") + " refused: " + text);
+  }
   return result;
 }
 

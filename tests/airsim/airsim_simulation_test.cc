@@ -144,6 +144,38 @@ TEST_F(AirsimServer, APoseWithoutNumbersChangesNothing) {
   EXPECT_EQ(kinematics().orientation, (AirsimQuaternion{0, 1, 0, 0}));
 }
 
+TEST_F(AirsimServer, MovesByAVelocityAtAHeight) {
+  const std::uint32_t move =
+      client_.send("moveByVelocityZ", {3.0, -1.0, -10.0, 8.0, std::int64_t{0}, kNoTurn, std::string()});
+  pass(2);
+  EXPECT_NEAR(static_cast<double>(kinematics().position.z_val), -4, 0.1) << "climbs at 2 m/s";
+  pass(7);
+  EXPECT_TRUE(answer(move));
+  const AirsimVector place = kinematics().position;
+  EXPECT_NEAR(static_cast<double>(place.x_val), 24, 0.1);
+  EXPECT_NEAR(static_cast<double>(place.y_val), -8, 0.1);
+  EXPECT_NEAR(static_cast<double>(place.z_val), -10, 1e-3);
+}
+
+TEST_F(AirsimServer, MovesByAVelocityOfItsBody) {
+  const std::uint32_t turn = client_.send("rotateToYaw", {90.0, 5.0, 1.0, std::string()});
+  pass(2);
+  EXPECT_TRUE(answer(turn));
+  const std::uint32_t move =
+      client_.send("moveByVelocityBodyFrame", {2.0, 1.0, -0.5, 4.0, std::int64_t{0}, kNoTurn, std::string()});
+  pass(5);
+  EXPECT_TRUE(answer(move));
+  AirsimVector place = kinematics().position;  // nose to the east, right to the south
+  EXPECT_NEAR(static_cast<double>(place.x_val), -4, 0.05);
+  EXPECT_NEAR(static_cast<double>(place.y_val), 8, 0.05);
+  EXPECT_NEAR(static_cast<double>(place.z_val), -2, 0.05);
+  const std::uint32_t home = client_.send("goHome", {100.0, std::string()});
+  pass(60);
+  EXPECT_TRUE(answer(home));
+  place = kinematics().position;
+  EXPECT_NEAR(static_cast<double>(std::abs(place.x_val) + std::abs(place.y_val) + std::abs(place.z_val)), 0, 1e-3);
+}
+
 TEST_F(AirsimServer, SensorsAgreeWithThePose) {
   ask<RpcValue>("simSetVehiclePose", {to_rpc(kDialect, AirsimPose{{0, 0, -900}, {}}), true, std::string()});
   const auto barometer = ask<AirsimBarometer>("getBarometerData", {std::string(), std::string()});
@@ -189,6 +221,26 @@ TEST(AirsimServing, DropsWhoSendsNoCallsAndServesOn) {
   EXPECT_EQ(served.connections, 7);
   EXPECT_EQ(served.dropped, 5);
   EXPECT_EQ(served.calls, 1);
+}
+
+TEST(AirsimServing, CountsWhatItRefusesByWhatWasWrong) {
+  AirsimSimulation simulation(kDialect, painted_scene());
+  Served server(simulation.service());
+  RpcClient client(server.address(), kWaitS);
+  const auto refused = [&](const std::string& method, RpcArray arguments) {
+    EXPECT_FALSE(error_of<DataError>([&] { client.call(method, std::move(arguments)); }).empty());
+  };
+  for (int i = 0; i < 2; ++i) refused("getLidarData", {std::string(), std::string()});
+  refused("moveToZ", {-20.0, 1.0, std::string()});
+  client.call("ping", {});
+  for (int i = 0; i < 100; ++i) refused("method" + std::to_string(i), {});
+  const RpcServed served = server.finish();
+  EXPECT_EQ(served.refused.at("rpclib: server could not find function 'getLidarData' with argument count 2."), 2);
+  EXPECT_EQ(served.refused.at("rpclib: client error C0001: Function 'moveToZ' was called with an invalid number of "
+                              "arguments. Expected: 7, got: 3"),
+            1);
+  EXPECT_EQ(served.refused.size(), kMostRefusals + 1) << "what many names would fill";
+  EXPECT_EQ(served.refused.at("other errors"), 52);
 }
 
 TEST(AirsimServing, DoesNotAnswerNotifications) {

@@ -174,7 +174,7 @@ TEST(FrameExif, FocalLengthFromTheBestTag) {
   EXPECT_EQ(frame_exif(metadata).focal_length_px->value, 3666.666504);
   metadata.exif["PixelXDimension"] = "8000";  // a picture made smaller after it was taken
   EXPECT_EQ(frame_exif(metadata).focal_length_px->value, 3666.666504 / 2);
-  const Camera camera = *exif_camera(frame_exif(metadata));
+  const Camera camera = exif_camera(frame_exif(metadata))->value;
   EXPECT_EQ(camera.width_px, 4000);
   EXPECT_EQ(camera.cx_px, 2000);
   EXPECT_EQ(camera.cy_px, 1500);
@@ -182,6 +182,70 @@ TEST(FrameExif, FocalLengthFromTheBestTag) {
 }
 
 // 16 : 9 is cut from 4 : 3, so the diagonal that the equivalent speaks of is longer than the picture's.
+TEST(FrameExif, TwoPlacesInOnePictureAreSaid) {
+  ImageMetadata metadata{4000, 3000, {}, {}};
+  metadata.xmp = {{"drone-dji:GpsLatitude", "+48.75"}, {"drone-dji:GpsLongitude", "+15.0"}};
+  metadata.exif = {{"GPSLatitude", "(48) (45) (36)"},
+                   {"GPSLatitudeRef", "N"},
+                   {"GPSLongitude", "(15) (0) (0)"},
+                   {"GPSLongitudeRef", "E"}};
+  const FrameExif exif = frame_exif(metadata);
+  EXPECT_EQ(exif.position->tag, "drone-dji:GpsLatitude, drone-dji:GpsLongitude");
+  // 36″ of latitude, 1/100°: 1112 m.
+  EXPECT_THAT(exif.warnings, ElementsAre(HasSubstr("name two places, 1112 m apart")));
+  metadata.exif["GPSLatitude"] = "(48) (45) (0.1)";  // 3 m: two receivers' answers
+  EXPECT_THAT(frame_exif(metadata).warnings, IsEmpty());
+}
+
+TEST(FrameExif, ADigitalZoomEnlargesTheFocalLength) {
+  ImageMetadata metadata{4000, 3000, {}, {}};
+  metadata.xmp = {{"drone-dji:CalibratedFocalLength", "3600"}};
+  metadata.exif = {{"DigitalZoomRatio", "(1.6)"}};
+  EXPECT_NEAR(frame_exif(metadata).focal_length_px->value, 5760, 1e-9);
+  EXPECT_THAT(frame_exif(metadata).focal_length_px->tag, HasSubstr("times EXIF DigitalZoomRatio 1.6"));
+  for (const char* none : {"(0)", "(1)", "(-2)"}) {
+    metadata.exif["DigitalZoomRatio"] = none;
+    EXPECT_EQ(frame_exif(metadata).focal_length_px->value, 3600) << none;
+  }
+  metadata.xmp.clear();
+  metadata.exif = {{"DigitalZoomRatio", "(2)"}, {"FocalLengthIn35mmFilm", "24"}};
+  const FrameExif film = frame_exif(metadata);
+  EXPECT_THAT(film.warnings, ElementsAre(HasSubstr("whether FocalLengthIn35mmFilm counts it is not said")));
+  metadata.exif.erase("DigitalZoomRatio");
+  EXPECT_EQ(frame_exif(metadata).focal_length_px->value, film.focal_length_px->value);
+}
+
+TEST(FrameExif, TheLensOfAPictureThatIsNotCorrected) {
+  ImageMetadata metadata{4000, 3000, {}, {}};
+  metadata.xmp = {{"drone-dji:CalibratedFocalLength", "3600"},
+                  {"drone-dji:DewarpFlag", "0"},
+                  {"drone-dji:DewarpData", "2025-01-01;3610,3620,6,-4,-0.12,0.01,0.001,-0.002,0.003"}};
+  const auto camera = exif_camera(frame_exif(metadata));
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->tag, "drone-dji:DewarpData");
+  EXPECT_EQ(camera->value.fx_px, 3610);
+  EXPECT_EQ(camera->value.fy_px, 3620);
+  EXPECT_EQ(camera->value.cx_px, 2006);
+  EXPECT_EQ(camera->value.cy_px, 1496);
+  EXPECT_EQ(camera->value.distortion_model, DistortionModel::kBrownConrady);
+  EXPECT_EQ(camera->value.distortion, (std::array<double, 5>{-0.12, 0.01, 0.001, -0.002, 0.003}));
+  metadata.xmp["drone-dji:DewarpFlag"] = "1";  // the camera has corrected it
+  EXPECT_EQ(exif_camera(frame_exif(metadata))->value.distortion_model, DistortionModel::kNone);
+  metadata.xmp["drone-dji:DewarpFlag"] = "0";
+  for (const char* broken : {"", "2025-01-01;1,2,3", "2025-01-01;nan,1,0,0,0,0,0,0,0", "-5,1,0,0,0,0,0,0,0"}) {
+    metadata.xmp["drone-dji:DewarpData"] = broken;
+    EXPECT_EQ(exif_camera(frame_exif(metadata))->value.fx_px, 3600) << broken;
+  }
+}
+
+TEST(FrameExif, AnOrientationIsNotFollowedAndSaid) {
+  ImageMetadata metadata{4000, 3000, {}, {}};
+  metadata.exif = {{"Orientation", "6"}};
+  EXPECT_THAT(frame_exif(metadata).warnings, ElementsAre(HasSubstr("EXIF Orientation 6 is not followed")));
+  metadata.exif["Orientation"] = "1";
+  EXPECT_THAT(frame_exif(metadata).warnings, IsEmpty());
+}
+
 TEST(FrameExif, WidePicturesAreCutFromATallerFrame) {
   const ImageMetadata wide{4000, 2250, {{"FocalLengthIn35mmFilm", "20"}}, {}};
   EXPECT_NEAR(frame_exif(wide).focal_length_px->value, 20 / 43.26661530556787 * 5000, 1e-9);

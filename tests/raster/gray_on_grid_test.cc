@@ -6,6 +6,7 @@
 #include "raster/raster_maker.h"
 #include "testing/read_all.h"
 #include "testing/temporary_folder.h"
+#include <cpl_conv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -163,6 +164,42 @@ TEST(GrayOnGrid, DepthsMixToDouble) {
   EXPECT_EQ(depth_of({words, words}), CV_16U);
   EXPECT_EQ(depth_of({bytes, words}), CV_64F);
   EXPECT_EQ(depth_of({words, bytes, bytes}), CV_64F);
+}
+
+// An overview's mask that ends elsewhere, as GDAL's COG driver makes it with a cubic kernel, does not decide.
+TEST(GrayOnGrid, TheMaskAtFullResolutionDecidesWhatIsValid) {
+  const TemporaryFolder folder;
+  const CPLConfigOptionSetter internal("GDAL_TIFF_INTERNAL_MASK", "YES", false);
+  RasterSpec spec;
+  spec.width = spec.height = 128;
+  spec.place = GeoTransform::north_up(500000, 5'000'000, 0.5);
+  spec.value = [](int, int col, int row) { return col >= 33 && col < 71 ? 0 : 100 + (col * 3 + row * 7) % 50; };
+  spec.finish = [](GDALDataset& dataset) {
+    ASSERT_EQ(dataset.CreateMaskBand(GMF_PER_DATASET), CE_None);
+    std::vector<std::uint8_t> mask(128 * 128);
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = i % 128 >= 33 && i % 128 < 71 ? 0 : 255;
+    ASSERT_EQ(dataset.GetRasterBand(1)->GetMaskBand()->RasterIO(GF_Write, 0, 0, 128, 128, mask.data(), 128, 128,
+                                                                GDT_Byte, 0, 0, nullptr),
+              CE_None);
+  };
+  const std::string plain = make_raster(folder / "plain.tif", spec);
+  const std::string with_overviews = make_raster(folder / "overviews.tif", spec);
+  testing::change_raster(with_overviews, [](GDALDataset& dataset) {
+    const int factors[] = {2, 4};
+    ASSERT_EQ(dataset.BuildOverviews("CUBIC", 2, factors, 0, nullptr, nullptr, nullptr), CE_None);
+    // Its mask is too small by a pixel to either side.
+    GDALRasterBand* mask = dataset.GetRasterBand(1)->GetOverview(0)->GetMaskBand();
+    std::vector<std::uint8_t> shrunk(64 * 64);
+    for (std::size_t i = 0; i < shrunk.size(); ++i) shrunk[i] = i % 64 >= 18 && i % 64 < 34 ? 0 : 255;
+    ASSERT_EQ(mask->RasterIO(GF_Write, 0, 0, 64, 64, shrunk.data(), 64, 64, GDT_Byte, 0, 0, nullptr), CE_None);
+  });
+  const GeoTransform grid = GeoTransform::north_up(500000, 5'000'000, 1);
+  const auto valid_of = [&](const std::string& file) {
+    return open_gray_on_grid({file}, testing::utm33(), grid, 64, 64).read({0, 0, 64, 64}).valid;
+  };
+  const cv::Mat expected = valid_of(plain);
+  EXPECT_EQ(cv::norm(valid_of(with_overviews), expected, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::countNonZero(expected.row(10)), 64 - 18) << "17 to 34 lie whole in the mask";
 }
 
 TEST(GrayOnGrid, UsesOverviews) {

@@ -169,6 +169,26 @@ TEST(Gray, APaletteBecomesColors) {
   EXPECT_FALSE(valid_at(read_all(open_gray(path)), 1, 0));
 }
 
+TEST(Gray, WhereZeroIsWhiteValuesAreTurned) {
+  const TemporaryFolder folder;
+  for (const GDALDataType type : {GDT_Byte, GDT_UInt16}) {
+    RasterSpec spec;
+    spec.type = type;
+    const cv::Mat plain = open_gray(make_raster(folder / "plain.tif", spec)).read({0, 0, 60, 40}).pixels;
+    spec.creation_options = {"PHOTOMETRIC=MINISWHITE"};
+    const std::string white = make_raster(folder / "white.tif", spec);
+    EXPECT_TRUE(inspect_imagery(white).min_is_white);
+    const cv::Mat turned = open_gray(white).read({0, 0, 60, 40}).pixels;
+    const double largest = type == GDT_Byte ? 255 : 65535;
+    EXPECT_EQ(cv::norm(turned, cv::Mat(largest - plain), cv::NORM_INF), 0);
+    // Warped onto a grid, too.
+    const GeoTransform grid = GeoTransform::north_up(500002, 4'999'998, 0.5);
+    const cv::Mat on_grid = open_gray_on_grid({white}, testing::utm33(), grid, 20, 10).read({0, 0, 20, 10}).pixels;
+    EXPECT_EQ(cv::norm(on_grid, turned(cv::Rect(4, 4, 20, 10)), cv::NORM_INF), 0);
+    for (const char* file : {"plain.tif", "white.tif"}) std::filesystem::remove(folder / file);
+  }
+}
+
 TEST(Gray, GrayAndAlpha) {
   const TemporaryFolder folder;
   RasterSpec spec;

@@ -67,7 +67,7 @@ TEST(TileFolder, IsOneRasterInItsPlace) {
   EXPECT_NEAR(info.map_from_pixel.origin_y, kWorld_m / 2 - kRow * side_m, 1e-6);
   EXPECT_NEAR(info.map_from_pixel.x_per_col, side_m / 256, 1e-9);
   EXPECT_EQ(info.mask, MaskKind::kAlpha);
-  EXPECT_THAT(info.warnings, ElementsAre(HasSubstr("taken for XYZ (from the north")));
+  EXPECT_THAT(info.warnings, ElementsAre(HasSubstr("taken for z/x/y with rows from the north")));
 
   const Raster raster = open_gray(name).read({0, 0, 512, 512});
   const auto gray = [&](int col, int row) { return static_cast<int>(raster.pixels.at<std::uint8_t>(row, col)); };
@@ -98,6 +98,42 @@ TEST(TileFolder, RowsFromTheSouthAreKnownByWhatTheFolderSays) {
     EXPECT_NEAR(info.map_from_pixel.origin_y, kWorld_m / 2 - kRow * kWorld_m / std::exp2(kZoom), 1e-6) << kind;
     EXPECT_THAT(info.warnings, IsEmpty()) << kind;
   }
+}
+
+TEST(TileFolder, RowsBeforeColumnsAreKnownByWhatTheFolderSays) {
+  const TemporaryFolder straight;
+  write_tile(straight.path(), kZoom, kColumn, kRow, 50);
+  write_tile(straight.path(), kZoom, kColumn, kRow + 1, 100);
+  const TemporaryFolder turned;  // z/y/x
+  write_tile(turned.path(), kZoom, kRow, kColumn, 50);
+  write_tile(turned.path(), kZoom, kRow + 1, kColumn, 100);
+  const ImageryInfo right = inspect_imagery(straight.path().string());
+  // The middle of the right reading is told, by what reads the folder wrongly.
+  const ImageryInfo unsaid = inspect_imagery(turned.path().string());
+  const std::string middle = "as z/y/x (ArcGIS servers) lon 16.4919, lat ";
+  EXPECT_THAT(unsaid.warnings, ElementsAre(HasSubstr(middle)));
+  EXPECT_NEAR(right.center.lon_deg, 16.4919, 1e-4);
+  std::ofstream(turned / "metadata.json") << R"({"scheme": "zyx"})";
+  const TemporaryFolder again;  // a folder is read once in a run
+  fs::copy(turned.path(), again.path() / "tiles", fs::copy_options::recursive);
+  const ImageryInfo said = inspect_imagery((again.path() / "tiles").string());
+  EXPECT_THAT(said.warnings, IsEmpty());
+  EXPECT_EQ(said.center.lon_deg, right.center.lon_deg);
+  EXPECT_EQ(said.center.lat_deg, right.center.lat_deg);
+}
+
+TEST(TileFolder, TilesOfDenseScreensAreTiles) {
+  const TemporaryFolder folder;
+  write_tile(folder.path(), kZoom, kColumn, kRow, 50, "@2x.png", 3, 512);
+  const ImageryInfo info = inspect_imagery(folder.path().string());
+  EXPECT_EQ(info.width_px, 512);
+  const TemporaryFolder twice;
+  write_tile(twice.path(), kZoom, kColumn, kRow, 50);
+  write_tile(twice.path(), kZoom, kColumn, kRow, 50, "@2x.png");
+  EXPECT_THAT(tile_folder_error(twice.path()), HasSubstr("are the same tile"));
+  const TemporaryFolder other;
+  write_tile(other.path(), kZoom, kColumn, kRow, 50, "@dark.png");
+  EXPECT_THAT(tile_folder_error(other.path()), HasSubstr("holds no tiles"));
 }
 
 TEST(TileFolder, PalettesAndJpegAreReadAsColours) {

@@ -323,12 +323,29 @@ void AirsimSimulation::Methods::bind_motions() {
          check_vehicle(vehicle);
          world_.cancel();
        }));
-  bind("moveByVelocity", std::function([this](double north, double east, double down, double seconds,
-                                              std::int64_t drivetrain, AirsimYawMode yaw, const std::string& vehicle) {
-         return begin(
-             vehicle,
-             {{}, 0, velocity(north, east, down), duration(seconds), drivetrain == kForwardOnly, checked(yaw)});
-       }));
+  // [velocity ahead or north, right or east, down or the height to hold, duration, drivetrain, yaw mode, vehicle]
+  const auto by_velocity = [this](const std::string& name, bool in_body_frame, bool holds_height) {
+    bind(name, std::function([this, in_body_frame, holds_height](double x, double y, double z, double seconds,
+                                                                 std::int64_t drivetrain, AirsimYawMode yaw,
+                                                                 const std::string& vehicle) {
+           AirsimMotion motion;
+           motion.velocity_mps = velocity(x, y, holds_height ? 0 : z);
+           if (holds_height) motion.hold_down_m = place_to_go_to(0, 0, z).z();
+           motion.in_body_frame = in_body_frame;
+           motion.left_s = duration(seconds);
+           motion.nose_ahead = drivetrain == kForwardOnly;
+           motion.yaw = checked(yaw);
+           return begin(vehicle, motion);
+         }));
+  };
+  by_velocity("moveByVelocity", false, false);
+  by_velocity("moveByVelocityZ", false, true);
+  by_velocity("moveByVelocityBodyFrame", true, false);
+  by_velocity("moveByVelocityZBodyFrame", true, true);
+  bind(
+      "rotateByYawRate", std::function([this](double degps, double seconds, const std::string& vehicle) {
+        return begin(vehicle, {{}, 0, {0, 0, 0}, duration(seconds), false, checked({true, static_cast<float>(degps)})});
+      }));
   bind("rotateToYaw",
        std::function([this](double yaw_deg, double /*timeout*/, double /*margin*/, const std::string& vehicle) {
          const AirsimYawMode yaw = checked({false, static_cast<float>(yaw_deg)});
@@ -349,6 +366,11 @@ void AirsimSimulation::Methods::bind_paths() {
          const Eigen::Vector3d down(here.x(), here.y(), std::max(here.z(), 0.0));
          return begin(vehicle, {{down}, kClimbMps, {0, 0, 0}, duration(timeout), false, kSteadyYaw, true});
        }));
+  // Straight to where it began.
+  bind(
+      "goHome", std::function([this](double timeout, const std::string& vehicle) {
+        return begin(vehicle, {{Eigen::Vector3d(0, 0, 0)}, kClimbMps, {0, 0, 0}, duration(timeout), false, kSteadyYaw});
+      }));
   bind("moveToPosition",
        std::function([this](double north, double east, double down, double mps, double timeout, std::int64_t drivetrain,
                             AirsimYawMode yaw, double /*lookahead*/, double /*adaptive*/, const std::string& vehicle) {

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kStepS = 0.02;
 constexpr double kTurnDegps = 90;
+constexpr double kMostClimbMps = 2;
 
 void take_finite(float& to, float from) {
   if (!std::isnan(from)) to = from;
@@ -78,13 +79,26 @@ std::optional<bool> AirsimVehicle::step(double seconds) {
   if (follows) {
     arrived = follow_path(seconds);
   } else {
-    velocity_mps = motion_->velocity_mps;
-    position_m += velocity_mps * seconds;
+    fly_velocity(seconds);
   }
   turn(seconds);
   if (arrived) return true;
   if (motion_->left_s > 1e-9) return std::nullopt;
   return !follows;
+}
+
+void AirsimVehicle::fly_velocity(double seconds) {
+  velocity_mps = motion_->velocity_mps;
+  if (motion_->in_body_frame) {
+    const double yaw_rad = attitude_of(rotation_of(orientation)).yaw_deg * kRadPerDeg;
+    const Eigen::Vector2d ahead(std::cos(yaw_rad), std::sin(yaw_rad));
+    velocity_mps.head<2>() =
+        motion_->velocity_mps.x() * ahead + motion_->velocity_mps.y() * Eigen::Vector2d(-ahead.y(), ahead.x());
+  }
+  if (motion_->hold_down_m) {
+    velocity_mps.z() = std::clamp((*motion_->hold_down_m - position_m.z()) / seconds, -kMostClimbMps, kMostClimbMps);
+  }
+  position_m += velocity_mps * seconds;
 }
 
 bool AirsimVehicle::follow_path(double seconds) {

@@ -17,7 +17,9 @@ struct AirsimMotion {
   double left_s = 0;  ///< Then a path is given up, and a velocity has been flown.
   bool nose_ahead = false;
   AirsimYawMode yaw;
-  bool lands = false;  ///< Stands on the ground afterwards.
+  bool lands = false;                   ///< Stands on the ground afterwards.
+  std::optional<double> hold_down_m{};  ///< With a velocity: instead of its vertical part, to this height, and there.
+  bool in_body_frame = false;           ///< The velocity is ahead, right, down of the vehicle as it turns.
 };
 
 /// A multirotor without forces: it has the velocity that it is asked for at once, stands level while it moves, and
@@ -46,6 +48,7 @@ class AirsimVehicle {
  private:
   std::optional<bool> step(double seconds);
   bool follow_path(double seconds);
+  void fly_velocity(double seconds);
   void turn(double seconds);
 
   std::optional<AirsimMotion> motion_;

@@ -101,6 +101,7 @@ class RpcServing {
     const std::vector<RpcTicketAnswer> late = service_.step(std::chrono::duration<double>(now - stepped_).count());
     stepped_ = now;
     for (const RpcTicketAnswer& answer : late) {
+      count_refusal(answer.answer);
       const auto found = connections_.find(answer.ticket.connection);
       if (found != connections_.end()) push_answer(found->second, answer.ticket.call, answer.answer);
     }
@@ -151,12 +152,20 @@ class RpcServing {
         ++served_.calls;
         const RpcTicket ticket{number, call.number.value_or(0)};
         const std::optional<RpcAnswer> answer = service_.call(ticket, call.method, call.arguments);
+        if (answer) count_refusal(*answer);
         if (answer && call.number) push_answer(connection, *call.number, *answer);
       }
     } catch (const DataError&) {  // not of the service, which answers its errors
       connection.broken = true;
       ++served_.dropped;
     }
+  }
+
+  void count_refusal(const RpcAnswer& answer) {
+    const auto* text = std::get_if<std::string>(&answer.error.data);
+    if (text == nullptr) return;
+    const bool known = served_.refused.contains(*text);
+    ++served_.refused[known || served_.refused.size() < kMostRefusals ? *text : "other errors"];
   }
 
   const Descriptor& listener_;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -48,7 +49,11 @@ struct RpcServed {
   std::int64_t connections = 0;
   std::int64_t calls = 0;
   std::int64_t dropped = 0;  ///< Connections that were closed because they sent no calls.
+  /// Calls that were answered with an error, by its text, which names method, number of arguments and reason; beyond
+  /// kMostRefusals texts under "other errors".
+  std::map<std::string, std::int64_t> refused;
 };
+inline constexpr std::size_t kMostRefusals = 50;
 
 /// Answers msgpack-rpc (rpc_client.h) on all connections that `listener` gets, until `stop`, which is told what has
 /// been served and asked some fifty times a second. A connection that sends what is no call within the limits is

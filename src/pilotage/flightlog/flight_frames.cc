@@ -23,10 +23,13 @@ FlightFrames complete_frame(const std::string& path, const FrameRecord& frame, c
   std::optional<Camera> camera = camera_without_exif(sources);
   std::optional<FrameExif> exif;
   if (sources.from_exif) exif = frame_exif(read_image_metadata(path));
-  if (std::optional<Camera> own = exif && !sources.given ? exif_camera(*exif) : std::nullopt) {
-    own->mount = sources.exif_mount;
-    camera = own;
-    done.taken.push_back({frame.file, "camera.fx_px", own->fx_px, exif->focal_length_px->tag});
+  if (exif) {
+    for (const std::string& warning : exif->warnings) done.warnings.push_back(path + ": " + warning);
+  }
+  if (auto own = exif && !sources.given ? exif_camera(*exif) : std::nullopt) {
+    own->value.mount = sources.exif_mount;
+    camera = own->value;
+    done.taken.push_back({frame.file, "camera.fx_px", own->value.fx_px, own->tag});
   }
   complete.camera = require_camera(camera, path);
   if (exif) {

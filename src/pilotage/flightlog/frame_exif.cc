@@ -1,10 +1,12 @@
 #include "pilotage/flightlog/frame_exif.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
 
 #include "pilotage/base/text.h"
+#include "pilotage/geo/geodesic.h"
 
 namespace pilotage {
 namespace {
@@ -63,12 +65,16 @@ std::optional<GeodeticPoint> checked_point(std::optional<double> lon_deg, std::o
   return GeodeticPoint{wrap_lon_deg(*lon_deg), *lat_deg};
 }
 
-std::optional<FromTag<GeodeticPoint>> find_position(const ImageMetadata& metadata) {
+std::optional<FromTag<GeodeticPoint>> xmp_position(const ImageMetadata& metadata) {
   const auto lat_deg = xmp_number(metadata.xmp, "drone-dji:GpsLatitude");
   for (const std::string longitude : {"drone-dji:GpsLongitude", "drone-dji:GpsLongtitude"}) {
     const auto point = checked_point(xmp_number(metadata.xmp, longitude), lat_deg);
     if (point) return FromTag<GeodeticPoint>{*point, "drone-dji:GpsLatitude, " + longitude};
   }
+  return std::nullopt;
+}
+
+std::optional<FromTag<GeodeticPoint>> exif_position(const ImageMetadata& metadata) {
   const auto point = checked_point(exif_angle(metadata.exif, "GPSLongitude", 'E', 'W'),
                                    exif_angle(metadata.exif, "GPSLatitude", 'N', 'S'));
   if (point) return FromTag<GeodeticPoint>{*point, "EXIF GPSLatitude, GPSLongitude"};
@@ -107,23 +113,92 @@ double focal_from_equivalent_px(double equivalent_mm, int width_px, int height_p
   return equivalent_mm / diagonal_mm * std::hypot(width_px, full_height_px);
 }
 
+/// How much a digital zoom has enlarged the middle of the picture; 0 in EXIF means that none was used.
+double digital_zoom(const ImageMetadata& metadata) {
+  constexpr double kLargest = 1000;
+  const double zoom = exif_number(metadata.exif, "DigitalZoomRatio").value_or(1);
+  return zoom > 0 && zoom < kLargest ? zoom : 1;
+}
+
 std::optional<FromTag<double>> find_focal_length(const ImageMetadata& metadata) {
   const auto usable = [](std::optional<double> value) { return value && *value > 0; };
+  const double zoom = digital_zoom(metadata);
+  const std::string zoomed = zoom == 1 ? "" : ", times EXIF DigitalZoomRatio " + format_number(zoom);
   const auto calibrated_px = xmp_number(metadata.xmp, "drone-dji:CalibratedFocalLength");
   if (usable(calibrated_px)) {
-    return FromTag<double>{*calibrated_px * width_factor(metadata), "drone-dji:CalibratedFocalLength"};
+    return FromTag<double>{*calibrated_px * width_factor(metadata) * zoom, "drone-dji:CalibratedFocalLength" + zoomed};
   }
   const auto focal_mm = exif_number(metadata.exif, "FocalLength");
   const auto resolution = exif_number(metadata.exif, "FocalPlaneXResolution");
   const double unit = exif_number(metadata.exif, "FocalPlaneResolutionUnit").value_or(2);
   if (usable(focal_mm) && usable(resolution) && (unit == 2 || unit == 3)) {
     const double px_per_mm = *resolution / (unit == 2 ? kMmPerInch : 10.0);
-    return FromTag<double>{*focal_mm * px_per_mm * width_factor(metadata), "EXIF FocalLength, FocalPlaneXResolution"};
+    return FromTag<double>{*focal_mm * px_per_mm * width_factor(metadata) * zoom,
+                           "EXIF FocalLength, FocalPlaneXResolution" + zoomed};
   }
   const auto equivalent_mm = exif_number(metadata.exif, "FocalLengthIn35mmFilm");
   if (!usable(equivalent_mm)) return std::nullopt;
   return FromTag<double>{focal_from_equivalent_px(*equivalent_mm, metadata.width_px, metadata.height_px),
                          "EXIF FocalLengthIn35mmFilm, good to some 5 %"};
+}
+
+/// "2025-01-01;fx,fy,cx,cy,k1,k2,p1,p2,k3": the date may lack.
+std::optional<FromTag<Camera>> find_lens(const ImageMetadata& metadata) {
+  const auto flag = xmp_number(metadata.xmp, "drone-dji:DewarpFlag");
+  const auto data = metadata.xmp.find("drone-dji:DewarpData");
+  if (data == metadata.xmp.end() || flag.value_or(1) != 0) return std::nullopt;
+  std::string_view text = data->second;
+  text.remove_prefix(text.find(';') + 1);  // npos + 1 is 0
+  std::array<double, 9> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t end = std::min(text.find(','), text.size());
+    const auto number = parse_number(text.substr(0, end));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers[i] = *number;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  const double scale = width_factor(metadata) * digital_zoom(metadata);
+  Camera camera;
+  camera.width_px = metadata.width_px;
+  camera.height_px = metadata.height_px;
+  camera.fx_px = numbers[0] * scale;
+  camera.fy_px = numbers[1] * scale;
+  camera.cx_px = metadata.width_px / 2.0 + numbers[2] * scale;
+  camera.cy_px = metadata.height_px / 2.0 + numbers[3] * scale;
+  camera.distortion_model = DistortionModel::kBrownConrady;
+  std::copy(numbers.begin() + 4, numbers.end(), camera.distortion.begin());
+  if (!camera_problem(camera).empty()) return std::nullopt;
+  return FromTag<Camera>{camera, "drone-dji:DewarpData"};
+}
+
+/// A receiver's own places differ by metres (RTK in one tag, not in the other); more is another place.
+constexpr double kSamePlace_m = 10;
+
+std::vector<std::string> contradictions_of(const ImageMetadata& metadata, const FrameExif& exif) {
+  std::vector<std::string> warnings;
+  const auto xmp = xmp_position(metadata);
+  const auto gps = exif_position(metadata);
+  if (xmp && gps) {
+    const double apart_m = geodesic_between(xmp->value, gps->value).length_m;
+    const auto text = [](const GeodeticPoint& point) {
+      return "lon " + format_fixed(point.lon_deg, 6) + ", lat " + format_fixed(point.lat_deg, 6);
+    };
+    if (apart_m > kSamePlace_m) {
+      warnings.push_back("its tags name two places, " + format_fixed(apart_m, 0) + " m apart: " + text(xmp->value) +
+                         " (" + xmp->tag + "), which is taken, and " + text(gps->value) + " (" + gps->tag + ")");
+    }
+  }
+  const double zoom = digital_zoom(metadata);
+  if (zoom != 1 && exif.focal_length_px && exif.focal_length_px->tag.find("35mm") != std::string::npos) {
+    warnings.push_back("EXIF DigitalZoomRatio is " + format_number(zoom) +
+                       ", and whether FocalLengthIn35mmFilm counts it is not said: it is taken to; give --camera");
+  }
+  const auto orientation = exif_number(metadata.exif, "Orientation");
+  if (orientation && *orientation > 1 && *orientation <= 8) {
+    warnings.push_back("EXIF Orientation " + format_number(*orientation) +
+                       " is not followed: pixels are taken as they are stored, which is how the sensor has them");
+  }
+  return warnings;
 }
 
 }  // namespace
@@ -132,7 +207,8 @@ FrameExif frame_exif(const ImageMetadata& metadata) {
   FrameExif exif;
   exif.width_px = metadata.width_px;
   exif.height_px = metadata.height_px;
-  exif.position = find_position(metadata);
+  exif.position = xmp_position(metadata);
+  if (!exif.position) exif.position = exif_position(metadata);
   if (const auto height_m = xmp_number(metadata.xmp, "drone-dji:RelativeAltitude")) {
     exif.height_m = FromTag<double>{*height_m, "drone-dji:RelativeAltitude, above the place of take-off"};
   }
@@ -140,10 +216,13 @@ FrameExif frame_exif(const ImageMetadata& metadata) {
   if (exif.camera_attitude) exif.camera_attitude->value = body_of_gimbal(exif.camera_attitude->value);
   exif.flight_attitude = find_attitude(metadata.xmp, "Flight");
   exif.focal_length_px = find_focal_length(metadata);
+  exif.lens = find_lens(metadata);
+  exif.warnings = contradictions_of(metadata, exif);
   return exif;
 }
 
-std::optional<Camera> exif_camera(const FrameExif& exif) {
+std::optional<FromTag<Camera>> exif_camera(const FrameExif& exif) {
+  if (exif.lens) return exif.lens;
   if (!exif.focal_length_px) return std::nullopt;
   Camera camera;
   camera.width_px = exif.width_px;
@@ -151,7 +230,7 @@ std::optional<Camera> exif_camera(const FrameExif& exif) {
   camera.fx_px = camera.fy_px = exif.focal_length_px->value;
   camera.cx_px = exif.width_px / 2.0;
   camera.cy_px = exif.height_px / 2.0;
-  return camera;
+  return FromTag<Camera>{camera, exif.focal_length_px->tag};
 }
 
 std::vector<TakenField> fill_from_exif(FrameRecord& frame, const FrameExif& exif, const CameraMount& mount) {

@@ -33,16 +33,23 @@ struct FrameExif {
   /// drone-dji:FlightYawDegree, FlightPitchDegree, FlightRollDegree: attitude of the aircraft.
   std::optional<FromTag<Attitude>> flight_attitude;
   /// Focal length, in pixels, of the picture as it is, from the best tag there is: drone-dji:CalibratedFocalLength;
-  /// FocalLength with FocalPlaneXResolution; FocalLengthIn35mmFilm.
+  /// FocalLength with FocalPlaneXResolution, both times DigitalZoomRatio; FocalLengthIn35mmFilm, in which a digital
+  /// zoom is counted or not, as the maker chose.
   std::optional<FromTag<double>> focal_length_px;
+  /// drone-dji:DewarpData of a picture that the camera has not corrected (DewarpFlag 0): focal lengths, principal point
+  /// as an offset from the middle, k1, k2, p1, p2, k3.
+  std::optional<FromTag<Camera>> lens;
+  /// What its tags contradict each other in, or say that is not followed: sentences.
+  std::vector<std::string> warnings;
   int width_px = 0;
   int height_px = 0;
 };
 
 FrameExif frame_exif(const ImageMetadata& metadata);
 
-/// An ideal camera with that focal length and the principal point in the middle; nothing without a focal length.
-std::optional<Camera> exif_camera(const FrameExif& exif);
+/// The lens of the tags, else an ideal camera with that focal length and the principal point in the middle; nothing
+/// without either.
+std::optional<FromTag<Camera>> exif_camera(const FrameExif& exif);
 
 /// A number that was taken from a picture.
 struct TakenField {

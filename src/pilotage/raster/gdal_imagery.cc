@@ -363,6 +363,9 @@ void read_bands(GDALDataset& dataset, const ImageryOptions& options, ImageryInfo
   } else {
     info.depth = all_of_type(dataset, info.gray_bands, GDT_UInt16) ? CV_16U : CV_64F;
   }
+  const char* white = dataset.GetMetadataItem("MINISWHITE", "IMAGE_STRUCTURE");
+  info.min_is_white = white != nullptr && std::string_view(white) == "YES" && info.gray_bands.size() == 1 &&
+                      !info.palette && info.depth != CV_64F;
   info.mask = find_mask(dataset, info.gray_bands, options.nodata.has_value());
   info.overviews = first->GetOverviewCount();
   first->GetBlockSize(&info.block_width_px, &info.block_height_px);

@@ -111,6 +111,7 @@ struct ImageryInfo {
   std::vector<std::string> band_colors;  ///< Colour interpretation of every band, as GDAL names it: "Red", "Alpha".
   std::vector<int> gray_bands;           ///< Bands (from 1) that gray is made of: one, or red, green, blue.
   bool palette = false;                  ///< The one gray band holds indices of colours.
+  bool min_is_white = false;  ///< Its 0 is white (photometric interpretation MinIsWhite): inverted when read.
   MaskKind mask = MaskKind::kNone;
   /// Black or white around the ground of a raster without a mask, taken for no data as ImageryOptions::collar asks for;
   /// null where there is none.

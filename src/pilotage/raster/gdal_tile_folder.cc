@@ -50,6 +50,14 @@ std::optional<std::int64_t> number_of(const std::string& name) {
   return digits ? std::optional(number) : std::nullopt;
 }
 
+/// The number of a tile's file, which may say that its picture is that of a dense screen: "180596@2x".
+std::optional<std::int64_t> tile_number(const std::string& stem) {
+  const std::size_t at = stem.find('@');
+  if (at == std::string::npos) return number_of(stem);
+  const bool density = stem.size() == at + 3 && stem[at + 1] >= '1' && stem[at + 1] <= '9' && stem[at + 2] == 'x';
+  return density ? number_of(stem.substr(0, at)) : std::nullopt;
+}
+
 bool is_picture(const fs::path& file) {
   const auto endings = {".png", ".jpg", ".jpeg", ".webp", ".PNG", ".JPG", ".JPEG"};
   const std::string ending = file.extension().string();
@@ -80,7 +88,7 @@ std::vector<WebTile> tiles_of_level(const fs::path& level, std::int64_t rows) {
   for (const auto& [x, column] : numbered_folders(level)) {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(column, error)) {
-      const auto y = number_of(entry.path().stem().string());
+      const auto y = tile_number(entry.path().stem().string());
       if (!y || !is_picture(entry.path())) continue;
       refuse_link(entry);
       if (x >= rows || *y >= rows) {
@@ -106,7 +114,9 @@ std::vector<WebTile> tiles_of_level(const fs::path& level, std::int64_t rows) {
   return tiles;
 }
 
-enum class Rows { kFromNorth, kFromSouth, kUnsaid };
+/// How tiles are named: z/x/y with rows from the north (XYZ, taken where nothing says it) or from the south (TMS), or
+/// z/y/x with rows from the north, as ArcGIS servers do.
+enum class Rows { kFromNorth, kFromSouth, kRowsFirst, kUnsaid };
 
 /// Text of a small file beside the levels, or "".
 std::string description(const fs::path& file) {
@@ -131,11 +141,11 @@ Rows rows_of(const fs::path& folder) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("scheme") || !json["scheme"].is_string()) return Rows::kUnsaid;
   const auto scheme = json["scheme"].get<std::string>();
-  if (scheme != "xyz" && scheme != "tms") {
-    throw DataError((folder / "metadata.json").string() + ": scheme = \"" + scheme.substr(0, 40) +
-                    "\" is neither xyz nor tms");
-  }
-  return scheme == "tms" ? Rows::kFromSouth : Rows::kFromNorth;
+  if (scheme == "xyz") return Rows::kFromNorth;
+  if (scheme == "tms") return Rows::kFromSouth;
+  if (scheme == "zyx") return Rows::kRowsFirst;
+  throw DataError((folder / "metadata.json").string() + ": scheme = \"" + scheme.substr(0, 40) +
+                  "\" is none of xyz, tms and zyx");
 }
 
 /// What a tile's picture is made of.
@@ -177,6 +187,7 @@ WebLevel level_of(int zoom, const fs::path& folder, Rows rule) {
   level.east = level.south = -1;
   for (WebTile& tile : level.tiles) {
     if (rule == Rows::kFromSouth) tile.y = rows - 1 - tile.y;
+    if (rule == Rows::kRowsFirst) std::swap(tile.x, tile.y);
     level.west = std::min(level.west, tile.x);
     level.east = std::max(level.east, tile.x);
     level.north = std::min(level.north, tile.y);
@@ -248,6 +259,16 @@ std::string vrt_of(const WebLevel& level) {
   return vrt + "</VRTDataset>";
 }
 
+/// The middle of a level, by longitude and latitude.
+std::string middle_of(const WebLevel& level) {
+  const double size = std::exp2(level.zoom);
+  const double column = static_cast<double>(level.west + level.east + 1) / 2;
+  const double row = static_cast<double>(level.north + level.south + 1) / 2;
+  const double lat_rad = std::atan(std::sinh(std::numbers::pi * (1 - 2 * row / size)));
+  return "lon " + format_fixed(column / size * 360 - 180, 4) + ", lat " +
+         format_fixed(lat_rad * 180 / std::numbers::pi, 4);
+}
+
 struct TileFolder {
   std::string vrt;
   std::vector<std::string> warnings;
@@ -267,15 +288,19 @@ TileFolder read_tile_folder(const std::string& name) {
     if (level.tiles.size() > widest.tiles.size()) widest = level;
     deepest = std::move(level);
   }
-  if (deepest.tiles.empty()) throw DataError(name + ": holds no tiles z/x/y.png, .jpg or .webp");
+  if (deepest.tiles.empty()) throw DataError(name + ": holds no tiles z/x/y.png, .jpg or .webp (also named y@2x)");
   TileFolder result;
   result.vrt = vrt_of(deepest);
   if (rule == Rows::kUnsaid) {
-    result.warnings.push_back(name +
-                              ": does not say from where its rows of tiles count; taken for XYZ (from the north, "
-                              "as web maps do). If it lies on the wrong side of the equator, it is TMS: write "
-                              "{\"scheme\": \"tms\"} into " +
-                              (folder / "metadata.json").string());
+    const fs::path level = folder / std::to_string(deepest.zoom);
+    result.warnings.push_back(
+        name +
+        ": does not say how its tiles are named; taken for z/x/y with rows from the north, as web maps do, with its "
+        "middle at " +
+        middle_of(deepest) + ". With rows from the south (TMS) it would be " +
+        middle_of(level_of(deepest.zoom, level, Rows::kFromSouth)) + ", as z/y/x (ArcGIS servers) " +
+        middle_of(level_of(deepest.zoom, level, Rows::kRowsFirst)) +
+        ": write {\"scheme\": \"tms\"} or {\"scheme\": \"zyx\"} into " + (folder / "metadata.json").string());
   }
   // Each level deeper has about four times as many tiles where both cover the same ground.
   if (widest.tiles.size() > deepest.tiles.size()) {

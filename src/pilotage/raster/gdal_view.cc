@@ -50,18 +50,35 @@ const char* utility_name(Resampling resampling) {
   }
 }
 
-std::vector<std::string> warp_arguments(const ImageryInfo& info, const TargetGrid& grid, Resampling resampling) {
+/// Where the raster is warped to.
+std::vector<std::string> grid_arguments(const TargetGrid& grid) {
   const Eigen::Vector2d top_left = grid.map_from_pixel.map_from_pixel({0, 0});
   const Eigen::Vector2d bottom_right =
       grid.map_from_pixel.map_from_pixel({static_cast<double>(grid.width_px), static_cast<double>(grid.height_px)});
+  return {"-of",
+          "VRT",
+          "-t_srs",
+          grid.crs.wkt(),
+          "-te",
+          format_number(top_left.x()),
+          format_number(bottom_right.y()),
+          format_number(bottom_right.x()),
+          format_number(top_left.y()),
+          "-ts",
+          std::to_string(grid.width_px),
+          std::to_string(grid.height_px),
+          "-et",
+          "0.05"};
+}
+
+std::vector<std::string> warp_arguments(const ImageryInfo& info, const TargetGrid& grid, Resampling resampling) {
+  std::vector<std::string> arguments = grid_arguments(grid);
   // Overviews have mixed what is a collar into the ground beside it.
   const char* const overviews = info.collar == nullptr ? "AUTO" : "NONE";
-  return {"-of", "VRT", "-dstalpha", "-ovr", overviews, "-t_srs", grid.crs.wkt(), "-te", format_number(top_left.x()),
-          format_number(bottom_right.y()), format_number(bottom_right.x()), format_number(top_left.y()), "-ts",
-          std::to_string(grid.width_px), std::to_string(grid.height_px), "-r", utility_name(resampling), "-et", "0.05",
-          "-wo",
-          // The same rule as RasterView::read_valid: YES = all bands hold the no-data value, PARTIAL = any does.
-          info.depth == CV_8U ? "UNIFIED_SRC_NODATA=YES" : "UNIFIED_SRC_NODATA=PARTIAL"};
+  // The same rule as RasterView::read_valid: YES = all bands hold the no-data value, PARTIAL = any does.
+  const char* const no_data = info.depth == CV_8U ? "UNIFIED_SRC_NODATA=YES" : "UNIFIED_SRC_NODATA=PARTIAL";
+  arguments.insert(arguments.end(), {"-dstalpha", "-ovr", overviews, "-r", utility_name(resampling), "-wo", no_data});
+  return arguments;
 }
 
 }  // namespace
@@ -98,21 +115,38 @@ RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, F
 RasterView::RasterView(const ImageryInfo& info, const ImageryOptions& options, const TargetGrid& grid,
                        Resampling resampling)
     : RasterView(info, options, For::kWarping) {
-  const GdalErrors errors;
-  Arguments arguments(warp_arguments(info, grid, resampling));
-  const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> warp_options(
-      GDALWarpAppOptionsNew(arguments.get(), nullptr), GDALWarpAppOptionsFree);
-  GDALDatasetH source = GDALDataset::ToHandle(&top());
-  DatasetPtr warped(warp_options == nullptr
-                        ? nullptr
-                        : GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, warp_options.get(), nullptr)));
-  if (warped == nullptr) fail(errors, "cannot be warped onto the mission grid");
-  stack_.push_back(std::move(warped));
+  if (info.mask == MaskKind::kMaskBand && info.overviews > 0) warp_whole_mask(grid, resampling);
+  stack_.push_back(warp(top(), warp_arguments(info, grid, resampling)));
   alpha_band_ = channels_ + 1;
   warped_ = true;
 }
 
+DatasetPtr RasterView::warp(GDALDataset& from, const std::vector<std::string>& arguments) const {
+  const GdalErrors errors;
+  Arguments list(arguments);
+  const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> options(
+      GDALWarpAppOptionsNew(list.get(), nullptr), GDALWarpAppOptionsFree);
+  GDALDatasetH source = GDALDataset::ToHandle(&from);
+  DatasetPtr warped(options == nullptr
+                        ? nullptr
+                        : GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, options.get(), nullptr)));
+  if (warped == nullptr) fail(errors, "cannot be warped onto the mission grid");
+  return warped;
+}
+
+/// Overviews hold masks that were made coarser as pictures are, and so end elsewhere: what is valid, the mask at full
+/// resolution says as well. One band of it costs little beside the pixels.
+void RasterView::warp_whole_mask(const TargetGrid& grid, Resampling resampling) {
+  mask_stack_.push_back(translated(top(), {"-of", "VRT", "-b", "mask"}));
+  std::vector<std::string> arguments = grid_arguments(grid);
+  // Averaging takes a pixel for valid when anything under it is.
+  const char* const kernel = resampling == Resampling::kAverage ? "max" : "near";
+  arguments.insert(arguments.end(), {"-ovr", "NONE", "-r", kernel});
+  mask_stack_.push_back(warp(*mask_stack_.back(), arguments));
+}
+
 RasterView::~RasterView() {
+  while (!mask_stack_.empty()) mask_stack_.pop_back();
   while (!stack_.empty()) stack_.pop_back();  // what was made last refers to what was made first
 }
 
@@ -121,15 +155,19 @@ void RasterView::fail(const GdalErrors& errors, const char* what) const {
 }
 
 void RasterView::translate(const std::vector<std::string>& arguments) {
+  stack_.push_back(translated(top(), arguments));
+}
+
+DatasetPtr RasterView::translated(GDALDataset& from, const std::vector<std::string>& arguments) const {
   const GdalErrors errors;
   Arguments list(arguments);
   const std::unique_ptr<GDALTranslateOptions, decltype(&GDALTranslateOptionsFree)> options(
       GDALTranslateOptionsNew(list.get(), nullptr), GDALTranslateOptionsFree);
   DatasetPtr made(options == nullptr ? nullptr
                                      : GDALDataset::FromHandle(
-                                           GDALTranslate("", GDALDataset::ToHandle(&top()), options.get(), nullptr)));
+                                           GDALTranslate("", GDALDataset::ToHandle(&from), options.get(), nullptr)));
   if (made == nullptr) fail(errors, "its bands cannot be selected");
-  stack_.push_back(std::move(made));
+  return made;
 }
 
 /// The bands as the file has them: a view of them would copy every pixel once more.
@@ -220,6 +258,7 @@ cv::Mat RasterView::read_pixels(const PixelWindow& window) const {
                      pixels.data, window.width, window.height, gdal_type(info_.depth), channels_, bands.data(),
                      element * channels_, static_cast<GSpacing>(pixels.step[0]), element, nullptr);
   if (result != CE_None || errors.read_in_part()) fail(errors, "cannot be read");
+  if (info_.min_is_white) cv::bitwise_not(pixels, pixels);  // 255 − v, 65535 − v
   return pixels;
 }
 
@@ -236,6 +275,7 @@ cv::Mat RasterView::read_valid(const PixelWindow& window) const {
   };
   cv::Mat valid(window.height, window.width, CV_8U, cv::Scalar(255));
   if (alpha_band_ > 0) valid = read(*top().GetRasterBand(alpha_band_));
+  if (!mask_stack_.empty()) valid &= read(*mask_stack_.back()->GetRasterBand(1));
   if (warped_) return valid;
   if (info_.collar != nullptr) info_.collar->clear(window, valid);
 

@@ -56,11 +56,15 @@ class RasterView {
   void take_magnitude();
   void add_collar_alpha();
   void translate(const std::vector<std::string>& arguments);
+  DatasetPtr translated(GDALDataset& from, const std::vector<std::string>& arguments) const;
+  DatasetPtr warp(GDALDataset& from, const std::vector<std::string>& arguments) const;
+  void warp_whole_mask(const TargetGrid& grid, Resampling resampling);
   GDALDataset& top() const { return *stack_.back(); }
   [[noreturn]] void fail(const GdalErrors& errors, const char* what) const;
 
   ImageryInfo info_;
   std::vector<DatasetPtr> stack_;
+  std::vector<DatasetPtr> mask_stack_;  // of the mask at full resolution, where overviews have one of their own
   int channels_ = 1;
   std::array<int, 3> bands_{1, 2, 3};
   int alpha_band_ = 0;  // 0 = there is none
