@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
@@ -192,7 +193,10 @@ struct TelemetrySource {
   std::uint8_t system = 0;
   std::uint8_t component = 0;
 
-  auto operator<=>(const TelemetrySource&) const = default;
+  bool operator==(const TelemetrySource&) const = default;
+  bool operator<(const TelemetrySource& other) const {
+    return std::pair(system, component) < std::pair(other.system, other.component);
+  }
   std::string text() const {
     std::string text = "system " + std::to_string(system) + ", component " + std::to_string(component);
     if (component == 1) return text + " (autopilot)";
