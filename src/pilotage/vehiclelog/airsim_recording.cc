@@ -7,6 +7,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/vehiclelog/log_builder.h"
 #include "pilotage/vehiclelog/log_readers.h"
@@ -29,7 +30,6 @@ constexpr ColumnNames kTurnY{"Q_Y", "Orientation(y)"};
 constexpr ColumnNames kTurnZ{"Q_Z", "Orientation(z)"};
 constexpr ColumnNames kPicture{"ImageFile", "ImageName"};
 constexpr std::string_view kVehicle = "VehicleName";  // the first versions have one vehicle
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string_view take_recording_line(std::string_view& rest) {
   const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -39,13 +39,13 @@ std::string_view take_recording_line(std::string_view& rest) {
   return line;
 }
 
-std::vector<std::string_view> split_at_tabs(std::string_view line) {
+std::vector<std::string_view> split_at(char mark, std::string_view line) {
   std::vector<std::string_view> cells;
   for (;;) {
-    const std::size_t tab = std::min(line.find('\t'), line.size());
-    cells.push_back(line.substr(0, tab));
-    if (tab == line.size()) return cells;
-    line.remove_prefix(tab + 1);
+    const std::size_t end = std::min(line.find(mark), line.size());
+    cells.push_back(line.substr(0, end));
+    if (end == line.size()) return cells;
+    line.remove_prefix(end + 1);
   }
 }
 
@@ -87,13 +87,7 @@ RecordedPicture recorded_picture(std::string_view file) {
   RecordedPicture picture{std::string(file), "", {}};
   std::string_view stem = file.substr(file.find_last_of("/\\") + 1);
   stem = stem.substr(0, stem.rfind('.'));
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const std::size_t end = std::min(stem.find('_'), stem.size());
-    parts.push_back(stem.substr(0, end));
-    if (end == stem.size()) break;
-    stem.remove_prefix(end + 1);
-  }
+  const std::vector<std::string_view> parts = split_at('_', stem);
   if (parts.size() < 4 || parts.front() != "img") return picture;
   const auto type = parse_number(parts[parts.size() - 2]);
   if (!type || *type < 0 || *type > 99 || *type != std::floor(*type)) return picture;
@@ -109,11 +103,8 @@ RecordedPicture recorded_picture(std::string_view file) {
 /// Pictures of one instant stand in one cell, with ";" between them.
 std::vector<RecordedPicture> pictures_of(const RecordingRow& row) {
   std::vector<RecordedPicture> pictures;
-  std::string_view files = row.text(kPicture);
-  while (!files.empty()) {
-    const std::size_t end = std::min(files.find(';'), files.size());
-    if (end > 0) pictures.push_back(recorded_picture(files.substr(0, end)));
-    files.remove_prefix(std::min(end + 1, files.size()));
+  for (const std::string_view file : split_at(';', row.text(kPicture))) {
+    if (!file.empty()) pictures.push_back(recorded_picture(file));
   }
   return pictures;
 }
@@ -170,15 +161,14 @@ void take_recording_row(const RecordingRow& row, const LocalFrame& frame, double
 }  // namespace
 
 bool is_airsim_recording(std::string_view text) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  const std::vector<std::string_view> names = split_at_tabs(take_recording_line(text));
+  text = without_byte_order_mark(text);
+  const std::vector<std::string_view> names = split_at('\t', take_recording_line(text));
   return names.size() > 1 && column_index(names, kTime) && column_index(names, kPicture);
 }
 
 VehicleLog parse_airsim_recording(const std::string& name, std::string_view text, const LogOrigin& origin) {
-  std::string_view rest = text;
-  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
-  const std::vector<std::string_view> names = split_at_tabs(take_recording_line(rest));
+  std::string_view rest = without_byte_order_mark(text);
+  const std::vector<std::string_view> names = split_at('\t', take_recording_line(rest));
   for (const ColumnNames& needed : {kTime, kNorth, kEast, kDown, kTurnW, kTurnX, kTurnY, kTurnZ, kPicture}) {
     if (!column_index(names, needed)) {
       throw DataError(name + ": line 1: column \"" + std::string(needed.name) + "\" (or \"" +
@@ -191,7 +181,7 @@ VehicleLog parse_airsim_recording(const std::string& name, std::string_view text
   while (!rest.empty()) {
     const std::string_view line = take_recording_line(rest);
     if (line.empty()) continue;
-    const RecordingRow row(names, split_at_tabs(line));
+    const RecordingRow row(names, split_at('\t', line));
     const std::string_view of(row.text({kVehicle, kVehicle}));
     if (vehicle.empty()) vehicle = of;
     if (of != vehicle) {
