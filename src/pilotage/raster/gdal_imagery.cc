@@ -137,14 +137,14 @@ Crs find_crs(const OGRSpatialReference* reference, const std::string& name, cons
   if (!crs.is_projected() && !crs.is_geographic()) {
     throw DataError(name + ": its CRS \"" + crs.name() + "\" is neither projected nor geographic");
   }
-  const std::string ellipsoid = ellipsoid_without_datum(crs);
-  if (!stand_in.empty() && !ellipsoid.empty()) {
-    const Crs given = Crs::from_user_input(stand_in);
+  if (stand_in.empty()) return crs;
+  const Crs given = Crs::from_user_input(stand_in);
+  if (const std::string ellipsoid = ellipsoid_without_datum(crs); !ellipsoid.empty()) {
     warnings.push_back(name + ": its CRS names no datum, only the ellipsoid \"" + ellipsoid +
                        "\"; taken is the one given, " + stand_in + ", \"" + given.name() + "\"");
     return given;
   }
-  if (!stand_in.empty() && !crs.same_as(Crs::from_user_input(stand_in))) {
+  if (!crs.same_as(given)) {
     warnings.push_back(name + ": states its own CRS \"" + crs.name() + "\"; the one given, " + stand_in +
                        ", is not used");
   }
