@@ -1,9 +1,10 @@
-# How our own targets are compiled: warnings are errors, sanitizers and assertions by option.
+# How our own targets are compiled: warnings; that they are errors, sanitizers and assertions by option.
 
 # Floating-point contraction is off so that the same source gives the same numbers whether or not the compiler may use FMA.
 add_library(pilotage_compile_options INTERFACE)
 target_compile_options(pilotage_compile_options INTERFACE
-  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -ffp-contract=off)
+  -Wall -Wextra -Wpedantic $<$<BOOL:${PILOTAGE_WARNINGS_ARE_ERRORS}>:-Werror> -Wshadow -Wnon-virtual-dtor -Wold-style-cast
+  -Wcast-qual -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # "literal" + std::string at -O3 is taken for overlapping memory: https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105651
   target_compile_options(pilotage_compile_options INTERFACE -Wno-restrict)

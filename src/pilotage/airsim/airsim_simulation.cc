@@ -342,16 +342,21 @@ void AirsimSimulation::Methods::bind_motions() {
   by_velocity("moveByVelocityZ", false, true);
   by_velocity("moveByVelocityBodyFrame", true, false);
   by_velocity("moveByVelocityZBodyFrame", true, true);
-  bind(
-      "rotateByYawRate", std::function([this](double degps, double seconds, const std::string& vehicle) {
-        return begin(vehicle, {{}, 0, {0, 0, 0}, duration(seconds), false, checked({true, static_cast<float>(degps)})});
-      }));
+  bind("rotateByYawRate", std::function([this](double degps, double seconds, const std::string& vehicle) {
+         AirsimMotion motion;
+         motion.left_s = duration(seconds);
+         motion.yaw = checked({true, static_cast<float>(degps)});
+         return begin(vehicle, motion);
+       }));
   bind("rotateToYaw",
        std::function([this](double yaw_deg, double /*timeout*/, double /*margin*/, const std::string& vehicle) {
          const AirsimYawMode yaw = checked({false, static_cast<float>(yaw_deg)});
          const double now_deg = attitude_of(rotation_of(world_.vehicle.orientation)).yaw_deg;
          const double seconds = std::abs(std::remainder(yaw_deg - now_deg, 360.0)) * kTurnTimePerDegS;
-         return begin(vehicle, {{}, 0, {0, 0, 0}, seconds, false, yaw});
+         AirsimMotion motion;
+         motion.left_s = seconds;
+         motion.yaw = yaw;
+         return begin(vehicle, motion);
        }));
 }
 
