@@ -229,16 +229,6 @@ CommandResult inspect_outputs(const std::filesystem::path& folder, const std::st
   return result;
 }
 
-// A GeoPackage may be a map of ours, a route or imagery: ours has the application's table of information.
-bool looks_like_map(const std::string& path) {
-  try {
-    inspect_map(path);
-    return true;
-  } catch (const DataError&) {
-    return false;
-  }
-}
-
 bool ends_with_any(std::string path, std::initializer_list<std::string_view> endings) {
   std::transform(path.begin(), path.end(), path.begin(), [](unsigned char c) { return std::tolower(c); });
   return std::any_of(endings.begin(), endings.end(), [&](std::string_view ending) { return path.ends_with(ending); });
@@ -248,7 +238,7 @@ InspectKind kind_of(const std::string& path) {
   if (path == kStandardStream) return InspectKind::kRoute;
   std::error_code ignored;
   if (std::filesystem::exists(std::filesystem::path(path) / "report.json", ignored)) return InspectKind::kOutputs;
-  if (ends_with_any(path, {".gpkg"}) && looks_like_map(path)) return InspectKind::kMap;
+  if (ends_with_any(path, {".gpkg"}) && declares_map(path)) return InspectKind::kMap;
   if (ends_with_any(path, {".plan", ".mission", ".waypoints", ".txt", ".poly", ".csv", ".kml", ".kmz", ".wpml", ".gpx",
                            ".geojson", ".json"})) {
     return InspectKind::kRoute;

@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <string_view>
+
+#include "pilotage/base/random.h"
 
 namespace pilotage {
 
@@ -29,16 +32,21 @@ void fuzz_telemetry(const std::uint8_t* data, std::size_t size);
 void fuzz_tiles(const std::uint8_t* data, std::size_t size);
 void fuzz_ulog(const std::uint8_t* data, std::size_t size);
 
+/// A map with one to three changes of its structure (testing/forged_map.h); `bytes` where they are no file of pages.
+std::string forge_map(const std::string& bytes, Random& random);
+
 struct FuzzTarget {
   std::string_view name;
   void (*run)(const std::uint8_t* data, std::size_t size);
+  /// Changes the structure of an input, where the target knows it; every other mutation is then one of these.
+  std::string (*forge)(const std::string& bytes, Random& random) = nullptr;
 };
 
 inline constexpr FuzzTarget kFuzzTargets[] = {
     {"airsim", fuzz_airsim},       {"airsim_recording", fuzz_airsim_recording},
     {"camera", fuzz_camera},       {"chunks", fuzz_chunks},
     {"dataflash", fuzz_dataflash}, {"frames", fuzz_frames},
-    {"key_list", fuzz_key_list},   {"map", fuzz_map},
+    {"key_list", fuzz_key_list},   {"map", fuzz_map, forge_map},
     {"match", fuzz_match},         {"model", fuzz_model},
     {"options", fuzz_options},     {"plan", fuzz_plan},
     {"route", fuzz_route},         {"selection", fuzz_selection},

@@ -229,7 +229,7 @@ TEST(MapWriter, RefusesWrongHeaders) {
     change(header);
     EXPECT_THAT([&] { MapWriter(folder / "a.gpkg", header, false); }, ThrowsMessage<UsageError>(HasSubstr(message)));
   };
-  expect("a map needs one", [](MapHeader& h) { h.levels.clear(); });
+  expect("a map has 1 to 64", [](MapHeader& h) { h.levels.clear(); });
   expect("ascending order", [](MapHeader& h) { std::swap(h.levels[0], h.levels[1]); });
   expect("cannot be inverted", [](MapHeader& h) { h.levels[0].matrix.map_from_pixel.x_per_col = 0; });
   expect("gsd_m = 0 is outside", [](MapHeader& h) { h.levels[0].gsd_m = 0; });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "pilotage/geo/bounds.h"
@@ -18,6 +19,9 @@ struct PixelWindow {
 
   bool operator==(const PixelWindow&) const = default;
 };
+
+/// Most levels of a plan or a map; numbers of tiles are made for as many.
+inline constexpr std::size_t kMaxLevels = 64;
 
 /// A tile's place in a tile matrix.
 struct TileCell {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/mapdb/map_schema.h"
 
 namespace pilotage {
 namespace {
@@ -53,11 +54,13 @@ Json to_json(const MapLevelSummary& summary) {
   return json;
 }
 
+// count(*) of a whole table is one step of SQLite, however long it takes; count(column) is a step or more a row, which
+// the limit of what reading may cost can end.
 MapLevelSummary summarize_level(const MapLevel& level, const Database& database, bool chips) {
   MapLevelSummary summary;
   summary.level = level;
   const std::string where = " WHERE level = " + std::to_string(level.matrix.level);
-  summary.tiles = database.query_integer("SELECT count(*) FROM tiles" + where, "tiles");
+  summary.tiles = database.query_integer("SELECT count(tile_id) FROM tiles" + where, "tiles");
   Statement statement = database.prepare(
       "SELECT count(*), ifnull(sum(count), 0), ifnull(sum(length(keypoints) + length(descriptors)), 0) "
       "FROM pilotage_descriptors" +
@@ -80,9 +83,18 @@ MapLevelSummary summarize_level(const MapLevel& level, const Database& database,
 
 }  // namespace
 
+bool declares_map(const std::filesystem::path& path) {
+  try {
+    return read_declarations(Database::open_untrusted(path, kMaxMapBlobBytes)).contains("map_info");
+  } catch (const DataError&) {
+    return false;
+  }
+}
+
 MapSummary inspect_map(const std::filesystem::path& path) {
   const MapReader reader = MapReader::open_unverified(path);
-  const Database database = Database::open_untrusted(path, kMaxMapBlobBytes);
+  Database database = Database::open_untrusted(path, kMaxMapBlobBytes);
+  database.renew_cost();
   MapSummary summary;
   summary.file = path.filename().string();
   std::error_code error;
@@ -97,9 +109,9 @@ MapSummary inspect_map(const std::filesystem::path& path) {
     descriptor_bytes += summary.levels.back().descriptor_blob_bytes;
     chip_bytes += summary.levels.back().chip_bytes;
   }
-  summary.tiles = database.query_integer("SELECT count(*) FROM tiles", "tiles");
-  summary.route_lines = database.query_integer("SELECT count(*) FROM route", "route");
-  summary.legs = database.query_integer("SELECT count(*) FROM legs", "legs");
+  summary.tiles = database.query_integer("SELECT count(tile_id) FROM tiles", "tiles");
+  summary.route_lines = database.query_integer("SELECT count(fid) FROM route", "route");
+  summary.legs = database.query_integer("SELECT count(fid) FROM legs", "legs");
   const std::string owners = std::string("SELECT count(*) FROM (SELECT tile_id FROM pilotage_descriptors") +
                              (reader.has_chips() ? " UNION SELECT tile_id FROM pilotage_chips)" : " GROUP BY tile_id)");
   const std::int64_t tiles_with_data = database.query_integer(owners, "pilotage_descriptors");

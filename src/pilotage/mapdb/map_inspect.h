@@ -40,6 +40,9 @@ struct MapSummary {
   double chip_bytes_per_tile = 0;
 };
 
+/// Whether a file declares the table map_info, which other GeoPackages do not have: sound or not, it means to be a map.
+bool declares_map(const std::filesystem::path& path);
+
 /// Reads the summary without checking digests. Throws DataError.
 MapSummary inspect_map(const std::filesystem::path& path);
 

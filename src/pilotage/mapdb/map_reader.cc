@@ -17,6 +17,7 @@
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mapdb/chunked_file.h"
 #include "pilotage/mapdb/descriptor_row.h"
+#include "pilotage/mapdb/map_schema.h"
 #include "pilotage/mapdb/map_tables.h"
 
 namespace pilotage {
@@ -99,9 +100,13 @@ void sort_nearest_first(std::vector<NearTile>& tiles) {
   });
 }
 
-Statement& prepared(std::optional<Statement>& statement, const Database& database, const std::string& sql,
+/// A statement that is made when it is first needed, for one question to the map: what that may cost begins anew.
+Statement& prepared(std::optional<Statement>& statement, Database& database, const std::string& sql,
                     std::string_view subject) {
-  if (!statement) statement.emplace(database.prepare(sql, subject));
+  database.renew_cost();
+  if (!statement) {
+    statement.emplace(database.prepare(sql, subject, subject == "tiles" ? kMinTileRowBytes : Database::kMinRowBytes));
+  }
   return *statement;
 }
 
@@ -126,7 +131,11 @@ MapValue read_value(const Statement& statement, int column, MapColumnType type) 
 }  // namespace
 
 MapReader::MapReader(Database database, std::size_t cache_bytes) : database_(std::move(database)), cache_(cache_bytes) {
-  check_tables();
+  const MapDeclarations declared = read_declarations(database_);
+  check_declaration(declared, "map_info", name());
+  read_entries();  // a map of tomorrow may declare other tables: its version is what it is judged by
+  check_declarations(declared, name());
+  has_chips_ = declared.contains("pilotage_chips");
   read_info();
   read_levels();
   read_tile_columns();
@@ -161,35 +170,13 @@ MapReader MapReader::open_unverified(const std::filesystem::path& path, std::siz
   return {Database::open_untrusted(path, kMaxMapBlobBytes), cache_bytes};
 }
 
-void MapReader::check_tables() {
-  std::set<std::string, std::less<>> ordinary;
-  std::set<std::string, std::less<>> spatial;
-  Statement statement = database_.prepare("SELECT name, sql FROM sqlite_master WHERE type='table'", "schema");
+void MapReader::read_entries() {
+  Statement statement = database_.prepare("SELECT key, value FROM map_info ORDER BY id", "map_info");
   while (statement.step()) {
-    const std::string_view sql = statement.text(1);
-    const bool rtree = sql.starts_with("CREATE VIRTUAL TABLE") && sql.find(" USING rtree(") != std::string_view::npos;
-    if (rtree) spatial.emplace(statement.text(0));
-    if (sql.starts_with("CREATE TABLE")) ordinary.emplace(statement.text(0));
-  }
-  for (const char* name : {"gpkg_spatial_ref_sys", "gpkg_geometry_columns", "tiles", "route", "legs", "map_info",
-                           "pilotage_levels", "pilotage_descriptors"}) {
-    if (!ordinary.contains(name)) throw DataError(database_.name() + ": has no table " + name);
-  }
-  for (const std::string_view name : {kGridIndex, kCenterIndex}) {
-    if (!spatial.contains(name)) throw DataError(database_.name() + ": has no R-tree " + std::string(name));
-  }
-  has_chips_ = ordinary.contains("pilotage_chips");
-}
-
-void MapReader::read_info() {
-  {
-    Statement statement = database_.prepare("SELECT key, value FROM map_info ORDER BY id", "map_info");
-    while (statement.step()) {
-      if (info_.entries.size() == kMaxInfoEntries) {
-        throw DataError(database_.name() + ": map_info has more than " + std::to_string(kMaxInfoEntries) + " rows");
-      }
-      info_.entries.push_back({std::string(statement.text(0)), std::string(statement.text(1))});
+    if (info_.entries.size() == kMaxInfoEntries) {
+      throw DataError(database_.name() + ": map_info has more than " + std::to_string(kMaxInfoEntries) + " rows");
     }
+    info_.entries.push_back({std::string(statement.text(0)), std::string(statement.text(1))});
   }
   const std::string version = info_.find("schema_version").value_or("");
   const auto [end, error] = std::from_chars(version.data(), version.data() + version.size(), info_.schema_version);
@@ -200,6 +187,9 @@ void MapReader::read_info() {
     throw DataError(database_.name() + ": has schema version " + version + "; this program reads up to version " +
                     std::to_string(kMapSchemaVersion) + ". Use a newer program, or prepare the map again");
   }
+}
+
+void MapReader::read_info() {
   camera_ = camera_of_info(info_, database_.name());
   purpose_ = purpose_of_info(info_, database_.name());
   features_ = features_of_info(info_, database_.name());
@@ -224,7 +214,12 @@ void MapReader::read_info() {
 void MapReader::read_levels() {
   Statement statement = database_.prepare(join_sql({"SELECT ", kLevelColumns, " FROM pilotage_levels ORDER BY level"}),
                                           "pilotage_levels");
-  while (statement.step()) levels_.push_back(read_level_row(statement, database_.name()));
+  while (statement.step()) {
+    if (levels_.size() == kMaxLevels) {
+      throw DataError(database_.name() + ": pilotage_levels has more than " + std::to_string(kMaxLevels) + " rows");
+    }
+    levels_.push_back(read_level_row(statement, database_.name()));
+  }
   if (levels_.empty()) throw DataError(database_.name() + ": pilotage_levels: has no row");
 }
 
@@ -318,8 +313,9 @@ std::optional<MapTile> MapReader::tile(std::int64_t tile_id) {
 }
 
 std::vector<MapTile> MapReader::tiles(std::optional<int> level) {
-  Statement statement =
-      database_.prepare(join_sql({"SELECT ", kSelectTileColumns, " FROM tiles t ORDER BY t.tile_id"}), "tiles");
+  database_.renew_cost();
+  Statement statement = database_.prepare(join_sql({"SELECT ", kSelectTileColumns, " FROM tiles t ORDER BY t.tile_id"}),
+                                          "tiles", kMinTileRowBytes);
   std::vector<MapTile> result;
   while (statement.step()) {
     const MapTile tile = read_tile_row(statement, database_.name());

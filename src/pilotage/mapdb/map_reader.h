@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pilotage/mapdb/map_info.h"
@@ -23,7 +25,8 @@ inline constexpr std::size_t kDefaultTileCacheBytes = std::size_t{64} << 20;
 
 /// Reads an onboard map database (schemas/map-database.md) in flight: SQLite only, read-only, no locks, no writes
 /// beside the file. Safe on any bytes: whatever the file holds, a function returns a value or throws DataError that
-/// names file, table and tile. It does not compute digests.
+/// names file, table and tile, after a time and with memory that are bounded by the file's size (Database::renew_cost).
+/// A file that declares anything else than a map does is not read at all. It does not compute digests.
 ///
 /// What flies opens its map with keys, and nothing lies between check and use: either the file is read once, its
 /// signature checked over these bytes, and SQLite reads these bytes and never the file again, which takes memory of the
@@ -52,6 +55,11 @@ class MapReader {
   static MapReader open_unverified(const std::filesystem::path& path, std::size_t cache_bytes = kDefaultTileCacheBytes);
 
   const std::string& name() const { return database_.name(); }  ///< Of the file, as messages begin.
+
+  /// Calls `checkpoint` every few hundred microseconds while the map is searched; what it throws comes out of the
+  /// function that searches. An empty one ends that. match() sets its own for the time of the call.
+  void watch(std::function<void()> checkpoint) { database_.watch(std::move(checkpoint)); }
+
   const MapInfo& info() const { return info_; }
   /// The camera that the map was prepared for; nothing when the map does not say.
   const std::optional<Camera>& camera() const { return camera_; }
@@ -96,7 +104,7 @@ class MapReader {
 
  private:
   MapReader(Database database, std::size_t cache_bytes);
-  void check_tables();
+  void read_entries();
   void read_info();
   void read_levels();
   void read_tile_columns();

@@ -1,8 +1,10 @@
 #include "pilotage/mapdb/map_schema.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/utf8.h"
@@ -31,6 +33,103 @@ bool reserved_name(std::string_view name) {
     if (name == reserved) return true;
   }
   return std::find(kOwnTileColumns.begin(), kOwnTileColumns.end(), name) != kOwnTileColumns.end();
+}
+
+constexpr std::size_t kMaxDeclarations = 64;
+
+/// The SQL of several statements, each on lines of its own, as SQLite keeps it: without the end.
+std::vector<std::string> statements_of(std::string_view sql) {
+  std::vector<std::string> statements;
+  constexpr std::string_view kEnd = ";\n";
+  while (!sql.empty()) {
+    while (sql.starts_with('\n')) sql.remove_prefix(1);
+    const std::size_t end = sql.find(kEnd);
+    const std::string_view statement = sql.substr(0, end);
+    if (!statement.empty()) statements.emplace_back(statement);
+    sql.remove_prefix(end == std::string_view::npos ? sql.size() : end + kEnd.size());
+  }
+  return statements;
+}
+
+/// "tiles" of "CREATE TABLE tiles (…".
+std::string declared_name(const std::string& statement) {
+  for (const std::string_view begin : {"CREATE TABLE ", "CREATE VIRTUAL TABLE ", "CREATE TRIGGER "}) {
+    if (statement.starts_with(begin))
+      return statement.substr(begin.size(), statement.find(' ', begin.size()) - begin.size());
+  }
+  return {};
+}
+
+/// The tables that SQLite's R-tree keeps its nodes in, as SQLite from 3.24 on declares them.
+std::vector<std::pair<std::string, std::string>> shadow_tables(std::string_view rtree) {
+  const std::string name(rtree);
+  const auto table = [&](const std::string& suffix, const std::string& columns) {
+    return std::pair(name + suffix, "CREATE TABLE \"" + name + suffix + "\"(" + columns + ")");
+  };
+  return {table("_rowid", "rowid INTEGER PRIMARY KEY,nodeno"), table("_node", "nodeno INTEGER PRIMARY KEY,data"),
+          table("_parent", "nodeno INTEGER PRIMARY KEY,parentnode")};
+}
+
+/// What a map may declare: the SQL of each name, in all forms that it may have. Of the layers, where the columns of
+/// stages follow, what comes before these.
+struct WrittenSchema {
+  std::multimap<std::string, std::string, std::less<>> whole;
+  std::multimap<std::string, std::string, std::less<>> layers;
+};
+
+WrittenSchema written_schema() {
+  WrittenSchema schema;
+  std::set<std::string> statements;
+  for (const std::string& sql : {create_geopackage_tables(false), create_geopackage_tables(true),
+                                 create_map_tables({}, true), create_rtree_triggers()}) {
+    for (const std::string& statement : statements_of(sql)) statements.insert(statement);
+  }
+  for (const std::string& statement : statements) schema.whole.emplace(declared_name(statement), statement);
+  for (const std::string_view rtree : {kGridIndex, kCenterIndex}) {
+    for (auto& [name, sql] : shadow_tables(rtree)) schema.whole.emplace(name, sql);
+  }
+  const auto tiles = schema.whole.find("tiles");
+  schema.layers.emplace("tiles", tiles->second.substr(0, tiles->second.size() - 1));
+  schema.whole.erase(tiles);
+  for (const char* layer : {"route", "legs"}) {
+    for (const char* geometry : {"LINESTRING", "MULTILINESTRING"}) {
+      const std::string sql = create_line_table(layer, geometry, {});
+      schema.layers.emplace(layer, sql.substr(0, sql.size() - std::string_view(");").size()));
+    }
+  }
+  return schema;
+}
+
+const WrittenSchema& written() {
+  static const WrittenSchema schema = written_schema();
+  return schema;
+}
+
+/// Whether `sql` is a list of columns of stages as column_list writes it, and the end.
+bool ends_with_columns(std::string_view sql) {
+  while (sql.starts_with(", \"")) {
+    sql.remove_prefix(3);
+    const std::size_t quote = sql.find('"');
+    if (quote == std::string_view::npos || !good_name(sql.substr(0, quote)) || reserved_name(sql.substr(0, quote))) {
+      return false;
+    }
+    sql.remove_prefix(quote + 1);
+    const auto is_next = [&](std::string_view type) { return sql.starts_with(type); };
+    const auto types = {std::string_view(" INTEGER"), std::string_view(" REAL"), std::string_view(" TEXT")};
+    const auto* const type = std::find_if(types.begin(), types.end(), is_next);
+    if (type == types.end()) return false;
+    sql.remove_prefix(type->size());
+  }
+  return sql == ")";
+}
+
+bool is_as_written(std::string_view name, std::string_view sql) {
+  const auto [first, last] = written().whole.equal_range(name);
+  if (std::any_of(first, last, [&](const auto& form) { return form.second == sql; })) return true;
+  const auto [first_layer, last_layer] = written().layers.equal_range(name);
+  return std::any_of(first_layer, last_layer, [&](const auto& form) {
+    return sql.starts_with(form.second) && ends_with_columns(sql.substr(form.second.size()));
+  });
 }
 
 }  // namespace
@@ -195,6 +294,46 @@ std::string create_rtree_triggers() {
          " BEGIN DELETE FROM rtree_tiles_geom WHERE id IN (OLD.tile_id, NEW.tile_id); END;\n" +
          "CREATE TRIGGER rtree_tiles_geom_delete AFTER DELETE ON tiles WHEN OLD.geom NOT NULL BEGIN " + remove +
          " END;\n";
+}
+
+MapDeclarations read_declarations(const Database& database) {
+  MapDeclarations declared;
+  Statement statement = database.prepare("SELECT type, name, sql FROM sqlite_master", "schema");
+  while (statement.step()) {
+    const bool own_index = statement.text(0) == "index" && statement.is_null(2);
+    if (own_index) continue;
+    std::string name(statement.text(1));
+    if (declared.size() == kMaxDeclarations || declared.contains(name)) {
+      throw DataError(database.name() + ": declares " +
+                      (declared.contains(name) ? name + " twice" : "more than a map has"));
+    }
+    declared.emplace(std::move(name), statement.text(2));
+  }
+  return declared;
+}
+
+void check_declaration(const MapDeclarations& declared, std::string_view table, const std::string& file) {
+  const auto found = declared.find(table);
+  const bool rtree = table == kGridIndex || table == kCenterIndex;
+  if (found == declared.end() || found->second.starts_with("CREATE VIEW")) {
+    throw DataError(file + ": has no " + (rtree ? "R-tree " : "table ") + std::string(table));
+  }
+  if (is_as_written(table, found->second)) return;
+  throw DataError(file + ": " + std::string(table) + " is not declared as a map declares it; it is not read");
+}
+
+void check_declarations(const MapDeclarations& declared, const std::string& file) {
+  for (const auto* forms : {&written().whole, &written().layers}) {
+    for (auto form = forms->begin(); form != forms->end(); form = forms->upper_bound(form->first)) {
+      const bool may_be_absent = form->first == "pilotage_chips" || form->second.starts_with("CREATE TRIGGER");
+      if (!may_be_absent || declared.contains(form->first)) check_declaration(declared, form->first, file);
+    }
+  }
+  for (const auto& [name, sql] : declared) {
+    if (written().whole.contains(name) || written().layers.contains(name)) continue;
+    throw DataError(file + ": declares " + name +
+                    ", which no map has: another program changed the file, or it is of a newer one");
+  }
 }
 
 std::string sql_type(MapColumnType type) {

@@ -30,6 +30,9 @@ inline constexpr std::string_view kSelectTileColumns =
 inline constexpr std::string_view kGridIndex = "rtree_tiles_geom";
 inline constexpr std::string_view kCenterIndex = "pilotage_tile_centers";
 
+/// What a row of tiles takes in the file at least: its outline alone.
+inline constexpr int kMinTileRowBytes = 100;
+
 /// The current row of a statement whose first columns are kSelectTileColumns. Throws DataError beginning with `file`.
 MapTile read_tile_row(const Statement& statement, const std::string& file);
 

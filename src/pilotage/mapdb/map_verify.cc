@@ -22,25 +22,6 @@ namespace {
 
 constexpr std::size_t kMaxProblems = 100;
 
-/// Steps of SQLite's virtual machine that a check may take: a fixed part, and some for each byte of the file.
-constexpr std::int64_t kMinStepBudget = 2'000'000;
-constexpr std::int64_t kStepsPerByte = 20;
-
-/// Watches the steps of a connection: asks whether to go on, and ends what never ends.
-struct StepWatch {
-  const Progress& progress;
-  std::int64_t budget;
-  std::int64_t left = budget;
-  bool interrupted = false;
-
-  bool go_on() {
-    if (progress && !progress("checking the file", 0, 0)) interrupted = true;
-    left -= Database::kStepsBetweenCalls;
-    return !interrupted && left > 0;
-  }
-  bool stopped() const { return interrupted || left <= 0; }
-};
-
 /// A file under examination; each check adds what it finds to the report.
 struct Examination {
   std::string file;
@@ -48,7 +29,6 @@ struct Examination {
   Database database;
   VerifyReport& report;
   const Progress& progress;
-  StepWatch& watch;
   std::set<std::int64_t> tile_ids = {};
 
   void add(MapProblem::Kind kind, std::string_view table, std::optional<std::int64_t> tile_id, std::string message) {
@@ -66,13 +46,13 @@ struct Examination {
   void wrong_digest(std::string_view table, std::optional<std::int64_t> tile_id, std::string message) {
     add(MapProblem::Kind::kDigest, table, tile_id, std::move(message));
   }
-  /// Runs a check; what it throws becomes damage of `table`, so that the other checks still run, unless the watch
-  /// stopped it.
+  /// Runs a check; what it throws becomes damage of `table`, so that the other checks still run, unless all that the
+  /// checks may cost is spent.
   void guard(std::string_view table, std::optional<std::int64_t> tile_id, const std::function<void()>& check) {
     try {
       check();
     } catch (const DataError& error) {
-      if (watch.stopped()) throw;
+      if (database.stopped()) throw;
       damaged(table, tile_id, error.what());
     }
   }
@@ -101,7 +81,7 @@ void check_index(Examination& e, std::string_view index, const std::string& sele
   Statement check = e.database.prepare("SELECT rtreecheck('main', ?)", index);
   check.bind(1, index);
   const std::string found = check.step() ? std::string(check.text(0)) : "cannot be checked";
-  if (e.watch.stopped()) throw DataError("stopped");  // rtreecheck hands the interruption on as its finding
+  e.database.throw_if_stopped();  // rtreecheck hands the interruption on as its finding
   if (found != "ok") {
     e.damaged(index, std::nullopt, found);
     return;  // to walk through a tree that is none may take for ever
@@ -295,21 +275,13 @@ VerifyReport verify(const std::string& file, std::uintmax_t bytes, const std::fu
   VerifyReport report;
   report.bytes = static_cast<std::int64_t>(bytes);
   check_journals(file, report);
-  StepWatch watch{progress, kMinStepBudget + kStepsPerByte * report.bytes};
   try {
-    Examination examination{file, open_reader(), open_database(), report, progress, watch};
-    examination.database.watch_steps([&watch] { return watch.go_on(); });
+    Examination examination{file, open_reader(), open_database(), report, progress};
+    examination.database.watch([&progress] { report_progress(progress, "checking the file", 0, 0); });
+    examination.database.renew_cost();
     examine(examination);
-  } catch (const DataError& damage) {
-    if (watch.interrupted) throw Interrupted{};
-    // The budget is spent, or the file cannot even be opened as a map.
-    report.problems.push_back(
-        {MapProblem::Kind::kDamaged, "", std::nullopt,
-         watch.stopped()
-             ? file + ": to check it takes more steps than a sound map of its size can need (SQLite made the " +
-                   std::to_string(watch.budget) + " that " + std::to_string(report.bytes) +
-                   " bytes are allowed): its indices lead in circles"
-             : std::string(damage.what())});
+  } catch (const DataError& damage) {  // all that checks may cost is spent, or the file cannot even be opened as a map
+    report.problems.push_back({MapProblem::Kind::kDamaged, "", std::nullopt, damage.what()});
   }
   return report;
 }

@@ -77,7 +77,9 @@ MapWriter::MapWriter(const std::filesystem::path& path, MapHeader header, bool o
   check_text("crs", header_.crs.authority);
   check_text("description", header_.description);
   check_columns("tiles", header_.tile_columns);
-  if (header_.levels.empty()) throw UsageError("levels: a map needs one at least");
+  if (header_.levels.empty() || header_.levels.size() > kMaxLevels) {
+    throw UsageError("levels: a map has 1 to " + std::to_string(kMaxLevels));
+  }
   for (std::size_t i = 0; i < header_.levels.size(); ++i) {
     MapLevel& level = header_.levels[i];
     level.max_tile_radius_m = 0;

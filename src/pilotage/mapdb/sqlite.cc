@@ -1,6 +1,8 @@
 #include "pilotage/mapdb/sqlite.h"
 
+#include <algorithm>
 #include <cmath>
+#include <exception>
 #include <new>
 #include <system_error>
 #include <utility>
@@ -11,7 +13,67 @@
 #include "pilotage/mapdb/chunk_vfs.h"
 
 namespace pilotage {
+
+/// What reading an untrusted file has cost: SQLite counts, and asks every few steps whether to go on.
+struct ReadingCost {
+  std::string name;  // of the database, as messages begin
+  sqlite3* database = nullptr;
+  std::int64_t file_bytes = 0;
+  std::int64_t limit = 0;  // steps and pages
+  std::int64_t steps = 0;
+  std::int64_t first_page = 0;  // how many had been read when the counting began
+  std::function<void()> checkpoint;
+  std::exception_ptr failure;  // what the checkpoint threw
+
+  /// Pages that SQLite asked for so far, from its cache or from the file: a step may read one, or a value of 64 MiB.
+  std::int64_t pages_read() const {
+    std::int64_t pages = 0;
+    for (const int counter : {SQLITE_DBSTATUS_CACHE_HIT, SQLITE_DBSTATUS_CACHE_MISS}) {
+      int count = 0;
+      int unused = 0;
+      sqlite3_db_status(database, counter, &count, &unused, 0);
+      pages += static_cast<unsigned>(count);
+    }
+    return pages;
+  }
+
+  bool spent() const { return steps + pages_read() - first_page > limit; }
+  bool stopped() const { return failure != nullptr || spent(); }
+
+  void renew() {
+    steps = 0;
+    first_page = pages_read();
+    failure = nullptr;
+  }
+
+  void throw_if_stopped() const {
+    if (failure) std::rethrow_exception(failure);
+    if (!spent()) return;
+    throw DataError(name + ": to read it takes more steps than a sound map of its size can need (" +
+                    std::to_string(limit) + " for " + std::to_string(file_bytes) +
+                    " bytes): its pages or indices lead in circles");
+  }
+};
+
 namespace {
+
+// Every value stands in the file once; columns may be read twice.
+constexpr std::int64_t kReadsPerByte = 4;
+constexpr int kStepsBetweenCalls = 1000;
+
+/// As sqlite3_progress_handler wants it: not 0 ends the statement.
+int count_steps(void* reading_cost) {
+  auto& cost = *static_cast<ReadingCost*>(reading_cost);
+  cost.steps += kStepsBetweenCalls;
+  if (cost.checkpoint && !cost.failure) {
+    try {
+      cost.checkpoint();
+    } catch (...) {  // it must not pass through SQLite; whoever runs the statement throws it on
+      cost.failure = std::current_exception();
+    }
+  }
+  return cost.stopped() ? 1 : 0;
+}
 
 /// The path as SQLite's URI file name; everything but letters, digits and a few marks is escaped.
 std::string uri_of(const std::filesystem::path& path, const char* query) {
@@ -30,9 +92,10 @@ std::string uri_of(const std::filesystem::path& path, const char* query) {
   return uri + query;
 }
 
-/// What failed, as an exception: a chunk that is not what was signed, or what SQLite says.
-[[noreturn]] void throw_failure(const std::string& name, int code, sqlite3* database) {
+/// What failed, as an exception: a chunk that is not what was signed, a cost that is spent, or what SQLite says.
+[[noreturn]] void throw_failure(const std::string& name, int code, sqlite3* database, const ReadingCost* cost) {
   if (code == SQLITE_NOMEM) throw std::bad_alloc();
+  if (cost != nullptr) cost->throw_if_stopped();
   const std::string message = name + ": " + sqlite3_errmsg(database);
   rethrow_chunk_failure(database);
   throw DataError(message);
@@ -44,16 +107,25 @@ void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
   sqlite3_finalize(statement);
 }
 
-Statement::Statement(sqlite3* database, std::string name, std::string_view sql) : name_(std::move(name)) {
+Statement::Statement(sqlite3* database, std::string name, std::string_view sql, ReadingCost* cost, int min_row_bytes)
+    : name_(std::move(name)), cost_(cost), min_row_bytes_(min_row_bytes) {
   sqlite3_stmt* statement = nullptr;
   const int code = sqlite3_prepare_v3(database, sql.data(), static_cast<int>(sql.size()), SQLITE_PREPARE_PERSISTENT,
                                       &statement, nullptr);
   statement_.reset(statement);
-  if (code != SQLITE_OK || statement == nullptr) throw_failure(name_, code, database);
+  if (code != SQLITE_OK || statement == nullptr) throw_failure(name_, code, database, cost_);
 }
 
 void Statement::check(int code) const {
-  if (code != SQLITE_OK) throw_failure(name_, code, sqlite3_db_handle(statement_.get()));
+  if (code != SQLITE_OK) throw_failure(name_, code, sqlite3_db_handle(statement_.get()), cost_);
+}
+
+void Statement::count_bytes(std::size_t bytes) const {
+  if (cost_ == nullptr) return;
+  bytes_ += static_cast<std::int64_t>(bytes);
+  if (bytes_ <= kReadsPerByte * cost_->file_bytes) return;
+  throw DataError(name_ + ": gives more text and blobs than a file of " + std::to_string(cost_->file_bytes) +
+                  " bytes can hold: its pages are read in circles");
 }
 
 void Statement::throw_wrong_type(int column, const char* expected) const {
@@ -96,14 +168,18 @@ Statement& Statement::bind_null(int index) {
 
 bool Statement::step() {
   const int code = sqlite3_step(statement_.get());
-  if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
-  throw_failure(name_, code, sqlite3_db_handle(statement_.get()));
+  if (code != SQLITE_ROW) throw_failure(name_, code, sqlite3_db_handle(statement_.get()), cost_);
+  if (cost_ == nullptr || ++rows_ <= cost_->file_bytes / min_row_bytes_) return true;
+  throw DataError(name_ + ": gives more rows than a file of " + std::to_string(cost_->file_bytes) +
+                  " bytes can hold: its pages are read in circles");
 }
 
 void Statement::reset() {
   sqlite3_reset(statement_.get());  // its result repeats that of step(), which was checked
   sqlite3_clear_bindings(statement_.get());
+  rows_ = 0;
+  bytes_ = 0;
 }
 
 void Statement::run() {
@@ -160,7 +236,9 @@ std::string_view Statement::text(int column) const {
   if (type(column) != Type::kText) throw_wrong_type(column, "text");
   const void* data = sqlite3_column_text(statement_.get(), column);
   if (data == nullptr) throw std::bad_alloc();
-  return {static_cast<const char*>(data), static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  count_bytes(size);
+  return {static_cast<const char*>(data), size};
 }
 
 std::span<const std::uint8_t> Statement::blob(int column) const {
@@ -168,6 +246,7 @@ std::span<const std::uint8_t> Statement::blob(int column) const {
   const void* data = sqlite3_column_blob(statement_.get(), column);
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
   if (data == nullptr && size > 0) throw std::bad_alloc();
+  count_bytes(size);
   return {static_cast<const std::uint8_t*>(data), size};
 }
 
@@ -196,7 +275,7 @@ Database& Database::operator=(Database&& other) noexcept {
   std::swap(name_, other.name_);
   std::swap(bytes_, other.bytes_);
   std::swap(vfs_, other.vfs_);
-  std::swap(go_on_, other.go_on_);
+  std::swap(cost_, other.cost_);
   std::swap(database_, other.database_);
   return *this;
 }
@@ -214,7 +293,10 @@ Database Database::create(const std::filesystem::path& path, std::string name) {
 
 Database Database::open_untrusted(const std::filesystem::path& path, int max_value_bytes) {
   Database result(path, path.string(), uri_of(path, "?mode=ro&immutable=1"), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-  result.distrust(max_value_bytes);
+  std::error_code error;
+  const std::uintmax_t file_bytes = std::filesystem::file_size(path, error);
+  if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
+  result.distrust(file_bytes, max_value_bytes);
   return result;
 }
 
@@ -226,24 +308,48 @@ Database Database::open_untrusted(std::string name, std::shared_ptr<const std::s
   auto* data = reinterpret_cast<unsigned char*>(const_cast<char*>(result.bytes_->data()));
   const int code = sqlite3_deserialize(result.database_.get(), "main", data, size, size, SQLITE_DESERIALIZE_READONLY);
   if (code != SQLITE_OK) throw DataError(result.name_ + ": cannot be opened: " + sqlite3_errstr(code));
-  result.distrust(max_value_bytes);
+  result.distrust(result.bytes_->size(), max_value_bytes);
   return result;
 }
 
 Database Database::open_untrusted(std::string name, std::shared_ptr<const ChunkedFile> file, int max_value_bytes) {
+  const std::uintmax_t file_bytes = file->size();
   // The file system holds one file, whatever its name.
   Database result({}, std::move(name), "map", SQLITE_OPEN_READONLY, std::make_unique<ChunkVfs>(std::move(file)));
-  result.distrust(max_value_bytes);
+  result.distrust(file_bytes, max_value_bytes);
   return result;
 }
 
-void Database::watch_steps(std::function<bool()> go_on) {
-  go_on_ = std::make_unique<std::function<bool()>>(std::move(go_on));
-  const auto call = [](void* watch) -> int { return (*static_cast<std::function<bool()>*>(watch))() ? 0 : 1; };
-  sqlite3_progress_handler(database_.get(), kStepsBetweenCalls, call, go_on_.get());
+void Database::watch(std::function<void()> checkpoint) {
+  cost_->checkpoint = std::move(checkpoint);
+  cost_->failure = nullptr;
 }
 
-void Database::distrust(int max_value_bytes) {
+void Database::renew_cost() {
+  cost_->limit = kMinReadingCost + kReadingCostPerByte * cost_->file_bytes;
+  cost_->renew();
+}
+
+void Database::throw_if_stopped() const {
+  if (cost_) cost_->throw_if_stopped();
+}
+
+bool Database::stopped() const {
+  return cost_ && cost_->stopped();
+}
+
+void Database::distrust(std::uintmax_t file_bytes, int max_value_bytes) {
+  // First of all: the first statement reads the schema, which may lead in circles like any table.
+  const auto bytes = static_cast<std::int64_t>(std::min<std::uintmax_t>(file_bytes, std::int64_t{1} << 50));
+  cost_ = std::make_unique<ReadingCost>(
+      ReadingCost{.name = name_,
+                  .database = database_.get(),
+                  .file_bytes = bytes,
+                  .limit = std::min(kMaxOpeningCost, kMinReadingCost + kReadingCostPerByte * bytes),
+                  .checkpoint = {},
+                  .failure = {}});
+  cost_->renew();
+  sqlite3_progress_handler(database_.get(), kStepsBetweenCalls, count_steps, cost_.get());
   sqlite3* database = database_.get();
   for (const auto& [option, value] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1},
                                       {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
@@ -257,7 +363,9 @@ void Database::distrust(int max_value_bytes) {
       throw DataError(name_ + ": this SQLite library lacks the protection " + std::to_string(option));
     }
   }
-  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, max_value_bytes);
+  constexpr std::int64_t kMinValueBytes = 65536;  // what SQLite makes itself, of files that are smaller
+  const std::int64_t longest = std::min<std::int64_t>(max_value_bytes, std::max(kMinValueBytes, bytes));
+  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, static_cast<int>(longest));
   sqlite3_limit(database, SQLITE_LIMIT_SQL_LENGTH, 100000);
   sqlite3_limit(database, SQLITE_LIMIT_EXPR_DEPTH, 50);
   sqlite3_limit(database, SQLITE_LIMIT_ATTACHED, 0);
@@ -270,15 +378,15 @@ void Database::close() {
   static_cast<void>(database_.release());
 }
 
-Statement Database::prepare(std::string_view sql, std::string_view subject) const {
+Statement Database::prepare(std::string_view sql, std::string_view subject, int min_row_bytes) const {
   std::string name = name_;
   if (!subject.empty()) name.append(": ").append(subject);
-  return Statement(database_.get(), std::move(name), sql);
+  return Statement(database_.get(), std::move(name), sql, cost_.get(), min_row_bytes);
 }
 
 void Database::execute(const std::string& sql) const {
   const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr);
-  if (code != SQLITE_OK) throw_failure(name_, code, database_.get());
+  if (code != SQLITE_OK) throw_failure(name_, code, database_.get(), cost_.get());
 }
 
 std::int64_t Database::query_integer(std::string_view sql, std::string_view subject) const {

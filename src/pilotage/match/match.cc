@@ -105,6 +105,18 @@ Checkpoint checkpoint_of(const MatchOptions& options, const std::function<bool()
   };
 }
 
+/// While it lives the map looks at a checkpoint, too: a forged one may be read for long.
+class WatchedMap {
+ public:
+  WatchedMap(MapReader& map, const Checkpoint& checkpoint) : map_(map) { map_.watch(checkpoint); }
+  ~WatchedMap() { map_.watch({}); }
+  WatchedMap(const WatchedMap&) = delete;
+  WatchedMap& operator=(const WatchedMap&) = delete;
+
+ private:
+  MapReader& map_;
+};
+
 /// What may still be taken of MatchOptions::max_memory_mib.
 class MemoryLeft {
  public:
@@ -275,6 +287,7 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
   if (!prior_is_good(prior)) return refused(MatchStatus::kBadPrior, {});
   try {
     const Checkpoint checkpoint = checkpoint_of(options, go_on);
+    const WatchedMap watched(map, checkpoint);
     return options.yaw_sigma_deg <= kKnownYawSigmaDeg ? match_heading(frame, prior, camera, map, options, 1, checkpoint)
                                                       : match_by_sweep(frame, prior, camera, map, options, checkpoint);
   } catch (const OutOfTime&) {

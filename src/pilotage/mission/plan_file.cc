@@ -21,7 +21,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPlanVersion = 1;
-constexpr std::size_t kMaxLevels = 64;
 
 Json matrix_to_json(const GridLevel& level) {
   const TileMatrix& matrix = level.matrix;
