@@ -71,6 +71,8 @@ struct Invocation {
   int threads = 0;  ///< 0 = all cores.
   std::uint64_t seed = 1;
   Progress progress;                               ///< Never empty: also carries the user's wish to stop.
+  std::function<bool()> go_on;                     ///< That wish alone, for any thread. Never empty.
+  std::function<void(const std::string&)> say;     ///< A line on standard error at once, -q or not. Never empty.
   const std::vector<Command>* commands = nullptr;  ///< All of the program, never null.
 };
 

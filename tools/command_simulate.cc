@@ -53,7 +53,7 @@ CommandResult serve(const std::filesystem::path& plan, const SimulateCommandOpti
   if (!invocation.output.empty()) throw UsageError("-o has no meaning with --serve, which flies nothing");
   const Mission mission = read_stage_plan(plan.string());
   return serve_airsim(mission, options.rendered.world, rendered_camera(mission, options.rendered), options.serving,
-                      invocation.progress);
+                      invocation);
 }
 
 /// A simulation, and the words that are for people alone.
@@ -91,7 +91,8 @@ Flown fly(const StageFiles& files, const std::filesystem::path& plan, const Simu
     if (!options.rendered.world.empty()) {
       throw UsageError("--world has no meaning with --fixes airsim: the server has one");
     }
-    return fly_frames(files, plan, options, airsim_frames(files.mission, camera, options.airsim), invocation);
+    return fly_frames(files, plan, options, airsim_frames(files.mission, camera, options.airsim, invocation.go_on),
+                      invocation);
   }
   if (options.simulate.fixes == FixesFrom::kRendered) {
     const RenderedWorld world = make_rendered_world(files.mission, options.rendered.world);

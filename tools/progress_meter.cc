@@ -77,6 +77,12 @@ void ProgressMeter::report(std::string_view what, std::int64_t done, std::int64_
   if (first || last || now - shown_ >= interval) show(now);
 }
 
+void ProgressMeter::say(const std::string& prefix, const std::string& words) {
+  if (style_ == ProgressStyle::kJson) return report(words, 0, 0);
+  clear();
+  stream_ << prefix << words << std::endl;
+}
+
 void ProgressMeter::show(Clock::time_point now) {
   shown_ = now;
   pending_ = false;

@@ -31,6 +31,9 @@ class ProgressMeter {
 
   void report(std::string_view what, std::int64_t done, std::int64_t total);
 
+  /// A line that shows in every style, at once: as JSON a report of what is done, else `prefix` and the words.
+  void say(const std::string& prefix, const std::string& words);
+
   /// Takes the bar away, so that other lines can be written; as JSON, shows what has not been shown.
   void clear();
 

@@ -237,6 +237,10 @@ Invocation make_invocation(const std::vector<Command>& commands, const Command& 
     meter.report(what, done, total);
     return !interruption_requested();
   };
+  invocation.go_on = [] { return !interruption_requested(); };
+  invocation.say = [&meter, word = command.word](const std::string& words) {
+    meter.say("pilotage " + word + ": ", shown(words));
+  };
   return invocation;
 }
 

@@ -13,6 +13,7 @@ namespace pilotage {
 struct ServeOptions {
   std::string serve;
   AirsimDialect serve_dialect = AirsimDialect::kAirsim;
+  double serve_idle_s = 600;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -21,11 +22,14 @@ struct ServeOptions {
                  "takes a free one.");
     fields.field("serve_dialect", self.serve_dialect,
                  "Whose protocol is served: AirSim's, that of Colosseum 2.3, or that of Cosys-AirSim.");
+    fields.field("serve_idle_s", self.serve_idle_s,
+                 "A connection that asks nothing for so long, and waits for no answer, is closed.", Range{1, 86400});
   }
 };
 
 /// Serves frames of the world `imagery` (make_rendered_world) by `camera` until the invocation's progress asks to stop.
+/// Says where at once, and who may connect.
 CommandResult serve_airsim(const Mission& mission, const std::string& imagery, const Camera& camera,
-                           const ServeOptions& options, const Progress& progress);
+                           const ServeOptions& options, const Invocation& invocation);
 
 }  // namespace pilotage

@@ -181,6 +181,12 @@ TEST_F(AirsimServer, SensorsAgreeWithThePose) {
   const auto barometer = ask<AirsimBarometer>("getBarometerData", {std::string(), std::string()});
   EXPECT_EQ(barometer.altitude, 1000.0F);
   EXPECT_NEAR(static_cast<double>(barometer.pressure), 89874.6, 1);  // ISO 2533 at 1000 m
+  ask<RpcValue>("simSetVehiclePose", {to_rpc(kDialect, AirsimPose{{0, 0, -14900}, {}}), true, std::string()});
+  EXPECT_NEAR(static_cast<double>(ask<AirsimBarometer>("getBarometerData", {std::string(), std::string()}).pressure),
+              12044.6, 5);  // ISO 2533 at 15 km
+  ask<RpcValue>("simSetVehiclePose", {to_rpc(kDialect, AirsimPose{{0, 0, -60000}, {}}), true, std::string()});
+  EXPECT_GT(ask<AirsimBarometer>("getBarometerData", {std::string(), std::string()}).pressure, 0);
+  ask<RpcValue>("simSetVehiclePose", {to_rpc(kDialect, AirsimPose{{0, 0, -900}, {}}), true, std::string()});
   const auto gps = ask<AirsimGps>("getGpsData", {std::string(), std::string()});
   EXPECT_EQ(gps.gnss.geo_point.altitude, 1000.0F);
   EXPECT_EQ(gps.gnss.fix_type, 3);

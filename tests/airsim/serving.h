@@ -25,13 +25,20 @@ class Served {
   explicit Served(RpcService service, RpcServerLimits limits = {})
       : listener_(listen_on({"127.0.0.1", 0})), thread_([this, service = std::move(service), limits] {
           served_ = serve_rpc(
-              listener_, service, [this](const RpcServed&) { return stop_.load(); }, limits);
+              listener_, service,
+              [this](const RpcServed& so_far) {
+                idle_ = so_far.idle;
+                return stop_.load();
+              },
+              limits);
         }) {}
   ~Served() { finish(); }
   Served(const Served&) = delete;
   Served& operator=(const Served&) = delete;
 
   HostPort address() const { return {"127.0.0.1", port_of(listener_)}; }
+
+  std::int64_t idle() const { return idle_; }  ///< RpcServed::idle so far.
 
   RpcServed finish() {
     stop_ = true;
@@ -42,6 +49,7 @@ class Served {
  private:
   Descriptor listener_;
   std::atomic<bool> stop_{false};
+  std::atomic<std::int64_t> idle_{0};
   RpcServed served_;
   std::thread thread_;
 };

@@ -71,7 +71,7 @@ cv::Mat pixels_of(const AirsimImage& image) {
 }  // namespace
 
 AirsimClient::AirsimClient(const HostPort& server, const AirsimClientOptions& options)
-    : options_(options), client_(server, options.timeout_s, options.limits) {
+    : options_(options), client_(server, options.timeout_s, options.limits, options.go_on) {
   if (!ask<bool>("ping", {})) throw DataError(where("ping") + "false: this is no server of AirSim that is ready");
   server_version_ = ask<std::int64_t>("getServerVersion", {});
   dialect_ = find_dialect();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ struct AirsimClientOptions {
   RpcLimits limits;
   /// How often a frame is asked for again that came empty, which servers answer before they have drawn one.
   int image_retries = 10;
-  std::string vehicle;  ///< "" is the first.
+  std::string vehicle;          ///< "" is the first.
+  std::function<bool()> go_on;  ///< As RpcClient takes it.
 };
 
 /// A server of the AirSim family, seen from a program. Its dialect is found, not asked for. Every function throws

@@ -1,6 +1,8 @@
 #include "pilotage/airsim/airsim_simulation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <set>
 #include <utility>
 
@@ -20,7 +22,8 @@ constexpr double kTakeoffM = 3;
 constexpr double kClimbMps = 2;
 constexpr double kTurnTimePerDegS = 1.0 / 90;
 constexpr std::size_t kMostImages = 16;
-constexpr double kLongestStepS = 1;  ///< Time that a long answer took does not pass in the simulation.
+constexpr double kMostImageBytes = 64 * 1024 * 1024;  ///< Of one answer: what clients of this program take at most.
+constexpr double kLongestStepS = 1;                   ///< Time that a long answer took does not pass in the simulation.
 
 /// The answer comes when the motion has ended.
 struct AnsweredLater {};
@@ -59,6 +62,12 @@ AirsimYawMode checked(const AirsimYawMode& mode) {
 constexpr AirsimYawMode kSteadyYaw{true, 0};
 constexpr std::int64_t kForwardOnly = 1;
 
+RpcAnswer refusal(const std::string& method, const std::string& count, const std::string& why) {
+  return {"rpclib: function '" + method + "' (called with " + count +
+              " arg(s)) threw an exception. The exception contained this information: " + why + ".",
+          {}};
+}
+
 void check_vehicle(const std::string& name) {
   if (name.empty() || name == kAirsimVehicle) return;
   throw DataError("Vehicle API for '" + name.substr(0, 60) + "' is not available; the only vehicle is '" +
@@ -86,6 +95,9 @@ class AirsimSimulation::Methods {
     if (!world_.paused) world_.advance(std::min(elapsed_s, kLongestStepS));
     return world_.take_finished();
   }
+
+  RpcWork work(const std::function<bool(std::uint64_t)>& may_work);
+  void forget(std::uint64_t connection) { image_calls_.erase(connection); }
 
  private:
   struct Method {
@@ -126,13 +138,75 @@ class AirsimSimulation::Methods {
   void bind_motions();
   void bind_paths();
   AnsweredLater begin(const std::string& vehicle, const AirsimMotion& motion);
+  AnsweredLater draw(const std::vector<AirsimImageRequest>& requests, bool alone);
   std::string settings() const;
+
+  /// A call for images, which are drawn one by one.
+  struct ImageCall {
+    RpcTicket ticket;
+    bool alone = false;  ///< simGetImage: the answer is the bytes of one.
+    std::vector<AirsimShot> shots;
+    std::vector<AirsimImage> images;
+  };
 
   AirsimDialect dialect_;
   AirsimWorld world_;
   std::map<std::string, Method> methods_;
-  RpcTicket ticket_;  ///< Of the call that is being answered.
+  RpcTicket ticket_;                                            ///< Of the call that is being answered.
+  std::map<std::uint64_t, std::deque<ImageCall>> image_calls_;  ///< Of each connection, in their order.
+  std::uint64_t drawn_for_ = 0;                                 ///< The connection that got the last image.
 };
+
+/// One image of the call that is next, each connection in its turn.
+RpcWork AirsimSimulation::Methods::work(const std::function<bool(std::uint64_t)>& may_work) {
+  const auto allowed = [&](const auto& calls) { return may_work(calls.first); };
+  const auto behind = image_calls_.upper_bound(drawn_for_);
+  auto calls = std::find_if(behind, image_calls_.end(), allowed);
+  if (calls == image_calls_.end()) {
+    calls = std::find_if(image_calls_.begin(), behind, allowed);
+    if (calls == behind) return {};
+  }
+  drawn_for_ = calls->first;
+  ImageCall& call = calls->second.front();
+  RpcWork done{std::nullopt, true};
+  try {
+    if (call.images.size() < call.shots.size()) call.images.push_back(world_.develop(call.shots[call.images.size()]));
+    if (call.images.size() < call.shots.size()) return done;
+    RpcValue result = call.alone ? RpcValue(std::move(call.images.front().image_data_uint8))
+                                 : to_rpc(dialect_, std::exchange(call.images, {}));
+    done.answer = RpcTicketAnswer{call.ticket, {{}, std::move(result)}};
+  } catch (const std::runtime_error& error) {  // DataError and UsageError
+    const std::string name = call.alone ? "simGetImage" : "simGetImages";
+    const std::size_t arguments =
+        methods_.at(name).arguments - (!call.alone && dialect_ == AirsimDialect::kCosys ? 1 : 0);
+    done.answer = RpcTicketAnswer{call.ticket, refusal(name, std::to_string(arguments), error.what())};
+  }
+  calls->second.pop_front();
+  if (calls->second.empty()) image_calls_.erase(calls);
+  return done;
+}
+
+AnsweredLater AirsimSimulation::Methods::draw(const std::vector<AirsimImageRequest>& requests, bool alone) {
+  if (requests.size() > kMostImages) {
+    throw DataError(std::to_string(requests.size()) + " images at once; " + std::to_string(kMostImages) +
+                    " are given at most");
+  }
+  ImageCall call{ticket_, alone, {}, {}};
+  double bytes = 0;
+  for (const AirsimImageRequest& request : requests) {
+    call.shots.push_back(world_.shot(request));
+    bytes +=
+        3.0 * static_cast<double>(call.shots.back().image.width) * static_cast<double>(call.shots.back().image.height);
+  }
+  if (bytes > kMostImageBytes) {
+    throw DataError(std::to_string(requests.size()) + " images of " + std::to_string(world_.scene.camera.width_px) +
+                    " x " + std::to_string(world_.scene.camera.height_px) + " px are " +
+                    format_fixed(bytes / 1048576, 0) + " MiB; " + format_fixed(kMostImageBytes / 1048576, 0) +
+                    " are given at once at most");
+  }
+  if (ticket_.call) image_calls_[ticket_.connection].push_back(std::move(call));  // else nobody would get them
+  return {};
+}
 
 /// Errors read as those of rpclib (its dispatcher.cc), which scripts may look for.
 std::optional<RpcAnswer> AirsimSimulation::Methods::call(const RpcTicket& ticket, const std::string& name,
@@ -162,9 +236,7 @@ std::optional<RpcAnswer> AirsimSimulation::Methods::call(const RpcTicket& ticket
     if (!result) return std::nullopt;
     return RpcAnswer{{}, *std::move(result)};
   } catch (const std::runtime_error& error) {  // DataError and UsageError
-    return RpcAnswer{"rpclib: function '" + name + "' (called with " + count +
-                         " arg(s)) threw an exception. The exception contained this information: " + error.what() + ".",
-                     {}};
+    return refusal(name, count, error.what());
   }
 }
 
@@ -273,13 +345,7 @@ void AirsimSimulation::Methods::bind_cameras() {
   bind("simGetImages",
        std::function([this](const std::vector<AirsimImageRequest>& requests, const std::string& vehicle, bool) {
          check_vehicle(vehicle);
-         if (requests.size() > kMostImages) {
-           throw DataError(std::to_string(requests.size()) + " images at once; " + std::to_string(kMostImages) +
-                           " are given at most");
-         }
-         std::vector<AirsimImage> images;
-         for (const AirsimImageRequest& request : requests) images.push_back(world_.image(request));
-         return images;
+         return draw(requests, false);
        }));
   // The last argument is `external`, and the annotation's name in Cosys-AirSim.
   bind("simGetImage",
@@ -288,7 +354,7 @@ void AirsimSimulation::Methods::bind_cameras() {
          AirsimImageRequest request;
          request.camera_name = camera;
          request.image_type = type;
-         return world_.image(request).image_data_uint8;
+         return draw({request}, true);
        }));
   bind("simGetCameraInfo", std::function([this](const std::string& camera, const std::string& vehicle, bool) {
          check_vehicle(vehicle);
@@ -418,7 +484,9 @@ RpcService AirsimSimulation::service() {
   return {[this](const RpcTicket& ticket, const std::string& name, const RpcArray& arguments) {
             return methods_->call(ticket, name, arguments);
           },
-          [this](double elapsed_s) { return methods_->step(elapsed_s); }};
+          [this](double elapsed_s) { return methods_->step(elapsed_s); },
+          [this](const std::function<bool(std::uint64_t)>& may_work) { return methods_->work(may_work); },
+          [this](std::uint64_t connection) { methods_->forget(connection); }};
 }
 
 }  // namespace pilotage

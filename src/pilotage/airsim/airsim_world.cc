@@ -1,7 +1,9 @@
 #include "pilotage/airsim/airsim_world.h"
 
+#include <algorithm>
 #include <cmath>
-#include <regex>
+#include <string_view>
+#include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -15,7 +17,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kGravityMps2 = 9.80665;
-constexpr std::size_t kLongestRegex = 64;
+constexpr std::size_t kLongestPattern = 64;
 
 /// The numbers that AirSim's cameras go by, too.
 const std::map<std::string, std::string>& camera_numbers() {
@@ -28,9 +30,59 @@ double fov_of(const Camera& camera) {
   return 2 * std::atan(camera.width_px / (2 * camera.fx_px)) / kRadPerDeg;
 }
 
-/// Pressure of the standard atmosphere below 11 km (ISO 2533).
+/// The part of regular expressions that names of objects are asked for with: characters, "." for any one, ".*" for any
+/// number of them, and "\\" before a character that stands for itself. What a peer sends never costs more than the
+/// lengths of pattern and name multiplied, which std::regex does not hold to.
+class NamePattern {
+ public:
+  /// Throws DataError for everything else.
+  explicit NamePattern(const std::string& pattern) {
+    if (pattern.size() > kLongestPattern) {
+      throw DataError("the pattern has " + std::to_string(pattern.size()) + " characters; " +
+                      std::to_string(kLongestPattern) + " are taken at most");
+    }
+    for (std::size_t i = 0; i < pattern.size(); ++i) {
+      const bool escaped = pattern[i] == '\\';
+      if (escaped ? ++i == pattern.size() : std::string_view("*+?()[]{}|^$").find(pattern[i]) != std::string::npos) {
+        throw DataError("\"" + pattern + "\": in a pattern characters, \".\", \".*\" and \"\\\" are understood alone");
+      }
+      const bool any = !escaped && pattern[i] == '.';
+      const bool many = any && i + 1 < pattern.size() && pattern[i + 1] == '*';
+      if (many) ++i;
+      parts_.push_back({pattern[i], any, many});
+    }
+  }
+
+  /// As regular expressions do: the whole of `name`.
+  bool matches(std::string_view name) const {
+    std::vector<bool> reached(name.size() + 1);  // by the parts so far, after so many characters of the name
+    reached[0] = true;
+    for (const Part& part : parts_) {
+      std::vector<bool> next(name.size() + 1);
+      for (std::size_t i = 0; i <= name.size(); ++i) {
+        const bool before = i > 0 && (part.many ? next[i - 1] : reached[i - 1]);
+        next[i] = part.many ? reached[i] || before : before && (part.any || name[i - 1] == part.character);
+      }
+      reached = std::move(next);
+    }
+    return reached.back();
+  }
+
+ private:
+  struct Part {
+    char character;
+    bool any;
+    bool many;
+  };
+  std::vector<Part> parts_;
+};
+
+/// Pressure of the standard atmosphere (ISO 2533) to 20 km; above that as if its layer from 11 km on went on.
 double standard_pressure_pa(double altitude_m) {
-  return 101325 * std::pow(1 - 0.0065 * altitude_m / 288.15, 5.25588);
+  constexpr double kTropopauseM = 11000;
+  const double below = 101325 * std::pow(1 - 0.0065 * std::min(altitude_m, kTropopauseM) / 288.15, 5.25588);
+  constexpr double kScaleHeightM = 287.05287 * 216.65 / 9.80665;
+  return below * std::exp(-std::max(0.0, altitude_m - kTropopauseM) / kScaleHeightM);
 }
 
 cv::Mat as_bgr(const cv::Mat& frame) {
@@ -142,28 +194,33 @@ void AirsimWorld::set_camera_fov(const std::string& name, double degrees) {
   cameras_[number == camera_numbers().end() ? name : number->second] = changed;
 }
 
-AirsimImage AirsimWorld::image(const AirsimImageRequest& request) const {
+AirsimShot AirsimWorld::shot(const AirsimImageRequest& request) const {
   if (request.image_type != kAirsimScene || request.pixels_as_float) {
     throw DataError("there are images of type Scene (0) in bytes alone");
   }
   const FittedCamera& fitted = camera(request.camera_name);
   const Eigen::Matrix3d ned_from_body = rotation_of(vehicle.orientation);
-  AirsimView view;
-  view.camera = fitted.camera;
-  view.place = place_from_ned(scene.home, vehicle.position_m + ned_from_body * fitted.position_m);
-  view.attitude = attitude_of_camera(ned_from_body * fitted.rotation);
-  const cv::Mat bgr = as_bgr(scene.frame(view));
-
+  AirsimShot shot;
+  shot.view.camera = fitted.camera;
+  shot.view.place = place_from_ned(scene.home, vehicle.position_m + ned_from_body * fitted.position_m);
+  shot.view.attitude = attitude_of_camera(ned_from_body * fitted.rotation);
   const AirsimPose pose = camera_pose(fitted);
-  AirsimImage image;
-  image.camera_name = request.camera_name;
-  image.camera_position = pose.position;
-  image.camera_orientation = pose.orientation;
-  image.time_stamp = time_ns_;
-  image.compress = request.compress;
+  shot.image.camera_name = request.camera_name;
+  shot.image.camera_position = pose.position;
+  shot.image.camera_orientation = pose.orientation;
+  shot.image.time_stamp = time_ns_;
+  shot.image.compress = request.compress;
+  shot.image.width = fitted.camera.width_px;
+  shot.image.height = fitted.camera.height_px;
+  return shot;
+}
+
+AirsimImage AirsimWorld::develop(const AirsimShot& shot) const {
+  const cv::Mat bgr = as_bgr(scene.frame(shot.view));
+  AirsimImage image = shot.image;
   image.width = bgr.cols;
   image.height = bgr.rows;
-  if (request.compress) {
+  if (image.compress) {
     cv::imencode(".png", bgr, image.image_data_uint8);
   } else {
     image.image_data_uint8.assign(bgr.datastart, bgr.dataend);
@@ -209,20 +266,12 @@ AirsimMultirotorState AirsimWorld::state() const {
   return state;
 }
 
-std::vector<std::string> AirsimWorld::object_names(const std::string& name_regex) const {
-  if (name_regex.size() > kLongestRegex) {
-    throw DataError("the pattern has " + std::to_string(name_regex.size()) + " characters; " +
-                    std::to_string(kLongestRegex) + " are taken at most");
-  }
+std::vector<std::string> AirsimWorld::object_names(const std::string& pattern) const {
+  const NamePattern wanted(pattern);
   std::vector<std::string> names;
-  try {
-    const std::regex pattern(name_regex);
-    if (std::regex_match(kAirsimVehicle, pattern)) names.emplace_back(kAirsimVehicle);
-    for (const auto& [name, pose] : scene.objects) {
-      if (std::regex_match(name, pattern)) names.push_back(name);
-    }
-  } catch (const std::regex_error& error) {
-    throw DataError("\"" + name_regex + "\" is no regular expression: " + error.what());
+  if (wanted.matches(kAirsimVehicle)) names.emplace_back(kAirsimVehicle);
+  for (const auto& [name, pose] : scene.objects) {
+    if (wanted.matches(name)) names.push_back(name);
   }
   return names;
 }

@@ -9,6 +9,12 @@
 
 namespace pilotage {
 
+/// An image that is to be drawn: all but its pixels, and what the camera looked at.
+struct AirsimShot {
+  AirsimImage image;
+  AirsimView view;
+};
+
 /// The state of a simulation: what its methods read and change.
 class AirsimWorld {
  public:
@@ -35,7 +41,9 @@ class AirsimWorld {
   AirsimCameraInfo camera_info(const std::string& name) const;
   void set_camera_pose(const std::string& name, const AirsimPose& pose);
   void set_camera_fov(const std::string& name, double degrees);
-  AirsimImage image(const AirsimImageRequest& request) const;
+  /// An image is asked for, and drawn later, as the world was when it was asked for.
+  AirsimShot shot(const AirsimImageRequest& request) const;
+  AirsimImage develop(const AirsimShot& shot) const;
 
   // What the sensors would say without errors.
   AirsimPlace place() const { return place_from_ned(scene.home, vehicle.position_m); }
@@ -45,7 +53,7 @@ class AirsimWorld {
   AirsimGps gps() const;
   AirsimMultirotorState state() const;
 
-  std::vector<std::string> object_names(const std::string& name_regex) const;
+  std::vector<std::string> object_names(const std::string& pattern) const;
   AirsimPose object_pose(const std::string& name) const;
 
  private:

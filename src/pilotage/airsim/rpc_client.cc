@@ -1,5 +1,7 @@
 #include "pilotage/airsim/rpc_client.h"
 
+#include <utility>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 
@@ -29,11 +31,12 @@ std::optional<std::uint32_t> call_number(const RpcValue& value) {
 
 }  // namespace
 
-RpcClient::RpcClient(const HostPort& peer, double timeout_s, const RpcLimits& limits)
+RpcClient::RpcClient(const HostPort& peer, double timeout_s, const RpcLimits& limits, std::function<bool()> go_on)
     : peer_(peer),
       timeout_s_(timeout_s),
       limits_(limits),
-      stream_(connect_to(peer, deadline_after(timeout_s))),
+      go_on_(std::move(go_on)),
+      stream_(connect_to(peer, {deadline_after(timeout_s), go_on_})),
       scanner_(limits) {}
 
 std::string RpcClient::where(const std::string& method) const {
@@ -49,7 +52,7 @@ std::uint32_t RpcClient::send(const std::string& method, RpcArray arguments) {
   if (!stream_.is_open()) throw DataError(where(method) + "the connection was closed after an earlier error");
   const std::uint32_t number = next_call_++;
   const RpcValue request = RpcArray{std::uint64_t{0}, std::uint64_t{number}, method, RpcValue(std::move(arguments))};
-  const Transfer sent = send_all(stream_, encode_rpc(request), deadline_after(timeout_s_));
+  const Transfer sent = send_all(stream_, encode_rpc(request), {deadline_after(timeout_s_), go_on_});
   if (sent == Transfer::kClosed) fail(method, "the server has closed the connection");
   if (sent == Transfer::kTimedOut) fail(method, "the server takes no call within " + format_number(timeout_s_) + " s");
   calls_[number] = {method, std::nullopt};
@@ -81,7 +84,7 @@ RpcValue RpcClient::call(const std::string& method, RpcArray arguments) {
 
 /// Waits for more bytes and takes the replies that they complete.
 void RpcClient::receive(const std::string& method, Deadline deadline, double timeout_s) {
-  const Transfer received = receive_some(stream_, buffer_, kReceiveBytes, deadline);
+  const Transfer received = receive_some(stream_, buffer_, kReceiveBytes, {deadline, go_on_});
   if (received == Transfer::kTimedOut) fail(method, "no reply within " + format_number(timeout_s) + " s");
   if (received == Transfer::kClosed) {
     fail(method, buffer_.empty() ? "the server closed the connection before it replied"

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -18,8 +19,9 @@ namespace pilotage {
 /// connection is then closed, and every later call says so.
 class RpcClient {
  public:
-  /// Connects. `timeout_s`: for connecting, and from a call to its reply.
-  RpcClient(const HostPort& peer, double timeout_s, const RpcLimits& limits = {});
+  /// Connects. `timeout_s`: for connecting, and from a call to its reply. While it waits it asks `go_on`, where there
+  /// is one, ten times a second, and throws Interrupted once that says no.
+  RpcClient(const HostPort& peer, double timeout_s, const RpcLimits& limits = {}, std::function<bool()> go_on = {});
 
   const HostPort& peer() const { return peer_; }
 
@@ -51,6 +53,7 @@ class RpcClient {
   HostPort peer_;
   double timeout_s_;
   RpcLimits limits_;
+  std::function<bool()> go_on_;
   Descriptor stream_;
   RpcMessageScanner scanner_;
   RpcBytes buffer_;

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <iterator>
 #include <map>
+#include <span>
+#include <utility>
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -15,16 +19,32 @@ namespace {
 constexpr int kStepMs = 20;
 constexpr std::size_t kReadBytes = std::size_t{64} << 10;
 
+using Clock = std::chrono::steady_clock;
+
+/// After a failure to accept: without descriptors the listener stays ready, and waiting for it would not wait.
+constexpr double kAcceptAgainS = 0.5;
+/// So long all_unsent_bytes may keep work from being done.
+constexpr double kMostBlockedS = 1;
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
 struct RpcConnection {
   Descriptor stream;
   RpcMessageScanner scanner;
-  RpcBytes received;
-  RpcBytes unsent;
-  std::size_t sent = 0;  ///< Of `unsent`.
-  bool ended = false;    ///< The peer sends no more.
+  Clock::time_point quiet_since;  ///< The last call that was taken, or bytes of an answer that it fetched.
+  RpcBytes received = {};
+  std::size_t taken = 0;  ///< Of `received`.
+  RpcBytes unsent = {};
+  std::size_t sent = 0;     ///< Of `unsent`.
+  std::size_t waiting = 0;  ///< Calls that are answered later.
+  bool has_call = false;    ///< It may be that `received` has a whole one that was not taken.
+  bool ended = false;       ///< The peer sends no more.
   bool broken = false;
 
   std::size_t backlog() const { return unsent.size() - sent; }
+  std::size_t untaken() const { return received.size() - taken; }
 };
 
 struct RpcCallMessage {
@@ -52,10 +72,29 @@ RpcCallMessage call_of(const RpcValue& message) {
   return call;
 }
 
-void push_answer(RpcConnection& connection, std::uint32_t call, const RpcAnswer& answer) {
-  const RpcValue message = RpcArray{std::uint64_t{1}, std::uint64_t{call}, answer.error, answer.result};
+/// Answers may be large: as few copies as can be.
+void push_answer(RpcConnection& connection, std::uint32_t call, RpcAnswer answer) {
+  RpcArray parts(4);
+  parts[0] = std::uint64_t{1};
+  parts[1] = std::uint64_t{call};
+  parts[2] = std::move(answer.error);
+  parts[3] = std::move(answer.result);
+  const RpcValue message(std::move(parts));
+  if (connection.backlog() == 0) {
+    connection.unsent = encode_rpc(message);
+    connection.sent = 0;
+    return;
+  }
   const RpcBytes bytes = encode_rpc(message);
   connection.unsent.insert(connection.unsent.end(), bytes.begin(), bytes.end());
+}
+
+/// Forgets the calls that were taken, when that is worth moving what is behind them.
+void forget_taken(RpcConnection& connection) {
+  if (connection.taken < kReadBytes && connection.untaken() > 0) return;
+  connection.received.erase(connection.received.begin(),
+                            connection.received.begin() + static_cast<std::ptrdiff_t>(connection.taken));
+  connection.taken = 0;
 }
 
 bool waits_for_nothing(int error_number) {
@@ -63,11 +102,13 @@ bool waits_for_nothing(int error_number) {
 }
 
 void read_from(RpcConnection& connection) {
+  forget_taken(connection);
   const std::size_t before = connection.received.size();
   connection.received.resize(before + kReadBytes);
   const ssize_t count = ::recv(connection.stream.number(), connection.received.data() + before, kReadBytes, 0);
   const int error_number = errno;
   connection.received.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  if (count > 0) connection.has_call = true;
   if (count == 0) connection.ended = true;
   if (count < 0 && !waits_for_nothing(error_number)) connection.broken = true;
 }
@@ -81,8 +122,9 @@ void write_to(RpcConnection& connection) {
       return;
     }
     connection.sent += static_cast<std::size_t>(count);
+    connection.quiet_since = Clock::now();
   }
-  connection.unsent.clear();
+  connection.unsent = {};  // an answer may have been large
   connection.sent = 0;
 }
 
@@ -96,68 +138,156 @@ class RpcServing {
 
   void turn() {
     wait();
-    for (auto& [number, connection] : connections_) answer_calls(number, connection);
-    const auto now = std::chrono::steady_clock::now();
-    const std::vector<RpcTicketAnswer> late = service_.step(std::chrono::duration<double>(now - stepped_).count());
+    more_to_do_ = false;
+    for (auto& [number, connection] : connections_) answer_call(number, connection);
+    const auto now = Clock::now();
+    for (RpcTicketAnswer& late : service_.step(seconds_between(stepped_, now))) answer_late(std::move(late));
     stepped_ = now;
-    for (const RpcTicketAnswer& answer : late) {
-      count_refusal(answer.answer);
-      const auto found = connections_.find(answer.ticket.connection);
-      if (found != connections_.end()) push_answer(found->second, answer.ticket.call, answer.answer);
-    }
+    work();
     for (auto& [number, connection] : connections_) write_to(connection);
-    std::erase_if(connections_, [](const auto& entry) {
-      const RpcConnection& connection = entry.second;
-      return connection.broken || (connection.ended && connection.backlog() == 0);
-    });
+    close_some();
   }
 
  private:
+  std::size_t unsent_bytes() const {
+    std::size_t bytes = 0;
+    for (const auto& [number, connection] : connections_) bytes += connection.backlog();
+    return bytes;
+  }
+
   void wait() {
     std::vector<pollfd> watched;
     std::vector<RpcConnection*> of;
-    const bool has_room = connections_.size() < limits_.connections;
-    watched.push_back({has_room ? listener_.number() : -1, POLLIN, 0});
+    const auto now = Clock::now();
+    const bool accepts = now >= accept_from_ && (connections_.size() < limits_.connections || quietest(now));
+    watched.push_back({accepts ? listener_.number() : -1, POLLIN, 0});
     for (auto& [number, connection] : connections_) {
-      const bool takes = connection.backlog() < limits_.unsent_bytes && !connection.ended;
+      // A whole call, and what is read at once: of what lies behind it the peer keeps what does not fit.
+      const bool takes = !connection.ended && connection.untaken() < limits_.request.message_bytes;
       const int events = (takes ? POLLIN : 0) | (connection.backlog() > 0 ? POLLOUT : 0);
       watched.push_back({connection.stream.number(), static_cast<short>(events), 0});
       of.push_back(&connection);
     }
-    if (::poll(watched.data(), watched.size(), kStepMs) <= 0) return;
+    if (::poll(watched.data(), watched.size(), more_to_do_ ? 0 : kStepMs) <= 0) return;
     for (std::size_t i = 0; i < of.size(); ++i) {
       const short happened = watched[i + 1].revents;
       if ((happened & POLLIN) != 0) read_from(*of[i]);
       if ((happened & (POLLERR | POLLNVAL)) != 0 || happened == POLLHUP) of[i]->broken = true;
     }
-    if ((watched[0].revents & POLLIN) != 0) accept_one();
+    if ((watched[0].revents & POLLIN) != 0) accept_some();
   }
 
-  void accept_one() {
-    Descriptor stream(::accept4(listener_.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (!stream.is_open()) return;
-    ++served_.connections;
-    connections_.emplace(next_connection_++,
-                         RpcConnection{std::move(stream), RpcMessageScanner(limits_.request), {}, {}});
+  /// The connection that has been without a call or an answer for longest, for so long that it may give way; or 0.
+  std::uint64_t quietest(Clock::time_point now) const {
+    std::uint64_t found = 0;
+    double longest_s = limits_.may_give_way_s;
+    for (const auto& [number, connection] : connections_) {
+      const double quiet_s = seconds_between(connection.quiet_since, now);
+      if (connection.waiting > 0 || quiet_s < longest_s) continue;
+      longest_s = quiet_s;
+      found = number;
+    }
+    return found;
   }
 
-  void answer_calls(std::uint64_t number, RpcConnection& connection) {
-    try {
-      while (connection.backlog() < limits_.unsent_bytes && !connection.broken) {
-        const std::optional<std::size_t> size = connection.scanner.scan(connection.received);
-        if (!size) return;
-        const RpcCallMessage call = call_of(decode_rpc(std::span(connection.received).first(*size), limits_.request));
-        connection.received.erase(connection.received.begin(),
-                                  connection.received.begin() + static_cast<std::ptrdiff_t>(*size));
-        ++served_.calls;
-        const RpcTicket ticket{number, call.number.value_or(0)};
-        const std::optional<RpcAnswer> answer = service_.call(ticket, call.method, call.arguments);
-        if (answer) count_refusal(*answer);
-        if (answer && call.number) push_answer(connection, *call.number, *answer);
+  void accept_some() {
+    while (true) {
+      const auto now = Clock::now();
+      const bool full = connections_.size() >= limits_.connections;
+      const std::uint64_t gives_way = full ? quietest(now) : 0;
+      if (full && gives_way == 0) return;
+      Descriptor stream(::accept4(listener_.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+      if (!stream.is_open()) {
+        if (!waits_for_nothing(errno) && errno != ECONNABORTED) {
+          accept_from_ =
+              now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kAcceptAgainS));
+        }
+        return;
       }
+      if (full) {
+        close(connections_.find(gives_way));
+        ++served_.idle;
+      }
+      ++served_.connections;
+      connections_.emplace(next_connection_++,
+                           RpcConnection{std::move(stream), RpcMessageScanner(limits_.request), now});
+    }
+  }
+
+  void answer_call(std::uint64_t number, RpcConnection& connection) {
+    if (connection.broken || connection.backlog() >= limits_.unsent_bytes ||
+        (connection.waiting >= limits_.waiting_calls && !connection.ended)) {
+      return;
+    }
+    try {
+      const auto untaken = std::span(connection.received).subspan(connection.taken);
+      const std::optional<std::size_t> size = connection.scanner.scan(untaken);
+      connection.has_call = size.has_value();
+      if (!size) return;
+      const RpcCallMessage call = call_of(decode_rpc(untaken.first(*size), limits_.request));
+      connection.taken += *size;
+      more_to_do_ = more_to_do_ || connection.untaken() > 0;
+      forget_taken(connection);
+      ++served_.calls;
+      connection.quiet_since = Clock::now();
+      std::optional<RpcAnswer> answer = service_.call({number, call.number}, call.method, call.arguments);
+      if (answer) count_refusal(*answer);
+      if (!answer && call.number) ++connection.waiting;
+      if (answer && call.number) push_answer(connection, *call.number, *std::move(answer));
     } catch (const DataError&) {  // not of the service, which answers its errors
       connection.broken = true;
       ++served_.dropped;
+    }
+  }
+
+  void answer_late(RpcTicketAnswer late) {
+    count_refusal(late.answer);
+    const auto found = connections_.find(late.ticket.connection);
+    if (found == connections_.end() || !late.ticket.call) return;
+    push_answer(found->second, *late.ticket.call, std::move(late.answer));
+    if (found->second.waiting > 0) --found->second.waiting;
+    found->second.quiet_since = Clock::now();
+  }
+
+  /// One piece, of a peer that fetches what it asks for. When others do not, so that no work is done for anybody, the
+  /// one that owes most gives way.
+  void work() {
+    if (!service_.work) return;
+    const auto now = Clock::now();
+    if (unsent_bytes() >= limits_.all_unsent_bytes) {
+      if (seconds_between(free_at_, now) < kMostBlockedS) return;
+      const auto slowest = std::max_element(connections_.begin(), connections_.end(), [](const auto& a, const auto& b) {
+        return a.second.backlog() < b.second.backlog();
+      });
+      close(slowest);
+      ++served_.idle;
+    }
+    free_at_ = now;
+    RpcWork done = service_.work([this](std::uint64_t number) {
+      const auto found = connections_.find(number);
+      return found != connections_.end() && found->second.backlog() < limits_.unsent_bytes;
+    });
+    if (done.answer) answer_late(*std::move(done.answer));
+    more_to_do_ = more_to_do_ || done.done;
+  }
+
+  using Connections = std::map<std::uint64_t, RpcConnection>;
+
+  Connections::iterator close(Connections::iterator connection) {
+    if (service_.ended) service_.ended(connection->first);
+    return connections_.erase(connection);
+  }
+
+  void close_some() {
+    const auto now = Clock::now();
+    for (auto it = connections_.begin(); it != connections_.end();) {
+      const RpcConnection& connection = it->second;
+      // Who has ended, but for what is answered at once, is not there for later answers.
+      const bool answered = connection.ended && !connection.has_call && connection.backlog() == 0;
+      const bool idle = connection.waiting == 0 && seconds_between(connection.quiet_since, now) > limits_.idle_s;
+      const bool gone = connection.broken || answered || idle;
+      if (idle && !connection.broken && !answered) ++served_.idle;
+      it = gone ? close(it) : std::next(it);
     }
   }
 
@@ -171,9 +301,12 @@ class RpcServing {
   const Descriptor& listener_;
   const RpcService& service_;
   RpcServerLimits limits_;
-  std::map<std::uint64_t, RpcConnection> connections_;
+  Connections connections_;
   std::uint64_t next_connection_ = 1;
-  std::chrono::steady_clock::time_point stepped_ = std::chrono::steady_clock::now();
+  bool more_to_do_ = false;  ///< Without waiting for anybody.
+  Clock::time_point stepped_ = Clock::now();
+  Clock::time_point free_at_ = Clock::now();  ///< When work was not kept from being done.
+  Clock::time_point accept_from_ = Clock::now();
   RpcServed served_;
 };
 

@@ -15,10 +15,20 @@
 #include <unistd.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/progress.h"
 #include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
+
+constexpr int kQueuedConnections = 64;
+
+sockaddr_storage address_of(const Descriptor& listener) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  ::getsockname(listener.number(), reinterpret_cast<sockaddr*>(&address), &size);
+  return address;
+}
 
 std::string reason(int error_number) {
   return std::strerror(error_number);  // NOLINT(concurrency-mt-unsafe)
@@ -48,13 +58,15 @@ Descriptor open_socket(const addrinfo& address) {
 }
 
 /// Until the descriptor is ready for `events` or the deadline has passed.
-bool wait_until_ready(const Descriptor& stream, short events, Deadline deadline) {
+bool wait_until_ready(const Descriptor& stream, short events, const Wait& wait) {
+  constexpr long long kAskMs = 100;
   while (true) {
+    if (wait.go_on && !wait.go_on()) throw Interrupted{};
     const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
+        std::chrono::duration_cast<std::chrono::milliseconds>(wait.deadline - std::chrono::steady_clock::now()).count();
     if (left < 0) return false;
     pollfd watched{stream.number(), events, 0};
-    const int ready = ::poll(&watched, 1, static_cast<int>(std::min<long long>(left + 1, 3'600'000)));
+    const int ready = ::poll(&watched, 1, static_cast<int>(std::min<long long>(left + 1, kAskMs)));
     if (ready > 0) return true;
     if (ready < 0 && errno != EINTR) return true;  // the transfer itself says what is wrong
   }
@@ -65,11 +77,11 @@ bool would_block(int error_number) {
 }
 
 /// Nothing when connected, or why not.
-std::optional<std::string> connect_one(const Descriptor& socket, const addrinfo& address, Deadline deadline) {
+std::optional<std::string> connect_one(const Descriptor& socket, const addrinfo& address, const Wait& wait) {
   if (!socket.is_open()) return reason(errno);
   if (::connect(socket.number(), address.ai_addr, address.ai_addrlen) == 0) return std::nullopt;
   if (errno != EINPROGRESS && errno != EINTR) return reason(errno);
-  if (!wait_until_ready(socket, POLLOUT, deadline)) return "no connection in the time that is given";
+  if (!wait_until_ready(socket, POLLOUT, wait)) return "no connection in the time that is given";
   int failed = 0;
   socklen_t size = sizeof(failed);
   ::getsockopt(socket.number(), SOL_SOCKET, SO_ERROR, &failed, &size);
@@ -112,12 +124,12 @@ Descriptor::~Descriptor() {
   if (number_ >= 0) ::close(number_);
 }
 
-Descriptor connect_to(const HostPort& peer, Deadline deadline) {
+Descriptor connect_to(const HostPort& peer, const Wait& wait) {
   const Addresses list = addresses_of(peer, false);
   std::string why = "has no address";
   for (const addrinfo* address = list.get(); address != nullptr; address = address->ai_next) {
     Descriptor socket = open_socket(*address);
-    const std::optional<std::string> problem = connect_one(socket, *address, deadline);
+    const std::optional<std::string> problem = connect_one(socket, *address, wait);
     if (!problem) return socket;
     why = *problem;
   }
@@ -129,21 +141,20 @@ Descriptor listen_on(const HostPort& address) {
   Descriptor socket = open_socket(*list);
   const int on = 1;
   if (!socket.is_open() || ::setsockopt(socket.number(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on)) != 0 ||
-      ::bind(socket.number(), list->ai_addr, list->ai_addrlen) != 0 || ::listen(socket.number(), 16) != 0) {
+      ::bind(socket.number(), list->ai_addr, list->ai_addrlen) != 0 ||
+      ::listen(socket.number(), kQueuedConnections) != 0) {
     throw DataError(address.text() + ": " + reason(errno));
   }
   return socket;
 }
 
 int port_of(const Descriptor& listener) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof(address);
-  ::getsockname(listener.number(), reinterpret_cast<sockaddr*>(&address), &size);
+  const sockaddr_storage address = address_of(listener);
   if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
   return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
 }
 
-Transfer send_all(const Descriptor& stream, std::span<const std::uint8_t> bytes, Deadline deadline) {
+Transfer send_all(const Descriptor& stream, std::span<const std::uint8_t> bytes, const Wait& wait) {
   while (!bytes.empty()) {
     const ssize_t sent = ::send(stream.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent > 0) {
@@ -151,12 +162,12 @@ Transfer send_all(const Descriptor& stream, std::span<const std::uint8_t> bytes,
       continue;
     }
     if (sent < 0 && !would_block(errno)) return Transfer::kClosed;
-    if (!wait_until_ready(stream, POLLOUT, deadline)) return Transfer::kTimedOut;
+    if (!wait_until_ready(stream, POLLOUT, wait)) return Transfer::kTimedOut;
   }
   return Transfer::kDone;
 }
 
-Transfer receive_some(const Descriptor& stream, RpcBytes& buffer, std::size_t most, Deadline deadline) {
+Transfer receive_some(const Descriptor& stream, RpcBytes& buffer, std::size_t most, const Wait& wait) {
   const std::size_t before = buffer.size();
   buffer.resize(before + most);
   while (true) {
@@ -166,14 +177,20 @@ Transfer receive_some(const Descriptor& stream, RpcBytes& buffer, std::size_t mo
       return Transfer::kDone;
     }
     const bool waits = received < 0 && would_block(errno);
-    if (waits && wait_until_ready(stream, POLLIN, deadline)) continue;
+    if (waits && wait_until_ready(stream, POLLIN, wait)) continue;
     buffer.resize(before);
     return waits ? Transfer::kTimedOut : Transfer::kClosed;
   }
 }
 
-bool is_loopback(const std::string& host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
+bool is_loopback(const Descriptor& listener) {
+  const sockaddr_storage address = address_of(listener);
+  if (address.ss_family == AF_INET) {
+    return ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr) >> 24 == 127;
+  }
+  if (address.ss_family != AF_INET6) return false;
+  const in6_addr& ipv6 = reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
+  return IN6_IS_ADDR_LOOPBACK(&ipv6) || (IN6_IS_ADDR_V4MAPPED(&ipv6) && ipv6.s6_addr[12] == 127);
 }
 
 }  // namespace pilotage

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -45,8 +46,19 @@ class Descriptor {
 
 using Deadline = std::chrono::steady_clock::time_point;
 
+/// How long something is waited for. `go_on`, where there is one, is asked ten times a second; once it says no,
+/// Interrupted is thrown.
+struct Wait {
+  Wait(Deadline until, std::function<bool()> still = {})
+      : deadline(until), go_on(std::move(still)) {}  // NOLINT: a time is one
+
+  Deadline deadline;
+  std::function<bool()> go_on;
+};
+
 /// Connects by TCP; the descriptor does not block. Throws DataError that names the peer and the system's reason.
-Descriptor connect_to(const HostPort& peer, Deadline deadline);
+/// What stands behind a name is asked of the system, which takes the time that it takes.
+Descriptor connect_to(const HostPort& peer, const Wait& wait);
 
 /// Listens; port 0 takes a free one. The descriptor does not block. Throws DataError with the system's reason.
 Descriptor listen_on(const HostPort& address);
@@ -58,12 +70,13 @@ int port_of(const Descriptor& listener);
 enum class Transfer { kDone, kClosed, kTimedOut };
 
 /// Sends all of `bytes`.
-Transfer send_all(const Descriptor& stream, std::span<const std::uint8_t> bytes, Deadline deadline);
+Transfer send_all(const Descriptor& stream, std::span<const std::uint8_t> bytes, const Wait& wait);
 
 /// Waits for bytes and appends those that are there, at most `most`.
-Transfer receive_some(const Descriptor& stream, RpcBytes& buffer, std::size_t most, Deadline deadline);
+Transfer receive_some(const Descriptor& stream, RpcBytes& buffer, std::size_t most, const Wait& wait);
 
-/// The address stands for this machine alone (127.0.0.0/8, ::1, localhost).
-bool is_loopback(const std::string& host);
+/// Only this machine reaches the address that a listening descriptor is bound to (127.0.0.0/8, ::1), whatever name it
+/// was asked for by.
+bool is_loopback(const Descriptor& listener);
 
 }  // namespace pilotage

@@ -58,13 +58,15 @@ RenderedFrame look(SharedVehicle& vehicle, const CameraPose& pose) {
 
 }  // namespace
 
-FrameSource airsim_frames(const Mission& mission, const Camera& camera, const AirsimFrameOptions& options) {
+FrameSource airsim_frames(const Mission& mission, const Camera& camera, const AirsimFrameOptions& options,
+                          std::function<bool()> go_on) {
   check_options(options);
   check_airsim_camera(camera);
   const HostPort server = parse_host_port("--airsim", options.airsim, kAirsimPort);
   AirsimClientOptions asked;
   asked.timeout_s = options.airsim_timeout_s;
   asked.vehicle = options.airsim_vehicle;
+  asked.go_on = std::move(go_on);
   const auto vehicle = std::make_shared<SharedVehicle>(server, asked, options.airsim_camera);
   const AirsimGeoPoint home = vehicle->client.home();
   vehicle->home = {{home.longitude, home.latitude}, static_cast<double>(home.altitude)};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "pilotage/airsim/airsim_types.h"
@@ -31,7 +32,9 @@ struct AirsimFrameOptions {
 /// level of its altitude; where the mission knows no elevation, the home's height is the ground. What is black shows no
 /// ground. One connection serves all threads. Throws DataError when `camera` is none that AirSim has (distorted, pixels
 /// that are not square, principal point beside the middle), for a server whose pictures are of another shape, and as
-/// AirsimClient; UsageError as parse_host_port.
-FrameSource airsim_frames(const Mission& mission, const Camera& camera, const AirsimFrameOptions& options);
+/// AirsimClient; UsageError as parse_host_port. `go_on` is asked while the server is waited for (RpcClient), from any
+/// thread.
+FrameSource airsim_frames(const Mission& mission, const Camera& camera, const AirsimFrameOptions& options,
+                          std::function<bool()> go_on = {});
 
 }  // namespace pilotage
