@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <optional>
 
 #include "commands.h"
 #include "stage_files.h"
@@ -60,9 +61,21 @@ Command make_envelope_command() {
             options.envelope, invocation.seed, invocation.threads, invocation.progress);
         CommandResult result;
         result.json = envelope_to_json(envelope);
-        write_file(invocation.output, json_text(result.json), invocation.overwrite);
-        if (!options.csv.empty()) write_file(options.csv, envelope_to_csv(envelope), invocation.overwrite);
-        if (!options.svg.empty()) write_file(options.svg, envelope_to_svg(envelope), invocation.overwrite);
+        OutputFile output(invocation.output, invocation.overwrite);
+        output.write(json_text(result.json));
+        std::vector<const OutputFile*> outputs;
+        std::optional<OutputFile> csv;
+        if (!options.csv.empty()) {
+          csv.emplace(options.csv, invocation.overwrite).write(envelope_to_csv(envelope));
+          outputs.push_back(&*csv);
+        }
+        std::optional<OutputFile> svg;
+        if (!options.svg.empty()) {
+          svg.emplace(options.svg, invocation.overwrite).write(envelope_to_svg(envelope));
+          outputs.push_back(&*svg);
+        }
+        outputs.push_back(&output);
+        OutputFile::commit(outputs, {});
         result.text = envelope_text(envelope);
         return result;
       });

@@ -11,6 +11,7 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/staging_folder.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/work_folder.h"
 #include "pilotage/camera/camera_options.h"
@@ -379,20 +380,33 @@ bool has_inertial_priors(const std::vector<ReplayedFlight>& flights) {
   });
 }
 
-void write_calibration(const Replay& replay, const ReplayCommandOptions& options, const Invocation& invocation,
-                       bool chips) {
+/// The replay, and what else is asked for, which all appear at once.
+void write_outputs(const Replay& replay, const std::string& json, const ReplaySetup& setup, bool chips) {
+  const ReplayCommandOptions& options = setup.options;
+  const Invocation& invocation = setup.invocation;
+  OutputFile output(invocation.output, invocation.overwrite);
+  output.write(json);
+  std::vector<const OutputFile*> outputs;
+  std::optional<OutputFile> fixes;
+  if (!options.fixes.empty()) {
+    fixes.emplace(options.fixes, invocation.overwrite).write(fix_table_to_csv(setup.matches, false));
+    outputs.push_back(&*fixes);
+  }
+  outputs.push_back(&output);
+  if (options.evaluation.empty()) return OutputFile::commit(outputs, {});
+
   EvaluationSource source;
   source.inputs = invocation.inputs;
   source.software_version = "pilotage " PILOTAGE_VERSION;
   source.seed = invocation.seed;
   const CalibrationFiles files = calibration_files(replay, chips, source);
   const std::filesystem::path folder(options.evaluation);
-  std::filesystem::create_directories(folder);
-  OutputFile json(folder / "evaluation.json", invocation.overwrite);
-  OutputFile csv(folder / "evaluation.csv", invocation.overwrite);
-  json.write(files.json);
-  csv.write(files.csv);
-  OutputFile::commit({&json, &csv}, {});
+  const StagingFolder staging(folder);
+  const std::vector<std::string> names = {"evaluation.json", "evaluation.csv"};
+  for (const std::string& name : names) OutputFile(folder / name, invocation.overwrite);  // refuses what stands there
+  write_file(staging / names[0], files.json, false);
+  write_file(staging / names[1], files.csv, false);
+  staging.publish(names, {}, outputs);
 }
 
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {
@@ -419,11 +433,7 @@ CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& 
   }
   CommandResult result;
   result.json = replay_to_json(replay);
-  write_file(invocation.output, json_text(result.json), invocation.overwrite);
-  if (!options.fixes.empty()) write_file(options.fixes, fix_table_to_csv(setup.matches, false), invocation.overwrite);
-  if (!options.evaluation.empty()) {
-    write_calibration(replay, options, invocation, reader.has_chips() && options.match.chips);
-  }
+  write_outputs(replay, json_text(result.json), setup, reader.has_chips() && options.match.chips);
   result.text = replay_text(replay);
   result.warnings = replay.notes;
   if (model && !options.ins.grade && !options.ins.name) {

@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <optional>
 
 #include "commands.h"
 #include "simulate_serving.h"
@@ -60,6 +61,7 @@ CommandResult serve(const std::filesystem::path& plan, const SimulateCommandOpti
 struct Flown {
   Simulation simulation;
   std::string text;
+  std::string log;  ///< For --log: the tries as a table.
 };
 
 /// Flies with frames of a source and the matcher on the map.
@@ -71,12 +73,12 @@ Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, con
       invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                                invocation.threads, invocation.progress, fixes.source()),
-              ""};
+              "", ""};
   const std::vector<SimulatedTry> tries = fixes.take_tries();
   const MatchEvaluation matches = evaluate_tries(tries, options.rendered);
   flown.simulation.rendered = rendered_json(options.rendered, matches);
   flown.text = evaluation_text(matches);
-  if (!options.log.empty()) write_file(options.log, fix_log_to_csv(tries), invocation.overwrite);
+  if (!options.log.empty()) flown.log = fix_log_to_csv(tries);
   return flown;
 }
 
@@ -101,7 +103,28 @@ Flown fly(const StageFiles& files, const std::filesystem::path& plan, const Simu
   refuse_without_frames(options);
   return {simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                            invocation.threads, invocation.progress),
-          ""};
+          "", ""};
+}
+
+/// The simulation, and what else is asked for, which all appear at once.
+void write_outputs(const Flown& flown, const std::string& json, const Mission& mission,
+                   const SimulateCommandOptions& options, const Invocation& invocation) {
+  std::vector<const OutputFile*> outputs;
+  std::optional<OutputFile> log;
+  if (!options.log.empty()) {
+    log.emplace(options.log, invocation.overwrite).write(flown.log);
+    outputs.push_back(&*log);
+  }
+  std::optional<OutputFile> tracks;
+  if (!options.tracks.empty()) {
+    tracks.emplace(options.tracks, invocation.overwrite);
+    write_flight_tracks(tracks->temporary_path(), mission, flown.simulation, true);
+    outputs.push_back(&*tracks);
+  }
+  OutputFile output(invocation.output, invocation.overwrite);
+  output.write(json);
+  outputs.push_back(&output);
+  OutputFile::commit(outputs, {});
 }
 
 CommandResult run_simulate(const SimulateCommandOptions& options, const Invocation& invocation) {
@@ -111,15 +134,13 @@ CommandResult run_simulate(const SimulateCommandOptions& options, const Invocati
   if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: " + std::string(kOutputHelp));
   const StageFileOptions names = stage_files_beside(plan, options.files);
   const StageFiles files = read_stage_files(plan.string(), names);
-  auto [simulation, text] = fly(files, plan, options, invocation);
+  Flown flown = fly(files, plan, options, invocation);
+  Simulation& simulation = flown.simulation;
   simulation.inputs = simulated_inputs(plan.string(), names.table, names.selection);
   CommandResult result;
   result.json = simulation_to_json(simulation);
-  OutputFile output(invocation.output, invocation.overwrite);
-  output.write(json_text(result.json));
-  if (!options.tracks.empty()) write_flight_tracks(options.tracks, files.mission, simulation, invocation.overwrite);
-  output.commit();
-  result.text = simulation_text(simulation) + text;
+  write_outputs(flown, json_text(result.json), files.mission, options, invocation);
+  result.text = simulation_text(simulation) + flown.text;
   const std::optional<double>& required = options.simulate.require_simulated;
   if (required && simulation.within.interval.low < *required) result.exit_code = kExitGateNotMet;
   return result;

@@ -265,6 +265,9 @@ TEST(AirsimSimulation, RefusesACameraThatIsNone) {
   AirsimScene scene = painted_scene();
   scene.camera.fx_px = 0;
   EXPECT_THROW(AirsimSimulation(kDialect, scene), DataError);
+  scene = painted_scene();
+  scene.camera.width_px = scene.camera.height_px = 5000;
+  EXPECT_THAT(error_of<DataError>([&] { AirsimSimulation(kDialect, scene); }), HasSubstr("are 72 MiB each"));
 }
 
 }  // namespace

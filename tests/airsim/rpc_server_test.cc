@@ -179,6 +179,28 @@ TEST(RpcServer, ClosesWhoOwesMostWhenNoWorkCanBeDone) {
   for (int i = 0; i < 5; ++i) honest.call("simGetImages", images(1));
 }
 
+// It waits for answers, but those that it has it does not fetch: that is as quiet as saying nothing.
+TEST(RpcServer, ClosesWhoAsksAndFetchesNothing) {
+  AirsimSimulation simulation(kServedDialect, painted_scene());
+  RpcServerLimits limits;
+  limits.unsent_bytes = 1000;
+  limits.idle_s = 0.3;
+  Served server(simulation.service(), limits);
+  raise_vehicle(server);
+  const Descriptor slow = connect_to(server.address(), testing::soon());
+  RpcBytes calls;
+  for (std::uint64_t number = 0; number < 400; ++number) {
+    const RpcBytes call = call_bytes(number, "simGetImages", images(16));
+    calls.insert(calls.end(), call.begin(), call.end());
+  }
+  testing::send_bytes(slow, calls);
+  const auto end = testing::soon();
+  while (server.idle() == 0 && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(server.finish().idle, 1);
+}
+
 TEST(RpcServer, TakesSoManyCallsThatAreAnsweredLater) {
   SlowScene slow;
   AirsimSimulation simulation(kServedDialect, slow.scene());

@@ -115,4 +115,5 @@ def main():
     sys.exit(server.returncode)
 
 
-main()
+if __name__ == "__main__":
+    main()

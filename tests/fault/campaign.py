@@ -49,6 +49,8 @@ FAULTS = ((Fault("open", "EACCES", False), 16), (Fault("open", "EMFILE", False),
 KILLS = ((Fault("write", "KILL", False), 8), (Fault("sync", "KILL", False), 40), (Fault("rename", "KILL", False), 40),
          (Fault("remove", "KILL", False), 6))
 STAGE = ("out/plan.json", "--table", "out/tiles.csv", "--selection", "out/selection.json")
+FRAME = ("frame1.jpg", "--prior-lon-deg", "16.4991", "--prior-lat-deg", "55.5012", "--prior-sigma-m", "10", "--height-agl-m", "60",
+         "--yaw-deg", "0", "--pitch-deg", "0", "--roll-deg", "0", "--no-timings")
 #: Deaths by a signal that are libraries' answers to a failed allocation: GDAL and PROJ end the process, libgeotiff uses what it did not
 #: get. Our own code allocates by `new`, which throws.
 DEATHS = {-signal.SIGABRT: "aborted", -signal.SIGSEGV: "crashed"}
@@ -62,8 +64,6 @@ def cases():
     survey = ["survey", "ortho.tif", "--elevation", "elevation.tif", "--camera-hfov-deg", "73.7", "--camera-width-px", "1000",
               "--camera-height-px", "562", "--agl-m", "60", "--tile-overlap", "0", "-o", "new"]
     reroute = ["reroute", "mission.json", "-o", "new/better.plan"]
-    frame = ["frame1.jpg", "--prior-lon-deg", "16.4991", "--prior-lat-deg", "55.5012", "--prior-sigma-m", "10", "--height-agl-m", "60",
-             "--yaw-deg", "0", "--pitch-deg", "0", "--roll-deg", "0", "--no-timings"]
     return (
         Case("prepare", [*prepare, "--speed-mps", "17"], [*prepare, "--sign-key", "key.sec", *fresh], "map.gpkg", 8),
         Case("prepare_new_folder", None, ["prepare", "mission.json", "-q", "-o", "new"], "map.gpkg", 8),
@@ -78,9 +78,14 @@ def cases():
         Case("report", ["report", *STAGE, "--title", "Earlier", "--outputs", "html,json,gpkg,cog", "-o", "new/report.html"],
              ["report", *STAGE, "--outputs", "html,json,gpkg,cog,kml", "-o", "new/report.html", *fresh], None, 5),
         Case("verify", None, ["verify", "out/map.gpkg", "--public-key", "key.pub"], None),
-        Case("match", ["match", "out/map.gpkg", *frame, "--max-false-fix-rate", "0.01", "-o", "new/fix.csv"],
-             ["match", "out/map.gpkg", "--public-key", "key.pub", *frame, "-o", "new/fix.csv", "--overwrite"], None),
+        Case("match", ["match", "out/map.gpkg", *FRAME, "--max-false-fix-rate", "0.01", "-o", "new/fix.csv"],
+             ["match", "out/map.gpkg", "--public-key", "key.pub", *FRAME, "-o", "new/fix.csv", "--overwrite"], None),
         Case("survey", [*survey, "--title", "Earlier"], [*survey, *fresh], "survey.html", 12),
+        Case("simulate", ["simulate", "out", "--flights", "3", "-o", "new/s.json", "--tracks", "new/t.gpkg"],
+             ["simulate", "out", "--flights", "4", "-o", "new/s.json", "--tracks", "new/t.gpkg", *fresh], "s.json", 4),
+        Case("replay", ["replay", "fix.csv", "--plan", "out", "--correct-within-m", "9", "-o", "new/r.json", "--fixes", "new/f.csv",
+                        "--evaluation", "new"],
+             ["replay", "fix.csv", "--plan", "out", "-o", "new/r.json", "--fixes", "new/f.csv", "--evaluation", "new", *fresh], "r.json", 3),
         Case("reroute", [*reroute, "--speed-mps", "17"], [*reroute, *fresh], "better.plan", 8),
     )
 
@@ -105,6 +110,7 @@ class Campaign:
         (home / "tile.json").write_text("".join(line for line in mission.splitlines(True) if '"select"' not in line))
         self.plain(home, ["prepare", "mission.json", "-q", "-o", "out"])
         self.plain(home, ["build", *STAGE, "-o", "out/map.gpkg", "--sign-key", "key.sec", "--overwrite"])
+        self.plain(home, ["match", "out/map.gpkg", *FRAME, "-o", "fix.csv"])
 
     def plain(self, folder, command):
         done = subprocess.run([self.pilotage, *command, "--threads", "1"], cwd=folder, text=True, errors="replace",

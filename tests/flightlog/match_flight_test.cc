@@ -82,6 +82,24 @@ TEST(MatchFlight, WhatCannotBeMatchedIsARowOfItsOwn) {
   EXPECT_TRUE(std::isnan(matches[13].milliseconds));
 }
 
+// The shape is told before a pixel is read: of this file there are none.
+TEST(MatchFlight, TheShapeAndTheMemoryCountBeforeAPictureIsRead) {
+  const LoggedFlight flight;
+  const TemporaryFolder folder;
+  std::vector<FlightFrame> frames(2, flight.frames().front());
+  const auto cut = [&](FlightFrame& frame, const char* name, cv::Size size) {
+    frame.path = (folder / name).string();
+    cv::imwrite(frame.path, cv::Mat(size, CV_8U, cv::Scalar(0)));
+    std::filesystem::resize_file(frame.path, 60);
+  };
+  cut(frames[0], "other.png", {3000, 3000});
+  cut(frames[1], "large.png", {12000, 9000});
+  frames.push_back(flight.frames().front());
+  const std::vector<FrameMatch> matches = match_flight(flight.open_map(), frames, {}, 1, {});
+  EXPECT_THAT(matches[0].problem, HasSubstr("other.png: has 3000 x 3000 px, the camera 80 x 60 px: another shape"));
+  EXPECT_EQ(frame_status_name(matches[1]), "too_uncertain") << matches[1].problem;
+}
+
 TEST(MatchFlight, NotOneReadableFrameIsAnError) {
   const LoggedFlight flight;
   const std::vector<FlightFrame> bad(flight.frames().end() - 2, flight.frames().end());

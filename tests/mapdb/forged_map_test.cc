@@ -9,6 +9,7 @@
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
@@ -128,6 +129,40 @@ TEST_F(ForgedMap, EveryMapOfThisProgramIsDeclaredAsItSays) {
   const MapDeclarations declared = read_declarations(database);
   EXPECT_NO_THROW(check_declarations(declared, "map"));
   EXPECT_EQ(declared.size(), 27U) << "13 tables, 2 R-trees and the 6 tables that they keep their nodes in, 6 triggers";
+}
+
+// When it loads a schema SQLite reads the statistics of ANALYZE by itself, before anybody can look at their table: two
+// thousand values of half a second each.
+TEST_F(ForgedMap, StatisticsAreNotRead) {
+  forge_by_sql(
+      "ANALYZE; WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 2000) "
+      "INSERT INTO sqlite_stat1 SELECT 'tiles', NULL, '12' FROM n; PRAGMA writable_schema = 1; UPDATE sqlite_master "
+      "SET "
+      "sql = 'CREATE TABLE sqlite_stat1(tbl, idx, s0, stat AS (substr(s0, instr(hex(zeroblob(60000)), "
+      "hex(zeroblob(20000)) || 1))))' WHERE name = 'sqlite_stat1'");
+  EXPECT_THAT([&] { MapReader::open_unverified(forged_); },
+              ThrowsMessage<DataError>(HasSubstr("declares sqlite_stat1, which no map has")));
+  EXPECT_FALSE(verify_map(forged_).ok());
+}
+
+// SQLite's integrity check calls itself once for each page of a chain: 60,000 calls need more stack than a thread has.
+TEST_F(ForgedMap, AnIndexOfOneLongChainIsChecked) {
+  Database::create(path_, "map").execute("PRAGMA page_size = 512; VACUUM");
+  const std::int64_t root =
+      Database::open_untrusted(path_, kMaxMapBlobBytes)
+          .query_integer("SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_map_info_1'");
+  testing::ForgedFile file(read_file(path_));
+  file.lengthen_index(static_cast<std::uint32_t>(root), 60'000);
+  write_file(forged_, file.bytes(), true);
+  EXPECT_FALSE(verify_map(forged_).ok());
+}
+
+TEST_F(ForgedMap, PipesAreNotWaitedFor) {
+  const std::filesystem::path pipe = folder_ / "pipe.gpkg";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_FALSE(declares_map(pipe));
+  EXPECT_THROW(inspect_map(pipe), DataError);
+  EXPECT_THROW(MapReader::open_unverified(pipe), DataError);
 }
 
 // A tree of distinct nodes, each of which names the next one as many times as fit: 51^39 visits, none of which gives a

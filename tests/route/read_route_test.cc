@@ -29,6 +29,29 @@ TEST(ReadRoute, TellsFormatsByContent) {
   }
 }
 
+/// An archive that is nothing but its end (APPNOTE.TXT 4.3.16), which announces so many entries.
+std::string archive_of(int entries) {
+  std::string bytes = std::string("PK\x03\x04") + std::string("PK\x05\x06") + std::string(18, '\0');
+  for (const std::size_t at : {8, 10}) {
+    bytes[4 + at] = static_cast<char>(entries & 255);
+    bytes[5 + at] = static_cast<char>(entries >> 8);
+  }
+  return bytes;
+}
+
+// Both would take a library minutes, or a gigabyte, before it says that they hold no route.
+TEST(ReadRoute, EntriesAndAttributesAreCountedBeforeTheyAreRead) {
+  EXPECT_THAT(route_error(archive_of(1001)), HasSubstr("holds 1001 entries, at most 1000 are allowed"));
+  EXPECT_THAT(route_error(archive_of(65535)), HasSubstr("holds 65535 entries"));
+  EXPECT_THAT(route_error(archive_of(0)), HasSubstr("cannot be read as KMZ"));
+  EXPECT_THAT(route_error("PK\x03\x04PK\x06\x07" + archive_of(3)), HasSubstr("directory for more than 65535 entries"));
+  for (const char* element : {"<kml", "<gpx"}) {
+    std::string text = element;
+    for (int i = 0; i < 10'001; ++i) text += " a" + std::to_string(i) + "=\">\"";
+    EXPECT_THAT(route_error(text + "/>"), HasSubstr("has an element of more than 10000 attributes"));
+  }
+}
+
 TEST(ReadRoute, SaysWhatItCannotRead) {
   EXPECT_EQ(route_error(""), "r: is empty");
   EXPECT_EQ(route_error("\xEF\xBB\xBF \r\n"), "r: is empty");

@@ -92,6 +92,20 @@ void ForgedFile::read_in_circles(std::uint32_t root, int depth) {
   bytes_.replace(at(root) + header, page_size_ - header, interior_page(child, header).substr(header));
 }
 
+void ForgedFile::lengthen_index(std::uint32_t root, int pages) {
+  constexpr char kInteriorIndexPage = 2;
+  std::uint32_t child = append(bytes_.substr(at(root), page_size_));
+  ForgedFile link = *this;  // for its put_…
+  for (int i = 0; i < pages; ++i) {
+    link.bytes_.assign(page_size_, '\0');
+    link.bytes_[0] = kInteriorIndexPage;
+    link.put_16(5, static_cast<std::uint32_t>(page_size_));
+    link.put_32(8, child);
+    if (i + 1 < pages) child = append(link.bytes_);
+  }
+  bytes_.replace(at(root), page_size_, link.bytes_);
+}
+
 std::uint32_t ForgedFile::random_page(Random& random) const {
   return 1 + static_cast<std::uint32_t>(random.below(page_count()));
 }

@@ -21,6 +21,9 @@ class ForgedFile {
   /// so on, `depth` deep; the innermost is what `root` was. A few hundred bytes a level, hundreds of times the rows.
   void read_in_circles(std::uint32_t root, int depth);
 
+  /// Puts `pages` interior pages of an index before page `root`, each with one child: the next.
+  void lengthen_index(std::uint32_t root, int pages);
+
   /// One change of a random kind: pages copied, exchanged, named as children, cells moved, lengthened or sent to the
   /// overflow of others, words of SQL put into text, fields of the header, bytes.
   void change_at_random(Random& random);

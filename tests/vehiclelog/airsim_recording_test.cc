@@ -53,6 +53,31 @@ std::string recording(const std::string& header, const std::string& vehicle, con
 }
 constexpr const char* kHeader = "VehicleName\tTimeStamp\tPOS_X\tPOS_Y\tPOS_Z\tQ_W\tQ_X\tQ_Y\tQ_Z\tImageFile";
 
+// Columns are sought once, not in every row, and what lies behind them is not looked at.
+TEST(AirSimRecording, AWideFirstLineIsRefusedAndWideRowsCostTheirBytes) {
+  const std::string wide(2000, '\t');
+  EXPECT_THROW(
+      {
+        try {
+          parse_vehicle_log("rec", recording(std::string(kHeader) + wide, "D\t", "img_D_3_0_7.png"), kOrigin);
+        } catch (const DataError& error) {
+          EXPECT_STREQ(error.what(), "rec: line 1: an AirSim recording of more than 1000 columns");
+          throw;
+        }
+      },
+      DataError);
+  const std::string many(1'000'000, '\t');
+  EXPECT_EQ(parse_vehicle_log("rec", recording(kHeader, "D\t", "img_D_3_0_7.png" + many), kOrigin).captures.size(), 3U);
+}
+
+TEST(AirSimRecording, ManyOtherVehiclesAreCountedTogether) {
+  std::string text = recording(kHeader, "D\t", "img_D_3_0_7.png");
+  for (int i = 0; i < 500; ++i) text += "E" + std::to_string(i) + "\t1700000009000\t0\t0\t0\t1\t0\t0\t0\ta.png\n";
+  const VehicleLog log = parse_vehicle_log("rec", text, kOrigin);
+  EXPECT_EQ(log.losses.other_sources.size(), 51U);
+  EXPECT_EQ(log.losses.other_sources.at("other sources"), 450);
+}
+
 TEST(AirSimRecording, HeadersOfTheFirstVersionsAreRead) {
   const VehicleLog today = parse_vehicle_log("rec", recording(kHeader, "D\t", "img_D_3_0_7.png"), kOrigin);
   const std::string no_vehicle = "TimeStamp\tPOS_X\tPOS_Y\tPOS_Z\tQ_W\tQ_X\tQ_Y\tQ_Z\tImageFile";

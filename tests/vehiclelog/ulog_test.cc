@@ -55,6 +55,18 @@ TEST(UlogFormats, WhatHasNoSizeHasNoPlaces) {
   EXPECT_FALSE(formats.find("deep0", "y"));
 }
 
+// Four bytes of a file would take 72 of memory.
+TEST(UlogFormats, FormatsOfMoreFieldsThanAnyLogHasAreLeftOut) {
+  UlogFormats formats;
+  std::string many = "wide:";
+  for (int i = 0; i < 16000; ++i) many += "c x;";
+  int taken = 0;
+  for (int i = 0; i < 100; ++i) taken += formats.add(many) ? 1 : 0;
+  EXPECT_EQ(taken, 12) << "of 16,001 fields, 200,000 in all";
+  EXPECT_TRUE(formats.add("small:uint64_t timestamp;"));
+  EXPECT_TRUE(formats.find("small", "timestamp"));
+}
+
 TEST(UlogFormats, NumbersOfEveryType) {
   const std::string record = LogText()
                                  .i(-2, 1)

@@ -80,6 +80,12 @@ void check_vehicle(const std::string& name) {
 class AirsimSimulation::Methods {
  public:
   Methods(AirsimDialect dialect, AirsimScene scene) : dialect_(dialect), world_(std::move(scene)) {
+    const double bytes = 3.0 * world_.scene.camera.width_px * world_.scene.camera.height_px;
+    if (bytes > kMostImageBytes) {
+      throw DataError("images of " + std::to_string(world_.scene.camera.width_px) + " x " +
+                      std::to_string(world_.scene.camera.height_px) + " px are " + format_fixed(bytes / 1048576, 0) +
+                      " MiB each; an answer holds " + format_fixed(kMostImageBytes / 1048576, 0));
+    }
     bind_server();
     bind_time();
     bind_poses();
@@ -147,7 +153,10 @@ class AirsimSimulation::Methods {
     bool alone = false;  ///< simGetImage: the answer is the bytes of one.
     std::vector<AirsimShot> shots;
     std::vector<AirsimImage> images;
+    double bytes = 0;  ///< Of all its images, uncompressed.
+    bool begun = false;
   };
+  double begun_bytes() const;
 
   AirsimDialect dialect_;
   AirsimWorld world_;
@@ -157,9 +166,20 @@ class AirsimSimulation::Methods {
   std::uint64_t drawn_for_ = 0;                                 ///< The connection that got the last image.
 };
 
+double AirsimSimulation::Methods::begun_bytes() const {
+  double bytes = 0;
+  for (const auto& [connection, calls] : image_calls_) bytes += calls.front().begun ? calls.front().bytes : 0;
+  return bytes;
+}
+
 /// One image of the call that is next, each connection in its turn.
 RpcWork AirsimSimulation::Methods::work(const std::function<bool(std::uint64_t)>& may_work) {
-  const auto allowed = [&](const auto& calls) { return may_work(calls.first); };
+  // What is drawn for an answer that is not whole counts, too: others begin when there is room.
+  const double room = kMostImageBytes - begun_bytes();
+  const auto allowed = [&](const auto& calls) {
+    const ImageCall& next = calls.second.front();
+    return next.begun || (may_work(calls.first) && (next.bytes <= room || room == kMostImageBytes));
+  };
   const auto behind = image_calls_.upper_bound(drawn_for_);
   auto calls = std::find_if(behind, image_calls_.end(), allowed);
   if (calls == image_calls_.end()) {
@@ -168,6 +188,7 @@ RpcWork AirsimSimulation::Methods::work(const std::function<bool(std::uint64_t)>
   }
   drawn_for_ = calls->first;
   ImageCall& call = calls->second.front();
+  call.begun = true;
   RpcWork done{std::nullopt, true};
   try {
     if (call.images.size() < call.shots.size()) call.images.push_back(world_.develop(call.shots[call.images.size()]));
@@ -191,17 +212,18 @@ AnsweredLater AirsimSimulation::Methods::draw(const std::vector<AirsimImageReque
     throw DataError(std::to_string(requests.size()) + " images at once; " + std::to_string(kMostImages) +
                     " are given at most");
   }
-  ImageCall call{ticket_, alone, {}, {}};
-  double bytes = 0;
+  ImageCall call;
+  call.ticket = ticket_;
+  call.alone = alone;
   for (const AirsimImageRequest& request : requests) {
     call.shots.push_back(world_.shot(request));
-    bytes +=
+    call.bytes +=
         3.0 * static_cast<double>(call.shots.back().image.width) * static_cast<double>(call.shots.back().image.height);
   }
-  if (bytes > kMostImageBytes) {
+  if (call.bytes > kMostImageBytes) {
     throw DataError(std::to_string(requests.size()) + " images of " + std::to_string(world_.scene.camera.width_px) +
                     " x " + std::to_string(world_.scene.camera.height_px) + " px are " +
-                    format_fixed(bytes / 1048576, 0) + " MiB; " + format_fixed(kMostImageBytes / 1048576, 0) +
+                    format_fixed(call.bytes / 1048576, 0) + " MiB; " + format_fixed(kMostImageBytes / 1048576, 0) +
                     " are given at once at most");
   }
   if (ticket_.call) image_calls_[ticket_.connection].push_back(std::move(call));  // else nobody would get them

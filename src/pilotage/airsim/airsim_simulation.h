@@ -43,7 +43,7 @@ inline constexpr const char* kAirsimVehicle = "SimpleFlight";
 /// which lets it pass at once.
 class AirsimSimulation {
  public:
-  /// Throws DataError when the camera has a problem.
+  /// Throws DataError when the camera has a problem, or an image more than 64 MiB, which no answer holds.
   AirsimSimulation(AirsimDialect dialect, AirsimScene scene);
   ~AirsimSimulation();
   AirsimSimulation(const AirsimSimulation&) = delete;

@@ -86,6 +86,9 @@ void push_answer(RpcConnection& connection, std::uint32_t call, RpcAnswer answer
     return;
   }
   const RpcBytes bytes = encode_rpc(message);
+  connection.unsent.erase(connection.unsent.begin(),
+                          connection.unsent.begin() + static_cast<std::ptrdiff_t>(connection.sent));
+  connection.sent = 0;
   connection.unsent.insert(connection.unsent.end(), bytes.begin(), bytes.end());
 }
 
@@ -177,13 +180,18 @@ class RpcServing {
     if ((watched[0].revents & POLLIN) != 0) accept_some();
   }
 
+  /// It waits for an answer that it will get; what is not fetched keeps it from being given more.
+  bool waits(const RpcConnection& connection) const {
+    return connection.backlog() < limits_.unsent_bytes && (connection.has_call || connection.waiting > 0);
+  }
+
   /// The connection that has been without a call or an answer for longest, for so long that it may give way; or 0.
   std::uint64_t quietest(Clock::time_point now) const {
     std::uint64_t found = 0;
     double longest_s = limits_.may_give_way_s;
     for (const auto& [number, connection] : connections_) {
       const double quiet_s = seconds_between(connection.quiet_since, now);
-      if (connection.waiting > 0 || quiet_s < longest_s) continue;
+      if (waits(connection) || quiet_s < longest_s) continue;
       longest_s = quiet_s;
       found = number;
     }
@@ -216,7 +224,7 @@ class RpcServing {
 
   void answer_call(std::uint64_t number, RpcConnection& connection) {
     if (connection.broken || connection.backlog() >= limits_.unsent_bytes ||
-        (connection.waiting >= limits_.waiting_calls && !connection.ended)) {
+        connection.waiting >= limits_.waiting_calls) {
       return;
     }
     try {
@@ -249,16 +257,20 @@ class RpcServing {
     found->second.quiet_since = Clock::now();
   }
 
-  /// One piece, of a peer that fetches what it asks for. When others do not, so that no work is done for anybody, the
-  /// one that owes most gives way.
+  /// One piece, of a peer that fetches what it asks for. When others do not, so that no work is done for anybody, of
+  /// those that have fetched nothing meanwhile the one that owes most gives way.
   void work() {
     if (!service_.work) return;
     const auto now = Clock::now();
     if (unsent_bytes() >= limits_.all_unsent_bytes) {
       if (seconds_between(free_at_, now) < kMostBlockedS) return;
-      const auto slowest = std::max_element(connections_.begin(), connections_.end(), [](const auto& a, const auto& b) {
-        return a.second.backlog() < b.second.backlog();
-      });
+      auto slowest = connections_.end();
+      for (auto it = connections_.begin(); it != connections_.end(); ++it) {
+        const bool fetches = seconds_between(it->second.quiet_since, now) < kMostBlockedS;
+        if (fetches || it->second.backlog() == 0) continue;
+        if (slowest == connections_.end() || it->second.backlog() > slowest->second.backlog()) slowest = it;
+      }
+      if (slowest == connections_.end()) return;
       close(slowest);
       ++served_.idle;
     }
@@ -282,9 +294,10 @@ class RpcServing {
     const auto now = Clock::now();
     for (auto it = connections_.begin(); it != connections_.end();) {
       const RpcConnection& connection = it->second;
-      // Who has ended, but for what is answered at once, is not there for later answers.
-      const bool answered = connection.ended && !connection.has_call && connection.backlog() == 0;
-      const bool idle = connection.waiting == 0 && seconds_between(connection.quiet_since, now) > limits_.idle_s;
+      // Who has ended gets what is answered at once, and is not there for later answers.
+      const bool answered =
+          connection.ended && connection.backlog() == 0 && (!connection.has_call || connection.waiting > 0);
+      const bool idle = !waits(connection) && seconds_between(connection.quiet_since, now) > limits_.idle_s;
       const bool gone = connection.broken || answered || idle;
       if (idle && !connection.broken && !answered) ++served_.idle;
       it = gone ? close(it) : std::next(it);

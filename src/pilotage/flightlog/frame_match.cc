@@ -11,6 +11,11 @@
 namespace pilotage {
 namespace {
 
+constexpr double kBytesPerPixel = 5;  ///< To read a picture: its colours, its gray and what of it is valid.
+
+/// To read the picture takes more than MatchOptions::max_memory_mib.
+struct TooLarge {};
+
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -54,8 +59,13 @@ FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const 
   cv::Mat picture;
   Camera sized;
   try {
-    picture = read_gray8_picture(path);
-    sized = camera_for_size(path, camera, picture.cols, picture.rows);
+    picture = read_gray8_picture(path, [&](int width_px, int height_px) {
+      sized = camera_for_size(path, camera, width_px, height_px);
+      if (kBytesPerPixel * width_px * height_px > options.max_memory_mib * 1024 * 1024) throw TooLarge{};
+    });
+  } catch (const TooLarge&) {  // as match() answers what would take more memory than it may
+    done.result.status = MatchStatus::kTooUncertain;
+    return done;
   } catch (const DataError& error) {
     done.problem = error.what();
     return done;

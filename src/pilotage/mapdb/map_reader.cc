@@ -227,7 +227,7 @@ void MapReader::read_tile_columns() {
   Statement statement = database_.prepare(
       "SELECT p.name, p.type, ifnull(d.description, '') FROM pragma_table_info('tiles') p LEFT JOIN gpkg_data_columns "
       "d "
-      "ON d.table_name = 'tiles' AND d.column_name = p.name ORDER BY p.cid",
+      "ON d.table_name = 'tiles' AND d.column_name = p.name",  // as they are declared: to sort takes memory uncounted
       "tiles");
   std::set<std::string, std::less<>> own(kOwnTileColumns.begin(), kOwnTileColumns.end());
   own.emplace("geom");

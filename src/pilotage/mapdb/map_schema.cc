@@ -107,7 +107,7 @@ const WrittenSchema& written() {
 
 /// Whether `sql` is a list of columns of stages as column_list writes it, and the end.
 bool ends_with_columns(std::string_view sql) {
-  while (sql.starts_with(", \"")) {
+  for (std::size_t columns = 0; columns < kMaxColumns && sql.starts_with(", \""); ++columns) {
     sql.remove_prefix(3);
     const std::size_t quote = sql.find('"');
     if (quote == std::string_view::npos || !good_name(sql.substr(0, quote)) || reserved_name(sql.substr(0, quote))) {
@@ -298,15 +298,17 @@ std::string create_rtree_triggers() {
 
 MapDeclarations read_declarations(const Database& database) {
   MapDeclarations declared;
-  Statement statement = database.prepare("SELECT type, name, sql FROM sqlite_master", "schema");
+  Statement statement = database.prepare("SELECT type, name, sql, tbl_name FROM sqlite_master", "schema");
+  std::size_t rows = 0;
   while (statement.step()) {
-    const bool own_index = statement.text(0) == "index" && statement.is_null(2);
-    if (own_index) continue;
     std::string name(statement.text(1));
-    if (declared.size() == kMaxDeclarations || declared.contains(name)) {
+    static_cast<void>(statement.text(3));  // counts its bytes
+    if (++rows > kMaxDeclarations || declared.contains(name)) {
       throw DataError(database.name() + ": declares " +
                       (declared.contains(name) ? name + " twice" : "more than a map has"));
     }
+    const bool own_index = statement.text(0) == "index" && statement.is_null(2);
+    if (own_index) continue;
     declared.emplace(std::move(name), statement.text(2));
   }
   return declared;

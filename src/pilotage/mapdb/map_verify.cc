@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <functional>
+#include <new>
 #include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
+
+#include <pthread.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/mapdb/chip_codec.h"
@@ -57,6 +61,32 @@ struct Examination {
     }
   }
 };
+
+/// Runs `work` on a thread of its own with so large a stack, and throws what it throws.
+void run_with_stack(std::size_t stack_bytes, const std::function<void()>& work) {
+  struct Job {
+    const std::function<void()>& work;
+    std::exception_ptr thrown;
+  } job{work, nullptr};
+  const auto run = [](void* given) -> void* {
+    auto& own = *static_cast<Job*>(given);
+    try {
+      own.work();
+    } catch (...) {
+      own.thrown = std::current_exception();
+    }
+    return nullptr;
+  };
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, stack_bytes);
+  pthread_t thread{};
+  const int failed = pthread_create(&thread, &attributes, run, &job);
+  pthread_attr_destroy(&attributes);
+  if (failed != 0) throw std::bad_alloc();
+  pthread_join(thread, nullptr);
+  if (job.thrown) std::rethrow_exception(job.thrown);
+}
 
 void check_structure(Examination& e) {
   Statement integrity = e.database.prepare("PRAGMA integrity_check(20)");
@@ -223,12 +253,20 @@ void check_content(Examination& e) {
   }
 }
 
-/// From what trusts the file least to what walks its structure.
+/// SQLite's check of its structure calls itself once for each page of a chain, which a forged index may be as long as
+/// the file: so much stack for each. Pages that are not touched take no memory.
+constexpr std::size_t kStackBytesPerPage = 1024;
+constexpr std::size_t kMinStackBytes = std::size_t{8} << 20;
+
+/// From what trusts the file least to what walks its structure. Where not even all rows can be read within what a file
+/// of its size may cost, nothing else is tried.
 void examine(Examination& e) {
   report_progress(e.progress, "digest of all rows", 0, 0);
-  e.guard("map_info", std::nullopt, [&] { check_content(e); });
+  check_content(e);
   report_progress(e.progress, "checking the file", 0, 0);
-  e.guard("", std::nullopt, [&] { check_structure(e); });
+  const auto pages = static_cast<std::size_t>(e.database.query_integer("PRAGMA page_count"));
+  e.guard("", std::nullopt,
+          [&] { run_with_stack(kMinStackBytes + kStackBytesPerPage * pages, [&] { check_structure(e); }); });
   std::vector<MapTile> tiles;
   e.guard("tiles", std::nullopt, [&] { tiles = e.reader.tiles(); });
   e.report.tiles = static_cast<std::int64_t>(tiles.size());

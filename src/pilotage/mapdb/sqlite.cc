@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -21,7 +22,8 @@ struct ReadingCost {
   std::int64_t file_bytes = 0;
   std::int64_t limit = 0;  // steps and pages
   std::int64_t steps = 0;
-  std::int64_t first_page = 0;  // how many had been read when the counting began
+  std::int64_t first_page = 0;   // how many had been read when the counting began
+  std::int64_t page_weight = 1;  // a page of 64 KiB takes as long as sixteen of the usual size
   std::function<void()> checkpoint;
   std::exception_ptr failure;  // what the checkpoint threw
 
@@ -37,7 +39,12 @@ struct ReadingCost {
     return pages;
   }
 
-  bool spent() const { return steps + pages_read() - first_page > limit; }
+  bool spent() const {
+    constexpr std::int64_t kCounterEnd = std::int64_t{1} << 31;  // SQLite's counters go from there to 0
+    std::int64_t pages = pages_read() - first_page;
+    while (pages < 0) pages += kCounterEnd;
+    return steps + page_weight * pages > limit;
+  }
   bool stopped() const { return failure != nullptr || spent(); }
 
   void renew() {
@@ -60,6 +67,15 @@ namespace {
 // Every value stands in the file once; columns may be read twice.
 constexpr std::int64_t kReadsPerByte = 4;
 constexpr int kStepsBetweenCalls = 1000;
+
+/// As sqlite3_set_authorizer wants it. When SQLite loads a schema it reads the statistics of ANALYZE by itself, before
+/// anybody can look at how their table is declared; no map has any.
+int refuse_statistics(void* /*unused*/, int action, const char* table, const char* /*column*/, const char* /*database*/,
+                      const char* /*trigger*/) {
+  const bool statistics =
+      action == SQLITE_READ && table != nullptr && std::string_view(table).starts_with("sqlite_stat");
+  return statistics ? SQLITE_DENY : SQLITE_OK;
+}
 
 /// As sqlite3_progress_handler wants it: not 0 ends the statement.
 int count_steps(void* reading_cost) {
@@ -95,9 +111,9 @@ std::string uri_of(const std::filesystem::path& path, const char* query) {
 /// What failed, as an exception: a chunk that is not what was signed, a cost that is spent, or what SQLite says.
 [[noreturn]] void throw_failure(const std::string& name, int code, sqlite3* database, const ReadingCost* cost) {
   if (code == SQLITE_NOMEM) throw std::bad_alloc();
-  if (cost != nullptr) cost->throw_if_stopped();
   const std::string message = name + ": " + sqlite3_errmsg(database);
   rethrow_chunk_failure(database);
+  if (cost != nullptr) cost->throw_if_stopped();
   throw DataError(message);
 }
 
@@ -292,10 +308,11 @@ Database Database::create(const std::filesystem::path& path, std::string name) {
 }
 
 Database Database::open_untrusted(const std::filesystem::path& path, int max_value_bytes) {
-  Database result(path, path.string(), uri_of(path, "?mode=ro&immutable=1"), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
   std::error_code error;
-  const std::uintmax_t file_bytes = std::filesystem::file_size(path, error);
+  const std::uintmax_t file_bytes =
+      std::filesystem::file_size(path, error);  // also tells pipes, which would be waited for
   if (error) throw DataError(path.string() + ": cannot be read: " + error.message());
+  Database result(path, path.string(), uri_of(path, "?mode=ro&immutable=1"), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
   result.distrust(file_bytes, max_value_bytes);
   return result;
 }
@@ -350,6 +367,7 @@ void Database::distrust(std::uintmax_t file_bytes, int max_value_bytes) {
                   .failure = {}});
   cost_->renew();
   sqlite3_progress_handler(database_.get(), kStepsBetweenCalls, count_steps, cost_.get());
+  sqlite3_set_authorizer(database_.get(), refuse_statistics, nullptr);
   sqlite3* database = database_.get();
   for (const auto& [option, value] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1},
                                       {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
@@ -371,6 +389,8 @@ void Database::distrust(std::uintmax_t file_bytes, int max_value_bytes) {
   sqlite3_limit(database, SQLITE_LIMIT_ATTACHED, 0);
   sqlite3_limit(database, SQLITE_LIMIT_WORKER_THREADS, 0);
   execute("PRAGMA cell_size_check=ON; PRAGMA temp_store=MEMORY; PRAGMA mmap_size=0;");
+  constexpr std::int64_t kUsualPageBytes = 4096;
+  cost_->page_weight = std::max<std::int64_t>(1, query_integer("PRAGMA page_size") / kUsualPageBytes);
 }
 
 void Database::close() {

@@ -272,12 +272,13 @@ GraySource open_gray(const std::string& dataset, const ImageryOptions& options) 
   return share_blocks(source_on_own_pixels(inspect_imagery(dataset, options), options));
 }
 
-cv::Mat read_gray8_picture(const std::string& dataset) {
+cv::Mat read_gray8_picture(const std::string& dataset, const std::function<void(int width, int height)>& accept) {
   const ImageryInfo info = inspect_picture(dataset);
   if (std::int64_t{info.width_px} * info.height_px > kMaxPicturePixels) {
     throw DataError(dataset + ": has " + std::to_string(info.width_px) + " x " + std::to_string(info.height_px) +
                     " pixels, a frame at most " + std::to_string(kMaxPicturePixels));
   }
+  if (accept) accept(info.width_px, info.height_px);
   const GraySource source = stretch_to_8bit(source_on_own_pixels(info, {}));
   Raster raster = source.read({0, 0, info.width_px, info.height_px});
   if (info.mask != MaskKind::kNone) raster.pixels.setTo(0, raster.valid == 0);

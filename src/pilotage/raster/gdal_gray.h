@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,10 @@ GraySource open_gray(const std::string& dataset, const ImageryOptions& options =
 
 /// A picture that needs no place on the ground, such as a frame of a camera: by the same rules, as it is stored (an
 /// orientation that EXIF states is not applied, because a calibration refers to the stored pixels), in 8 bits
-/// (stretch_to_8bit), 0 where it is not valid. Throws as inspect_picture, and DataError when it has more than 2^29
-/// pixels or its data cannot be read.
-cv::Mat read_gray8_picture(const std::string& dataset);
+/// (stretch_to_8bit), 0 where it is not valid. `accept` is told its size, pixels, before anything of them is read or
+/// memory taken for them, and may throw. Throws as inspect_picture, and DataError when it has more than 2^29 pixels or
+/// its data cannot be read.
+cv::Mat read_gray8_picture(const std::string& dataset, const std::function<void(int width, int height)>& accept = {});
 
 /// One or several rasters of any CRS on a mission grid of width_px × height_px pixels, later ones on top where valid.
 /// `map_from_pixel` must be north-up (no rotation, y downwards), in `crs`. Overviews are used when the grid is coarser

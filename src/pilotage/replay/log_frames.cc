@@ -210,9 +210,9 @@ LogFrames frames_of_log(const VehicleLog& log, const LogFrameOptions& options, c
   }
   if (const std::string text = left_out.text(); !text.empty()) frames.notes.push_back(text);
   if (frames.rows.empty()) {
-    throw DataError(captures.empty()
-                        ? "the log has no capture or trigger of a camera, and no imagery to render from is given"
-                        : "no frame has all that matching needs; " + left_out.text());
+    if (!captures.empty()) throw DataError("no frame has all that matching needs; " + left_out.text());
+    throw DataError(make_up ? "the log has no true position, of GNSS or a simulator, to render frames at"
+                            : "the log has no capture or trigger of a camera, and no imagery to render from is given");
   }
   if (!ground.unreadable().empty()) {
     frames.notes.push_back("the plan's elevation model is not used: " + ground.unreadable());

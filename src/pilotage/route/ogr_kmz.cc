@@ -22,9 +22,32 @@ bool is_document(std::string path) {
   return path.ends_with(".kml") || path.ends_with(".wpml");
 }
 
+/// Of an archive: a mission has some dozen. GDAL lists them in time that grows with the square of their number.
+constexpr std::size_t kMostEntries = 1000;
+
+/// What the end of the archive says (APPNOTE.TXT 4.3.16), which is what GDAL goes by. Throws DataError when there are
+/// too many, or the archive is of the form for more than 65,535.
+void check_entry_count(const std::string& name, std::string_view bytes) {
+  constexpr std::size_t kEndBytes = 22;
+  constexpr std::size_t kLongestComment = 65535;
+  const std::string_view tail = bytes.substr(bytes.size() - std::min(bytes.size(), kEndBytes + kLongestComment));
+  const std::size_t end = tail.rfind("PK\x05\x06");
+  if (end == std::string_view::npos || end + kEndBytes > tail.size()) return;  // GDAL says that it is no archive
+  const auto byte = [&](std::size_t at) {
+    return static_cast<std::size_t>(static_cast<unsigned char>(tail[end + at]));
+  };
+  const std::size_t entries = byte(10) | byte(11) << 8;
+  const bool is_long = tail.substr(0, end).find("PK\x06\x07") != std::string_view::npos;
+  if (entries <= kMostEntries && !is_long) return;
+  throw DataError(name + ": cannot be read as KMZ: the archive holds " +
+                  (is_long ? "a directory for more than 65535" : std::to_string(entries)) + " entries, at most " +
+                  std::to_string(kMostEntries) + " are allowed");
+}
+
 }  // namespace
 
 std::vector<KmzDocument> unpack_kmz(const std::string& name, std::string_view bytes) {
+  check_entry_count(name, bytes);
   const GdalErrors errors;
   const OgrMemoryFile archive(bytes, "kmz");
   const std::string folder = "/vsizip/" + archive.path();

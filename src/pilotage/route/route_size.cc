@@ -28,6 +28,19 @@ void check_value_count(const std::string& name, std::size_t values) {
                   std::to_string(kMaxValues) + "; leave out what is not flown");
 }
 
+/// Attributes of an element, as far as the marks between two "<" tell: parsers keep all of them until the element
+/// begins.
+void check_attribute_count(const std::string& name, std::string_view text) {
+  constexpr std::size_t kMostAttributes = 10'000;
+  std::size_t marks = 0;
+  for (const char c : text) {
+    if (c == '<') marks = 0;
+    if (c == '=' && ++marks > kMostAttributes) {
+      throw DataError(name + ": has an element of more than " + std::to_string(kMostAttributes) + " attributes");
+    }
+  }
+}
+
 }  // namespace
 
 void check_position_count(const std::string& name, std::size_t positions) {
@@ -50,11 +63,13 @@ void check_json_route_size(const std::string& name, std::string_view text) {
 }
 
 void check_gpx_size(const std::string& name, std::string_view text) {
+  check_attribute_count(name, text);
   check_position_count(name, count(text, "lat="));
   check_value_count(name, count(text, '<'));
 }
 
 void check_kml_size(const std::string& name, std::string_view text) {
+  check_attribute_count(name, text);
   check_position_count(name, count(text, ',') / 2);  // "16.5,55.5,120"; "16.5,55.5" counts half
   check_value_count(name, count(text, '<') + count(text, ','));
 }

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pilotage/base/error.h"
@@ -39,37 +41,64 @@ std::string_view take_recording_line(std::string_view& rest) {
   return line;
 }
 
-std::vector<std::string_view> split_at(char mark, std::string_view line) {
+/// Of a row, and pictures in a cell: recordings have some ten.
+constexpr std::size_t kMostCells = 1000;
+
+/// The first cells, at most `most`.
+std::vector<std::string_view> split_at(char mark, std::string_view line, std::size_t most = kMostCells) {
   std::vector<std::string_view> cells;
-  for (;;) {
+  while (cells.size() < most) {
     const std::size_t end = std::min(line.find(mark), line.size());
     cells.push_back(line.substr(0, end));
-    if (end == line.size()) return cells;
+    if (end == line.size()) break;
     line.remove_prefix(end + 1);
   }
+  return cells;
 }
 
-std::optional<std::size_t> column_index(const std::vector<std::string_view>& names, const ColumnNames& column) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == column.name || names[i] == column.first_name) return i;
+/// The first line: where each column stands in a row.
+class RecordingColumns {
+ public:
+  /// Throws DataError, beginning with `name`, when one that is needed is missing, or there are too many.
+  RecordingColumns(const std::string& name, std::string_view line) : names_(split_at('\t', line, kMostCells + 1)) {
+    if (names_.size() > kMostCells) {
+      throw DataError(name + ": line 1: an AirSim recording of more than " + std::to_string(kMostCells) + " columns");
+    }
+    for (std::size_t i = 0; i < names_.size(); ++i) indices_.try_emplace(names_[i], i);
+    for (const ColumnNames& needed : {kTime, kNorth, kEast, kDown, kTurnW, kTurnX, kTurnY, kTurnZ, kPicture}) {
+      if (index(needed)) continue;
+      throw DataError(name + ": line 1: column \"" + std::string(needed.name) + "\" (or \"" +
+                      std::string(needed.first_name) + "\") of an AirSim recording is missing");
+    }
   }
-  return std::nullopt;
-}
 
-/// A row, with the columns of the first line.
+  std::size_t count() const { return names_.size(); }
+  std::optional<std::size_t> index(const ColumnNames& column) const {
+    for (const std::string_view name : {column.name, column.first_name}) {
+      if (const auto found = indices_.find(name); found != indices_.end()) return found->second;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::vector<std::string_view> names_;
+  std::map<std::string_view, std::size_t> indices_;
+};
+
+/// A row; what stands behind the columns of the first line has no name.
 class RecordingRow {
  public:
-  RecordingRow(const std::vector<std::string_view>& names, std::vector<std::string_view> cells)
-      : names_(names), cells_(std::move(cells)) {}
+  RecordingRow(const RecordingColumns& columns, std::string_view line)
+      : columns_(columns), cells_(split_at('\t', line, columns.count())) {}
 
   std::string_view text(const ColumnNames& column) const {
-    const auto index = column_index(names_, column);
+    const auto index = columns_.index(column);
     return index && *index < cells_.size() ? cells_[*index] : std::string_view();
   }
   double number(const ColumnNames& column) const { return parse_number(text(column)).value_or(kNaN); }
 
  private:
-  const std::vector<std::string_view>& names_;
+  const RecordingColumns& columns_;
   std::vector<std::string_view> cells_;
 };
 
@@ -163,25 +192,23 @@ void take_recording_row(const RecordingRow& row, const LocalFrame& frame, double
 bool is_airsim_recording(std::string_view text) {
   text = without_byte_order_mark(text);
   const std::vector<std::string_view> names = split_at('\t', take_recording_line(text));
-  return names.size() > 1 && column_index(names, kTime) && column_index(names, kPicture);
+  const auto has = [&](const ColumnNames& column) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](std::string_view name) { return name == column.name || name == column.first_name; });
+  };
+  return names.size() > 1 && has(kTime) && has(kPicture);
 }
 
 VehicleLog parse_airsim_recording(const std::string& name, std::string_view text, const LogOrigin& origin) {
   std::string_view rest = without_byte_order_mark(text);
-  const std::vector<std::string_view> names = split_at('\t', take_recording_line(rest));
-  for (const ColumnNames& needed : {kTime, kNorth, kEast, kDown, kTurnW, kTurnX, kTurnY, kTurnZ, kPicture}) {
-    if (!column_index(names, needed)) {
-      throw DataError(name + ": line 1: column \"" + std::string(needed.name) + "\" (or \"" +
-                      std::string(needed.first_name) + "\") of an AirSim recording is missing");
-    }
-  }
+  const RecordingColumns columns(name, take_recording_line(rest));
   LogBuilder builder(LogFormat::kAirSim);
   const LocalFrame frame(origin.point);
   std::string vehicle;
   while (!rest.empty()) {
     const std::string_view line = take_recording_line(rest);
     if (line.empty()) continue;
-    const RecordingRow row(names, split_at('\t', line));
+    const RecordingRow row(columns, line);
     const std::string_view of(row.text({kVehicle, kVehicle}));
     if (vehicle.empty()) vehicle = of;
     if (of != vehicle) {

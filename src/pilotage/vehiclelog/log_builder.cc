@@ -165,6 +165,12 @@ void LogBuilder::take_ranges(Part& part) {
   sort_by_time(part.log.ranges);
 }
 
+void LogBuilder::leave_out_source(const std::string& source) {
+  constexpr std::size_t kMostSources = 50;
+  const bool known = losses_.other_sources.contains(source);
+  ++losses_.other_sources[known || losses_.other_sources.size() < kMostSources ? source : "other sources"];
+}
+
 void LogBuilder::add_capture(LoggedCapture capture) {
   if (capture.point && !is_logged_point(capture.point->lat_deg, capture.point->lon_deg)) capture.point.reset();
   if (capture.attitude && !is_attitude(*capture.attitude)) capture.attitude.reset();

@@ -36,7 +36,8 @@ class LogBuilder {
   void add_range(double time_s, const std::string& sensor, double range_m);
   /// A reading that says no distance.
   void leave_out_range() { ++losses_.ranges_left_out; }
-  void leave_out_source(const std::string& source) { ++losses_.other_sources[source]; }
+  /// Beyond 50 names they are counted together.
+  void leave_out_source(const std::string& source);
   /// Without its point, attitude or heights where these are not sound.
   void add_capture(LoggedCapture capture);
   void set_utc(double utc_minus_log_s);

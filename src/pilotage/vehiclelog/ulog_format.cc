@@ -56,6 +56,9 @@ bool UlogFormats::add(std::string_view text) {
     if (!count) return false;
     fields.push_back({std::string(type.substr(0, type.find('['))), *count, std::string(part.substr(blank + 1))});
   }
+  const std::size_t added = fields.size() + 1;  // a format without fields takes memory, too
+  if (added > kMostFields - field_count_) return false;
+  field_count_ += added;
   sizes_.clear();
   formats_[std::string(text.substr(0, colon))] = std::move(fields);
   return true;

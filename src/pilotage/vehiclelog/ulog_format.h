@@ -20,7 +20,8 @@ struct UlogNumbers {
 /// followed by [count].
 class UlogFormats {
  public:
-  /// Takes the text of a format message; what is no format is left out (false).
+  /// Takes the text of a format message; what is no format is left out (false), and so are formats beyond
+  /// kMostFields fields in all: real logs have some thousand, and one takes twenty times its bytes in memory.
   bool add(std::string_view text);
 
   /// Where `field` of the format `message` lies: a name, or names of nested fields with dots ("status.q"). Nothing when
@@ -38,7 +39,10 @@ class UlogFormats {
   std::optional<std::size_t> size_of(const std::string& type, int depth) const;
   std::optional<std::size_t> compute_size(const std::string& type, int depth) const;
 
+  static constexpr std::size_t kMostFields = 200'000;
+
   std::map<std::string, std::vector<Field>> formats_;
+  std::size_t field_count_ = 0;
   mutable std::map<std::string, std::optional<std::size_t>> sizes_;
 };
 
