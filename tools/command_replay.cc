@@ -384,29 +384,31 @@ bool has_inertial_priors(const std::vector<ReplayedFlight>& flights) {
 void write_outputs(const Replay& replay, const std::string& json, const ReplaySetup& setup, bool chips) {
   const ReplayCommandOptions& options = setup.options;
   const Invocation& invocation = setup.invocation;
-  OutputFile output(invocation.output, invocation.overwrite);
-  output.write(json);
   std::vector<const OutputFile*> outputs;
+  std::optional<StagingFolder> folder;  // made where there is none, and gone again if the files do not come
+  std::optional<OutputFile> evaluation_json;
+  std::optional<OutputFile> evaluation_csv;
+  if (!options.evaluation.empty()) {
+    EvaluationSource source;
+    source.inputs = invocation.inputs;
+    source.software_version = "pilotage " PILOTAGE_VERSION;
+    source.seed = invocation.seed;
+    const CalibrationFiles files = calibration_files(replay, chips, source);
+    const std::filesystem::path place(options.evaluation);
+    folder.emplace(place);
+    evaluation_json.emplace(place / "evaluation.json", invocation.overwrite).write(files.json);
+    evaluation_csv.emplace(place / "evaluation.csv", invocation.overwrite).write(files.csv);
+    outputs = {&*evaluation_json, &*evaluation_csv};
+  }
   std::optional<OutputFile> fixes;
   if (!options.fixes.empty()) {
     fixes.emplace(options.fixes, invocation.overwrite).write(fix_table_to_csv(setup.matches, false));
     outputs.push_back(&*fixes);
   }
-  outputs.push_back(&output);
-  if (options.evaluation.empty()) return OutputFile::commit(outputs, {});
-
-  EvaluationSource source;
-  source.inputs = invocation.inputs;
-  source.software_version = "pilotage " PILOTAGE_VERSION;
-  source.seed = invocation.seed;
-  const CalibrationFiles files = calibration_files(replay, chips, source);
-  const std::filesystem::path folder(options.evaluation);
-  const StagingFolder staging(folder);
-  const std::vector<std::string> names = {"evaluation.json", "evaluation.csv"};
-  for (const std::string& name : names) OutputFile(folder / name, invocation.overwrite);  // refuses what stands there
-  write_file(staging / names[0], files.json, false);
-  write_file(staging / names[1], files.csv, false);
-  staging.publish(names, {}, outputs);
+  OutputFile output(invocation.output, invocation.overwrite);
+  output.write(json);
+  outputs.push_back(&output);  // the last: where it stands, the others do
+  OutputFile::commit(outputs, {});
 }
 
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {

@@ -84,8 +84,9 @@ def cases():
         Case("simulate", ["simulate", "out", "--flights", "3", "-o", "new/s.json", "--tracks", "new/t.gpkg"],
              ["simulate", "out", "--flights", "4", "-o", "new/s.json", "--tracks", "new/t.gpkg", *fresh], "s.json", 4),
         Case("replay", ["replay", "fix.csv", "--plan", "out", "--correct-within-m", "9", "-o", "new/r.json", "--fixes", "new/f.csv",
-                        "--evaluation", "new"],
-             ["replay", "fix.csv", "--plan", "out", "-o", "new/r.json", "--fixes", "new/f.csv", "--evaluation", "new", *fresh], "r.json", 3),
+                        "--evaluation", "new/ev"],
+             ["replay", "fix.csv", "--plan", "out", "-o", "new/r.json", "--fixes", "new/f.csv", "--evaluation", "new/ev", *fresh],
+             "r.json", 3),
         Case("reroute", [*reroute, "--speed-mps", "17"], [*reroute, *fresh], "better.plan", 8),
     )
 
@@ -236,14 +237,17 @@ def digest(data):
 
 
 def state_of(folder):
-    """The outputs that stand in a folder, by name, and what is hidden there."""
+    """The outputs that stand in a folder and in those in it, by name, and what is hidden or empty there."""
     files, leftovers = {}, []
-    if folder.is_dir():
-        for path in sorted(folder.iterdir()):
-            if path.name.startswith(".") or path.is_dir():
-                leftovers.append(path.name)
-            else:
-                files[path.name] = digest(path.read_bytes())
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if path.name.startswith(".") or path.is_dir() and not any(path.iterdir()):
+            leftovers.append(path.name)
+        elif path.is_dir():
+            inside, left = state_of(path)
+            files.update({f"{path.name}/{name}": content for name, content in inside.items()})
+            leftovers += [f"{path.name}/{name}" for name in left]
+        else:
+            files[path.name] = digest(path.read_bytes())
     return files, leftovers
 
 
@@ -282,7 +286,7 @@ def disks_after_cuts(lines, out, old, disk):
 
     def outputs(entries):
         return {path[len(out) + 1:]: contents.get(file, empty) for path, file in entries.items()
-                if path.startswith(out + "/") and "/" not in path[len(out) + 1:] and path[len(out) + 1] != "."}
+                if path.startswith(out + "/") and "/." not in path[len(out):]}
 
     for number, call, path, *second in lines:
         if call in ("fsync", "fdatasync"):

@@ -35,11 +35,15 @@ void sync_to_disk(const fs::path& path, const fs::path& named) {
   }
 }
 
-void sync_folders(const std::vector<fs::path>& files) {
+std::vector<fs::path> folders_of(const std::vector<fs::path>& files) {
   std::vector<fs::path> folders;
-  for (const fs::path& file : files) folders.push_back(folder_of(file));
-  std::sort(folders.begin(), folders.end());
-  folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
+  for (const fs::path& file : files) {
+    if (std::find(folders.begin(), folders.end(), folder_of(file)) == folders.end()) folders.push_back(folder_of(file));
+  }
+  return folders;
+}
+
+void sync_folders(const std::vector<fs::path>& folders) {
   for (const fs::path& folder : folders) sync_to_disk(folder, folder);
 }
 
@@ -106,7 +110,7 @@ void OutputFile::commit() {
   std::error_code error;
   fs::rename(temporary_, destination_, error);
   if (error) throw DataError(destination_.string() + ": cannot be created: " + error.message());
-  sync_folders({destination_});
+  sync_folders({folder_of(destination_)});
 }
 
 void OutputFile::commit(const std::vector<const OutputFile*>& outputs, const std::vector<fs::path>& stale) {
@@ -135,9 +139,13 @@ void replace_together(const std::vector<FileMove>& moves, const std::vector<fs::
   Renames renames;
   std::size_t number = 0;
   for (const fs::path& path : old) renames.rename(path, aside / ("old-" + std::to_string(number++)));
-  for (const FileMove& move : moves) renames.rename(move.from, move.to);
+  std::vector<fs::path> folders = folders_of(all);
   try {
-    sync_folders(all);
+    // Each folder reaches the disk by itself: old files must be gone from all of them before a new one comes to any.
+    if (folders.size() > 1 && !old.empty()) sync_folders(folders);
+    for (const FileMove& move : moves) renames.rename(move.from, move.to);
+    std::reverse(folders.begin(), folders.end());  // that of the last file last
+    sync_folders(folders);
   } catch (const DataError&) {
     renames.take_back();
     throw;
