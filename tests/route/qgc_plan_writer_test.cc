@@ -23,7 +23,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Json simple(int number, int command, int frame, std::vector<double> params) {
+Json simple(int number, int command, int frame, const std::vector<double>& params) {
   Json list = Json::array();
   for (const double param : params) list.push_back(json_number(param));
   return {{"autoContinue", true}, {"command", command},   {"doJumpId", number},       {"frame", frame},
