@@ -49,6 +49,18 @@ void raise_vehicle(const Served& server) {
   client.call("simSetVehiclePose", {to_rpc(kServedDialect, AirsimPose{{0, 0, -50}, {}}), true, std::string()});
 }
 
+/// A connection that has asked for more images than the system's buffers hold.
+Descriptor asks_and_fetches_nothing(const Served& server) {
+  Descriptor connection = connect_to(server.address(), testing::soon());
+  RpcBytes calls;
+  for (std::uint64_t number = 0; number < 400; ++number) {
+    const RpcBytes call = call_bytes(number, "simGetImages", images(16));
+    calls.insert(calls.end(), call.begin(), call.end());
+  }
+  testing::send_bytes(connection, calls);
+  return connection;
+}
+
 /// A scene that counts the frames it draws, each of which takes a while.
 struct SlowScene {
   std::atomic<int> drawn{0};
@@ -144,15 +156,7 @@ TEST(RpcServer, BoundsWhatPeersDoNotFetch) {
   Served server(simulation.service(), limits);
   raise_vehicle(server);
   std::vector<Descriptor> slow;
-  for (int i = 0; i < 4; ++i) {
-    slow.push_back(connect_to(server.address(), testing::soon()));
-    RpcBytes calls;
-    for (std::uint64_t number = 0; number < 400; ++number) {
-      const RpcBytes call = call_bytes(number, "simGetImages", images(16));
-      calls.insert(calls.end(), call.begin(), call.end());
-    }
-    testing::send_bytes(slow.back(), calls);
-  }
+  for (int i = 0; i < 4; ++i) slow.push_back(asks_and_fetches_nothing(server));
   RpcClient honest(server.address(), kWaitS);
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(from_rpc<std::vector<AirsimImage>>(kServedDialect, honest.call("simGetImages", images(16)), "").size(),
@@ -166,13 +170,7 @@ TEST(RpcServer, ClosesWhoOwesMostWhenNoWorkCanBeDone) {
   limits.all_unsent_bytes = 1;  // any answer that its peer does not fetch
   Served server(simulation.service(), limits);
   raise_vehicle(server);
-  const Descriptor slow = connect_to(server.address(), testing::soon());
-  RpcBytes calls;
-  for (std::uint64_t number = 0; number < 400; ++number) {
-    const RpcBytes call = call_bytes(number, "simGetImages", images(16));
-    calls.insert(calls.end(), call.begin(), call.end());
-  }
-  testing::send_bytes(slow, calls);
+  const Descriptor slow = asks_and_fetches_nothing(server);
   RpcClient honest(server.address(), kWaitS);
   // What the system's own buffers take is not owed yet; then the slow one is closed, and the honest one goes on.
   while (server.idle() == 0) honest.call("simGetImages", images(1));
@@ -187,13 +185,7 @@ TEST(RpcServer, ClosesWhoAsksAndFetchesNothing) {
   limits.idle_s = 0.3;
   Served server(simulation.service(), limits);
   raise_vehicle(server);
-  const Descriptor slow = connect_to(server.address(), testing::soon());
-  RpcBytes calls;
-  for (std::uint64_t number = 0; number < 400; ++number) {
-    const RpcBytes call = call_bytes(number, "simGetImages", images(16));
-    calls.insert(calls.end(), call.begin(), call.end());
-  }
-  testing::send_bytes(slow, calls);
+  const Descriptor slow = asks_and_fetches_nothing(server);
   const auto end = testing::soon();
   while (server.idle() == 0 && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -53,7 +53,7 @@ struct RpcServerLimits {
   std::size_t connections = 32;  ///< One more takes the place of the one that has been quiet for longest.
   /// Of answers that a peer does not fetch: no more of its calls are taken, and no work is done for it, until it has.
   std::size_t unsent_bytes = std::size_t{1} << 20;
-  /// Of all connections: no work is done meanwhile, and when this lasts the one that fetches least is closed.
+  /// Of all connections: no work is done meanwhile; of those that fetch nothing for a second who owes most is closed.
   std::size_t all_unsent_bytes = std::size_t{64} << 20;
   std::size_t waiting_calls = 16;  ///< Of one connection, that are answered later.
   double may_give_way_s = 10;      ///< So long a connection has been quiet that gives way to a new one.
