@@ -190,6 +190,9 @@ ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames) {
   } else {
     matches = match_flight(open_map, frames.frames, options.match, invocation.threads, invocation.progress);
   }
+  for (const FrameMatch& match : matches) {
+    if (match.readable()) require_frame_was_tried(match.result, setup.map);
+  }
   flight.frames = replayed_frames(matches, frames.frames, options.match, options.correct_within_m);
   setup.matches.insert(setup.matches.end(), matches.begin(), matches.end());
   return flight;

@@ -1,16 +1,82 @@
 #include "interruption.h"
 
 #include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "exit_code.h"
+#include <poll.h>
+#include <pthread.h>
+#include <semaphore.h>
+#include <unistd.h>
+
+#include "pilotage/base/work_folder.h"
 
 namespace pilotage {
 namespace {
 
+constexpr auto kPatience = std::chrono::milliseconds(800);
+
 std::atomic<bool> requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
+/// What the thread that keeps deadlines knows. Never destroyed: it outlives main().
+struct Keeper {
+  sem_t signals{};
+  std::mutex access;
+  bool keeps_deadlines = false;
+  std::function<void()> last_words;
+};
+
+Keeper& keeper() {
+  static auto* const one = [] {
+    auto* const made = new Keeper;
+    ::sem_init(&made->signals, 0, 0);
+    return made;
+  }();
+  return *one;
+}
+
+std::atomic<sem_t*> signals{nullptr};  // for the handler
+
 void remember(int /*signal*/) {
+  const int error = errno;
   requested = true;
+  if (sem_t* const arrived = signals.load()) ::sem_post(arrived);
+  errno = error;
+}
+
+/// A thread that hangs in writing there would hold up the last words, too.
+bool takes_words() {
+  pollfd streams[] = {{STDOUT_FILENO, POLLOUT, 0}, {STDERR_FILENO, POLLOUT, 0}};
+  return ::poll(streams, 2, 0) == 2;
+}
+
+void keep_deadlines() {
+  Keeper& all = keeper();
+  for (;;) {
+    if (::sem_wait(&all.signals) != 0) continue;
+    std::this_thread::sleep_for(kPatience);
+    const std::lock_guard lock(all.access);
+    if (!all.keeps_deadlines) continue;
+    abandon_work_folders();
+    if (all.last_words && takes_words()) all.last_words();
+    ::_exit(kExitInterrupted);
+  }
+}
+
+/// The thread gets no signals: those that arrive end the waiting of the others.
+void start_keeper() {
+  sigset_t all_signals;
+  sigset_t before;
+  ::sigfillset(&all_signals);
+  ::pthread_sigmask(SIG_SETMASK, &all_signals, &before);
+  std::thread(keep_deadlines).detach();
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 }  // namespace
@@ -32,6 +98,30 @@ void watch_for_interruption() {
 
 bool interruption_requested() {
   return requested;
+}
+
+InterruptionDeadline::InterruptionDeadline(std::function<void()> last_words) {
+  Keeper& all = keeper();
+  static const bool started = [&] {
+    start_keeper();
+    return true;
+  }();
+  static_cast<void>(started);
+  signals = &all.signals;
+  const std::lock_guard lock(all.access);
+  all.keeps_deadlines = true;
+  all.last_words = std::move(last_words);
+}
+
+InterruptionDeadline::~InterruptionDeadline() {
+  const std::lock_guard lock(keeper().access);
+  keeper().keeps_deadlines = false;
+  keeper().last_words = nullptr;
+}
+
+void InterruptionDeadline::fall_silent() {
+  const std::lock_guard lock(keeper().access);
+  keeper().last_words = nullptr;
 }
 
 }  // namespace pilotage

@@ -266,7 +266,7 @@ void print_result(const Command& command, const CommonOptions& common, const Com
 }
 
 int run_command(const std::vector<Command>& commands, const Command& command, const std::vector<std::string>& arguments,
-                std::ostream& out, std::ostream& err) {
+                std::ostream& out, std::ostream& err, InterruptionDeadline& deadline) {
   CommonOptions common;
   const OptionList common_fields = common_fields_for(command, common);
   const ParsedLine line = parse_line({&command.options, &common_fields}, arguments);
@@ -306,13 +306,14 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
     meter.clear();
     throw;
   }
+  deadline.fall_silent();
   meter.clear();
   print_result(command, common, result, spool, out, err);
   return result.exit_code;
 }
 
 int dispatch(std::vector<Command>& commands, const std::vector<std::string>& arguments, std::ostream& out,
-             std::ostream& err) {
+             std::ostream& err, InterruptionDeadline& deadline) {
   if (arguments.empty()) {
     err << overview_help(commands);
     return kExitUsage;
@@ -326,9 +327,9 @@ int dispatch(std::vector<Command>& commands, const std::vector<std::string>& arg
   if (word == "help") {
     std::vector<std::string> asked(rest.begin(), rest.end());
     asked.front() = "--help";
-    return run_command(commands, find_command(commands, rest.front()), asked, out, err);
+    return run_command(commands, find_command(commands, rest.front()), asked, out, err, deadline);
   }
-  return run_command(commands, find_command(commands, word), rest, out, err);
+  return run_command(commands, find_command(commands, word), rest, out, err, deadline);
 }
 
 /// How an error is told: its exit code, and its kind for programs.
@@ -338,11 +339,13 @@ struct Failure {
   std::string message;
 };
 
+const Failure kInterruption{kExitInterrupted, "interrupted", "interrupted"};
+
 Failure describe_current_exception() {
   try {
     throw;
   } catch (const Interrupted&) {
-    return {kExitInterrupted, "interrupted", "interrupted"};
+    return kInterruption;
   } catch (const UsageError& error) {
     return {kExitUsage, "usage", error.what()};
   } catch (const IntegrityError& error) {
@@ -387,11 +390,17 @@ void print_failure(const Failure& failure, const std::vector<std::string>& argum
 
 int run_program(std::vector<Command> commands, const std::vector<std::string>& arguments, std::ostream& out,
                 std::ostream& err) {
+  InterruptionDeadline deadline([&] {
+    if (is_terminal(err)) err << "\n";  // below the bar that may stand there
+    print_failure(kInterruption, arguments, out, err);
+    out.flush();
+  });
   try {
-    const int exit_code = dispatch(commands, arguments, out, err);
+    const int exit_code = dispatch(commands, arguments, out, err, deadline);
     if (!out.flush()) throw DataError("standard output cannot be written");
     return exit_code;
   } catch (...) {
+    deadline.fall_silent();
     const Failure failure = describe_current_exception();
     print_failure(failure, arguments, out, err);
     return failure.exit_code;

@@ -10,11 +10,6 @@
 namespace pilotage {
 namespace {
 
-bool is_terminal(const std::ostream& stream) {
-  if (&stream == &std::cerr) return ::isatty(STDERR_FILENO) == 1;
-  return &stream == &std::cout && ::isatty(STDOUT_FILENO) == 1;
-}
-
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
   return value != nullptr && *value != '\0';
@@ -32,6 +27,11 @@ int terminal_width() {
 }
 
 }  // namespace
+
+bool is_terminal(const std::ostream& stream) {
+  if (&stream == &std::cerr) return ::isatty(STDERR_FILENO) == 1;
+  return &stream == &std::cout && ::isatty(STDOUT_FILENO) == 1;
+}
 
 ProgressMeter make_progress_meter(ProgressMode mode, std::ostream& stream) {
   ProgressStyle style = ProgressStyle::kNone;

@@ -6,6 +6,9 @@
 
 namespace pilotage {
 
+/// Standard output or standard error, and a terminal.
+bool is_terminal(const std::ostream& stream);
+
 /// A meter for standard error: a bar only when `stream` is std::cerr and that is a terminal.
 ProgressMeter make_progress_meter(ProgressMode mode, std::ostream& stream);
 

@@ -1,12 +1,16 @@
 #include "pilotage/base/staging_folder.h"
 
+#include <atomic>
 #include <chrono>
+#include <fstream>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "testing/temporary_folder.h"
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
@@ -100,6 +104,44 @@ TEST(StagingFolder, RemovesWhatADeadRunLeftAndNothingElse) {
   EXPECT_TRUE(fs::exists(folder / elsewhere));
   EXPECT_TRUE(fs::exists(folder / ".pilotage"));
   EXPECT_TRUE(fs::exists(*alive / "a.txt"));
+}
+
+// A library call that hears nothing must not keep a process from ending cleanly (abandon_work_folders).
+TEST(WorkFolderDeathTest, AbandonedFoldersGoThoughAnotherThreadWritesInThem) {
+  const TemporaryFolder folder;
+  write_file(folder / "a.txt", "old", false);
+  const auto abandon = [&] {
+    const StagingFolder staging(folder / "new");
+    const OutputFile output(folder / "a.txt", true);
+    std::thread([&] {
+      for (int number = 0;; ++number) std::ofstream(staging / ("part" + std::to_string(number))) << "more";
+    }).detach();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    abandon_work_folders();
+    ::_exit(7);
+  };
+  EXPECT_EXIT(abandon(), ::testing::ExitedWithCode(7), "");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
+  EXPECT_EQ(read_file(folder / "a.txt"), "old");
+}
+
+TEST(WorkFolderDeathTest, OutputsThatMoveAreWaitedFor) {
+  const TemporaryFolder folder;
+  const auto abandon = [&] {
+    StagingFolder staging(folder.path());
+    write_file(staging / "a.txt", "new", false);
+    std::atomic<bool> moving = false;
+    std::thread([&] {
+      const MovingOutputs held;
+      moving = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      fs::rename(staging / "a.txt", folder / "a.txt");
+    }).detach();
+    while (!moving) std::this_thread::yield();
+    abandon_work_folders();
+    ::_exit(read_file(folder / "a.txt") == "new" ? 7 : 1);
+  };
+  EXPECT_EXIT(abandon(), ::testing::ExitedWithCode(7), "");
 }
 
 }  // namespace

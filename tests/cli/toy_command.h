@@ -15,7 +15,18 @@
 
 namespace pilotage {
 
-enum class Fate { kDone, kGate, kDataError, kUsageError, kIntegrityError, kNoMemory, kOther, kStopped, kEndless };
+enum class Fate {
+  kDone,
+  kGate,
+  kDataError,
+  kUsageError,
+  kIntegrityError,
+  kNoMemory,
+  kOther,
+  kStopped,
+  kEndless,
+  kDeaf
+};
 inline EnumNames<Fate> enum_names(Fate) {
   return {{Fate::kDone, "done"},
           {Fate::kGate, "gate"},
@@ -25,7 +36,8 @@ inline EnumNames<Fate> enum_names(Fate) {
           {Fate::kNoMemory, "memory"},
           {Fate::kOther, "other"},
           {Fate::kStopped, "stopped"},
-          {Fate::kEndless, "endless"}};
+          {Fate::kEndless, "endless"},
+          {Fate::kDeaf, "deaf"}};
 }
 
 struct ToyCamera {
@@ -69,12 +81,13 @@ struct ToyOptions {
   }
 };
 
-/// Has an output half written, and works until somebody stops it.
-[[noreturn]] inline void work_for_ever(const Invocation& invocation) {
+/// Has an output half written, and works until somebody stops it; `deaf`: asks nobody whether to stop, and writes.
+[[noreturn]] inline void work_for_ever(const Invocation& invocation, bool deaf) {
   const OutputFile output(invocation.output, invocation.overwrite);
   std::ofstream(output.temporary_path()) << "half";
   for (std::int64_t done = 0;; ++done) {
-    report_progress(invocation.progress, "toying", done, 0);
+    if (!deaf || done == 0) report_progress(invocation.progress, "toying", done, 0);
+    if (deaf) std::ofstream(output.temporary_path().string() + std::to_string(done)) << "more";
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
@@ -104,7 +117,9 @@ inline Command make_toy_command() {
       default:
         break;
     }
-    if (options.fate == Fate::kEndless) work_for_ever(invocation);
+    if (options.fate == Fate::kEndless || options.fate == Fate::kDeaf) {
+      work_for_ever(invocation, options.fate == Fate::kDeaf);
+    }
     report_progress(invocation.progress, "toying", 1, 1);
     CommandResult result;
     result.exit_code = options.fate == Fate::kGate ? kExitGateNotMet : kExitDone;

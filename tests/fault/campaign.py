@@ -1,18 +1,19 @@
 """Faults, kills and power cuts in every stage: whatever breaks, what stands in the end is the old outputs or the new ones, whole.
 
-    campaign.py PILOTAGE SOURCE SHIM [--faults N --kills N --cuts N] [--seed S] [--jobs J] [--only COMMAND]
+    campaign.py PILOTAGE SOURCE SHIM [--faults N --kills N --stops N] [--stop-within-s T] [--seed S] [--jobs J] [--only COMMAND]
 
 Each command runs once under SHIM (fault_shim.cc), which numbers its calls on files below the working folder: open, read, write, sync,
 rename, remove, and large allocations. Then it runs again over the outputs of an earlier run, and one of these calls fails (an error, a
 short read or write, no memory) or the process is killed in it. In the short form the calls are taken evenly, up to a limit for each
-command and kind of call, and one write of each output is cut short; with --faults and --kills as many as named are drawn at random, half
-of the kills at any moment. Slow commands have fewer runs. A power cut is not played but computed: the shim keeps what is synced, and for
-each prefix of the calls two disks are made, one on which nothing else survived, one on which the names survived and what was never synced
-is empty.
+command and kind of call, and one write of each output is cut short; with --faults, --kills and --stops as many as named are drawn at
+random, half of the kills and all stops (SIGTERM) at any moment. Slow commands have fewer runs. A power cut is not played but computed:
+the shim keeps what is synced, and for each prefix of the calls two disks are made, one on which nothing else survived, one on which the
+names survived and what was never synced is empty.
 
 What must hold of the outputs:
   exit 0        they are byte for byte those of a run without faults
   another exit  they are those of the earlier run, or those of a run without faults; one message, and none that says "unexpected"
+  stopped       as for another exit, which is 130, within --stop-within-s of the signal
   killed, cut   each is of the earlier run or of the new one, never some of both; where the map stands, or there is one output alone,
                 nothing is missing; after a kill the next run ends well
 and nothing else is left in the folder, but by a kill, and then until the next run.
@@ -49,6 +50,9 @@ FAULTS = ((Fault("open", "EACCES", False), 16), (Fault("open", "EMFILE", False),
 KILLS = ((Fault("write", "KILL", False), 8), (Fault("sync", "KILL", False), 40), (Fault("rename", "KILL", False), 40),
          (Fault("remove", "KILL", False), 6))
 STAGE = ("out/plan.json", "--table", "out/tiles.csv", "--selection", "out/selection.json")
+#: How often SIGTERM comes to a command in the short form.
+STOPS = 4
+INTERRUPTED = 130
 FRAME = ("frame1.jpg", "--prior-lon-deg", "16.4991", "--prior-lat-deg", "55.5012", "--prior-sigma-m", "10", "--height-agl-m", "60",
          "--yaw-deg", "0", "--pitch-deg", "0", "--roll-deg", "0", "--no-timings")
 #: Deaths by a signal that are libraries' answers to a failed allocation: GDAL and PROJ end the process, libgeotiff uses what it did not
@@ -64,6 +68,8 @@ def cases():
     survey = ["survey", "ortho.tif", "--elevation", "elevation.tif", "--camera-hfov-deg", "73.7", "--camera-width-px", "1000",
               "--camera-height-px", "562", "--agl-m", "60", "--tile-overlap", "0", "-o", "new"]
     reroute = ["reroute", "mission.json", "-o", "new/better.plan"]
+    envelope = ["--height-m", "60:90:30", "--heading-deg", "", "--gsd-ratio", "", "--attitude-error-deg", "2",
+                "--position-error-m", "10"]
     return (
         Case("prepare", [*prepare, "--speed-mps", "17"], [*prepare, "--sign-key", "key.sec", *fresh], "map.gpkg", 8),
         Case("prepare_new_folder", None, ["prepare", "mission.json", "-q", "-o", "new"], "map.gpkg", 8),
@@ -87,13 +93,21 @@ def cases():
                         "--evaluation", "new/ev"],
              ["replay", "fix.csv", "--plan", "out", "-o", "new/r.json", "--fixes", "new/f.csv", "--evaluation", "new/ev", *fresh],
              "r.json", 3),
+        Case("envelope", ["envelope", "out", *envelope, "--places", "2", "-o", "new/e.json", "--csv", "new/e.csv", "--svg", "new/e.svg"],
+             ["envelope", "out", *envelope, "--places", "3", "-o", "new/e.json", "--csv", "new/e.csv", "--svg", "new/e.svg", *fresh],
+             "e.json", 4),
+        Case("merge", ["merge", "earlier_parts", "-o", "new/scores.tif", "--table", "new/tiles.csv"],
+             ["merge", "parts", "-o", "new/scores.tif", "--table", "new/tiles.csv", *fresh], None),
+        Case("calibrate", ["calibrate", "here=here", "--adapt", "default", "--date", "2026-01-01", "-o", "new/model.json"],
+             ["calibrate", "here=here", "--adapt", "default", "--date", "2026-01-02", "-o", "new/model.json", *fresh], None),
         Case("reroute", [*reroute, "--speed-mps", "17"], [*reroute, *fresh], "better.plan", 8),
     )
 
 
 class Campaign:
-    def __init__(self, pilotage, source, shim, work, seed):
-        self.pilotage, self.source, self.shim, self.work = pilotage, source, shim, work
+    def __init__(self, pilotage, source, shim, work, seed, stop_within_s):
+        self.pilotage, self.source, self.shim, self.work, self.stop_within_s = pilotage, source, shim, work, stop_within_s
+        self.heard_after_s = []
         self.random = random.Random(seed)
         self.failures = []
         self.counts = collections.Counter()
@@ -112,6 +126,12 @@ class Campaign:
         self.plain(home, ["prepare", "mission.json", "-q", "-o", "out"])
         self.plain(home, ["build", *STAGE, "-o", "out/map.gpkg", "--sign-key", "key.sec", "--overwrite"])
         self.plain(home, ["match", "out/map.gpkg", *FRAME, "-o", "fix.csv"])
+        coarse = ["score", "ortho.tif", "--tile-size-px", "48", "--search-radius-px", "32"]
+        for name, stride_px in (("earlier_parts", "48"), ("parts", "32")):
+            self.plain(home, [*coarse, "--stride-px", stride_px, "--measures", "gray_variance", "--shard", "1/1", "--shards", name])
+        (home / "here").mkdir()
+        self.plain(home, [*coarse, "--stride-px", "32", "--measures", "correct_fix", "--evaluate", "ortho.tif",
+                          "--evaluate-max-tiles", "60", "-o", "here/scores.tif"])
 
     def plain(self, folder, command):
         done = subprocess.run([self.pilotage, *command, "--threads", "1"], cwd=folder, text=True, errors="replace",
@@ -159,58 +179,83 @@ class Campaign:
         with self.lock:
             self.failures.append(f"{case.name}, {what}: {problem}" + (f"\n    {text.strip()[-600:]}" if text else ""))
 
-    def one(self, case, reference, fault, at, wait_s=None):
-        """One run with one fault (or, with wait_s, killed after that time), judged."""
-        old, new, text, calls, _ = reference
-        what = f"killed after {wait_s} s"
+    def one(self, case, reference, fault, at, wait_s=None, stops=False):
+        """One run with one fault (or, with wait_s, killed or stopped after that time), judged."""
+        what = f"{'stopped' if stops else 'killed'} after {wait_s} s"
         if wait_s is None:
-            what = f"{fault.action}{' from there on' if fault.lasts else ''} in {fault.call} {at} ({calls[fault.call][at - 1]})"
+            what = f"{fault.action}{' from there on' if fault.lasts else ''} in {fault.call} {at} ({reference[3][fault.call][at - 1]})"
         folder = pathlib.Path(tempfile.mkdtemp(prefix="run_", dir=self.work))
         folder.rmdir()
         shutil.copytree(self.work / f"before_{case.name}", folder)
         try:
-            if wait_s is None:
-                run = self.run(folder, case.command, fault, at)
-            else:
-                process = subprocess.Popen([self.pilotage, *case.command, "--threads", "1"], cwd=folder, text=True, errors="replace",
-                                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-                time.sleep(wait_s)
-                process.kill()
-                run = Run(*reversed((process.communicate()[0], process.returncode)), *state_of(folder / "new"))
-            killed = run.code == -9
+            run = self.run(folder, case.command, fault, at) if wait_s is None else self.cut_short(case, what, folder, wait_s, stops)
+            if run is None:
+                return
             with self.lock:
-                self.counts["kills" if killed else "faults"] += 1
-                self.outcomes["killed" if killed else "exit 0" if run.code == 0 else DEATHS.get(run.code, "refused")] += 1
-            if killed:
-                problem = mixture(run.files, old, new, case.main)
-                if problem:
-                    self.fail(case, what, problem)
-                elif case.command[0] not in ("verify",):
-                    again = self.run(folder, [*case.command, "--overwrite"] if "--overwrite" not in case.command else case.command,
-                                     Fault("none", "", False), 0)
-                    if again.code != 0 or again.files != new or again.leftovers:
-                        self.fail(case, what, f"the next run: exit {again.code}, {differences(again.files, new)}, left {again.leftovers}",
-                                  again.text)
-                return
-            if fault.call == "alloc" and "out_of_memory" in run.text:
-                return  # match() answers with a status
-            if run.code == 0:
-                if run.files != new or run.leftovers and fault.call != "remove":
-                    self.fail(case, what, f"exit 0, but {differences(run.files, new)}, left {run.leftovers}", run.text)
-                elif not new and run.text != text:
-                    self.fail(case, what, "exit 0, but it says something else", run.text)
-                return
-            if run.code < 0 and not (fault.call == "alloc" and run.code in DEATHS or fault.call == "read" and TIFF_ASSERTION in run.text):
-                return self.fail(case, what, f"died of signal {-run.code}", run.text)
-            if run.files not in (old, new):
-                self.fail(case, what, f"exit {run.code} and {mixture(run.files, old, new, case.main) or 'outputs are missing'}: "
-                          f"{differences(run.files, old)}", run.text)
-            if run.leftovers and fault.call != "remove" and run.code > 0:
-                self.fail(case, what, f"exit {run.code}, left {run.leftovers}", run.text)
-            if run.code > 0 and ("unexpected" in run.text or "pilotage" not in run.text):
-                self.fail(case, what, f"exit {run.code} and no clear message", run.text)
+                self.counts["stops" if stops else "kills" if run.code == -signal.SIGKILL else "faults"] += 1
+                self.outcomes["killed" if run.code == -signal.SIGKILL else "exit 0" if run.code == 0 else "stopped" if stops
+                              else DEATHS.get(run.code, "refused")] += 1
+            if run.code == -signal.SIGKILL:
+                self.judge_killed(case, reference, what, folder, run)
+            elif stops and run.code == -signal.SIGTERM:  # before the program listens
+                if run.files != reference[0] or run.leftovers:
+                    self.fail(case, what, f"{differences(run.files, reference[0])}, left {run.leftovers}", run.text)
+            elif stops and run.code not in (0, INTERRUPTED):
+                self.fail(case, what, f"exit {run.code}, not {INTERRUPTED}", run.text)
+            else:
+                self.judge_ended(case, reference, fault, what, run)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+
+    def cut_short(self, case, what, folder, wait_s, stops):
+        """A run that gets SIGKILL, or SIGTERM, at a moment. None, and a failure, when it is deaf to SIGTERM."""
+        process = subprocess.Popen([self.pilotage, *case.command, "--threads", "1"], cwd=folder, text=True, errors="replace",
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        time.sleep(wait_s)
+        (process.terminate if stops else process.kill)()
+        sent = time.monotonic()
+        try:
+            text = process.communicate(timeout=self.stop_within_s if stops else None)[0]
+        except subprocess.TimeoutExpired:
+            process.kill()
+            self.fail(case, what, f"runs on {self.stop_within_s} s after SIGTERM", process.communicate()[0])
+            return None
+        if stops and process.returncode == INTERRUPTED:
+            with self.lock:
+                self.heard_after_s.append(time.monotonic() - sent)
+        return Run(process.returncode, text, *state_of(folder / "new"))
+
+    def judge_killed(self, case, reference, what, folder, run):
+        old, new = reference[:2]
+        problem = mixture(run.files, old, new, case.main)
+        if problem:
+            self.fail(case, what, problem)
+        elif case.command[0] not in ("verify",):
+            again = self.run(folder, [*case.command, "--overwrite"] if "--overwrite" not in case.command else case.command,
+                             Fault("none", "", False), 0)
+            if again.code != 0 or again.files != new or again.leftovers:
+                self.fail(case, what, f"the next run: exit {again.code}, {differences(again.files, new)}, left {again.leftovers}",
+                          again.text)
+
+    def judge_ended(self, case, reference, fault, what, run):
+        old, new, text = reference[:3]
+        if fault.call == "alloc" and "out_of_memory" in run.text:
+            return  # match() answers with a status
+        if run.code == 0:
+            if run.files != new or run.leftovers and fault.call != "remove":
+                self.fail(case, what, f"exit 0, but {differences(run.files, new)}, left {run.leftovers}", run.text)
+            elif not new and run.text != text:
+                self.fail(case, what, "exit 0, but it says something else", run.text)
+            return
+        if run.code < 0 and not (fault.call == "alloc" and run.code in DEATHS or fault.call == "read" and TIFF_ASSERTION in run.text):
+            return self.fail(case, what, f"died of signal {-run.code}", run.text)
+        if run.files not in (old, new):
+            self.fail(case, what, f"exit {run.code} and {mixture(run.files, old, new, case.main) or 'outputs are missing'}: "
+                      f"{differences(run.files, old)}", run.text)
+        if run.leftovers and fault.call != "remove" and run.code > 0:
+            self.fail(case, what, f"exit {run.code}, left {run.leftovers}", run.text)
+        if run.code > 0 and ("unexpected" in run.text or "pilotage" not in run.text):
+            self.fail(case, what, f"exit {run.code} and no clear message", run.text)
 
     def cut_power(self, case, old, new):
         """Every disk that a power cut in the course of the case can leave."""
@@ -332,6 +377,8 @@ def main():
     parser.add_argument("shim", type=pathlib.Path)
     parser.add_argument("--faults", type=int, help="as many, drawn at random")
     parser.add_argument("--kills", type=int, help="as many, drawn at random")
+    parser.add_argument("--stops", type=int, help="as many, drawn at random")
+    parser.add_argument("--stop-within-s", type=float, default=2, help="how long a command may go on after SIGTERM")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--only", nargs="+", help="these commands alone")
@@ -346,9 +393,10 @@ def main():
         sys.exit(SKIP)
 
     work = pathlib.Path(tempfile.mkdtemp(prefix="pilotage_fault_"))
-    campaign = Campaign(options.pilotage.resolve(), source, options.shim.resolve(), work, options.seed)
+    campaign = Campaign(options.pilotage.resolve(), source, options.shim.resolve(), work, options.seed, options.stop_within_s)
     tasks = []
-    at_random = options.faults is not None or options.kills is not None
+    at_random = any(count is not None for count in (options.faults, options.kills, options.stops))
+    at_any_moment = Fault("none", "", False)
     try:
         campaign.make_mission()
         chosen = [case for case in cases() if not options.only or case.name in options.only]
@@ -361,6 +409,7 @@ def main():
                 # Into a new folder: only what differs from the same over an earlier output.
                 for fault, limit in KILLS if case.name == "prepare_new_folder" else FAULTS + KILLS:
                     tasks += [(case, known[case.name], fault, at) for at in evenly(len(calls[fault.call]), max(2, limit // case.thin))]
+                tasks += [(case, known[case.name], at_any_moment, 0, seconds * (part + 0.5) / STOPS, True) for part in range(STOPS)]
             campaign.cut_power(case, old, new)
         if not at_random:
             tasks += [(case, known[case.name], Fault("write", "SHORT", False), at) for case, at in one_write_of_each_output(chosen, known)]
@@ -376,6 +425,9 @@ def main():
                 else:
                     continue
                 wanted -= 1
+        for _ in range(options.stops or 0):
+            case = campaign.random.choices(chosen, [1 / one.thin for one in chosen])[0]
+            tasks.append((case, known[case.name], at_any_moment, 0, campaign.random.uniform(0, known[case.name][4]), True))
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
             for done in [pool.submit(campaign.one, *task) for task in tasks]:
                 done.result()
@@ -383,7 +435,9 @@ def main():
         shutil.rmtree(work, ignore_errors=True)
     for failure in campaign.failures[:60]:
         print(f"FAILED: {failure}")
-    print(f"{campaign.counts['faults']} faults, {campaign.counts['kills']} kills, {campaign.counts['power cuts']} disks after power cuts; "
+    print(f"{campaign.counts['faults']} faults, {campaign.counts['kills']} kills, {campaign.counts['stops']} stops "
+          f"(the slowest ended {max(campaign.heard_after_s, default=0):.2f} s after SIGTERM), "
+          f"{campaign.counts['power cuts']} disks after power cuts; "
           f"{dict(campaign.outcomes)}; {len(campaign.failures)} failures")
     sys.exit(1 if campaign.failures else 0)
 

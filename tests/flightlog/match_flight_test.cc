@@ -162,5 +162,22 @@ TEST(ErrorOfFix, NeesHeedsTheCorrelation) {
   EXPECT_TRUE(std::isnan(error_of_fix(fix, truth, FrameTruth::kNadir).nees));
 }
 
+// A disk that fails is no property of a frame: as a refusal it would stand in a rate that somebody flies by.
+TEST(RequireFrameWasTried, TellsWhatIsNotOfTheFrame) {
+  for (int number = 0; number <= static_cast<int>(MatchStatus::kOutOfMemory); ++number) {
+    const auto status = static_cast<MatchStatus>(number);
+    MatchResult result;
+    result.status = status;
+    if (status == MatchStatus::kMapUnreadable) {
+      EXPECT_THAT([&] { require_frame_was_tried(result, "m.gpkg"); },
+                  ::testing::ThrowsMessage<DataError>(HasSubstr("m.gpkg: a part of it cannot be read")));
+    } else if (status == MatchStatus::kOutOfMemory) {
+      EXPECT_THROW(require_frame_was_tried(result, "m.gpkg"), std::bad_alloc);
+    } else {
+      EXPECT_NO_THROW(require_frame_was_tried(result, "m.gpkg"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pilotage

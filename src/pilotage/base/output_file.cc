@@ -108,6 +108,7 @@ void OutputFile::commit() {
   sync_to_disk(temporary_, destination_);
   keep_mode(destination_, temporary_);
   std::error_code error;
+  const MovingOutputs moving;
   fs::rename(temporary_, destination_, error);
   if (error) throw DataError(destination_.string() + ": cannot be created: " + error.message());
   sync_folders({folder_of(destination_)});
@@ -136,6 +137,7 @@ void replace_together(const std::vector<FileMove>& moves, const std::vector<fs::
       old.push_back(path);
     }
   }
+  const MovingOutputs moving;
   Renames renames;
   std::size_t number = 0;
   for (const fs::path& path : old) renames.rename(path, aside / ("old-" + std::to_string(number++)));

@@ -8,7 +8,7 @@
 namespace pilotage {
 
 StagingFolder::StagingFolder(const std::filesystem::path& output_folder)
-    : output_folder_(output_folder), made_output_folder_(make_folder(output_folder)), work_(output_folder) {}
+    : output_folder_(output_folder), work_(output_folder, make_folder(output_folder)) {}
 
 bool StagingFolder::make_folder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -17,14 +17,8 @@ bool StagingFolder::make_folder(const std::filesystem::path& folder) {
   return made;
 }
 
-StagingFolder::~StagingFolder() {
-  std::error_code ignored;
-  work_.reset();
-  if (made_output_folder_) std::filesystem::remove(output_folder_, ignored);  // only when it is empty
-}
-
 std::filesystem::path StagingFolder::operator/(const std::string& name) const {
-  return work_->path() / name;
+  return work_.path() / name;
 }
 
 void StagingFolder::publish(const std::vector<std::string>& names, const std::vector<std::string>& stale,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,9 +16,6 @@ class StagingFolder {
  public:
   /// Makes the output folder when it does not exist; one that stays empty goes again. Throws DataError.
   explicit StagingFolder(const std::filesystem::path& output_folder);
-  ~StagingFolder();
-  StagingFolder(const StagingFolder&) = delete;
-  StagingFolder& operator=(const StagingFolder&) = delete;
 
   /// Where to write the output of this name until publish().
   std::filesystem::path operator/(const std::string& name) const;
@@ -35,8 +31,7 @@ class StagingFolder {
   static bool make_folder(const std::filesystem::path& folder);
 
   std::filesystem::path output_folder_;
-  bool made_output_folder_;
-  std::optional<WorkFolder> work_;
+  WorkFolder work_;
 };
 
 }  // namespace pilotage

@@ -5,9 +5,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -77,13 +79,78 @@ bool stands(int folder, const std::filesystem::path& path) {
          opened.st_dev == found.st_dev;
 }
 
+/// The folders of this process that stand, the latest last. Never destroyed: abandon_work_folders() may be called while
+/// the process ends by itself.
+struct Standing {
+  struct Entry {
+    std::filesystem::path path;
+    bool parent_is_new;
+  };
+  std::mutex moving;  ///< Taken before `access` where both are.
+  std::mutex access;
+  std::vector<Entry> folders;
+};
+
+Standing& standing() {
+  static auto* const all = new Standing;
+  return *all;
+}
+
+void remove_new_parent(const std::filesystem::path& folder, bool parent_is_new) {
+  std::error_code ignored;
+  if (parent_is_new) std::filesystem::remove(folder.parent_path(), ignored);  // only when it is empty
+}
+
+std::string work_name_pattern(const std::filesystem::path& parent) {
+  return (parent / (std::string(kWorkPrefix) + boot_digits() + "-XXXXXX")).string();
+}
+
+/// Under another name first: who still makes files by the old one gets an error, and cannot keep the folder from going.
+void remove_while_others_write(const std::filesystem::path& folder) {
+  std::string other = work_name_pattern(folder.parent_path());
+  std::error_code ignored;
+  const bool renamed = ::mkdtemp(other.data()) != nullptr && ::rename(folder.c_str(), other.c_str()) == 0;
+  std::filesystem::remove_all(other, ignored);
+  if (!renamed) std::filesystem::remove_all(folder, ignored);
+}
+
 }  // namespace
 
-WorkFolder::WorkFolder(const std::filesystem::path& parent) {
+MovingOutputs::MovingOutputs() {
+  standing().moving.lock();
+}
+
+MovingOutputs::~MovingOutputs() {
+  standing().moving.unlock();
+}
+
+void abandon_work_folders() {
+  Standing& all = standing();
+  all.moving.lock();  // and neither is given back
+  all.access.lock();
+  for (auto folder = all.folders.rbegin(); folder != all.folders.rend(); ++folder) {
+    remove_while_others_write(folder->path);
+    remove_new_parent(folder->path, folder->parent_is_new);
+  }
+}
+
+WorkFolder::WorkFolder(const std::filesystem::path& parent, bool parent_is_new) : parent_is_new_(parent_is_new) {
+  const std::lock_guard lock(standing().access);
+  try {
+    make_in(parent);
+  } catch (const DataError&) {
+    std::error_code ignored;
+    if (parent_is_new) std::filesystem::remove(parent, ignored);
+    throw;
+  }
+  standing().folders.push_back({path_, parent_is_new_});
+}
+
+void WorkFolder::make_in(const std::filesystem::path& parent) {
   constexpr int kAttempts = 10;
   remove_leftovers(parent);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::string name = (parent / (std::string(kWorkPrefix) + boot_digits() + "-XXXXXX")).string();
+    std::string name = work_name_pattern(parent);
     if (::mkdtemp(name.data()) == nullptr) {
       throw DataError(parent.string() + ": nothing can be written there: " + std::strerror(errno));
     }
@@ -97,8 +164,11 @@ WorkFolder::WorkFolder(const std::filesystem::path& parent) {
 }
 
 WorkFolder::~WorkFolder() {
+  const std::lock_guard lock(standing().access);
+  std::erase_if(standing().folders, [&](const Standing::Entry& entry) { return entry.path == path_; });
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
+  remove_new_parent(path_, parent_is_new_);
   if (lock_ >= 0) ::close(lock_);
 }
 

@@ -12,8 +12,9 @@ namespace pilotage {
 /// (those of other machines, whose locks may not be seen, a week after they were written).
 class WorkFolder {
  public:
-  /// Throws DataError beginning with `parent` when no folder can be made there.
-  explicit WorkFolder(const std::filesystem::path& parent);
+  /// `parent_is_new`: the parent was made for this run, and goes with the folder when nothing else is in it. Throws
+  /// DataError beginning with `parent` when no folder can be made there.
+  explicit WorkFolder(const std::filesystem::path& parent, bool parent_is_new = false);
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
@@ -21,9 +22,25 @@ class WorkFolder {
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  void make_in(const std::filesystem::path& parent);
+
   std::filesystem::path path_;
+  bool parent_is_new_;
   int lock_ = -1;
 };
+
+/// While one lives, abandon_work_folders() waits: files are being moved out of a work folder to where they stand.
+class MovingOutputs {
+ public:
+  MovingOutputs();
+  ~MovingOutputs();
+  MovingOutputs(const MovingOutputs&) = delete;
+  MovingOutputs& operator=(const MovingOutputs&) = delete;
+};
+
+/// Removes every WorkFolder of this process, whatever other threads do in them. From then on none is made and nothing
+/// moves out of one: who tries waits for ever. For a process that ends next, and cannot wait for its threads.
+void abandon_work_folders();
 
 }  // namespace pilotage
 

@@ -144,6 +144,7 @@ TileOutcome judge(const FrameSetup& setup, std::size_t index, std::uint64_t seed
   const auto frame = take_frame(setup, setup.judged.ground.tiles[index], seed);
   if (!frame || frame->picture.valid_fraction < kMinCoveredFraction) return outcome;
   const MatchResult result = match(frame->picture.gray, frame->prior, setup.camera, map, setup.match);
+  require_frame_was_tried(result, map.name());
   outcome.status = match_status_name(result.status);
   outcome.evidence = result.stats.vote_peak;
   if (const auto& best = result.fix ? result.fix : result.candidate) {

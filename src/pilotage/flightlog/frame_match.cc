@@ -1,6 +1,7 @@
 #include "pilotage/flightlog/frame_match.h"
 
 #include <chrono>
+#include <new>
 
 #include <Eigen/LU>
 
@@ -50,6 +51,13 @@ void set_errors(FrameMatch& match) {
   match.center_error = error_of(match.result.fix, frame.true_center, FrameTruth::kCenter);
   match.candidate_error = error_of(match.result.candidate, frame.truth(), judged);
   match.candidate_center_error = error_of(match.result.candidate, frame.true_center, FrameTruth::kCenter);
+}
+
+void require_frame_was_tried(const MatchResult& result, const std::string& map) {
+  if (result.status == MatchStatus::kOutOfMemory) throw std::bad_alloc();
+  if (result.status != MatchStatus::kMapUnreadable) return;
+  throw DataError(map +
+                  ": a part of it cannot be read, so that frames over it cannot be judged; pilotage verify says more");
 }
 
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,

@@ -54,4 +54,8 @@ void set_errors(FrameMatch& match);
 FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
                        const MatchOptions& options, const std::function<bool()>& go_on = {});
 
+/// For who counts answers: map_unreadable and out_of_memory tell of a disk or a machine and nothing of the frame, and
+/// counted as refusals they would make a rate that is wrong. Throws DataError beginning with `map`, or std::bad_alloc.
+void require_frame_was_tried(const MatchResult& result, const std::string& map);
+
 }  // namespace pilotage

@@ -83,6 +83,7 @@ Answer answer_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t n
   if (frame.valid_fraction < kLeastOfFrame) return Answer::kNoFrame;
   if (run.worlds[cell.world].of_the_map) FrameDegrader(options.degradation, random.next()).apply(frame.gray);
   const MatchResult result = match(frame.gray, prior, camera->camera(), worker.map, options.match);
+  require_frame_was_tried(result, worker.map.name());
   if (!result.fix) return Answer::kNothing;
   const bool correct = error_of_fix(*result.fix, pose.position, FrameTruth::kNadir).error_m <= options.correct_within_m;
   return correct ? Answer::kCorrect : Answer::kWrong;

@@ -114,6 +114,7 @@ class RenderedFlight {
     done.match.result = match(frame.gray, prior, run_->frames.camera, worker.map, options.match, go_on_);
     done.match.milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    require_frame_was_tried(done.match.result, worker.map.name());
     set_errors(done.match);
     const TriedFix answer{true, offered(done.match, prior)};
     run_->tries[flight_].push_back(std::move(done));
