@@ -4,6 +4,7 @@
 #include <set>
 
 #include "commands.h"
+#include "input_guard.h"
 #include "stage_files.h"
 #include "standard_streams.h"
 
@@ -414,7 +415,19 @@ void write_outputs(const Replay& replay, const std::string& json, const ReplaySe
   OutputFile::commit(outputs, {});
 }
 
+/// The program knows --evaluation as a folder, and not what is written into it.
+void refuse_shared_outputs(const ReplayCommandOptions& options, const Invocation& invocation) {
+  if (options.evaluation.empty()) return;
+  const std::filesystem::path folder(options.evaluation);
+  std::vector<NamedFile> outputs{{"--evaluation", folder / "evaluation.json"},
+                                 {"--evaluation", folder / "evaluation.csv"},
+                                 {"--output", invocation.output}};
+  if (!options.fixes.empty()) outputs.push_back({"--fixes", options.fixes});
+  refuse_shared_files({}, outputs);
+}
+
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {
+  refuse_shared_outputs(options, invocation);
   const std::string map = map_of(options);
   MapReader reader = MapReader::open_unverified(map);
   const std::optional<PlanFiles> plan = planned_flight_of(options.plan);
@@ -470,8 +483,10 @@ Command make_replay_command() {
           "frames.csv, or fixes.csv; one flight each.",
       .min = 1,
       .max = InputSpec::kMany};
-  command.output = {
-      .kind = OutputKind::kFile, .help = "The replay (JSON).", .flags = {"fixes"}, .stream_name = "replay.json"};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "The replay (JSON).",
+                    .flags = {"fixes", "evaluation"},
+                    .stream_name = "replay.json"};
   command.reads_rasters = true;
   bind_options<ReplayCommandOptions>(command, run_replay);
   return command;

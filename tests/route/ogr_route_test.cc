@@ -2,13 +2,17 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "route/route_files.h"
+#include "testing/forged_map.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/sqlite.h"
+#include "pilotage/raster/gdal_vector.h"
 
 namespace pilotage {
 namespace {
@@ -185,6 +189,32 @@ TEST(OgrRoute, BadPositionsAreNamed) {
 TEST(OgrRoute, PolesAreFlownOver) {
   const Route route = parse_route("r", line_geojson("[[0, 89], [180, 89]]"));
   EXPECT_NEAR(route_length_m(route), 2 * 111693.9, 10) << "straight over the pole";
+}
+
+// A test that does not end is how this fails (raster/gdal_sqlite.h).
+TEST(OgrRoute, AGeoPackageThatIsReadInCirclesEnds) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "line.gpkg";
+  VectorLayer layer;
+  layer.name = "line";
+  layer.shape = VectorShape::kLine;
+  layer.crs = Crs::wgs84();
+  layer.features.emplace_back().points = {{16.5, 55.5}, {16.6, 55.6}};
+  write_geopackage(path, {layer}, "2026-01-01T00:00:00Z", false);
+  EXPECT_EQ(read_route(path).vertices.size(), 2U);
+  const std::string sound = read_file(path);
+  std::map<std::string, std::string> errors;
+  for (const char* table : {"gpkg_contents", "gpkg_geometry_columns", "gpkg_spatial_ref_sys", "line"}) {
+    SCOPED_TRACE(table);
+    const std::int64_t root =
+        Database::open_untrusted(path, 1 << 20)
+            .query_integer("SELECT rootpage FROM sqlite_master WHERE name = '" + std::string(table) + "'");
+    testing::ForgedFile file(sound);
+    file.read_in_circles(static_cast<std::uint32_t>(root), 4);
+    errors[table] = route_error(file.bytes());
+  }
+  EXPECT_THAT(errors["gpkg_contents"], HasSubstr("takes SQLite more steps"));
+  EXPECT_THAT(errors["line"], HasSubstr("or more, a route at most 100000"));
 }
 
 }  // namespace

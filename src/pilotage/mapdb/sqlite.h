@@ -19,7 +19,8 @@ struct ReadingCost;
 struct sqlite3;
 struct sqlite3_stmt;
 
-// SQLite as objects that close themselves, with errors as DataError. Only sqlite.cc and chunk_vfs.cc include SQLite.
+// SQLite as objects that close themselves, with errors as DataError. Only sqlite.cc, chunk_vfs.cc and
+// raster/gdal_sqlite.cc include SQLite.
 
 namespace pilotage {
 

@@ -22,6 +22,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/raster/gdal_access.h"
 #include "pilotage/raster/gdal_handle.h"
+#include "pilotage/raster/gdal_sqlite.h"
 
 namespace pilotage {
 namespace {
@@ -221,6 +222,7 @@ void check_access(const std::string& dataset) {
     }
   }
   refuse_special_input(dataset);
+  check_sqlite_raster(dataset);
   if (!guard().access.any_vrt) check_vrt(dataset);
   const std::lock_guard lock(guard().mutex);
   guard().checked.insert(version);

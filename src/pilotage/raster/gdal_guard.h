@@ -12,7 +12,7 @@ void guard_gdal();
 
 /// Before a raster is opened. Throws DataError, naming it and what would allow it, when its name leads off this
 /// machine's files, when it is a pipe or a device (or one lies beside it, whose opening would wait for ever), or a VRT
-/// that check_vrt refuses.
+/// that check_vrt refuses, or an SQLite file that check_sqlite_raster does.
 void check_access(const std::string& dataset);
 
 /// Throws DataError when the raster is of a driver that GDAL has and may not use.

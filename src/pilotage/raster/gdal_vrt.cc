@@ -16,6 +16,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/raster/gdal_guard.h"
 #include "pilotage/raster/gdal_handle.h"
+#include "pilotage/raster/gdal_sqlite.h"
 
 namespace pilotage {
 namespace {
@@ -117,6 +118,7 @@ class VrtCheck {
     const std::string parent = parent_of(source);
     if (!special_.contains(parent)) special_[parent] = special_files_in(parent);
     refuse_special_beside(source, special_[parent]);
+    check_sqlite_raster(source);
     const std::string text = vrt_text(source);
     if (!text.empty()) check_text(text, parent);
   }

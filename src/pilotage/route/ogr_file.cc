@@ -4,9 +4,15 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/raster/gdal_sqlite.h"
 
 namespace pilotage {
 namespace {
+
+std::string_view checked(const std::string& name, std::string_view bytes, OgrFormat format) {
+  if (format == OgrFormat::kGeoPackage) check_sqlite_vectors(name, bytes);
+  return bytes;
+}
 
 struct FormatInfo {
   const char* title;
@@ -40,7 +46,7 @@ OgrFile::OgrFile(const std::string& name, std::string_view bytes, OgrFormat form
     : name_(name),
       title_(format_info(format).title),
       tracks_(is_kml_format(format) ? kml_tracks(name, bytes) : std::vector<KmlTrack>{}),
-      file_(bytes, format_info(format).extension),
+      file_(checked(name, bytes, format), format_info(format).extension),
       dataset_(GDALDataset::Open(file_.path().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY,
                                  format_info(format).drivers.data())) {
   if (!dataset_) errors_.throw_data_error(name + ": cannot be read as " + title_);
