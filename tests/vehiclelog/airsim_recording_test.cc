@@ -74,8 +74,8 @@ TEST(AirSimRecording, ManyOtherVehiclesAreCountedTogether) {
   std::string text = recording(kHeader, "D\t", "img_D_3_0_7.png");
   for (int i = 0; i < 500; ++i) text += "E" + std::to_string(i) + "\t1700000009000\t0\t0\t0\t1\t0\t0\t0\ta.png\n";
   const VehicleLog log = parse_vehicle_log("rec", text, kOrigin);
-  EXPECT_EQ(log.losses.other_sources.size(), 51U);
-  EXPECT_EQ(log.losses.other_sources.at("other sources"), 450);
+  EXPECT_EQ(log.losses.other_sources.size(), 9U);
+  EXPECT_EQ(log.losses.other_sources.at("other sources"), 492);
 }
 
 TEST(AirSimRecording, HeadersOfTheFirstVersionsAreRead) {

@@ -166,7 +166,7 @@ void LogBuilder::take_ranges(Part& part) {
 }
 
 void LogBuilder::leave_out_source(const std::string& source) {
-  constexpr std::size_t kMostSources = 50;
+  constexpr std::size_t kMostSources = 8;  // each is a note
   const bool known = losses_.other_sources.contains(source);
   ++losses_.other_sources[known || losses_.other_sources.size() < kMostSources ? source : "other sources"];
 }
