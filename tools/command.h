@@ -50,6 +50,9 @@ struct OutputSpec {
   std::string help;
   bool required = true;
   std::vector<std::string> flags = {};  ///< Of options that name further outputs: "table".
+  /// Of options that name folders into which outputs go, beside what is read there: "evaluation". The command looks
+  /// after the files itself.
+  std::vector<std::string> folder_flags = {};
   /// All files that are written or replaced when this is given for -o; with kFile and without a function that file.
   std::function<std::vector<std::filesystem::path>(const std::string& output)> files = {};
   /// `-o -` prints the output, and this is the name that its kind is told by: "plan.json". "" where there is no such

@@ -416,18 +416,23 @@ void write_outputs(const Replay& replay, const std::string& json, const ReplaySe
 }
 
 /// The program knows --evaluation as a folder, and not what is written into it.
-void refuse_shared_outputs(const ReplayCommandOptions& options, const Invocation& invocation) {
+void refuse_shared_evaluation(const ReplayCommandOptions& options, const Invocation& invocation) {
   if (options.evaluation.empty()) return;
+  std::vector<NamedFile> inputs;
+  for (const NamedFile& input : invocation.named_inputs) {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(input.path, ignored)) inputs.push_back(input);
+  }
   const std::filesystem::path folder(options.evaluation);
   std::vector<NamedFile> outputs{{"--evaluation", folder / "evaluation.json"},
                                  {"--evaluation", folder / "evaluation.csv"},
                                  {"--output", invocation.output}};
   if (!options.fixes.empty()) outputs.push_back({"--fixes", options.fixes});
-  refuse_shared_files({}, outputs);
+  refuse_shared_files(inputs, outputs);
 }
 
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {
-  refuse_shared_outputs(options, invocation);
+  refuse_shared_evaluation(options, invocation);
   const std::string map = map_of(options);
   MapReader reader = MapReader::open_unverified(map);
   const std::optional<PlanFiles> plan = planned_flight_of(options.plan);
@@ -485,7 +490,8 @@ Command make_replay_command() {
       .max = InputSpec::kMany};
   command.output = {.kind = OutputKind::kFile,
                     .help = "The replay (JSON).",
-                    .flags = {"fixes", "evaluation"},
+                    .flags = {"fixes"},
+                    .folder_flags = {"evaluation"},
                     .stream_name = "replay.json"};
   command.reads_rasters = true;
   bind_options<ReplayCommandOptions>(command, run_replay);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -63,19 +64,26 @@ void keep_deadlines() {
     std::this_thread::sleep_for(kPatience);
     const std::lock_guard lock(all.access);
     if (!all.keeps_deadlines) continue;
-    abandon_work_folders();
-    if (all.last_words && takes_words()) all.last_words();
+    try {
+      abandon_work_folders();
+      if (all.last_words && takes_words()) all.last_words();
+    } catch (...) {  // as where memory is out: it ends all the same
+    }
     ::_exit(kExitInterrupted);
   }
 }
 
-/// The thread gets no signals: those that arrive end the waiting of the others.
+/// The thread gets no signals: those that arrive end the waiting of the others. Where no thread can be had there is no
+/// deadline.
 void start_keeper() {
   sigset_t all_signals;
   sigset_t before;
   ::sigfillset(&all_signals);
   ::pthread_sigmask(SIG_SETMASK, &all_signals, &before);
-  std::thread(keep_deadlines).detach();
+  try {
+    std::thread(keep_deadlines).detach();
+  } catch (const std::system_error&) {
+  }
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 

@@ -14,7 +14,8 @@ bool interruption_requested();
 
 /// While one lives, a signal ends the process within a second, wherever its threads are: who has not noticed it 0.8 s
 /// after it came, as inside a library's call, is ended with kExitInterrupted when unfinished outputs are removed
-/// (abandon_work_folders()). Outputs that move to their places at that time are waited for. One at a time.
+/// (abandon_work_folders()). Outputs that move to their places at that time are waited for, as is a disk that does not
+/// answer. One at a time.
 class InterruptionDeadline {
  public:
   /// `last_words`: said by another thread, before the process ends.

@@ -149,9 +149,10 @@ void check_inputs(const Command& command, const std::vector<std::string>& inputs
 std::vector<NamedFile> files_of_options(const Command& command, bool outputs) {
   std::vector<NamedFile> files;
   for (const OptionField& field : command.options.fields) {
-    const std::vector<std::string>& flags = command.output.flags;
-    const bool is_output = std::find(flags.begin(), flags.end(), field.flag) != flags.end();
-    if (!field.is_path || is_output != outputs) continue;
+    const auto is_of = [&](const std::vector<std::string>& flags) {
+      return std::find(flags.begin(), flags.end(), field.flag) != flags.end();
+    };
+    if (!field.is_path || is_of(command.output.flags) != outputs || is_of(command.output.folder_flags)) continue;
     for (const std::string& path : paths_of(field)) {
       if (!path.empty()) files.push_back({"--" + field.flag, path});
     }
@@ -286,12 +287,12 @@ int run_command(const std::vector<Command>& commands, const Command& command, co
   if (common.allow_network || common.allow_any_vrt || !common.gdal_driver.empty()) {
     set_raster_access({common.allow_network, common.allow_any_vrt, common.gdal_driver});
   }
+  watch_for_interruption();
   std::optional<OutputSpool> spool;
   if (common.output == kStandardStream) common.output = spool.emplace(command.output.stream_name).file();
   const std::vector<NamedFile> inputs = named_inputs(command, common, line.inputs);
   check_shared_files(command, common, inputs);
   check_output(command, common);
-  watch_for_interruption();
   ProgressMeter meter = make_progress_meter(common.quiet ? ProgressMode::kNone : common.progress, err);
   Invocation invocation = make_invocation(commands, command, common, line, meter);
   invocation.named_inputs = inputs;

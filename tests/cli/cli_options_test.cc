@@ -85,10 +85,10 @@ TEST(CliOptions, ErrorsNameTheFlagAsTyped) {
   EXPECT_EQ(options_error({"--size-px", "3.7"}), "--size-px = \"3.7\" is not an integer");
   EXPECT_EQ(options_error({"--size-px", "32", "--size-px", "64"}), "--size-px takes one value, 2 given");
   EXPECT_EQ(options_error({"--loud=maybe"}), "--loud = \"maybe\" is not true or false");
-  EXPECT_EQ(options_error({"--fate", "gat"}),
-            "--fate = \"gat\" is not one of: done, gate, data, usage, integrity, memory, other, stopped, endless; did "
-            "you mean "
-            "\"gate\"?");
+  EXPECT_EQ(
+      options_error({"--fate", "gat"}),
+      "--fate = \"gat\" is not one of: done, gate, data, usage, integrity, memory, other, stopped, endless, deaf; "
+      "did you mean \"gate\"?");
   EXPECT_EQ(options_error({"--steps", "0,,1"}), "--steps = \"\" is not a number");
   EXPECT_EQ(options_error({"--offset-m", "nan"}), "--offset-m = nan is not a finite number");
   EXPECT_EQ(options_error({"--size-px", "99999999999999999999"}),

@@ -26,7 +26,7 @@ TEST(CompletionModel, KnowsWhatEachFlagTakes) {
   EXPECT_EQ(flag_of(toy, "no-check").value, ValueKind::kNone) << "on by default";
   EXPECT_EQ(flag_of(toy, "fate").value, ValueKind::kChoice);
   EXPECT_EQ(flag_of(toy, "fates").value, ValueKind::kChoices);
-  EXPECT_EQ(flag_of(toy, "fates").choices.size(), 9U);
+  EXPECT_EQ(flag_of(toy, "fates").choices.size(), 10U);
   EXPECT_EQ(flag_of(toy, "imagery").value, ValueKind::kFile);
   EXPECT_TRUE(flag_of(toy, "imagery").repeated);
   EXPECT_EQ(flag_of(toy, "output").value, ValueKind::kFile);

@@ -146,7 +146,7 @@ TEST(Help, NumbersAreWrittenOut) {
 TEST(Help, AListThatHasAllNamesSaysSo) {
   struct Everything {
     std::vector<Fate> fates{Fate::kDone,     Fate::kGate,  Fate::kDataError, Fate::kUsageError, Fate::kIntegrityError,
-                            Fate::kNoMemory, Fate::kOther, Fate::kStopped,   Fate::kEndless};
+                            Fate::kNoMemory, Fate::kOther, Fate::kStopped,   Fate::kEndless,    Fate::kDeaf};
     static void describe(Everything& self, options_detail::FieldCollector& fields) {
       fields.field("fates", self.fates, "All.");
     }

@@ -2,6 +2,7 @@
 #include "pilotage/mapdb/sqlite.h"
 
 #include "raster/raster_maker.h"
+#include "testing/error_of.h"
 #include "testing/forged_map.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
@@ -28,6 +29,24 @@ class ForgedImagery : public ::testing::Test {
     EXPECT_NE(written, nullptr) << errors.message();
   }
 
+  void forge_by_sql(const std::string& sql) {
+    std::filesystem::copy_file(path_, forged_, std::filesystem::copy_options::overwrite_existing);
+    Database::create(forged_, "forged").execute(sql);
+  }
+  void forge_circles(const std::filesystem::path& from, const std::string& table, int depth) {
+    std::int64_t root = 1;
+    if (table != "sqlite_master") {
+      root = Database::open_untrusted(from, 1 << 20)
+                 .query_integer("SELECT rootpage FROM sqlite_master WHERE name = '" + table + "'");
+    }
+    testing::ForgedFile file(read_file(from));
+    file.read_in_circles(static_cast<std::uint32_t>(root), depth);
+    write_file(forged_, file.bytes(), true);
+  }
+  std::string error() const {
+    return testing::error_of<DataError>([&] { open_raster(forged_.string()); });
+  }
+
   testing::TemporaryFolder folder_;
   std::filesystem::path path_;
   std::filesystem::path forged_;
@@ -43,34 +62,82 @@ TEST_F(ForgedImagery, PagesThatAreReadInCirclesEnd) {
   for (const char* table :
        {"sqlite_master", "gpkg_contents", "gpkg_extensions", "gpkg_tile_matrix", "gpkg_tile_matrix_set", "ortho"}) {
     SCOPED_TRACE(table);
-    const std::int64_t root =
-        table == std::string("sqlite_master")
-            ? 1
-            : Database::open_untrusted(path_, 1 << 20)
-                  .query_integer("SELECT rootpage FROM sqlite_master WHERE name = '" + std::string(table) + "'");
-    testing::ForgedFile file(read_file(path_));
-    file.read_in_circles(static_cast<std::uint32_t>(root), 4);
-    write_file(forged_, file.bytes(), true);
+    forge_circles(path_, table, 4);
     for (const std::string& dataset : {forged_.string(), "GPKG:" + forged_.string() + ":ortho"}) {
       try {
         open_raster(dataset);
       } catch (const DataError& error) {
-        refused += std::string(error.what()).find("takes SQLite more steps") != std::string::npos ? 1 : 0;
+        refused += std::string(error.what()).find("takes SQLite more") != std::string::npos ? 1 : 0;
       }
     }
   }
   EXPECT_EQ(refused, 10) << "all but the tiles, which are read by their index";
 }
 
+// Steps are few and bytes are many.
+TEST_F(ForgedImagery, LongValuesThatAreReadInCirclesEnd) {
+  forge_by_sql("UPDATE gpkg_contents SET description = hex(zeroblob(500000))");
+  const std::filesystem::path long_one = folder_ / "long.gpkg";
+  std::filesystem::rename(forged_, long_one);
+  forge_circles(long_one, "gpkg_contents", 3);
+  EXPECT_THAT(error(), HasSubstr("takes SQLite more"));
+}
+
+constexpr const char* kSlow =
+    "ALTER TABLE gpkg_contents ADD COLUMN slow AS (instr(hex(zeroblob(30000000)), hex(zeroblob(10000000)) || '1'))";
+
 // One step of SQLite's machine each, and minutes.
 TEST_F(ForgedImagery, FormulasOfColumnsAreNotRun) {
-  std::filesystem::copy_file(path_, forged_);
-  Database::create(forged_, "forged")
-      .execute(
-          "ALTER TABLE gpkg_contents ADD COLUMN slow AS "
-          "(instr(hex(zeroblob(30000000)), hex(zeroblob(10000000)) || '1'))");
-  EXPECT_THAT([&] { open_raster(forged_.string()); },
-              ThrowsMessage<DataError>(HasSubstr("forged.gpkg: the table \"gpkg_contents\" has generated columns")));
+  forge_by_sql(kSlow);
+  EXPECT_THAT(error(), HasSubstr("forged.gpkg: the table \"gpkg_contents\" has generated columns"));
+}
+
+// Of such a table SQLite tells no columns, and must not stop at it.
+TEST_F(ForgedImagery, ATableOfAnUnknownModuleHidesNothing) {
+  forge_by_sql(
+      "PRAGMA writable_schema = ON; INSERT INTO sqlite_master VALUES ('table', 'a', 'a', 0, "
+      "'CREATE VIRTUAL TABLE a USING nomodule(x)')");
+  EXPECT_EQ(error(), "");
+  forge_by_sql(std::string(kSlow) +
+               "; PRAGMA writable_schema = ON; INSERT INTO sqlite_master VALUES ('table', 'a', 'a', 0, "
+               "'CREATE VIRTUAL TABLE a USING nomodule(x)')");
+  EXPECT_THAT(error(), HasSubstr("has generated columns"));
+}
+
+TEST_F(ForgedImagery, WhatDescribesTablesIsNoView) {
+  forge_by_sql(
+      "ALTER TABLE gpkg_tile_matrix RENAME TO kept; CREATE VIEW gpkg_tile_matrix AS WITH RECURSIVE c(n) AS (SELECT 1 "
+      "UNION ALL SELECT n + 1 FROM c) SELECT kept.* FROM c, kept WHERE n = 1 OR n < 0");
+  EXPECT_THAT(error(), HasSubstr("has the view \"gpkg_tile_matrix\""));
+}
+
+TEST_F(ForgedImagery, WhatDescribesTablesIsNoTree) {
+  forge_by_sql("CREATE VIRTUAL TABLE gpkg_tree USING rtree(id, west, east)");
+  EXPECT_THAT(error(), HasSubstr("a virtual table describes the others"));
+}
+
+TEST_F(ForgedImagery, AViewOfTilesJoinsTablesAndNoMore) {
+  forge_by_sql(
+      "CREATE VIEW tiles AS SELECT * FROM ortho; "
+      "CREATE VIEW spatial_ref_sys AS SELECT hex(srs_name) FROM gpkg_spatial_ref_sys");
+  EXPECT_EQ(error(), "");
+  forge_by_sql("CREATE VIEW tiles AS SELECT hex(tile_data) FROM ortho");
+  EXPECT_THAT(error(), HasSubstr("has the view \"tiles\""));
+}
+
+TEST_F(ForgedImagery, NothingIsWrittenBesideAFileOfALog) {
+  std::string bytes = read_file(path_);
+  bytes[18] = bytes[19] = 2;  // it says that it has a write-ahead log
+  write_file(forged_, bytes, false);
+  EXPECT_EQ(error(), "");
+  EXPECT_FALSE(std::filesystem::exists(forged_.string() + "-wal"));
+  EXPECT_FALSE(std::filesystem::exists(forged_.string() + "-shm"));
+}
+
+TEST_F(ForgedImagery, OneInsideAnotherFileIsToBeUnpacked) {
+  const std::uintmax_t bytes = std::filesystem::file_size(path_);
+  EXPECT_THAT([&] { open_raster("/vsisubfile/0_" + std::to_string(bytes) + "," + path_.string()); },
+              ThrowsMessage<DataError>(HasSubstr("is a database inside another file; unpack it first")));
 }
 
 }  // namespace

@@ -213,8 +213,29 @@ TEST(OgrRoute, AGeoPackageThatIsReadInCirclesEnds) {
     file.read_in_circles(static_cast<std::uint32_t>(root), 4);
     errors[table] = route_error(file.bytes());
   }
-  EXPECT_THAT(errors["gpkg_contents"], HasSubstr("takes SQLite more steps"));
+  EXPECT_THAT(errors["gpkg_contents"], HasSubstr("takes SQLite more"));
   EXPECT_THAT(errors["line"], HasSubstr("or more, a route at most 100000"));
+}
+
+TEST(OgrRoute, OfAGeoPackageLayersAreReadAndNoOtherViews) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "line.gpkg";
+  VectorLayer layer;
+  layer.name = "line";
+  layer.shape = VectorShape::kLine;
+  layer.crs = Crs::wgs84();
+  layer.features.emplace_back().points = {{16.5, 55.5}, {16.6, 55.6}};
+  write_geopackage(path, {layer}, "2026-01-01T00:00:00Z", false);
+  Database::create(path, "line")
+      .execute(
+          "CREATE VIEW st_spatial_ref_sys AS SELECT srs_name FROM gpkg_spatial_ref_sys; CREATE VIEW endless AS WITH "
+          "RECURSIVE c(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM c) SELECT n FROM c WHERE n < 0");
+  EXPECT_EQ(read_route(path).vertices.size(), 2U) << "views that the standard gives, and one that is no layer";
+  std::string log = read_file(path);
+  log[18] = log[19] = 2;  // it says that it has a write-ahead log
+  EXPECT_EQ(parse_route("r", log, {}).vertices.size(), 2U);
+  Database::create(path, "line").execute("UPDATE gpkg_contents SET table_name = 'Endless'");
+  EXPECT_THAT(route_file_error(path), HasSubstr("has the view \"endless\""));
 }
 
 }  // namespace

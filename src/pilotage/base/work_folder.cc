@@ -1,5 +1,6 @@
 #include "pilotage/base/work_folder.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -23,7 +24,8 @@ namespace {
 
 constexpr std::string_view kWorkPrefix = ".pilotage-";
 constexpr std::size_t kBootDigits = 8;
-constexpr std::size_t kWorkNameLength = kWorkPrefix.size() + kBootDigits + 1 + 6;  // and mkdtemp's six characters
+constexpr std::ptrdiff_t kRandomLetters = 6;  // of mkdtemp
+constexpr std::size_t kWorkNameLength = kWorkPrefix.size() + kBootDigits + 1 + std::size_t{kRandomLetters};
 
 /// The locks of a folder on a network may be seen by the machines that share it, or not. What another machine (or this
 /// one before it was started again) left is taken for dead after a time in which no run goes without writing.
@@ -58,14 +60,15 @@ int lock_folder(const std::filesystem::path& path) {
 
 void remove_leftovers(const std::filesystem::path& parent) {
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(parent, error)) {
-    const std::string name = entry.path().filename().string();
+  for (std::filesystem::directory_iterator entry(parent, error), end; !error && entry != end; entry.increment(error)) {
+    const std::filesystem::path& path = entry->path();
+    const std::string name = path.filename().string();
     if (name.size() != kWorkNameLength || !name.starts_with(kWorkPrefix)) continue;
-    if (!may_be_dead(entry.path(), name)) continue;
-    const int folder = lock_folder(entry.path());
+    if (!may_be_dead(path, name)) continue;
+    const int folder = lock_folder(path);
     if (folder < 0) continue;
     std::error_code ignored;
-    std::filesystem::remove_all(entry.path(), ignored);
+    std::filesystem::remove_all(path, ignored);
     ::close(folder);
   }
 }
@@ -101,17 +104,14 @@ void remove_new_parent(const std::filesystem::path& folder, bool parent_is_new) 
   if (parent_is_new) std::filesystem::remove(folder.parent_path(), ignored);  // only when it is empty
 }
 
-std::string work_name_pattern(const std::filesystem::path& parent) {
-  return (parent / (std::string(kWorkPrefix) + boot_digits() + "-XXXXXX")).string();
-}
-
 /// Under another name first: who still makes files by the old one gets an error, and cannot keep the folder from going.
 void remove_while_others_write(const std::filesystem::path& folder) {
-  std::string other = work_name_pattern(folder.parent_path());
-  std::error_code ignored;
-  const bool renamed = ::mkdtemp(other.data()) != nullptr && ::rename(folder.c_str(), other.c_str()) == 0;
-  std::filesystem::remove_all(other, ignored);
-  if (!renamed) std::filesystem::remove_all(folder, ignored);
+  std::string name = folder.filename().string();
+  std::reverse(name.end() - kRandomLetters, name.end());
+  const std::filesystem::path other = folder.parent_path() / name;
+  std::error_code error;
+  std::filesystem::rename(folder, other, error);
+  std::filesystem::remove_all(error ? folder : other, error);
 }
 
 }  // namespace
@@ -135,10 +135,11 @@ void abandon_work_folders() {
 }
 
 WorkFolder::WorkFolder(const std::filesystem::path& parent, bool parent_is_new) : parent_is_new_(parent_is_new) {
+  remove_leftovers(parent);
   const std::lock_guard lock(standing().access);
   try {
     make_in(parent);
-  } catch (const DataError&) {
+  } catch (...) {
     std::error_code ignored;
     if (parent_is_new) std::filesystem::remove(parent, ignored);
     throw;
@@ -148,9 +149,8 @@ WorkFolder::WorkFolder(const std::filesystem::path& parent, bool parent_is_new) 
 
 void WorkFolder::make_in(const std::filesystem::path& parent) {
   constexpr int kAttempts = 10;
-  remove_leftovers(parent);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::string name = work_name_pattern(parent);
+    std::string name = (parent / (std::string(kWorkPrefix) + boot_digits() + "-XXXXXX")).string();
     if (::mkdtemp(name.data()) == nullptr) {
       throw DataError(parent.string() + ": nothing can be written there: " + std::strerror(errno));
     }

@@ -14,6 +14,12 @@ std::string_view checked(const std::string& name, std::string_view bytes, OgrFor
   return bytes;
 }
 
+/// What gpkg_contents does not name is no layer.
+const char* const* open_options(OgrFormat format) {
+  static constexpr const char* kContentsAlone[] = {"LIST_ALL_TABLES=NO", nullptr};
+  return format == OgrFormat::kGeoPackage ? kContentsAlone : nullptr;
+}
+
 struct FormatInfo {
   const char* title;
   const char* extension;
@@ -48,7 +54,7 @@ OgrFile::OgrFile(const std::string& name, std::string_view bytes, OgrFormat form
       tracks_(is_kml_format(format) ? kml_tracks(name, bytes) : std::vector<KmlTrack>{}),
       file_(checked(name, bytes, format), format_info(format).extension),
       dataset_(GDALDataset::Open(file_.path().c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY,
-                                 format_info(format).drivers.data())) {
+                                 format_info(format).drivers.data(), open_options(format))) {
   if (!dataset_) errors_.throw_data_error(name + ": cannot be read as " + title_);
   CPLErrorReset();
 }
