@@ -78,7 +78,9 @@ std::vector<Growing> tables_and_lists() {
   const std::string tiles = corpus("tiles/small_mission.csv");
   const std::string tiles_head = tiles.substr(0, tiles.find('\n') + 1);
   const std::string tile_row = tiles.substr(tiles_head.size(), tiles.find('\n', tiles_head.size()) - tiles_head.size());
-  const std::string of_tile = tile_row.substr(tile_row.find(','));
+  // Behind its number, level and column, which no two tiles have alike.
+  const std::string of_tile = tile_row.substr(tile_row.find(',', tile_row.find(',', tile_row.find(',') + 1) + 1));
+  const auto row_of_tile = [=](int i) { return text(i) + ",0," + text(i) + of_tile + "\n"; };
   const std::string key = "signer RWQDAwMDAwMDAwMDAwMDAwMDAwMDAwMDAwMDAwMDAwMDAwMDAwMDAwMD desk ";
   return {
       {"frames", wrapped(frames + "\n", [=](int i) { return "f" + text(i) + ".png" + row + "\n"; })},
@@ -89,23 +91,25 @@ std::vector<Growing> tables_and_lists() {
        }},
       {"frames, quotes", wrapped(
                              frames + "\n\"", [](int) { return std::string("\"\""); }, "\"" + row)},
-      {"tiles", wrapped(tiles_head, [=](int i) { return text(i) + of_tile + "\n"; })},
+      {"tiles", wrapped(tiles_head, row_of_tile)},
       {"tiles, columns",
        [=](int n) {
          const std::string line = tiles_head.substr(0, tiles_head.size() - 1);
-         return line + many(n, [](int i) { return ",c" + text(i); }) + "\n" +
-                many(n, [&](int i) { return text(i) + of_tile + "\n"; });
+         return line + many(n, [](int i) { return ",c" + text(i); }) + "\n" + many(n, row_of_tile);
        }},
       {"shard",
        [](int n) {
          const std::string shard = corpus("shard/all_measures.shard");
          return shard + many(n, [&](int) { return shard.substr(shard.rfind('\n', shard.size() - 2)); });
-       }},
+       },
+       250, false},  // by its digest
       {"key_list", wrapped("pilotage key list 1\nversion 7\nvalid-until 2027-03-01T00:00:00Z\n",
                            [=](int i) { return key + text(i) + "\n"; })},
       {"key_list, comments", wrapped("pilotage key list 1\n", [](int i) { return "# " + text(i) + "\n"; })},
-      {"signature", wrapped(
-                        "untrusted comment: ", [](int) { return std::string("a"); }, "\nRWQ=\n")},
+      {"signature",
+       wrapped(
+           "untrusted comment: ", [](int) { return std::string("a"); }, "\nRWQ=\n"),
+       250, false},  // by its length
       {"signature, lines", wrapped(corpus("signature/prehashed.minisig"), [](int i) { return text(i) + "\n"; })},
       {"camera, YAML keys", wrapped("image_width: 640\n", [](int i) { return "k" + text(i) + ": 1\n"; })},
       {"camera, YAML list", wrapped("image_width: [", text, "]\n", ", ")},
@@ -139,7 +143,8 @@ std::vector<Growing> tables_and_lists() {
       {"selection, tiles",
        long_list("selection/small_mission.json", "/tile_ids", [](Json& element, int i) { element = i; })},
       {"chunks",
-       [](int n) { return corpus("chunks/two_chunks.chunks") + std::string(static_cast<std::size_t>(n) * 32, 'x'); }},
+       [](int n) { return corpus("chunks/two_chunks.chunks") + std::string(static_cast<std::size_t>(n) * 32, 'x'); },
+       250, false},  // by the size that it states
   };
 }
 
@@ -253,7 +258,8 @@ std::vector<Growing> logs() {
        [=](int n) {
          return many(n, [](int i) { return "c" + text(i) + "\t"; }) + recording + "\n" +
                 many(n, [](int) { return std::string("Drone1\n"); });
-       }},
+       },
+       250, false},  // of more than 1,000 columns
       {"airsim_recording, names",
        wrapped(recording + "\n", [=](int i) { return "D" + text(i) + pose(i).substr(std::string("Drone1").size()); })},
       {"ulog, records",
