@@ -95,7 +95,7 @@ def cases():
              "r.json", 3),
         Case("envelope", ["envelope", "out", *envelope, "--places", "2", "-o", "new/e.json", "--csv", "new/e.csv", "--svg", "new/e.svg"],
              ["envelope", "out", *envelope, "--places", "3", "-o", "new/e.json", "--csv", "new/e.csv", "--svg", "new/e.svg", *fresh],
-             "e.json", 4),
+             "e.json", 12),
         Case("merge", ["merge", "earlier_parts", "-o", "new/scores.tif", "--table", "new/tiles.csv"],
              ["merge", "parts", "-o", "new/scores.tif", "--table", "new/tiles.csv", *fresh], None),
         Case("calibrate", ["calibrate", "here=here", "--adapt", "default", "--date", "2026-01-01", "-o", "new/model.json"],
