@@ -110,11 +110,8 @@ bool interruption_requested() {
 
 InterruptionDeadline::InterruptionDeadline(std::function<void()> last_words) {
   Keeper& all = keeper();
-  static const bool started = [&] {
-    start_keeper();
-    return true;
-  }();
-  static_cast<void>(started);
+  static std::once_flag started;
+  std::call_once(started, start_keeper);
   signals = &all.signals;
   const std::lock_guard lock(all.access);
   all.keeps_deadlines = true;

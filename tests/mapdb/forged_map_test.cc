@@ -37,14 +37,7 @@ class ForgedMap : public ::testing::Test {
 
   /// The table's pages lead in circles below its root.
   void forge_circles(const std::string& table, int depth) {
-    std::int64_t root = 1;
-    if (table != "sqlite_master") {
-      root = Database::open_untrusted(path_, kMaxMapBlobBytes)
-                 .query_integer("SELECT rootpage FROM sqlite_master WHERE name = '" + table + "'");
-    }
-    testing::ForgedFile file(read_file(path_));
-    file.read_in_circles(static_cast<std::uint32_t>(root), depth);
-    write_file(forged_, file.bytes(), true);
+    write_file(forged_, testing::bytes_in_circles(path_, table, depth), true);
   }
 
   /// Asks all that commands ask of a map. Throws what the first throws; verify must find something, too.

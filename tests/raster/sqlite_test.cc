@@ -33,16 +33,6 @@ class ForgedImagery : public ::testing::Test {
     std::filesystem::copy_file(path_, forged_, std::filesystem::copy_options::overwrite_existing);
     Database::create(forged_, "forged").execute(sql);
   }
-  void forge_circles(const std::filesystem::path& from, const std::string& table, int depth) {
-    std::int64_t root = 1;
-    if (table != "sqlite_master") {
-      root = Database::open_untrusted(from, 1 << 20)
-                 .query_integer("SELECT rootpage FROM sqlite_master WHERE name = '" + table + "'");
-    }
-    testing::ForgedFile file(read_file(from));
-    file.read_in_circles(static_cast<std::uint32_t>(root), depth);
-    write_file(forged_, file.bytes(), true);
-  }
   std::string error() const {
     return testing::error_of<DataError>([&] { open_raster(forged_.string()); });
   }
@@ -62,7 +52,7 @@ TEST_F(ForgedImagery, PagesThatAreReadInCirclesEnd) {
   for (const char* table :
        {"sqlite_master", "gpkg_contents", "gpkg_extensions", "gpkg_tile_matrix", "gpkg_tile_matrix_set", "ortho"}) {
     SCOPED_TRACE(table);
-    forge_circles(path_, table, 4);
+    write_file(forged_, testing::bytes_in_circles(path_, table, 4), true);
     for (const std::string& dataset : {forged_.string(), "GPKG:" + forged_.string() + ":ortho"}) {
       try {
         open_raster(dataset);
@@ -79,7 +69,7 @@ TEST_F(ForgedImagery, LongValuesThatAreReadInCirclesEnd) {
   forge_by_sql("UPDATE gpkg_contents SET description = hex(zeroblob(500000))");
   const std::filesystem::path long_one = folder_ / "long.gpkg";
   std::filesystem::rename(forged_, long_one);
-  forge_circles(long_one, "gpkg_contents", 3);
+  write_file(forged_, testing::bytes_in_circles(long_one, "gpkg_contents", 3), true);
   EXPECT_THAT(error(), HasSubstr("takes SQLite more"));
 }
 

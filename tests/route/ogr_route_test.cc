@@ -191,27 +191,26 @@ TEST(OgrRoute, PolesAreFlownOver) {
   EXPECT_NEAR(route_length_m(route), 2 * 111693.9, 10) << "straight over the pole";
 }
 
-// A test that does not end is how this fails (raster/gdal_sqlite.h).
-TEST(OgrRoute, AGeoPackageThatIsReadInCirclesEnds) {
-  const testing::TemporaryFolder folder;
-  const std::filesystem::path path = folder / "line.gpkg";
+/// A GeoPackage of one line, the layer "line".
+std::filesystem::path line_geopackage(const std::filesystem::path& folder) {
   VectorLayer layer;
   layer.name = "line";
   layer.shape = VectorShape::kLine;
   layer.crs = Crs::wgs84();
   layer.features.emplace_back().points = {{16.5, 55.5}, {16.6, 55.6}};
-  write_geopackage(path, {layer}, "2026-01-01T00:00:00Z", false);
+  write_geopackage(folder / "line.gpkg", {layer}, "2026-01-01T00:00:00Z", false);
+  return folder / "line.gpkg";
+}
+
+// A test that does not end is how this fails (raster/gdal_sqlite.h).
+TEST(OgrRoute, AGeoPackageThatIsReadInCirclesEnds) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = line_geopackage(folder.path());
   EXPECT_EQ(read_route(path).vertices.size(), 2U);
-  const std::string sound = read_file(path);
   std::map<std::string, std::string> errors;
   for (const char* table : {"gpkg_contents", "gpkg_geometry_columns", "gpkg_spatial_ref_sys", "line"}) {
     SCOPED_TRACE(table);
-    const std::int64_t root =
-        Database::open_untrusted(path, 1 << 20)
-            .query_integer("SELECT rootpage FROM sqlite_master WHERE name = '" + std::string(table) + "'");
-    testing::ForgedFile file(sound);
-    file.read_in_circles(static_cast<std::uint32_t>(root), 4);
-    errors[table] = route_error(file.bytes());
+    errors[table] = route_error(testing::bytes_in_circles(path, table, 4));
   }
   EXPECT_THAT(errors["gpkg_contents"], HasSubstr("takes SQLite more"));
   EXPECT_THAT(errors["line"], HasSubstr("or more, a route at most 100000"));
@@ -219,13 +218,7 @@ TEST(OgrRoute, AGeoPackageThatIsReadInCirclesEnds) {
 
 TEST(OgrRoute, OfAGeoPackageLayersAreReadAndNoOtherViews) {
   const testing::TemporaryFolder folder;
-  const std::filesystem::path path = folder / "line.gpkg";
-  VectorLayer layer;
-  layer.name = "line";
-  layer.shape = VectorShape::kLine;
-  layer.crs = Crs::wgs84();
-  layer.features.emplace_back().points = {{16.5, 55.5}, {16.6, 55.6}};
-  write_geopackage(path, {layer}, "2026-01-01T00:00:00Z", false);
+  const std::filesystem::path path = line_geopackage(folder.path());
   Database::create(path, "line")
       .execute(
           "CREATE VIEW st_spatial_ref_sys AS SELECT srs_name FROM gpkg_spatial_ref_sys; CREATE VIEW endless AS WITH "

@@ -6,6 +6,10 @@
 #include <string_view>
 #include <utility>
 
+#include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/map_types.h"
+#include "pilotage/mapdb/sqlite.h"
+
 namespace pilotage::testing {
 namespace {
 
@@ -178,6 +182,17 @@ void ForgedFile::change_at_random(Random& random) {
       break;
     }
   }
+}
+
+std::string bytes_in_circles(const std::filesystem::path& file, const std::string& table, int depth) {
+  std::int64_t root = 1;
+  if (table != "sqlite_master") {
+    root = Database::open_untrusted(file, kMaxMapBlobBytes)
+               .query_integer("SELECT rootpage FROM sqlite_master WHERE name = '" + table + "'");
+  }
+  ForgedFile forged(read_file(file));
+  forged.read_in_circles(static_cast<std::uint32_t>(root), depth);
+  return forged.bytes();
 }
 
 }  // namespace pilotage::testing

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "pilotage/base/random.h"
@@ -40,5 +41,8 @@ class ForgedFile {
   std::string bytes_;
   std::size_t page_size_ = 0;
 };
+
+/// The bytes of a sound SQLite file, the pages of whose table ("sqlite_master", too) lead in circles below its root.
+std::string bytes_in_circles(const std::filesystem::path& file, const std::string& table, int depth);
 
 }  // namespace pilotage::testing

@@ -47,19 +47,21 @@ class WatchedFile {
   WatchedFile(const WatchedFile&) = delete;  // SQLite keeps its address
   WatchedFile& operator=(const WatchedFile&) = delete;
 
-  /// The first column of the rows; what there is of them where SQLite cannot read all.
-  std::vector<std::string> readable_texts(const std::string& sql) {
+  /// The first column of the rows. Throws where SQLite cannot read all.
+  std::vector<std::string> texts(const std::string& sql) {
     std::vector<std::string> found;
-    last_ = read(sql, [&](sqlite3_stmt* row) {
+    require(read(sql, [&](sqlite3_stmt* row) {
       const auto* text = static_cast<const char*>(sqlite3_column_blob(row, 0));
       found.emplace_back(text != nullptr ? text : "", static_cast<std::size_t>(sqlite3_column_bytes(row, 0)));
-    });
+    }));
     return found;
   }
-  /// Throws where SQLite cannot read all.
-  std::vector<std::string> texts(const std::string& sql) {
-    std::vector<std::string> found = readable_texts(sql);
-    require(last_);
+
+  /// Whether there is a row, as far as SQLite can read.
+  bool finds(const std::string& sql) {
+    bool found = false;
+    read(
+        sql, [&](sqlite3_stmt*) { found = true; }, [&] { return !found; });
     return found;
   }
 
@@ -119,7 +121,6 @@ class WatchedFile {
   Connection connection_;
   std::int64_t steps_left_;
   std::int64_t bytes_left_;
-  int last_ = SQLITE_OK;
 };
 
 std::string quoted(const std::string& name, char quote) {
@@ -131,10 +132,7 @@ std::string quoted(const std::string& name, char quote) {
 void refuse_generated_columns(WatchedFile& file) {
   for (const std::string& table : file.texts("SELECT name FROM sqlite_master WHERE type = 'table'")) {
     // Of a virtual table whose module is not known SQLite tells no columns, here and to GDAL.
-    if (file.readable_texts("SELECT name FROM pragma_table_xinfo(" + quoted(table, '\'') + ") WHERE hidden IN (2, 3)")
-            .empty()) {
-      continue;
-    }
+    if (!file.finds("SELECT 1 FROM pragma_table_xinfo(" + quoted(table, '\'') + ") WHERE hidden IN (2, 3)")) continue;
     file.refuse("the table \"" + table +
                 "\" has generated columns, whose formulas are not run for a stranger; write it anew without them "
                 "(ogr2ogr, gdal_translate)");
