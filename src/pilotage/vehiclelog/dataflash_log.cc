@@ -159,7 +159,7 @@ void take_dataflash_gnss(const DataFlashRecord& record, LogBuilder& builder) {
 void take_dataflash_capture(const DataFlashRecord& record, LogBuilder& builder) {
   LoggedCapture capture;
   capture.time_s = record.time_s();
-  capture.number = record.has("Img") ? static_cast<std::int64_t>(record.number("Img")) : 0;
+  capture.number = capture_number(record.number("Img"));
   if (record.has("Lat")) capture.point = GeodeticPoint{record.number({"Lng", "Lon"}), record.number("Lat")};
   capture.amsl_m = record.number("Alt");
   capture.attitude = attitude_of(record);

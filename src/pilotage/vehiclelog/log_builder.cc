@@ -171,6 +171,11 @@ void LogBuilder::leave_out_source(const std::string& source) {
   ++losses_.other_sources[known || losses_.other_sources.size() < kMostSources ? source : "other sources"];
 }
 
+std::int64_t capture_number(double stated) {
+  constexpr double kMost = 0x1p53;  // beyond it doubles do not count
+  return stated >= 0 && stated <= kMost && stated == std::floor(stated) ? static_cast<std::int64_t>(stated) : 0;
+}
+
 void LogBuilder::add_capture(LoggedCapture capture) {
   if (capture.point && !is_logged_point(capture.point->lat_deg, capture.point->lon_deg)) capture.point.reset();
   if (capture.attitude && !is_attitude(*capture.attitude)) capture.attitude.reset();

@@ -15,6 +15,9 @@ inline constexpr double kLongestLogGap_s = 60;
 /// So many records in a row that agree with each other and not with those before set the clock.
 inline constexpr int kRecordsThatSetClock = 8;
 
+/// The log's own count of a picture, from a field that may hold anything: 0 for what is no whole number of 0 … 2^53.
+std::int64_t capture_number(double stated);
+
 /// Collects what a reader finds, and judges its times and numbers. A time that contradicts the ones before is left out
 /// as damaged until kRecordsThatSetClock in a row agree with each other: later ones by more than the longest gap are
 /// then taken for a gap, earlier ones for a clock that was set back. There the log falls into two parts, of which the

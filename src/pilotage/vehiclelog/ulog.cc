@@ -206,7 +206,7 @@ void take_capture(const UlogRecord& record, LogBuilder& builder) {
   if (record.has("result") && !record.not_false("result")) return;
   LoggedCapture capture;
   capture.time_s = record.time_s();
-  capture.number = record.has("seq") ? static_cast<std::int64_t>(record.number("seq")) : 0;
+  capture.number = capture_number(record.number("seq"));
   if (record.has("lat")) capture.point = GeodeticPoint{record.number("lon"), record.number("lat")};
   capture.amsl_m = record.number("alt");
   capture.agl_m = record.number("ground_distance");
