@@ -3,6 +3,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/build_map.h"
+#include "pilotage/capture/capture.h"
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/ground/measures.h"
@@ -51,6 +52,7 @@
 ///  4. build_map(): all of these and input_files() of the plan → map.gpkg.
 ///  5. make_report_input(), add_pictures(), make_report(), write_report_outputs(): all of these → the files of
 ///     the report. Without a route run_survey() says of an area where a camera could find its place.
+///     capture() makes imagery of frames, before all of this.
 ///  6. verify_map(), require_intact(): every digest of the map, before it flies; sign_file() for those
 ///     to whom it is handed on, who open it with the key (pilotage/onboard.h).
 ///

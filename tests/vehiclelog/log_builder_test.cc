@@ -80,7 +80,8 @@ TEST(LogBuilder, WhatCannotBeIsCounted) {
 TEST(CaptureNumber, IsAWholeNumberOrNone) {
   EXPECT_EQ(capture_number(17), 17);
   EXPECT_EQ(capture_number(0x1p53), 9007199254740992);
-  for (const double none : {-1.0, 2.5, 1e19, -3.1e38, HUGE_VAL, std::nan("")}) EXPECT_EQ(capture_number(none), 0) << none;
+  for (const double none : {-1.0, 2.5, 1e19, -3.1e38, HUGE_VAL, std::nan("")})
+    EXPECT_EQ(capture_number(none), 0) << none;
 }
 
 TEST(AttitudeOfQuaternion, NeedsLengthOne) {

@@ -1,5 +1,10 @@
 #include "pilotage/flightlog/flight_frames.h"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 
@@ -15,7 +20,58 @@ Camera require_camera(const std::optional<Camera>& camera, const std::string& pa
   throw UsageError(path + ": there is no camera: the map has none; give --camera");
 }
 
+bool is_picture(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<std::string_view, 6> kPictures{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".pgm"};
+  return std::find(kPictures.begin(), kPictures.end(), extension) != kPictures.end();
+}
+
+/// How texts are ordered in which numbers count as numbers: IMG_9 before IMG_10.
+bool less_with_numbers(std::string_view a, std::string_view b) {
+  const auto digits = [](std::string_view text) {
+    const std::size_t end = text.find_first_not_of("0123456789");
+    return text.substr(0, end);
+  };
+  const auto value = [](std::string_view number) {
+    return number.substr(std::min(number.find_first_not_of('0'), number.size()));
+  };
+  const std::string_view whole_a = a;
+  const std::string_view whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    const std::string_view number_a = digits(a);
+    const std::string_view number_b = digits(b);
+    if (!number_a.empty() && !number_b.empty()) {
+      const std::string_view value_a = value(number_a);
+      const std::string_view value_b = value(number_b);
+      if (value_a.size() != value_b.size()) return value_a.size() < value_b.size();
+      if (value_a != value_b) return value_a < value_b;
+      a.remove_prefix(number_a.size());
+      b.remove_prefix(number_b.size());
+    } else {
+      if (a.front() != b.front()) return a.front() < b.front();
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  if (a.size() != b.size()) return a.size() < b.size();
+  return whole_a < whole_b;
+}
+
 }  // namespace
+
+std::vector<std::string> pictures_of_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (is_picture(entry.path())) files.push_back(entry.path().filename().string());
+  }
+  if (error) throw DataError(folder.string() + ": cannot be read as a folder: " + error.message());
+  if (files.empty()) throw DataError(folder.string() + ": holds no picture (jpg, jpeg, png, tif, tiff, pgm)");
+  std::sort(files.begin(), files.end(), less_with_numbers);
+  return files;
+}
 
 FlightFrames complete_frame(const std::string& path, const FrameRecord& frame, const FrameSources& sources) {
   FlightFrames done;

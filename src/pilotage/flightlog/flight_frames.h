@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,10 @@
 #include "pilotage/mission/frame_table.h"
 
 namespace pilotage {
+
+/// Names of the pictures in a folder (.jpg, .jpeg, .png, .tif, .tiff, .pgm, in any case) in their order, numbers in
+/// them as numbers. Throws DataError when it cannot be read, or holds none.
+std::vector<std::string> pictures_of_folder(const std::filesystem::path& folder);
 
 /// A frame to match: where its picture is, what the aircraft believed, how the camera sees.
 struct FlightFrame {

@@ -81,6 +81,17 @@ std::optional<FromTag<GeodeticPoint>> exif_position(const ImageMetadata& metadat
   return std::nullopt;
 }
 
+std::optional<FromTag<double>> find_amsl(const ImageMetadata& metadata) {
+  if (const auto amsl_m = xmp_number(metadata.xmp, "drone-dji:AbsoluteAltitude")) {
+    return FromTag<double>{*amsl_m, "drone-dji:AbsoluteAltitude"};
+  }
+  const auto altitude_m = exif_number(metadata.exif, "GPSAltitude");
+  if (!altitude_m) return std::nullopt;
+  const auto reference = metadata.exif.find("GPSAltitudeRef");
+  const bool below = reference != metadata.exif.end() && reference->second == "0x01";
+  return FromTag<double>{below ? -*altitude_m : *altitude_m, "EXIF GPSAltitude"};
+}
+
 std::optional<FromTag<Attitude>> find_attitude(const Tags& xmp, const std::string& of) {
   const auto yaw_deg = xmp_number(xmp, "drone-dji:" + of + "YawDegree");
   const auto pitch_deg = xmp_number(xmp, "drone-dji:" + of + "PitchDegree");
@@ -111,6 +122,30 @@ double focal_from_equivalent_px(double equivalent_mm, int width_px, int height_p
   const double aspect = static_cast<double>(width_px) / height_px;
   const double full_height_px = aspect > 1.6 ? width_px * 0.75 : height_px;
   return equivalent_mm / diagonal_mm * std::hypot(width_px, full_height_px);
+}
+
+/// Seconds of "2026:11:21 10:20:30", by a calendar without time zones; and of the fraction that some cameras add.
+std::optional<double> taken_s(const ImageMetadata& metadata) {
+  const auto found = metadata.exif.find("DateTimeOriginal");
+  if (found == metadata.exif.end() || found->second.size() < 19) return std::nullopt;
+  const std::string& text = found->second;
+  std::array<double, 6> parts{};
+  constexpr std::array<std::pair<std::size_t, std::size_t>, 6> kPlaces{
+      {{0, 4}, {5, 2}, {8, 2}, {11, 2}, {14, 2}, {17, 2}}};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto number = parse_number(text.substr(kPlaces[i].first, kPlaces[i].second));
+    if (!number) return std::nullopt;
+    parts[i] = *number;
+  }
+  // Days since 1970 by the civil calendar, January and February counted to the year before.
+  const double year = parts[0] - (parts[1] <= 2 ? 1 : 0);
+  const double month = parts[1] + (parts[1] <= 2 ? 9 : -3);
+  const double days = std::floor(365.25 * year) - std::floor(year / 100) + std::floor(year / 400) +
+                      std::floor((153 * month + 2) / 5) + parts[2] - 1 - 719468;
+  double seconds = days * 86400 + parts[3] * 3600 + parts[4] * 60 + parts[5];
+  const auto fraction = metadata.exif.find("SubSecTimeOriginal");
+  if (fraction != metadata.exif.end()) seconds += parse_number("0." + fraction->second).value_or(0);
+  return seconds;
 }
 
 /// How much a digital zoom has enlarged the middle of the picture; 0 in EXIF means that none was used.
@@ -212,6 +247,8 @@ FrameExif frame_exif(const ImageMetadata& metadata) {
   if (const auto height_m = xmp_number(metadata.xmp, "drone-dji:RelativeAltitude")) {
     exif.height_m = FromTag<double>{*height_m, "drone-dji:RelativeAltitude, above the place of take-off"};
   }
+  exif.amsl_m = find_amsl(metadata);
+  exif.taken_s = taken_s(metadata);
   exif.camera_attitude = find_attitude(metadata.xmp, "Gimbal");
   if (exif.camera_attitude) exif.camera_attitude->value = body_of_gimbal(exif.camera_attitude->value);
   exif.flight_attitude = find_attitude(metadata.xmp, "Flight");

@@ -27,6 +27,11 @@ struct FrameExif {
   std::optional<FromTag<GeodeticPoint>> position;
   /// drone-dji:RelativeAltitude: above the place of take-off.
   std::optional<FromTag<double>> height_m;
+  /// drone-dji:AbsoluteAltitude, else EXIF's GPSAltitude: above mean sea level, as receivers give it.
+  std::optional<FromTag<double>> amsl_m;
+  /// EXIF's DateTimeOriginal with its fraction, by the camera's own clock: seconds since 1970 by a calendar without
+  /// time zones.
+  std::optional<double> taken_s;
   /// drone-dji:GimbalYawDegree, GimbalPitchDegree, GimbalRollDegree: attitude of the camera itself, here as that of an
   /// aircraft whose camera looks straight down (CameraMount{}): gimbal pitch −90, roll 0 is pitch 0, roll 0.
   std::optional<FromTag<Attitude>> camera_attitude;

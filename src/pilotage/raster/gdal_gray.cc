@@ -266,6 +266,17 @@ SharedMosaic share(Mosaic mosaic) {
   return std::make_shared<const Mosaic>(std::move(mosaic));
 }
 
+/// What a picture is, when it may be read whole.
+ImageryInfo accepted_picture(const std::string& dataset, const std::function<void(int width, int height)>& accept) {
+  ImageryInfo info = inspect_picture(dataset);
+  if (std::int64_t{info.width_px} * info.height_px > kMaxPicturePixels) {
+    throw DataError(dataset + ": has " + std::to_string(info.width_px) + " x " + std::to_string(info.height_px) +
+                    " pixels, a frame at most " + std::to_string(kMaxPicturePixels));
+  }
+  if (accept) accept(info.width_px, info.height_px);
+  return info;
+}
+
 }  // namespace
 
 GraySource open_gray(const std::string& dataset, const ImageryOptions& options) {
@@ -273,14 +284,20 @@ GraySource open_gray(const std::string& dataset, const ImageryOptions& options) 
 }
 
 cv::Mat read_gray8_picture(const std::string& dataset, const std::function<void(int width, int height)>& accept) {
-  const ImageryInfo info = inspect_picture(dataset);
-  if (std::int64_t{info.width_px} * info.height_px > kMaxPicturePixels) {
-    throw DataError(dataset + ": has " + std::to_string(info.width_px) + " x " + std::to_string(info.height_px) +
-                    " pixels, a frame at most " + std::to_string(kMaxPicturePixels));
-  }
-  if (accept) accept(info.width_px, info.height_px);
+  const ImageryInfo info = accepted_picture(dataset, accept);
   const GraySource source = stretch_to_8bit(source_on_own_pixels(info, {}));
   Raster raster = source.read({0, 0, info.width_px, info.height_px});
+  if (info.mask != MaskKind::kNone) raster.pixels.setTo(0, raster.valid == 0);
+  return raster.pixels;
+}
+
+cv::Mat read_rgb8_picture(const std::string& dataset, const std::function<void(int width, int height)>& accept) {
+  const ImageryInfo info = accepted_picture(dataset, accept);
+  if (info.depth != CV_8U) {
+    throw DataError(dataset + ": has values of type " + info.band_type + "; a frame in colour has 8 bits (Byte)");
+  }
+  const RasterView view(info, {});
+  Raster raster = read_colors(view, {0, 0, info.width_px, info.height_px}, 3);
   if (info.mask != MaskKind::kNone) raster.pixels.setTo(0, raster.valid == 0);
   return raster.pixels;
 }

@@ -41,6 +41,10 @@ GraySource open_gray(const std::string& dataset, const ImageryOptions& options =
 /// its data cannot be read.
 cv::Mat read_gray8_picture(const std::string& dataset, const std::function<void(int width, int height)>& accept = {});
 
+/// The same picture in colour: three channels (red, green, blue), CV_8U; a picture of one band shows three equal ones.
+/// Throws as read_gray8_picture, and DataError when its values are not of 8 bits.
+cv::Mat read_rgb8_picture(const std::string& dataset, const std::function<void(int width, int height)>& accept = {});
+
 /// One or several rasters of any CRS on a mission grid of width_px × height_px pixels, later ones on top where valid.
 /// `map_from_pixel` must be north-up (no rotation, y downwards), in `crs`. Overviews are used when the grid is coarser
 /// than the imagery. 8-bit imagery stays CV_8U; parts of different depths become CV_64F. Transform error at most 0.05

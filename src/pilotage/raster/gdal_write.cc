@@ -68,13 +68,13 @@ int CPL_STDCALL go_on_writing(double done, const char* /*message*/, void* data) 
   return !progress || progress("writing the raster", static_cast<std::int64_t>(100 * done), 100) ? 1 : 0;
 }
 
-void write_cog(GDALDataset& source, const std::filesystem::path& path, bool overwrite,
-               const std::vector<std::string>& options, const Progress& progress) {
+/// What stands at `path` then is whole, or an exception was thrown.
+void make_cog(GDALDataset& source, const std::filesystem::path& path, const std::string& name,
+              const std::vector<std::string>& options, const Progress& progress) {
   const GdalErrors errors;
   const LocalConfig no_side_car("GDAL_PAM_ENABLED", "NO");
-  OutputFile output(path, overwrite);
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("COG");
-  if (driver == nullptr) throw DataError(path.string() + ": this GDAL has no COG driver");
+  if (driver == nullptr) throw DataError(name + ": this GDAL has no COG driver");
   std::vector<const char*> list;
   for (const std::string& option : options) list.push_back(option.c_str());
   list.push_back(nullptr);
@@ -83,12 +83,18 @@ void write_cog(GDALDataset& source, const std::filesystem::path& path, bool over
     interrupted = interrupted || (progress && !progress(what, done, total));
     return !interrupted;
   };
-  DatasetPtr written(driver->CreateCopy(output.temporary_path().c_str(), &source, TRUE, const_cast<char**>(list.data()),
-                                        go_on_writing, &heard));
+  DatasetPtr written(
+      driver->CreateCopy(path.c_str(), &source, TRUE, const_cast<char**>(list.data()), go_on_writing, &heard));
   const bool created = written != nullptr;
   written.reset();
   if (interrupted) throw Interrupted{};
-  if (!created || errors.failed()) errors.throw_data_error(path.string() + ": cannot be written");
+  if (!created || errors.failed()) errors.throw_data_error(name + ": cannot be written");
+}
+
+void write_cog(GDALDataset& source, const std::filesystem::path& path, bool overwrite,
+               const std::vector<std::string>& options, const Progress& progress) {
+  OutputFile output(path, overwrite);
+  make_cog(source, output.temporary_path(), path.string(), options, progress);
   output.commit();
 }
 
@@ -153,6 +159,56 @@ void write_class_raster(const std::filesystem::path& path, const std::string& na
   band.SetColorInterpretation(GCI_PaletteIndex);
   write_cog(*memory, path, overwrite,
             {"COMPRESS=DEFLATE", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=MODE", "NUM_THREADS=1"}, {});
+}
+
+void write_picture_cog(const OutputFile& output, const PictureSource& picture, const Progress& progress) {
+  constexpr int kBlock_px = 512;
+  const std::string name = output.destination().string();
+  const std::filesystem::path growing = output.temporary_path().string() + ".blocks.tif";
+  const GdalErrors errors;
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  if (driver == nullptr) throw DataError(name + ": this GDAL has no GeoTIFF driver");
+  const LocalConfig mask_inside("GDAL_TIFF_INTERNAL_MASK", "YES");
+  const std::string block = std::to_string(kBlock_px);
+  const std::string block_x = "BLOCKXSIZE=" + block;
+  const std::string block_y = "BLOCKYSIZE=" + block;
+  const char* const creation[] = {"TILED=YES",        block_x.c_str(),    block_y.c_str(), "INTERLEAVE=PIXEL",
+                                  "COMPRESS=DEFLATE", "BIGTIFF=IF_SAFER", "ZLEVEL=1",      nullptr};
+  if (picture.width_px > std::numeric_limits<int>::max() || picture.height_px > std::numeric_limits<int>::max()) {
+    throw UsageError(name + ": a picture of " + std::to_string(picture.width_px) + " x " +
+                     std::to_string(picture.height_px) + " pixels is too large");
+  }
+  DatasetPtr blocks(driver->Create(growing.c_str(), static_cast<int>(picture.width_px),
+                                   static_cast<int>(picture.height_px), 3, GDT_Byte, const_cast<char**>(creation)));
+  if (blocks == nullptr) errors.throw_data_error(name + ": cannot be written");
+  const GeoTransform& t = picture.map_from_pixel;
+  std::array<double, 6> transform{t.origin_x, t.x_per_col, t.x_per_row, t.origin_y, t.y_per_col, t.y_per_row};
+  bool written = blocks->SetGeoTransform(transform.data()) == CE_None &&
+                 blocks->SetProjection(picture.crs.wkt().c_str()) == CE_None;
+  for (const auto& [key, value] : picture.metadata) blocks->SetMetadataItem(key.c_str(), value.c_str());
+  written = written && blocks->CreateMaskBand(GMF_PER_DATASET) == CE_None;
+  if (!written) errors.throw_data_error(name + ": cannot be written");
+  picture.draw([&](std::int64_t col, std::int64_t row, const Raster& part) {
+    const cv::Mat pixels = part.pixels.isContinuous() ? part.pixels : part.pixels.clone();
+    const cv::Mat valid = part.valid.isContinuous() ? part.valid : part.valid.clone();
+    const int x = static_cast<int>(col);
+    const int y = static_cast<int>(row);
+    const bool done =
+        blocks->RasterIO(GF_Write, x, y, pixels.cols, pixels.rows, pixels.data, pixels.cols, pixels.rows, GDT_Byte, 3,
+                         nullptr, 3, GSpacing{3} * pixels.cols, 1, nullptr) == CE_None &&
+        blocks->GetRasterBand(1)->GetMaskBand()->RasterIO(GF_Write, x, y, valid.cols, valid.rows, valid.data,
+                                                          valid.cols, valid.rows, GDT_Byte, 0, 0, nullptr) == CE_None;
+    if (!done) errors.throw_data_error(name + ": cannot be written");
+  });
+  blocks->FlushCache(false);
+  if (errors.failed()) errors.throw_data_error(name + ": cannot be written");
+  make_cog(*blocks, output.temporary_path(), name,
+           {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=" + block, "OVERVIEW_RESAMPLING=AVERAGE",
+            "BIGTIFF=IF_SAFER", "NUM_THREADS=1"},
+           progress);
+  blocks.reset();
+  std::error_code ignored;  // it stands in the output's hidden folder, which goes
+  std::filesystem::remove(growing, ignored);
 }
 
 void write_mbtiles(const std::filesystem::path& path, const cv::Mat& rgba, const Crs& crs,

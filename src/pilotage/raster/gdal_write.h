@@ -3,14 +3,18 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/base/output_file.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/geo_transform.h"
 #include "pilotage/raster/gdal_crs.h"
+#include "pilotage/raster/raster.h"
 
 namespace pilotage {
 
@@ -44,6 +48,24 @@ inline constexpr std::uint8_t kNoClass = 255;
 void write_class_raster(const std::filesystem::path& path, const std::string& name, const cv::Mat& values,
                         const std::vector<RasterClass>& classes, const Crs& crs, const GeoTransform& map_from_pixel,
                         bool overwrite);
+
+/// A picture that is made block by block.
+struct PictureSource {
+  std::int64_t width_px = 0;
+  std::int64_t height_px = 0;
+  Crs crs;
+  GeoTransform map_from_pixel;
+  /// Of the file, as GDAL names them: "TIFFTAG_DATETIME".
+  std::vector<std::pair<std::string, std::string>> metadata;
+  /// Calls `write` with every block of the picture once, in any order, one at a time: CV_8UC3, red first, and its mask,
+  /// with the block's first column and row. Blocks of 512 px from the first pixel are written best.
+  std::function<void(const std::function<void(std::int64_t col, std::int64_t row, const Raster& block)>& write)> draw;
+};
+
+/// Writes a Cloud-Optimised GeoTIFF of a picture in colour with a mask and overviews, deflated (lossless). No more of
+/// it than blocks is in memory: it grows in a file beside `path` first. The same blocks give the same bytes. Throws
+/// what `draw` throws, DataError when it cannot be written, Interrupted.
+void write_picture_cog(const OutputFile& output, const PictureSource& picture, const Progress& progress = {});
 
 /// Writes MBTiles of a picture, for web maps and programs in the field: PNG tiles in EPSG:3857 on the zoom level next
 /// to the picture's own resolution and up to four coarser ones, every pixel that of the nearest in the picture. `rgba`:

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/flightlog/flight_frames.h"
+#include "pilotage/flightlog/frame_exif.h"
 #include "pilotage/raster/gdal_image_metadata.h"
 #include "pilotage/replay/log_frames.h"
 
@@ -14,38 +14,6 @@ namespace {
 
 constexpr double kSameInstant_s = 1;  // EXIF has whole seconds
 constexpr std::size_t kMostPhotosByTime = 20'000;
-
-bool is_picture(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  constexpr std::array<std::string_view, 6> kPictures{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".pgm"};
-  return std::find(kPictures.begin(), kPictures.end(), extension) != kPictures.end();
-}
-
-/// Seconds of "2026:11:21 10:20:30", by a calendar without time zones; and of the fraction that some cameras add.
-std::optional<double> taken_s(const ImageMetadata& metadata) {
-  const auto found = metadata.exif.find("DateTimeOriginal");
-  if (found == metadata.exif.end() || found->second.size() < 19) return std::nullopt;
-  const std::string& text = found->second;
-  std::array<double, 6> parts{};
-  constexpr std::array<std::pair<std::size_t, std::size_t>, 6> kPlaces{
-      {{0, 4}, {5, 2}, {8, 2}, {11, 2}, {14, 2}, {17, 2}}};
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const auto number = parse_number(text.substr(kPlaces[i].first, kPlaces[i].second));
-    if (!number) return std::nullopt;
-    parts[i] = *number;
-  }
-  // Days since 1970 by the civil calendar, January and February counted to the year before.
-  const double year = parts[0] - (parts[1] <= 2 ? 1 : 0);
-  const double month = parts[1] + (parts[1] <= 2 ? 9 : -3);
-  const double days = std::floor(365.25 * year) - std::floor(year / 100) + std::floor(year / 400) +
-                      std::floor((153 * month + 2) / 5) + parts[2] - 1 - 719468;
-  double seconds = days * 86400 + parts[3] * 3600 + parts[4] * 60 + parts[5];
-  const auto fraction = metadata.exif.find("SubSecTimeOriginal");
-  if (fraction != metadata.exif.end()) seconds += parse_number("0." + fraction->second).value_or(0);
-  return seconds;
-}
 
 using TimedPhotos = std::vector<std::pair<double, std::size_t>>;
 
@@ -114,37 +82,6 @@ ClockPairs pairs_of_a_time_zone(const std::vector<LoggedCapture>& captures, cons
   return most;
 }
 
-/// How texts are ordered in which numbers count as numbers: IMG_9 before IMG_10.
-bool less_with_numbers(std::string_view a, std::string_view b) {
-  const auto digits = [](std::string_view text) {
-    const std::size_t end = text.find_first_not_of("0123456789");
-    return text.substr(0, end);
-  };
-  const auto value = [](std::string_view number) {
-    return number.substr(std::min(number.find_first_not_of('0'), number.size()));
-  };
-  const std::string_view whole_a = a;
-  const std::string_view whole_b = b;
-  while (!a.empty() && !b.empty()) {
-    const std::string_view number_a = digits(a);
-    const std::string_view number_b = digits(b);
-    if (!number_a.empty() && !number_b.empty()) {
-      const std::string_view value_a = value(number_a);
-      const std::string_view value_b = value(number_b);
-      if (value_a.size() != value_b.size()) return value_a.size() < value_b.size();
-      if (value_a != value_b) return value_a < value_b;
-      a.remove_prefix(number_a.size());
-      b.remove_prefix(number_b.size());
-    } else {
-      if (a.front() != b.front()) return a.front() < b.front();
-      a.remove_prefix(1);
-      b.remove_prefix(1);
-    }
-  }
-  if (a.size() != b.size()) return a.size() < b.size();
-  return whole_a < whole_b;
-}
-
 /// Nothing where less than half of the smaller list finds a partner.
 std::optional<PhotoPairs> pair_by_time(const std::vector<LoggedCapture>& captures, const TimedPhotos& photos,
                                        std::optional<double> utc_minus_log_s) {
@@ -173,19 +110,11 @@ std::optional<PhotoPairs> pair_by_time(const std::vector<LoggedCapture>& capture
 }  // namespace
 
 std::vector<Photo> photos_of_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (is_picture(entry.path())) files.push_back(entry.path().filename().string());
-  }
-  if (error) throw DataError(folder.string() + ": cannot be read as a folder: " + error.message());
-  if (files.empty()) throw DataError(folder.string() + ": holds no picture (jpg, jpeg, png, tif, tiff, pgm)");
-  std::sort(files.begin(), files.end(), less_with_numbers);
   std::vector<Photo> photos;
-  for (const std::string& file : files) {
+  for (const std::string& file : pictures_of_folder(folder)) {
     Photo photo{file, {}};
     try {
-      photo.taken_s = taken_s(read_image_metadata((folder / file).string()));
+      photo.taken_s = frame_exif(read_image_metadata((folder / file).string())).taken_s;
     } catch (const DataError&) {
       // A picture that cannot be opened has its place in the order; matching says what is wrong with it.
     }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "pilotage/base/progress.h"
+#include "pilotage/capture/block.h"
+#include "pilotage/capture/block_start.h"
+
+namespace pilotage {
+
+/// A point that was adjusted with the frames.
+struct AdjustedPoint {
+  Eigen::Vector3d enu_m{0, 0, 0};
+  Track sightings;  ///< Those that were kept.
+};
+
+/// A block after its adjustment.
+struct AdjustedBlock {
+  std::vector<FramePose> poses;
+  Camera camera;  ///< As adjusted: focal length, k1, k2.
+  std::vector<AdjustedPoint> points;
+  Eigen::Vector3d position_bias_m{0, 0, 0};  ///< Measured less adjusted, common to all frames.
+  double clock_offset_s = 0;                 ///< Frames were taken so much later than their position says.
+  Eigen::Vector3d boresight_deg{0, 0, 0};    ///< Turn of the camera against its measured attitude, about its x, y, z.
+  std::vector<Eigen::Vector3d> position_residuals_m;  ///< Measured less adjusted less what is common; per frame.
+  std::vector<Eigen::Vector3d> control_residuals_m;   ///< Adjusted less given; per control point.
+  double reprojection_rms_px = 0;                     ///< Of the kept sightings, both axes together.
+  std::vector<double> frame_rms_px;                   ///< The same per frame; NaN for one without sightings.
+  std::vector<int> frame_sightings;                   ///< Kept, per frame.
+  std::int64_t sightings = 0;                         ///< Kept, of
+  std::int64_t sightings_before = 0;
+};
+
+/// Height of the ground at east and north, where it is known (NaN elsewhere), and how well.
+struct GroundPrior {
+  std::function<double(const Eigen::Vector2d& en_m)> height_m;  ///< Empty: a plane through the points themselves.
+  double sigma_m = 3;
+};
+
+/// Bundle adjustment (B. Triggs et al., "Bundle adjustment — a modern synthesis", 2000; solved by Ceres, Schur
+/// complement by sparse Cholesky): poses, ground points, focal length, k1, k2, boresight, bias and clock offset of the
+/// positions. Reprojection errors and measured poses count by Cauchy's loss. The prior on the points' heights weighs,
+/// all together, as much as one height in each of 5 × 5 parts of the block, so that it holds the block from bending
+/// as a whole and leaves relief alone. Twice, without the sightings that miss by more than four standard deviations
+/// after the first time. One thread, so that the result has the same digits everywhere. Throws DataError when too
+/// little is left, Interrupted.
+AdjustedBlock adjust_block(const Block& block, const BlockStart& start, const std::vector<Track>& tracks,
+                           const GroundPrior& ground, const Progress& progress);
+
+}  // namespace pilotage

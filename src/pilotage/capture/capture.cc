@@ -1,0 +1,509 @@
+#include "pilotage/capture/capture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numeric>
+
+#include <Eigen/Geometry>
+#include <opencv2/imgproc.hpp>
+
+#include "pilotage/base/angle.h"
+#include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
+#include "pilotage/base/parallel.h"
+#include "pilotage/base/statistics.h"
+#include "pilotage/base/text.h"
+#include "pilotage/base/utc_time.h"
+#include "pilotage/capture/capture_frames.h"
+#include "pilotage/capture/control_points.h"
+#include "pilotage/capture/ortho_mosaic.h"
+#include "pilotage/raster/elevation.h"
+#include "pilotage/raster/gdal_gray.h"
+#include "pilotage/raster/mission_crs.h"
+
+namespace pilotage {
+namespace {
+
+constexpr int kSmallSide_px = 400;
+constexpr int kTracksPerCell = 8;
+constexpr std::int64_t kFrameBytes = std::int64_t{1} << 30;
+constexpr double kContradiction = 5;  // standard deviations
+constexpr double kLongestStep_s = 30;
+constexpr double kLargestFocalChange = 0.03;
+constexpr double kLeastFitting = 0.5;
+constexpr double kGivenFocalSigma = 0.02;
+constexpr double kTagFocalSigma = 0.1;
+constexpr double kDistortionSigma = 0.1;
+/// So few frames over level ground do not tell a focal length from a height: it is held to 1 %, and the lens likewise.
+constexpr std::size_t kFewFrames = 30;
+constexpr double kHeldSigma = 0.01;
+/// Of the map, at most: 0.3 m pixels over 30 km.
+constexpr double kLargestSide_px = 100'000;
+
+/// What is kept of the pictures' pixels.
+struct FramePictures {
+  std::vector<FrameFeatures> features;
+  std::vector<cv::Mat> small;
+};
+
+cv::Mat shrunk(const cv::Mat& picture) {
+  const double scale = std::min(1.0, static_cast<double>(kSmallSide_px) / std::max(picture.cols, picture.rows));
+  cv::Mat small;
+  cv::resize(picture, small,
+             {std::max(3, static_cast<int>(picture.cols * scale)), std::max(3, static_cast<int>(picture.rows * scale))},
+             0, 0, cv::INTER_AREA);
+  return small;
+}
+
+/// Reads all pictures; what cannot be read is in `problems`, and its features are none.
+FramePictures read_pictures(const CaptureFrames& frames, int threads, const Progress& progress,
+                            std::vector<std::string>& problems) {
+  const std::size_t count = frames.frames.size();
+  FramePictures pictures{std::vector<FrameFeatures>(count), std::vector<cv::Mat>(count)};
+  std::vector<std::string> failures(count);
+  std::mutex reporting;
+  std::int64_t done = 0;
+  report_progress(progress, "finding features", 0, static_cast<std::int64_t>(count));
+  parallel_for(count, threads, [&](std::size_t i, int) {
+    try {
+      const cv::Mat picture = read_rgb8_picture(frames.frames[i].path);
+      cv::Mat gray;
+      cv::cvtColor(picture, gray, cv::COLOR_RGB2GRAY);
+      pictures.features[i] = find_frame_features(gray);
+      pictures.small[i] = shrunk(picture);
+    } catch (const DataError& error) {
+      failures[i] = error.what();
+    }
+    const std::lock_guard lock(reporting);
+    report_progress(progress, "finding features", ++done, static_cast<std::int64_t>(count));
+  });
+  for (const std::string& failure : failures) {
+    if (!failure.empty()) problems.push_back(failure);
+  }
+  return pictures;
+}
+
+void keep_pictures(FramePictures& pictures, const std::vector<int>& numbers) {
+  for (std::size_t to = 0; to < numbers.size(); ++to) {
+    const auto from = static_cast<std::size_t>(numbers[to]);
+    if (from == to) continue;
+    pictures.features[to] = std::move(pictures.features[from]);
+    pictures.small[to] = std::move(pictures.small[from]);
+  }
+  pictures.features.resize(numbers.size());
+  pictures.small.resize(numbers.size());
+}
+
+std::vector<int> readable(const FramePictures& pictures) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < pictures.small.size(); ++i) {
+    if (!pictures.small[i].empty()) numbers.push_back(static_cast<int>(i));
+  }
+  return numbers;
+}
+
+LocalFrame local_frame(const CaptureFrames& frames) {
+  GeodeticPoint sum{0, 0};
+  const double reference_deg = frames.frames.front().frame.prior.lon_deg;
+  const auto count = static_cast<double>(frames.frames.size());
+  for (const FlightFrame& one : frames.frames) {
+    sum.lon_deg += unwrap_lon_deg(one.frame.prior.lon_deg, reference_deg) / count;
+    sum.lat_deg += one.frame.prior.lat_deg / count;
+  }
+  return LocalFrame({wrap_lon_deg(sum.lon_deg), sum.lat_deg});
+}
+
+/// From the frames before and after, by the camera's clock.
+std::vector<std::optional<Eigen::Vector3d>> velocities_mps(const CaptureFrames& frames,
+                                                           const std::vector<MeasuredPose>& poses) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!std::isnan(frames.taken_s[i])) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return frames.taken_s[a] < frames.taken_s[b]; });
+  std::vector<std::optional<Eigen::Vector3d>> velocities(poses.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::size_t before = order[k > 0 ? k - 1 : k];
+    const std::size_t after = order[k + 1 < order.size() ? k + 1 : k];
+    const double step_s = frames.taken_s[after] - frames.taken_s[before];
+    if (!(step_s > 0) || step_s > 2 * kLongestStep_s) continue;
+    velocities[order[k]] = (poses[after].center_enu_m - poses[before].center_enu_m) / step_s;
+  }
+  return velocities;
+}
+
+Block make_block(const CaptureFrames& frames, const CaptureOptions& options, const LocalFrame& local) {
+  Block block;
+  block.camera = frames.camera;
+  block.body_from_camera = body_from_camera(frames.camera.mount);
+  const bool few = frames.frames.size() < kFewFrames;
+  block.focal_length_sigma = few ? kHeldSigma : frames.camera_is_given ? kGivenFocalSigma : kTagFocalSigma;
+  block.distortion_sigma = few ? kHeldSigma : kDistortionSigma;
+  block.tilt_sigma_deg = options.tilt_sigma_deg;
+  block.heading_sigma_deg = options.heading_sigma_deg;
+  block.control_sigma_m = options.control_sigma_m;
+  for (std::size_t i = 0; i < frames.frames.size(); ++i) {
+    const FrameRecord& frame = frames.frames[i].frame;
+    MeasuredPose pose;
+    pose.center_enu_m << east_north_m(local, frame.prior), frames.heights_m[i];
+    const double variance_m2 = frame.prior_covariance_en_m2.trace() / 2;
+    pose.sigma_en_m = variance_m2 > 0 ? std::sqrt(variance_m2) : options.position_sigma_m;
+    pose.sigma_up_m = options.height_sigma_m;
+    const Attitude& attitude = frame.attitude;
+    if (std::isfinite(attitude.yaw_deg + attitude.pitch_deg + attitude.roll_deg)) {
+      pose.enu_from_camera = enu_from_camera(frames.camera.mount, attitude);
+    }
+    block.measured.push_back(pose);
+  }
+  const auto velocities = velocities_mps(frames, block.measured);
+  for (std::size_t i = 0; i < velocities.size(); ++i) block.measured[i].velocity_enu_mps = velocities[i];
+  return block;
+}
+
+std::string names_of(const CaptureFrames& frames, const std::vector<int>& numbers) {
+  constexpr std::size_t kShown = 6;
+  std::vector<std::string> names;
+  for (const int number : numbers) {
+    if (names.size() == kShown && numbers.size() > kShown + 1) {
+      names.push_back("and " + std::to_string(numbers.size() - kShown) + " more");
+      break;
+    }
+    names.push_back(frames.frames[static_cast<std::size_t>(number)].frame.file);
+  }
+  return join(names, ", ");
+}
+
+/// Only the largest part of what is tied together can be one map.
+void keep_largest_part(const std::vector<std::vector<int>>& parts, bool leave_out, CaptureFrames& frames) {
+  std::vector<std::string> problems;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    problems.push_back(names_of(frames, parts[i]) + ": " + (parts[i].size() == 1 ? "shows" : "show") +
+                       " nothing that the other frames show");
+  }
+  if (!problems.empty() && parts.front().size() > 1) {
+    problems.push_back("the largest part that hangs together has " + std::to_string(parts.front().size()) +
+                       " frames: " + names_of(frames, parts.front()));
+  }
+  if (parts.front().size() == 1)
+    throw DataError("no two of the frames show the same ground: " + names_of(frames, {0, 1}));
+  refuse_frames(problems, leave_out, frames);
+}
+
+std::vector<FramePair> pairs_among(const std::vector<FramePair>& pairs, const std::vector<int>& numbers) {
+  std::vector<FramePair> kept;
+  const auto place = [&](int frame) {
+    const auto found = std::lower_bound(numbers.begin(), numbers.end(), frame);
+    return found != numbers.end() && *found == frame ? static_cast<int>(found - numbers.begin()) : -1;
+  };
+  for (const FramePair& pair : pairs) {
+    if (place(pair.first) < 0 || place(pair.second) < 0) continue;
+    kept.push_back(pair);
+    kept.back().first = place(pair.first);
+    kept.back().second = place(pair.second);
+  }
+  return kept;
+}
+
+/// Positions that the pictures contradict, and headings. Names them all.
+void refuse_contradictions(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
+                           bool leave_out, CaptureFrames& told) {
+  std::vector<double> lengths_m;
+  for (const Eigen::Vector3d& residual : adjusted.position_residuals_m) lengths_m.push_back(residual.head<2>().norm());
+  const double usual_m = quantile(lengths_m, 0.5);
+  std::vector<std::string> problems;
+  for (std::size_t i = 0; i < lengths_m.size(); ++i) {
+    const double limit_m = kContradiction * std::max(block.measured[i].sigma_en_m, usual_m);
+    if (lengths_m[i] <= limit_m) continue;
+    problems.push_back(frames.frames[i].frame.file + ": its position lies " + format_fixed(lengths_m[i], 1) +
+                       " m from where the pictures put it (at most " + format_fixed(limit_m, 1) + " m)");
+  }
+  refuse_frames(problems, leave_out, told);
+}
+
+void refuse_control_contradictions(const Block& block, const AdjustedBlock& adjusted) {
+  std::vector<std::string> problems;
+  const double limit_m = kContradiction * block.control_sigma_m;
+  for (std::size_t i = 0; i < block.control_points.size(); ++i) {
+    const double miss_m = adjusted.control_residuals_m[i].norm();
+    if (miss_m > limit_m) {
+      problems.push_back("control point \"" + block.control_points[i].name + "\" lies " + format_fixed(miss_m, 2) +
+                         " m from where its marks put it (at most " + format_fixed(limit_m, 2) + " m)");
+    }
+  }
+  if (problems.empty()) return;
+  throw DataError(join(problems, "; ") + "; correct or remove it, or give a larger --control-sigma-m");
+}
+
+/// Two digits, so that it can be typed.
+double rounded_gsd_m(double gsd_m) {
+  const double digit = std::pow(10.0, std::floor(std::log10(gsd_m)) - 1);
+  return std::round(gsd_m / digit) * digit;
+}
+
+struct EastNorthBounds {
+  Eigen::Vector2d low{0, 0};
+  Eigen::Vector2d high{0, 0};
+};
+
+/// Of what the frames show on level ground.
+EastNorthBounds shown_bounds(const AdjustedBlock& block) {
+  std::vector<double> heights_m;
+  for (const AdjustedPoint& point : block.points) heights_m.push_back(point.enu_m.z());
+  const double ground_m = quantile(heights_m, 0.5);
+  EastNorthBounds bounds;
+  bounds.low.setConstant(std::numeric_limits<double>::infinity());
+  bounds.high = -bounds.low;
+  Camera camera = block.camera;
+  for (const FramePose& pose : block.poses) {
+    const auto view = [&] {
+      View made{make_lens(camera), pose.enu_from_camera, std::max(0.1, pose.center_enu_m.z() - ground_m),
+                std::tan(60 * kRadPerDeg)};
+      return made;
+    }();
+    for (const Eigen::Vector2d& corner : footprint(view).polygon_m) {
+      bounds.low = bounds.low.cwiseMin(pose.center_enu_m.head<2>() + corner);
+      bounds.high = bounds.high.cwiseMax(pose.center_enu_m.head<2>() + corner);
+    }
+  }
+  return bounds;
+}
+
+MissionCrs map_crs(const CaptureOptions& options, const LocalFrame& local, const EastNorthBounds& bounds) {
+  const Eigen::Vector2d middle = (bounds.low + bounds.high) / 2;
+  const std::vector<GeodeticPoint> line{local.geodetic_from_enu({bounds.low.x(), middle.y(), 0}),
+                                        local.geodetic_from_enu({bounds.high.x(), middle.y(), 0})};
+  const double half_m = std::max(1.0, (bounds.high.y() - bounds.low.y()) / 2);
+  if (options.crs.empty()) return choose_mission_crs(line, half_m);
+  return check_mission_crs(Crs::from_user_input(options.crs), line, half_m);
+}
+
+/// North-up, on multiples of the ground sample distance, around the bounds.
+void place_grid(OrthoMosaic& mosaic, const EastNorthBounds& bounds) {
+  const CrsTransform transform(mosaic.crs);
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high = -low;
+  constexpr int kSteps = 8;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j <= kSteps; ++j) {
+      const Eigen::Vector2d share(static_cast<double>(i) / kSteps, static_cast<double>(j) / kSteps);
+      const Eigen::Vector2d en_m = bounds.low + share.cwiseProduct(bounds.high - bounds.low);
+      const auto point = transform.map_from_geodetic(mosaic.frame.geodetic_from_enu({en_m.x(), en_m.y(), 0}));
+      if (!point) throw DataError("the map's CRS does not reach where the frames lie");
+      low = low.cwiseMin(*point);
+      high = high.cwiseMax(*point);
+    }
+  }
+  const Eigen::Array2d first = (low.array() / mosaic.gsd_m).floor();
+  const Eigen::Array2d last = (high.array() / mosaic.gsd_m).ceil();
+  const Eigen::Array2d size = last - first;
+  if (size.maxCoeff() > kLargestSide_px) {
+    throw DataError("the map would be " + format_fixed(size.x(), 0) + " x " + format_fixed(size.y(), 0) +
+                    " pixels (at most " + format_fixed(kLargestSide_px, 0) + " aside); give a larger --gsd-m");
+  }
+  mosaic.width_px = static_cast<std::int64_t>(size.x());
+  mosaic.height_px = static_cast<std::int64_t>(size.y());
+  mosaic.map_from_pixel = GeoTransform::north_up(first.x() * mosaic.gsd_m, last.y() * mosaic.gsd_m, mosaic.gsd_m);
+}
+
+double median_agl_m(const AdjustedBlock& block, const GroundSurface& ground) {
+  std::vector<double> heights_m;
+  for (const FramePose& pose : block.poses) {
+    const double below_m = ground.heights.height_m(pose.center_enu_m.head<2>());
+    if (std::isfinite(below_m)) heights_m.push_back(pose.center_enu_m.z() - below_m);
+  }
+  return quantile(heights_m, 0.5);
+}
+
+/// "2016:06:23 16:32:13", as TIFF has it.
+std::string tiff_time(double taken_s) {
+  const auto moment = UtcTime(std::chrono::seconds(static_cast<std::int64_t>(taken_s)));
+  std::string text = format_utc_time(moment);  // 2016-06-23T16:32:13Z
+  text[4] = text[7] = ':';
+  text[10] = ' ';
+  text.pop_back();
+  return text;
+}
+
+void describe_frames(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
+                     const GroundSurface& ground, const LocalFrame& local, CaptureResult& result) {
+  double squares_m2 = 0;
+  for (std::size_t i = 0; i < frames.frames.size(); ++i) {
+    const FlightFrame& frame = frames.frames[i];
+    const FramePose& pose = adjusted.poses[i];
+    const Eigen::Matrix3d enu_from_body = pose.enu_from_camera * block.body_from_camera.transpose();
+    const Eigen::Matrix3d ned_from_enu = (Eigen::Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished();
+    const Attitude attitude = attitude_of(ned_from_enu * enu_from_body);
+    const Eigen::Vector3d& residual = adjusted.position_residuals_m[i];
+    CapturedFrame one;
+    one.file = frame.frame.file;
+    one.path = frame.path;
+    one.time_s = frames.taken_s[i];
+    one.measured = frame.frame.prior;
+    one.measured_sigma_m = block.measured[i].sigma_en_m;
+    one.adjusted = local.geodetic_from_enu({pose.center_enu_m.x(), pose.center_enu_m.y(), 0});
+    one.agl_m = pose.center_enu_m.z() - ground.heights.height_m(pose.center_enu_m.head<2>());
+    one.yaw_deg = attitude.yaw_deg;
+    one.pitch_deg = attitude.pitch_deg;
+    one.roll_deg = attitude.roll_deg;
+    one.residual_east_m = residual.x();
+    one.residual_north_m = residual.y();
+    one.residual_up_m = residual.z();
+    one.sightings = adjusted.frame_sightings[i];
+    one.rms_px = adjusted.frame_rms_px[i];
+    squares_m2 += residual.head<2>().squaredNorm() / static_cast<double>(frames.frames.size());
+    result.frames.push_back(std::move(one));
+  }
+  result.position_rms_m = std::sqrt(squares_m2);
+}
+
+void describe_block(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
+                    CaptureResult& result) {
+  result.pairs = static_cast<std::int64_t>(block.pairs.size());
+  result.points = static_cast<std::int64_t>(adjusted.points.size());
+  result.sightings = adjusted.sightings;
+  result.sightings_found = adjusted.sightings_before;
+  result.reprojection_rms_px = adjusted.reprojection_rms_px;
+  result.camera_source = frames.camera_source;
+  result.given_focal_length_px = frames.camera.fx_px;
+  result.focal_length_px = adjusted.camera.fx_px;
+  result.k1 = adjusted.camera.distortion[0];
+  result.k2 = adjusted.camera.distortion[1];
+  result.boresight_x_deg = adjusted.boresight_deg.x();
+  result.boresight_y_deg = adjusted.boresight_deg.y();
+  result.boresight_z_deg = adjusted.boresight_deg.z();
+  result.clock_offset_s = adjusted.clock_offset_s;
+  result.bias_east_m = adjusted.position_bias_m.x();
+  result.bias_north_m = adjusted.position_bias_m.y();
+  result.control_points = static_cast<int>(block.control_points.size());
+  double squares_m2 = 0;
+  for (const Eigen::Vector3d& residual : adjusted.control_residuals_m) squares_m2 += residual.squaredNorm();
+  result.control_rms_m = result.control_points > 0 ? std::sqrt(squares_m2 / result.control_points) : kNaN;
+  const double change = adjusted.camera.fx_px / frames.camera.fx_px - 1;
+  if (std::abs(change) > kLargestFocalChange) {
+    result.warnings.push_back("the focal length that fits the frames is " + format_fixed(adjusted.camera.fx_px, 0) +
+                              " px, not the " + format_fixed(frames.camera.fx_px, 0) + " px of " +
+                              (frames.camera_is_given ? "the camera given" : frames.camera_source) + " (" +
+                              format_fixed(100 * change, 1) + " %)");
+  }
+}
+
+std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block& block, bool has_elevation) {
+  std::vector<double> sigmas_m;
+  for (const MeasuredPose& pose : block.measured) sigmas_m.push_back(pose.sigma_en_m);
+  std::vector<std::string> assumptions{"frames' positions are good to " + format_number(quantile(sigmas_m, 0.5)) +
+                                       " m (one standard deviation, each axis)"};
+  if (block.control_points.empty()) {
+    assumptions.push_back(
+        "what all positions miss alike is not known without control points, and shifts the whole map");
+  }
+  if (frames.frames.size() < kFewFrames) {
+    assumptions.push_back("the focal length is held to " + format_fixed(100 * kHeldSigma, 0) + " % of that of " +
+                          (frames.camera_is_given ? "the camera given" : frames.camera_source) + ": fewer than " +
+                          std::to_string(kFewFrames) + " frames do not tell it from the height");
+  }
+  assumptions.push_back(has_elevation
+                            ? "what stands on the elevation model's ground leans away from where it was seen from"
+                            : "the ground is smooth: what stands on it leans away from where it was seen from");
+  return assumptions;
+}
+
+}  // namespace
+
+CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
+                      int threads, const Progress& progress) {
+  CaptureFrames frames = read_capture_frames(inputs, options);
+  std::optional<Elevation> elevation;
+  if (!options.elevation.empty()) elevation.emplace(options.elevation);
+  std::vector<std::string> problems;
+  FramePictures pictures = read_pictures(frames, threads, progress, problems);
+  refuse_frames(problems, options.leave_out, frames);
+  const std::vector<int> can_be_read = readable(pictures);
+  keep_frames(frames, can_be_read);
+  keep_pictures(pictures, can_be_read);
+
+  const LocalFrame local = local_frame(frames);
+  std::vector<Eigen::Vector2d> nadirs_m;
+  for (const FlightFrame& one : frames.frames) nadirs_m.push_back(east_north_m(local, one.frame.prior));
+  std::vector<FramePair> pairs = match_pairs(neighbouring_frames(nadirs_m), pictures.features, threads, progress);
+  const auto parts = tied_parts(pairs, static_cast<int>(frames.frames.size()));
+  if (parts.size() > 1) {
+    keep_largest_part(parts, options.leave_out, frames);
+    pairs = pairs_among(pairs, parts.front());
+    keep_frames(frames, parts.front());
+    keep_pictures(pictures, parts.front());
+  }
+
+  Block block = make_block(frames, options, local);
+  block.features = std::move(pictures.features);
+  block.pairs = std::move(pairs);
+  CaptureResult result;
+  if (!options.control_points.empty()) {
+    std::vector<std::string> files;
+    for (const FlightFrame& one : frames.frames) files.push_back(one.frame.file);
+    int unused_marks = 0;
+    block.control_points = read_control_points(options.control_points, files, local, unused_marks);
+    if (unused_marks > 0) {
+      result.warnings.push_back(std::to_string(unused_marks) +
+                                " marks of control points are in pictures that are not among the frames");
+    }
+  }
+  GroundPrior prior;
+  if (elevation) {
+    prior.height_m = [&](const Eigen::Vector2d& en_m) {
+      return elevation->amsl_m(local.geodetic_from_enu({en_m.x(), en_m.y(), 0}));
+    };
+  }
+  const BlockStart start = start_block(block);
+  const std::vector<Track> tracks = join_tracks(block.pairs, block.features, kTracksPerCell);
+  const AdjustedBlock adjusted = adjust_block(block, start, tracks, prior, progress);
+  const double fitting = static_cast<double>(adjusted.sightings) / static_cast<double>(adjusted.sightings_before);
+  if (fitting < kLeastFitting) {
+    throw DataError("only " + format_fixed(100 * fitting, 0) + " % of what the frames have in common fits together; " +
+                    "is the camera (" + frames.camera_source + ") right?");
+  }
+  refuse_contradictions(frames, block, adjusted, options.leave_out, frames);
+  refuse_control_contradictions(block, adjusted);
+
+  const EastNorthBounds bounds = shown_bounds(adjusted);
+  const GroundSurface ground =
+      prior.height_m ? sample_surface(prior, elevation->resolution_m(), adjusted.points, bounds.low, bounds.high)
+                     : fit_surface(adjusted.points, bounds.low, bounds.high);
+  const double frame_gsd_m = median_agl_m(adjusted, ground) / adjusted.camera.fx_px;
+  const ColorBalance balance = balance_colors(pictures.small, adjusted, block.features);
+  OrthoMosaic mosaic{&adjusted, &ground, &balance, local, {}, 0, 0, {}, {}, 0};
+  mosaic.load = [&](std::size_t i) { return read_rgb8_picture(frames.frames[i].path); };
+  mosaic.gsd_m = options.gsd_m.value_or(rounded_gsd_m(frame_gsd_m));
+  const MissionCrs crs = map_crs(options, local, bounds);
+  mosaic.crs = crs.crs;
+  place_grid(mosaic, bounds);
+
+  describe_frames(frames, block, adjusted, ground, local, result);
+  describe_block(frames, block, adjusted, result);
+  PictureSource picture{mosaic.width_px, mosaic.height_px, mosaic.crs, mosaic.map_from_pixel, {}, {}};
+  for (const double taken_s : frames.taken_s) {
+    if (std::isnan(taken_s) || taken_s < 1e8) continue;  // a table's own clock
+    picture.metadata.emplace_back("TIFFTAG_DATETIME", tiff_time(taken_s));
+    break;
+  }
+  MosaicStats stats;
+  picture.draw = [&](const auto& write) { stats = draw_mosaic(mosaic, kFrameBytes, threads, progress, write); };
+  write_picture_cog(ortho, picture, progress);
+
+  for (std::size_t i = 0; i < stats.frame_px.size(); ++i) result.frames[i].drawn_px = stats.frame_px[i];
+  result.left_out = frames.left_out;
+  result.assumptions = assumptions_of(frames, block, elevation.has_value());
+  result.ground = elevation ? "elevation model " + options.elevation : "a smooth surface through the points seen";
+  result.ground_spread_m = ground.spread_m;
+  result.gsd_m = mosaic.gsd_m;
+  result.width_px = mosaic.width_px;
+  result.height_px = mosaic.height_px;
+  result.crs = mosaic.crs.name();
+  result.area_m2 = static_cast<double>(stats.valid_px) * mosaic.gsd_m * mosaic.gsd_m;
+  result.warnings.insert(result.warnings.end(), frames.notes.begin(), frames.notes.end());
+  return result;
+}
+
+}  // namespace pilotage

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/progress.h"
+#include "pilotage/capture/capture_options.h"
+#include "pilotage/geo/geodetic_point.h"
+
+#pragma GCC visibility push(default)
+
+namespace pilotage {
+
+/// A frame of a captured map, as adjusted.
+struct CapturedFrame {
+  std::string file;
+  std::string path;
+  double time_s = 0;  ///< NaN where not known.
+  GeodeticPoint measured;
+  double measured_sigma_m = 0;
+  GeodeticPoint adjusted;
+  double agl_m = 0;  ///< Of the camera above the surface below it.
+  double yaw_deg = 0;
+  double pitch_deg = 0;
+  double roll_deg = 0;
+  double residual_east_m = 0;  ///< Measured less adjusted, without what all frames have in common.
+  double residual_north_m = 0;
+  double residual_up_m = 0;
+  int sightings = 0;
+  double rms_px = 0;          ///< Of its sightings.
+  std::int64_t drawn_px = 0;  ///< Of the map, from it.
+};
+
+/// What capture() made, and how well the frames fit together. All numbers are measured on this block.
+struct CaptureResult {
+  std::vector<CapturedFrame> frames;
+  std::vector<std::string> left_out;  ///< "file: why".
+  std::int64_t pairs = 0;
+  std::int64_t points = 0;
+  std::int64_t sightings = 0;        ///< That count, of
+  std::int64_t sightings_found = 0;  ///< all.
+  double reprojection_rms_px = 0;
+  std::string camera_source;
+  double given_focal_length_px = 0;
+  double focal_length_px = 0;
+  double k1 = 0;
+  double k2 = 0;
+  double boresight_x_deg = 0;
+  double boresight_y_deg = 0;
+  double boresight_z_deg = 0;
+  double clock_offset_s = 0;
+  double bias_east_m = 0;  ///< Known with control points alone; 0 without.
+  double bias_north_m = 0;
+  double position_rms_m = 0;  ///< Of the frames' horizontal residuals.
+  int control_points = 0;
+  double control_rms_m = 0;  ///< NaN without.
+  std::string ground;        ///< What the frames were laid over.
+  double ground_spread_m = 0;
+  double gsd_m = 0;
+  std::int64_t width_px = 0;
+  std::int64_t height_px = 0;
+  std::string crs;
+  double area_m2 = 0;
+  std::vector<std::string> assumptions;
+  std::vector<std::string> warnings;
+};
+
+/// Makes a reference map of the frames of a camera that looked down, and writes it to `ortho` (not committed):
+/// features and tracks, block adjustment, ground, orthophoto (docs/methods/capture.md). The same bytes for any number
+/// of threads. Throws UsageError; DataError, naming the frames, for what cannot be used or contradicts itself;
+/// Interrupted.
+CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
+                      int threads, const Progress& progress = {});
+
+}  // namespace pilotage
+
+#pragma GCC visibility pop

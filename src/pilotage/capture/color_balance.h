@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/capture/adjust_block.h"
+
+namespace pilotage {
+
+/// What brings the colours of a block's frames to each other: a pixel's value is divided by
+/// exp(gain of the frame + a·r² + b·r⁴), r its distance from the middle of the picture over half the diagonal.
+struct ColorBalance {
+  std::vector<std::array<double, 3>> log_gain;     ///< Per frame; red, green, blue.
+  std::array<std::array<double, 2>, 3> falloff{};  ///< a and b of the lens, per colour.
+};
+
+/// Least squares over the points that frames have in common, with Cauchy's weights; gains are 0 on average. `small` are
+/// the frames, CV_8UC3, of any size.
+ColorBalance balance_colors(const std::vector<cv::Mat>& small, const AdjustedBlock& block,
+                            const std::vector<FrameFeatures>& features);
+
+}  // namespace pilotage

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pilotage/base/progress.h"
+#include "pilotage/capture/frame_features.h"
+
+namespace pilotage {
+
+/// Two frames that show the same ground, and the features they have in common.
+struct FramePair {
+  int first = 0;
+  int second = 0;
+  std::vector<std::array<int, 2>> matches;  ///< Of features of the first and of the second.
+  Eigen::Matrix3d second_from_first;        ///< Homography of pixels that most of the ground obeys.
+};
+
+/// Pairs of frames that may show the same ground: of each frame with the up to 12 that are nearest, and with the one
+/// before it in the list. In order of their numbers, the smaller first, each once.
+std::vector<std::array<int, 2>> neighbouring_frames(const std::vector<Eigen::Vector2d>& nadirs_en_m);
+
+/// What two frames have in common: the coarsest features first (ratio test, mutual), a homography through them
+/// (MAGSAC++), then all features near where it leads, and those that obey one epipolar geometry. Nothing unless 20 do.
+/// Deterministic.
+std::optional<FramePair> match_frames(int first, int second, const FrameFeatures& features_of_first,
+                                      const FrameFeatures& features_of_second);
+
+/// match_frames() for all `pairs`, in their order, without those that have nothing in common.
+std::vector<FramePair> match_pairs(const std::vector<std::array<int, 2>>& pairs,
+                                   const std::vector<FrameFeatures>& features, int threads, const Progress& progress);
+
+}  // namespace pilotage

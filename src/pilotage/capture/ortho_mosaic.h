@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "pilotage/base/progress.h"
+#include "pilotage/capture/adjust_block.h"
+#include "pilotage/capture/color_balance.h"
+#include "pilotage/capture/ground_surface.h"
+#include "pilotage/geo/local_frame.h"
+#include "pilotage/raster/gdal_write.h"
+
+namespace pilotage {
+
+/// What an orthophoto is made of.
+struct OrthoMosaic {
+  const AdjustedBlock* block = nullptr;
+  const GroundSurface* ground = nullptr;
+  const ColorBalance* balance = nullptr;
+  LocalFrame frame;  ///< The block's.
+  /// A frame's pixels, CV_8UC3, at its full size. Called by several threads.
+  std::function<cv::Mat(std::size_t frame)> load;
+  std::int64_t width_px = 0;
+  std::int64_t height_px = 0;
+  Crs crs;
+  GeoTransform map_from_pixel;
+  double gsd_m = 0;
+};
+
+/// East and north, in the block's frame, of a point whose longitude and latitude are given. Heights above the ellipsoid
+/// are left out, for points of the ground as for cameras: at 1,000 m that is a scale of 1 + 1.6e-4, and it cancels.
+Eigen::Vector2d east_north_m(const LocalFrame& frame, GeodeticPoint point);
+
+/// What was drawn.
+struct MosaicStats {
+  std::int64_t valid_px = 0;
+  std::vector<std::int64_t> frame_px;  ///< Pixels that each frame has most of.
+};
+
+/// Draws an orthophoto in blocks of 512 px: each pixel from the frame that sees it at the least angle off the nadir,
+/// fading into the next within a narrow band along the seam and towards the edges of frames; colours balanced;
+/// bilinear. Where no frame sees the ground, or the surface has no height, nothing is drawn. Frames are loaded as they
+/// are needed, neighbouring blocks one after the other, and the last ones stay in memory up to `frame_bytes`. The same
+/// bytes for any number of threads.
+MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int threads, const Progress& progress,
+                        const std::function<void(std::int64_t col, std::int64_t row, const Raster& block)>& write);
+
+}  // namespace pilotage

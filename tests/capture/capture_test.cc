@@ -1,0 +1,157 @@
+#include "pilotage/capture/capture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "drawn_flight.h"
+#include "testing/error_of.h"
+#include "testing/temporary_folder.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/read_file.h"
+#include "pilotage/base/statistics.h"
+#include "pilotage/geo/geodesic.h"
+
+namespace pilotage {
+namespace {
+
+using pilotage::testing::draw_flight;
+using pilotage::testing::DrawnFlight;
+using pilotage::testing::DrawnFrame;
+using pilotage::testing::error_of;
+using pilotage::testing::misplacements_m;
+using pilotage::testing::TemporaryFolder;
+using pilotage::testing::write_table;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// One flight for all tests: drawing it takes most of their time.
+struct DrawnOnce {
+  TemporaryFolder folder;
+  DrawnFlight flight;
+};
+
+const DrawnOnce& drawn() {
+  static DrawnOnce once;
+  if (once.flight.frames.empty()) once.flight = draw_flight(once.folder.path(), 6, 0.3);
+  return once;
+}
+
+CaptureOptions options_of(const DrawnFlight& flight) {
+  CaptureOptions options;
+  options.camera.width_px = flight.camera.width_px;
+  options.camera.height_px = flight.camera.height_px;
+  options.camera.hfov_deg = 2 * std::atan(flight.camera.width_px / 2.0 / flight.camera.fx_px) * 180 / M_PI;
+  options.position_sigma_m = 0.3;
+  options.height_sigma_m = 1;
+  return options;
+}
+
+CaptureResult capture_to(const std::filesystem::path& map, const std::filesystem::path& table,
+                         const CaptureOptions& options, int threads = 0) {
+  OutputFile output(map, true);
+  CaptureResult done = capture({table.string()}, options, output, threads);
+  output.commit();
+  return done;
+}
+
+std::string refused(const std::filesystem::path& table, const CaptureOptions& options) {
+  const std::filesystem::path map = drawn().folder / "refused.tif";
+  std::filesystem::remove(map);  // of a call that was not refused
+  const std::string message = error_of<DataError>([&] { capture_to(map, table, options); });
+  EXPECT_FALSE(std::filesystem::exists(map));
+  return message;
+}
+
+/// How far the adjusted frames lie from where they were, metres.
+double worst_frame_m(const CaptureResult& done) {
+  double worst_m = 0;
+  for (std::size_t i = 0; i < done.frames.size(); ++i) {
+    worst_m = std::max(worst_m, geodesic_between(done.frames[i].adjusted, drawn().flight.frames[i].nadir).length_m);
+  }
+  return worst_m;
+}
+
+TEST(Capture, AMapLiesWhereItsGroundIs) {
+  const auto& [folder, flight] = drawn();
+  const auto table = write_table(folder.path(), flight.frames, true);
+  const CaptureResult done = capture_to(folder / "map.tif", table, options_of(flight));
+  EXPECT_EQ(done.frames.size(), 20U);
+  EXPECT_LT(done.reprojection_rms_px, 0.5);
+  EXPECT_NEAR(done.gsd_m, 0.15, 0.01);
+  EXPECT_LT(worst_frame_m(done), 0.6);
+  const std::vector<double> misses_m = misplacements_m(flight, folder / "map.tif");
+  ASSERT_GT(misses_m.size(), 40U);
+  // Pixels of the true ground are 0.25 m: so exact is the comparison.
+  EXPECT_LE(quantile(misses_m, 0.5), 0.36);
+  EXPECT_LE(quantile(misses_m, 0.95), 3 * 0.25);
+}
+
+TEST(Capture, HeadingAndHeightComeFromThePicturesAlone) {
+  const auto& [folder, flight] = drawn();
+  std::vector<DrawnFrame> frames = flight.frames;
+  for (DrawnFrame& frame : frames) frame.height_m += 400;  // above something else
+  const auto table = write_table(folder.path(), frames, false);
+  const CaptureResult done = capture_to(folder / "alone.tif", table, options_of(flight));
+  for (std::size_t i = 0; i < done.frames.size(); ++i) {
+    const double turn_deg = done.frames[i].yaw_deg - flight.frames[i].yaw_deg;
+    EXPECT_LT(std::abs(std::remainder(turn_deg, 360)), 1.5) << done.frames[i].file;
+    EXPECT_NEAR(done.frames[i].pitch_deg, flight.frames[i].pitch_deg, 1.5) << done.frames[i].file;
+  }
+  EXPECT_LE(quantile(misplacements_m(flight, folder / "alone.tif"), 0.95), 4 * 0.25);
+}
+
+TEST(Capture, TheSameBytesForAnyNumberOfThreads) {
+  const auto& [folder, flight] = drawn();
+  const auto table = write_table(folder.path(), flight.frames, true);
+  capture_to(folder / "one.tif", table, options_of(flight), 1);
+  capture_to(folder / "three.tif", table, options_of(flight), 3);
+  EXPECT_EQ(read_file((folder / "one.tif").string()), read_file((folder / "three.tif").string()));
+}
+
+TEST(Capture, FramesWhosePositionCannotBeAreNamed) {
+  const auto& [folder, flight] = drawn();
+  std::vector<DrawnFrame> frames = flight.frames;
+  frames[7].stated.lat_deg += 0.009;  // 1 km
+  EXPECT_THAT(
+      refused(write_table(folder.path(), frames, true), options_of(flight)),
+      AllOf(HasSubstr("frame8.png: its position lies 100"), Not(HasSubstr("frame7.png")), HasSubstr("--leave-out")));
+  frames = flight.frames;
+  std::swap(frames[3].stated, frames[11].stated);
+  EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)),
+              AllOf(HasSubstr("frame4.png: its position lies"), HasSubstr("frame12.png: its position lies"),
+                    Not(HasSubstr("frame5.png"))));
+  CaptureOptions options = options_of(flight);
+  options.leave_out = true;
+  const CaptureResult done = capture_to(folder / "swapped.tif", folder / "frames.csv", options);
+  EXPECT_EQ(done.left_out.size(), 2U);
+  EXPECT_LE(quantile(misplacements_m(flight, folder / "swapped.tif"), 0.95), 4 * 0.25);
+}
+
+TEST(Capture, FramesThatShowOtherGroundAreNamed) {
+  const auto& [folder, flight] = drawn();
+  std::vector<DrawnFrame> frames = flight.frames;
+  std::ofstream(folder / "cut.png") << read_file((folder / frames[4].file).string()).substr(0, 3000);
+  frames[4].file = "cut.png";
+  EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("cut.png"));
+  frames.assign({flight.frames[0], flight.frames[1], flight.frames[9], flight.frames[14]});
+  EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)),
+              AllOf(HasSubstr("frame15.png: shows nothing that the other frames show"), HasSubstr("has 3 frames")));
+  frames.resize(1);
+  EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("needs at least 3"));
+  frames.assign(3, flight.frames[0]);
+  EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("at one place"));
+}
+
+TEST(Capture, WithoutACameraItsTagsAreAskedFor) {
+  const auto& [folder, flight] = drawn();
+  EXPECT_THAT(refused(write_table(folder.path(), flight.frames, true), CaptureOptions{}),
+              HasSubstr("frame1.png: its tags do not say what camera took it (no focal length); give --camera"));
+}
+
+}  // namespace
+}  // namespace pilotage

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pilotage/camera/camera.h"
+#include "pilotage/geo/geodetic_point.h"
+#include "pilotage/raster/gdal_crs.h"
+#include "pilotage/raster/raster.h"
+
+namespace pilotage::testing {
+
+/// A frame of a drawn flight: the truth, and what its table says.
+struct DrawnFrame {
+  std::string file;
+  GeodeticPoint nadir;   ///< True.
+  GeodeticPoint stated;  ///< As measured.
+  double height_m = 0;   ///< True, above the ground at 0 m.
+  double yaw_deg = 0;
+  double pitch_deg = 0;
+  double roll_deg = 0;
+};
+
+/// Four lines of five frames over ground of fine gray texture with a hill of `hill_m`: tilted by up to 3°, every second
+/// line flown back, measured to within `position_sigma_m`.
+struct DrawnFlight {
+  Raster ground;  ///< CV_8UC1, 0.25 m.
+  Crs crs;
+  Camera camera;
+  std::vector<DrawnFrame> frames;
+};
+
+DrawnFlight draw_flight(const std::filesystem::path& folder, double hill_m, double position_sigma_m);
+
+/// frames.csv of the flight in `folder`; with attitude, or with positions and heights alone.
+std::filesystem::path write_table(const std::filesystem::path& folder, const std::vector<DrawnFrame>& frames,
+                                  bool with_attitude);
+
+/// How far a map's pixels lie from the ground they show, metres: patches of the true ground are looked for in the map
+/// around their place.
+std::vector<double> misplacements_m(const DrawnFlight& flight, const std::filesystem::path& map);
+
+}  // namespace pilotage::testing

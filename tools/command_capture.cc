@@ -1,0 +1,160 @@
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "commands.h"
+
+#include "pilotage/base/csv.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/capture/capture.h"
+
+namespace pilotage {
+namespace {
+
+struct CaptureCommandOptions {
+  CaptureOptions capture;
+  std::string log;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    CaptureOptions::describe(self.capture, fields);
+    fields.path("log", self.log,
+                "Also write the frames with their adjusted attitude and place, as a table that match and score take "
+                "(frames.csv).");
+  }
+};
+
+/// schemas/frames-csv.md. Priors are the measured places; the adjusted ones stand as truth.
+std::string frames_table(const CaptureResult& done, const std::string& log) {
+  const std::filesystem::path folder = std::filesystem::absolute(log).parent_path();
+  std::string table =
+      "file,time_s,prior_lon_deg,prior_lat_deg,prior_sigma_m,height_agl_m,yaw_deg,pitch_deg,roll_deg,"
+      "true_nadir_lon_deg,true_nadir_lat_deg\n";
+  for (const CapturedFrame& frame : done.frames) {
+    const std::string path = std::filesystem::absolute(frame.path).lexically_relative(folder).generic_string();
+    const double time_s = std::isnan(frame.time_s) ? static_cast<double>(&frame - done.frames.data()) : frame.time_s;
+    table += csv_cell(path) + "," + format_fixed(time_s, 3);
+    for (const double degrees : {frame.measured.lon_deg, frame.measured.lat_deg})
+      table += "," + format_fixed(degrees, 9);
+    table += "," + format_fixed(frame.measured_sigma_m, 3) + "," + format_fixed(frame.agl_m, 3);
+    for (const double degrees : {frame.yaw_deg, frame.pitch_deg, frame.roll_deg})
+      table += "," + format_fixed(degrees, 4);
+    for (const double degrees : {frame.adjusted.lon_deg, frame.adjusted.lat_deg})
+      table += "," + format_fixed(degrees, 9);
+    table += "\n";
+  }
+  return table;
+}
+
+nlohmann::ordered_json result_json(const CaptureResult& done, const std::string& output) {
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  for (const CapturedFrame& frame : done.frames) {
+    frames.push_back({{"file", frame.file},
+                      {"lon_deg", frame.adjusted.lon_deg},
+                      {"lat_deg", frame.adjusted.lat_deg},
+                      {"agl_m", json_number(frame.agl_m)},
+                      {"yaw_deg", frame.yaw_deg},
+                      {"pitch_deg", frame.pitch_deg},
+                      {"roll_deg", frame.roll_deg},
+                      {"residual_east_m", frame.residual_east_m},
+                      {"residual_north_m", frame.residual_north_m},
+                      {"residual_up_m", frame.residual_up_m},
+                      {"sightings", frame.sightings},
+                      {"reprojection_rms_px", json_number(frame.rms_px)},
+                      {"drawn_px", frame.drawn_px}});
+  }
+  return {{"output", output},
+          {"gsd_m", done.gsd_m},
+          {"width_px", done.width_px},
+          {"height_px", done.height_px},
+          {"crs", done.crs},
+          {"area_m2", done.area_m2},
+          {"pairs", done.pairs},
+          {"points", done.points},
+          {"sightings", done.sightings},
+          {"sightings_found", done.sightings_found},
+          {"reprojection_rms_px", done.reprojection_rms_px},
+          {"position_rms_m", done.position_rms_m},
+          {"camera",
+           {{"source", done.camera_source},
+            {"given_focal_length_px", done.given_focal_length_px},
+            {"focal_length_px", done.focal_length_px},
+            {"k1", done.k1},
+            {"k2", done.k2},
+            {"boresight_deg", {done.boresight_x_deg, done.boresight_y_deg, done.boresight_z_deg}},
+            {"clock_offset_s", done.clock_offset_s}}},
+          {"control_points", done.control_points},
+          {"control_rms_m", json_number(done.control_rms_m)},
+          {"position_bias_m", {done.bias_east_m, done.bias_north_m}},
+          {"ground", done.ground},
+          {"ground_spread_m", done.ground_spread_m},
+          {"left_out", done.left_out},
+          {"assumptions", done.assumptions},
+          {"frames", frames}};
+}
+
+std::string result_text(const CaptureResult& done, const std::string& output) {
+  std::string text = output + ": " + std::to_string(done.width_px) + " x " + std::to_string(done.height_px) +
+                     " pixels of " + format_number(done.gsd_m) + " m, " + format_fixed(done.area_m2 / 1e4, 2) +
+                     " ha, " + done.crs + "\n";
+  text += std::to_string(done.frames.size()) + " frames, " + std::to_string(done.pairs) + " pairs, " +
+          std::to_string(done.points) + " points; reprojection error " + format_fixed(done.reprojection_rms_px, 2) +
+          " px over " + std::to_string(done.sightings) + " of " + std::to_string(done.sightings_found) + " sightings\n";
+  text += "frames' positions: " + format_fixed(done.position_rms_m, 2) + " m RMS from where the pictures put them\n";
+  text += "camera: focal length " + format_fixed(done.focal_length_px, 1) + " px (" + done.camera_source + ": " +
+          format_fixed(done.given_focal_length_px, 1) + "), k1 " + format_fixed(done.k1, 4) + ", k2 " +
+          format_fixed(done.k2, 4) + "\n";
+  if (done.control_points > 0) {
+    text += std::to_string(done.control_points) + " control points: " + format_fixed(done.control_rms_m, 3) +
+            " m RMS; frames' positions shifted by " + format_fixed(done.bias_east_m, 2) + " m east, " +
+            format_fixed(done.bias_north_m, 2) + " m north\n";
+  }
+  text += "ground: " + done.ground + ", points lie " + format_fixed(done.ground_spread_m, 2) + " m from it\n";
+  for (const std::string& one : done.assumptions) text += "assumes: " + one + "\n";
+  for (const std::string& one : done.left_out) text += "left out: " + one + "\n";
+  return text;
+}
+
+CommandResult run_capture(const CaptureCommandOptions& options, const Invocation& invocation) {
+  OutputFile ortho(invocation.output, invocation.overwrite);
+  std::optional<OutputFile> log;
+  if (!options.log.empty()) log.emplace(options.log, invocation.overwrite);
+  const CaptureResult done =
+      capture(invocation.inputs, options.capture, ortho, invocation.threads, invocation.progress);
+  std::vector<const OutputFile*> outputs;
+  if (log) {
+    log->write(frames_table(done, options.log));
+    outputs.push_back(&*log);
+  }
+  outputs.push_back(&ortho);
+  OutputFile::commit(outputs, {});
+  CommandResult result;
+  result.text = result_text(done, invocation.output);
+  result.json = result_json(done, invocation.output);
+  result.warnings = done.warnings;
+  return result;
+}
+
+}  // namespace
+
+Command make_capture_command() {
+  Command command;
+  command.word = "capture";
+  command.group = CommandGroup::kPrepare;
+  command.summary = "Make a reference map of the frames of a flight";
+  command.examples = {
+      {"The photos of a drone; positions and camera are in their tags.", "pilotage capture photos/ -o reference.tif"},
+      {"A camera and an elevation model of one's own, and the adjusted frames as a table.",
+       "pilotage capture frames.csv --camera camera.yaml --elevation dem.tif --log adjusted.csv -o "
+       "reference.tif"}};
+  command.inputs = {
+      .name = "FRAMES", .help = "Pictures, folders of them, or one frames.csv.", .min = 1, .max = InputSpec::kMany};
+  command.output = {.kind = OutputKind::kFile, .help = "The map: a Cloud-Optimised GeoTIFF.", .flags = {"log"}};
+  command.reads_rasters = true;
+  bind_options<CaptureCommandOptions>(command, run_capture);
+  return command;
+}
+
+}  // namespace pilotage
