@@ -38,7 +38,8 @@ std::string frames_table(const CaptureResult& done, const std::string& log) {
     table += csv_cell(path) + "," + format_fixed(time_s, 3);
     for (const double degrees : {frame.measured.lon_deg, frame.measured.lat_deg})
       table += "," + format_fixed(degrees, 9);
-    table += "," + format_fixed(frame.measured_sigma_m, 3) + "," + format_fixed(frame.agl_m, 3);
+    table += "," + format_fixed(frame.measured_sigma_m, 3) + "," +
+             (std::isnan(frame.agl_m) ? "" : format_fixed(frame.agl_m, 3));
     for (const double degrees : {frame.yaw_deg, frame.pitch_deg, frame.roll_deg})
       table += "," + format_fixed(degrees, 4);
     for (const double degrees : {frame.adjusted.lon_deg, frame.adjusted.lat_deg})

@@ -24,10 +24,13 @@ using pilotage::testing::DrawnFrame;
 using pilotage::testing::error_of;
 using pilotage::testing::misplacements_m;
 using pilotage::testing::TemporaryFolder;
+using pilotage::testing::write_control_points;
 using pilotage::testing::write_table;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+constexpr double kHill_m = 6;
 
 /// One flight for all tests: drawing it takes most of their time.
 struct DrawnOnce {
@@ -37,7 +40,7 @@ struct DrawnOnce {
 
 const DrawnOnce& drawn() {
   static DrawnOnce once;
-  if (once.flight.frames.empty()) once.flight = draw_flight(once.folder.path(), 6, 0.3);
+  if (once.flight.frames.empty()) once.flight = draw_flight(once.folder.path(), kHill_m, 0.3);
   return once;
 }
 
@@ -59,6 +62,15 @@ CaptureResult capture_to(const std::filesystem::path& map, const std::filesystem
   return done;
 }
 
+/// The drawn flight as it is, once, by three threads.
+const std::pair<std::filesystem::path, CaptureResult>& captured_once() {
+  static const std::filesystem::path map = drawn().folder / "map.tif";
+  static const std::pair<std::filesystem::path, CaptureResult> once{
+      map,
+      capture_to(map, write_table(drawn().folder.path(), drawn().flight.frames, true), options_of(drawn().flight), 3)};
+  return once;
+}
+
 std::string refused(const std::filesystem::path& table, const CaptureOptions& options) {
   const std::filesystem::path map = drawn().folder / "refused.tif";
   std::filesystem::remove(map);  // of a call that was not refused
@@ -77,14 +89,12 @@ double worst_frame_m(const CaptureResult& done) {
 }
 
 TEST(Capture, AMapLiesWhereItsGroundIs) {
-  const auto& [folder, flight] = drawn();
-  const auto table = write_table(folder.path(), flight.frames, true);
-  const CaptureResult done = capture_to(folder / "map.tif", table, options_of(flight));
+  const auto& [map, done] = captured_once();
   EXPECT_EQ(done.frames.size(), 20U);
   EXPECT_LT(done.reprojection_rms_px, 0.5);
   EXPECT_NEAR(done.gsd_m, 0.15, 0.01);
   EXPECT_LT(worst_frame_m(done), 0.6);
-  const std::vector<double> misses_m = misplacements_m(flight, folder / "map.tif");
+  const std::vector<double> misses_m = misplacements_m(drawn().flight, map);
   ASSERT_GT(misses_m.size(), 40U);
   // Pixels of the true ground are 0.25 m: so exact is the comparison.
   EXPECT_LE(quantile(misses_m, 0.5), 0.36);
@@ -107,10 +117,11 @@ TEST(Capture, HeadingAndHeightComeFromThePicturesAlone) {
 
 TEST(Capture, TheSameBytesForAnyNumberOfThreads) {
   const auto& [folder, flight] = drawn();
-  const auto table = write_table(folder.path(), flight.frames, true);
-  capture_to(folder / "one.tif", table, options_of(flight), 1);
-  capture_to(folder / "three.tif", table, options_of(flight), 3);
-  EXPECT_EQ(read_file((folder / "one.tif").string()), read_file((folder / "three.tif").string()));
+  const auto& [three, done] = captured_once();
+  const CaptureResult by_one =
+      capture_to(folder / "one.tif", write_table(folder.path(), flight.frames, true), options_of(flight), 1);
+  EXPECT_EQ(by_one.reprojection_rms_px, done.reprojection_rms_px);
+  EXPECT_EQ(read_file((folder / "one.tif").string()), read_file(three.string()));
 }
 
 TEST(Capture, FramesWhosePositionCannotBeAreNamed) {
@@ -145,6 +156,28 @@ TEST(Capture, FramesThatShowOtherGroundAreNamed) {
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("needs at least 3"));
   frames.assign(3, flight.frames[0]);
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("at one place"));
+}
+
+TEST(Capture, ControlPointsTellWhatAllPositionsMissAlike) {
+  const auto& [folder, flight] = drawn();
+  std::vector<DrawnFrame> frames = flight.frames;
+  for (DrawnFrame& frame : frames) {
+    frame.stated = geodesic_direct(frame.stated, 90, 4);  // 4 m too far east
+    frame.height_m += 30;
+  }
+  const auto table = write_table(folder.path(), frames, true);
+  CaptureOptions options = options_of(flight);
+  const std::vector<Eigen::Vector2d> points{{-30, -25}, {35, -20}, {0, 3}, {30, 28}};
+  options.control_points = write_control_points(folder.path(), flight, points, kHill_m, 0).string();
+  const CaptureResult done = capture_to(folder / "controlled.tif", table, options);
+  EXPECT_EQ(done.control_points, 4);
+  EXPECT_LT(done.control_rms_m, 0.1);
+  EXPECT_NEAR(done.bias_east_m, 4, 0.3);
+  EXPECT_NEAR(done.bias_north_m, 0, 0.3);
+  EXPECT_LT(worst_frame_m(done), 0.6);
+  EXPECT_LE(quantile(misplacements_m(flight, folder / "controlled.tif"), 0.95), 3 * 0.25);
+  write_control_points(folder.path(), flight, points, kHill_m, 3);
+  EXPECT_THAT(refused(table, options), HasSubstr("control point \"500158"));
 }
 
 TEST(Capture, WithoutACameraItsTagsAreAskedFor) {

@@ -9,6 +9,8 @@
 
 #include "pilotage/base/random.h"
 #include "pilotage/base/text.h"
+#include "pilotage/camera/attitude.h"
+#include "pilotage/camera/lens.h"
 #include "pilotage/camera/render_frame.h"
 #include "pilotage/raster/gdal_gray.h"
 
@@ -35,12 +37,40 @@ cv::Mat texture() {
   return gray;
 }
 
-/// Metres above 0, at metres east and north of the grid's middle.
+}  // namespace
+
 double height_of_ground_m(const Eigen::Vector2d& en_m, double hill_m) {
   return hill_m * std::exp(-en_m.squaredNorm() / (2 * 40.0 * 40.0));
 }
 
-}  // namespace
+std::filesystem::path write_control_points(const std::filesystem::path& folder, const DrawnFlight& flight,
+                                           const std::vector<Eigen::Vector2d>& points_en_m, double hill_m,
+                                           double moved_m) {
+  std::ofstream list(folder / "gcp_list.txt");
+  list << "WGS84 UTM 33N\n";
+  const CrsTransform transform(flight.crs);
+  const Lens lens = make_lens(flight.camera);
+  const Eigen::Vector2d middle = flight.ground.map_from_pixel.map_from_pixel({kWidth_px / 2.0, kHeight_px / 2.0});
+  for (const Eigen::Vector2d& en_m : points_en_m) {
+    const Eigen::Vector2d map = middle + en_m;
+    const double height_m = height_of_ground_m(en_m, hill_m);
+    const double stated_x = map.x() + (&en_m == &points_en_m.back() ? moved_m : 0);
+    for (const DrawnFrame& frame : flight.frames) {
+      const Eigen::Vector2d from_nadir_m = map - *transform.map_from_geodetic(frame.nadir);
+      const Eigen::Matrix3d enu_from_cam = enu_from_camera({}, {frame.yaw_deg, frame.pitch_deg, frame.roll_deg});
+      const auto pixel =
+          pixel_from_ray(lens, enu_from_cam.transpose() *
+                                   Eigen::Vector3d(from_nadir_m.x(), from_nadir_m.y(), height_m - frame.height_m));
+      if (!pixel || pixel->minCoeff() < 5 || pixel->x() > flight.camera.width_px - 5 ||
+          pixel->y() > flight.camera.height_px - 5) {
+        continue;
+      }
+      list << format_fixed(stated_x, 3) << " " << format_fixed(map.y(), 3) << " " << format_fixed(height_m, 3) << " "
+           << format_fixed(pixel->x(), 2) << " " << format_fixed(pixel->y(), 2) << " " << frame.file << "\n";
+    }
+  }
+  return folder / "gcp_list.txt";
+}
 
 DrawnFlight draw_flight(const std::filesystem::path& folder, double hill_m, double position_sigma_m) {
   DrawnFlight flight;

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pilotage/camera/camera.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gdal_crs.h"
@@ -32,6 +34,15 @@ struct DrawnFlight {
 };
 
 DrawnFlight draw_flight(const std::filesystem::path& folder, double hill_m, double position_sigma_m);
+
+/// Height of the ground at metres east and north of the grid's middle: a hill.
+double height_of_ground_m(const Eigen::Vector2d& en_m, double hill_m);
+
+/// gcp_list.txt of points at metres east and north of the grid's middle, with a mark in each frame that sees them;
+/// `moved_m` is added to the easting of the last point.
+std::filesystem::path write_control_points(const std::filesystem::path& folder, const DrawnFlight& flight,
+                                           const std::vector<Eigen::Vector2d>& points_en_m, double hill_m,
+                                           double moved_m);
 
 /// frames.csv of the flight in `folder`; with attitude, or with positions and heights alone.
 std::filesystem::path write_table(const std::filesystem::path& folder, const std::vector<DrawnFrame>& frames,

@@ -161,6 +161,25 @@ TEST(FrameExif, HalfOfATagIsNone) {
   EXPECT_FALSE(exif_camera(frame_exif(metadata)));
 }
 
+TEST(FrameExif, HeightAboveTheSeaPrefersXmpAndMayBeBelow) {
+  ImageMetadata metadata{4000, 3000, {}, {}};
+  EXPECT_FALSE(frame_exif(metadata).amsl_m);
+  metadata.exif = {{"GPSAltitude", "(12.5)"}, {"GPSAltitudeRef", "0x01"}};
+  EXPECT_EQ(frame_exif(metadata).amsl_m->value, -12.5);
+  metadata.exif["GPSAltitudeRef"] = "0x00";
+  EXPECT_EQ(frame_exif(metadata).amsl_m->value, 12.5);
+  metadata.xmp = {{"drone-dji:AbsoluteAltitude", "+198.61"}};
+  EXPECT_EQ(frame_exif(metadata).amsl_m->value, 198.61);
+}
+
+TEST(FrameExif, TheCamerasClock) {
+  ImageMetadata metadata{4000, 3000, {}, {}};
+  metadata.exif = {{"DateTimeOriginal", "2016:06:23 16:32:13"}, {"SubSecTimeOriginal", "25"}};
+  EXPECT_EQ(frame_exif(metadata).taken_s, 1466699533.25);  // date -u -d '2016-06-23 16:32:13' +%s
+  metadata.exif["DateTimeOriginal"] = "2016:06:23";
+  EXPECT_FALSE(frame_exif(metadata).taken_s);
+}
+
 TEST(FrameExif, FocalLengthFromTheBestTag) {
   ImageMetadata metadata{4000, 3000, {{"FocalLengthIn35mmFilm", "24"}}, {}};
   // 24 mm of a diagonal of 43.267 mm, of 5000 px.

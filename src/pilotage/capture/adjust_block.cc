@@ -304,9 +304,7 @@ class Adjustment {
                                           clock_ * measured.velocity_enu_mps.value_or(Eigen::Vector3d::Zero()) -
                                           done.position_bias_m - center);
     }
-    for (std::size_t i = 0; i < control_.size(); ++i) {
-      done.control_residuals_m.push_back(control_[i] - block_.control_points[i].enu_m);
-    }
+    for (std::size_t i = 0; i < control_.size(); ++i) done.control_misses_m.push_back(control_miss_m(i));
     done.sightings_before = sightings_before_;
     sum_errors(done);
     return done;
@@ -331,6 +329,20 @@ class Adjustment {
     const Eigen::Vector3d seen = camera_from_enu_[frame] * (point.enu_m - center(frame));
     if (seen.z() < 1e-6) return Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
     return project(camera_, lens_.data(), seen) - pixel_of(one);
+  }
+
+  /// Mean of what its marks miss it by, at its distance, and its own displacement. Infinite behind a camera.
+  double control_miss_m(std::size_t i) const {
+    const ControlPoint& given = block_.control_points[i];
+    double sum_m = 0;
+    for (const ControlPoint::Mark& mark : given.marks) {
+      const auto frame = static_cast<std::size_t>(mark.frame);
+      const Eigen::Vector3d seen = camera_from_enu_[frame] * (control_[i] - center(frame));
+      if (seen.z() < 1e-6) return std::numeric_limits<double>::infinity();
+      const double error_px = (project(camera_, lens_.data(), seen) - mark.pixel).norm();
+      sum_m += error_px * seen.z() / (camera_.fx_px * std::exp(lens_[0]));
+    }
+    return std::hypot(sum_m / static_cast<double>(given.marks.size()), (control_[i] - given.enu_m).norm());
   }
 
   /// The mean of where rays meet level ground.

@@ -24,11 +24,13 @@ struct AdjustedBlock {
   double clock_offset_s = 0;                 ///< Frames were taken so much later than their position says.
   Eigen::Vector3d boresight_deg{0, 0, 0};    ///< Turn of the camera against its measured attitude, about its x, y, z.
   std::vector<Eigen::Vector3d> position_residuals_m;  ///< Measured less adjusted less what is common; per frame.
-  std::vector<Eigen::Vector3d> control_residuals_m;   ///< Adjusted less given; per control point.
-  double reprojection_rms_px = 0;                     ///< Of the kept sightings, both axes together.
-  std::vector<double> frame_rms_px;                   ///< The same per frame; NaN for one without sightings.
-  std::vector<int> frame_sightings;                   ///< Kept, per frame.
-  std::int64_t sightings = 0;                         ///< Kept, of
+  /// How far each control point lies from where its marks put it, as they see it, and from where it was given,
+  /// together.
+  std::vector<double> control_misses_m;
+  double reprojection_rms_px = 0;    ///< Of the kept sightings, both axes together.
+  std::vector<double> frame_rms_px;  ///< The same per frame; NaN for one without sightings.
+  std::vector<int> frame_sightings;  ///< Kept, per frame.
+  std::int64_t sightings = 0;        ///< Kept, of
   std::int64_t sightings_before = 0;
 };
 

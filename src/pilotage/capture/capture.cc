@@ -223,12 +223,12 @@ void refuse_contradictions(const CaptureFrames& frames, const Block& block, cons
   refuse_frames(problems, leave_out, told);
 }
 
-void refuse_control_contradictions(const Block& block, const AdjustedBlock& adjusted) {
+void refuse_control_contradictions(const Block& block, const AdjustedBlock& adjusted, double gsd_m) {
   std::vector<std::string> problems;
-  const double limit_m = kContradiction * block.control_sigma_m;
+  const double limit_m = kContradiction * std::hypot(block.control_sigma_m, gsd_m);
   for (std::size_t i = 0; i < block.control_points.size(); ++i) {
-    const double miss_m = adjusted.control_residuals_m[i].norm();
-    if (miss_m > limit_m) {
+    const double miss_m = adjusted.control_misses_m[i];
+    if (!(miss_m <= limit_m)) {
       problems.push_back("control point \"" + block.control_points[i].name + "\" lies " + format_fixed(miss_m, 2) +
                          " m from where its marks put it (at most " + format_fixed(limit_m, 2) + " m)");
     }
@@ -314,7 +314,9 @@ double median_agl_m(const AdjustedBlock& block, const GroundSurface& ground) {
     const double below_m = ground.heights.height_m(pose.center_enu_m.head<2>());
     if (std::isfinite(below_m)) heights_m.push_back(pose.center_enu_m.z() - below_m);
   }
-  return quantile(heights_m, 0.5);
+  const double agl_m = quantile(heights_m, 0.5);
+  if (!(agl_m > 0)) throw DataError("the frames come out below the ground: is the elevation model right?");
+  return agl_m;
 }
 
 /// "2016:06:23 16:32:13", as TIFF has it.
@@ -379,7 +381,7 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
   result.bias_north_m = adjusted.position_bias_m.y();
   result.control_points = static_cast<int>(block.control_points.size());
   double squares_m2 = 0;
-  for (const Eigen::Vector3d& residual : adjusted.control_residuals_m) squares_m2 += residual.squaredNorm();
+  for (const double miss_m : adjusted.control_misses_m) squares_m2 += miss_m * miss_m;
   result.control_rms_m = result.control_points > 0 ? std::sqrt(squares_m2 / result.control_points) : kNaN;
   const double change = adjusted.camera.fx_px / frames.camera.fx_px - 1;
   if (std::abs(change) > kLargestFocalChange) {
@@ -465,13 +467,13 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
                     "is the camera (" + frames.camera_source + ") right?");
   }
   refuse_contradictions(frames, block, adjusted, options.leave_out, frames);
-  refuse_control_contradictions(block, adjusted);
 
   const EastNorthBounds bounds = shown_bounds(adjusted);
   const GroundSurface ground =
       prior.height_m ? sample_surface(prior, elevation->resolution_m(), adjusted.points, bounds.low, bounds.high)
                      : fit_surface(adjusted.points, bounds.low, bounds.high);
   const double frame_gsd_m = median_agl_m(adjusted, ground) / adjusted.camera.fx_px;
+  refuse_control_contradictions(block, adjusted, frame_gsd_m);
   const ColorBalance balance = balance_colors(pictures.small, adjusted, block.features);
   OrthoMosaic mosaic{&adjusted, &ground, &balance, local, {}, 0, 0, {}, {}, 0};
   mosaic.load = [&](std::size_t i) { return read_rgb8_picture(frames.frames[i].path); };

@@ -54,7 +54,7 @@ struct CaptureResult {
   double bias_north_m = 0;
   double position_rms_m = 0;  ///< Of the frames' horizontal residuals.
   int control_points = 0;
-  double control_rms_m = 0;  ///< NaN without.
+  double control_rms_m = 0;  ///< Of where marks put them against where they were given; NaN without.
   std::string ground;        ///< What the frames were laid over.
   double ground_spread_m = 0;
   double gsd_m = 0;

@@ -15,7 +15,7 @@ namespace pilotage {
 namespace {
 
 constexpr std::size_t kNeighbours = 12;
-constexpr int kCoarsest = 1200;
+constexpr int kCoarsest = 2000;
 constexpr double kRatio = 0.8;  // Lowe's
 constexpr int kFewestOnHomography = 15;
 constexpr std::size_t kFewestMatches = 20;

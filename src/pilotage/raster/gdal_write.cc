@@ -189,6 +189,7 @@ void write_picture_cog(const OutputFile& output, const PictureSource& picture, c
   written = written && blocks->CreateMaskBand(GMF_PER_DATASET) == CE_None;
   if (!written) errors.throw_data_error(name + ": cannot be written");
   picture.draw([&](std::int64_t col, std::int64_t row, const Raster& part) {
+    const GdalErrors of_block;  // of whichever thread draws it
     const cv::Mat pixels = part.pixels.isContinuous() ? part.pixels : part.pixels.clone();
     const cv::Mat valid = part.valid.isContinuous() ? part.valid : part.valid.clone();
     const int x = static_cast<int>(col);
@@ -198,7 +199,7 @@ void write_picture_cog(const OutputFile& output, const PictureSource& picture, c
                          nullptr, 3, GSpacing{3} * pixels.cols, 1, nullptr) == CE_None &&
         blocks->GetRasterBand(1)->GetMaskBand()->RasterIO(GF_Write, x, y, valid.cols, valid.rows, valid.data,
                                                           valid.cols, valid.rows, GDT_Byte, 0, 0, nullptr) == CE_None;
-    if (!done) errors.throw_data_error(name + ": cannot be written");
+    if (!done || of_block.failed()) of_block.throw_data_error(name + ": cannot be written");
   });
   blocks->FlushCache(false);
   if (errors.failed()) errors.throw_data_error(name + ": cannot be written");
