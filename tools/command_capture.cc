@@ -16,6 +16,7 @@ namespace {
 struct CaptureCommandOptions {
   CaptureOptions capture;
   std::string log;
+  std::string camera_log;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -23,6 +24,9 @@ struct CaptureCommandOptions {
     fields.path("log", self.log,
                 "Also write the frames with their adjusted attitude and place, as a table that match and score take "
                 "(frames.csv).");
+    fields.path(
+        "camera_log", self.camera_log,
+        "Also write the camera as adjusted, as ROS camera_info (YAML): the table's heights are those of this one.");
   }
 };
 
@@ -47,6 +51,20 @@ std::string frames_table(const CaptureResult& done, const std::string& log) {
     table += "\n";
   }
   return table;
+}
+
+/// As camera_file.h reads it: the first pixel's centre is at 0.
+std::string camera_yaml(const Camera& camera) {
+  const auto numbers = [](const std::vector<double>& values) {
+    std::vector<std::string> texts;
+    for (const double value : values) texts.push_back(format_number(value));
+    return "[" + join(texts, ", ") + "]";
+  };
+  return "image_width: " + std::to_string(camera.width_px) + "\nimage_height: " + std::to_string(camera.height_px) +
+         "\ncamera_name: captured\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: " +
+         numbers({camera.fx_px, 0, camera.cx_px - 0.5, 0, camera.fy_px, camera.cy_px - 0.5, 0, 0, 1}) +
+         "\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: " +
+         numbers({camera.distortion.begin(), camera.distortion.end()}) + "\n";
 }
 
 nlohmann::ordered_json result_json(const CaptureResult& done, const std::string& output) {
@@ -81,9 +99,9 @@ nlohmann::ordered_json result_json(const CaptureResult& done, const std::string&
           {"camera",
            {{"source", done.camera_source},
             {"given_focal_length_px", done.given_focal_length_px},
-            {"focal_length_px", done.focal_length_px},
-            {"k1", done.k1},
-            {"k2", done.k2},
+            {"focal_length_px", done.camera.fx_px},
+            {"k1", done.camera.distortion[0]},
+            {"k2", done.camera.distortion[1]},
             {"boresight_deg", {done.boresight_x_deg, done.boresight_y_deg, done.boresight_z_deg}},
             {"clock_offset_s", done.clock_offset_s}}},
           {"control_points", done.control_points},
@@ -104,9 +122,9 @@ std::string result_text(const CaptureResult& done, const std::string& output) {
           std::to_string(done.points) + " points; reprojection error " + format_fixed(done.reprojection_rms_px, 2) +
           " px over " + std::to_string(done.sightings) + " of " + std::to_string(done.sightings_found) + " sightings\n";
   text += "frames' positions: " + format_fixed(done.position_rms_m, 2) + " m RMS from where the pictures put them\n";
-  text += "camera: focal length " + format_fixed(done.focal_length_px, 1) + " px (" + done.camera_source + ": " +
-          format_fixed(done.given_focal_length_px, 1) + "), k1 " + format_fixed(done.k1, 4) + ", k2 " +
-          format_fixed(done.k2, 4) + "\n";
+  text += "camera: focal length " + format_fixed(done.camera.fx_px, 1) + " px (" + done.camera_source + ": " +
+          format_fixed(done.given_focal_length_px, 1) + "), k1 " + format_fixed(done.camera.distortion[0], 4) +
+          ", k2 " + format_fixed(done.camera.distortion[1], 4) + "\n";
   if (done.control_points > 0) {
     text += std::to_string(done.control_points) + " control points: " + format_fixed(done.control_rms_m, 3) +
             " m RMS; frames' positions shifted by " + format_fixed(done.bias_east_m, 2) + " m east, " +
@@ -128,6 +146,11 @@ CommandResult run_capture(const CaptureCommandOptions& options, const Invocation
   if (log) {
     log->write(frames_table(done, options.log));
     outputs.push_back(&*log);
+  }
+  std::optional<OutputFile> camera;
+  if (!options.camera_log.empty()) {
+    camera.emplace(options.camera_log, invocation.overwrite).write(camera_yaml(done.camera));
+    outputs.push_back(&*camera);
   }
   outputs.push_back(&ortho);
   OutputFile::commit(outputs, {});
@@ -152,7 +175,8 @@ Command make_capture_command() {
        "reference.tif"}};
   command.inputs = {
       .name = "FRAMES", .help = "Pictures, folders of them, or one frames.csv.", .min = 1, .max = InputSpec::kMany};
-  command.output = {.kind = OutputKind::kFile, .help = "The map: a Cloud-Optimised GeoTIFF.", .flags = {"log"}};
+  command.output = {
+      .kind = OutputKind::kFile, .help = "The map: a Cloud-Optimised GeoTIFF.", .flags = {"log", "camera_log"}};
   command.reads_rasters = true;
   bind_options<CaptureCommandOptions>(command, run_capture);
   return command;

@@ -143,6 +143,59 @@ TEST(Capture, FramesWhosePositionCannotBeAreNamed) {
   EXPECT_LE(quantile(misplacements_m(flight, folder / "swapped.tif"), 0.95), 4 * 0.25);
 }
 
+TEST(Capture, AWrongHeightBendsNothingAndIsNamed) {
+  const auto& [folder, flight] = drawn();
+  for (const double height_m : {1000.0, -200.0}) {
+    std::vector<DrawnFrame> frames = flight.frames;
+    frames[7].height_m = height_m;
+    EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)),
+                AllOf(HasSubstr("frame8.png: its height lies "), Not(HasSubstr("frame9.png"))))
+        << height_m;
+  }
+}
+
+TEST(Capture, PositionsThatLagComeOutAsAClock) {
+  const auto& [folder, flight] = drawn();
+  std::vector<DrawnFrame> frames = flight.frames;
+  constexpr double kLag_s = 0.4;
+  for (DrawnFrame& frame : frames) {  // a frame each 4 s and 22 m; lines are flown to the east and back
+    frame.stated = geodesic_direct(frame.stated, frame.yaw_deg > 0 ? 270 : 90, kLag_s * 22 / 4);
+  }
+  const CaptureResult done =
+      capture_to(folder / "lag.tif", write_table(folder.path(), frames, true), options_of(flight));
+  EXPECT_NEAR(done.clock_offset_s, kLag_s, 0.1);
+  EXPECT_LT(worst_frame_m(done), 0.8);
+}
+
+TEST(Capture, ACameraThatIsTurnedAgainstItsStatedAttitude) {
+  const auto& [folder, flight] = drawn();
+  std::vector<DrawnFrame> frames = flight.frames;
+  for (DrawnFrame& frame : frames) frame.yaw_deg += 4;
+  frames[5].yaw_deg += 90;
+  const CaptureResult done =
+      capture_to(folder / "turned.tif", write_table(folder.path(), frames, true), options_of(flight));
+  EXPECT_NEAR(std::abs(done.boresight_z_deg), 4, 0.7);
+  EXPECT_LT(std::abs(std::remainder(done.frames[5].yaw_deg - flight.frames[5].yaw_deg, 360)), 1.5);
+  ASSERT_EQ(done.warnings.size(), 1U);
+  EXPECT_THAT(done.warnings.front(), HasSubstr("frame6.png: its heading is 90° from what the pictures show"));
+}
+
+TEST(Capture, WhatDoesNotFitTheFramesIsRefused) {
+  const auto& [folder, flight] = drawn();
+  const auto table = write_table(folder.path(), flight.frames, true);
+  CaptureOptions options = options_of(flight);
+  options.camera.height_px = 480;
+  EXPECT_THAT(refused(table, options), AllOf(HasSubstr("frame1.png"), HasSubstr("480 x 480"), HasSubstr("frame2.png")));
+  options = options_of(flight);
+  options.gsd_m = 0.5;
+  EXPECT_THAT(error_of<UsageError>([&] { capture_to(folder / "coarse.tif", table, options); }),
+              HasSubstr("gsd_m = 0.5 is more than twice that of the frames, 0.1"));
+  options = options_of(flight);
+  options.elevation = captured_once().first.string();
+  EXPECT_THAT(error_of<DataError>([&] { capture_to(folder / "draped.tif", table, options); }),
+              HasSubstr(captured_once().first.string()));
+}
+
 TEST(Capture, FramesThatShowOtherGroundAreNamed) {
   const auto& [folder, flight] = drawn();
   std::vector<DrawnFrame> frames = flight.frames;
@@ -151,7 +204,7 @@ TEST(Capture, FramesThatShowOtherGroundAreNamed) {
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("cut.png"));
   frames.assign({flight.frames[0], flight.frames[1], flight.frames[9], flight.frames[14]});
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)),
-              AllOf(HasSubstr("frame15.png: shows nothing that the other frames show"), HasSubstr("has 3 frames")));
+              AllOf(HasSubstr("frame15.png: shows nothing that the other frames show"), HasSubstr("of which the largest has 3 frames")));
   frames.resize(1);
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("needs at least 3"));
   frames.assign(3, flight.frames[0]);

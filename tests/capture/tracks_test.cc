@@ -13,7 +13,7 @@ FrameFeatures some_features(int count) {
 }
 
 FramePair pair_of(int first, int second, std::vector<std::array<int, 2>> matches) {
-  return {first, second, std::move(matches), Eigen::Matrix3d::Identity()};
+  return {first, second, std::move(matches)};
 }
 
 std::vector<std::array<int, 2>> sightings_of(const Track& track) {
@@ -44,6 +44,16 @@ TEST(JoinTracks, LeavesOutShortOnesWhereThereAreEnough) {
   const auto tracks = join_tracks({pair_of(0, 1, {{0, 0}, {1, 1}}), pair_of(1, 2, {{0, 0}})}, crowded, 1);
   ASSERT_EQ(tracks.size(), 1U);
   EXPECT_EQ(tracks.front().size(), 3U);
+}
+
+TEST(NeighbouringFrames, FramesOfOneLineDoNotHideTheNext) {
+  std::vector<Eigen::Vector2d> nadirs_m;
+  for (int line = 0; line < 2; ++line) {
+    for (int i = 0; i < 40; ++i) nadirs_m.emplace_back(3.5 * i, 50 * line);
+  }
+  int across = 0;
+  for (const auto& [first, second] : neighbouring_frames(nadirs_m)) across += first < 40 && second >= 40 ? 1 : 0;
+  EXPECT_GE(across, 80);
 }
 
 TEST(TiedParts, TheLargestFirst) {

@@ -29,7 +29,8 @@ constexpr double kBoresightSigma_deg = 5;
 constexpr double kMarkSigma_px = 1;
 constexpr double kGroundParts = 25;
 constexpr double kOutlierSigmas = 4;
-constexpr double kLargestError_px = 10;
+constexpr double kBehindSigmas = 1000;
+constexpr double kLargestErrorSigmas = 15;
 constexpr int kIterations = 60;
 constexpr std::size_t kFewestSightings = 30;
 
@@ -74,8 +75,11 @@ struct SightingError {
   bool operator()(const T* pose, const T* point, const T* lens, T* residual) const {
     const Vector3<T> from_center(point[0] - pose[3], point[1] - pose[4], point[2] - pose[5]);
     const Vector3<T> seen = turned<T>(pose, camera_from_enu->cast<T>() * from_center);
-    if (seen.z() < T(1e-6)) return false;
     Eigen::Map<Eigen::Matrix<T, 2, 1>> error(residual);
+    if (seen.z() < T(1e-6)) {  // behind the camera: an outlier, and no direction to go in
+      error.setConstant(T(kBehindSigmas));
+      return true;
+    }
     error = (project(*camera, lens, seen) - pixel.cast<T>()) / T(sigma_px);
     return true;
   }
@@ -260,6 +264,7 @@ class Adjustment {
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
     if (watch.stopped()) throw Interrupted{};
+    converged_ = summary.termination_type == ceres::CONVERGENCE;
     if (!summary.IsSolutionUsable()) throw DataError("the block cannot be adjusted: " + summary.message);
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       Eigen::Matrix3d turn;
@@ -277,7 +282,9 @@ class Adjustment {
     if (errors_px.empty()) return;
     // Lengths of errors normal in two axes have their median at 1.1774 standard deviations of one.
     const double sigma_px = quantile(errors_px, 0.5) / 1.1774;
-    const double limit_px = std::clamp(kOutlierSigmas * sigma_px, 1.0, kLargestError_px);
+    double found_px = 0;  // how well features were found: alike in frames of one size
+    for (const FrameFeatures& frame : block_.features) found_px = std::max(found_px, frame.pixel_sigma_px);
+    const double limit_px = std::clamp(kOutlierSigmas * sigma_px, 1.5 * found_px, kLargestErrorSigmas * found_px);
     for (AdjustedPoint& point : points_) {
       std::erase_if(point.sightings, [&](const Sighting& one) { return !(error_px(point, one).norm() <= limit_px); });
     }
@@ -304,7 +311,8 @@ class Adjustment {
                                           clock_ * measured.velocity_enu_mps.value_or(Eigen::Vector3d::Zero()) -
                                           done.position_bias_m - center);
     }
-    for (std::size_t i = 0; i < control_.size(); ++i) done.control_misses_m.push_back(control_miss_m(i));
+    for (std::size_t i = 0; i < control_.size(); ++i) done.control_misses.push_back(control_miss(i));
+    done.converged = converged_;
     done.sightings_before = sightings_before_;
     sum_errors(done);
     return done;
@@ -331,18 +339,22 @@ class Adjustment {
     return project(camera_, lens_.data(), seen) - pixel_of(one);
   }
 
-  /// Mean of what its marks miss it by, at its distance, and its own displacement. Infinite behind a camera.
-  double control_miss_m(std::size_t i) const {
+  /// The mark that misses it by most, at its distance, and its own displacement. Infinite behind a camera.
+  ControlMiss control_miss(std::size_t i) const {
     const ControlPoint& given = block_.control_points[i];
-    double sum_m = 0;
+    ControlMiss worst;
     for (const ControlPoint::Mark& mark : given.marks) {
       const auto frame = static_cast<std::size_t>(mark.frame);
       const Eigen::Vector3d seen = camera_from_enu_[frame] * (control_[i] - center(frame));
-      if (seen.z() < 1e-6) return std::numeric_limits<double>::infinity();
-      const double error_px = (project(camera_, lens_.data(), seen) - mark.pixel).norm();
-      sum_m += error_px * seen.z() / (camera_.fx_px * std::exp(lens_[0]));
+      double miss_m = std::numeric_limits<double>::infinity();
+      if (seen.z() >= 1e-6) {
+        const double error_px = (project(camera_, lens_.data(), seen) - mark.pixel).norm();
+        miss_m = error_px * seen.z() / (camera_.fx_px * std::exp(lens_[0]));
+      }
+      if (miss_m >= worst.miss_m) worst = {miss_m, mark.frame};
     }
-    return std::hypot(sum_m / static_cast<double>(given.marks.size()), (control_[i] - given.enu_m).norm());
+    worst.miss_m = std::hypot(worst.miss_m, (control_[i] - given.enu_m).norm());
+    return worst;
   }
 
   /// The mean of where rays meet level ground.
@@ -504,6 +516,7 @@ class Adjustment {
   std::array<double, 3> bias_{0, 0, 0};
   std::array<double, 3> boresight_{0, 0, 0};
   double clock_ = 0;
+  bool converged_ = false;
   bool has_attitude_ = false;
   bool has_velocity_ = false;
   std::int64_t sightings_before_ = 0;
@@ -521,6 +534,7 @@ AdjustedBlock adjust_block(const Block& block, const BlockStart& start, const st
     throw DataError("the frames do not fit together: hardly a point is seen where it should be; is the camera right?");
   }
   adjustment.solve(1, progress);
+  adjustment.drop_outliers();
   return adjustment.result();
 }
 

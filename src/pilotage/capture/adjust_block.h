@@ -15,6 +15,12 @@ struct AdjustedPoint {
   Track sightings;  ///< Those that were kept.
 };
 
+/// How far a control point lies from where the worst of its marks sees it, and from where it was given, together.
+struct ControlMiss {
+  double miss_m = 0;
+  int frame = 0;  ///< Of that mark.
+};
+
 /// A block after its adjustment.
 struct AdjustedBlock {
   std::vector<FramePose> poses;
@@ -24,14 +30,13 @@ struct AdjustedBlock {
   double clock_offset_s = 0;                 ///< Frames were taken so much later than their position says.
   Eigen::Vector3d boresight_deg{0, 0, 0};    ///< Turn of the camera against its measured attitude, about its x, y, z.
   std::vector<Eigen::Vector3d> position_residuals_m;  ///< Measured less adjusted less what is common; per frame.
-  /// How far each control point lies from where its marks put it, as they see it, and from where it was given,
-  /// together.
-  std::vector<double> control_misses_m;
+  std::vector<ControlMiss> control_misses;
   double reprojection_rms_px = 0;    ///< Of the kept sightings, both axes together.
   std::vector<double> frame_rms_px;  ///< The same per frame; NaN for one without sightings.
   std::vector<int> frame_sightings;  ///< Kept, per frame.
   std::int64_t sightings = 0;        ///< Kept, of
   std::int64_t sightings_before = 0;
+  bool converged = false;  ///< Else the iterations ended before the changes did.
 };
 
 /// Height of the ground at east and north, where it is known (NaN elsewhere), and how well.
@@ -45,8 +50,8 @@ struct GroundPrior {
 /// positions. Reprojection errors and measured poses count by Cauchy's loss. The prior on the points' heights weighs,
 /// all together, as much as one height in each of 5 × 5 parts of the block, so that it holds the block from bending
 /// as a whole and leaves relief alone. Twice, without the sightings that miss by more than four standard deviations
-/// after the first time. One thread, so that the result has the same digits everywhere. Throws DataError when too
-/// little is left, Interrupted.
+/// after the first time, and these are left out of the result as well. One thread, so that the result has the same
+/// digits everywhere. Throws DataError when too little is left, Interrupted.
 AdjustedBlock adjust_block(const Block& block, const BlockStart& start, const std::vector<Track>& tracks,
                            const GroundPrior& ground, const Progress& progress);
 

@@ -171,15 +171,21 @@ BlockStart start_block(const Block& block) {
   if (!(agl_m > 0.1)) throw DataError("the frames' places and pictures do not fit together: no height comes out");
   BlockStart start;
   start.agl_m = agl_m;
+  // Heights come from the pictures' scale, above ground that most of the stated ones agree on: a wrong one has no say.
+  std::vector<double> grounds_m;
+  for (std::size_t i = 0; i < frames; ++i) {
+    grounds_m.push_back(block.measured[i].center_enu_m.z() - std::abs(unknowns.z(i)));
+  }
+  const double ground_m = quantile(grounds_m, 0.5);
   for (std::size_t i = 0; i < frames; ++i) {
     const Complex z = unknowns.z(i);
     const double turn_rad = std::arg(z);  // counter-clockwise, seen from above
     const Eigen::Matrix3d turned =
         Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix() * assumed[i];
-    const Complex moved = unknowns.displaced(i);
-    start.poses.push_back({turned, block.measured[i].center_enu_m + Eigen::Vector3d(moved.real(), moved.imag(), 0)});
+    const Complex place = east_north(block.measured[i].center_enu_m) + unknowns.displaced(i);
+    start.poses.push_back({turned, {place.real(), place.imag(), ground_m + std::abs(z)}});
     start.turned_deg.push_back(block.measured[i].enu_from_camera ? -turn_rad / kRadPerDeg : 0);
-    start.displaced_m.push_back(std::abs(moved));
+    start.displaced_m.push_back(std::abs(unknowns.displaced(i)));
   }
   return start;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <numeric>
 
@@ -30,7 +31,12 @@ constexpr int kSmallSide_px = 400;
 constexpr int kTracksPerCell = 8;
 constexpr std::int64_t kFrameBytes = std::int64_t{1} << 30;
 constexpr double kContradiction = 5;  // standard deviations
+constexpr double kLargestTurn_deg = 30;
+/// Points that a frame has to have in common with others to be one of the block after its adjustment.
+constexpr int kFewestShared = 10;
 constexpr double kLongestStep_s = 30;
+/// Faster than this is no flight along the frames' order, but places drawn one by one, or a clock that is none.
+constexpr double kFastest_mps = 100;
 constexpr double kLargestFocalChange = 0.03;
 constexpr double kLeastFitting = 0.5;
 constexpr double kGivenFocalSigma = 0.02;
@@ -68,7 +74,14 @@ FramePictures read_pictures(const CaptureFrames& frames, int threads, const Prog
   report_progress(progress, "finding features", 0, static_cast<std::int64_t>(count));
   parallel_for(count, threads, [&](std::size_t i, int) {
     try {
-      const cv::Mat picture = read_rgb8_picture(frames.frames[i].path);
+      const std::string& path = frames.frames[i].path;
+      const cv::Mat picture = read_rgb8_picture(path, [&](int width_px, int height_px) {
+        if (width_px != frames.camera.width_px || height_px != frames.camera.height_px) {
+          throw DataError(path + ": has " + std::to_string(width_px) + " x " + std::to_string(height_px) +
+                          " pixels, the camera " + std::to_string(frames.camera.width_px) + " x " +
+                          std::to_string(frames.camera.height_px));
+        }
+      });
       cv::Mat gray;
       cv::cvtColor(picture, gray, cv::COLOR_RGB2GRAY);
       pictures.features[i] = find_frame_features(gray);
@@ -104,35 +117,41 @@ std::vector<int> readable(const FramePictures& pictures) {
   return numbers;
 }
 
+/// Around the median of the positions, which one that is wrong does not move.
 LocalFrame local_frame(const CaptureFrames& frames) {
-  GeodeticPoint sum{0, 0};
   const double reference_deg = frames.frames.front().frame.prior.lon_deg;
-  const auto count = static_cast<double>(frames.frames.size());
+  std::vector<double> lons_deg;
+  std::vector<double> lats_deg;
   for (const FlightFrame& one : frames.frames) {
-    sum.lon_deg += unwrap_lon_deg(one.frame.prior.lon_deg, reference_deg) / count;
-    sum.lat_deg += one.frame.prior.lat_deg / count;
+    lons_deg.push_back(unwrap_lon_deg(one.frame.prior.lon_deg, reference_deg));
+    lats_deg.push_back(one.frame.prior.lat_deg);
   }
-  return LocalFrame({wrap_lon_deg(sum.lon_deg), sum.lat_deg});
+  return LocalFrame({wrap_lon_deg(quantile(lons_deg, 0.5)), quantile(lats_deg, 0.5)});
 }
 
-/// From the frames before and after, by the camera's clock.
-std::vector<std::optional<Eigen::Vector3d>> velocities_mps(const CaptureFrames& frames,
-                                                           const std::vector<MeasuredPose>& poses) {
+/// By how much the meridian of a point turns clockwise from the block's north, seen from above: its own north lies the
+/// other way round.
+double convergence_deg(const LocalFrame& local, GeodeticPoint point) {
+  const double apart_deg = unwrap_lon_deg(point.lon_deg, local.origin().lon_deg) - local.origin().lon_deg;
+  return apart_deg * std::sin(point.lat_deg * kRadPerDeg);
+}
+
+/// From where the pictures put the frames before and after, by the camera's clock.
+void take_velocities(const CaptureFrames& frames, const BlockStart& start, Block& block) {
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
+  for (std::size_t i = 0; i < start.poses.size(); ++i) {
     if (!std::isnan(frames.taken_s[i])) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return frames.taken_s[a] < frames.taken_s[b]; });
-  std::vector<std::optional<Eigen::Vector3d>> velocities(poses.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
     const std::size_t before = order[k > 0 ? k - 1 : k];
     const std::size_t after = order[k + 1 < order.size() ? k + 1 : k];
     const double step_s = frames.taken_s[after] - frames.taken_s[before];
     if (!(step_s > 0) || step_s > 2 * kLongestStep_s) continue;
-    velocities[order[k]] = (poses[after].center_enu_m - poses[before].center_enu_m) / step_s;
+    const Eigen::Vector3d velocity_mps = (start.poses[after].center_enu_m - start.poses[before].center_enu_m) / step_s;
+    if (velocity_mps.norm() <= kFastest_mps) block.measured[order[k]].velocity_enu_mps = velocity_mps;
   }
-  return velocities;
 }
 
 Block make_block(const CaptureFrames& frames, const CaptureOptions& options, const LocalFrame& local) {
@@ -152,15 +171,31 @@ Block make_block(const CaptureFrames& frames, const CaptureOptions& options, con
     const double variance_m2 = frame.prior_covariance_en_m2.trace() / 2;
     pose.sigma_en_m = variance_m2 > 0 ? std::sqrt(variance_m2) : options.position_sigma_m;
     pose.sigma_up_m = options.height_sigma_m;
-    const Attitude& attitude = frame.attitude;
+    Attitude attitude = frame.attitude;
+    attitude.yaw_deg -= convergence_deg(local, frame.prior);
     if (std::isfinite(attitude.yaw_deg + attitude.pitch_deg + attitude.roll_deg)) {
       pose.enu_from_camera = enu_from_camera(frames.camera.mount, attitude);
     }
     block.measured.push_back(pose);
   }
-  const auto velocities = velocities_mps(frames, block.measured);
-  for (std::size_t i = 0; i < velocities.size(); ++i) block.measured[i].velocity_enu_mps = velocities[i];
   return block;
+}
+
+/// Frames that see kFewestShared points together, as pairs.
+std::vector<FramePair> shared_points(const AdjustedBlock& adjusted) {
+  std::map<std::array<int, 2>, int> counts;
+  for (const AdjustedPoint& point : adjusted.points) {
+    for (std::size_t i = 0; i < point.sightings.size(); ++i) {
+      for (std::size_t j = i + 1; j < point.sightings.size(); ++j) {
+        ++counts[{point.sightings[i].frame, point.sightings[j].frame}];
+      }
+    }
+  }
+  std::vector<FramePair> pairs;
+  for (const auto& [frames, count] : counts) {
+    if (count >= kFewestShared) pairs.push_back({frames[0], frames[1], {}});
+  }
+  return pairs;
 }
 
 std::string names_of(const CaptureFrames& frames, const std::vector<int>& numbers) {
@@ -176,20 +211,22 @@ std::string names_of(const CaptureFrames& frames, const std::vector<int>& number
   return join(names, ", ");
 }
 
-/// Only the largest part of what is tied together can be one map.
-void keep_largest_part(const std::vector<std::vector<int>>& parts, bool leave_out, CaptureFrames& frames) {
-  std::vector<std::string> problems;
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    problems.push_back(names_of(frames, parts[i]) + ": " + (parts[i].size() == 1 ? "shows" : "show") +
-                       " nothing that the other frames show");
-  }
-  if (!problems.empty() && parts.front().size() > 1) {
-    problems.push_back("the largest part that hangs together has " + std::to_string(parts.front().size()) +
-                       " frames: " + names_of(frames, parts.front()));
-  }
+/// Only the largest part of what is tied together can be one map: names the frames of the others.
+void refuse_other_parts(const std::vector<std::vector<int>>& parts, bool leave_out, CaptureFrames& frames) {
   if (parts.front().size() == 1)
     throw DataError("no two of the frames show the same ground: " + names_of(frames, {0, 1}));
-  refuse_frames(problems, leave_out, frames);
+  std::vector<std::string> problems;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    for (const int number : parts[i]) {
+      problems.push_back(frames.frames[static_cast<std::size_t>(number)].path +
+                         (parts[i].size() == 1 ? ": shows nothing that the other frames show"
+                                               : ": shows the ground of " + std::to_string(parts[i].size() - 1) +
+                                                     " other frames, and nothing of the largest part's"));
+    }
+  }
+  refuse_frames(problems, leave_out, frames,
+                "the frames fall apart into " + std::to_string(parts.size()) + " parts, of which the largest has " +
+                    std::to_string(parts.front().size()) + " frames: " + names_of(frames, parts.front()));
 }
 
 std::vector<FramePair> pairs_among(const std::vector<FramePair>& pairs, const std::vector<int>& numbers) {
@@ -207,30 +244,56 @@ std::vector<FramePair> pairs_among(const std::vector<FramePair>& pairs, const st
   return kept;
 }
 
-/// Positions that the pictures contradict, and headings. Names them all.
-void refuse_contradictions(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
-                           bool leave_out, CaptureFrames& told) {
-  std::vector<double> lengths_m;
-  for (const Eigen::Vector3d& residual : adjusted.position_residuals_m) lengths_m.push_back(residual.head<2>().norm());
-  const double usual_m = quantile(lengths_m, 0.5);
+/// What the pictures contradict of where frames say they were.
+struct Contradictions {
+  std::vector<bool> position;  ///< Of each frame: its position or height.
   std::vector<std::string> problems;
-  for (std::size_t i = 0; i < lengths_m.size(); ++i) {
-    const double limit_m = kContradiction * std::max(block.measured[i].sigma_en_m, usual_m);
-    if (lengths_m[i] <= limit_m) continue;
-    problems.push_back(frames.frames[i].frame.file + ": its position lies " + format_fixed(lengths_m[i], 1) +
-                       " m from where the pictures put it (at most " + format_fixed(limit_m, 1) + " m)");
+  std::vector<std::string> warnings;  ///< Headings, which are not needed.
+};
+
+Contradictions find_contradictions(const CaptureFrames& frames, const Block& block, const BlockStart& start,
+                                   const AdjustedBlock& adjusted) {
+  std::vector<double> across_m;
+  std::vector<double> up_m;
+  for (const Eigen::Vector3d& residual : adjusted.position_residuals_m) {
+    across_m.push_back(residual.head<2>().norm());
+    up_m.push_back(std::abs(residual.z()));
   }
-  refuse_frames(problems, leave_out, told);
+  const double usual_across_m = quantile(across_m, 0.5);
+  const double usual_up_m = quantile(up_m, 0.5);
+  const double usual_turn_deg = quantile(start.turned_deg, 0.5);
+  Contradictions found;
+  for (std::size_t i = 0; i < across_m.size(); ++i) {
+    const std::string& path = frames.frames[i].path;
+    const double limit_m = kContradiction * std::max(block.measured[i].sigma_en_m, usual_across_m);
+    const double up_limit_m = kContradiction * std::max(block.measured[i].sigma_up_m, usual_up_m);
+    found.position.push_back(across_m[i] > limit_m || up_m[i] > up_limit_m);
+    if (across_m[i] > limit_m) {
+      found.problems.push_back(path + ": its position lies " + format_fixed(across_m[i], 1) +
+                               " m from where the pictures put it (at most " + format_fixed(limit_m, 1) + " m)");
+    } else if (up_m[i] > up_limit_m) {
+      found.problems.push_back(path + ": its height lies " + format_fixed(up_m[i], 1) +
+                               " m from where the pictures put it (at most " + format_fixed(up_limit_m, 1) + " m)");
+    }
+    const double turned_deg = std::remainder(start.turned_deg[i] - usual_turn_deg, 360);
+    if (block.measured[i].enu_from_camera && std::abs(turned_deg) > kLargestTurn_deg) {
+      found.warnings.push_back(path + ": its heading is " + format_fixed(std::abs(turned_deg), 0) +
+                               "° from what the pictures show, and was not believed");
+    }
+  }
+  return found;
 }
 
-void refuse_control_contradictions(const Block& block, const AdjustedBlock& adjusted, double gsd_m) {
+void refuse_control_contradictions(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
+                                   double gsd_m) {
   std::vector<std::string> problems;
   const double limit_m = kContradiction * std::hypot(block.control_sigma_m, gsd_m);
   for (std::size_t i = 0; i < block.control_points.size(); ++i) {
-    const double miss_m = adjusted.control_misses_m[i];
+    const auto& [miss_m, frame] = adjusted.control_misses[i];
     if (!(miss_m <= limit_m)) {
       problems.push_back("control point \"" + block.control_points[i].name + "\" lies " + format_fixed(miss_m, 2) +
-                         " m from where its marks put it (at most " + format_fixed(limit_m, 2) + " m)");
+                         " m from where its mark in " + frames.frames[static_cast<std::size_t>(frame)].path +
+                         " puts it (at most " + format_fixed(limit_m, 2) + " m)");
     }
   }
   if (problems.empty()) return;
@@ -239,8 +302,18 @@ void refuse_control_contradictions(const Block& block, const AdjustedBlock& adju
 
 /// Two digits, so that it can be typed.
 double rounded_gsd_m(double gsd_m) {
-  const double digit = std::pow(10.0, std::floor(std::log10(gsd_m)) - 1);
-  return std::round(gsd_m / digit) * digit;
+  const double scale = std::pow(10.0, 1 - std::floor(std::log10(gsd_m)));
+  return std::round(gsd_m * scale) / scale;
+}
+
+/// That of the frames, or what is asked for.
+double map_gsd_m(const CaptureOptions& options, double frame_gsd_m) {
+  constexpr double kCoarsest = 2;  // bilinear looks at no more pixels than that
+  if (options.gsd_m && *options.gsd_m > kCoarsest * frame_gsd_m) {
+    throw UsageError("gsd_m = " + format_number(*options.gsd_m) + " is more than twice that of the frames, " +
+                     format_number(rounded_gsd_m(frame_gsd_m)) + " m; coarser levels are in the map (overviews)");
+  }
+  return options.gsd_m.value_or(rounded_gsd_m(frame_gsd_m));
 }
 
 struct EastNorthBounds {
@@ -256,13 +329,10 @@ EastNorthBounds shown_bounds(const AdjustedBlock& block) {
   EastNorthBounds bounds;
   bounds.low.setConstant(std::numeric_limits<double>::infinity());
   bounds.high = -bounds.low;
-  Camera camera = block.camera;
+  const Lens lens = make_lens(block.camera);
   for (const FramePose& pose : block.poses) {
-    const auto view = [&] {
-      View made{make_lens(camera), pose.enu_from_camera, std::max(0.1, pose.center_enu_m.z() - ground_m),
-                std::tan(60 * kRadPerDeg)};
-      return made;
-    }();
+    const View view{lens, pose.enu_from_camera, std::max(0.1, pose.center_enu_m.z() - ground_m),
+                    std::tan(60 * kRadPerDeg)};
     for (const Eigen::Vector2d& corner : footprint(view).polygon_m) {
       bounds.low = bounds.low.cwiseMin(pose.center_enu_m.head<2>() + corner);
       bounds.high = bounds.high.cwiseMax(pose.center_enu_m.head<2>() + corner);
@@ -273,8 +343,8 @@ EastNorthBounds shown_bounds(const AdjustedBlock& block) {
 
 MissionCrs map_crs(const CaptureOptions& options, const LocalFrame& local, const EastNorthBounds& bounds) {
   const Eigen::Vector2d middle = (bounds.low + bounds.high) / 2;
-  const std::vector<GeodeticPoint> line{local.geodetic_from_enu({bounds.low.x(), middle.y(), 0}),
-                                        local.geodetic_from_enu({bounds.high.x(), middle.y(), 0})};
+  const std::vector<GeodeticPoint> line{point_at(local, {bounds.low.x(), middle.y()}),
+                                        point_at(local, {bounds.high.x(), middle.y()})};
   const double half_m = std::max(1.0, (bounds.high.y() - bounds.low.y()) / 2);
   if (options.crs.empty()) return choose_mission_crs(line, half_m);
   return check_mission_crs(Crs::from_user_input(options.crs), line, half_m);
@@ -290,7 +360,7 @@ void place_grid(OrthoMosaic& mosaic, const EastNorthBounds& bounds) {
     for (int j = 0; j <= kSteps; ++j) {
       const Eigen::Vector2d share(static_cast<double>(i) / kSteps, static_cast<double>(j) / kSteps);
       const Eigen::Vector2d en_m = bounds.low + share.cwiseProduct(bounds.high - bounds.low);
-      const auto point = transform.map_from_geodetic(mosaic.frame.geodetic_from_enu({en_m.x(), en_m.y(), 0}));
+      const auto point = transform.map_from_geodetic(point_at(mosaic.frame, en_m));
       if (!point) throw DataError("the map's CRS does not reach where the frames lie");
       low = low.cwiseMin(*point);
       high = high.cwiseMax(*point);
@@ -330,8 +400,10 @@ std::string tiff_time(double taken_s) {
 }
 
 void describe_frames(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
-                     const GroundSurface& ground, const LocalFrame& local, CaptureResult& result) {
+                     const GroundSurface& ground, const EastNorthBounds& bounds, const LocalFrame& local,
+                     const Contradictions& contradictions, CaptureResult& result) {
   double squares_m2 = 0;
+  double counted = 0;
   for (std::size_t i = 0; i < frames.frames.size(); ++i) {
     const FlightFrame& frame = frames.frames[i];
     const FramePose& pose = adjusted.poses[i];
@@ -345,9 +417,10 @@ void describe_frames(const CaptureFrames& frames, const Block& block, const Adju
     one.time_s = frames.taken_s[i];
     one.measured = frame.frame.prior;
     one.measured_sigma_m = block.measured[i].sigma_en_m;
-    one.adjusted = local.geodetic_from_enu({pose.center_enu_m.x(), pose.center_enu_m.y(), 0});
-    one.agl_m = pose.center_enu_m.z() - ground.heights.height_m(pose.center_enu_m.head<2>());
-    one.yaw_deg = attitude.yaw_deg;
+    one.adjusted = point_at(local, pose.center_enu_m.head<2>());
+    one.agl_m = pose.center_enu_m.z() -
+                ground.heights.height_m(pose.center_enu_m.head<2>().cwiseMax(bounds.low).cwiseMin(bounds.high));
+    one.yaw_deg = std::remainder(attitude.yaw_deg + convergence_deg(local, one.adjusted), 360);
     one.pitch_deg = attitude.pitch_deg;
     one.roll_deg = attitude.roll_deg;
     one.residual_east_m = residual.x();
@@ -355,10 +428,13 @@ void describe_frames(const CaptureFrames& frames, const Block& block, const Adju
     one.residual_up_m = residual.z();
     one.sightings = adjusted.frame_sightings[i];
     one.rms_px = adjusted.frame_rms_px[i];
-    squares_m2 += residual.head<2>().squaredNorm() / static_cast<double>(frames.frames.size());
+    if (!contradictions.position[i]) {
+      squares_m2 += residual.head<2>().squaredNorm();
+      ++counted;
+    }
     result.frames.push_back(std::move(one));
   }
-  result.position_rms_m = std::sqrt(squares_m2);
+  result.position_rms_m = std::sqrt(squares_m2 / std::max(1.0, counted));
 }
 
 void describe_block(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
@@ -370,9 +446,8 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
   result.reprojection_rms_px = adjusted.reprojection_rms_px;
   result.camera_source = frames.camera_source;
   result.given_focal_length_px = frames.camera.fx_px;
-  result.focal_length_px = adjusted.camera.fx_px;
-  result.k1 = adjusted.camera.distortion[0];
-  result.k2 = adjusted.camera.distortion[1];
+  result.camera = adjusted.camera;
+  result.camera.mount = frames.camera.mount;
   result.boresight_x_deg = adjusted.boresight_deg.x();
   result.boresight_y_deg = adjusted.boresight_deg.y();
   result.boresight_z_deg = adjusted.boresight_deg.z();
@@ -381,8 +456,11 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
   result.bias_north_m = adjusted.position_bias_m.y();
   result.control_points = static_cast<int>(block.control_points.size());
   double squares_m2 = 0;
-  for (const double miss_m : adjusted.control_misses_m) squares_m2 += miss_m * miss_m;
+  for (const ControlMiss& one : adjusted.control_misses) squares_m2 += one.miss_m * one.miss_m;
   result.control_rms_m = result.control_points > 0 ? std::sqrt(squares_m2 / result.control_points) : kNaN;
+  if (!adjusted.converged) {
+    result.warnings.push_back("the adjustment had not come to an end when its iterations did");
+  }
   const double change = adjusted.camera.fx_px / frames.camera.fx_px - 1;
   if (std::abs(change) > kLargestFocalChange) {
     result.warnings.push_back("the focal length that fits the frames is " + format_fixed(adjusted.camera.fx_px, 0) +
@@ -392,11 +470,15 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
   }
 }
 
-std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block& block, bool has_elevation) {
+std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block& block, const Elevation* elevation) {
   std::vector<double> sigmas_m;
   for (const MeasuredPose& pose : block.measured) sigmas_m.push_back(pose.sigma_en_m);
   std::vector<std::string> assumptions{"frames' positions are good to " + format_number(quantile(sigmas_m, 0.5)) +
                                        " m (one standard deviation, each axis)"};
+  assumptions.push_back(frames.heights == FrameHeights::kAmsl
+                            ? "heights of the frames are above mean sea level"
+                            : "heights of the frames are above one level, as take-off");
+  if (elevation != nullptr) assumptions.push_back("elevation model: " + elevation->vertical_datum());
   if (block.control_points.empty()) {
     assumptions.push_back(
         "what all positions miss alike is not known without control points, and shifts the whole map");
@@ -406,7 +488,7 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
                           (frames.camera_is_given ? "the camera given" : frames.camera_source) + ": fewer than " +
                           std::to_string(kFewFrames) + " frames do not tell it from the height");
   }
-  assumptions.push_back(has_elevation
+  assumptions.push_back(elevation != nullptr
                             ? "what stands on the elevation model's ground leans away from where it was seen from"
                             : "the ground is smooth: what stands on it leans away from where it was seen from");
   return assumptions;
@@ -416,9 +498,36 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
 
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
                       int threads, const Progress& progress) {
+  if (!options.crs.empty()) Crs::from_user_input(options.crs);
+  refuse_imagery_as_elevation(options.elevation, {});
   CaptureFrames frames = read_capture_frames(inputs, options);
+  const LocalFrame local = local_frame(frames);
+  CaptureResult result;
+  const auto control_points = [&](bool warn) {
+    std::vector<ControlPoint> points;
+    if (options.control_points.empty()) return points;
+    std::vector<std::string> paths;
+    for (const FlightFrame& one : frames.frames) paths.push_back(one.path);
+    int unused_marks = 0;
+    points = read_control_points(options.control_points, paths, local, unused_marks);
+    if (warn && unused_marks > 0) {
+      result.warnings.push_back(std::to_string(unused_marks) +
+                                " marks of control points are in pictures that are not among the frames");
+    }
+    return points;
+  };
+  control_points(false);  // before hours of work
   std::optional<Elevation> elevation;
-  if (!options.elevation.empty()) elevation.emplace(options.elevation);
+  GroundPrior prior;
+  if (!options.elevation.empty()) {
+    elevation.emplace(options.elevation);
+    std::vector<GeodeticPoint> nadirs;
+    for (const FlightFrame& one : frames.frames) nadirs.push_back(one.frame.prior);
+    for (const UndeclaredVoid& found : elevation->undeclared_voids(nadirs)) {
+      result.warnings.push_back(undeclared_void_text(options.elevation, found));
+    }
+    prior.height_m = [&](const Eigen::Vector2d& en_m) { return elevation->amsl_m(point_at(local, en_m)); };
+  }
   std::vector<std::string> problems;
   FramePictures pictures = read_pictures(frames, threads, progress, problems);
   refuse_frames(problems, options.leave_out, frames);
@@ -426,67 +535,60 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   keep_frames(frames, can_be_read);
   keep_pictures(pictures, can_be_read);
 
-  const LocalFrame local = local_frame(frames);
   std::vector<Eigen::Vector2d> nadirs_m;
   for (const FlightFrame& one : frames.frames) nadirs_m.push_back(east_north_m(local, one.frame.prior));
   std::vector<FramePair> pairs = match_pairs(neighbouring_frames(nadirs_m), pictures.features, threads, progress);
-  const auto parts = tied_parts(pairs, static_cast<int>(frames.frames.size()));
-  if (parts.size() > 1) {
-    keep_largest_part(parts, options.leave_out, frames);
-    pairs = pairs_among(pairs, parts.front());
-    keep_frames(frames, parts.front());
-    keep_pictures(pictures, parts.front());
-  }
-
-  Block block = make_block(frames, options, local);
-  block.features = std::move(pictures.features);
-  block.pairs = std::move(pairs);
-  CaptureResult result;
-  if (!options.control_points.empty()) {
-    std::vector<std::string> files;
-    for (const FlightFrame& one : frames.frames) files.push_back(one.frame.file);
-    int unused_marks = 0;
-    block.control_points = read_control_points(options.control_points, files, local, unused_marks);
-    if (unused_marks > 0) {
-      result.warnings.push_back(std::to_string(unused_marks) +
-                                " marks of control points are in pictures that are not among the frames");
+  auto parts = tied_parts(pairs, static_cast<int>(frames.frames.size()));
+  Block block;
+  BlockStart start;
+  AdjustedBlock adjusted;
+  // What hangs together by matches may fall apart when they are held against each other: then once more without it.
+  for (;;) {
+    if (parts.size() > 1) {
+      refuse_other_parts(parts, options.leave_out, frames);
+      pairs = pairs_among(pairs, parts.front());
+      keep_frames(frames, parts.front());
+      keep_pictures(pictures, parts.front());
     }
+    block = make_block(frames, options, local);
+    block.features = pictures.features;
+    block.pairs = pairs;
+    block.control_points = control_points(false);
+    start = start_block(block);
+    take_velocities(frames, start, block);
+    adjusted = adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, progress);
+    parts = tied_parts(shared_points(adjusted), static_cast<int>(frames.frames.size()));
+    if (parts.size() == 1) break;
   }
-  GroundPrior prior;
-  if (elevation) {
-    prior.height_m = [&](const Eigen::Vector2d& en_m) {
-      return elevation->amsl_m(local.geodetic_from_enu({en_m.x(), en_m.y(), 0}));
-    };
-  }
-  const BlockStart start = start_block(block);
-  const std::vector<Track> tracks = join_tracks(block.pairs, block.features, kTracksPerCell);
-  const AdjustedBlock adjusted = adjust_block(block, start, tracks, prior, progress);
+  control_points(true);
   const double fitting = static_cast<double>(adjusted.sightings) / static_cast<double>(adjusted.sightings_before);
   if (fitting < kLeastFitting) {
     throw DataError("only " + format_fixed(100 * fitting, 0) + " % of what the frames have in common fits together; " +
                     "is the camera (" + frames.camera_source + ") right?");
   }
-  refuse_contradictions(frames, block, adjusted, options.leave_out, frames);
+  const Contradictions contradictions = find_contradictions(frames, block, start, adjusted);
+  refuse_frames(contradictions.problems, options.leave_out, frames);
+  result.warnings.insert(result.warnings.end(), contradictions.warnings.begin(), contradictions.warnings.end());
 
   const EastNorthBounds bounds = shown_bounds(adjusted);
   const GroundSurface ground =
       prior.height_m ? sample_surface(prior, elevation->resolution_m(), adjusted.points, bounds.low, bounds.high)
                      : fit_surface(adjusted.points, bounds.low, bounds.high);
   const double frame_gsd_m = median_agl_m(adjusted, ground) / adjusted.camera.fx_px;
-  refuse_control_contradictions(block, adjusted, frame_gsd_m);
+  refuse_control_contradictions(frames, block, adjusted, frame_gsd_m);
   const ColorBalance balance = balance_colors(pictures.small, adjusted, block.features);
   OrthoMosaic mosaic{&adjusted, &ground, &balance, local, {}, 0, 0, {}, {}, 0};
   mosaic.load = [&](std::size_t i) { return read_rgb8_picture(frames.frames[i].path); };
-  mosaic.gsd_m = options.gsd_m.value_or(rounded_gsd_m(frame_gsd_m));
+  mosaic.gsd_m = map_gsd_m(options, frame_gsd_m);
   const MissionCrs crs = map_crs(options, local, bounds);
   mosaic.crs = crs.crs;
   place_grid(mosaic, bounds);
 
-  describe_frames(frames, block, adjusted, ground, local, result);
+  describe_frames(frames, block, adjusted, ground, bounds, local, contradictions, result);
   describe_block(frames, block, adjusted, result);
   PictureSource picture{mosaic.width_px, mosaic.height_px, mosaic.crs, mosaic.map_from_pixel, {}, {}};
   for (const double taken_s : frames.taken_s) {
-    if (std::isnan(taken_s) || taken_s < 1e8) continue;  // a table's own clock
+    if (!(taken_s > 1e8 && taken_s < 4e9)) continue;  // a table's own clock
     picture.metadata.emplace_back("TIFFTAG_DATETIME", tiff_time(taken_s));
     break;
   }
@@ -494,9 +596,10 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   picture.draw = [&](const auto& write) { stats = draw_mosaic(mosaic, kFrameBytes, threads, progress, write); };
   write_picture_cog(ortho, picture, progress);
 
+  if (stats.valid_px == 0) throw DataError("the frames show no ground: the map would be empty");
   for (std::size_t i = 0; i < stats.frame_px.size(); ++i) result.frames[i].drawn_px = stats.frame_px[i];
   result.left_out = frames.left_out;
-  result.assumptions = assumptions_of(frames, block, elevation.has_value());
+  result.assumptions = assumptions_of(frames, block, elevation ? &*elevation : nullptr);
   result.ground = elevation ? "elevation model " + options.elevation : "a smooth surface through the points seen";
   result.ground_spread_m = ground.spread_m;
   result.gsd_m = mosaic.gsd_m;

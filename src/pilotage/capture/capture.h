@@ -5,6 +5,7 @@
 
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/progress.h"
+#include "pilotage/camera/camera.h"
 #include "pilotage/capture/capture_options.h"
 #include "pilotage/geo/geodetic_point.h"
 
@@ -35,7 +36,7 @@ struct CapturedFrame {
 /// What capture() made, and how well the frames fit together. All numbers are measured on this block.
 struct CaptureResult {
   std::vector<CapturedFrame> frames;
-  std::vector<std::string> left_out;  ///< "file: why".
+  std::vector<std::string> left_out;  ///< "path: why".
   std::int64_t pairs = 0;
   std::int64_t points = 0;
   std::int64_t sightings = 0;        ///< That count, of
@@ -43,9 +44,7 @@ struct CaptureResult {
   double reprojection_rms_px = 0;
   std::string camera_source;
   double given_focal_length_px = 0;
-  double focal_length_px = 0;
-  double k1 = 0;
-  double k2 = 0;
+  Camera camera;  ///< As adjusted.
   double boresight_x_deg = 0;
   double boresight_y_deg = 0;
   double boresight_z_deg = 0;

@@ -39,7 +39,8 @@ std::vector<NamedRecord> named_records(const std::vector<std::string>& inputs, s
   std::vector<NamedRecord> records;
   for (const std::string& input : inputs) {
     const std::filesystem::path path(input);
-    if (std::filesystem::is_directory(path)) {
+    std::error_code none;
+    if (std::filesystem::is_directory(path, none)) {
       for (const std::string& name : pictures_of_folder(path)) {
         records.push_back({(path / name).string(), empty_record(name)});
       }
@@ -75,7 +76,7 @@ void choose_heights(const std::vector<FrameStatement>& said, CaptureFrames& fram
   for (std::size_t i = 0; i < said.size(); ++i) {
     frames.heights_m.push_back(by_take_off ? said[i].above_take_off_m : said[i].amsl_m);
     if (std::isnan(frames.heights_m.back())) {
-      problems.push_back(frames.frames[i].frame.file + ": has no height" +
+      problems.push_back(frames.frames[i].path + ": has no height" +
                          (by_take_off && !std::isnan(said[i].amsl_m) ? " above take-off, as most have" : ""));
     }
   }
@@ -105,8 +106,8 @@ std::vector<int> frames_of_one_camera(CaptureFrames& frames, std::vector<std::st
   frames.camera = usual.camera;
   for (const FlightFrame& one : frames.frames) {
     if (same_camera(one.camera, frames.camera)) continue;
-    problems.push_back(one.frame.file + ": is of another camera (" + camera_words(one.camera) + ") than " +
-                       usual.frame.file + " (" + camera_words(frames.camera) + ")");
+    problems.push_back(one.path + ": is of another camera (" + camera_words(one.camera) + ") than " + usual.path +
+                       " (" + camera_words(frames.camera) + ")");
   }
   return most;
 }
@@ -121,7 +122,7 @@ void refuse_dates_apart(const CaptureFrames& frames) {
   }
   const double days = (frames.taken_s[last] - frames.taken_s[first]) / kSecondsOfDay;
   if (!(days > kMostDaysApart)) return;
-  throw DataError(frames.frames[first].frame.file + " and " + frames.frames[last].frame.file + ": were taken " +
+  throw DataError(frames.frames[first].path + " and " + frames.frames[last].path + ": were taken " +
                   format_fixed(days, 0) + " days apart; a map shows one date (at most " +
                   format_fixed(kMostDaysApart, 0) + " days): give each flight alone");
 }
@@ -140,7 +141,8 @@ void refuse_one_place(const CaptureFrames& frames) {
 
 }  // namespace
 
-void refuse_frames(const std::vector<std::string>& problems, bool leave_out, CaptureFrames& frames) {
+void refuse_frames(const std::vector<std::string>& problems, bool leave_out, CaptureFrames& frames,
+                   const std::string& in_all) {
   if (problems.empty()) return;
   if (leave_out) {
     frames.left_out.insert(frames.left_out.end(), problems.begin(), problems.end());
@@ -149,7 +151,8 @@ void refuse_frames(const std::vector<std::string>& problems, bool leave_out, Cap
   std::vector<std::string> named(problems.begin(),
                                  problems.begin() + static_cast<std::ptrdiff_t>(std::min(kNamed, problems.size())));
   if (problems.size() > kNamed) named.push_back("and " + std::to_string(problems.size() - kNamed) + " more");
-  throw DataError(join(named, "; ") + ". Remove them, say in a table (frames.csv) what they lack, or give --leave-out");
+  throw DataError(join(named, "; ") + (in_all.empty() ? "" : "; " + in_all) +
+                  ". Remove them, say in a table (frames.csv) what they lack, or give --leave-out");
 }
 
 void keep_frames(CaptureFrames& frames, const std::vector<int>& numbers) {
@@ -180,30 +183,30 @@ CaptureFrames read_capture_frames(const std::vector<std::string>& inputs, const 
   all.camera_is_given = sources.given.has_value();
   std::vector<std::string> problems;
   std::vector<FrameStatement> said;
+  std::vector<std::string> camera_tags;
   for (const NamedRecord& named : named_records(inputs, all.notes)) {
-    const ImageMetadata metadata = read_image_metadata(named.path);
-    const FrameExif exif = frame_exif(metadata);
-    if (!sources.given && !exif_camera(exif)) {
-      throw DataError(named.path + ": its tags do not say what camera took it (no focal length); give --camera");
-    }
-    FlightFrames complete = complete_frame(named.path, named.record, sources);
-    FlightFrame& one = complete.frames.front();
-    if (sources.given && exif.width_px != sources.given->width_px) {
-      one.camera = camera_for_size(named.path, *sources.given, exif.width_px, exif.height_px);
-    }
-    if (std::isnan(one.frame.prior.lon_deg) || std::isnan(one.frame.prior.lat_deg)) {
-      problems.push_back(one.frame.file + ": has no position");
-      continue;
-    }
-    for (const std::string& warning : exif.warnings) all.notes.push_back(named.path + ": " + warning);
-    const bool table_has_time = !std::isnan(named.record.time_s);
-    said.push_back({one.frame.height_agl_m, exif.amsl_m ? exif.amsl_m->value : kNaN,
-                    table_has_time ? named.record.time_s : exif.taken_s.value_or(kNaN)});
-    if (all.camera_source.empty()) {
+    try {
+      const FrameExif exif = frame_exif(read_image_metadata(named.path));
       const auto own = exif_camera(exif);
-      all.camera_source = sources.given ? "as given" : own->tag;
+      if (!sources.given && !own) {
+        throw DataError(named.path + ": its tags do not say what camera took it (no focal length); give --camera");
+      }
+      FlightFrames complete = complete_frame(named.path, named.record, sources);
+      FlightFrame& one = complete.frames.front();
+      if (sources.given) one.camera = camera_for_size(named.path, *sources.given, exif.width_px, exif.height_px);
+      check_camera(named.path, one.camera);
+      if (std::isnan(one.frame.prior.lon_deg) || std::isnan(one.frame.prior.lat_deg)) {
+        throw DataError(named.path + ": has no position");
+      }
+      for (const std::string& warning : exif.warnings) all.notes.push_back(named.path + ": " + warning);
+      const bool table_has_time = !std::isnan(named.record.time_s);
+      said.push_back({one.frame.height_agl_m, exif.amsl_m ? exif.amsl_m->value : kNaN,
+                      table_has_time ? named.record.time_s : exif.taken_s.value_or(kNaN)});
+      camera_tags.push_back(sources.given ? "as given" : own->tag);
+      all.frames.push_back(std::move(one));
+    } catch (const DataError& error) {
+      problems.emplace_back(error.what());
     }
-    all.frames.push_back(std::move(one));
   }
   refuse_frames(problems, options.leave_out, all);
   problems.clear();
@@ -217,6 +220,7 @@ CaptureFrames read_capture_frames(const std::vector<std::string>& inputs, const 
   keep_frames(all, usable);
   problems.clear();
   const std::vector<int> of_one_camera = frames_of_one_camera(all, problems);
+  all.camera_source = camera_tags[static_cast<std::size_t>(usable[static_cast<std::size_t>(of_one_camera.front())])];
   refuse_frames(problems, options.leave_out, all);
   keep_frames(all, of_one_camera);
   if (all.camera.distortion_model == DistortionModel::kFisheye) {

@@ -23,7 +23,7 @@ struct CaptureFrames {
   std::string camera_source;  ///< Where it comes from, as a word for people.
   bool camera_is_given = false;
   std::vector<double> taken_s;        ///< By the camera's clock, or the table's; NaN where not known.
-  std::vector<std::string> left_out;  ///< "file: why".
+  std::vector<std::string> left_out;  ///< "path: why".
   std::vector<std::string> notes;
 };
 
@@ -40,8 +40,9 @@ inline constexpr double kMostDaysApart = 30;
 /// Takes the frames at the ascending `numbers` alone.
 void keep_frames(CaptureFrames& frames, const std::vector<int>& numbers);
 
-/// Frames that cannot be used, "name: why" each: DataError with all of them, or, with `leave_out`, into
-/// CaptureFrames::left_out.
-void refuse_frames(const std::vector<std::string>& problems, bool leave_out, CaptureFrames& frames);
+/// Frames that cannot be used, "path: why" each: DataError with the first twelve and `in_all`, which sums them up, or,
+/// with `leave_out`, into CaptureFrames::left_out.
+void refuse_frames(const std::vector<std::string>& problems, bool leave_out, CaptureFrames& frames,
+                   const std::string& in_all = "");
 
 }  // namespace pilotage

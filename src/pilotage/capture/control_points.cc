@@ -42,6 +42,24 @@ double number_of(const std::string& where, const char* name, const std::string& 
   return *number;
 }
 
+/// Frames whose path ends with all parts of `name`.
+std::vector<int> frames_named(const std::vector<std::string>& files, const std::string& name) {
+  const std::filesystem::path wanted = std::filesystem::path(name).lexically_normal();
+  const auto parts = std::distance(wanted.begin(), wanted.end());
+  std::vector<int> found;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::filesystem::path path(files[i]);
+    if (std::distance(path.begin(), path.end()) < parts) {
+      if (path.filename() == wanted.filename()) found.push_back(static_cast<int>(i));
+      continue;
+    }
+    const auto tail = std::prev(path.end(), parts);
+    if (std::equal(tail, path.end(), wanted.begin())) found.push_back(static_cast<int>(i));
+  }
+  if (!found.empty() || parts == 1) return found;
+  return frames_named(files, wanted.filename().string());
+}
+
 }  // namespace
 
 std::vector<ControlPoint> read_control_points(const std::string& path, const std::vector<std::string>& files,
@@ -85,15 +103,16 @@ std::vector<ControlPoint> read_control_points(const std::string& path, const std
       throw DataError(where + "point \"" + name + "\" stands at two places, " +
                       format_fixed((control.enu_m - enu_m).norm(), 3) + " m apart");
     }
-    const auto in_frame = std::find_if(files.begin(), files.end(), [&](const std::string& other) {
-      return std::filesystem::path(other).filename() == std::filesystem::path(file).filename();
-    });
-    if (in_frame == files.end()) {
+    const std::vector<int> in_frames = frames_named(files, file);
+    if (in_frames.empty()) {
       ++unused_marks;
       continue;
     }
-    control.marks.push_back({static_cast<int>(in_frame - files.begin()),
-                             {number_of(where, "column", column), number_of(where, "row", row)}});
+    if (in_frames.size() > 1) {
+      throw DataError(where + "\"" + file + "\" is the name of " + std::to_string(in_frames.size()) +
+                      " frames; say it with its folder");
+    }
+    control.marks.push_back({in_frames.front(), {number_of(where, "column", column), number_of(where, "row", row)}});
   }
   std::erase_if(points, [](const ControlPoint& point) { return point.marks.empty(); });
   if (points.empty()) throw DataError(path + ": holds no mark in any of the frames");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numbers>
 #include <set>
 
 #include <Eigen/Dense>
@@ -14,7 +15,8 @@
 namespace pilotage {
 namespace {
 
-constexpr std::size_t kNeighbours = 12;
+constexpr int kSectors = 8;
+constexpr std::size_t kNeighboursOfSector = 2;
 constexpr int kCoarsest = 2000;
 constexpr double kRatio = 0.8;  // Lowe's
 constexpr int kFewestOnHomography = 15;
@@ -228,13 +230,19 @@ std::vector<std::array<int, 2>> neighbouring_frames(const std::vector<Eigen::Vec
     pairs.insert({static_cast<int>(std::min(i, j)), static_cast<int>(std::max(i, j))});
   };
   for (std::size_t i = 0; i < nadirs_en_m.size(); ++i) {
-    std::vector<std::pair<double, std::size_t>> others;
+    std::array<std::vector<std::pair<double, std::size_t>>, kSectors> others;
     for (std::size_t j = 0; j < nadirs_en_m.size(); ++j) {
-      if (j != i) others.emplace_back((nadirs_en_m[i] - nadirs_en_m[j]).squaredNorm(), j);
+      if (j == i) continue;
+      const Eigen::Vector2d apart_m = nadirs_en_m[j] - nadirs_en_m[i];
+      const double turn = (std::atan2(apart_m.y(), apart_m.x()) + std::numbers::pi) / (2 * std::numbers::pi);
+      const int sector = std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1);
+      others[static_cast<std::size_t>(sector)].emplace_back(apart_m.squaredNorm(), j);
     }
-    const std::size_t count = std::min(kNeighbours, others.size());
-    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count), others.end());
-    for (std::size_t k = 0; k < count; ++k) add(i, others[k].second);
+    for (auto& of_sector : others) {
+      const std::size_t count = std::min(kNeighboursOfSector, of_sector.size());
+      std::partial_sort(of_sector.begin(), of_sector.begin() + static_cast<std::ptrdiff_t>(count), of_sector.end());
+      for (std::size_t k = 0; k < count; ++k) add(i, of_sector[k].second);
+    }
     if (i > 0) add(i - 1, i);
   }
   return {pairs.begin(), pairs.end()};
@@ -249,7 +257,7 @@ std::optional<FramePair> match_frames(int first, int second, const FrameFeatures
       find_homography(match_coarsest(features_of_first, features_of_second), features_of_first, features_of_second);
   if (!homography) return std::nullopt;
   const auto near = match_guided(features_of_first, features_of_second, *homography);
-  FramePair pair{first, second, of_one_geometry(near, features_of_first, features_of_second), *homography};
+  FramePair pair{first, second, of_one_geometry(near, features_of_first, features_of_second)};
   if (pair.matches.size() < kFewestMatches) return std::nullopt;
   return pair;
 }

@@ -16,10 +16,10 @@ struct FramePair {
   int first = 0;
   int second = 0;
   std::vector<std::array<int, 2>> matches;  ///< Of features of the first and of the second.
-  Eigen::Matrix3d second_from_first;        ///< Homography of pixels that most of the ground obeys.
 };
 
-/// Pairs of frames that may show the same ground: of each frame with the up to 12 that are nearest, and with the one
+/// Pairs of frames that may show the same ground: of each frame with the two that are nearest in each eighth of the
+/// circle around it (so that frames close to each other along a line do not hide the next line), and with the one
 /// before it in the list. In order of their numbers, the smaller first, each once.
 std::vector<std::array<int, 2>> neighbouring_frames(const std::vector<Eigen::Vector2d>& nadirs_en_m);
 

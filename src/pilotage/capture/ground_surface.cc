@@ -94,6 +94,12 @@ GroundSurface fit_surface(const std::vector<AdjustedPoint>& points, const Eigen:
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(nodes);
     add_smoothness(grid, entries);
+    // Points on one line leave a slope open: the plane that the last round had is kept there.
+    constexpr double kRidge = 1e-6;
+    for (Eigen::Index node = 0; node < nodes; ++node) {
+      entries.emplace_back(node, node, kRidge);
+      right[node] += kRidge * heights_m[node];
+    }
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto around = nodes_around(grid, points[i].enu_m.head<2>());
       const double weight = 1 / (1 + misses_m[i] * misses_m[i] / (width_m * width_m));

@@ -130,7 +130,8 @@ std::optional<FrameOverBlock> look_from(const OrthoMosaic& mosaic, const Lens& l
   const Camera& camera = mosaic.block->camera;
   const Eigen::Vector2d nadir = pose.center_enu_m.head<2>();
   std::array<Eigen::Vector3f, std::size_t{kNodes} * kNodes> nodes;  // column, row, distance²
-  bool any = false;
+  Eigen::Vector2f low = Eigen::Vector2f::Constant(std::numeric_limits<float>::infinity());
+  Eigen::Vector2f high = -low;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i].setConstant(std::numeric_limits<float>::quiet_NaN());
     const Eigen::Vector3d& point = ground.nodes_enu_m[i];
@@ -139,9 +140,12 @@ std::optional<FrameOverBlock> look_from(const OrthoMosaic& mosaic, const Lens& l
     if (!pixel) continue;
     nodes[i] << static_cast<float>(pixel->x() - 0.5), static_cast<float>(pixel->y() - 0.5),
         static_cast<float>((point.head<2>() - nadir).squaredNorm());
-    any = any || ((pixel->array() >= 0).all() && pixel->x() <= camera.width_px && pixel->y() <= camera.height_px);
+    low = low.cwiseMin(nodes[i].head<2>());
+    high = high.cwiseMax(nodes[i].head<2>());
   }
-  if (!any) return std::nullopt;
+  const bool meets = high.x() >= 0 && high.y() >= 0 && low.x() <= static_cast<float>(camera.width_px) &&
+                     low.y() <= static_cast<float>(camera.height_px);
+  if (!meets) return std::nullopt;
   FrameOverBlock over{frame, cv::Mat(ground.height, ground.width, CV_32FC2),
                       cv::Mat(ground.height, ground.width, CV_32F, cv::Scalar(static_cast<double>(kNotSeen))), nadir};
   bool seen = false;
@@ -192,7 +196,9 @@ struct DrawnBlock {
 class BlockPainter {
  public:
   BlockPainter(const OrthoMosaic& mosaic, FrameCache& cache)
-      : mosaic_(mosaic), cache_(cache), lens_(make_lens(mosaic.block->camera)), transform_(mosaic.crs) {}
+      : mosaic_(mosaic), cache_(cache), lens_(make_lens(mosaic.block->camera)), transform_(mosaic.crs) {
+    for (const FramePose& pose : mosaic.block->poses) reaches_m_.push_back(reach_m(pose));
+  }
 
   DrawnBlock paint(std::int64_t col, std::int64_t row) const {
     const BlockGround ground = ground_of_block(mosaic_, transform_, col, row);
@@ -207,6 +213,36 @@ class BlockPainter {
   }
 
  private:
+  /// How far from its nadir a frame sees ground, at most.
+  double reach_m(const FramePose& pose) const {
+    const Camera& camera = mosaic_.block->camera;
+    double farthest_m = 0;
+    for (const Eigen::Vector2d& corner :
+         {Eigen::Vector2d(0, 0), Eigen::Vector2d(camera.width_px, 0), Eigen::Vector2d(0, camera.height_px),
+          Eigen::Vector2d(camera.width_px, camera.height_px)}) {
+      const auto ray = ray_from_pixel(lens_, corner);
+      if (!ray) return std::numeric_limits<double>::infinity();
+      const Eigen::Vector3d direction = pose.enu_from_camera * *ray;
+      if (direction.z() > -0.05) return std::numeric_limits<double>::infinity();
+      const double down_m = pose.center_enu_m.z() - mosaic_.ground->heights.lowest_m();
+      farthest_m = std::max(farthest_m, down_m * direction.head<2>().norm() / -direction.z());
+    }
+    return farthest_m;
+  }
+
+  /// Whether a frame is the nearest somewhere, or near enough to fade into the nearest: of two frames whose nadirs are
+  /// a and b away, the band along their seam is where a − b is below twice its width.
+  bool counts_somewhere(const FrameOverBlock& over, const cv::Mat& nearest_m2) const {
+    const float band_m = static_cast<float>(2 * kFeather_px * mosaic_.gsd_m);
+    for (int y = 0; y < nearest_m2.rows; ++y) {
+      for (int x = 0; x < nearest_m2.cols; ++x) {
+        const float own_m2 = over.off_nadir_m2.at<float>(y, x);
+        if (own_m2 != kNotSeen && std::sqrt(own_m2) < std::sqrt(nearest_m2.at<float>(y, x)) + band_m) return true;
+      }
+    }
+    return false;
+  }
+
   /// The nearest first, until no farther one can be the best anywhere, nor fade into it.
   std::vector<FrameOverBlock> frames_over(const BlockGround& ground) const {
     std::vector<std::pair<double, std::size_t>> by_distance;
@@ -223,8 +259,9 @@ class BlockPainter {
       cv::minMaxLoc(nearest_m2, nullptr, &farthest_m2);
       const double band_m = 4 * kFeather_px * mosaic_.gsd_m;
       if (std::isfinite(farthest_m2) && distance_m > std::sqrt(farthest_m2) + band_m) break;
+      if (distance_m > reaches_m_[frame]) continue;
       auto over = look_from(mosaic_, lens_, ground, frame);
-      if (!over) continue;
+      if (!over || !counts_somewhere(*over, nearest_m2)) continue;
       nearest_m2 = cv::min(nearest_m2, over->off_nadir_m2);
       frames.push_back(std::move(*over));
     }
@@ -313,6 +350,7 @@ class BlockPainter {
   FrameCache& cache_;
   Lens lens_;
   CrsTransform transform_;
+  std::vector<double> reaches_m_;
 };
 
 /// Blocks in the order of a curve that stays in one neighbourhood (G. M. Morton, 1966).
@@ -336,6 +374,17 @@ std::vector<std::pair<std::int64_t, std::int64_t>> blocks_by_neighbourhood(std::
 
 Eigen::Vector2d east_north_m(const LocalFrame& frame, GeodeticPoint point) {
   return frame.enu_from_geodetic(point).head<2>();
+}
+
+GeodeticPoint point_at(const LocalFrame& frame, const Eigen::Vector2d& en_m) {
+  // The ellipsoid lies below the tangent plane: go down until east and north come out again.
+  double up_m = 0;
+  GeodeticPoint point;
+  for (int round = 0; round < 4; ++round) {
+    point = frame.geodetic_from_enu({en_m.x(), en_m.y(), up_m});
+    up_m = frame.enu_from_geodetic(point).z();
+  }
+  return point;
 }
 
 MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int threads, const Progress& progress,

@@ -32,6 +32,9 @@ struct OrthoMosaic {
 /// are left out, for points of the ground as for cameras: at 1,000 m that is a scale of 1 + 1.6e-4, and it cancels.
 Eigen::Vector2d east_north_m(const LocalFrame& frame, GeodeticPoint point);
 
+/// The inverse, below 1 mm within 100 km.
+GeodeticPoint point_at(const LocalFrame& frame, const Eigen::Vector2d& en_m);
+
 /// What was drawn.
 struct MosaicStats {
   std::int64_t valid_px = 0;
@@ -40,9 +43,9 @@ struct MosaicStats {
 
 /// Draws an orthophoto in blocks of 512 px: each pixel from the frame that sees it at the least angle off the nadir,
 /// fading into the next within a narrow band along the seam and towards the edges of frames; colours balanced;
-/// bilinear. Where no frame sees the ground, or the surface has no height, nothing is drawn. Frames are loaded as they
-/// are needed, neighbouring blocks one after the other, and the last ones stay in memory up to `frame_bytes`. The same
-/// bytes for any number of threads.
+/// bilinear, so the map must not be coarser than twice the frames. Where no frame sees the ground, or the surface has
+/// no height, nothing is drawn. Frames are loaded as they are needed, neighbouring blocks one after the other, and the
+/// last ones stay in memory up to `frame_bytes`. The same bytes for any number of threads.
 MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int threads, const Progress& progress,
                         const std::function<void(std::int64_t col, std::int64_t row, const Raster& block)>& write);
 

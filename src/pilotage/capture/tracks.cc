@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_map>
 
 namespace pilotage {
 namespace {
@@ -85,10 +86,20 @@ std::vector<Track> join_tracks(const std::vector<FramePair>& pairs, const std::v
   for (const FramePair& pair : pairs) {
     for (const auto& match : pair.matches) sets.join(node(pair.first, match[0]), node(pair.second, match[1]));
   }
-  std::vector<Track> by_root(first_node.back());
+  std::vector<bool> matched(first_node.back(), false);
+  for (const FramePair& pair : pairs) {
+    for (const auto& match : pair.matches) {
+      matched[node(pair.first, match[0])] = matched[node(pair.second, match[1])] = true;
+    }
+  }
+  std::vector<Track> by_root;
+  std::unordered_map<std::size_t, std::size_t> place_of_root;
   for (std::size_t frame = 0; frame < features.size(); ++frame) {
     for (std::size_t i = 0; i < features[frame].pixels.size(); ++i) {
-      by_root[sets.root(first_node[frame] + i)].push_back({static_cast<int>(frame), static_cast<int>(i)});
+      if (!matched[first_node[frame] + i]) continue;
+      const auto [place, added] = place_of_root.emplace(sets.root(first_node[frame] + i), by_root.size());
+      if (added) by_root.emplace_back();
+      by_root[place->second].push_back({static_cast<int>(frame), static_cast<int>(i)});
     }
   }
   std::erase_if(by_root, [](const Track& track) { return track.size() < 2 || sees_twice(track); });
