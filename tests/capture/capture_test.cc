@@ -204,7 +204,8 @@ TEST(Capture, FramesThatShowOtherGroundAreNamed) {
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("cut.png"));
   frames.assign({flight.frames[0], flight.frames[1], flight.frames[9], flight.frames[14]});
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)),
-              AllOf(HasSubstr("frame15.png: shows nothing that the other frames show"), HasSubstr("of which the largest has 3 frames")));
+              AllOf(HasSubstr("frame15.png: shows nothing that the other frames show"),
+                    HasSubstr("of which the largest has 3 frames")));
   frames.resize(1);
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("needs at least 3"));
   frames.assign(3, flight.frames[0]);
