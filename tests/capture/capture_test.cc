@@ -101,7 +101,7 @@ TEST(Capture, AMapLiesWhereItsGroundIs) {
   EXPECT_LE(quantile(misses_m, 0.95), 3 * 0.25);
 }
 
-TEST(Capture, HeadingAndHeightComeFromThePicturesAlone) {
+TEST(CaptureThorough, HeadingAndHeightComeFromThePicturesAlone) {
   const auto& [folder, flight] = drawn();
   std::vector<DrawnFrame> frames = flight.frames;
   for (DrawnFrame& frame : frames) frame.height_m += 400;  // above something else
@@ -115,7 +115,7 @@ TEST(Capture, HeadingAndHeightComeFromThePicturesAlone) {
   EXPECT_LE(quantile(misplacements_m(flight, folder / "alone.tif"), 0.95), 4 * 0.25);
 }
 
-TEST(Capture, TheSameBytesForAnyNumberOfThreads) {
+TEST(CaptureThorough, TheSameBytesForAnyNumberOfThreads) {
   const auto& [folder, flight] = drawn();
   const auto& [three, done] = captured_once();
   const CaptureResult by_one =
@@ -124,7 +124,7 @@ TEST(Capture, TheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(read_file((folder / "one.tif").string()), read_file(three.string()));
 }
 
-TEST(Capture, FramesWhosePositionCannotBeAreNamed) {
+TEST(CaptureThorough, FramesWhosePositionCannotBeAreNamed) {
   const auto& [folder, flight] = drawn();
   std::vector<DrawnFrame> frames = flight.frames;
   frames[7].stated.lat_deg += 0.009;  // 1 km
@@ -143,7 +143,7 @@ TEST(Capture, FramesWhosePositionCannotBeAreNamed) {
   EXPECT_LE(quantile(misplacements_m(flight, folder / "swapped.tif"), 0.95), 4 * 0.25);
 }
 
-TEST(Capture, AWrongHeightBendsNothingAndIsNamed) {
+TEST(CaptureThorough, AWrongHeightBendsNothingAndIsNamed) {
   const auto& [folder, flight] = drawn();
   for (const double height_m : {1000.0, -200.0}) {
     std::vector<DrawnFrame> frames = flight.frames;
@@ -154,7 +154,7 @@ TEST(Capture, AWrongHeightBendsNothingAndIsNamed) {
   }
 }
 
-TEST(Capture, PositionsThatLagComeOutAsAClock) {
+TEST(CaptureThorough, PositionsThatLagComeOutAsAClock) {
   const auto& [folder, flight] = drawn();
   std::vector<DrawnFrame> frames = flight.frames;
   constexpr double kLag_s = 0.4;
@@ -167,7 +167,7 @@ TEST(Capture, PositionsThatLagComeOutAsAClock) {
   EXPECT_LT(worst_frame_m(done), 0.8);
 }
 
-TEST(Capture, ACameraThatIsTurnedAgainstItsStatedAttitude) {
+TEST(CaptureThorough, ACameraThatIsTurnedAgainstItsStatedAttitude) {
   const auto& [folder, flight] = drawn();
   std::vector<DrawnFrame> frames = flight.frames;
   for (DrawnFrame& frame : frames) frame.yaw_deg += 4;
@@ -180,7 +180,7 @@ TEST(Capture, ACameraThatIsTurnedAgainstItsStatedAttitude) {
   EXPECT_THAT(done.warnings.front(), HasSubstr("frame6.png: its heading is 90° from what the pictures show"));
 }
 
-TEST(Capture, WhatDoesNotFitTheFramesIsRefused) {
+TEST(CaptureThorough, WhatDoesNotFitTheFramesIsRefused) {
   const auto& [folder, flight] = drawn();
   const auto table = write_table(folder.path(), flight.frames, true);
   CaptureOptions options = options_of(flight);
@@ -212,7 +212,7 @@ TEST(Capture, FramesThatShowOtherGroundAreNamed) {
   EXPECT_THAT(refused(write_table(folder.path(), frames, true), options_of(flight)), HasSubstr("at one place"));
 }
 
-TEST(Capture, ControlPointsTellWhatAllPositionsMissAlike) {
+TEST(CaptureThorough, ControlPointsTellWhatAllPositionsMissAlike) {
   const auto& [folder, flight] = drawn();
   std::vector<DrawnFrame> frames = flight.frames;
   for (DrawnFrame& frame : frames) {
