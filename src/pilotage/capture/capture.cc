@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <numeric>
 
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
@@ -208,19 +207,27 @@ void refuse_other_parts(const std::vector<std::vector<int>>& parts, bool leave_o
                     std::to_string(parts.front().size()) + " frames: " + names_of(frames, parts.front()));
 }
 
-std::vector<FramePair> pairs_among(const std::vector<FramePair>& pairs, const std::vector<int>& numbers) {
-  std::vector<FramePair> kept;
-  const auto place = [&](int frame) {
-    const auto found = std::lower_bound(numbers.begin(), numbers.end(), frame);
-    return found != numbers.end() && *found == frame ? static_cast<int>(found - numbers.begin()) : -1;
-  };
-  for (const FramePair& pair : pairs) {
-    if (place(pair.first) < 0 || place(pair.second) < 0) continue;
-    kept.push_back(pair);
-    kept.back().first = place(pair.first);
-    kept.back().second = place(pair.second);
+/// The place of a frame among the ascending `numbers` of those that are kept; -1 when it is none of them.
+int place_among(const std::vector<int>& numbers, int frame) {
+  const auto found = std::lower_bound(numbers.begin(), numbers.end(), frame);
+  return found != numbers.end() && *found == frame ? static_cast<int>(found - numbers.begin()) : -1;
+}
+
+void keep_pairs(std::vector<FramePair>& pairs, const std::vector<int>& numbers) {
+  for (FramePair& pair : pairs) {
+    pair.first = place_among(numbers, pair.first);
+    pair.second = place_among(numbers, pair.second);
   }
-  return kept;
+  std::erase_if(pairs, [](const FramePair& pair) { return pair.first < 0 || pair.second < 0; });
+}
+
+/// Points without a mark that is kept go, too.
+void keep_marks(std::vector<ControlPoint>& points, const std::vector<int>& numbers) {
+  for (ControlPoint& point : points) {
+    for (ControlPoint::Mark& mark : point.marks) mark.frame = place_among(numbers, mark.frame);
+    std::erase_if(point.marks, [](const ControlPoint::Mark& mark) { return mark.frame < 0; });
+  }
+  std::erase_if(points, [](const ControlPoint& point) { return point.marks.empty(); });
 }
 
 /// Two digits, so that it can be typed.
@@ -426,20 +433,17 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   CaptureFrames frames = read_capture_frames(inputs, options);
   const LocalFrame local = local_frame(frames);
   CaptureResult result;
-  const auto control_points = [&](bool warn) {
-    std::vector<ControlPoint> points;
-    if (options.control_points.empty()) return points;
+  std::vector<ControlPoint> control_points;
+  if (!options.control_points.empty()) {
     std::vector<std::string> paths;
     for (const FlightFrame& one : frames.frames) paths.push_back(one.path);
     int unused_marks = 0;
-    points = read_control_points(options.control_points, paths, local, unused_marks);
-    if (warn && unused_marks > 0) {
+    control_points = read_control_points(options.control_points, paths, local, unused_marks);
+    if (unused_marks > 0) {
       result.warnings.push_back(std::to_string(unused_marks) +
                                 " marks of control points are in pictures that are not among the frames");
     }
-    return points;
-  };
-  control_points(false);  // before hours of work
+  }
   std::optional<Elevation> elevation;
   GroundPrior prior;
   if (!options.elevation.empty()) {
@@ -457,6 +461,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   const std::vector<int> can_be_read = readable(pictures);
   keep_frames(frames, can_be_read);
   keep_pictures(pictures, can_be_read);
+  keep_marks(control_points, can_be_read);
 
   std::vector<Eigen::Vector2d> nadirs_m;
   for (const FlightFrame& one : frames.frames) nadirs_m.push_back(east_north_m(local, one.frame.prior));
@@ -469,21 +474,21 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   for (;;) {
     if (parts.size() > 1) {
       refuse_other_parts(parts, options.leave_out, frames);
-      pairs = pairs_among(pairs, parts.front());
+      keep_pairs(pairs, parts.front());
+      keep_marks(control_points, parts.front());
       keep_frames(frames, parts.front());
       keep_pictures(pictures, parts.front());
     }
     block = make_block(frames, options, local);
     block.features = pictures.features;
     block.pairs = pairs;
-    block.control_points = control_points(false);
+    block.control_points = control_points;
     start = start_block(block);
     take_velocities(frames, start, block);
     adjusted = adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, progress);
     parts = tied_parts(shared_points(adjusted), static_cast<int>(frames.frames.size()));
     if (parts.size() == 1) break;
   }
-  control_points(true);
   const double fitting = static_cast<double>(adjusted.sightings) / static_cast<double>(adjusted.sightings_before);
   if (fitting < kLeastFitting) {
     throw DataError("only " + format_fixed(100 * fitting, 0) + " % of what the frames have in common fits together; " +
