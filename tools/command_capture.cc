@@ -9,6 +9,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/capture/capture.h"
+#include "pilotage/raster/map_sigma.h"
 
 namespace pilotage {
 namespace {
@@ -90,6 +91,10 @@ nlohmann::ordered_json result_json(const CaptureResult& done, const std::string&
           {"height_px", done.height_px},
           {"crs", done.crs},
           {"area_m2", done.area_m2},
+          {"map_sigma",
+           {{"file", map_sigma_path(output).string()},
+            {"median_m", done.map_sigma_median_m},
+            {"p95_m", done.map_sigma_p95_m}}},
           {"pairs", done.pairs},
           {"points", done.points},
           {"sightings", done.sightings},
@@ -118,6 +123,8 @@ std::string result_text(const CaptureResult& done, const std::string& output) {
   std::string text = output + ": " + std::to_string(done.width_px) + " x " + std::to_string(done.height_px) +
                      " pixels of " + format_number(done.gsd_m) + " m, " + format_fixed(done.area_m2 / 1e4, 2) +
                      " ha, " + done.crs + "\n";
+  text += "the map's own error, each axis, modelled: " + format_fixed(done.map_sigma_median_m, 2) + " m (median), " +
+          format_fixed(done.map_sigma_p95_m, 2) + " m (95 %); " + map_sigma_path(output).string() + "\n";
   text += std::to_string(done.frames.size()) + " frames, " + std::to_string(done.pairs) + " pairs, " +
           std::to_string(done.points) + " points; reprojection error " + format_fixed(done.reprojection_rms_px, 2) +
           " px over " + std::to_string(done.sightings) + " of " + std::to_string(done.sightings_found) + " sightings\n";
@@ -140,9 +147,10 @@ CommandResult run_capture(const CaptureCommandOptions& options, const Invocation
   OutputFile ortho(invocation.output, invocation.overwrite);
   std::optional<OutputFile> log;
   if (!options.log.empty()) log.emplace(options.log, invocation.overwrite);
+  const OutputFile map_sigma(map_sigma_path(invocation.output), invocation.overwrite);
   const CaptureResult done =
-      capture(invocation.inputs, options.capture, ortho, invocation.threads, invocation.progress);
-  std::vector<const OutputFile*> outputs;
+      capture(invocation.inputs, options.capture, ortho, map_sigma, invocation.threads, invocation.progress);
+  std::vector<const OutputFile*> outputs{&map_sigma};
   if (log) {
     log->write(frames_table(done, options.log));
     outputs.push_back(&*log);
@@ -175,8 +183,9 @@ Command make_capture_command() {
        "reference.tif"}};
   command.inputs = {
       .name = "FRAMES", .help = "Pictures, folders of them, or one frames.csv.", .min = 1, .max = InputSpec::kMany};
-  command.output = {
-      .kind = OutputKind::kFile, .help = "The map: a Cloud-Optimised GeoTIFF.", .flags = {"log", "camera_log"}};
+  command.output = {.kind = OutputKind::kFile,
+                    .help = "The map: a Cloud-Optimised GeoTIFF. Beside it, its own error: reference.map_sigma.tif.",
+                    .flags = {"log", "camera_log"}};
   command.reads_rasters = true;
   bind_options<CaptureCommandOptions>(command, run_capture);
   return command;

@@ -16,12 +16,13 @@
 #include "pilotage/base/nan.h"
 #include "pilotage/base/statistics.h"
 #include "pilotage/camera/lens.h"
+#include "pilotage/capture/frame_errors.h"
 
 namespace pilotage {
 namespace {
 
 constexpr double kPriorLoss = 3;  // standard deviations
-constexpr double kBiasSigma_m = 5;
+constexpr double kHeightBiasSigma_m = 5;
 constexpr double kFreeHeightSigma_m = 1000;
 constexpr double kClockSigma_s = 0.5;
 constexpr double kBoresightSigma_deg = 5;
@@ -250,9 +251,7 @@ class Adjustment {
 
   void solve(int round, const Progress& progress) {
     ceres::Problem problem;
-    add_frames(problem);
-    add_points(problem);
-    add_control_points(problem);
+    add_all(problem);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_SCHUR;
     options.max_num_iterations = kIterations;
@@ -291,7 +290,7 @@ class Adjustment {
     std::erase_if(points_, [](const AdjustedPoint& point) { return point.sightings.size() < 2; });
   }
 
-  AdjustedBlock result() const {
+  AdjustedBlock result() {
     AdjustedBlock done;
     done.camera = camera_;
     done.camera.fx_px *= std::exp(lens_[0]);
@@ -315,6 +314,7 @@ class Adjustment {
     done.converged = converged_;
     done.sightings_before = sightings_before_;
     sum_errors(done);
+    done.frame_errors = errors_of_frames(done.poses);
     return done;
   }
 
@@ -416,6 +416,33 @@ class Adjustment {
     for (AdjustedPoint& point : points_) point.enu_m.z() -= bias_[2];
   }
 
+  void add_all(ceres::Problem& problem) {
+    add_frames(problem);
+    add_points(problem);
+    add_control_points(problem);
+  }
+
+  /// With what was left out after the last solution left out here, too.
+  std::vector<FrameError> errors_of_frames(const std::vector<FramePose>& poses) {
+    ceres::Problem problem;
+    add_all(problem);
+    ceres::Problem::EvaluateOptions at;
+    at.num_threads = 1;
+    for (PoseBlock& pose : poses_) at.parameter_blocks.push_back(pose.data());
+    at.parameter_blocks.push_back(lens_.data());
+    at.parameter_blocks.push_back(bias_.data());
+    if (has_attitude_) at.parameter_blocks.push_back(boresight_.data());
+    if (has_velocity_) at.parameter_blocks.push_back(&clock_);
+    const int shared = 6 + (has_attitude_ ? 3 : 0) + (has_velocity_ ? 1 : 0);
+    for (AdjustedPoint& point : points_) at.parameter_blocks.push_back(point.enu_m.data());
+    for (Eigen::Vector3d& point : control_) at.parameter_blocks.push_back(point.data());
+    ceres::CRSMatrix jacobian;
+    if (!problem.Evaluate(at, nullptr, nullptr, nullptr, &jacobian)) {
+      throw DataError("the block cannot be adjusted: its residuals have no derivatives where it ends");
+    }
+    return frame_errors(jacobian, shared, poses, points_, !ground_.height_m);
+  }
+
   bool heights_are_tied() const { return ground_.height_m || !control_.empty(); }
 
   void add_frames(ceres::Problem& problem) {
@@ -438,8 +465,9 @@ class Adjustment {
             nullptr, poses_[i].data());
       }
     }
-    const double up_sigma_m = heights_are_tied() ? kFreeHeightSigma_m : kBiasSigma_m;
-    problem.AddResidualBlock(cost<3, 3>(PriorError{{0, 0, 0}, {kBiasSigma_m, kBiasSigma_m, up_sigma_m}}), nullptr,
+    const double up_sigma_m = heights_are_tied() ? kFreeHeightSigma_m : kHeightBiasSigma_m;
+    const double en_sigma_m = block_.position_bias_sigma_m;
+    problem.AddResidualBlock(cost<3, 3>(PriorError{{0, 0, 0}, {en_sigma_m, en_sigma_m, up_sigma_m}}), nullptr,
                              bias_.data());
     problem.AddResidualBlock(cost<1, 1>(ScalarError{kClockSigma_s}), nullptr, &clock_);
     if (!has_velocity_) problem.SetParameterBlockConstant(&clock_);

@@ -21,6 +21,14 @@ struct ControlMiss {
   int frame = 0;  ///< Of that mark.
 };
 
+/// What an adjustment leaves unknown of a frame, together: the turn about the camera's axes (rad), its centre (east,
+/// north, up; m), the lens (log of the focal length's factor, k1, k2), and the ground below it (height at its nadir, m;
+/// slope to the east and to the north). Covariance of the truth less what was adjusted; frame_errors.h.
+struct FrameError {
+  static constexpr int kSize = 12;
+  Eigen::Matrix<double, kSize, kSize> covariance;
+};
+
 /// A block after its adjustment.
 struct AdjustedBlock {
   std::vector<FramePose> poses;
@@ -31,6 +39,7 @@ struct AdjustedBlock {
   Eigen::Vector3d boresight_deg{0, 0, 0};    ///< Turn of the camera against its measured attitude, about its x, y, z.
   std::vector<Eigen::Vector3d> position_residuals_m;  ///< Measured less adjusted less what is common; per frame.
   std::vector<ControlMiss> control_misses;
+  std::vector<FrameError> frame_errors;
   double reprojection_rms_px = 0;    ///< Of the kept sightings, both axes together.
   std::vector<double> frame_rms_px;  ///< The same per frame; NaN for one without sightings.
   std::vector<int> frame_sightings;  ///< Kept, per frame.

@@ -48,6 +48,7 @@ struct Block {
   double distortion_sigma = 0.1;    ///< Of k1 and k2 each.
   double tilt_sigma_deg = 3;
   double heading_sigma_deg = 5;
+  double position_bias_sigma_m = 5;  ///< Of what all measured centres miss alike, east and north each.
   std::vector<MeasuredPose> measured;
   std::vector<FrameFeatures> features;
   std::vector<FramePair> pairs;

@@ -21,6 +21,7 @@
 #include "pilotage/capture/ortho_mosaic.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_gray.h"
+#include "pilotage/raster/map_sigma.h"
 #include "pilotage/raster/mission_crs.h"
 
 namespace pilotage {
@@ -158,6 +159,7 @@ Block make_block(const CaptureFrames& frames, const CaptureOptions& options, con
   block.distortion_sigma = few ? kHeldSigma : kDistortionSigma;
   block.tilt_sigma_deg = options.tilt_sigma_deg;
   block.heading_sigma_deg = options.heading_sigma_deg;
+  block.position_bias_sigma_m = options.position_bias_sigma_m;
   block.control_sigma_m = options.control_sigma_m;
   for (std::size_t i = 0; i < frames.frames.size(); ++i) {
     const FrameRecord& frame = frames.frames[i].frame;
@@ -400,6 +402,24 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
   }
 }
 
+/// Beside the map: how far it may be off, and which frame it is of.
+void write_map_sigma(const OutputFile& output, const OrthoMosaic& mosaic, const MosaicStats& stats,
+                     CaptureResult& result) {
+  GeoTransform map_from_cell = mosaic.map_from_pixel;
+  for (double* step :
+       {&map_from_cell.x_per_col, &map_from_cell.x_per_row, &map_from_cell.y_per_col, &map_from_cell.y_per_row}) {
+    *step *= kMapCell_px;
+  }
+  write_score_raster(output, {{"map_sigma", "m", stats.map_sigma_m}, {"frame", "", stats.cell_frame}}, mosaic.crs,
+                     map_from_cell);
+  std::vector<double> sigmas_m;
+  for (const float sigma_m : cv::Mat_<float>(stats.map_sigma_m)) {
+    if (std::isfinite(sigma_m)) sigmas_m.push_back(static_cast<double>(sigma_m));
+  }
+  result.map_sigma_median_m = quantile(sigmas_m, 0.5);
+  result.map_sigma_p95_m = quantile(sigmas_m, 0.95);
+}
+
 std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block& block, const Elevation* elevation) {
   std::vector<double> sigmas_m;
   for (const MeasuredPose& pose : block.measured) sigmas_m.push_back(pose.sigma_en_m);
@@ -411,7 +431,9 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
   if (elevation != nullptr) assumptions.push_back("elevation model: " + elevation->vertical_datum());
   if (block.control_points.empty()) {
     assumptions.push_back(
-        "what all positions and tilts miss alike is not known without control points, and shifts the whole map");
+        "what all positions and tilts miss alike is not known without control points, and shifts the whole map; taken "
+        "for " +
+        format_number(block.position_bias_sigma_m) + " m (one standard deviation, each axis)");
   }
   if (frames.frames.size() < kFewFrames) {
     assumptions.push_back("the focal length is held to " + format_fixed(100 * kHeldSigma, 0) + " % of that of " +
@@ -427,7 +449,7 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
 }  // namespace
 
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
-                      int threads, const Progress& progress) {
+                      const OutputFile& map_sigma, int threads, const Progress& progress) {
   if (!options.crs.empty()) Crs::from_user_input(options.crs);
   refuse_imagery_as_elevation(options.elevation, {});
   CaptureFrames frames = read_capture_frames(inputs, options);
@@ -520,11 +542,13 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
     picture.metadata.emplace_back("TIFFTAG_DATETIME", tiff_time(taken_s));
     break;
   }
+  picture.metadata.emplace_back(kMapSigmaTag, map_sigma.destination().filename().string());
   MosaicStats stats;
   picture.draw = [&](const auto& write) { stats = draw_mosaic(mosaic, kFrameBytes, threads, progress, write); };
   write_picture_cog(ortho, picture, progress);
 
   if (stats.valid_px == 0) throw DataError("the frames show no ground: the map would be empty");
+  write_map_sigma(map_sigma, mosaic, stats, result);
   for (std::size_t i = 0; i < stats.frame_px.size(); ++i) result.frames[i].drawn_px = stats.frame_px[i];
   result.left_out = frames.left_out;
   result.assumptions = assumptions_of(frames, block, elevation ? &*elevation : nullptr);

@@ -61,16 +61,19 @@ struct CaptureResult {
   std::int64_t height_px = 0;
   std::string crs;
   double area_m2 = 0;
+  double map_sigma_median_m = 0;  ///< Of the map's own error, each axis, over what is drawn; modelled.
+  double map_sigma_p95_m = 0;
   std::vector<std::string> assumptions;
   std::vector<std::string> warnings;
 };
 
 /// Makes a reference map of the frames of a camera that looked down, and writes it to `ortho` (not committed):
-/// features and tracks, block adjustment, ground, orthophoto (docs/methods/capture.md). The same bytes for any number
-/// of threads. Throws UsageError; DataError, naming the frames, for what cannot be used or contradicts itself;
-/// Interrupted.
+/// features and tracks, block adjustment, ground, orthophoto (docs/methods/capture.md); and to `map_sigma` (not
+/// committed; in the same folder) the map's own error, whose name stands in the map's tags (map_sigma_file.h). The same
+/// bytes for any number of threads. Throws UsageError; DataError, naming the frames, for what cannot be used or
+/// contradicts itself; Interrupted.
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
-                      int threads, const Progress& progress = {});
+                      const OutputFile& map_sigma, int threads, const Progress& progress = {});
 
 }  // namespace pilotage
 

@@ -14,6 +14,7 @@ namespace pilotage {
 struct CaptureOptions {
   CameraOptions camera;
   double position_sigma_m = 3;
+  double position_bias_sigma_m = 5;
   double height_sigma_m = 5;
   double tilt_sigma_deg = 3;
   double heading_sigma_deg = 5;
@@ -29,6 +30,9 @@ struct CaptureOptions {
     fields.group("camera", self.camera, "The camera that took the frames; what their EXIF says, if not given.");
     fields.field("position_sigma_m", self.position_sigma_m,
                  "Standard deviation of the frames' positions, east and north each, where a table does not say it.",
+                 Range{0.001, 100});
+    fields.field("position_bias_sigma_m", self.position_bias_sigma_m,
+                 "Standard deviation of what all positions miss alike, east and north each: the receiver's own error.",
                  Range{0.001, 100});
     fields.field("height_sigma_m", self.height_sigma_m, "Standard deviation of the frames' heights.",
                  Range{0.001, 100});

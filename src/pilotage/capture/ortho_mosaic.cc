@@ -11,14 +11,16 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/capture/map_error.h"
 #include "pilotage/raster/gdal_crs.h"
 
 namespace pilotage {
 namespace {
 
 constexpr int kBlock_px = 512;
-constexpr int kLattice_px = 16;
+constexpr int kLattice_px = kMapCell_px;
 constexpr int kNodes = kBlock_px / kLattice_px + 1;
 /// Width of the band in which one frame fades into the next.
 constexpr double kFeather_px = 24;
@@ -190,6 +192,8 @@ float balance_factor(const ColorBalance& balance, std::size_t frame, std::size_t
 
 struct DrawnBlock {
   Raster raster;
+  cv::Mat map_sigma_m;  ///< As MosaicStats, of this block.
+  cv::Mat cell_frame;
   std::vector<std::pair<std::size_t, std::int64_t>> frame_px;
 };
 
@@ -205,10 +209,18 @@ class BlockPainter {
     DrawnBlock drawn;
     drawn.raster.pixels = cv::Mat(ground.height, ground.width, CV_8UC3, cv::Scalar(0, 0, 0));
     drawn.raster.valid = cv::Mat(ground.height, ground.width, CV_8U, cv::Scalar(0));
+    const cv::Size cells((ground.width + kMapCell_px - 1) / kMapCell_px,
+                         (ground.height + kMapCell_px - 1) / kMapCell_px);
+    drawn.map_sigma_m = cv::Mat(cells, CV_32F, cv::Scalar(kNaN));
+    drawn.cell_frame = drawn.map_sigma_m.clone();
     const std::vector<FrameOverBlock> frames = frames_over(ground);
     if (frames.empty()) return drawn;
     const cv::Mat best = best_frames(frames, ground);
     blend(frames, best, drawn);
+    for (int cell_row = 0; cell_row < cells.height; ++cell_row) {
+      for (int cell_col = 0; cell_col < cells.width; ++cell_col)
+        describe_cell(frames, best, ground, cell_col, cell_row, drawn);
+    }
     return drawn;
   }
 
@@ -277,6 +289,29 @@ class BlockPainter {
       frames[i].off_nadir_m2.copyTo(least, nearer);
     }
     return best;
+  }
+
+  /// What stands beside the map for a cell of it.
+  void describe_cell(const std::vector<FrameOverBlock>& frames, const cv::Mat& best, const BlockGround& ground, int col,
+                     int row, DrawnBlock& drawn) const {
+    const cv::Rect cell = cv::Rect(col * kMapCell_px, row * kMapCell_px, kMapCell_px, kMapCell_px) &
+                          cv::Rect(0, 0, ground.width, ground.height);
+    std::vector<int> pixels(frames.size(), 0);
+    for (int y = cell.y; y < cell.br().y; ++y) {
+      for (int x = cell.x; x < cell.br().x; ++x) {
+        if (const int index = best.at<int>(y, x); index >= 0) ++pixels[static_cast<std::size_t>(index)];
+      }
+    }
+    const auto most = std::max_element(pixels.begin(), pixels.end());
+    if (*most == 0) return;
+    const std::size_t frame = frames[static_cast<std::size_t>(most - pixels.begin())].frame;
+    const auto first = static_cast<std::size_t>(row * kNodes + col);
+    const auto& nodes = ground.nodes_enu_m;
+    const Eigen::Vector3d middle_m =
+        (nodes[first] + nodes[first + 1] + nodes[first + kNodes] + nodes[first + kNodes + 1]) / 4;
+    const Eigen::Matrix2d covariance_m2 = map_covariance_m2(*mosaic_.block, *mosaic_.ground, frame, middle_m);
+    drawn.map_sigma_m.at<float>(row, col) = static_cast<float>(std::sqrt(covariance_m2.trace() / 2));
+    drawn.cell_frame.at<float>(row, col) = static_cast<float>(frame + 1);
   }
 
   /// How much a frame counts at a pixel of which `best` is the nearest.
@@ -395,6 +430,10 @@ MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int
                                               (mosaic.height_px + kBlock_px - 1) / kBlock_px);
   MosaicStats stats;
   stats.frame_px.assign(mosaic.block->poses.size(), 0);
+  stats.map_sigma_m =
+      cv::Mat(static_cast<int>((mosaic.height_px + kMapCell_px - 1) / kMapCell_px),
+              static_cast<int>((mosaic.width_px + kMapCell_px - 1) / kMapCell_px), CV_32F, cv::Scalar(kNaN));
+  stats.cell_frame = stats.map_sigma_m.clone();
   std::mutex writing;
   std::int64_t done = 0;
   parallel_for(blocks.size(), threads, [&](std::size_t i, int worker) {
@@ -407,6 +446,10 @@ MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int
     write(col, row, drawn.raster);
     stats.valid_px += cv::countNonZero(drawn.raster.valid);
     for (const auto& [frame, count] : drawn.frame_px) stats.frame_px[frame] += count;
+    const cv::Rect cells(cv::Point(static_cast<int>(col / kMapCell_px), static_cast<int>(row / kMapCell_px)),
+                         drawn.map_sigma_m.size());
+    drawn.map_sigma_m.copyTo(stats.map_sigma_m(cells));
+    drawn.cell_frame.copyTo(stats.cell_frame(cells));
     report_progress(progress, "drawing the orthophoto", ++done, static_cast<std::int64_t>(blocks.size()));
   });
   return stats;

@@ -35,10 +35,17 @@ Eigen::Vector2d east_north_m(const LocalFrame& frame, GeodeticPoint point);
 /// The inverse, below 1 mm within 100 km.
 GeodeticPoint point_at(const LocalFrame& frame, const Eigen::Vector2d& en_m);
 
+/// Pixels of the map in one cell of what stands beside it, each way.
+inline constexpr int kMapCell_px = 16;
+
 /// What was drawn.
 struct MosaicStats {
   std::int64_t valid_px = 0;
   std::vector<std::int64_t> frame_px;  ///< Pixels that each frame has most of.
+  /// For each kMapCell_px of the map, the first at its first pixel, CV_32F; NaN where nothing is drawn: standard
+  /// deviation of the map's own error, each axis (map_covariance_m2), and which frame shows most of it, from 1.
+  cv::Mat map_sigma_m;
+  cv::Mat cell_frame;
 };
 
 /// Draws an orthophoto in blocks of 512 px: each pixel from the frame that sees it at the least angle off the nadir,

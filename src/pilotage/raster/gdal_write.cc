@@ -112,24 +112,31 @@ void check_size(const std::string& name, const cv::Mat& values, const cv::Size& 
 
 void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
                         const GeoTransform& map_from_pixel, bool overwrite, const Progress& progress) {
+  OutputFile output(path, overwrite);
+  write_score_raster(output, bands, crs, map_from_pixel, progress);
+  output.commit();
+}
+
+void write_score_raster(const OutputFile& output, const std::vector<ScoreBand>& bands, const Crs& crs,
+                        const GeoTransform& map_from_pixel, const Progress& progress) {
+  const std::string name = output.destination().string();
   if (bands.empty()) throw UsageError("a score raster needs a band");
   const cv::Size size = bands.front().values.size();
   const int depth = bands.front().values.type() == CV_32F ? CV_32F : CV_64F;
   const GDALDataType type = depth == CV_32F ? GDT_Float32 : GDT_Float64;
   for (const ScoreBand& band : bands) check_size(band.name, band.values, size, depth);
-  const DatasetPtr memory =
-      create_in_memory(size, static_cast<int>(bands.size()), type, crs, map_from_pixel, path.string());
+  const DatasetPtr memory = create_in_memory(size, static_cast<int>(bands.size()), type, crs, map_from_pixel, name);
   for (std::size_t i = 0; i < bands.size(); ++i) {
     GDALRasterBand& band = *memory->GetRasterBand(static_cast<int>(i) + 1);
-    fill(band, bands[i].values, type, path.string());
+    fill(band, bands[i].values, type, name);
     band.SetDescription(bands[i].name.c_str());
     if (!bands[i].unit.empty()) band.SetUnitType(bands[i].unit.c_str());
     band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
     set_statistics(band, bands[i].values);
   }
-  write_cog(*memory, path, overwrite,
-            {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=1"},
-            progress);
+  make_cog(*memory, output.temporary_path(), name,
+           {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=1"},
+           progress);
 }
 
 void write_class_raster(const std::filesystem::path& path, const std::string& name, const cv::Mat& values,

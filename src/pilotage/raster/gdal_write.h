@@ -33,6 +33,10 @@ struct ScoreBand {
 void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
                         const GeoTransform& map_from_pixel, bool overwrite, const Progress& progress = {});
 
+/// The same into an output that is not committed yet.
+void write_score_raster(const OutputFile& output, const std::vector<ScoreBand>& bands, const Crs& crs,
+                        const GeoTransform& map_from_pixel, const Progress& progress = {});
+
 /// One class of a class raster; its value is its place in the list.
 struct RasterClass {
   std::string name;
