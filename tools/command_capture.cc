@@ -183,9 +183,15 @@ Command make_capture_command() {
        "reference.tif"}};
   command.inputs = {
       .name = "FRAMES", .help = "Pictures, folders of them, or one frames.csv.", .min = 1, .max = InputSpec::kMany};
-  command.output = {.kind = OutputKind::kFile,
-                    .help = "The map: a Cloud-Optimised GeoTIFF. Beside it, its own error: reference.map_sigma.tif.",
-                    .flags = {"log", "camera_log"}};
+  command.output = {
+      .kind = OutputKind::kFile,
+      .help = "The map: a Cloud-Optimised GeoTIFF. Beside it, its own error: reference.map_sigma.tif.",
+      .flags = {"log", "camera_log"},
+      .files =
+          [](const std::string& output) {
+            return std::vector<std::filesystem::path>{output, map_sigma_path(output)};
+          },
+  };
   command.reads_rasters = true;
   bind_options<CaptureCommandOptions>(command, run_capture);
   return command;

@@ -194,7 +194,7 @@ ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames) {
   for (const FrameMatch& match : matches) {
     if (match.readable()) require_frame_was_tried(match.result, setup.map);
   }
-  flight.frames = replayed_frames(matches, frames.frames, options.match, options.correct_within_m);
+  flight.frames = replayed_frames(matches, frames.frames, options.correct_within_m);
   setup.matches.insert(setup.matches.end(), matches.begin(), matches.end());
   return flight;
 }

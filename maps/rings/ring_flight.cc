@@ -141,7 +141,7 @@ class FixedAircraft {
     // Headings are counted clockwise.
     const double off_deg = std::remainder(result.fix->yaw_deg - prior->attitude.yaw_deg, 360.0);
     heading_ = {-off_deg * kRadPerDeg, result.fix->yaw_sigma_deg * kRadPerDeg};
-    waiting_ = {frame, without_prior(*result.fix, *prior, options), aircraft_.time_s() + kAnswerAfter_s};
+    waiting_ = {frame, without_prior(*result.fix, *prior), aircraft_.time_s() + kAnswerAfter_s};
   }
 
   /// As sure of the attitude as the filter is.

@@ -1,5 +1,6 @@
 #include "pilotage/capture/map_error.h"
 
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -9,6 +10,7 @@
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/random.h"
+#include "pilotage/base/text.h"
 #include "pilotage/camera/attitude.h"
 #include "pilotage/camera/lens.h"
 
@@ -27,6 +29,8 @@ struct BlockNoise {
   double focal_length = 0.01;
   bool with_attitude = true;
   bool with_elevation = false;
+  double slope = 0;  ///< Of the ground, upwards to the north.
+  int lines = 4;
 };
 
 struct DrawnBlock {
@@ -38,8 +42,8 @@ struct DrawnBlock {
 constexpr double kHeight_m = 100;
 constexpr double kSmallHill_m = 4;
 
-double true_ground_m(const Eigen::Vector2d& en_m) {
-  return kSmallHill_m * std::exp(-en_m.squaredNorm() / (2 * 60.0 * 60.0));
+double true_ground_m(const Eigen::Vector2d& en_m, double slope) {
+  return kSmallHill_m * std::exp(-en_m.squaredNorm() / (2 * 60.0 * 60.0)) + slope * en_m.y();
 }
 
 Eigen::Matrix3d turned_by(const Eigen::Vector3d& angles_rad) {
@@ -54,7 +58,7 @@ Eigen::Vector3d normal3(Random& random, double sigma) {
   return {x, y, sigma * random.normal()};
 }
 
-/// Four lines of six frames, half of each seen by the next, and 900 points of the ground.
+/// Lines of six frames, half of each seen by the next, and 900 points of the ground.
 DrawnBlock draw_block(const BlockNoise& noise, std::uint64_t seed) {
   Random random(seed);
   DrawnBlock drawn;
@@ -75,13 +79,14 @@ DrawnBlock draw_block(const BlockNoise& noise, std::uint64_t seed) {
   std::vector<Eigen::Vector3d> points_m;
   for (int i = 0; i < 900; ++i) {
     const Eigen::Vector2d en_m(random.uniform(-210, 210), random.uniform(-150, 150));
-    points_m.emplace_back(en_m.x(), en_m.y(), true_ground_m(en_m));
+    points_m.emplace_back(en_m.x(), en_m.y(), true_ground_m(en_m, noise.slope));
   }
-  for (int line = 0; line < 4; ++line) {
+  for (int line = 0; line < noise.lines; ++line) {
     for (int along = 0; along < 6; ++along) {
       const Attitude attitude{line % 2 == 0 ? 90.0 : -90.0, noise.tilt_deg * random.normal(),
                               noise.tilt_deg * random.normal()};
-      FramePose pose{enu_from_camera({}, attitude), {(along - 2.5) * 45, (line - 1.5) * 45, kHeight_m}};
+      FramePose pose{enu_from_camera({}, attitude),
+                     {(along - 2.5) * 45, (line - (noise.lines - 1) / 2.0) * 45, kHeight_m}};
       pose.center_enu_m += normal3(random, 3);
       MeasuredPose measured;
       measured.sigma_en_m = noise.position_m;
@@ -126,7 +131,7 @@ DrawnBlock draw_block(const BlockNoise& noise, std::uint64_t seed) {
 
 /// Where the ground lies that a map shows at a place from a frame.
 std::optional<Eigen::Vector2d> true_place_m(const DrawnBlock& drawn, const AdjustedBlock& adjusted, std::size_t frame,
-                                            const Eigen::Vector3d& place_m) {
+                                            const Eigen::Vector3d& place_m, double slope) {
   const FramePose& pose = adjusted.poses[frame];
   const auto pixel =
       pixel_from_ray(make_lens(adjusted.camera), pose.enu_from_camera.transpose() * (place_m - pose.center_enu_m));
@@ -137,7 +142,7 @@ std::optional<Eigen::Vector2d> true_place_m(const DrawnBlock& drawn, const Adjus
   const Eigen::Vector3d direction = truth.enu_from_camera * *ray;
   Eigen::Vector2d at_m = place_m.head<2>();
   for (int round = 0; round < 20; ++round) {
-    const double down_m = truth.center_enu_m.z() - true_ground_m(at_m);
+    const double down_m = truth.center_enu_m.z() - true_ground_m(at_m, slope);
     at_m = truth.center_enu_m.head<2>() + direction.head<2>() * (down_m / -direction.z());
   }
   return at_m;
@@ -156,19 +161,22 @@ Consistency consistency(const BlockNoise& noise, int blocks, bool at_the_edge) {
   for (int i = 0; i < blocks; ++i) {
     const DrawnBlock drawn = draw_block(noise, static_cast<std::uint64_t>(1000 + i));
     GroundPrior prior;
-    if (noise.with_elevation) prior.height_m = true_ground_m;
+    if (noise.with_elevation) {
+      prior.height_m = [&](const Eigen::Vector2d& en_m) { return true_ground_m(en_m, noise.slope); };
+    }
     const AdjustedBlock adjusted = adjust_block(drawn.block, start_block(drawn.block),
-                                                join_tracks(drawn.block.pairs, drawn.block.features, 8), prior, {});
+                                                join_tracks(drawn.block.pairs, drawn.block.features, 8), prior, 1, {});
     const Eigen::Vector2d low(-250, -200);
     const GroundSurface ground =
         prior.height_m ? sample_surface(prior, 5, adjusted.points, low, -low) : fit_surface(adjusted.points, low, -low);
-    const Eigen::Vector2d en_m = at_the_edge ? Eigen::Vector2d(random.uniform(105, 135), random.uniform(60, 90))
-                                             : Eigen::Vector2d(random.uniform(-60, 60), random.uniform(-50, 50));
+    const Eigen::Vector2d en_m =
+        at_the_edge ? Eigen::Vector2d(random.uniform(105, 135), 22.5 * noise.lines - random.uniform(0, 30))
+                    : Eigen::Vector2d(random.uniform(-60, 60), random.uniform(-50, 50));
     std::size_t nearest = 0;
     const auto away_m = [&](std::size_t k) { return (adjusted.poses[k].center_enu_m.head<2>() - en_m).norm(); };
     for (std::size_t k = 1; k < adjusted.poses.size(); ++k) nearest = away_m(k) < away_m(nearest) ? k : nearest;
     const Eigen::Vector3d place_m(en_m.x(), en_m.y(), ground.heights.height_m(en_m));
-    const auto truth_m = true_place_m(drawn, adjusted, nearest, place_m);
+    const auto truth_m = true_place_m(drawn, adjusted, nearest, place_m, noise.slope);
     EXPECT_TRUE(truth_m);
     if (!truth_m) continue;
     const Eigen::Vector2d error_m = *truth_m - en_m;
@@ -195,13 +203,72 @@ TEST(MapErrorThorough, ErrorsOfTheMapAreAsLargeAsItSays) {
   no_bias.position_bias_m = 0.01;
   BlockNoise no_attitude = no_bias;
   no_attitude.with_attitude = false;
+  BlockNoise on_slope = no_bias;
+  on_slope.slope = 0.1;
+  BlockNoise strip = on_slope;  // whose tilt across the line only the attitudes tell
+  strip.lines = 1;
   BlockNoise on_elevation = no_bias;  // which is exact, and taken for good to 3 m
   on_elevation.with_elevation = true;
-  for (const Case& one : {Case{"bias", {}, false, 0.6}, Case{"no bias", no_bias, true, 0.6},
-                          Case{"no attitude", no_attitude, true, 0.6}, Case{"elevation", on_elevation, true, 0.35}}) {
+  for (const Case& one : {Case{"bias", {}, false, 0.6}, Case{"no_bias", no_bias, true, 0.6},
+                          Case{"no_attitude", no_attitude, true, 0.6}, Case{"slope", on_slope, true, 0.6},
+                          Case{"strip", strip, true, 0.35}, Case{"elevation", on_elevation, true, 0.35}}) {
     const Consistency found = consistency(one.noise, 40, one.at_the_edge);
+    RecordProperty(one.name, format_fixed(found.nees, 2) + ": " + format_fixed(found.rms_m, 2) + " m, modelled " +
+                                 format_fixed(found.sigma_m, 2) + " m");
     EXPECT_GT(found.nees, one.least) << one.name << ": " << found.rms_m << " m, modelled " << found.sigma_m;
     EXPECT_LT(found.nees, 1.4) << one.name << ": " << found.rms_m << " m, modelled " << found.sigma_m;
+  }
+}
+
+TEST(MapError, FollowsFromEachOfTheTwelveNumbers) {
+  // One frame with a distorting lens, over ground that slopes; every number is off by a little, all at once.
+  AdjustedBlock block;
+  block.camera = pinhole_camera(800, 600, 700);
+  block.camera.distortion_model = DistortionModel::kBrownConrady;
+  block.camera.distortion = {-0.2, 0.05};
+  block.poses.push_back({enu_from_camera({}, {70, 5, -4}), {3, -2, kHeight_m}});
+  const Eigen::Vector2d slope(0.3, -0.1);
+  const auto plane_m = [&](const Eigen::Vector2d& en_m) { return slope.dot(en_m); };
+  std::vector<double> heights_m;
+  for (int row = -3; row <= 3; ++row) {
+    for (int column = -3; column <= 3; ++column) heights_m.push_back(plane_m({100.0 * column, 100.0 * row}));
+  }
+  const GroundSurface ground{TerrainHeights({-300, -300}, 100, 7, heights_m), 0};
+  Random random(4);
+  for (int round = 0; round < 20; ++round) {
+    const Eigen::Vector2d en_m(random.uniform(-45, 45), random.uniform(-45, 45));
+    const Eigen::Vector3d place_m(en_m.x(), en_m.y(), plane_m(en_m));
+    Eigen::Matrix<double, FrameError::kSize, 1> off;
+    const std::array<double, FrameError::kSize> sizes{1e-3, 1e-3, 1e-3, 0.1, 0.1,  0.1,
+                                                      1e-3, 1e-3, 1e-3, 0.1, 1e-3, 1e-3};
+    for (int i = 0; i < FrameError::kSize; ++i) off[i] = sizes[static_cast<std::size_t>(i)] * random.normal();
+    off *= 0.01;
+    FramePose pose = block.poses.front();
+    pose.enu_from_camera = (turned_by(off.head<3>()) * pose.enu_from_camera.transpose()).transpose();
+    pose.center_enu_m += off.segment<3>(3);
+    Camera camera = block.camera;
+    camera.fx_px *= std::exp(off[6]);
+    camera.fy_px *= std::exp(off[6]);
+    camera.distortion[0] += off[7];
+    camera.distortion[1] += off[8];
+    const FramePose& said = block.poses.front();
+    const auto pixel =
+        pixel_from_ray(make_lens(block.camera), said.enu_from_camera.transpose() * (place_m - said.center_enu_m));
+    ASSERT_TRUE(pixel);
+    const auto ray = ray_from_pixel(make_lens(camera), *pixel);
+    ASSERT_TRUE(ray);
+    const Eigen::Vector3d direction = pose.enu_from_camera * *ray;
+    Eigen::Vector2d at_m = en_m;
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector2d from_m = at_m - said.center_enu_m.head<2>();
+      const double height_m = plane_m(at_m) + off[9] + off.tail<2>().dot(from_m);
+      at_m = pose.center_enu_m.head<2>() + direction.head<2>() * ((pose.center_enu_m.z() - height_m) / -direction.z());
+    }
+    const Eigen::Vector2d moved_m = at_m - en_m;
+    block.frame_errors = {FrameError{off * off.transpose(), slope.transpose()}};
+    if (round % 2 == 1) block.frame_errors.front().ground_slope.reset();  // the same slope is in the surface
+    const Eigen::Matrix2d covariance_m2 = map_covariance_m2(block, ground, 0, place_m);
+    EXPECT_LT((covariance_m2 - moved_m * moved_m.transpose()).norm(), 0.02 * moved_m.squaredNorm()) << round;
   }
 }
 
@@ -210,7 +277,7 @@ TEST(MapError, GrowsTowardsTheEdgeAndIsInfiniteAboveTheCamera) {
   noise.position_bias_m = 0.5;
   const DrawnBlock drawn = draw_block(noise, 5);
   const AdjustedBlock adjusted = adjust_block(drawn.block, start_block(drawn.block),
-                                              join_tracks(drawn.block.pairs, drawn.block.features, 8), {}, {});
+                                              join_tracks(drawn.block.pairs, drawn.block.features, 8), {}, 1, {});
   const GroundSurface ground = fit_surface(adjusted.points, {-250, -200}, {250, 200});
   const auto sigma_m = [&](std::size_t frame, const Eigen::Vector3d& place_m) {
     return std::sqrt(map_covariance_m2(adjusted, ground, frame, place_m).trace() / 2);

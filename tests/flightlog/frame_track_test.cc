@@ -43,7 +43,8 @@ class Flight {
     match.frame = track_.with_prior(frame.frame);
     Fix fix;
     fix.position = place(truth_m + place_off_m);
-    fix.covariance_en_m2 = isotropic_covariance_m2(1) + isotropic_covariance_m2(track_.options().map_sigma_m);
+    fix.covariance_en_m2 = isotropic_covariance_m2(1) + isotropic_covariance_m2(1);
+    fix.map_sigma_m = 1;
     match.result.candidate = fix;
     match.result.stats.vote_peak = evidence;
     match.result.stats.gsd_m = kGsd_m;

@@ -106,7 +106,7 @@ std::map<std::string, double*> fields_of(Question& question) {
   fields["attitude_sigma_deg"] = &options.attitude_sigma_deg;
   fields["yaw_sigma_deg"] = &options.yaw_sigma_deg;
   fields["height_sigma_fraction"] = &options.height_sigma_fraction;
-  fields["map_sigma_m"] = &options.map_sigma_m;
+  fields["map_sigma_m"] = &options.map_sigma_m.emplace(1);
   fields["max_false_fix_rate"] = &options.max_false_fix_rate;
   fields["max_memory_mib"] = &options.max_memory_mib;
   return fields;

@@ -94,6 +94,22 @@ TEST_F(MapReaderTest, GivesBackTilesAndTheirValues) {
   EXPECT_FALSE(reader.tile_values(99).has_value());
 }
 
+TEST_F(MapReaderTest, SaysHowFarTheMapMayBeOffWhereItKnows) {
+  EXPECT_FALSE(MapReader::open_unverified(path_).map_sigma_m(map_.tiles[0].tile_id)) << "no such column";
+  map_.header.tile_columns.push_back({"map_sigma_m", MapColumnType::kReal, "Error of the map [m]"});
+  for (std::vector<MapValue>& values : map_.values) values.emplace_back(5.25);
+  map_.values[0].back() = std::monostate{};
+  map_.values[2].back() = -1.0;
+  const std::filesystem::path path = folder_ / "captured.gpkg";
+  testing::write_map(path, map_);
+  MapReader reader = MapReader::open_unverified(path);
+  EXPECT_FALSE(reader.map_sigma_m(map_.tiles[0].tile_id));
+  EXPECT_EQ(reader.map_sigma_m(map_.tiles[1].tile_id), 5.25);
+  EXPECT_FALSE(reader.map_sigma_m(9999)) << "no such tile";
+  EXPECT_THAT([&] { reader.map_sigma_m(map_.tiles[2].tile_id); },
+              ThrowsMessage<DataError>(HasSubstr("map_sigma_m is no number from 0 to 100")));
+}
+
 TEST_F(MapReaderTest, GivesBackDescriptorsAndChips) {
   MapReader reader = MapReader::open_unverified(path_);
   for (const TileDescriptors& want : map_.descriptors) {

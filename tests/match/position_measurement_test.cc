@@ -23,9 +23,9 @@ struct Fused {
     prior.covariance_en_m2 = of_prior;
     const Eigen::Matrix2d fused = (of_prior.inverse() + of_frame.inverse()).inverse();
     fix.position = place(fused * of_frame.inverse() * measured_m);
-    fix.covariance_en_m2 = fused + isotropic_covariance_m2(options.map_sigma_m);
+    fix.covariance_en_m2 = fused + isotropic_covariance_m2(1);
+    fix.map_sigma_m = 1;
   }
-  MatchOptions options;
   MatchPrior prior;
   Fix fix;
 };
@@ -36,7 +36,7 @@ TEST(PositionMeasurement, IsWhatTheFrameSaidBeforeThePriorWentIn) {
   Eigen::Matrix2d of_frame;
   of_frame << 2, -0.5, -0.5, 1;
   const Fused fused(of_prior, of_frame, {5, -3});
-  const PositionMeasurement alone = without_prior(fused.fix, fused.prior, fused.options);
+  const PositionMeasurement alone = without_prior(fused.fix, fused.prior);
   EXPECT_LT((enu_m(alone.position) - Eigen::Vector2d(5, -3)).norm(), 1e-5);
   EXPECT_LT((alone.covariance_en_m2 - of_frame - isotropic_covariance_m2(1)).norm(), 1e-9);
 }
@@ -44,7 +44,7 @@ TEST(PositionMeasurement, IsWhatTheFrameSaidBeforeThePriorWentIn) {
 TEST(PositionMeasurement, AFrameThatSaysNothingHasAHugeCovariance) {
   Fused fused(isotropic_covariance_m2(10), isotropic_covariance_m2(2), {1, 1});
   fused.fix.covariance_en_m2 = isotropic_covariance_m2(10) + isotropic_covariance_m2(1);
-  const PositionMeasurement alone = without_prior(fused.fix, fused.prior, fused.options);
+  const PositionMeasurement alone = without_prior(fused.fix, fused.prior);
   EXPECT_GT(alone.covariance_en_m2(0, 0), 1e7);
   EXPECT_TRUE(alone.covariance_en_m2.allFinite());
 }

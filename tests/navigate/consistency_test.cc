@@ -55,8 +55,9 @@ RunEnd run(InsGrade grade, std::uint64_t seed, double map_in_filter_sigma_m) {
     const FrameNumber frame = filter.take_frame();
     const Eigen::Matrix2d noise = isotropic_covariance_m2(kFixSigma_m);
     const Eigen::Matrix2d innovation = filter.match_prior(frame, 100)->covariance_en_m2 + noise;
-    const FixUpdate update = filter.take_fix(frame, {LocalFrame(point).geodetic_from_enu({off_m.x(), off_m.y(), 0}),
-                                                     noise + isotropic_covariance_m2(options.map_sigma_m)});
+    const FixUpdate update =
+        filter.take_fix(frame, {LocalFrame(point).geodetic_from_enu({off_m.x(), off_m.y(), 0}),
+                                noise + isotropic_covariance_m2(options.map_sigma_m), options.map_sigma_m});
     end.innovations += update.normalized_innovation_squared;
     ++end.fixes;
     const Eigen::Vector2d scaled = innovation.llt().matrixL().solve(update.innovation_m);

@@ -47,9 +47,11 @@ double sigma_after_m(const InsErrorModel& model, double duration_s, bool baromet
   return largest_sigma_m(filter.estimate().covariance_en_m2);
 }
 
-PositionMeasurement measured_at(const InertialState& truth, const Eigen::Vector2d& off_m, double sigma_m) {
+PositionMeasurement measured_at(const InertialState& truth, const Eigen::Vector2d& off_m, double sigma_m,
+                                double map_sigma_m = kUnknownMapSigma_m) {
   const GeodeticPoint point = geodetic_from_ecef(truth.position_m);
-  return {LocalFrame(point).geodetic_from_enu({off_m.x(), off_m.y(), 0}), isotropic_covariance_m2(sigma_m)};
+  return {LocalFrame(point).geodetic_from_enu({off_m.x(), off_m.y(), 0}), isotropic_covariance_m2(sigma_m),
+          map_sigma_m};
 }
 
 Eigen::Vector2d off_truth_m(const NavigationFilter& filter, const InertialState& truth) {
@@ -193,7 +195,7 @@ TEST(NavigationFilter, ManyFixesOverOneTileDoNotMakeItSureOfTheGround) {
   for (int i = 1; i <= 12000; ++i) {
     filter.advance(path.fly(0.01));
     if (i % 100 == 0) filter.take_height(FlownPath::kHeight_m);
-    if (i % 100 == 0) filter.take_fix(filter.take_frame(), measured_at(path.state(), {0, 0}, std::sqrt(9 + 1.0)));
+    if (i % 100 == 0) filter.take_fix(filter.take_frame(), measured_at(path.state(), {0, 0}, std::sqrt(9 + 1.0), 3));
   }
   // Start and map share what the fixes cannot tell apart: 3 m against 3 m.
   EXPECT_GT(largest_sigma_m(filter.estimate().covariance_en_m2), 1.9);

@@ -128,8 +128,9 @@ StrapdownEnd fly_strapdown(const InsErrorModel& model, std::uint64_t seed) {
     filter.take_height(height_from_ecef(path.state().position_m, point) + 0.5 * random.normal());
     if (!fix_at(i / 40)) continue;
     const Eigen::Vector2d off_m = map.value + kFixSigma_m * Eigen::Vector2d(random.normal(), random.normal());
-    filter.take_fix(filter.take_frame(), {LocalFrame(point).geodetic_from_enu({off_m.x(), off_m.y(), 0}),
-                                          isotropic_covariance_m2(std::hypot(kFixSigma_m, kMapOfBoth_m))});
+    filter.take_fix(filter.take_frame(),
+                    {LocalFrame(point).geodetic_from_enu({off_m.x(), off_m.y(), 0}),
+                     isotropic_covariance_m2(std::hypot(kFixSigma_m, kMapOfBoth_m)), kMapOfBoth_m});
   }
   const InertialState truth = path.state();
   const Eigen::Matrix3d to_enu = enu_from_ecef(geodetic_from_ecef(truth.position_m));

@@ -71,7 +71,7 @@ void navigate(const pilotage::MatchPrior& prior, const pilotage::Fix& fix) {
       model, {}, pilotage::inertial_state(0, prior.position, prior.height_agl_m, {0, 0, 0}, prior.attitude));
   const pilotage::FrameNumber frame = filter.take_frame();
   filter.advance({0.01, {0, 0, 0}, {0, 0, -0.0981}});  // time goes on while match() works
-  const auto update = filter.take_fix(frame, pilotage::without_prior(fix, prior, {}));
+  const auto update = filter.take_fix(frame, pilotage::without_prior(fix, prior));
   const auto estimate = filter.estimate();
   std::printf("navigation: %s, latitude %.8f longitude %.8f sigma %.1f m\n",
               update.outcome == pilotage::FixOutcome::kTaken ? "fix taken" : "fix refused", estimate.position.lat_deg,

@@ -13,6 +13,7 @@
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/measures.h"
 #include "pilotage/mapdb/descriptor_row.h"
+#include "pilotage/mapdb/map_tables.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -22,11 +23,17 @@ namespace {
 
 constexpr double kJacobianStep_m = 100;
 
+bool says_map_sigma(const Ground& ground) {
+  return std::any_of(ground.tiles.begin(), ground.tiles.end(),
+                     [](const GroundTile& tile) { return tile.map_sigma_m.has_value(); });
+}
+
 void write_tiles(MapWriter& writer, const ScoreTable& table, std::span<const std::size_t> stored,
                  std::span<const RoutePlace> places) {
   constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
   const CrsTransform transform(table.ground.crs);
   const auto geodetic_from_map = [&](const Eigen::Vector2d& point) { return transform.geodetic_from_map(point); };
+  const bool with_map_sigma = says_map_sigma(table.ground);
   for (const std::size_t i : stored) {
     const GroundTile& tile = table.ground.tiles[i];
     const TileScores& scores = table.scores[i];
@@ -43,6 +50,7 @@ void write_tiles(MapWriter& writer, const ScoreTable& table, std::span<const std
                                  place.offset_m};
     for (const Measure& measure : measures()) values.emplace_back(measure.get(scores));
     values.emplace_back(reason_words(scores));
+    if (with_map_sigma) values.emplace_back(tile.map_sigma_m ? MapValue(*tile.map_sigma_m) : MapValue());
     writer.add_tile(row, values);
   }
 }
@@ -212,6 +220,10 @@ MapHeader map_header(const Ground& ground, const std::string& description, bool 
   }
   header.tile_columns.push_back(
       {"reasons", MapColumnType::kText, "Why it may not be recognised, joined by semicolons"});
+  if (says_map_sigma(ground)) {
+    header.tile_columns.push_back({std::string(kMapSigmaColumn), MapColumnType::kReal,
+                                   "Standard deviation of where the imagery lies, each axis, as it says itself [m]"});
+  }
   header.description = description;
   return header;
 }

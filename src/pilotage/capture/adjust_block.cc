@@ -124,16 +124,18 @@ struct AttitudeError {
   }
 };
 
-/// An aircraft whose attitude is not known flies level: east and north of its upward axis.
+/// An aircraft whose attitude is not known flies level, but for the boresight that all frames share: east and north of
+/// its upward axis.
 struct LevelError {
   Eigen::Matrix3d camera_from_enu;
   Eigen::Vector3d up_camera;  ///< The aircraft's upward axis in the camera's frame.
   double sigma_rad;
 
   template <class T>
-  bool operator()(const T* pose, T* residual) const {
+  bool operator()(const T* pose, const T* boresight, T* residual) const {
     const T back[3] = {-pose[0], -pose[1], -pose[2]};
-    const Vector3<T> up = camera_from_enu.transpose().cast<T>() * turned<T>(back, up_camera.cast<T>());
+    const Vector3<T> mounted = turned<T>(boresight, up_camera.cast<T>());
+    const Vector3<T> up = camera_from_enu.transpose().cast<T>() * turned<T>(back, mounted);
     residual[0] = up.x() / sigma_rad;
     residual[1] = up.y() / sigma_rad;
     return true;
@@ -159,6 +161,17 @@ struct HeightError {
   template <class T>
   bool operator()(const T* point, T* residual) const {
     residual[0] = (point[2] - expected_m) / sigma_m;
+    return true;
+  }
+};
+
+/// A point's height over a plane of which nothing is known before: slopes to the east and north, height at the origin.
+struct PlaneError {
+  double sigma_m;
+
+  template <class T>
+  bool operator()(const T* point, const T* plane, T* residual) const {
+    residual[0] = (point[2] - plane[0] * point[0] - plane[1] * point[1] - plane[2]) / sigma_m;
     return true;
   }
 };
@@ -241,8 +254,6 @@ class Adjustment {
       camera_from_enu_.push_back(pose.enu_from_camera.transpose());
       poses_.push_back({0, 0, 0, pose.center_enu_m.x(), pose.center_enu_m.y(), pose.center_enu_m.z()});
     }
-    has_attitude_ = std::any_of(block.measured.begin(), block.measured.end(),
-                                [](const MeasuredPose& one) { return one.enu_from_camera.has_value(); });
     has_velocity_ = std::any_of(block.measured.begin(), block.measured.end(),
                                 [](const MeasuredPose& one) { return one.velocity_enu_mps.has_value(); });
     place_points(tracks, start);
@@ -290,7 +301,7 @@ class Adjustment {
     std::erase_if(points_, [](const AdjustedPoint& point) { return point.sightings.size() < 2; });
   }
 
-  AdjustedBlock result() {
+  AdjustedBlock result(int threads, const Progress& progress) {
     AdjustedBlock done;
     done.camera = camera_;
     done.camera.fx_px *= std::exp(lens_[0]);
@@ -314,7 +325,7 @@ class Adjustment {
     done.converged = converged_;
     done.sightings_before = sightings_before_;
     sum_errors(done);
-    done.frame_errors = errors_of_frames(done.poses);
+    done.frame_errors = errors_of_frames(done.poses, threads, progress);
     return done;
   }
 
@@ -423,7 +434,7 @@ class Adjustment {
   }
 
   /// With what was left out after the last solution left out here, too.
-  std::vector<FrameError> errors_of_frames(const std::vector<FramePose>& poses) {
+  std::vector<FrameError> errors_of_frames(const std::vector<FramePose>& poses, int threads, const Progress& progress) {
     ceres::Problem problem;
     add_all(problem);
     ceres::Problem::EvaluateOptions at;
@@ -431,16 +442,17 @@ class Adjustment {
     for (PoseBlock& pose : poses_) at.parameter_blocks.push_back(pose.data());
     at.parameter_blocks.push_back(lens_.data());
     at.parameter_blocks.push_back(bias_.data());
-    if (has_attitude_) at.parameter_blocks.push_back(boresight_.data());
+    at.parameter_blocks.push_back(boresight_.data());
+    if (!ground_.height_m) at.parameter_blocks.push_back(plane_.data());
     if (has_velocity_) at.parameter_blocks.push_back(&clock_);
-    const int shared = 6 + (has_attitude_ ? 3 : 0) + (has_velocity_ ? 1 : 0);
+    const int shared = 9 + (ground_.height_m ? 0 : 3) + (has_velocity_ ? 1 : 0);
     for (AdjustedPoint& point : points_) at.parameter_blocks.push_back(point.enu_m.data());
     for (Eigen::Vector3d& point : control_) at.parameter_blocks.push_back(point.data());
     ceres::CRSMatrix jacobian;
     if (!problem.Evaluate(at, nullptr, nullptr, nullptr, &jacobian)) {
       throw DataError("the block cannot be adjusted: its residuals have no derivatives where it ends");
     }
-    return frame_errors(jacobian, shared, poses, points_, !ground_.height_m);
+    return frame_errors(jacobian, shared, poses, points_, !ground_.height_m, threads, progress);
   }
 
   bool heights_are_tied() const { return ground_.height_m || !control_.empty(); }
@@ -460,9 +472,10 @@ class Adjustment {
             new ceres::CauchyLoss(kPriorLoss), poses_[i].data(), boresight_.data());
       } else {
         problem.AddResidualBlock(
-            cost<2, 6>(LevelError{camera_from_enu_[i], block_.body_from_camera.transpose() * Eigen::Vector3d(0, 0, -1),
-                                  3 * block_.tilt_sigma_deg * kRadPerDeg}),
-            nullptr, poses_[i].data());
+            cost<2, 6, 3>(LevelError{camera_from_enu_[i],
+                                     block_.body_from_camera.transpose() * Eigen::Vector3d(0, 0, -1),
+                                     3 * block_.tilt_sigma_deg * kRadPerDeg}),
+            nullptr, poses_[i].data(), boresight_.data());
       }
     }
     const double up_sigma_m = heights_are_tied() ? kFreeHeightSigma_m : kHeightBiasSigma_m;
@@ -471,15 +484,14 @@ class Adjustment {
                              bias_.data());
     problem.AddResidualBlock(cost<1, 1>(ScalarError{kClockSigma_s}), nullptr, &clock_);
     if (!has_velocity_) problem.SetParameterBlockConstant(&clock_);
-    if (has_attitude_) {
-      const double sigma_rad = kBoresightSigma_deg * kRadPerDeg;
-      problem.AddResidualBlock(cost<3, 3>(PriorError{{0, 0, 0}, Eigen::Vector3d::Constant(sigma_rad)}), nullptr,
-                               boresight_.data());
-    }
+    const double sigma_rad = kBoresightSigma_deg * kRadPerDeg;
+    problem.AddResidualBlock(cost<3, 3>(PriorError{{0, 0, 0}, Eigen::Vector3d::Constant(sigma_rad)}), nullptr,
+                             boresight_.data());
   }
 
   void add_points(ceres::Problem& problem) {
     const Plane plane = fit_plane(points_);
+    plane_ = {plane.coefficients.x(), plane.coefficients.y(), plane.coefficients.z()};
     const double share = std::sqrt(static_cast<double>(points_.size()) / kGroundParts);
     const double spread_m = ground_.height_m ? ground_.sigma_m : std::max(ground_.sigma_m, plane.spread_m);
     for (AdjustedPoint& point : points_) {
@@ -489,8 +501,12 @@ class Adjustment {
                                                                 block_.features[frame].pixel_sigma_px}),
                                  new ceres::CauchyLoss(2), poses_[frame].data(), point.enu_m.data(), lens_.data());
       }
-      const double expected_m =
-          ground_.height_m ? ground_.height_m(point.enu_m.head<2>()) : plane.height_m(point.enu_m);
+      if (!ground_.height_m) {
+        problem.AddResidualBlock(cost<1, 3, 3>(PlaneError{spread_m * share}), nullptr, point.enu_m.data(),
+                                 plane_.data());
+        continue;
+      }
+      const double expected_m = ground_.height_m(point.enu_m.head<2>());
       if (!std::isfinite(expected_m)) continue;
       problem.AddResidualBlock(cost<1, 3>(HeightError{expected_m, spread_m * share}), nullptr, point.enu_m.data());
     }
@@ -543,9 +559,9 @@ class Adjustment {
   std::vector<Eigen::Vector3d> control_;
   std::array<double, 3> bias_{0, 0, 0};
   std::array<double, 3> boresight_{0, 0, 0};
+  std::array<double, 3> plane_{0, 0, 0};
   double clock_ = 0;
   bool converged_ = false;
-  bool has_attitude_ = false;
   bool has_velocity_ = false;
   std::int64_t sightings_before_ = 0;
 };
@@ -553,7 +569,7 @@ class Adjustment {
 }  // namespace
 
 AdjustedBlock adjust_block(const Block& block, const BlockStart& start, const std::vector<Track>& tracks,
-                           const GroundPrior& ground, const Progress& progress) {
+                           const GroundPrior& ground, int threads, const Progress& progress) {
   Adjustment adjustment(block, start, tracks, ground);
   if (adjustment.sightings() < kFewestSightings) throw DataError("the frames have too little in common to be adjusted");
   adjustment.solve(0, progress);
@@ -563,7 +579,7 @@ AdjustedBlock adjust_block(const Block& block, const BlockStart& start, const st
   }
   adjustment.solve(1, progress);
   adjustment.drop_outliers();
-  return adjustment.result();
+  return adjustment.result(threads, progress);
 }
 
 }  // namespace pilotage

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "pilotage/base/progress.h"
@@ -27,6 +28,9 @@ struct ControlMiss {
 struct FrameError {
   static constexpr int kSize = 12;
   Eigen::Matrix<double, kSize, kSize> covariance;
+  /// Of the ground below, to the east and to the north, where it is the plane through the points seen and moves with
+  /// the block; nothing over an elevation model.
+  std::optional<Eigen::RowVector2d> ground_slope;
 };
 
 /// A block after its adjustment.
@@ -58,10 +62,11 @@ struct GroundPrior {
 /// complement by sparse Cholesky): poses, ground points, focal length, k1, k2, boresight, bias and clock offset of the
 /// positions. Reprojection errors and measured poses count by Cauchy's loss. The prior on the points' heights weighs,
 /// all together, as much as one height in each of 5 × 5 parts of the block, so that it holds the block from bending
-/// as a whole and leaves relief alone. Twice, without the sightings that miss by more than four standard deviations
-/// after the first time, and these are left out of the result as well. One thread, so that the result has the same
-/// digits everywhere. Throws DataError when too little is left, Interrupted.
+/// as a whole and leaves relief alone; where it is a plane, that is adjusted, too, so that slopes stay what they are.
+/// Twice, without the sightings that miss by more than four standard deviations after the first time, and these are
+/// left out of the result as well. One thread, so that the result has the same digits everywhere; what it leaves
+/// unknown of the frames is computed by `threads`. Throws DataError when too little is left, Interrupted.
 AdjustedBlock adjust_block(const Block& block, const BlockStart& start, const std::vector<Track>& tracks,
-                           const GroundPrior& ground, const Progress& progress);
+                           const GroundPrior& ground, int threads, const Progress& progress);
 
 }  // namespace pilotage

@@ -411,7 +411,7 @@ void write_map_sigma(const OutputFile& output, const OrthoMosaic& mosaic, const 
     *step *= kMapCell_px;
   }
   write_score_raster(output, {{"map_sigma", "m", stats.map_sigma_m}, {"frame", "", stats.cell_frame}}, mosaic.crs,
-                     map_from_cell);
+                     map_from_cell, true);
   std::vector<double> sigmas_m;
   for (const float sigma_m : cv::Mat_<float>(stats.map_sigma_m)) {
     if (std::isfinite(sigma_m)) sigmas_m.push_back(static_cast<double>(sigma_m));
@@ -507,7 +507,8 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
     block.control_points = control_points;
     start = start_block(block);
     take_velocities(frames, start, block);
-    adjusted = adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, progress);
+    adjusted =
+        adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, threads, progress);
     parts = tied_parts(shared_points(adjusted), static_cast<int>(frames.frames.size()));
     if (parts.size() == 1) break;
   }

@@ -69,8 +69,8 @@ struct CaptureResult {
 
 /// Makes a reference map of the frames of a camera that looked down, and writes it to `ortho` (not committed):
 /// features and tracks, block adjustment, ground, orthophoto (docs/methods/capture.md); and to `map_sigma` (not
-/// committed; in the same folder) the map's own error, whose name stands in the map's tags (map_sigma_file.h). The same
-/// bytes for any number of threads. Throws UsageError; DataError, naming the frames, for what cannot be used or
+/// committed; in the same folder) the map's own error, whose name stands in the map's tags (raster/map_sigma.h). The
+/// same bytes for any number of threads. Throws UsageError; DataError, naming the frames, for what cannot be used or
 /// contradicts itself; Interrupted.
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
                       const OutputFile& map_sigma, int threads, const Progress& progress = {});

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/parallel.h"
 
 namespace pilotage {
 namespace {
@@ -16,14 +19,16 @@ constexpr int kPose = 6;
 constexpr int kLens = 3;
 constexpr int kPlane = 3;
 
-/// Against planes that nearly lie in a line with the camera: slopes are below this, one standard deviation.
-constexpr double kSteepestGround = 1;
+/// Slopes of the ground below a frame, one standard deviation, before any point is seen: for points in one line.
+constexpr double kSteepestGround = 0.3;
+/// A direction of which a point says so much less than of its best is taken for as well known: two rays in one line.
+constexpr double kLeastKnown = 1e-10;
 
-/// How a point's height follows the frames and what they share: dz = along · d(columns) + noise.
-struct PointHeight {
+/// How a point follows the frames and what they share: its displacement is along · d(columns) + noise.
+struct PointMotion {
   std::vector<int> columns;
-  Eigen::RowVectorXd along;
-  double noise_m2 = 0;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> along;
+  Eigen::Matrix3d noise_m2 = Eigen::Matrix3d::Zero();
 };
 
 /// The normal equations of frames and shared parameters, without the points.
@@ -88,9 +93,9 @@ class ReducedNormal {
 
 /// Adds some rows of the Jacobian, which see one point (its first column; −1: none), to the normal equations, and
 /// eliminates it.
-PointHeight add_rows(const ceres::CRSMatrix& jacobian, const std::vector<int>& rows, int point_column,
+PointMotion add_rows(const ceres::CRSMatrix& jacobian, const std::vector<int>& rows, int point_column,
                      ReducedNormal& normal) {
-  PointHeight point;
+  PointMotion point;
   const auto for_each = [&](const auto& use) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto row = static_cast<std::size_t>(rows[i]);
@@ -120,39 +125,56 @@ PointHeight add_rows(const ceres::CRSMatrix& jacobian, const std::vector<int>& r
     normal.add(point.columns, of_frames.transpose() * of_frames);
     return point;
   }
-  // A point that two frames see along one line is held by so little that nothing else feels it.
-  const Eigen::Matrix3d own = of_point.transpose() * of_point + 1e-9 * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d covariance = own.inverse();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> own;
+  own.computeDirect(of_point.transpose() * of_point);
+  const Eigen::Vector3d known = own.eigenvalues().cwiseMax(kLeastKnown * own.eigenvalues().maxCoeff());
+  const Eigen::Matrix3d covariance =
+      own.eigenvectors() * known.cwiseInverse().asDiagonal() * own.eigenvectors().transpose();
   const Eigen::MatrixXd between = of_frames.transpose() * of_point;
   normal.add(point.columns, of_frames.transpose() * of_frames - between * covariance * between.transpose());
-  point.along = -(covariance * between.transpose()).row(2);
-  point.noise_m2 = covariance(2, 2);
+  point.along = -covariance * between.transpose();
+  point.noise_m2 = covariance;
   return point;
 }
 
-/// Height (below the camera) and slopes of the plane through points, from their heights' errors: 3 rows.
+/// Errors of the plane through points: of its height (below the camera) and slopes, 3 rows.
 struct GroundBelow {
-  Eigen::MatrixXd along;  ///< 3 × columns of the normal equations.
+  Eigen::RowVector2d slope;  ///< Of the plane itself.
+  Eigen::MatrixXd along;     ///< 3 × columns of the normal equations.
   Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
 };
 
 GroundBelow plane_through(const Eigen::Vector3d& center_enu_m, const std::vector<std::size_t>& seen,
-                          const std::vector<AdjustedPoint>& points, const std::vector<PointHeight>& heights, int size) {
-  GroundBelow ground{Eigen::MatrixXd::Zero(kPlane, size), Eigen::Matrix3d::Zero()};
-  Eigen::Matrix3d weighed = Eigen::Vector3d(0, 1, 1).asDiagonal() * (1e-6 / (kSteepestGround * kSteepestGround));
-  Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+                          const std::vector<AdjustedPoint>& points, const std::vector<PointMotion>& motions, int size) {
+  GroundBelow ground{{0, 0}, Eigen::MatrixXd::Zero(kPlane, size), Eigen::Matrix3d::Zero()};
+  const Eigen::Matrix3d slopes = (Eigen::Vector3d(0, 1, 1) / (kSteepestGround * kSteepestGround)).asDiagonal();
   const auto row_of = [&](std::size_t i) {
     return Eigen::Vector3d(1, points[i].enu_m.x() - center_enu_m.x(), points[i].enu_m.y() - center_enu_m.y());
   };
-  double noise_m2 = 0;
-  for (const std::size_t i : seen) noise_m2 += heights[i].noise_m2 / static_cast<double>(seen.size());
+  Eigen::Matrix3d seen_squares = slopes;
+  Eigen::Vector3d seen_heights(0, 0, 0);
   for (const std::size_t i : seen) {
-    const double weight = 1 / (heights[i].noise_m2 + noise_m2);
+    seen_squares += row_of(i) * row_of(i).transpose();
+    seen_heights += row_of(i) * points[i].enu_m.z();
+  }
+  ground.slope = seen_squares.ldlt().solve(seen_heights).tail<2>().transpose();
+  // The height of the ground at one place changes, too, when points move along a slope.
+  const Eigen::RowVector3d height_by_point(-ground.slope.x(), -ground.slope.y(), 1);
+  const auto noise_of_m2 = [&](std::size_t i) {
+    return (height_by_point * motions[i].noise_m2 * height_by_point.transpose()).value();
+  };
+  Eigen::Matrix3d weighed = slopes;
+  Eigen::Matrix3d noise = slopes;
+  double mean_noise_m2 = 0;
+  for (const std::size_t i : seen) mean_noise_m2 += noise_of_m2(i) / static_cast<double>(seen.size());
+  for (const std::size_t i : seen) {
+    const double weight = 1 / (noise_of_m2(i) + mean_noise_m2);
     const Eigen::Vector3d row = row_of(i);
     weighed += weight * row * row.transpose();
-    noise += weight * weight * heights[i].noise_m2 * row * row.transpose();
-    for (std::size_t k = 0; k < heights[i].columns.size(); ++k) {
-      ground.along.col(heights[i].columns[k]) += weight * heights[i].along(static_cast<int>(k)) * row;
+    noise += weight * weight * noise_of_m2(i) * row * row.transpose();
+    const Eigen::RowVectorXd along = height_by_point * motions[i].along;
+    for (std::size_t k = 0; k < motions[i].columns.size(); ++k) {
+      ground.along.col(motions[i].columns[k]) += weight * along(static_cast<int>(k)) * row;
     }
   }
   const Eigen::Matrix3d inverse = weighed.inverse();
@@ -164,12 +186,13 @@ GroundBelow plane_through(const Eigen::Vector3d& center_enu_m, const std::vector
 }  // namespace
 
 std::vector<FrameError> frame_errors(const ceres::CRSMatrix& jacobian, int shared, const std::vector<FramePose>& poses,
-                                     const std::vector<AdjustedPoint>& points, bool ground_of_points) {
+                                     const std::vector<AdjustedPoint>& points, bool ground_of_points, int threads,
+                                     const Progress& progress) {
   const auto frames = static_cast<int>(poses.size());
   ReducedNormal normal(frames, shared);
   const int first_point = normal.size();
   std::vector<std::vector<int>> rows_of(static_cast<std::size_t>((jacobian.num_cols - first_point) / 3));
-  std::vector<PointHeight> heights;
+  std::vector<PointMotion> motions;
   for (int row = 0; row < jacobian.num_rows; ++row) {
     const int last = jacobian.rows[static_cast<std::size_t>(row) + 1];
     int point = -1;
@@ -184,7 +207,7 @@ std::vector<FrameError> frame_errors(const ceres::CRSMatrix& jacobian, int share
     }
   }
   for (std::size_t i = 0; i < rows_of.size(); ++i) {
-    heights.push_back(add_rows(jacobian, rows_of[i], first_point + 3 * static_cast<int>(i), normal));
+    motions.push_back(add_rows(jacobian, rows_of[i], first_point + 3 * static_cast<int>(i), normal));
   }
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(normal.lower());
   if (factor.info() != Eigen::Success) {
@@ -196,22 +219,27 @@ std::vector<FrameError> frame_errors(const ceres::CRSMatrix& jacobian, int share
     for (const Sighting& one : points[i].sightings) seen[static_cast<std::size_t>(one.frame)].push_back(i);
   }
   std::vector<FrameError> errors(poses.size());
-  for (int frame = 0; frame < frames; ++frame) {
-    const auto number = static_cast<std::size_t>(frame);
+  std::mutex reporting;
+  std::int64_t done = 0;
+  parallel_for(poses.size(), threads, [&](std::size_t number, int) {
+    const int frame = static_cast<int>(number);
     Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(normal.size(), FrameError::kSize);
     wanted.block<kPose, kPose>(kPose * frame, 0).setIdentity();
     wanted.block<kLens, kLens>(kPose * frames, kPose).setIdentity();
     errors[number].covariance.setZero();
     if (ground_of_points && !seen[number].empty()) {
       const GroundBelow ground =
-          plane_through(poses[number].center_enu_m, seen[number], points, heights, normal.size());
+          plane_through(poses[number].center_enu_m, seen[number], points, motions, normal.size());
       wanted.rightCols<kPlane>() = ground.along.transpose();
       errors[number].covariance.bottomRightCorner<kPlane, kPlane>() = ground.noise;
+      errors[number].ground_slope = ground.slope;
     }
     const Eigen::MatrixXd permuted = factor.permutationP() * wanted;
     const Eigen::MatrixXd half = factor.matrixL().solve(permuted);
     errors[number].covariance += half.transpose() * half;
-  }
+    const std::lock_guard lock(reporting);
+    report_progress(progress, "errors of the frames", ++done, frames);
+  });
   return errors;
 }
 

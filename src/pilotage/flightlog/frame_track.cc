@@ -50,7 +50,7 @@ void FrameTrack::fly_on(const FrameMotion& motion) {
 FrameRecord FrameTrack::with_prior(const FrameRecord& row) {
   narrowed_ = false;
   if (!track_ || !track_->established) return row;
-  const Eigen::Matrix2d covariance = track_->filter.covariance_m2() + isotropic_covariance_m2(options_.map_sigma_m);
+  const Eigen::Matrix2d covariance = track_->filter.covariance_m2() + isotropic_covariance_m2(track_->map_sigma_m);
   if (!(covariance.determinant() < row.prior_covariance_en_m2.determinant())) return row;
   narrowed_ = true;
   ++summary_.narrowed;
@@ -75,9 +75,9 @@ void FrameTrack::judge(const FlightFrame& frame, FrameMatch& match) {
 }
 
 FrameTrack::MeasuredError FrameTrack::measured_error(const FrameRecord& row, const FrameMatch& match) const {
-  const PositionMeasurement alone = without_prior(*match.result.candidate, prior_of(match.frame), options_);
+  const PositionMeasurement alone = without_prior(*match.result.candidate, prior_of(match.frame));
   const Eigen::Vector3d error_m = -LocalFrame(row.prior).enu_from_geodetic(alone.position);
-  return {error_m.head<2>(), alone.covariance_en_m2};
+  return {error_m.head<2>(), alone.covariance_en_m2, alone.map_sigma_m};
 }
 
 Eigen::Matrix2d FrameTrack::difference_covariance(const MeasuredError& measured) const {
@@ -93,7 +93,7 @@ bool FrameTrack::contradicts(const MeasuredError& measured, const DriftFilter& f
 void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
   if (!track_ || !track_->established) {
     judge_given_up(measured);
-    track_ = Track{filter_, true, 0, {}, 0};
+    track_ = Track{filter_, true, 0, {}, 0, measured.map_sigma_m};
     track_->filter.start(measured.error_m, measured.covariance_m2);
     refusals_ = 0;
     return;
@@ -105,6 +105,7 @@ void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
     return refuse();
   }
   track_->filter.update(measured.error_m, measured.covariance_m2);
+  track_->map_sigma_m = measured.map_sigma_m;
   refusals_ = jumps_ = 0;
 }
 
@@ -126,6 +127,7 @@ void FrameTrack::take_confirmed(const MeasuredError& measured, FrameMatch& match
   ++summary_.confirmed;
   track_->established = true;
   track_->filter.update(measured.error_m, measured.covariance_m2);
+  track_->map_sigma_m = measured.map_sigma_m;
   refusals_ = 0;
 }
 
@@ -140,7 +142,12 @@ void FrameTrack::remember(const FlightFrame& frame, const MeasuredError& measure
   const bool shared = track_ && shows_ground_of_candidate(frame);
   if (shared && track_->evidence >= stats.vote_peak) return;
   const Footprint ground = footprint(frame.camera, {}, frame.frame.height_agl_m);
-  track_ = Track{filter_, false, stats.vote_peak, frame.frame.prior, std::max(ground.across_m, ground.along_m)};
+  track_ = Track{filter_,
+                 false,
+                 stats.vote_peak,
+                 frame.frame.prior,
+                 std::max(ground.across_m, ground.along_m),
+                 measured.map_sigma_m};
   track_->filter.start(measured.error_m, measured.covariance_m2);
 }
 

@@ -64,11 +64,13 @@ class FrameTrack {
     double evidence = 0;
     GeodeticPoint seen_from;   ///< Where its row says it was taken.
     double ground_side_m = 0;  ///< The larger side of the ground that its frame shows.
+    double map_sigma_m = 0;    ///< Of the map's own georeference, where it was seen last.
   };
   /// What a candidate says of the error of the row's inertial position.
   struct MeasuredError {
     Eigen::Vector2d error_m;
     Eigen::Matrix2d covariance_m2;
+    double map_sigma_m = 0;  ///< Part of it.
   };
 
   MeasuredError measured_error(const FrameRecord& row, const FrameMatch& match) const;

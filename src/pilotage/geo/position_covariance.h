@@ -16,6 +16,9 @@ inline Eigen::Matrix2d isotropic_covariance_m2(double sigma_m) {
   return sigma_m * sigma_m * Eigen::Matrix2d::Identity();
 }
 
+/// Of a map's own georeference, each axis, where nobody says.
+inline constexpr double kUnknownMapSigma_m = 1;
+
 /// Standard deviation along the worst direction: the larger half axis of the error ellipse. NaN when a number is.
 inline double largest_sigma_m(const Eigen::Matrix2d& covariance_m2) {
   const double mean = (covariance_m2(0, 0) + covariance_m2(1, 1)) / 2;

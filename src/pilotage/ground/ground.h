@@ -24,6 +24,8 @@ struct GroundTile {
   std::int64_t row = 0;
   Bounds bounds;  ///< Along the axes of the ground's CRS, in metres (feet are converted); NaN where it counts degrees.
   GeodeticPoint center;
+  /// Standard deviation of where the imagery lies over it, each axis; nothing where the imagery does not say.
+  std::optional<double> map_sigma_m;
   double valid_fraction = 0;  ///< Share of it that the imagery covers, 0 … 1, as known before it is scored.
 
   TileCell cell() const { return {column, row}; }
@@ -46,6 +48,7 @@ struct ImageryDataset {
   std::string acquired;  ///< Date of the imagery where its metadata tell, else "".
   int width_px = 0;
   int height_px = 0;
+  std::string map_sigma = {};  ///< Raster of its own error (raster/map_sigma.h), "" when it names none.
 };
 
 /// The reference imagery and how it is read.

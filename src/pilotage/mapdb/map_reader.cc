@@ -235,6 +235,7 @@ void MapReader::read_tile_columns() {
     const std::string name(statement.text(0));
     if (own.contains(name)) continue;
     tile_columns_.push_back({name, column_type(statement.text(1)), std::string(statement.text(2))});
+    has_map_sigma_ = has_map_sigma_ || name == kMapSigmaColumn;
   }
 }
 
@@ -340,6 +341,21 @@ std::optional<std::vector<MapValue>> MapReader::tile_values(std::int64_t tile_id
     values.push_back(read_value(statement, static_cast<int>(i) + 1, tile_columns_[i].type));
   }
   return values;
+}
+
+std::optional<double> MapReader::map_sigma_m(std::int64_t tile_id) {
+  if (!has_map_sigma_) return std::nullopt;
+  Statement& statement =
+      prepared(map_sigma_, database_, join_sql({"SELECT ", kMapSigmaColumn, " FROM tiles WHERE tile_id = ?"}), "tiles");
+  const StatementScope scope(statement);
+  statement.bind(1, tile_id);
+  if (!statement.step()) return std::nullopt;
+  const MapValue value = read_value(statement, 0, MapColumnType::kReal);
+  if (std::holds_alternative<std::monostate>(value)) return std::nullopt;
+  const double* sigma_m = std::get_if<double>(&value);
+  if (sigma_m != nullptr && *sigma_m >= 0 && *sigma_m <= kLargestMapSigma_m) return *sigma_m;
+  throw DataError(database_.name() + ": tiles: tile " + std::to_string(tile_id) + ": " + std::string(kMapSigmaColumn) +
+                  " is no number from 0 to " + format_number(kLargestMapSigma_m));
 }
 
 std::shared_ptr<const TileDescriptors> MapReader::descriptors(std::int64_t tile_id, int level) {

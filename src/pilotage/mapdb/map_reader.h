@@ -92,6 +92,10 @@ class MapReader {
   const std::vector<MapColumn>& tile_columns() const { return tile_columns_; }
   std::optional<std::vector<MapValue>> tile_values(std::int64_t tile_id);
 
+  /// Standard deviation of where the map lies over a tile, each axis; nothing when the map does not say. Throws
+  /// DataError for what is no number from 0 to 100.
+  std::optional<double> map_sigma_m(std::int64_t tile_id);
+
   /// Shared with the reader's cache; nullptr when the tile has no descriptors at that level.
   std::shared_ptr<const TileDescriptors> descriptors(std::int64_t tile_id, int level);
 
@@ -117,6 +121,7 @@ class MapReader {
   std::vector<MapLevel> levels_;
   std::vector<MapColumn> tile_columns_;
   std::optional<double> elevation_sigma_m_;
+  bool has_map_sigma_ = false;
   bool has_chips_ = false;
   TileCache cache_;
   // Prepared when first needed: parsing costs more than reading a tile.
@@ -124,6 +129,7 @@ class MapReader {
   std::optional<Statement> near_grid_;
   std::optional<Statement> tile_;
   std::optional<Statement> tile_values_;
+  std::optional<Statement> map_sigma_;
   std::optional<Statement> descriptors_;
   std::optional<Statement> chip_;
 };

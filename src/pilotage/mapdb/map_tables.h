@@ -21,6 +21,10 @@ inline constexpr std::array<std::string_view, 14> kOwnTileColumns = {
     "max_y_m", "center_lon_deg", "center_lat_deg", "east_per_x", "east_per_y", "north_per_x", "north_per_y",
 };
 
+/// Column of the layer tiles, where a stage adds it: standard deviation of where the map lies, each axis, in metres.
+inline constexpr std::string_view kMapSigmaColumn = "map_sigma_m";
+inline constexpr double kLargestMapSigma_m = 100;
+
 /// `kOwnTileColumns` for a SELECT from a table called t.
 inline constexpr std::string_view kSelectTileColumns =
     "t.tile_id, t.level, t.\"column\", t.\"row\", t.min_x_m, t.min_y_m, t.max_x_m, t.max_y_m, t.center_lon_deg, "

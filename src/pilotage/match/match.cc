@@ -212,8 +212,10 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   // Over relief more scales are tried than the rate of false fixes was measured with: as many times as often.
   const double scales = std::max(1.0, space.scale_sigma / options.height_sigma_fraction);
   describe_ranking(*places, rectified.half_width_px, searches * scales, stats);
-  const auto refined = refine_fix(rectified, described, local, prior, options, places->best.match);
+  auto refined = refine_fix(rectified, described, local, prior, options, places->best.match);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
+  add_map_error(refined->fix, options.map_sigma_m ? *options.map_sigma_m
+                                                  : map.map_sigma_m(refined->fix.tile_id).value_or(kUnknownMapSigma_m));
   stats.inliers = refined->pose.inliers;
   stats.residual_m = refined->pose.residual_m;
   const bool outside_gate = is_outside_gate(refined->fix, prior, options);

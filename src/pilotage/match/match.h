@@ -37,7 +37,7 @@ struct MatchOptions {
   double attitude_sigma_deg = 1;
   double yaw_sigma_deg = 1;
   double height_sigma_fraction = 0.03;
-  double map_sigma_m = 1;
+  std::optional<double> map_sigma_m;
   std::optional<double> elevation_sigma_m;
   double max_false_fix_rate = 0.001;
   bool chips = true;
@@ -58,8 +58,11 @@ struct MatchOptions {
         Range{0.01, 180});
     fields.field("height_sigma_fraction", self.height_sigma_fraction,
                  "Standard deviation of the height above ground, as a share of it.", Range{1e-4, 0.5});
-    fields.field("map_sigma_m", self.map_sigma_m, "Standard deviation, along each axis, of the map's own georeference.",
-                 Range{0, 100});
+    fields.field(
+        "map_sigma_m", self.map_sigma_m,
+        "Standard deviation, along each axis, of the map's own georeference. Default: what the map says of the "
+        "tile that is seen, else 1.",
+        Range{0, 100});
     fields.field("elevation_sigma_m", self.elevation_sigma_m,
                  "Standard deviation of the map's ground heights, where it has any: about 1 of a lidar's model, 4 of a "
                  "global one from radar. Default: what the map says, else 1.",
@@ -103,8 +106,8 @@ std::string_view match_status_text(MatchStatus status);
 /// Where the aircraft is. East and north are those of the fix's own place.
 struct Fix {
   GeodeticPoint position;  ///< The aircraft: the point straight below it.
-  /// Of position: variances of east and north and their covariance, m². Includes MatchOptions::map_sigma_m and what the
-  /// attitude's error leaves open.
+  /// Of position: variances of east and north and their covariance, m². Includes map_sigma_m and what the attitude's
+  /// error leaves open.
   Eigen::Matrix2d covariance_en_m2 = Eigen::Matrix2d::Zero();
   GeodeticPoint center;  ///< The point on the ground that the camera's principal point shows.
   Eigen::Matrix2d center_covariance_en_m2 = Eigen::Matrix2d::Zero();
@@ -115,6 +118,7 @@ struct Fix {
   double height_agl_m = 0;
   double height_sigma_m = 0;
   double scale = 1;          ///< height_agl_m over the prior's.
+  double map_sigma_m = 0;    ///< Of the map's own georeference there, each axis; part of both covariances.
   std::int64_t tile_id = 0;  ///< The map's tile under the principal point, or the nearest.
 };
 

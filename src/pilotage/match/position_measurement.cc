@@ -11,8 +11,8 @@ constexpr double kLeastShare = 1e-6;  // of the prior's information
 
 }  // namespace
 
-PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior, const MatchOptions& options) {
-  const Eigen::Matrix2d map_noise = isotropic_covariance_m2(options.map_sigma_m);
+PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior) {
+  const Eigen::Matrix2d map_noise = isotropic_covariance_m2(fix.map_sigma_m);
   const Eigen::Matrix2d of_prior = prior.covariance_en_m2.inverse();
   const Eigen::Matrix2d of_fix = (fix.covariance_en_m2 - map_noise).inverse();
   const LocalFrame at_prior(prior.position);
@@ -23,7 +23,7 @@ PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior, const
   const Eigen::Matrix2d covariance =
       information.eigenvectors() * kept.cwiseInverse().asDiagonal() * information.eigenvectors().transpose();
   const Eigen::Vector2d measured_m = covariance * of_fix * off_m;
-  return {at_prior.geodetic_from_enu({measured_m.x(), measured_m.y(), 0}), covariance + map_noise};
+  return {at_prior.geodetic_from_enu({measured_m.x(), measured_m.y(), 0}), covariance + map_noise, fix.map_sigma_m};
 }
 
 }  // namespace pilotage

@@ -12,8 +12,9 @@ namespace pilotage {
 /// What a frame alone says of the aircraft's position.
 struct PositionMeasurement {
   GeodeticPoint position;
-  /// With MatchOptions::map_sigma_m, which is not white: frames over the same ground share the map's error.
+  /// With the map's own error, which is not white: frames over the same ground share it.
   Eigen::Matrix2d covariance_en_m2 = Eigen::Matrix2d::Zero();
+  double map_sigma_m = 0;  ///< Of that error, each axis (Fix::map_sigma_m).
 };
 
 /// A fix with the prior's position taken out of it again: match() lets the prior position take part, so a filter that
@@ -21,7 +22,7 @@ struct PositionMeasurement {
 ///   C⁻¹ = C_fix⁻¹ − C_prior⁻¹,   C⁻¹ (x − prior) = C_fix⁻¹ (fix − prior)
 /// with the map's variance taken off C_fix before and added to C after. Directions about which the frame says next to
 /// nothing get the variance 10⁶ times the prior's.
-PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior, const MatchOptions& options);
+PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior);
 
 /// A right fix lies farther from what a filter expects (squared Mahalanobis distance of the innovation) one time in a
 /// thousand: χ² of two degrees of freedom, −2 ln 0.001.

@@ -92,19 +92,18 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   if (!refined.pose.converged) return std::nullopt;
 
   const PoseCorrection& pose = refined.pose;
-  const Eigen::Matrix2d map_noise = Eigen::Matrix2d::Identity() * options.map_sigma_m * options.map_sigma_m;
   const auto geodetic = [&](const Eigen::Vector2d& m) {
     return rectified.grid.geodetic_from_px(map.reference_px + rectified.px_from_m(m));
   };
   Fix& fix = refined.fix;
   fix.position = geodetic(pose.position_m);
-  fix.covariance_en_m2 = enu_from_grid * pose.covariance.topLeftCorner<2, 2>() * enu_from_grid.transpose() + map_noise;
+  fix.covariance_en_m2 = enu_from_grid * pose.covariance.topLeftCorner<2, 2>() * enu_from_grid.transpose();
   const Eigen::Vector3d pivot_ray(rectified.pivot_m.x(), rectified.pivot_m.y(), -prior.height_agl_m);
   const double center_rise_m = rise_of_ray(rectified, map.relief.ground, pose, pivot_ray);
   fix.center = geodetic(pose.ground_from_ray(pivot_ray, center_rise_m));
   const Eigen::Matrix<double, 2, 6> jacobian = pose.ground_jacobian(pivot_ray, center_rise_m);
   fix.center_covariance_en_m2 =
-      enu_from_grid * jacobian * pose.covariance * jacobian.transpose() * enu_from_grid.transpose() + map_noise;
+      enu_from_grid * jacobian * pose.covariance * jacobian.transpose() * enu_from_grid.transpose();
   fix.yaw_deg = std::remainder(prior.attitude.yaw_deg - pose.turn_rad / kRadPerDeg, 360.0);
   if (fix.yaw_deg < 0) fix.yaw_deg += 360;
   // A rotation vector about right and up of the grid; nose and wing are turned from it by the heading on the grid.
@@ -119,6 +118,12 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   fix.height_sigma_m = std::sqrt(pose.covariance(5, 5)) * fix.height_agl_m;
   fix.tile_id = tile_at(map, place.placement.center_px);
   return refined;
+}
+
+void add_map_error(Fix& fix, double map_sigma_m) {
+  fix.map_sigma_m = map_sigma_m;
+  fix.covariance_en_m2 += isotropic_covariance_m2(map_sigma_m);
+  fix.center_covariance_en_m2 += isotropic_covariance_m2(map_sigma_m);
 }
 
 bool is_outside_gate(const Fix& fix, const MatchPrior& prior, const MatchOptions& options) {

@@ -16,8 +16,12 @@ struct RefinedFix {
 
 /// Refines the pose from the supporters of `place`. Heights of the map's ground count against that straight below the
 /// aircraft there (Relief::ground), as the height of `prior` does. Nothing when the pose does not converge.
+/// Without the map's own error: add_map_error().
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place);
+
+/// Adds the error of the map's own georeference, each axis, to both covariances.
+void add_map_error(Fix& fix, double map_sigma_m);
 
 /// Whether a fix contradicts what was known: its position lies outside the searched square or √2 times the prior's
 /// error ellipse of search_sigmas (Mahalanobis distance, in a covariance that has 2 / search_sigmas times what the

@@ -62,16 +62,18 @@ GridLevel level_from_json(JsonObject json, int expected_level) {
 }
 
 Json tile_to_json(const GroundTile& tile, const RoutePlace& place) {
-  return {{"tile_id", tile.tile_id},
-          {"level", tile.level},
-          {"column", tile.column},
-          {"row", tile.row},
-          {"bounds_m", {tile.bounds.min_x_m, tile.bounds.min_y_m, tile.bounds.max_x_m, tile.bounds.max_y_m}},
-          {"center_lon_deg", tile.center.lon_deg},
-          {"center_lat_deg", tile.center.lat_deg},
-          {"valid_fraction", tile.valid_fraction},
-          {"route_distance_m", place.distance_m},
-          {"route_offset_m", place.offset_m}};
+  Json json = {{"tile_id", tile.tile_id},
+               {"level", tile.level},
+               {"column", tile.column},
+               {"row", tile.row},
+               {"bounds_m", {tile.bounds.min_x_m, tile.bounds.min_y_m, tile.bounds.max_x_m, tile.bounds.max_y_m}},
+               {"center_lon_deg", tile.center.lon_deg},
+               {"center_lat_deg", tile.center.lat_deg},
+               {"valid_fraction", tile.valid_fraction},
+               {"route_distance_m", place.distance_m},
+               {"route_offset_m", place.offset_m}};
+  if (tile.map_sigma_m) json["map_sigma_m"] = *tile.map_sigma_m;
+  return json;
 }
 
 struct PlacedTile {
@@ -94,6 +96,7 @@ PlacedTile tile_from_json(JsonObject json, const std::vector<GridLevel>& levels)
   tile.bounds = {bounds[0], bounds[1], bounds[2], bounds[3]};
   tile.center = {json.number("center_lon_deg"), json.number("center_lat_deg")};
   tile.valid_fraction = json.number("valid_fraction");
+  if (json.has("map_sigma_m")) tile.map_sigma_m = json.number("map_sigma_m");
   const RoutePlace place{json.number("route_distance_m"), json.number("route_offset_m")};
   json.finish();
   return {tile, place};
@@ -254,6 +257,7 @@ Json plan_to_json(const Mission& mission) {
                                {"acquired", image.acquired},
                                {"width_px", image.width_px},
                                {"height_px", image.height_px}});
+    if (!image.map_sigma.empty()) json["imagery"].back()["map_sigma"] = name_as_utf8(image.map_sigma);
   }
   for (const GridLevel& level : mission.ground.levels) json["levels"].push_back(matrix_to_json(level));
   for (const FlightSample& sample : mission.flight.samples) json["route_samples"].push_back(sample_to_json(sample));
@@ -304,7 +308,8 @@ Mission plan_from_json(const Json& json, const std::string& name) {
     mission.ground.imagery.datasets.push_back({bytes_of_name(image.text("dataset")), image.number("gsd_m"),
                                                image.text("crs"), image.text("acquired"),
                                                image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
-                                               image.small_integer("height_px", 1, std::numeric_limits<int>::max())});
+                                               image.small_integer("height_px", 1, std::numeric_limits<int>::max()),
+                                               image.has("map_sigma") ? bytes_of_name(image.text("map_sigma")) : ""});
     image.finish();
   }
   for (JsonObject& level : object.objects("levels")) {

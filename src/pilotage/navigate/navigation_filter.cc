@@ -168,7 +168,9 @@ FixUpdate NavigationFilter::take_fix(FrameNumber frame, const PositionMeasuremen
   if (found == nullptr) return {FixOutcome::kForgotten, {}, 0};
   const auto slot = found - frames_.data();
   const int at = Errors::kFrames + 2 * static_cast<int>(slot);
-  const Eigen::Matrix2d noise = measurement.covariance_en_m2 - isotropic_covariance_m2(options_.map_sigma_m);
+  // What the map is off there beyond what the filter was told of it counts as noise of this fix.
+  const double shared_sigma_m = std::min(measurement.map_sigma_m, options_.map_sigma_m);
+  const Eigen::Matrix2d noise = measurement.covariance_en_m2 - isotropic_covariance_m2(shared_sigma_m);
   const bool on_earth = std::isfinite(measurement.position.lon_deg) && std::abs(measurement.position.lat_deg) <= 90;
   if (!on_earth || !is_covariance(noise) ||
       !(smallest_sigma_m(noise) > 1e-3 * smallest_sigma_m(measurement.covariance_en_m2))) {

@@ -75,8 +75,9 @@ class NavigationFilter {
   /// What match() is told of a frame: where it was taken, by the map's own georeference. Nothing for a forgotten frame.
   std::optional<MatchPrior> match_prior(FrameNumber frame, double height_agl_m) const;
 
-  /// Takes what a frame alone says of the position; its covariance is with NavigationOptions::map_sigma_m, as
-  /// without_prior() gives it, at least a millionth of which must be left when that is taken off.
+  /// Takes what a frame alone says of the position; its covariance is with the map's own error, as without_prior()
+  /// gives it, at least a millionth of which must be left when that is taken off: as much of it as
+  /// NavigationOptions::map_sigma_m, which the filter has a state for, and the rest counts as noise.
   FixUpdate take_fix(FrameNumber frame, const PositionMeasurement& measurement);
 
   /// Takes a barometric height above the ellipsoid. False for one that is not finite.

@@ -131,6 +131,8 @@ struct ImageryInfo {
   GeodeticPoint center;
   /// "YYYY-MM-DD", with the time as "YYYY-MM-DDThh:mm:ssZ" where the metadata tell it in UTC; "" when they say nothing.
   std::string acquired;
+  /// Raster of its own error, where a tag names one (raster/map_sigma.h), whether it is there or not; else "".
+  std::string map_sigma;
   double scale = 1;  ///< Value = stored · scale + offset, as the first used band states it; gray values leave it out.
   double offset = 0;
   std::string unit;  ///< Of the first used band's values: "m", "ft", or "".

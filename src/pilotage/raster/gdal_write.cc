@@ -113,12 +113,12 @@ void check_size(const std::string& name, const cv::Mat& values, const cv::Size& 
 void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
                         const GeoTransform& map_from_pixel, bool overwrite, const Progress& progress) {
   OutputFile output(path, overwrite);
-  write_score_raster(output, bands, crs, map_from_pixel, progress);
+  write_score_raster(output, bands, crs, map_from_pixel, false, progress);
   output.commit();
 }
 
 void write_score_raster(const OutputFile& output, const std::vector<ScoreBand>& bands, const Crs& crs,
-                        const GeoTransform& map_from_pixel, const Progress& progress) {
+                        const GeoTransform& map_from_pixel, bool nearest, const Progress& progress) {
   const std::string name = output.destination().string();
   if (bands.empty()) throw UsageError("a score raster needs a band");
   const cv::Size size = bands.front().values.size();
@@ -135,7 +135,8 @@ void write_score_raster(const OutputFile& output, const std::vector<ScoreBand>& 
     set_statistics(band, bands[i].values);
   }
   make_cog(*memory, output.temporary_path(), name,
-           {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=256", "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=1"},
+           {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BLOCKSIZE=256",
+            std::string("OVERVIEW_RESAMPLING=") + (nearest ? "NEAREST" : "AVERAGE"), "NUM_THREADS=1"},
            progress);
 }
 

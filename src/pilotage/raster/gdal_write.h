@@ -33,9 +33,10 @@ struct ScoreBand {
 void write_score_raster(const std::filesystem::path& path, const std::vector<ScoreBand>& bands, const Crs& crs,
                         const GeoTransform& map_from_pixel, bool overwrite, const Progress& progress = {});
 
-/// The same into an output that is not committed yet.
+/// The same into an output that is not committed yet. With `nearest` the overviews hold values of the raster itself,
+/// for bands whose mean says nothing.
 void write_score_raster(const OutputFile& output, const std::vector<ScoreBand>& bands, const Crs& crs,
-                        const GeoTransform& map_from_pixel, const Progress& progress = {});
+                        const GeoTransform& map_from_pixel, bool nearest, const Progress& progress = {});
 
 /// One class of a class raster; its value is its place in the list.
 struct RasterClass {

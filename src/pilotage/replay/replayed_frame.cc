@@ -27,12 +27,11 @@ bool is_place(GeodeticPoint point) {
 }
 
 /// The prior's part is in the fix: match() lets it take part.
-std::optional<InertialError> inertial_error_of(const Fix& fix, const FrameRecord& matched_with, GeodeticPoint inertial,
-                                               const MatchOptions& options) {
+std::optional<InertialError> inertial_error_of(const Fix& fix, const FrameRecord& matched_with,
+                                               GeodeticPoint inertial) {
   if (!is_place(inertial) || !is_place(matched_with.prior)) return std::nullopt;
   const PositionMeasurement alone = without_prior(
-      fix, {matched_with.prior, matched_with.prior_covariance_en_m2, matched_with.height_agl_m, matched_with.attitude},
-      options);
+      fix, {matched_with.prior, matched_with.prior_covariance_en_m2, matched_with.height_agl_m, matched_with.attitude});
   // A table may be of other options: its fixes can be surer than the map's error that is to be taken off.
   if (!is_place(alone.position) || !alone.covariance_en_m2.allFinite() || !(alone.covariance_en_m2.determinant() > 0)) {
     return std::nullopt;
@@ -78,7 +77,7 @@ bool is_tried_status(const std::string& status) {
 }
 
 std::vector<ReplayedFrame> replayed_frames(std::span<const FrameMatch> matches, std::span<const FlightFrame> rows,
-                                           const MatchOptions& options, double correct_within_m) {
+                                           double correct_within_m) {
   std::vector<ReplayedFrame> frames;
   for (std::size_t i = 0; i < matches.size(); ++i) {
     const FrameMatch& match = matches[i];
@@ -96,7 +95,7 @@ std::vector<ReplayedFrame> replayed_frames(std::span<const FrameMatch> matches, 
       frame.nees = match.error->nees;
     }
     frame.outcome = outcome_of(frame, match.has_fix(), correct_within_m);
-    if (match.has_fix()) frame.inertial_error = inertial_error_of(*match.result.fix, match.frame, row.prior, options);
+    if (match.has_fix()) frame.inertial_error = inertial_error_of(*match.result.fix, match.frame, row.prior);
     const auto fix = match.has_fix() ? std::optional(match.result.fix->position) : std::nullopt;
     set_place(frame, row.truth(), fix);
     set_navigated(frame, row.true_nadir, fix.value_or(match.frame.prior),
@@ -172,9 +171,10 @@ ReadFix read_fix_row(const CsvTable& table, const FixRow& row, const FrameRecord
     Fix fix;
     fix.position = *read.fix;
     fix.covariance_en_m2 << east_m * east_m, shared_m2, shared_m2, north_m * north_m;
+    fix.map_sigma_m = kUnknownMapSigma_m;  // the table does not say
     set_navigated(frame, truth, fix.position, fix.covariance_en_m2);
     if (frame.prior && fix.covariance_en_m2.allFinite() && fix.covariance_en_m2.determinant() > 0) {
-      frame.inertial_error = inertial_error_of(fix, *record, *frame.prior, MatchOptions{});
+      frame.inertial_error = inertial_error_of(fix, *record, *frame.prior);
     }
   }
   return read;

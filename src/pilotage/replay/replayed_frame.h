@@ -71,7 +71,7 @@ bool is_tried_status(const std::string& status);
 
 /// The frames that were matched. `rows` are those before matching, whose priors no track has narrowed.
 std::vector<ReplayedFrame> replayed_frames(std::span<const FrameMatch> matches, std::span<const FlightFrame> rows,
-                                           const MatchOptions& options, double correct_within_m);
+                                           double correct_within_m);
 
 /// The frames of a table of fixes (schemas/fixes-csv.md) that was written before; of its columns `file`, `time_s` and
 /// `status` are needed. A frame without a fix has its place between those of the fixes around it, at most 60 s away,

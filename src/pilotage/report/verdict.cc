@@ -121,13 +121,20 @@ std::string gnss_text(const Flight& flight, const Selection& selection) {
          (had ? kFixesWithGnss : "");
 }
 
+std::string map_error_text(const Mission& mission) {
+  const bool by_imagery = std::any_of(mission.ground.tiles.begin(), mission.ground.tiles.end(),
+                                      [](const GroundTile& tile) { return tile.map_sigma_m.has_value(); });
+  const double sigma_m = mission.flight.conditions.map_sigma_m.value_or(kUnknownMapSigma_m);
+  return "map error " + (by_imagery ? format_fixed(sigma_m, 2) : format_number(sigma_m)) + " m on each axis" +
+         (by_imagery ? " (the largest that the imagery says of itself: modelled)" : "");
+}
+
 std::string further_assumptions(const Mission& mission, const Selection& selection) {
   const std::string rests_on = selection.probability ? rests_on_text(*selection.probability) : "";
   const FlightConditions& conditions = mission.flight.conditions;
-  const std::string met = selection.probability
-                              ? ", wind " + format_number(conditions.wind_sigma_mps) + " m/s and map error " +
-                                    format_number(conditions.map_sigma_m) + " m on each axis"
-                              : ", map error " + format_number(conditions.map_sigma_m) + " m on each axis";
+  const std::string met = selection.probability ? ", wind " + format_number(conditions.wind_sigma_mps) + " m/s and " +
+                                                      map_error_text(mission)
+                                                : ", " + map_error_text(mission);
   return met + (mission.flight.flat_ground_amsl_m ? ", flat ground at home's height (default)" : "") +
          (mission.ground.elevation_datum_assumed ? ", heights of the ground " + mission.ground.elevation_datum : "") +
          imagery_age_assumptions(mission) + (rests_on.empty() ? "" : "; " + rests_on);

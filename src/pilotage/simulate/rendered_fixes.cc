@@ -177,10 +177,9 @@ class RenderedFlight {
   /// What the filter is offered of an answer, as the filter that flies takes it.
   std::optional<OfferedFix> offered(const FrameMatch& match, const MatchPrior& prior) const {
     if (!match.result.fix || !match.error) return std::nullopt;
-    const MatchOptions& options = run_->options.match;
-    const PositionMeasurement measured = without_prior(*match.result.fix, prior, options);
+    const PositionMeasurement measured = without_prior(*match.result.fix, prior);
     OfferedFix fix;
-    fix.noise_m2 = measured.covariance_en_m2 - isotropic_covariance_m2(options.map_sigma_m);
+    fix.noise_m2 = measured.covariance_en_m2 - isotropic_covariance_m2(measured.map_sigma_m);
     if (!is_noise(fix.noise_m2, measured.covariance_en_m2)) return std::nullopt;
     fix.innovation_m = -LocalFrame(prior.position).enu_from_geodetic(measured.position).head<2>();
     fix.right = match.error->error_m <= run_->options.correct_within_m;

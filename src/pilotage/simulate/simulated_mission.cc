@@ -77,8 +77,8 @@ GnssAvailability availability(const Mission& mission, const Selection& selection
 
 FlightConditions conditions_flown(FlightConditions conditions, const SimulateOptions& options) {
   conditions.wind_sigma_mps = options.wind_sigma_mps.value_or(conditions.wind_sigma_mps);
-  conditions.map_sigma_m = options.map_sigma_m.value_or(conditions.map_sigma_m);
-  conditions.map_correlation_m = options.map_correlation_m.value_or(conditions.map_correlation_m);
+  conditions.map_sigma_m = options.map_sigma_m ? options.map_sigma_m : conditions.map_sigma_m;
+  conditions.map_correlation_m = options.map_correlation_m ? options.map_correlation_m : conditions.map_correlation_m;
   conditions.dropped_frames = options.dropped_frames.value_or(conditions.dropped_frames);
   return conditions;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -32,6 +33,7 @@
 #include "pilotage/tile/denied_stretches.h"
 #include "pilotage/tile/plan_levels.h"
 #include "pilotage/tile/route_cover.h"
+#include "pilotage/tile/tile_map_sigma.h"
 #include "pilotage/tile/working_gsd.h"
 
 namespace pilotage {
@@ -365,8 +367,8 @@ void add_imagery(Mission& mission, const TileOptions& options, const std::vector
   for (std::size_t i = 0; i < infos.size(); ++i) {
     const ImageryInfo& info = infos[i];
     const std::string& acquired = dates.empty() ? info.acquired : dates[dates.size() == 1 ? 0 : i];
-    mission.ground.imagery.datasets.push_back(
-        {info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), acquired, info.width_px, info.height_px});
+    mission.ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
+                                               acquired, info.width_px, info.height_px, info.map_sigma});
   }
 }
 
@@ -407,6 +409,46 @@ void add_map_error(const std::vector<ImageryInfo>& infos, Mission& mission) {
                           format_fixed(fix_sigma_m, 2) + " m are the matcher's and " +
                           format_fixed(rms_m / std::numbers::sqrt2, 2) + " m the map's, " + from);
   fix_sigma_m = with_map_m;
+}
+
+/// How far the imagery may lie off: as the planner says, else as it says itself, tile by tile. Its largest error then
+/// counts all along the route, and is the same all along it: what all frames of a captured map share does not average
+/// out on the way.
+void add_map_sigma(const TileOptions& options, Mission& mission) {
+  std::vector<std::string> rasters;
+  for (const ImageryDataset& image : mission.ground.imagery.datasets) {
+    if (!image.map_sigma.empty()) rasters.push_back(image.map_sigma);
+  }
+  FlightConditions& conditions = mission.flight.conditions;
+  if (rasters.empty() || options.conditions.map_sigma_m) {
+    if (!rasters.empty()) {
+      mission.notes.push_back("Error of the map: " + format_number(*options.conditions.map_sigma_m) +
+                              " m each axis as given; " + join(rasters, ", ") + " is not asked");
+    }
+    conditions.map_sigma_m = options.conditions.map_sigma_m.value_or(kUnknownMapSigma_m);
+    conditions.map_correlation_m = options.conditions.map_correlation_m.value_or(kMapCorrelation_m);
+    return;
+  }
+  for (const ImageryDataset& image : mission.ground.imagery.datasets) {
+    if (image.map_sigma.empty() || std::filesystem::exists(image.map_sigma)) continue;
+    throw DataError(image.dataset + ": says that its own error stands in " + name_as_utf8(image.map_sigma) +
+                    ", which does not exist; put it there, or give --map-sigma-m");
+  }
+  measure_map_sigma(rasters, mission.ground);
+  double least_m = std::numeric_limits<double>::infinity();
+  double largest_m = 0;
+  for (const GroundTile& tile : mission.ground.tiles) {
+    least_m = std::min(least_m, tile.map_sigma_m.value_or(kUnknownMapSigma_m));
+    largest_m = std::max(largest_m, tile.map_sigma_m.value_or(kUnknownMapSigma_m));
+  }
+  conditions.map_sigma_m = largest_m;
+  conditions.map_correlation_m = options.conditions.map_correlation_m.value_or(kCommonMapCorrelation_m);
+  mission.notes.push_back("Error of the map: " + format_fixed(least_m, 2) + " to " + format_fixed(largest_m, 2) +
+                          " m each axis, tile by tile as " + join(rasters, ", ") + " says" +
+                          (rasters.size() < mission.ground.imagery.datasets.size()
+                               ? ", " + format_number(kUnknownMapSigma_m) + " m where imagery says nothing"
+                               : "") +
+                          "; along the route the largest counts");
 }
 
 }  // namespace
@@ -484,6 +526,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   }
   if (mission.ground.tiles.empty())
     throw DataError("the corridor holds no tile; look at corridor_half_width_m and tile_size_px");
+  add_map_sigma(options, mission);
   return mission;
 }
 
