@@ -1,5 +1,7 @@
 #pragma once
 
+#include "pilotage/audit/audit_map.h"
+#include "pilotage/audit/shift_picture.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/build_map.h"
@@ -52,7 +54,7 @@
 ///  4. build_map(): all of these and input_files() of the plan → map.gpkg.
 ///  5. make_report_input(), add_pictures(), make_report(), write_report_outputs(): all of these → the files of
 ///     the report. Without a route run_survey() says of an area where a camera could find its place.
-///     capture() makes imagery of frames, before all of this.
+///     capture() makes imagery of frames, before all of this; audit_map() holds it against other imagery.
 ///  6. verify_map(), require_intact(): every digest of the map, before it flies; sign_file() for those
 ///     to whom it is handed on, who open it with the key (pilotage/onboard.h).
 ///

@@ -19,6 +19,7 @@ inline Fix numbered_fix() {
   fix.height_sigma_m = 1.75;
   fix.scale = 0.9875;
   fix.tile_id = 4711;
+  fix.map_sigma_m = 1.125;
   return fix;
 }
 

@@ -108,6 +108,10 @@ TEST_F(MapReaderTest, SaysHowFarTheMapMayBeOffWhereItKnows) {
   EXPECT_FALSE(reader.map_sigma_m(9999)) << "no such tile";
   EXPECT_THAT([&] { reader.map_sigma_m(map_.tiles[2].tile_id); },
               ThrowsMessage<DataError>(HasSubstr("map_sigma_m is no number from 0 to 100")));
+  map_.values[2].back() = 7.5;
+  const std::filesystem::path sound = folder_ / "sound.gpkg";
+  testing::write_map(sound, map_);
+  EXPECT_EQ(MapReader::open_unverified(sound).largest_map_sigma_m(), 7.5);
 }
 
 TEST_F(MapReaderTest, GivesBackDescriptorsAndChips) {

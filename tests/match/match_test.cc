@@ -67,6 +67,24 @@ TEST(Match, AKnownPoseIsFound) {
   }
 }
 
+TEST(Match, TheMapsOwnErrorIsThatOfTheTileUnlessTheCallerSaysAnother) {
+  TexturedGround ground = testing::make_textured_ground();
+  ground.map_sigma_m = 4;
+  const ShotMap captured(ground);
+  MatchOptions given;
+  given.map_sigma_m = 2;
+  const ShotAnswer silent = match_shot(textured_map(), {});
+  const ShotAnswer said = match_shot(captured, {});
+  const ShotAnswer told = match_shot(captured, {}, given);
+  ASSERT_TRUE(silent.result.fix && said.result.fix && told.result.fix);
+  EXPECT_EQ(silent.result.fix->map_sigma_m, kUnknownMapSigma_m);
+  EXPECT_EQ(said.result.fix->map_sigma_m, 4);
+  EXPECT_EQ(told.result.fix->map_sigma_m, 2);
+  const auto variance_m2 = [](const ShotAnswer& answer) { return answer.result.fix->covariance_en_m2(0, 0); };
+  EXPECT_NEAR(variance_m2(said) - variance_m2(silent), 16 - 1, 1e-9);
+  EXPECT_NEAR(variance_m2(told) - variance_m2(silent), 4 - 1, 1e-9);
+}
+
 TEST(Match, ErrorsOfThePriorAreMended) {
   Random random(seed_from_name("errors of the prior"));
   for (int i = 0; i < 12; ++i) {

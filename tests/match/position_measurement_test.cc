@@ -41,6 +41,20 @@ TEST(PositionMeasurement, IsWhatTheFrameSaidBeforeThePriorWentIn) {
   EXPECT_LT((alone.covariance_en_m2 - of_frame - isotropic_covariance_m2(1)).norm(), 1e-9);
 }
 
+TEST(PositionMeasurement, TheMapsOwnErrorIsTakenOffAndAddedAsItIsInTheFix) {
+  Eigen::Matrix2d of_frame;
+  of_frame << 2, -0.5, -0.5, 1;
+  Fused fused(isotropic_covariance_m2(4), of_frame, {5, -3});
+  fused.fix.covariance_en_m2 += isotropic_covariance_m2(5) - isotropic_covariance_m2(1);
+  fused.fix.map_sigma_m = 5;
+  const PositionMeasurement alone = without_prior(fused.fix, fused.prior);
+  EXPECT_LT((enu_m(alone.position) - Eigen::Vector2d(5, -3)).norm(), 1e-5);
+  EXPECT_LT((alone.covariance_en_m2 - of_frame - isotropic_covariance_m2(5)).norm(), 1e-9);
+  EXPECT_EQ(alone.map_sigma_m, 5);
+  // Fixes share all of it but what differs from place to place.
+  EXPECT_LT((covariance_within_map(alone) - of_frame - isotropic_covariance_m2(1)).norm(), 1e-9);
+}
+
 TEST(PositionMeasurement, AFrameThatSaysNothingHasAHugeCovariance) {
   Fused fused(isotropic_covariance_m2(10), isotropic_covariance_m2(2), {1, 1});
   fused.fix.covariance_en_m2 = isotropic_covariance_m2(10) + isotropic_covariance_m2(1);

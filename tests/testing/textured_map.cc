@@ -125,6 +125,7 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   header.crs = {ground.crs.name(), ground.crs.wkt(), ground.crs.authority()};
   header.description = "A map of random texture.";
   header.chips = true;
+  if (ground.map_sigma_m) header.tile_columns.push_back({"map_sigma_m", MapColumnType::kReal, "Error of the map [m]"});
   header.levels = {level_of(ground)};
   const TileMatrix matrix = header.levels.front().matrix;
   MapWriter writer(path, header, true);
@@ -139,7 +140,8 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   std::vector<MapTile> tiles;
   for (int id = 0; id < ground.tiles * ground.tiles; ++id) {
     tiles.push_back(tile_of(matrix, id % ground.tiles, id / ground.tiles, ground.tiles, ground.crs));
-    writer.add_tile(tiles.back(), {});
+    writer.add_tile(tiles.back(),
+                    ground.map_sigma_m ? std::vector<MapValue>{*ground.map_sigma_m} : std::vector<MapValue>{});
   }
   for (const MapTile& tile : tiles) {
     writer.add_descriptors(descriptors_of(ground, tile, matrix.tile_window(tile.column, tile.row), all));

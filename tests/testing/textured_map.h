@@ -29,6 +29,7 @@ struct TexturedGround {
   /// Of the ground, at metres east and north of the centre; without it the ground is level and the map has no heights.
   std::function<double(const Eigen::Vector2d&)> height_m;
   std::optional<double> elevation_sigma_m;  ///< What the map says of its heights.
+  std::optional<double> map_sigma_m;        ///< What it says of its own error.
 };
 
 TexturedGround make_textured_ground(int tiles = 3);

@@ -62,13 +62,18 @@ int print(const pilotage::MatchResult& result, const pilotage::FixAltitude& alti
 
 // What a navigation filter makes of a fix. In an aircraft it is made where GNSS is lost, advances with every increment
 // of the IMU, and gives the prior itself: match_prior(). Here it begins at the prior, and stands.
-void navigate(const pilotage::MatchPrior& prior, const pilotage::Fix& fix) {
+void navigate(pilotage::MapReader& map, const pilotage::MatchPrior& prior, const pilotage::Fix& fix) {
   pilotage::InsOptions ins;
   ins.name = "VN-100";
   pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
   model.start_sigma_m = pilotage::largest_sigma_m(prior.covariance_en_m2);
+  pilotage::NavigationOptions options;
+  if (const auto map_sigma_m = map.largest_map_sigma_m()) {  // a captured map: off everywhere alike
+    options.map_sigma_m = *map_sigma_m;
+    options.map_correlation_m = 1e6;
+  }
   pilotage::NavigationFilter filter(
-      model, {}, pilotage::inertial_state(0, prior.position, prior.height_agl_m, {0, 0, 0}, prior.attitude));
+      model, options, pilotage::inertial_state(0, prior.position, prior.height_agl_m, {0, 0, 0}, prior.attitude));
   const pilotage::FrameNumber frame = filter.take_frame();
   filter.advance({0.01, {0, 0, 0}, {0, 0, -0.0981}});  // time goes on while match() works
   const auto update = filter.take_fix(frame, pilotage::without_prior(fix, prior));
@@ -122,7 +127,7 @@ int run(const std::vector<std::string>& arguments) {
     altitude = pilotage::altitude_over(*result.fix, ground_ellipsoid_m, not_known, 5);
   }
   const int code = print(result, altitude, exposure);
-  if (result.fix) navigate(prior, *result.fix);
+  if (result.fix) navigate(map, prior, *result.fix);
   return code;
 }
 

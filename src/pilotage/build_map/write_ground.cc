@@ -222,7 +222,7 @@ MapHeader map_header(const Ground& ground, const std::string& description, bool 
       {"reasons", MapColumnType::kText, "Why it may not be recognised, joined by semicolons"});
   if (says_map_sigma(ground)) {
     header.tile_columns.push_back({std::string(kMapSigmaColumn), MapColumnType::kReal,
-                                   "Standard deviation of where the imagery lies, each axis, as it says itself [m]"});
+                                   "Standard deviation of where the imagery lies, each axis [m]"});
   }
   header.description = description;
   return header;

@@ -77,7 +77,7 @@ void FrameTrack::judge(const FlightFrame& frame, FrameMatch& match) {
 FrameTrack::MeasuredError FrameTrack::measured_error(const FrameRecord& row, const FrameMatch& match) const {
   const PositionMeasurement alone = without_prior(*match.result.candidate, prior_of(match.frame));
   const Eigen::Vector3d error_m = -LocalFrame(row.prior).enu_from_geodetic(alone.position);
-  return {error_m.head<2>(), alone.covariance_en_m2, alone.map_sigma_m};
+  return {error_m.head<2>(), covariance_within_map(alone), alone.map_sigma_m};
 }
 
 Eigen::Matrix2d FrameTrack::difference_covariance(const MeasuredError& measured) const {

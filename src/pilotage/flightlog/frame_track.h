@@ -70,7 +70,7 @@ class FrameTrack {
   struct MeasuredError {
     Eigen::Vector2d error_m;
     Eigen::Matrix2d covariance_m2;
-    double map_sigma_m = 0;  ///< Part of it.
+    double map_sigma_m = 0;  ///< Of the map, of which the covariance holds what fixes do not share.
   };
 
   MeasuredError measured_error(const FrameRecord& row, const FrameMatch& match) const;

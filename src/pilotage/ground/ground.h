@@ -24,7 +24,7 @@ struct GroundTile {
   std::int64_t row = 0;
   Bounds bounds;  ///< Along the axes of the ground's CRS, in metres (feet are converted); NaN where it counts degrees.
   GeodeticPoint center;
-  /// Standard deviation of where the imagery lies over it, each axis; nothing where the imagery does not say.
+  /// Standard deviation of where the imagery lies over it, each axis; nothing where nobody says.
   std::optional<double> map_sigma_m;
   double valid_fraction = 0;  ///< Share of it that the imagery covers, 0 … 1, as known before it is scored.
 

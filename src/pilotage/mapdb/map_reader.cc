@@ -128,6 +128,16 @@ MapValue read_value(const Statement& statement, int column, MapColumnType type) 
   return std::string(statement.text(column));
 }
 
+/// The first column; nothing for NULL.
+std::optional<double> read_map_sigma_m(const Statement& statement, const std::string& file) {
+  const MapValue value = read_value(statement, 0, MapColumnType::kReal);
+  if (std::holds_alternative<std::monostate>(value)) return std::nullopt;
+  const double* sigma_m = std::get_if<double>(&value);
+  if (sigma_m != nullptr && *sigma_m >= 0 && *sigma_m <= kLargestMapSigma_m) return *sigma_m;
+  throw DataError(file + ": tiles: " + std::string(kMapSigmaColumn) + " is no number from 0 to " +
+                  format_number(kLargestMapSigma_m));
+}
+
 }  // namespace
 
 MapReader::MapReader(Database database, std::size_t cache_bytes) : database_(std::move(database)), cache_(cache_bytes) {
@@ -350,12 +360,20 @@ std::optional<double> MapReader::map_sigma_m(std::int64_t tile_id) {
   const StatementScope scope(statement);
   statement.bind(1, tile_id);
   if (!statement.step()) return std::nullopt;
-  const MapValue value = read_value(statement, 0, MapColumnType::kReal);
-  if (std::holds_alternative<std::monostate>(value)) return std::nullopt;
-  const double* sigma_m = std::get_if<double>(&value);
-  if (sigma_m != nullptr && *sigma_m >= 0 && *sigma_m <= kLargestMapSigma_m) return *sigma_m;
-  throw DataError(database_.name() + ": tiles: tile " + std::to_string(tile_id) + ": " + std::string(kMapSigmaColumn) +
-                  " is no number from 0 to " + format_number(kLargestMapSigma_m));
+  return read_map_sigma_m(statement, database_.name());
+}
+
+std::optional<double> MapReader::largest_map_sigma_m() {
+  if (!has_map_sigma_) return std::nullopt;
+  database_.renew_cost();
+  Statement statement =
+      database_.prepare(join_sql({"SELECT ", kMapSigmaColumn, " FROM tiles t ORDER BY t.tile_id"}), "tiles");
+  std::optional<double> largest_m;
+  while (statement.step()) {
+    const std::optional<double> sigma_m = read_map_sigma_m(statement, database_.name());
+    if (sigma_m) largest_m = std::max(largest_m.value_or(0), *sigma_m);
+  }
+  return largest_m;
 }
 
 std::shared_ptr<const TileDescriptors> MapReader::descriptors(std::int64_t tile_id, int level) {

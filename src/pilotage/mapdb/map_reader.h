@@ -95,6 +95,8 @@ class MapReader {
   /// Standard deviation of where the map lies over a tile, each axis; nothing when the map does not say. Throws
   /// DataError for what is no number from 0 to 100.
   std::optional<double> map_sigma_m(std::int64_t tile_id);
+  /// The largest of them, for NavigationOptions: then with a map_correlation_m of 1e6.
+  std::optional<double> largest_map_sigma_m();
 
   /// Shared with the reader's cache; nullptr when the tile has no descriptors at that level.
   std::shared_ptr<const TileDescriptors> descriptors(std::int64_t tile_id, int level);

@@ -1,5 +1,7 @@
 #include "pilotage/match/position_measurement.h"
 
+#include <algorithm>
+
 #include <Eigen/Dense>
 
 #include "pilotage/geo/local_frame.h"
@@ -24,6 +26,12 @@ PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior) {
       information.eigenvectors() * kept.cwiseInverse().asDiagonal() * information.eigenvectors().transpose();
   const Eigen::Vector2d measured_m = covariance * of_fix * off_m;
   return {at_prior.geodetic_from_enu({measured_m.x(), measured_m.y(), 0}), covariance + map_noise, fix.map_sigma_m};
+}
+
+Eigen::Matrix2d covariance_within_map(const PositionMeasurement& measurement) {
+  const double own_sigma_m = std::min(measurement.map_sigma_m, kUnknownMapSigma_m);
+  return measurement.covariance_en_m2 - isotropic_covariance_m2(measurement.map_sigma_m) +
+         isotropic_covariance_m2(own_sigma_m);
 }
 
 }  // namespace pilotage

@@ -24,6 +24,11 @@ struct PositionMeasurement {
 /// nothing get the variance 10⁶ times the prior's.
 PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior);
 
+/// The covariance for a filter that follows the aircraft on the map, with no state for the map's error: without what
+/// all fixes on it share. Of the map's error kUnknownMapSigma_m counts as differing from fix to fix, the rest as
+/// shared.
+Eigen::Matrix2d covariance_within_map(const PositionMeasurement& measurement);
+
 /// A right fix lies farther from what a filter expects (squared Mahalanobis distance of the innovation) one time in a
 /// thousand: χ² of two degrees of freedom, −2 ln 0.001.
 inline constexpr double kInnovationGateChiSquared = 13.815510557964274;

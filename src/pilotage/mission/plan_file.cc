@@ -96,7 +96,12 @@ PlacedTile tile_from_json(JsonObject json, const std::vector<GridLevel>& levels)
   tile.bounds = {bounds[0], bounds[1], bounds[2], bounds[3]};
   tile.center = {json.number("center_lon_deg"), json.number("center_lat_deg")};
   tile.valid_fraction = json.number("valid_fraction");
-  if (json.has("map_sigma_m")) tile.map_sigma_m = json.number("map_sigma_m");
+  if (json.has("map_sigma_m")) {
+    tile.map_sigma_m = json.number("map_sigma_m");
+    if (!(*tile.map_sigma_m >= 0 && *tile.map_sigma_m <= 100)) {
+      throw DataError(json.path("map_sigma_m") + " = " + format_number(*tile.map_sigma_m) + " is not from 0 to 100");
+    }
+  }
   const RoutePlace place{json.number("route_distance_m"), json.number("route_offset_m")};
   json.finish();
   return {tile, place};

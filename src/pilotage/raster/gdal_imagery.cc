@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -397,6 +398,13 @@ void add_warnings(GDALDataset& dataset, bool from_points, ImageryInfo& info) {
   }
 }
 
+/// The raster that a tag names lies beside the dataset's own file, whatever it was opened by.
+std::string map_sigma_beside(GDALDataset& opened, const std::string& dataset, const std::string& name) {
+  const CPLStringList files(opened.GetFileList());
+  const std::string file = files.Count() > 0 ? files[0] : dataset;
+  return (std::filesystem::path(file).parent_path() / name).string();
+}
+
 ImageryInfo start_info(GDALDataset& opened, const std::string& dataset) {
   ImageryInfo info;
   info.dataset = dataset;
@@ -448,7 +456,7 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
   read_bands(*opened, options, info);
   info.acquired = find_acquisition_date(*file);
   const char* map_sigma = file->GetMetadataItem(kMapSigmaTag);
-  if (map_sigma != nullptr) info.map_sigma = map_sigma_beside(dataset, map_sigma);
+  if (map_sigma != nullptr) info.map_sigma = map_sigma_beside(*file, dataset, map_sigma);
   errors.require_whole(dataset);
   try {
     measure_gsd(info);

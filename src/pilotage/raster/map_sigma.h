@@ -1,7 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
+
+#include "pilotage/raster/gdal_crs.h"
+#include "pilotage/raster/gray_source.h"
 
 namespace pilotage {
 
@@ -12,7 +18,18 @@ inline constexpr const char* kMapSigmaTag = "PILOTAGE_MAP_SIGMA";
 /// reference.tif: reference.map_sigma.tif.
 std::filesystem::path map_sigma_path(const std::filesystem::path& imagery);
 
-/// The file that `tag` of a dataset names. Throws DataError when it is no name of a file in one folder.
-std::string map_sigma_beside(const std::string& dataset, const std::string& tag);
+/// Whether there is such a file; of what GDAL opens in archives and over networks it is believed.
+bool map_sigma_exists(const std::string& raster);
+
+/// Larger errors that a map says of itself count as this.
+inline constexpr double kLargestSaidSigma_m = 100;
+
+/// The first bands of such rasters on a grid, later ones on top. Throws as open_gray_on_grid.
+GraySource open_map_sigma(const std::vector<std::string>& rasters, const Crs& crs, const GeoTransform& map_from_pixel,
+                          std::int64_t width_px, std::int64_t height_px);
+
+/// Root mean square of the valid pixels of what open_map_sigma() gave; nothing without any; at most
+/// kLargestSaidSigma_m. Throws DataError, beginning with `names`, for a negative one.
+std::optional<double> mean_map_sigma_m(const Raster& sigmas_m, const std::string& names);
 
 }  // namespace pilotage

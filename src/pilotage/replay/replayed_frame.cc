@@ -37,7 +37,7 @@ std::optional<InertialError> inertial_error_of(const Fix& fix, const FrameRecord
     return std::nullopt;
   }
   const Eigen::Vector3d error_m = -LocalFrame(inertial).enu_from_geodetic(alone.position);
-  return InertialError{error_m.head<2>(), alone.covariance_en_m2};
+  return InertialError{error_m.head<2>(), covariance_within_map(alone)};
 }
 
 FrameOutcome outcome_of(const ReplayedFrame& frame, bool has_fix, double correct_within_m) {
@@ -171,7 +171,8 @@ ReadFix read_fix_row(const CsvTable& table, const FixRow& row, const FrameRecord
     Fix fix;
     fix.position = *read.fix;
     fix.covariance_en_m2 << east_m * east_m, shared_m2, shared_m2, north_m * north_m;
-    fix.map_sigma_m = kUnknownMapSigma_m;  // the table does not say
+    const double map_sigma_m = row.number("map_sigma_m", 0, 100);
+    fix.map_sigma_m = std::isnan(map_sigma_m) ? kUnknownMapSigma_m : map_sigma_m;  // older tables do not say
     set_navigated(frame, truth, fix.position, fix.covariance_en_m2);
     if (frame.prior && fix.covariance_en_m2.allFinite() && fix.covariance_en_m2.determinant() > 0) {
       frame.inertial_error = inertial_error_of(fix, *record, *frame.prior);

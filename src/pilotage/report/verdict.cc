@@ -122,11 +122,12 @@ std::string gnss_text(const Flight& flight, const Selection& selection) {
 }
 
 std::string map_error_text(const Mission& mission) {
-  const bool by_imagery = std::any_of(mission.ground.tiles.begin(), mission.ground.tiles.end(),
-                                      [](const GroundTile& tile) { return tile.map_sigma_m.has_value(); });
+  const auto& datasets = mission.ground.imagery.datasets;
+  const bool by_imagery = std::any_of(datasets.begin(), datasets.end(),
+                                      [](const ImageryDataset& image) { return !image.map_sigma.empty(); });
   const double sigma_m = mission.flight.conditions.map_sigma_m.value_or(kUnknownMapSigma_m);
   return "map error " + (by_imagery ? format_fixed(sigma_m, 2) : format_number(sigma_m)) + " m on each axis" +
-         (by_imagery ? " (the largest that the imagery says of itself: modelled)" : "");
+         (by_imagery ? " (the largest over the tiles: what imagery says of itself, modelled, else 1 m)" : "");
 }
 
 std::string further_assumptions(const Mission& mission, const Selection& selection) {

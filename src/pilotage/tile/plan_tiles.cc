@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -25,6 +24,7 @@
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/raster/map_sigma.h"
 #include "pilotage/raster/mission_crs.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/sample_route.h"
@@ -411,42 +411,53 @@ void add_map_error(const std::vector<ImageryInfo>& infos, Mission& mission) {
   fix_sigma_m = with_map_m;
 }
 
+/// The planner's word goes for all tiles, and so into the onboard map; what the imagery says is not asked then.
+void take_given_map_sigma(double map_sigma_m, Mission& mission) {
+  for (ImageryDataset& image : mission.ground.imagery.datasets) {
+    if (image.map_sigma.empty()) continue;
+    mission.notes.push_back("Error of the map: " + format_number(map_sigma_m) + " m each axis as given; " +
+                            name_as_utf8(image.map_sigma) + " is not asked");
+    image.map_sigma.clear();
+  }
+  for (GroundTile& tile : mission.ground.tiles) tile.map_sigma_m = map_sigma_m;
+}
+
 /// How far the imagery may lie off: as the planner says, else as it says itself, tile by tile. Its largest error then
 /// counts all along the route, and is the same all along it: what all frames of a captured map share does not average
 /// out on the way.
 void add_map_sigma(const TileOptions& options, Mission& mission) {
+  FlightConditions& conditions = mission.flight.conditions;
+  conditions.map_sigma_m = options.conditions.map_sigma_m.value_or(kUnknownMapSigma_m);
+  conditions.map_correlation_m = options.conditions.map_correlation_m.value_or(kMapCorrelation_m);
+  if (options.conditions.map_sigma_m) return take_given_map_sigma(*options.conditions.map_sigma_m, mission);
   std::vector<std::string> rasters;
   for (const ImageryDataset& image : mission.ground.imagery.datasets) {
-    if (!image.map_sigma.empty()) rasters.push_back(image.map_sigma);
-  }
-  FlightConditions& conditions = mission.flight.conditions;
-  if (rasters.empty() || options.conditions.map_sigma_m) {
-    if (!rasters.empty()) {
-      mission.notes.push_back("Error of the map: " + format_number(*options.conditions.map_sigma_m) +
-                              " m each axis as given; " + join(rasters, ", ") + " is not asked");
+    if (image.map_sigma.empty()) continue;
+    if (!map_sigma_exists(image.map_sigma)) {
+      throw DataError(image.dataset + ": says that its own error stands in " + name_as_utf8(image.map_sigma) +
+                      ", which does not exist; put it there, or give --map-sigma-m");
     }
-    conditions.map_sigma_m = options.conditions.map_sigma_m.value_or(kUnknownMapSigma_m);
-    conditions.map_correlation_m = options.conditions.map_correlation_m.value_or(kMapCorrelation_m);
+    rasters.push_back(image.map_sigma);
+  }
+  if (rasters.empty()) return;
+  if (!measure_map_sigma(mission.ground)) {
+    for (GroundTile& tile : mission.ground.tiles) tile.map_sigma_m.reset();  // of what is seen nothing is said
+    for (ImageryDataset& image : mission.ground.imagery.datasets) image.map_sigma.clear();
     return;
   }
-  for (const ImageryDataset& image : mission.ground.imagery.datasets) {
-    if (image.map_sigma.empty() || std::filesystem::exists(image.map_sigma)) continue;
-    throw DataError(image.dataset + ": says that its own error stands in " + name_as_utf8(image.map_sigma) +
-                    ", which does not exist; put it there, or give --map-sigma-m");
-  }
-  measure_map_sigma(rasters, mission.ground);
   double least_m = std::numeric_limits<double>::infinity();
   double largest_m = 0;
   for (const GroundTile& tile : mission.ground.tiles) {
-    least_m = std::min(least_m, tile.map_sigma_m.value_or(kUnknownMapSigma_m));
-    largest_m = std::max(largest_m, tile.map_sigma_m.value_or(kUnknownMapSigma_m));
+    if (!tile.map_sigma_m) continue;
+    least_m = std::min(least_m, *tile.map_sigma_m);
+    largest_m = std::max(largest_m, *tile.map_sigma_m);
   }
   conditions.map_sigma_m = largest_m;
   conditions.map_correlation_m = options.conditions.map_correlation_m.value_or(kCommonMapCorrelation_m);
   mission.notes.push_back("Error of the map: " + format_fixed(least_m, 2) + " to " + format_fixed(largest_m, 2) +
                           " m each axis, tile by tile as " + join(rasters, ", ") + " says" +
                           (rasters.size() < mission.ground.imagery.datasets.size()
-                               ? ", " + format_number(kUnknownMapSigma_m) + " m where imagery says nothing"
+                               ? ", " + format_number(kUnknownMapSigma_m) + " m of imagery that says nothing"
                                : "") +
                           "; along the route the largest counts");
 }

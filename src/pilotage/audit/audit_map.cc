@@ -1,0 +1,159 @@
+#include "pilotage/audit/audit_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
+#include "pilotage/base/statistics.h"
+#include "pilotage/base/utf8.h"
+#include "pilotage/raster/gdal_gray.h"
+#include "pilotage/raster/map_sigma.h"
+#include "pilotage/raster/mission_crs.h"
+
+namespace pilotage {
+namespace {
+
+/// Side of the squares in which shifts are counted, at most so many along the longer side of the ground.
+constexpr double kCell_m = 10;
+constexpr double kMostCells = 1000;
+
+Bounds bounds_of(const std::vector<ImageryInfo>& infos, const Crs& crs) {
+  Bounds bounds;
+  for (const ImageryInfo& info : infos) {
+    const Bounds one = imagery_bounds(info, crs);
+    if (one.empty()) continue;
+    bounds.extend({one.min_x_m, one.min_y_m});
+    bounds.extend({one.max_x_m, one.max_y_m});
+  }
+  return bounds;
+}
+
+std::vector<ImageryInfo> inspect_all(const std::vector<std::string>& datasets, const ImageryOptions& options,
+                                     const Progress& progress) {
+  std::vector<ImageryInfo> infos;
+  for (const std::string& dataset : datasets) infos.push_back(inspect_imagery(dataset, options, progress));
+  return infos;
+}
+
+/// For the ground around the middle of the map.
+MissionCrs audit_crs(const AuditOptions& options, const ImageryInfo& info) {
+  const double half_width_m = info.width_px * info.gsd_x_m / 2;
+  const double half_height_m = info.height_px * info.gsd_y_m / 2;
+  const std::vector<GeodeticPoint> middle{info.center};
+  const double half_m = std::hypot(half_width_m, half_height_m);
+  if (options.crs.empty()) return choose_mission_crs(middle, half_m);
+  return check_mission_crs(Crs::from_user_input(options.crs), middle, half_m);
+}
+
+/// Where both show ground, cell by cell.
+struct CommonGround {
+  GeoTransform map_from_cell;
+  double cell_m = kCell_m;
+  cv::Mat both;  ///< CV_8U.
+};
+
+CommonGround common_ground(const std::string& map, const std::vector<std::string>& other, const ImageryOptions& options,
+                           const Crs& crs, const Bounds& area_m) {
+  CommonGround common;
+  common.cell_m = std::max(kCell_m, std::max(area_m.width_m(), area_m.height_m()) / kMostCells);
+  // Small maps have more cells than a few.
+  common.cell_m = std::min(common.cell_m, std::min(area_m.width_m(), area_m.height_m()) / 8);
+  common.map_from_cell = GeoTransform::north_up(area_m.min_x_m, area_m.max_y_m, common.cell_m);
+  const int columns = std::max(1, static_cast<int>(area_m.width_m() / common.cell_m));
+  const int rows = std::max(1, static_cast<int>(area_m.height_m() / common.cell_m));
+  const GraySource of_map = open_valid_on_grid({map}, crs, common.map_from_cell, columns, rows, options);
+  const GraySource of_other =
+      open_valid_on_grid(other, crs, common.map_from_cell, columns, rows, second_date_options(options));
+  const PixelWindow all{0, 0, columns, rows};
+  common.both = of_map.read(all).valid & of_other.read(all).valid;
+  return common;
+}
+
+/// What the map says of its own error, over the ground that both show.
+double own_sigma_m(const ImageryInfo& map, const Crs& crs, const CommonGround& common,
+                   std::vector<std::string>& warnings) {
+  if (map.map_sigma.empty()) return kNaN;
+  if (!map_sigma_exists(map.map_sigma)) {
+    warnings.push_back(map.dataset + ": says that its own error stands in " + name_as_utf8(map.map_sigma) +
+                       ", which does not exist");
+    return kNaN;
+  }
+  const GraySource source =
+      open_map_sigma({map.map_sigma}, crs, common.map_from_cell, common.both.cols, common.both.rows);
+  Raster sigmas_m = source.read({0, 0, common.both.cols, common.both.rows});
+  sigmas_m.valid = sigmas_m.valid & common.both;
+  return mean_map_sigma_m(sigmas_m, map.map_sigma).value_or(kNaN);
+}
+
+void judge(const CommonGround& common, const AuditOptions& options, MapAudit& audit) {
+  const WarpField& field = audit.registration.fit.field;
+  std::vector<Eigen::Vector2d> shifts_m;
+  std::vector<double> east_m;
+  std::vector<double> north_m;
+  std::vector<double> lengths_m;
+  for (int row = 0; row < common.both.rows; ++row) {
+    for (int col = 0; col < common.both.cols; ++col) {
+      if (common.both.at<std::uint8_t>(row, col) == 0) continue;
+      audit.common_m2 += common.cell_m * common.cell_m;
+      const Eigen::Vector2d point_m = common.map_from_cell.map_from_pixel({col + 0.5, row + 0.5});
+      const Eigen::Vector2d shift_m = -field.displacement_m(point_m.x(), point_m.y());
+      if (shift_m.hasNaN()) continue;
+      audit.compared_m2 += common.cell_m * common.cell_m;
+      shifts_m.push_back(shift_m);
+      east_m.push_back(shift_m.x());
+      north_m.push_back(shift_m.y());
+      lengths_m.push_back(shift_m.norm());
+    }
+  }
+  if (audit.common_m2 == 0) throw DataError("the maps show no common ground");
+  audit.compared = audit.compared_m2 / audit.common_m2;
+  audit.shift_m = spread_of(lengths_m);
+  audit.verdict = AuditVerdict::kNotKnown;
+  if (shifts_m.empty()) {
+    audit.median_shift_en_m.setConstant(kNaN);
+    audit.about_median_m = spread_of({});
+    return;
+  }
+  audit.median_shift_en_m = {quantile(east_m, 0.5), quantile(north_m, 0.5)};
+  std::vector<double> about_m;
+  for (const Eigen::Vector2d& shift_m : shifts_m) about_m.push_back((shift_m - audit.median_shift_en_m).norm());
+  audit.about_median_m = spread_of(about_m);
+  if (audit.compared < options.min_compared) return;
+  audit.verdict = audit.shift_m.quantile_95 <= options.max_shift_m ? AuditVerdict::kWithin : AuditVerdict::kBeyond;
+}
+
+}  // namespace
+
+MapAudit audit_map(const std::string& map, const std::vector<std::string>& other, const AuditOptions& options,
+                   int threads, const Progress& progress) {
+  check_options(options);
+  if (other.empty()) throw UsageError("an audit needs another map");
+  const ImageryInfo of_this = inspect_imagery(map, options.imagery, progress);
+  const auto other_infos = inspect_all(other, second_date_options(options.imagery), progress);
+  MapAudit audit;
+  audit.crs = audit_crs(options, of_this).crs;
+  const Bounds of_map = bounds_of({of_this}, audit.crs);
+  const Bounds of_other = bounds_of(other_infos, audit.crs);
+  audit.area_m = {std::max(of_map.min_x_m, of_other.min_x_m), std::max(of_map.min_y_m, of_other.min_y_m),
+                  std::min(of_map.max_x_m, of_other.max_x_m), std::min(of_map.max_y_m, of_other.max_y_m)};
+  if (audit.area_m.empty() || !of_map.intersects(of_other)) {
+    throw DataError(other.front() + ": shows no ground that " + map + " shows");
+  }
+  std::vector<ImageryInfo> infos = other_infos;
+  infos.insert(infos.begin(), of_this);
+  for (const ImageryInfo& info : infos) {
+    audit.warnings.insert(audit.warnings.end(), info.warnings.begin(), info.warnings.end());
+  }
+  const CommonGround common = common_ground(map, other, options.imagery, audit.crs, audit.area_m);
+  audit.registration =
+      register_dates(open_rasters({map}, options.imagery, other, audit.crs), audit.area_m,
+                     registration_gsd_m(infos, options.registration), options.registration, {}, threads, progress);
+  judge(common, options, audit);
+  audit.map_sigma_m = own_sigma_m(of_this, audit.crs, common, audit.warnings);
+  return audit;
+}
+
+}  // namespace pilotage
