@@ -42,18 +42,24 @@ nlohmann::ordered_json spread_json(const Spread& spread) {
 
 std::string verdict_text(const MapAudit& audit, const AuditOptions& options) {
   const std::string limit = format_number(options.max_shift_m) + " m";
+  const std::string silent =
+      "; of " + format_fixed(100 * (1 - audit.compared), 0) + " % of the common ground nothing is said";
   switch (audit.verdict) {
     case AuditVerdict::kWithin:
-      return "WITHIN " + limit + ": 95 % of what was compared lies within it";
+      return "WITHIN " + limit + ": 95 % of what was compared lies within it" + silent;
     case AuditVerdict::kBeyond:
-      return "BEYOND " + limit + ": more than 5 % of what was compared lies farther off";
+      return "BEYOND " + limit + ": more than 5 % of what was compared lies farther off" + silent;
     case AuditVerdict::kNotKnown:
       break;
   }
-  return "NOT KNOWN: the shift is known on " + format_fixed(100 * audit.compared, 0) +
-         " % of the ground that both show, less than " + format_fixed(100 * options.min_compared, 0) +
-         " %; it is looked for up to " + format_number(options.registration.search_radius_m) +
-         " m (--registration-search-radius-m)";
+  if (audit.compared_m2 > 0 && audit.compared >= options.min_compared) {
+    return "NOT KNOWN: ties that were left out miss by " + format_fixed(audit.registration.fit.left_out_m.median, 2) +
+           " m, more than " + limit;
+  }
+  return "NOT KNOWN: " + format_fixed(100 * audit.compared, 0) +
+         " % of the ground that both show could be compared, of the " + format_fixed(100 * options.min_compared, 0) +
+         " % asked for (--min-compared); shifts are looked for up to " +
+         format_number(options.registration.search_radius_m) + " m (--registration-search-radius-m)";
 }
 
 std::string result_text(const MapAudit& audit, const AuditOptions& options) {

@@ -262,7 +262,7 @@ CommandResult flight_result(const MatchCommandOptions& options, const MatchedFra
 Command make_match_command() {
   Command command;
   command.word = "match";
-  command.group = CommandGroup::kFlight;
+  command.group = CommandGroup::kInspect;
   command.summary = "Find the place of a frame, or of a whole flight, on the map";
   command.examples = {{"One frame, with what the aircraft knows.",
                        "pilotage match map.gpkg frame.jpg --prior-lon-deg 16.5 --prior-lat-deg 55.5 --prior-sigma-m 25 "

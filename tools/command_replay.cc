@@ -473,7 +473,7 @@ CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& 
 Command make_replay_command() {
   Command command;
   command.word = "replay";
-  command.group = CommandGroup::kFlight;
+  command.group = CommandGroup::kInspect;
   command.summary = "Hold a flight that was flown against what was predicted of it";
   command.examples = {
       {"A flight's frames, matched again, beside the plan.", "pilotage replay frames.csv --plan out -o replay.json"},

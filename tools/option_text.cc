@@ -152,8 +152,7 @@ std::vector<std::pair<std::string, std::string>> environment_variables() {
 std::vector<std::pair<CommandGroup, std::string>> command_groups() {
   return {{CommandGroup::kPrepare, "Prepare a map"},
           {CommandGroup::kStages, "Stage by stage"},
-          {CommandGroup::kInspect, "Look at files"},
-          {CommandGroup::kFlight, "In flight, and after it"},
+          {CommandGroup::kInspect, "Look at files and flights"},
           {CommandGroup::kHelp, "Set up"}};
 }
 

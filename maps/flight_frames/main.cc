@@ -24,7 +24,7 @@ CommandResult run_cut(const FlightFrameOptions& options, const Invocation& invoc
 Command make_cut_command() {
   Command command;
   command.word = "cut_flight_frames";
-  command.group = CommandGroup::kFlight;
+  command.group = CommandGroup::kInspect;
   command.summary = "Cut camera frames with known truth from imagery";
   command.examples = {{"Frames 154 m wide.", "cut_flight_frames ortho.tif -o frames --frames 500 --footprint-m 154"}};
   command.inputs = {.name = "RASTER", .help = "Georeferenced imagery: a GDAL dataset.", .min = 1, .max = 1};

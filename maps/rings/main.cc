@@ -64,7 +64,7 @@ CommandResult run_fly_rings(const FlyRingsOptions& options, const Invocation& in
 Command make_fly_rings_command() {
   Command command;
   command.word = "fly_rings";
-  command.group = CommandGroup::kFlight;
+  command.group = CommandGroup::kInspect;
   command.summary = "Find rings, and fly through them in order without GNSS";
   command.examples = {{"One flight, with its picture.", "fly_rings -o rings"},
                       {"Twenty flights.", "fly_rings -o rings --flights 20"}};

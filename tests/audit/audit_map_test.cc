@@ -88,13 +88,38 @@ TEST(AuditMap, ABentMapIsJudgedByItsWorstPart) {
   EXPECT_GT(audit.about_median_m.quantile_95, 4);
 }
 
+/// A part of a mosaic that is off by itself, by more than the field bends.
+TEST(AuditMap, APartThatIsOffByItselfIsNotTakenForItsNeighbours) {
+  const TwoMaps maps([](const Eigen::Vector2d& p) {
+    const bool inside = std::abs(p.x() - 1200) < 100 && std::abs(p.y() - 4800) < 100;
+    return Eigen::Vector2d(inside ? 10 : 0, 0);
+  });
+  const MapAudit audit = maps.audit();
+  EXPECT_LT(audit.compared, 0.9);  // a quarter of the map is off, and its edge is compared with what lies around it
+  AuditOptions strict;
+  strict.min_compared = 0.95;
+  EXPECT_EQ(maps.audit(strict).verdict, AuditVerdict::kNotKnown);
+}
+
 TEST(AuditMap, OtherGroundIsNoVerdict) {
   const TwoMaps maps(shifted);
   write_gray(maps.folder / "other.tif", random_texture(kMapSide_px, "elsewhere"));
   const MapAudit audit = maps.audit();
   EXPECT_EQ(audit.verdict, AuditVerdict::kNotKnown);
   EXPECT_LT(audit.compared, 0.3);
-  EXPECT_THAT(shift_picture_svg(audit, maps.map, {}), HasSubstr("not known"));
+  EXPECT_THAT(shift_picture_svg(audit, maps.map, {}), Not(HasSubstr("<line class=\"beyond\"")));
+}
+
+TEST(AuditMap, TooLittleCommonGroundIsNoVerdict) {
+  const TwoMaps maps(shifted);
+  change_raster(maps.other, [](GDALDataset& dataset) {
+    double place[] = {500'000 + kMapSide_px - 30, 1, 0, 5'000'000, 0, -1};
+    dataset.SetGeoTransform(place);
+  });
+  const MapAudit audit = maps.audit();
+  EXPECT_EQ(audit.verdict, AuditVerdict::kNotKnown);
+  EXPECT_EQ(audit.compared_m2, 0);
+  EXPECT_NEAR(audit.common_m2, 30 * kMapSide_px, 0.1 * 30 * kMapSide_px);
 }
 
 TEST(AuditMap, MapsWithoutCommonGroundAreRefused) {
@@ -126,7 +151,8 @@ TEST(AuditMap, ThePictureShowsWhatIsBeyond) {
   const std::string beyond = shift_picture_svg(audit, maps.map, options);
   EXPECT_THAT(beyond, HasSubstr("<line class=\"beyond\""));
   EXPECT_THAT(beyond, Not(HasSubstr("<line class=\"within\"")));
-  EXPECT_THAT(beyond, HasSubstr("The line is 3 m (the limit), arrows are drawn 2 times as long"));
+  EXPECT_THAT(beyond, HasSubstr("arrows are drawn 2 times as long"));
+  EXPECT_THAT(beyond, HasSubstr("Orange: beyond 3 m."));
   options.max_shift_m = 6;
   EXPECT_THAT(shift_picture_svg(audit, maps.map, options), HasSubstr("<line class=\"within\""));
 }

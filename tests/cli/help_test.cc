@@ -117,7 +117,7 @@ TEST(Help, OverviewGroupsByTheWayOfTheData) {
   look.word = "look";
   look.group = CommandGroup::kInspect;
   const std::string text = overview_help({look, make_toy_command()});
-  EXPECT_LT(text.find("Stage by stage:\n  toy "), text.find("Look at files:\n  look "));
+  EXPECT_LT(text.find("Stage by stage:\n  toy "), text.find("Look at files and flights:\n  look "));
 }
 
 TEST(Help, WrapCountsCharactersNotBytes) {

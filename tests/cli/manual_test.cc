@@ -45,7 +45,7 @@ TEST(Manual, TheProgramsPageListsCommandsByGroup) {
   const ManualPage page = manual_of_program({look, make_toy_command()}, "");
   EXPECT_EQ(page.file, "pilotage.1");
   EXPECT_LT(page.text.find(".SS \"Stage by stage\"\n.TP\n.BR pilotage\\-toy (1)"),
-            page.text.find(".SS \"Look at files\"\n.TP\n.BR pilotage\\-look (1)"));
+            page.text.find(".SS \"Look at files and flights\"\n.TP\n.BR pilotage\\-look (1)"));
   EXPECT_THAT(page.text, HasSubstr(".B NO_COLOR\n"));
   EXPECT_THAT(page.text, Not(HasSubstr("Set up"))) << "a group without commands";
 }

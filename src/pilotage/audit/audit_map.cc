@@ -58,9 +58,9 @@ struct CommonGround {
 CommonGround common_ground(const std::string& map, const std::vector<std::string>& other, const ImageryOptions& options,
                            const Crs& crs, const Bounds& area_m) {
   CommonGround common;
-  common.cell_m = std::max(kCell_m, std::max(area_m.width_m(), area_m.height_m()) / kMostCells);
-  // Small maps have more cells than a few.
-  common.cell_m = std::min(common.cell_m, std::min(area_m.width_m(), area_m.height_m()) / 8);
+  const double longer_m = std::max(area_m.width_m(), area_m.height_m());
+  const double shorter_m = std::min(area_m.width_m(), area_m.height_m());
+  common.cell_m = std::max(std::min(kCell_m, shorter_m / 8), longer_m / kMostCells);
   common.map_from_cell = GeoTransform::north_up(area_m.min_x_m, area_m.max_y_m, common.cell_m);
   const int columns = std::max(1, static_cast<int>(area_m.width_m() / common.cell_m));
   const int rows = std::max(1, static_cast<int>(area_m.height_m() / common.cell_m));
@@ -74,7 +74,7 @@ CommonGround common_ground(const std::string& map, const std::vector<std::string
 
 /// What the map says of its own error, over the ground that both show.
 double own_sigma_m(const ImageryInfo& map, const Crs& crs, const CommonGround& common,
-                   std::vector<std::string>& warnings) {
+                   std::vector<std::string>& warnings) try {
   if (map.map_sigma.empty()) return kNaN;
   if (!map_sigma_exists(map.map_sigma)) {
     warnings.push_back(map.dataset + ": says that its own error stands in " + name_as_utf8(map.map_sigma) +
@@ -86,10 +86,34 @@ double own_sigma_m(const ImageryInfo& map, const Crs& crs, const CommonGround& c
   Raster sigmas_m = source.read({0, 0, common.both.cols, common.both.rows});
   sigmas_m.valid = sigmas_m.valid & common.both;
   return mean_map_sigma_m(sigmas_m, map.map_sigma).value_or(kNaN);
+} catch (const DataError& error) {
+  warnings.push_back(error.what());  // the verdict does not need it
+  return kNaN;
+}
+
+/// Cells around a tie at the finest resolution that agrees with the field.
+cv::Mat compared_cells(const CommonGround& common, const Registration& registration, const TieOptions& options) {
+  cv::Mat compared(common.both.size(), CV_8U, cv::Scalar(0));
+  const double half_m = options.spacing_px * registration.gsd_m;  // as far as the next place
+  for (std::size_t i = 0; i < registration.ties.size(); ++i) {
+    const Tie& tie = registration.ties[i];
+    if (registration.fit.outlier[i] != 0 || tie.gsd_m > 1.5 * registration.gsd_m) continue;
+    const Eigen::Vector2d corner = common.map_from_cell.pixel_from_map(tie.point_m + Eigen::Vector2d(-half_m, half_m));
+    const int side = std::max(1, static_cast<int>(std::lround(2 * half_m / common.cell_m)));
+    const cv::Rect square(static_cast<int>(std::lround(corner.x())), static_cast<int>(std::lround(corner.y())), side,
+                          side);
+    const cv::Rect inside = square & cv::Rect(0, 0, compared.cols, compared.rows);
+    if (inside.area() > 0) compared(inside).setTo(1);
+  }
+  return compared & (common.both / 255);
 }
 
 void judge(const CommonGround& common, const AuditOptions& options, MapAudit& audit) {
   const WarpField& field = audit.registration.fit.field;
+  const cv::Mat compared = compared_cells(common, audit.registration, options.registration.ties);
+  audit.compared_cells.assign(compared.begin<std::uint8_t>(), compared.end<std::uint8_t>());
+  audit.cell_columns = compared.cols;
+  audit.cell_m = common.cell_m;
   std::vector<Eigen::Vector2d> shifts_m;
   std::vector<double> east_m;
   std::vector<double> north_m;
@@ -100,7 +124,7 @@ void judge(const CommonGround& common, const AuditOptions& options, MapAudit& au
       audit.common_m2 += common.cell_m * common.cell_m;
       const Eigen::Vector2d point_m = common.map_from_cell.map_from_pixel({col + 0.5, row + 0.5});
       const Eigen::Vector2d shift_m = -field.displacement_m(point_m.x(), point_m.y());
-      if (shift_m.hasNaN()) continue;
+      if (compared.at<std::uint8_t>(row, col) == 0 || shift_m.hasNaN()) continue;
       audit.compared_m2 += common.cell_m * common.cell_m;
       shifts_m.push_back(shift_m);
       east_m.push_back(shift_m.x());
@@ -122,6 +146,7 @@ void judge(const CommonGround& common, const AuditOptions& options, MapAudit& au
   for (const Eigen::Vector2d& shift_m : shifts_m) about_m.push_back((shift_m - audit.median_shift_en_m).norm());
   audit.about_median_m = spread_of(about_m);
   if (audit.compared < options.min_compared) return;
+  if (!(audit.registration.fit.left_out_m.median <= options.max_shift_m)) return;  // measured no better than that
   audit.verdict = audit.shift_m.quantile_95 <= options.max_shift_m ? AuditVerdict::kWithin : AuditVerdict::kBeyond;
 }
 
@@ -148,9 +173,15 @@ MapAudit audit_map(const std::string& map, const std::vector<std::string>& other
     audit.warnings.insert(audit.warnings.end(), info.warnings.begin(), info.warnings.end());
   }
   const CommonGround common = common_ground(map, other, options.imagery, audit.crs, audit.area_m);
-  audit.registration =
-      register_dates(open_rasters({map}, options.imagery, other, audit.crs), audit.area_m,
-                     registration_gsd_m(infos, options.registration), options.registration, {}, threads, progress);
+  const double gsd_m = registration_gsd_m(infos, options.registration);
+  const TieOptions& ties = options.registration.ties;
+  if (std::min(audit.area_m.width_m(), audit.area_m.height_m()) < ties.min_valid_fraction * ties.template_px * gsd_m) {
+    audit.registration.gsd_m = gsd_m;  // no square to compare fits in
+    audit.registration.fit = fit_warp({}, gsd_m, options.registration.warp);
+  } else {
+    audit.registration = register_dates(open_rasters({map}, options.imagery, other, audit.crs), audit.area_m, gsd_m,
+                                        options.registration, {}, threads, progress);
+  }
   judge(common, options, audit);
   audit.map_sigma_m = own_sigma_m(of_this, audit.crs, common, audit.warnings);
   return audit;

@@ -13,7 +13,7 @@ namespace pilotage {
 /// How a map is held against another one.
 struct AuditOptions {
   double max_shift_m = 3;
-  double min_compared = 0.3;
+  double min_compared = 0.5;
   std::string crs;
   ImageryOptions imagery;
   RegistrationOptions registration;
@@ -24,7 +24,7 @@ struct AuditOptions {
                  "The map may lie so far from the other one: 95 % of the ground that could be compared.",
                  Range{0.01, 1000});
     fields.field("min_compared", self.min_compared,
-                 "Share of the ground that both show where the shift must be known; with less there is no verdict.",
+                 "Share of the ground that both show that must be compared; with less there is no verdict.",
                  Range{0, 1});
     fields.field("crs", self.crs, "CRS in which shifts are measured, projected in metres; chosen if not given.");
     ImageryOptions::describe(self.imagery, fields);

@@ -16,20 +16,33 @@ namespace pilotage {
 namespace {
 
 constexpr double kLongSide_px = 900;
-constexpr double kFoot_px = 90;
+constexpr double kFoot_px = 112;
+constexpr double kLegend_px = 560;
+/// Longest line of the scale.
+constexpr double kScale_px = 200;
 constexpr double kArrows = 30;  // along the longer side
 constexpr std::size_t kMostBytes = 400'000;
 
-/// Of the arrows: 1, 2, 5, 10 …, so that the longest takes at most the room between two of them.
-double exaggeration(double largest_m, double metres_between) {
-  if (!(largest_m > 0)) return 1;
-  const double most = metres_between / largest_m;
-  if (most <= 1) return 1;
+/// The largest of 1, 2, 5, 10 … times a power of ten that is not above `most`.
+double round_below(double most) {
   const double decade = std::pow(10.0, std::floor(std::log10(most)));
   for (const double step : {5.0, 2.0}) {
     if (step * decade <= most) return step * decade;
   }
   return decade;
+}
+
+/// Of the arrows, so that the longest takes at most the room between two of them.
+double exaggeration(double largest_m, double metres_between) {
+  return largest_m > 0 && metres_between > largest_m ? round_below(metres_between / largest_m) : 1;
+}
+
+bool is_compared(const MapAudit& audit, double x_m, double y_m) {
+  const auto col = static_cast<std::size_t>((x_m - audit.area_m.min_x_m) / audit.cell_m);
+  const auto row = static_cast<std::size_t>((audit.area_m.max_y_m - y_m) / audit.cell_m);
+  const auto columns = static_cast<std::size_t>(audit.cell_columns);
+  return col < columns && row * columns + col < audit.compared_cells.size() &&
+         audit.compared_cells[row * columns + col] != 0;
 }
 
 /// In gray and pale, so that arrows are seen.
@@ -56,7 +69,7 @@ std::string shift_picture_svg(const MapAudit& audit, const std::string& map, con
   const SvgWriter svg;
   const double longer_m = std::max(audit.area_m.width_m(), audit.area_m.height_m());
   const double px_per_m = kLongSide_px / longer_m;
-  const double width_px = std::max(300.0, audit.area_m.width_m() * px_per_m);
+  const double width_px = std::max(kLegend_px, audit.area_m.width_m() * px_per_m);
   const double height_px = audit.area_m.height_m() * px_per_m;
   const double between_m = longer_m / kArrows;
   const double factor = exaggeration(audit.shift_m.largest, between_m);
@@ -77,7 +90,7 @@ std::string shift_picture_svg(const MapAudit& audit, const std::string& map, con
   for (double y_m = audit.area_m.max_y_m - between_m / 2; y_m > audit.area_m.min_y_m; y_m -= between_m) {
     for (double x_m = audit.area_m.min_x_m + between_m / 2; x_m < audit.area_m.max_x_m; x_m += between_m) {
       const Eigen::Vector2d shift_m = -field.displacement_m(x_m, y_m);
-      if (shift_m.hasNaN()) continue;
+      if (shift_m.hasNaN() || !is_compared(audit, x_m, y_m)) continue;
       const double x_px = (x_m - audit.area_m.min_x_m) * px_per_m;
       const double y_px = (audit.area_m.max_y_m - y_m) * px_per_m;
       text += svg.line(shift_m.norm() <= options.max_shift_m ? "within" : "beyond",
@@ -85,14 +98,15 @@ std::string shift_picture_svg(const MapAudit& audit, const std::string& map, con
     }
   }
   text += "</g>\n";
-  const double limit_px = factor * options.max_shift_m * px_per_m;
-  text += svg.line("scale", 10, height_px + 22, 10 + std::min(limit_px, width_px - 20), height_px + 22);
-  text += svg.text("", 10, height_px + 44,
-                   "The line is " + format_number(options.max_shift_m) + " m (the limit), arrows are drawn " +
-                       format_number(factor) + " times as long as they are; orange ones are beyond it.");
-  text += svg.text("", 10, height_px + 66,
-                   "From where the other map has the ground to where this one has it; none where it is not known (" +
-                       format_fixed(100 * (1 - audit.compared), 0) + " % of the common ground).");
+  const double scale_m = round_below(kScale_px / (factor * px_per_m));
+  text += svg.line("scale", 10, height_px + 22, 10 + factor * scale_m * px_per_m, height_px + 22);
+  text += svg.text("", 10, height_px + 46,
+                   "The line is " + format_number(scale_m) + " m; arrows are drawn " + format_number(factor) +
+                       " times as long as they are,");
+  text += svg.text("", 10, height_px + 68, "from where the other map has the ground to where this one has it.");
+  text += svg.text("", 10, height_px + 90,
+                   "Orange: beyond " + format_number(options.max_shift_m) + " m. None where nothing was compared: " +
+                       format_fixed(100 * (1 - audit.compared), 0) + " % of the common ground.");
   return text + "</svg>\n";
 }
 

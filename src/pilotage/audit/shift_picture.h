@@ -11,7 +11,7 @@ namespace pilotage {
 
 /// The map in gray with an arrow for each part of it, from where the other map has the ground to where the map has it,
 /// lengthened so that the largest can be seen (the factor stands below); longer ones than `max_shift_m` in another
-/// colour, and nothing where the shift is not known. SVG, its imagery inside. Throws DataError when the imagery cannot
+/// colour, and nothing where nothing was compared. SVG, its imagery inside. Throws DataError when the imagery cannot
 /// be read.
 std::string shift_picture_svg(const MapAudit& audit, const std::string& map, const AuditOptions& options);
 

@@ -402,7 +402,7 @@ void add_warnings(GDALDataset& dataset, bool from_points, ImageryInfo& info) {
 std::string map_sigma_beside(GDALDataset& opened, const std::string& dataset, const std::string& name) {
   const CPLStringList files(opened.GetFileList());
   const std::string file = files.Count() > 0 ? files[0] : dataset;
-  return (std::filesystem::path(file).parent_path() / name).string();
+  return (std::filesystem::path(file).parent_path() / std::filesystem::path(name).filename()).string();
 }
 
 ImageryInfo start_info(GDALDataset& opened, const std::string& dataset) {
