@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "exit_code.h"
+#include "spread_output.h"
 
 #include "pilotage/audit/audit_map.h"
 #include "pilotage/audit/shift_picture.h"
@@ -28,17 +29,6 @@ struct AuditCommandOptions {
                 "this one does, as score and prepare write it.");
   }
 };
-
-std::string spread_text(const Spread& spread) {
-  return format_fixed(spread.median, 2) + " m median, " + format_fixed(spread.quantile_95, 2) + " m 95 %, " +
-         format_fixed(spread.largest, 2) + " m largest";
-}
-
-nlohmann::ordered_json spread_json(const Spread& spread) {
-  return {{"median", json_number(spread.median)},
-          {"quantile_95", json_number(spread.quantile_95)},
-          {"largest", json_number(spread.largest)}};
-}
 
 std::string verdict_text(const MapAudit& audit, const AuditOptions& options) {
   const std::string limit = format_number(options.max_shift_m) + " m";

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "spread_output.h"
 #include "version.h"
 #include <nlohmann/json.hpp>
 
@@ -67,18 +68,6 @@ void summarise(const std::vector<TileScores>& scores, CommandResult& result) {
   }
 }
 
-std::string metres(const Spread& spread) {
-  if (std::isnan(spread.median)) return "not known";
-  return format_fixed(spread.median, 2) + " m median, " + format_fixed(spread.quantile_95, 2) + " m 95 %, " +
-         format_fixed(spread.largest, 2) + " m largest";
-}
-
-nlohmann::ordered_json json_of(const Spread& spread) {
-  return {{"median", json_number(spread.median)},
-          {"quantile_95", json_number(spread.quantile_95)},
-          {"largest", json_number(spread.largest)}};
-}
-
 void summarise(const SecondEpoch& epoch, const std::vector<TileScores>& scores, CommandResult& result) {
   const Registration& registration = epoch.registration;
   const WarpFit& fit = registration.fit;
@@ -88,17 +77,17 @@ void summarise(const SecondEpoch& epoch, const std::vector<TileScores>& scores, 
                  std::to_string(registration.places) + " places and " +
                  std::to_string(static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties) +
                  " coarser ones, " + std::to_string(fit.outliers) + " outliers\n";
-  result.text += "  disagreement: " + metres(fit.disagreement_m) + "\n  residual: " + metres(fit.residual_m) +
-                 "\n  residual of ties left out: " + metres(fit.left_out_m) + "\n";
+  result.text += "  disagreement: " + spread_text(fit.disagreement_m) + "\n  residual: " + spread_text(fit.residual_m) +
+                 "\n  residual of ties left out: " + spread_text(fit.left_out_m) + "\n";
   result.json["second_epoch"] = {
       {"gsd_m", registration.gsd_m},
       {"places", registration.places},
       {"ties", registration.finest_ties},
       {"coarser_ties", static_cast<std::int64_t>(registration.ties.size()) - registration.finest_ties},
       {"outliers", fit.outliers},
-      {"disagreement_m", json_of(fit.disagreement_m)},
-      {"residual_m", json_of(fit.residual_m)},
-      {"left_out_m", json_of(fit.left_out_m)},
+      {"disagreement_m", spread_json(fit.disagreement_m)},
+      {"residual_m", spread_json(fit.residual_m)},
+      {"left_out_m", spread_json(fit.left_out_m)},
       {"tiles_unknown", unknown}};
   if (unknown == 0) return;
   result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
