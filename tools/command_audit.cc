@@ -42,14 +42,7 @@ std::string verdict_text(const MapAudit& audit, const AuditOptions& options) {
     case AuditVerdict::kNotKnown:
       break;
   }
-  if (audit.compared_m2 > 0 && audit.compared >= options.min_compared) {
-    return "NOT KNOWN: ties that were left out miss by " + format_fixed(audit.registration.fit.left_out_m.median, 2) +
-           " m, more than " + limit;
-  }
-  return "NOT KNOWN: " + format_fixed(100 * audit.compared, 0) +
-         " % of the ground that both show could be compared, of the " + format_fixed(100 * options.min_compared, 0) +
-         " % asked for (--min-compared); shifts are looked for up to " +
-         format_number(options.registration.search_radius_m) + " m (--registration-search-radius-m)";
+  return "NOT KNOWN: " + why_not_known(audit, options);
 }
 
 std::string result_text(const MapAudit& audit, const AuditOptions& options) {
@@ -69,6 +62,10 @@ std::string result_text(const MapAudit& audit, const AuditOptions& options) {
             " m; the median shift is " + format_fixed(along_m / audit.map_sigma_m, 1) +
             " times that on each axis, with whatever the other map is off\n";
   }
+  if (!std::isnan(audit.other_sigma_m)) {
+    text +=
+        "the other map's own error, each axis, as that says itself: " + format_fixed(audit.other_sigma_m, 2) + " m\n";
+  }
   text += "assumes: the other map is right where they differ; nothing here tells which of them is\n";
   return text;
 }
@@ -86,7 +83,8 @@ nlohmann::ordered_json result_json(const MapAudit& audit, const AuditOptions& op
           {"shift_m", spread_json(audit.shift_m)},
           {"about_median_m", spread_json(audit.about_median_m)},
           {"left_out_m", spread_json(audit.registration.fit.left_out_m)},
-          {"map_sigma_m", json_number(audit.map_sigma_m)}};
+          {"map_sigma_m", json_number(audit.map_sigma_m)},
+          {"other_map_sigma_m", json_number(audit.other_sigma_m)}};
 }
 
 CommandResult run_audit(const AuditCommandOptions& options, const Invocation& invocation) {

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "spread_output.h"
 
 #include "pilotage/base/csv.h"
 #include "pilotage/base/json_object.h"
@@ -68,6 +69,31 @@ std::string camera_yaml(const Camera& camera) {
          numbers({camera.distortion.begin(), camera.distortion.end()}) + "\n";
 }
 
+/// The map against the one it was tied to.
+nlohmann::ordered_json audit_json(const MapAudit& audit) {
+  return {{"compared", audit.compared},
+          {"median_shift_m", {json_number(audit.median_shift_en_m.x()), json_number(audit.median_shift_en_m.y())}},
+          {"shift_m", spread_json(audit.shift_m)},
+          {"about_median_m", spread_json(audit.about_median_m)}};
+}
+
+nlohmann::ordered_json alignment_json(const std::optional<MapAlignment>& alignment) {
+  if (!alignment) return nullptr;
+  return {{"reference", alignment->reference},
+          {"reference_sigma_m", alignment->reference_sigma_m},
+          {"reference_sigma_is", alignment->sigma_source},
+          {"ties", alignment->ties},
+          {"before", audit_json(alignment->before)},
+          {"after", audit_json(alignment->after)}};
+}
+
+std::string audit_text(const MapAudit& audit) {
+  if (audit.compared_m2 == 0) return "cannot be compared";
+  return format_fixed(audit.median_shift_en_m.x(), 2) + " m east, " + format_fixed(audit.median_shift_en_m.y(), 2) +
+         " m north (medians); its length " + spread_text(audit.shift_m) + "; " + format_fixed(100 * audit.compared, 0) +
+         " % of the common ground compared";
+}
+
 nlohmann::ordered_json result_json(const CaptureResult& done, const std::string& output) {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   for (const CapturedFrame& frame : done.frames) {
@@ -112,6 +138,7 @@ nlohmann::ordered_json result_json(const CaptureResult& done, const std::string&
           {"control_points", done.control_points},
           {"control_rms_m", json_number(done.control_rms_m)},
           {"position_bias_m", {done.bias_east_m, done.bias_north_m}},
+          {"alignment", alignment_json(done.alignment)},
           {"ground", done.ground},
           {"ground_spread_m", done.ground_spread_m},
           {"left_out", done.left_out},
@@ -135,6 +162,14 @@ std::string result_text(const CaptureResult& done, const std::string& output) {
   if (done.control_points > 0) {
     text += std::to_string(done.control_points) + " control points: " + format_fixed(done.control_rms_m, 3) +
             " m RMS; frames' positions shifted by " + format_fixed(done.bias_east_m, 2) + " m east, " +
+            format_fixed(done.bias_north_m, 2) + " m north\n";
+  }
+  if (done.alignment) {
+    const MapAlignment& alignment = *done.alignment;
+    text += "tied to " + alignment.reference + " (" + std::to_string(alignment.ties) +
+            " ties); the map less that one, before: " + audit_text(alignment.before) + "\n";
+    text += "  after: " + audit_text(alignment.after) + "\n";
+    text += "  frames' positions shifted by " + format_fixed(done.bias_east_m, 2) + " m east, " +
             format_fixed(done.bias_north_m, 2) + " m north\n";
   }
   text += "ground: " + done.ground + ", points lie " + format_fixed(done.ground_spread_m, 2) + " m from it\n";
@@ -180,7 +215,9 @@ Command make_capture_command() {
       {"The photos of a drone; positions and camera are in their tags.", "pilotage capture photos/ -o reference.tif"},
       {"A camera and an elevation model of one's own, and the adjusted frames as a table.",
        "pilotage capture frames.csv --camera camera.yaml --elevation dem.tif --log adjusted.csv -o "
-       "reference.tif"}};
+       "reference.tif"},
+      {"Tied to the satellite's map, which lies to within 2 m.",
+       "pilotage capture photos/ --align satellite.tif --align-sigma-m 2 -o reference.tif"}};
   command.inputs = {
       .name = "FRAMES", .help = "Pictures, folders of them, or one frames.csv.", .min = 1, .max = InputSpec::kMany};
   command.output = {

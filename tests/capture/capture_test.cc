@@ -28,6 +28,7 @@ using pilotage::testing::error_of;
 using pilotage::testing::misplacements_m;
 using pilotage::testing::TemporaryFolder;
 using pilotage::testing::write_control_points;
+using pilotage::testing::write_ground;
 using pilotage::testing::write_table;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -260,6 +261,71 @@ TEST(CaptureThorough, ControlPointsTellWhatAllPositionsMissAlike) {
   EXPECT_LE(quantile(misplacements_m(flight, folder / "controlled.tif"), 0.95), 3 * 0.25);
   write_control_points(folder.path(), flight, points, kHill_m, 3);
   EXPECT_THAT(refused(table, options), HasSubstr("control point \"500158"));
+}
+
+/// The drawn flight with positions that are all `east_m` too far east.
+std::filesystem::path write_moved_table(double east_m) {
+  const auto& [folder, flight] = drawn();
+  std::vector<DrawnFrame> frames = flight.frames;
+  for (DrawnFrame& frame : frames) frame.stated = geodesic_direct(frame.stated, 90, east_m);
+  return write_table(folder.path(), frames, true);
+}
+
+CaptureOptions options_to_align(const std::filesystem::path& reference) {
+  CaptureOptions options = options_of(drawn().flight);
+  options.align = reference.string();
+  options.registration.gsd_m = 0.3;  // the drawn ground is small
+  return options;
+}
+
+TEST(CaptureThorough, AMapTiedToAnotherLiesWhereThatOneHasTheGround) {
+  const auto& [folder, flight] = drawn();
+  const auto table = write_moved_table(4);
+  CaptureOptions options = options_to_align(write_ground(folder / "true.tif", flight, 0));
+  options.align_sigma_m = 0.2;
+  const CaptureResult done = capture_to(folder / "aligned.tif", table, options);
+  ASSERT_TRUE(done.alignment);
+  EXPECT_GE(done.alignment->ties, 6);
+  EXPECT_NEAR(done.alignment->before.median_shift_en_m.x(), 4, 0.6);
+  EXPECT_LT(done.alignment->after.median_shift_en_m.norm(), 0.2);
+  EXPECT_NEAR(done.bias_east_m, 4, 0.6);
+  EXPECT_LT(worst_frame_m(done), 1);
+  EXPECT_LE(quantile(misplacements_m(flight, folder / "aligned.tif"), 0.95), 3 * 0.25);
+  EXPECT_GT(done.map_sigma_median_m, 0.2);
+  EXPECT_LT(done.map_sigma_median_m, 0.5);
+  // What the other map may miss is said of this one, and the positions count the more, the more that is.
+  options.align_sigma_m = 5;
+  const CaptureResult doubted = capture_to(folder / "doubted.tif", table, options);
+  EXPECT_NEAR(doubted.alignment->after.median_shift_en_m.x(), 2, 0.5);
+  EXPECT_NEAR(doubted.map_sigma_median_m, 5 / std::sqrt(2), 0.4);
+}
+
+TEST(CaptureThorough, TheOtherMapSaysItselfHowFarItMayBeOff) {
+  const auto& [map, first] = captured_once();
+  const CaptureResult done = capture_to(drawn().folder / "second.tif", write_moved_table(0), options_to_align(map), 2);
+  ASSERT_TRUE(done.alignment);
+  EXPECT_NEAR(done.alignment->reference_sigma_m, first.map_sigma_median_m, 0.1);
+  EXPECT_EQ(done.alignment->sigma_source, "as it says itself");
+}
+
+TEST(CaptureThorough, AnotherMapThatDoesNotFitIsRefused) {
+  const auto& [folder, flight] = drawn();
+  CaptureOptions options = options_to_align(write_ground(folder / "true.tif", flight, 0));
+  options.position_bias_sigma_m = 0.5;
+  options.align_sigma_m = 0.5;
+  EXPECT_THAT(refused(write_moved_table(6), options),
+              AllOf(HasSubstr("true.tif: lies "), HasSubstr("--align-sigma-m, --position-bias-sigma-m")));
+  options.align = write_ground(folder / "far.tif", flight, 3000).string();
+  EXPECT_THAT(refused(write_moved_table(0), options), HasSubstr("far.tif: shows no ground below the frames"));
+  DrawnFlight other = flight;
+  cv::flip(other.ground.pixels, other.ground.pixels, 0);
+  options.align = write_ground(folder / "other.tif", other, 0).string();
+  EXPECT_THAT(refused(write_moved_table(0), options),
+              AllOf(HasSubstr("other.tif: the map of the frames cannot be tied to it: "), HasSubstr("--min-compared"),
+                    Not(HasSubstr("draft"))));
+  options.align.clear();
+  EXPECT_THAT(error_of<UsageError>([&] { capture_to(folder / "none.tif", write_moved_table(0), options); }),
+              HasSubstr("align_sigma_m needs align"));
 }
 
 TEST(Capture, WithoutACameraItsTagsAreAskedFor) {

@@ -13,6 +13,7 @@
 #include "pilotage/camera/lens.h"
 #include "pilotage/camera/render_frame.h"
 #include "pilotage/raster/gdal_gray.h"
+#include "pilotage/raster/gdal_write.h"
 
 namespace pilotage::testing {
 namespace {
@@ -115,6 +116,22 @@ DrawnFlight draw_flight(const std::filesystem::path& folder, double hill_m, doub
     }
   }
   return flight;
+}
+
+std::filesystem::path write_ground(const std::filesystem::path& map, const DrawnFlight& flight, double east_m) {
+  const Raster& ground = flight.ground;
+  GeoTransform place = ground.map_from_pixel;
+  place.origin_x += east_m;
+  PictureSource picture{ground.pixels.cols, ground.pixels.rows, flight.crs, place, {}, {}};
+  picture.draw = [&](const auto& write) {
+    Raster all = ground;
+    cv::cvtColor(ground.pixels, all.pixels, cv::COLOR_GRAY2RGB);
+    write(0, 0, all);
+  };
+  OutputFile output(map, true);
+  write_picture_cog(output, picture);
+  output.commit();
+  return map;
 }
 
 std::filesystem::path write_table(const std::filesystem::path& folder, const std::vector<DrawnFrame>& frames,

@@ -44,6 +44,9 @@ std::filesystem::path write_control_points(const std::filesystem::path& folder, 
                                            const std::vector<Eigen::Vector2d>& points_en_m, double hill_m,
                                            double moved_m);
 
+/// The true ground as a map, all of it `east_m` too far east.
+std::filesystem::path write_ground(const std::filesystem::path& map, const DrawnFlight& flight, double east_m);
+
 /// frames.csv of the flight in `folder`; with attitude, or with positions and heights alone.
 std::filesystem::path write_table(const std::filesystem::path& folder, const std::vector<DrawnFrame>& frames,
                                   bool with_attitude);

@@ -31,6 +31,8 @@ struct BlockNoise {
   bool with_elevation = false;
   double slope = 0;  ///< Of the ground, upwards to the north.
   int lines = 4;
+  double reference_m = 0;  ///< Of the map that the block is tied to, if not 0; ties are good to
+  double tie_m = 0.5;
 };
 
 struct DrawnBlock {
@@ -129,6 +131,13 @@ DrawnBlock draw_block(const BlockNoise& noise, std::uint64_t seed) {
   return drawn;
 }
 
+std::size_t nearest_frame(const AdjustedBlock& adjusted, const Eigen::Vector2d& en_m) {
+  std::size_t nearest = 0;
+  const auto away_m = [&](std::size_t k) { return (adjusted.poses[k].center_enu_m.head<2>() - en_m).norm(); };
+  for (std::size_t k = 1; k < adjusted.poses.size(); ++k) nearest = away_m(k) < away_m(nearest) ? k : nearest;
+  return nearest;
+}
+
 /// Where the ground lies that a map shows at a place from a frame.
 std::optional<Eigen::Vector2d> true_place_m(const DrawnBlock& drawn, const AdjustedBlock& adjusted, std::size_t frame,
                                             const Eigen::Vector3d& place_m, double slope) {
@@ -148,6 +157,31 @@ std::optional<Eigen::Vector2d> true_place_m(const DrawnBlock& drawn, const Adjus
   return at_m;
 }
 
+/// Twelve ties of an adjusted block to another map, which is off by the same everywhere.
+void tie_to_map(const DrawnBlock& drawn, const AdjustedBlock& adjusted, const BlockNoise& noise, Random& random,
+                Block& block) {
+  const GroundSurface ground = fit_surface(adjusted.points, {-250, -200}, {250, 200});
+  const Eigen::Vector2d bias_m = normal3(random, noise.reference_m).head<2>();
+  block.reference_sigma_m = noise.reference_m;
+  block.surface_sigma_m = std::max(0.1, ground.spread_m);
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector2d en_m(random.uniform(-100, 100), random.uniform(-60, 60));
+    ReferenceTie tie;
+    tie.frame = static_cast<int>(nearest_frame(adjusted, en_m));
+    tie.enu_m << en_m, ground.heights.height_m(en_m);
+    tie.above_plane_m = tie.enu_m.z() - adjusted.plane->dot(Eigen::Vector3d(en_m.x(), en_m.y(), 1));
+    const FramePose& pose = adjusted.poses[static_cast<std::size_t>(tie.frame)];
+    const auto pixel =
+        pixel_from_ray(make_lens(adjusted.camera), pose.enu_from_camera.transpose() * (tie.enu_m - pose.center_enu_m));
+    const auto truth_m = true_place_m(drawn, adjusted, static_cast<std::size_t>(tie.frame), tie.enu_m, noise.slope);
+    ASSERT_TRUE(pixel && truth_m);
+    tie.pixel = *pixel;
+    tie.sigma_m = noise.tie_m;
+    tie.reference_en_m = *truth_m + bias_m + normal3(random, noise.tie_m).head<2>();
+    block.reference_ties.push_back(tie);
+  }
+}
+
 struct Consistency {
   double nees = 0;     ///< Mean of eᵀ P⁻¹ e over two.
   double rms_m = 0;    ///< Of the errors, per axis.
@@ -159,22 +193,27 @@ Consistency consistency(const BlockNoise& noise, int blocks, bool at_the_edge) {
   Consistency mean;
   Random random(99);
   for (int i = 0; i < blocks; ++i) {
-    const DrawnBlock drawn = draw_block(noise, static_cast<std::uint64_t>(1000 + i));
+    DrawnBlock drawn = draw_block(noise, static_cast<std::uint64_t>(1000 + i));
     GroundPrior prior;
     if (noise.with_elevation) {
       prior.height_m = [&](const Eigen::Vector2d& en_m) { return true_ground_m(en_m, noise.slope); };
     }
-    const AdjustedBlock adjusted = adjust_block(drawn.block, start_block(drawn.block),
-                                                join_tracks(drawn.block.pairs, drawn.block.features, 8), prior, 1, {});
+    const auto adjust = [&] {
+      return adjust_block(drawn.block, start_block(drawn.block),
+                          join_tracks(drawn.block.pairs, drawn.block.features, 8), prior, 1, {});
+    };
+    AdjustedBlock adjusted = adjust();
+    if (noise.reference_m > 0) {
+      tie_to_map(drawn, adjusted, noise, random, drawn.block);
+      adjusted = adjust();
+    }
     const Eigen::Vector2d low(-250, -200);
     const GroundSurface ground =
         prior.height_m ? sample_surface(prior, 5, adjusted.points, low, -low) : fit_surface(adjusted.points, low, -low);
     const Eigen::Vector2d en_m =
         at_the_edge ? Eigen::Vector2d(random.uniform(105, 135), 22.5 * noise.lines - random.uniform(0, 30))
                     : Eigen::Vector2d(random.uniform(-60, 60), random.uniform(-50, 50));
-    std::size_t nearest = 0;
-    const auto away_m = [&](std::size_t k) { return (adjusted.poses[k].center_enu_m.head<2>() - en_m).norm(); };
-    for (std::size_t k = 1; k < adjusted.poses.size(); ++k) nearest = away_m(k) < away_m(nearest) ? k : nearest;
+    const std::size_t nearest = nearest_frame(adjusted, en_m);
     const Eigen::Vector3d place_m(en_m.x(), en_m.y(), ground.heights.height_m(en_m));
     const auto truth_m = true_place_m(drawn, adjusted, nearest, place_m, noise.slope);
     EXPECT_TRUE(truth_m);
@@ -209,9 +248,14 @@ TEST(MapErrorThorough, ErrorsOfTheMapAreAsLargeAsItSays) {
   strip.lines = 1;
   BlockNoise on_elevation = no_bias;  // which is exact, and taken for good to 3 m
   on_elevation.with_elevation = true;
+  BlockNoise tied;
+  tied.reference_m = 1;
+  BlockNoise well_tied;  // what the frames themselves leave open counts
+  well_tied.reference_m = 0.05;
   for (const Case& one : {Case{"bias", {}, false, 0.6}, Case{"no_bias", no_bias, true, 0.6},
                           Case{"no_attitude", no_attitude, true, 0.6}, Case{"slope", on_slope, true, 0.6},
-                          Case{"strip", strip, true, 0.35}, Case{"elevation", on_elevation, true, 0.35}}) {
+                          Case{"strip", strip, true, 0.35}, Case{"elevation", on_elevation, true, 0.35},
+                          Case{"tied", tied, false, 0.6}, Case{"well_tied", well_tied, true, 0.6}}) {
     const Consistency found = consistency(one.noise, 40, one.at_the_edge);
     RecordProperty(one.name, format_fixed(found.nees, 2) + ": " + format_fixed(found.rms_m, 2) + " m, modelled " +
                                  format_fixed(found.sigma_m, 2) + " m");

@@ -8,6 +8,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/statistics.h"
+#include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/map_sigma.h"
@@ -72,20 +73,24 @@ CommonGround common_ground(const std::string& map, const std::vector<std::string
   return common;
 }
 
-/// What the map says of its own error, over the ground that both show.
-double own_sigma_m(const ImageryInfo& map, const Crs& crs, const CommonGround& common,
+/// What a map says of its own error, over the ground that both show.
+double own_sigma_m(const std::vector<ImageryInfo>& map, const Crs& crs, const CommonGround& common,
                    std::vector<std::string>& warnings) try {
-  if (map.map_sigma.empty()) return kNaN;
-  if (!map_sigma_exists(map.map_sigma)) {
-    warnings.push_back(map.dataset + ": says that its own error stands in " + name_as_utf8(map.map_sigma) +
-                       ", which does not exist");
-    return kNaN;
+  std::vector<std::string> rasters;
+  for (const ImageryInfo& info : map) {
+    if (info.map_sigma.empty()) continue;
+    if (map_sigma_exists(info.map_sigma)) {
+      rasters.push_back(info.map_sigma);
+    } else {
+      warnings.push_back(info.dataset + ": says that its own error stands in " + name_as_utf8(info.map_sigma) +
+                         ", which does not exist");
+    }
   }
-  const GraySource source =
-      open_map_sigma({map.map_sigma}, crs, common.map_from_cell, common.both.cols, common.both.rows);
+  if (rasters.empty()) return kNaN;
+  const GraySource source = open_map_sigma(rasters, crs, common.map_from_cell, common.both.cols, common.both.rows);
   Raster sigmas_m = source.read({0, 0, common.both.cols, common.both.rows});
   sigmas_m.valid = sigmas_m.valid & common.both;
-  return mean_map_sigma_m(sigmas_m, map.map_sigma).value_or(kNaN);
+  return mean_map_sigma_m(sigmas_m, join(rasters, ", ")).value_or(kNaN);
 } catch (const DataError& error) {
   warnings.push_back(error.what());  // the verdict does not need it
   return kNaN;
@@ -95,9 +100,8 @@ double own_sigma_m(const ImageryInfo& map, const Crs& crs, const CommonGround& c
 cv::Mat compared_cells(const CommonGround& common, const Registration& registration, const TieOptions& options) {
   cv::Mat compared(common.both.size(), CV_8U, cv::Scalar(0));
   const double half_m = options.spacing_px * registration.gsd_m;  // as far as the next place
-  for (std::size_t i = 0; i < registration.ties.size(); ++i) {
-    const Tie& tie = registration.ties[i];
-    if (registration.fit.outlier[i] != 0 || tie.gsd_m > 1.5 * registration.gsd_m) continue;
+  for (const std::size_t number : agreeing_finest_ties(registration)) {
+    const Tie& tie = registration.ties[number];
     const Eigen::Vector2d corner = common.map_from_cell.pixel_from_map(tie.point_m + Eigen::Vector2d(-half_m, half_m));
     const int side = std::max(1, static_cast<int>(std::lround(2 * half_m / common.cell_m)));
     const cv::Rect square(static_cast<int>(std::lround(corner.x())), static_cast<int>(std::lround(corner.y())), side,
@@ -183,8 +187,20 @@ MapAudit audit_map(const std::string& map, const std::vector<std::string>& other
                                         options.registration, {}, threads, progress);
   }
   judge(common, options, audit);
-  audit.map_sigma_m = own_sigma_m(of_this, audit.crs, common, audit.warnings);
+  audit.map_sigma_m = own_sigma_m({of_this}, audit.crs, common, audit.warnings);
+  audit.other_sigma_m = own_sigma_m(other_infos, audit.crs, common, audit.warnings);
   return audit;
+}
+
+std::string why_not_known(const MapAudit& audit, const AuditOptions& options) {
+  if (audit.verdict != AuditVerdict::kNotKnown) return "";
+  if (audit.compared_m2 > 0 && audit.compared >= options.min_compared) {
+    return "ties that were left out miss by " + format_fixed(audit.registration.fit.left_out_m.median, 2) +
+           " m, more than " + format_number(options.max_shift_m) + " m";
+  }
+  return format_fixed(100 * audit.compared, 0) + " % of the ground that both show could be compared, of the " +
+         format_fixed(100 * options.min_compared, 0) + " % asked for (--min-compared); shifts are looked for up to " +
+         format_number(options.registration.search_radius_m) + " m (--registration-search-radius-m)";
 }
 
 }  // namespace pilotage

@@ -48,6 +48,7 @@ struct MapAudit {
   /// Root mean square of what the map says of its own error there, each axis (raster/map_sigma.h); NaN where it does
   /// not.
   double map_sigma_m = 0;
+  double other_sigma_m = 0;  ///< The same of the other map.
   std::vector<std::string> warnings;
 };
 
@@ -56,6 +57,9 @@ struct MapAudit {
 /// they share no ground or cannot be read; Interrupted. The same for any number of threads.
 MapAudit audit_map(const std::string& map, const std::vector<std::string>& other, const AuditOptions& options,
                    int threads, const Progress& progress = {});
+
+/// Why `audit` has no verdict, as a clause naming the numbers and options; "" when it has one.
+std::string why_not_known(const MapAudit& audit, const AuditOptions& options);
 
 }  // namespace pilotage
 

@@ -9,13 +9,13 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <ceres/ceres.h>
-#include <ceres/rotation.h>
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/statistics.h"
 #include "pilotage/camera/lens.h"
+#include "pilotage/capture/block_residuals.h"
 #include "pilotage/capture/frame_errors.h"
 
 namespace pilotage {
@@ -30,166 +30,12 @@ constexpr double kBoresightSigma_deg = 5;
 constexpr double kMarkSigma_px = 1;
 constexpr double kGroundParts = 25;
 constexpr double kOutlierSigmas = 4;
-constexpr double kBehindSigmas = 1000;
 constexpr double kLargestErrorSigmas = 15;
 constexpr int kIterations = 60;
 constexpr std::size_t kFewestSightings = 30;
 
 /// turn(3) against the pose that the round begins with, centre(3).
 using PoseBlock = std::array<double, 6>;
-
-template <class T>
-using Vector3 = Eigen::Matrix<T, 3, 1>;
-
-template <class T>
-Vector3<T> turned(const T* angle_axis, const Vector3<T>& vector) {
-  Vector3<T> result;
-  ceres::AngleAxisRotatePoint(angle_axis, vector.data(), result.data());
-  return result;
-}
-
-/// Where `camera`, with its focal length and k1, k2 from `lens` (log of the factor, k1, k2), sees a point of its own
-/// frame. The formulas of camera/lens.h, for Jets.
-template <class T>
-Eigen::Matrix<T, 2, 1> project(const Camera& camera, const T* lens, const Vector3<T>& point) {
-  const T x = point.x() / point.z();
-  const T y = point.y() / point.z();
-  const T r2 = x * x + y * y;
-  const double p1 = camera.distortion[2];
-  const double p2 = camera.distortion[3];
-  const T radial = 1.0 + r2 * (lens[1] + r2 * (lens[2] + r2 * camera.distortion[4]));
-  const T x_distorted = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
-  const T y_distorted = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-  using std::exp;
-  const T scale = exp(lens[0]);
-  return {scale * camera.fx_px * x_distorted + camera.cx_px, scale * camera.fy_px * y_distorted + camera.cy_px};
-}
-
-/// Reprojection error over its standard deviation.
-struct SightingError {
-  const Camera* camera;
-  const Eigen::Matrix3d* camera_from_enu;
-  Eigen::Vector2d pixel;
-  double sigma_px;
-
-  template <class T>
-  bool operator()(const T* pose, const T* point, const T* lens, T* residual) const {
-    const Vector3<T> from_center(point[0] - pose[3], point[1] - pose[4], point[2] - pose[5]);
-    const Vector3<T> seen = turned<T>(pose, camera_from_enu->cast<T>() * from_center);
-    Eigen::Map<Eigen::Matrix<T, 2, 1>> error(residual);
-    if (seen.z() < T(1e-6)) {  // behind the camera: an outlier, and no direction to go in
-      error.setConstant(T(kBehindSigmas));
-      return true;
-    }
-    error = (project(*camera, lens, seen) - pixel.cast<T>()) / T(sigma_px);
-    return true;
-  }
-};
-
-struct PositionError {
-  Eigen::Vector3d measured_m;
-  Eigen::Vector3d velocity_mps;
-  Eigen::Vector3d sigma_m;
-
-  template <class T>
-  bool operator()(const T* pose, const T* bias, const T* clock, T* residual) const {
-    for (int axis = 0; axis < 3; ++axis) {
-      residual[axis] = (measured_m[axis] + clock[0] * velocity_mps[axis] - bias[axis] - pose[3 + axis]) / sigma_m[axis];
-    }
-    return true;
-  }
-};
-
-/// The camera's turn against what was measured, less the boresight, about its own axes.
-struct AttitudeError {
-  Eigen::Matrix3d camera_from_enu;  ///< Of the pose that the round begins with.
-  Eigen::Matrix3d measured_camera_from_enu;
-  double tilt_sigma_rad;
-  double heading_sigma_rad;
-
-  template <class T>
-  bool operator()(const T* pose, const T* boresight, T* residual) const {
-    Eigen::Matrix<T, 3, 3> of_pose;
-    Eigen::Matrix<T, 3, 3> of_boresight;
-    ceres::AngleAxisToRotationMatrix(pose, of_pose.data());
-    ceres::AngleAxisToRotationMatrix(boresight, of_boresight.data());
-    const Eigen::Matrix<T, 3, 3> turn =
-        of_pose * (camera_from_enu * measured_camera_from_enu.transpose()).cast<T>() * of_boresight.transpose();
-    T angle_axis[3];
-    ceres::RotationMatrixToAngleAxis(turn.data(), angle_axis);
-    residual[0] = angle_axis[0] / tilt_sigma_rad;
-    residual[1] = angle_axis[1] / tilt_sigma_rad;
-    residual[2] = angle_axis[2] / heading_sigma_rad;
-    return true;
-  }
-};
-
-/// An aircraft whose attitude is not known flies level, but for the boresight that all frames share: east and north of
-/// its upward axis.
-struct LevelError {
-  Eigen::Matrix3d camera_from_enu;
-  Eigen::Vector3d up_camera;  ///< The aircraft's upward axis in the camera's frame.
-  double sigma_rad;
-
-  template <class T>
-  bool operator()(const T* pose, const T* boresight, T* residual) const {
-    const T back[3] = {-pose[0], -pose[1], -pose[2]};
-    const Vector3<T> mounted = turned<T>(boresight, up_camera.cast<T>());
-    const Vector3<T> up = camera_from_enu.transpose().cast<T>() * turned<T>(back, mounted);
-    residual[0] = up.x() / sigma_rad;
-    residual[1] = up.y() / sigma_rad;
-    return true;
-  }
-};
-
-/// Parameters less expected values, over standard deviations.
-struct PriorError {
-  Eigen::Vector3d expected;
-  Eigen::Vector3d sigma;
-
-  template <class T>
-  bool operator()(const T* values, T* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = (values[i] - expected[i]) / sigma[i];
-    return true;
-  }
-};
-
-struct HeightError {
-  double expected_m;
-  double sigma_m;
-
-  template <class T>
-  bool operator()(const T* point, T* residual) const {
-    residual[0] = (point[2] - expected_m) / sigma_m;
-    return true;
-  }
-};
-
-/// A point's height over a plane of which nothing is known before: slopes to the east and north, height at the origin.
-struct PlaneError {
-  double sigma_m;
-
-  template <class T>
-  bool operator()(const T* point, const T* plane, T* residual) const {
-    residual[0] = (point[2] - plane[0] * point[0] - plane[1] * point[1] - plane[2]) / sigma_m;
-    return true;
-  }
-};
-
-struct ScalarError {
-  double sigma;
-
-  template <class T>
-  bool operator()(const T* value, T* residual) const {
-    residual[0] = value[0] / sigma;
-    return true;
-  }
-};
-
-template <int kResiduals, int... kBlocks, class Error>
-ceres::CostFunction* cost(const Error& error) {
-  return new ceres::AutoDiffCostFunction<Error, kResiduals, kBlocks...>(new Error(error));
-}
 
 /// z = a·e + b·n + c.
 struct Plane {
@@ -258,6 +104,7 @@ class Adjustment {
                                 [](const MeasuredPose& one) { return one.velocity_enu_mps.has_value(); });
     place_points(tracks, start);
     place_control_points();
+    for (const ReferenceTie& tie : block.reference_ties) ties_.push_back(tie.enu_m);
   }
 
   void solve(int round, const Progress& progress) {
@@ -322,6 +169,7 @@ class Adjustment {
                                           done.position_bias_m - center);
     }
     for (std::size_t i = 0; i < control_.size(); ++i) done.control_misses.push_back(control_miss(i));
+    if (!ground_.height_m) done.plane = Eigen::Vector3d(plane_.data());
     done.converged = converged_;
     done.sightings_before = sightings_before_;
     sum_errors(done);
@@ -431,6 +279,7 @@ class Adjustment {
     add_frames(problem);
     add_points(problem);
     add_control_points(problem);
+    if (!ties_.empty()) add_reference_ties(problem);
   }
 
   /// With what was left out after the last solution left out here, too.
@@ -445,9 +294,11 @@ class Adjustment {
     at.parameter_blocks.push_back(boresight_.data());
     if (!ground_.height_m) at.parameter_blocks.push_back(plane_.data());
     if (has_velocity_) at.parameter_blocks.push_back(&clock_);
-    const int shared = 9 + (ground_.height_m ? 0 : 3) + (has_velocity_ ? 1 : 0);
+    if (!ties_.empty()) at.parameter_blocks.push_back(reference_bias_.data());
+    const int shared = 9 + (ground_.height_m ? 0 : 3) + (has_velocity_ ? 1 : 0) + (ties_.empty() ? 0 : 2);
     for (AdjustedPoint& point : points_) at.parameter_blocks.push_back(point.enu_m.data());
     for (Eigen::Vector3d& point : control_) at.parameter_blocks.push_back(point.data());
+    for (Eigen::Vector3d& point : ties_) at.parameter_blocks.push_back(point.data());
     ceres::CRSMatrix jacobian;
     if (!problem.Evaluate(at, nullptr, nullptr, nullptr, &jacobian)) {
       throw DataError("the block cannot be adjusted: its residuals have no derivatives where it ends");
@@ -480,12 +331,12 @@ class Adjustment {
     }
     const double up_sigma_m = heights_are_tied() ? kFreeHeightSigma_m : kHeightBiasSigma_m;
     const double en_sigma_m = block_.position_bias_sigma_m;
-    problem.AddResidualBlock(cost<3, 3>(PriorError{{0, 0, 0}, {en_sigma_m, en_sigma_m, up_sigma_m}}), nullptr,
+    problem.AddResidualBlock(cost<3, 3>(PriorError<3>{{0, 0, 0}, {en_sigma_m, en_sigma_m, up_sigma_m}}), nullptr,
                              bias_.data());
     problem.AddResidualBlock(cost<1, 1>(ScalarError{kClockSigma_s}), nullptr, &clock_);
     if (!has_velocity_) problem.SetParameterBlockConstant(&clock_);
     const double sigma_rad = kBoresightSigma_deg * kRadPerDeg;
-    problem.AddResidualBlock(cost<3, 3>(PriorError{{0, 0, 0}, Eigen::Vector3d::Constant(sigma_rad)}), nullptr,
+    problem.AddResidualBlock(cost<3, 3>(PriorError<3>{{0, 0, 0}, Eigen::Vector3d::Constant(sigma_rad)}), nullptr,
                              boresight_.data());
   }
 
@@ -502,7 +353,7 @@ class Adjustment {
                                  new ceres::CauchyLoss(2), poses_[frame].data(), point.enu_m.data(), lens_.data());
       }
       if (!ground_.height_m) {
-        problem.AddResidualBlock(cost<1, 3, 3>(PlaneError{spread_m * share}), nullptr, point.enu_m.data(),
+        problem.AddResidualBlock(cost<1, 3, 3>(PlaneError{0, spread_m * share}), nullptr, point.enu_m.data(),
                                  plane_.data());
         continue;
       }
@@ -511,8 +362,8 @@ class Adjustment {
       problem.AddResidualBlock(cost<1, 3>(HeightError{expected_m, spread_m * share}), nullptr, point.enu_m.data());
     }
     problem.AddResidualBlock(
-        cost<3, 3>(PriorError{{0, block_.camera.distortion[0], block_.camera.distortion[1]},
-                              {block_.focal_length_sigma, block_.distortion_sigma, block_.distortion_sigma}}),
+        cost<3, 3>(PriorError<3>{{0, block_.camera.distortion[0], block_.camera.distortion[1]},
+                                 {block_.focal_length_sigma, block_.distortion_sigma, block_.distortion_sigma}}),
         nullptr, lens_.data());
   }
 
@@ -525,9 +376,29 @@ class Adjustment {
             new ceres::CauchyLoss(kPriorLoss), poses_[frame].data(), control_[i].data(), lens_.data());
       }
       problem.AddResidualBlock(
-          cost<3, 3>(PriorError{block_.control_points[i].enu_m, Eigen::Vector3d::Constant(block_.control_sigma_m)}),
+          cost<3, 3>(PriorError<3>{block_.control_points[i].enu_m, Eigen::Vector3d::Constant(block_.control_sigma_m)}),
           nullptr, control_[i].data());
     }
+  }
+
+  void add_reference_ties(ceres::Problem& problem) {
+    for (std::size_t i = 0; i < ties_.size(); ++i) {
+      const ReferenceTie& tie = block_.reference_ties[i];
+      const auto frame = static_cast<std::size_t>(tie.frame);
+      problem.AddResidualBlock(
+          cost<2, 6, 3, 3>(SightingError{&camera_, &camera_from_enu_[frame], tie.pixel, kMarkSigma_px}),
+          new ceres::CauchyLoss(kPriorLoss), poses_[frame].data(), ties_[i].data(), lens_.data());
+      if (ground_.height_m) {
+        problem.AddResidualBlock(cost<1, 3>(HeightError{tie.enu_m.z(), ground_.sigma_m}), nullptr, ties_[i].data());
+      } else {
+        problem.AddResidualBlock(cost<1, 3, 3>(PlaneError{tie.above_plane_m, block_.surface_sigma_m}), nullptr,
+                                 ties_[i].data(), plane_.data());
+      }
+      problem.AddResidualBlock(cost<2, 3, 2>(ReferenceError{tie.reference_en_m, tie.sigma_m}),
+                               new ceres::CauchyLoss(kPriorLoss), ties_[i].data(), reference_bias_.data());
+    }
+    problem.AddResidualBlock(cost<2, 2>(PriorError<2>{{0, 0}, Eigen::Vector2d::Constant(block_.reference_sigma_m)}),
+                             nullptr, reference_bias_.data());
   }
 
   void sum_errors(AdjustedBlock& done) const {
@@ -557,9 +428,11 @@ class Adjustment {
   std::vector<PoseBlock> poses_;
   std::vector<AdjustedPoint> points_;
   std::vector<Eigen::Vector3d> control_;
+  std::vector<Eigen::Vector3d> ties_;
   std::array<double, 3> bias_{0, 0, 0};
   std::array<double, 3> boresight_{0, 0, 0};
   std::array<double, 3> plane_{0, 0, 0};
+  std::array<double, 2> reference_bias_{0, 0};
   double clock_ = 0;
   bool converged_ = false;
   bool has_velocity_ = false;

@@ -43,6 +43,9 @@ struct AdjustedBlock {
   Eigen::Vector3d boresight_deg{0, 0, 0};    ///< Turn of the camera against its measured attitude, about its x, y, z.
   std::vector<Eigen::Vector3d> position_residuals_m;  ///< Measured less adjusted less what is common; per frame.
   std::vector<ControlMiss> control_misses;
+  /// The plane that holds the block from bending, where no elevation model does: slopes to the east and to the north,
+  /// height at the origin.
+  std::optional<Eigen::Vector3d> plane;
   std::vector<FrameError> frame_errors;
   double reprojection_rms_px = 0;    ///< Of the kept sightings, both axes together.
   std::vector<double> frame_rms_px;  ///< The same per frame; NaN for one without sightings.
@@ -63,6 +66,8 @@ struct GroundPrior {
 /// positions. Reprojection errors and measured poses count by Cauchy's loss. The prior on the points' heights weighs,
 /// all together, as much as one height in each of 5 × 5 parts of the block, so that it holds the block from bending
 /// as a whole and leaves relief alone; where it is a plane, that is adjusted, too, so that slopes stay what they are.
+/// A tie to another map is a point that one frame sees, with a height over that plane or the elevation model, and by
+/// Cauchy's loss where the other map has it, less a bias that all ties share.
 /// Twice, without the sightings that miss by more than four standard deviations after the first time, and these are
 /// left out of the result as well. One thread, so that the result has the same digits everywhere; what it leaves
 /// unknown of the frames is computed by `threads`. Throws DataError when too little is left, Interrupted.

@@ -40,6 +40,20 @@ struct ControlPoint {
   std::vector<Mark> marks;
 };
 
+/// A place that the block's first map shows, and another map as well, which is taken for right.
+struct ReferenceTie {
+  Eigen::Vector2d reference_en_m{0, 0};  ///< Where the other map has it.
+  double sigma_m = 0;                    ///< Each axis, beside what the other map misses everywhere alike.
+  Eigen::Vector3d enu_m{0, 0, 0};        ///< Where the first map has it, on the surface that it was laid over,
+  double above_plane_m = 0;              ///< and how far that is above the block's plane (AdjustedBlock::plane).
+  int frame = 0;                         ///< That the first map shows there,
+  Eigen::Vector2d pixel{0, 0};           ///< and its pixel.
+};
+
+/// So few frames over level ground do not tell a focal length from a height: it is held to 1 %, and the lens likewise.
+inline constexpr std::size_t kFewFrames = 30;
+inline constexpr double kHeldSigma = 0.01;
+
 /// What is adjusted.
 struct Block {
   Camera camera;  ///< Pinhole with Brown–Conrady distortion; its mount is part of the measured attitudes.
@@ -54,6 +68,9 @@ struct Block {
   std::vector<FramePair> pairs;
   std::vector<ControlPoint> control_points;
   double control_sigma_m = 0.05;
+  std::vector<ReferenceTie> reference_ties;
+  double reference_sigma_m = 1;  ///< Of what the other map misses everywhere alike, each axis.
+  double surface_sigma_m = 1;    ///< Of a tie's height over the surface that the first map was laid over.
 };
 
 }  // namespace pilotage

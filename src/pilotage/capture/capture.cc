@@ -18,7 +18,10 @@
 #include "pilotage/capture/capture_frames.h"
 #include "pilotage/capture/contradictions.h"
 #include "pilotage/capture/control_points.h"
+#include "pilotage/capture/describe_capture.h"
+#include "pilotage/capture/map_grid.h"
 #include "pilotage/capture/ortho_mosaic.h"
+#include "pilotage/capture/reference_ties.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/map_sigma.h"
@@ -29,20 +32,13 @@ namespace {
 
 constexpr int kSmallSide_px = 400;
 constexpr int kTracksPerCell = 8;
-constexpr std::int64_t kFrameBytes = std::int64_t{1} << 30;
 constexpr double kLongestStep_s = 30;
 /// Faster than this is no flight along the frames' order, but places drawn one by one, or a clock that is none.
 constexpr double kFastest_mps = 100;
-constexpr double kLargestFocalChange = 0.03;
 constexpr double kLeastFitting = 0.5;
 constexpr double kGivenFocalSigma = 0.02;
 constexpr double kTagFocalSigma = 0.1;
 constexpr double kDistortionSigma = 0.1;
-/// So few frames over level ground do not tell a focal length from a height: it is held to 1 %, and the lens likewise.
-constexpr std::size_t kFewFrames = 30;
-constexpr double kHeldSigma = 0.01;
-/// Of the map, at most: 0.3 m pixels over 30 km.
-constexpr double kLargestSide_px = 100'000;
 
 /// What is kept of the pictures' pixels.
 struct FramePictures {
@@ -123,13 +119,6 @@ LocalFrame local_frame(const CaptureFrames& frames) {
     lats_deg.push_back(one.frame.prior.lat_deg);
   }
   return LocalFrame({wrap_lon_deg(quantile(lons_deg, 0.5)), quantile(lats_deg, 0.5)});
-}
-
-/// By how much the meridian of a point turns clockwise from the block's north, seen from above: its own north lies the
-/// other way round.
-double convergence_deg(const LocalFrame& local, GeodeticPoint point) {
-  const double apart_deg = unwrap_lon_deg(point.lon_deg, local.origin().lon_deg) - local.origin().lon_deg;
-  return apart_deg * std::sin(point.lat_deg * kRadPerDeg);
 }
 
 /// From where the pictures put the frames before and after, by the camera's clock.
@@ -232,95 +221,6 @@ void keep_marks(std::vector<ControlPoint>& points, const std::vector<int>& numbe
   std::erase_if(points, [](const ControlPoint& point) { return point.marks.empty(); });
 }
 
-/// Two digits, so that it can be typed.
-double rounded_gsd_m(double gsd_m) {
-  const double scale = std::pow(10.0, 1 - std::floor(std::log10(gsd_m)));
-  return std::round(gsd_m * scale) / scale;
-}
-
-/// That of the frames, or what is asked for.
-double map_gsd_m(const CaptureOptions& options, double frame_gsd_m) {
-  constexpr double kCoarsest = 2;  // bilinear looks at no more pixels than that
-  if (options.gsd_m && *options.gsd_m > kCoarsest * frame_gsd_m) {
-    throw UsageError("gsd_m = " + format_number(*options.gsd_m) + " is more than twice that of the frames, " +
-                     format_number(rounded_gsd_m(frame_gsd_m)) + " m; coarser levels are in the map (overviews)");
-  }
-  return options.gsd_m.value_or(rounded_gsd_m(frame_gsd_m));
-}
-
-struct EastNorthBounds {
-  Eigen::Vector2d low{0, 0};
-  Eigen::Vector2d high{0, 0};
-};
-
-/// Of what the frames show on level ground.
-EastNorthBounds shown_bounds(const AdjustedBlock& block) {
-  std::vector<double> heights_m;
-  for (const AdjustedPoint& point : block.points) heights_m.push_back(point.enu_m.z());
-  const double ground_m = quantile(heights_m, 0.5);
-  EastNorthBounds bounds;
-  bounds.low.setConstant(std::numeric_limits<double>::infinity());
-  bounds.high = -bounds.low;
-  const Lens lens = make_lens(block.camera);
-  for (const FramePose& pose : block.poses) {
-    const View view{lens, pose.enu_from_camera, std::max(0.1, pose.center_enu_m.z() - ground_m),
-                    std::tan(60 * kRadPerDeg)};
-    for (const Eigen::Vector2d& corner : footprint(view).polygon_m) {
-      bounds.low = bounds.low.cwiseMin(pose.center_enu_m.head<2>() + corner);
-      bounds.high = bounds.high.cwiseMax(pose.center_enu_m.head<2>() + corner);
-    }
-  }
-  return bounds;
-}
-
-MissionCrs map_crs(const CaptureOptions& options, const LocalFrame& local, const EastNorthBounds& bounds) {
-  const Eigen::Vector2d middle = (bounds.low + bounds.high) / 2;
-  const std::vector<GeodeticPoint> line{point_at(local, {bounds.low.x(), middle.y()}),
-                                        point_at(local, {bounds.high.x(), middle.y()})};
-  const double half_m = std::max(1.0, (bounds.high.y() - bounds.low.y()) / 2);
-  if (options.crs.empty()) return choose_mission_crs(line, half_m);
-  return check_mission_crs(Crs::from_user_input(options.crs), line, half_m);
-}
-
-/// North-up, on multiples of the ground sample distance, around the bounds.
-void place_grid(OrthoMosaic& mosaic, const EastNorthBounds& bounds) {
-  const CrsTransform transform(mosaic.crs);
-  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d high = -low;
-  constexpr int kSteps = 8;
-  for (int i = 0; i <= kSteps; ++i) {
-    for (int j = 0; j <= kSteps; ++j) {
-      const Eigen::Vector2d share(static_cast<double>(i) / kSteps, static_cast<double>(j) / kSteps);
-      const Eigen::Vector2d en_m = bounds.low + share.cwiseProduct(bounds.high - bounds.low);
-      const auto point = transform.map_from_geodetic(point_at(mosaic.frame, en_m));
-      if (!point) throw DataError("the map's CRS does not reach where the frames lie");
-      low = low.cwiseMin(*point);
-      high = high.cwiseMax(*point);
-    }
-  }
-  const Eigen::Array2d first = (low.array() / mosaic.gsd_m).floor();
-  const Eigen::Array2d last = (high.array() / mosaic.gsd_m).ceil();
-  const Eigen::Array2d size = last - first;
-  if (size.maxCoeff() > kLargestSide_px) {
-    throw DataError("the map would be " + format_fixed(size.x(), 0) + " x " + format_fixed(size.y(), 0) +
-                    " pixels (at most " + format_fixed(kLargestSide_px, 0) + " aside); give a larger --gsd-m");
-  }
-  mosaic.width_px = static_cast<std::int64_t>(size.x());
-  mosaic.height_px = static_cast<std::int64_t>(size.y());
-  mosaic.map_from_pixel = GeoTransform::north_up(first.x() * mosaic.gsd_m, last.y() * mosaic.gsd_m, mosaic.gsd_m);
-}
-
-double median_agl_m(const AdjustedBlock& block, const GroundSurface& ground) {
-  std::vector<double> heights_m;
-  for (const FramePose& pose : block.poses) {
-    const double below_m = ground.heights.height_m(pose.center_enu_m.head<2>());
-    if (std::isfinite(below_m)) heights_m.push_back(pose.center_enu_m.z() - below_m);
-  }
-  const double agl_m = quantile(heights_m, 0.5);
-  if (!(agl_m > 0)) throw DataError("the frames come out below the ground: is the elevation model right?");
-  return agl_m;
-}
-
 /// "2016:06:23 16:32:13", as TIFF has it.
 std::string tiff_time(double taken_s) {
   const auto moment = UtcTime(std::chrono::seconds(static_cast<std::int64_t>(taken_s)));
@@ -329,77 +229,6 @@ std::string tiff_time(double taken_s) {
   text[10] = ' ';
   text.pop_back();
   return text;
-}
-
-void describe_frames(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
-                     const GroundSurface& ground, const EastNorthBounds& bounds, const LocalFrame& local,
-                     const Contradictions& contradictions, CaptureResult& result) {
-  double squares_m2 = 0;
-  double counted = 0;
-  for (std::size_t i = 0; i < frames.frames.size(); ++i) {
-    const FlightFrame& frame = frames.frames[i];
-    const FramePose& pose = adjusted.poses[i];
-    const Eigen::Matrix3d enu_from_body = pose.enu_from_camera * block.body_from_camera.transpose();
-    const Eigen::Matrix3d ned_from_enu = (Eigen::Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished();
-    const Attitude attitude = attitude_of(ned_from_enu * enu_from_body);
-    const Eigen::Vector3d& residual = adjusted.position_residuals_m[i];
-    CapturedFrame one;
-    one.file = frame.frame.file;
-    one.path = frame.path;
-    one.time_s = frames.taken_s[i];
-    one.measured = frame.frame.prior;
-    one.measured_sigma_m = block.measured[i].sigma_en_m;
-    one.adjusted = point_at(local, pose.center_enu_m.head<2>());
-    one.agl_m = pose.center_enu_m.z() -
-                ground.heights.height_m(pose.center_enu_m.head<2>().cwiseMax(bounds.low).cwiseMin(bounds.high));
-    one.yaw_deg = std::remainder(attitude.yaw_deg + convergence_deg(local, one.adjusted), 360);
-    one.pitch_deg = attitude.pitch_deg;
-    one.roll_deg = attitude.roll_deg;
-    one.residual_east_m = residual.x();
-    one.residual_north_m = residual.y();
-    one.residual_up_m = residual.z();
-    one.sightings = adjusted.frame_sightings[i];
-    one.rms_px = adjusted.frame_rms_px[i];
-    if (!contradictions.position[i]) {
-      squares_m2 += residual.head<2>().squaredNorm();
-      ++counted;
-    }
-    result.frames.push_back(std::move(one));
-  }
-  result.position_rms_m = std::sqrt(squares_m2 / std::max(1.0, counted));
-}
-
-void describe_block(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
-                    CaptureResult& result) {
-  result.pairs = static_cast<std::int64_t>(block.pairs.size());
-  result.points = static_cast<std::int64_t>(adjusted.points.size());
-  result.sightings = adjusted.sightings;
-  result.sightings_found = adjusted.sightings_before;
-  result.reprojection_rms_px = adjusted.reprojection_rms_px;
-  result.camera_source = frames.camera_source;
-  result.given_focal_length_px = frames.camera.fx_px;
-  result.camera = adjusted.camera;
-  result.camera.mount = frames.camera.mount;
-  result.boresight_x_deg = adjusted.boresight_deg.x();
-  result.boresight_y_deg = adjusted.boresight_deg.y();
-  result.boresight_z_deg = adjusted.boresight_deg.z();
-  result.clock_offset_s = adjusted.clock_offset_s;
-  result.bias_east_m = adjusted.position_bias_m.x();
-  result.bias_north_m = adjusted.position_bias_m.y();
-  result.control_points = static_cast<int>(block.control_points.size());
-  double squares_m2 = 0;
-  for (const ControlMiss& one : adjusted.control_misses) squares_m2 += one.miss_m * one.miss_m;
-  result.control_rms_m = result.control_points > 0 ? std::sqrt(squares_m2 / result.control_points) : kNaN;
-  if (!adjusted.converged) {
-    result.warnings.push_back("the adjustment had not come to an end when its iterations did");
-  }
-  const double change = adjusted.camera.fx_px / frames.camera.fx_px - 1;
-  if (std::abs(change) > kLargestFocalChange) {
-    result.warnings.push_back("the focal length that fits the frames is " + format_fixed(adjusted.camera.fx_px, 0) +
-                              " px, not the " + format_fixed(frames.camera.fx_px, 0) + " px of " +
-                              (frames.camera_is_given ? "the camera given" : frames.camera_source) + " (" +
-                              format_fixed(100 * change, 1) + " %)");
-  }
 }
 
 /// Beside the map: how far it may be off, and which frame it is of.
@@ -420,30 +249,34 @@ void write_map_sigma(const OutputFile& output, const OrthoMosaic& mosaic, const 
   result.map_sigma_p95_m = quantile(sigmas_m, 0.95);
 }
 
-std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block& block, const Elevation* elevation) {
-  std::vector<double> sigmas_m;
-  for (const MeasuredPose& pose : block.measured) sigmas_m.push_back(pose.sigma_en_m);
-  std::vector<std::string> assumptions{"frames' positions are good to " + format_number(quantile(sigmas_m, 0.5)) +
-                                       " m (one standard deviation, each axis)"};
-  assumptions.push_back(frames.heights == FrameHeights::kAmsl
-                            ? "heights of the frames are above mean sea level"
-                            : "heights of the frames are above one level, as take-off");
-  if (elevation != nullptr) assumptions.push_back("elevation model: " + elevation->vertical_datum());
-  if (block.control_points.empty()) {
-    assumptions.push_back(
-        "what all positions and tilts miss alike is not known without control points, and shifts the whole map; taken "
-        "for " +
-        format_number(block.position_bias_sigma_m) + " m (one standard deviation, each axis)");
-  }
-  if (frames.frames.size() < kFewFrames) {
-    assumptions.push_back("the focal length is held to " + format_fixed(100 * kHeldSigma, 0) + " % of that of " +
-                          (frames.camera_is_given ? "the camera given" : frames.camera_source) + ": fewer than " +
-                          std::to_string(kFewFrames) + " frames do not tell it from the height");
-  }
-  assumptions.push_back(elevation != nullptr
-                            ? "what stands on the elevation model's ground leans away from where it was seen from"
-                            : "the ground is smooth: what stands on it leans away from where it was seen from");
-  return assumptions;
+/// What a map is made of, beside the frames.
+struct MapParts {
+  EastNorthBounds bounds;
+  GroundSurface ground;
+  double frame_gsd_m = 0;
+  ColorBalance balance;
+};
+
+MapParts parts_of_map(const GroundPrior& prior, const std::optional<Elevation>& elevation,
+                      const FramePictures& pictures, const Block& block, const AdjustedBlock& adjusted) {
+  const EastNorthBounds bounds = shown_bounds(adjusted);
+  const auto& [low, high] = bounds;
+  MapParts parts{bounds,
+                 elevation ? sample_surface(prior, elevation->resolution_m(), adjusted.points, low, high)
+                           : fit_surface(adjusted.points, low, high),
+                 0,
+                 {}};
+  parts.frame_gsd_m = median_agl_m(adjusted, parts.ground) / adjusted.camera.fx_px;
+  parts.balance = balance_colors(pictures.small, adjusted, block.features);
+  return parts;
+}
+
+OrthoMosaic mosaic_of(const CaptureFrames& frames, const AdjustedBlock& adjusted, const MapParts& parts,
+                      const LocalFrame& local, const Crs& crs, double gsd_m) {
+  OrthoMosaic mosaic{&adjusted, &parts.ground, &parts.balance, local, {}, 0, 0, crs, {}, gsd_m};
+  mosaic.load = [&](std::size_t i) { return read_rgb8_picture(frames.frames[i].path); };
+  place_grid(mosaic, parts.bounds);
+  return mosaic;
 }
 
 }  // namespace
@@ -451,6 +284,7 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
                       const OutputFile& map_sigma, int threads, const Progress& progress) {
   if (!options.crs.empty()) Crs::from_user_input(options.crs);
+  if (options.align.empty() && options.align_sigma_m) throw UsageError("align_sigma_m needs align");
   refuse_imagery_as_elevation(options.elevation, {});
   CaptureFrames frames = read_capture_frames(inputs, options);
   const LocalFrame local = local_frame(frames);
@@ -476,6 +310,11 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
       result.warnings.push_back(undeclared_void_text(options.elevation, found));
     }
     prior.height_m = [&](const Eigen::Vector2d& en_m) { return elevation->amsl_m(point_at(local, en_m)); };
+  }
+  if (!options.align.empty()) {
+    std::vector<GeodeticPoint> priors;
+    for (const FlightFrame& one : frames.frames) priors.push_back(one.frame.prior);
+    check_reference(options, priors, progress);
   }
   std::vector<std::string> problems;
   FramePictures pictures = read_pictures(frames, threads, progress, problems);
@@ -521,40 +360,39 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   refuse_frames(contradictions.problems, options.leave_out, frames);
   result.warnings.insert(result.warnings.end(), contradictions.warnings.begin(), contradictions.warnings.end());
 
-  const EastNorthBounds bounds = shown_bounds(adjusted);
-  const GroundSurface ground =
-      prior.height_m ? sample_surface(prior, elevation->resolution_m(), adjusted.points, bounds.low, bounds.high)
-                     : fit_surface(adjusted.points, bounds.low, bounds.high);
-  const double frame_gsd_m = median_agl_m(adjusted, ground) / adjusted.camera.fx_px;
-  refuse_control_contradictions(frames, block, adjusted, frame_gsd_m);
-  const ColorBalance balance = balance_colors(pictures.small, adjusted, block.features);
-  OrthoMosaic mosaic{&adjusted, &ground, &balance, local, {}, 0, 0, {}, {}, 0};
-  mosaic.load = [&](std::size_t i) { return read_rgb8_picture(frames.frames[i].path); };
-  mosaic.gsd_m = map_gsd_m(options, frame_gsd_m);
-  const MissionCrs crs = map_crs(options, local, bounds);
-  mosaic.crs = crs.crs;
-  place_grid(mosaic, bounds);
+  const MapParts parts_of_first = parts_of_map(prior, elevation, pictures, block, adjusted);
+  refuse_control_contradictions(frames, block, adjusted, parts_of_first.frame_gsd_m);
+  const double gsd_m = map_gsd_m(options, parts_of_first.frame_gsd_m);
+  const MissionCrs crs = map_crs(options, local, parts_of_first.bounds);
+  if (!options.align.empty()) {
+    const OrthoMosaic first = mosaic_of(frames, adjusted, parts_of_first, local, crs.crs, gsd_m);
+    result.alignment = tie_to_reference(first, options, ortho, threads, progress, block);
+    adjusted =
+        adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, threads, progress);
+  }
+  const MapParts parts_of_last = parts_of_map(prior, elevation, pictures, block, adjusted);
+  const OrthoMosaic mosaic = mosaic_of(frames, adjusted, parts_of_last, local, crs.crs, gsd_m);
 
-  describe_frames(frames, block, adjusted, ground, bounds, local, contradictions, result);
+  describe_frames(frames, block, adjusted, parts_of_last.ground, parts_of_last.bounds, local, contradictions, result);
   describe_block(frames, block, adjusted, result);
-  PictureSource picture{mosaic.width_px, mosaic.height_px, mosaic.crs, mosaic.map_from_pixel, {}, {}};
+  std::vector<std::pair<std::string, std::string>> metadata;
   for (const double taken_s : frames.taken_s) {
     if (!(taken_s > 1e8 && taken_s < 4e9)) continue;  // a table's own clock
-    picture.metadata.emplace_back("TIFFTAG_DATETIME", tiff_time(taken_s));
+    metadata.emplace_back("TIFFTAG_DATETIME", tiff_time(taken_s));
     break;
   }
-  picture.metadata.emplace_back(kMapSigmaTag, map_sigma.destination().filename().string());
-  MosaicStats stats;
-  picture.draw = [&](const auto& write) { stats = draw_mosaic(mosaic, kFrameBytes, threads, progress, write); };
-  write_picture_cog(ortho, picture, progress);
-
-  if (stats.valid_px == 0) throw DataError("the frames show no ground: the map would be empty");
+  metadata.emplace_back(kMapSigmaTag, map_sigma.destination().filename().string());
+  const MosaicStats stats = write_mosaic(ortho, mosaic, metadata, threads, progress);
   write_map_sigma(map_sigma, mosaic, stats, result);
+  if (result.alignment) {
+    result.alignment->after = audit_against_reference(ortho, options, threads, progress);
+    describe_alignment(result);
+  }
   for (std::size_t i = 0; i < stats.frame_px.size(); ++i) result.frames[i].drawn_px = stats.frame_px[i];
   result.left_out = frames.left_out;
-  result.assumptions = assumptions_of(frames, block, elevation ? &*elevation : nullptr);
+  result.assumptions = assumptions_of(frames, block, elevation ? elevation->vertical_datum() : "", result);
   result.ground = elevation ? "elevation model " + options.elevation : "a smooth surface through the points seen";
-  result.ground_spread_m = ground.spread_m;
+  result.ground_spread_m = parts_of_last.ground.spread_m;
   result.gsd_m = mosaic.gsd_m;
   result.width_px = mosaic.width_px;
   result.height_px = mosaic.height_px;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "pilotage/audit/audit_map.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/camera/camera.h"
@@ -33,6 +35,16 @@ struct CapturedFrame {
   std::int64_t drawn_px = 0;  ///< Of the map, from it.
 };
 
+/// How a map was tied to another one.
+struct MapAlignment {
+  std::string reference;         ///< The other map.
+  double reference_sigma_m = 0;  ///< Of what it misses alike, each axis; taken for granted.
+  std::string sigma_source;      ///< Where that is from, as a word for people.
+  int ties = 0;                  ///< That were used.
+  MapAudit before;               ///< The map of the frames by themselves against it,
+  MapAudit after;                ///< and the map that was written.
+};
+
 /// What capture() made, and how well the frames fit together. All numbers are measured on this block.
 struct CaptureResult {
   std::vector<CapturedFrame> frames;
@@ -49,7 +61,7 @@ struct CaptureResult {
   double boresight_y_deg = 0;
   double boresight_z_deg = 0;
   double clock_offset_s = 0;
-  double bias_east_m = 0;  ///< Known with control points alone; 0 without.
+  double bias_east_m = 0;  ///< Known with control points or another map alone; 0 without.
   double bias_north_m = 0;
   double position_rms_m = 0;  ///< Of the frames' horizontal residuals.
   int control_points = 0;
@@ -61,6 +73,7 @@ struct CaptureResult {
   std::int64_t height_px = 0;
   std::string crs;
   double area_m2 = 0;
+  std::optional<MapAlignment> alignment;
   double map_sigma_median_m = 0;  ///< Of the map's own error, each axis, over what is drawn; modelled.
   double map_sigma_p95_m = 0;
   std::vector<std::string> assumptions;
@@ -68,7 +81,8 @@ struct CaptureResult {
 };
 
 /// Makes a reference map of the frames of a camera that looked down, and writes it to `ortho` (not committed):
-/// features and tracks, block adjustment, ground, orthophoto (docs/methods/capture.md); and to `map_sigma` (not
+/// features and tracks, block adjustment, ground, orthophoto (docs/methods/capture.md), tied to the map of
+/// CaptureOptions::align where one is given; and to `map_sigma` (not
 /// committed; in the same folder) the map's own error, whose name stands in the map's tags (raster/map_sigma.h). The
 /// same bytes for any number of threads. Throws UsageError; DataError, naming the frames, for what cannot be used or
 /// contradicts itself; Interrupted.

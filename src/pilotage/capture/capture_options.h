@@ -5,6 +5,7 @@
 
 #include "pilotage/base/options.h"
 #include "pilotage/camera/camera_options.h"
+#include "pilotage/registration/registration_options.h"
 
 #pragma GCC visibility push(default)
 
@@ -21,6 +22,10 @@ struct CaptureOptions {
   std::string elevation;
   std::string control_points;
   double control_sigma_m = 0.05;
+  std::string align;
+  std::optional<double> align_sigma_m;
+  double min_compared = 0.5;
+  RegistrationOptions registration;
   std::optional<double> gsd_m;
   std::string crs;
   bool leave_out = false;
@@ -49,6 +54,15 @@ struct CaptureOptions {
                 "Ground control points as OpenDroneMap's gcp_list.txt: a CRS, then lines of x y z, pixel, file.");
     fields.field("control_sigma_m", self.control_sigma_m, "Standard deviation of the control points, each axis.",
                  Range{0.001, 100});
+    fields.path("align", self.align,
+                "Another map of this ground, an older one or a satellite's (GDAL dataset): ties this one to it.");
+    fields.field("align_sigma_m", self.align_sigma_m,
+                 "Standard deviation of what that map misses alike, each axis; what it says of its own error if not "
+                 "given, or 1 m where it says nothing.",
+                 Range{0.001, 100});
+    fields.field("min_compared", self.min_compared,
+                 "Share of the ground that both maps show that must be compared, or nothing is tied.", Range{0, 1});
+    fields.group("registration", self.registration, "How the map is tied to that of align.");
     fields.field("gsd_m", self.gsd_m, "Ground sample distance of the map; that of the frames, if not given.",
                  Range{0.001, 100});
     fields.field("crs", self.crs, "CRS of the map, projected in metres; chosen if not given.");

@@ -11,6 +11,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "pilotage/base/angle.h"
+#include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/capture/map_error.h"
@@ -19,6 +21,7 @@
 namespace pilotage {
 namespace {
 
+constexpr std::int64_t kFrameBytes = std::int64_t{1} << 30;
 constexpr int kBlock_px = 512;
 constexpr int kLattice_px = kMapCell_px;
 constexpr int kNodes = kBlock_px / kLattice_px + 1;
@@ -422,9 +425,14 @@ GeodeticPoint point_at(const LocalFrame& frame, const Eigen::Vector2d& en_m) {
   return point;
 }
 
-MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int threads, const Progress& progress,
+double convergence_deg(const LocalFrame& frame, GeodeticPoint point) {
+  const double apart_deg = unwrap_lon_deg(point.lon_deg, frame.origin().lon_deg) - frame.origin().lon_deg;
+  return apart_deg * std::sin(point.lat_deg * kRadPerDeg);
+}
+
+MosaicStats draw_mosaic(const OrthoMosaic& mosaic, int threads, const Progress& progress,
                         const std::function<void(std::int64_t col, std::int64_t row, const Raster& block)>& write) {
-  FrameCache cache(mosaic, frame_bytes);
+  FrameCache cache(mosaic, kFrameBytes);
   std::vector<std::unique_ptr<BlockPainter>> painters(static_cast<std::size_t>(thread_count(threads)));
   const auto blocks = blocks_by_neighbourhood((mosaic.width_px + kBlock_px - 1) / kBlock_px,
                                               (mosaic.height_px + kBlock_px - 1) / kBlock_px);
@@ -452,6 +460,17 @@ MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int
     drawn.cell_frame.copyTo(stats.cell_frame(cells));
     report_progress(progress, "drawing the orthophoto", ++done, static_cast<std::int64_t>(blocks.size()));
   });
+  return stats;
+}
+
+MosaicStats write_mosaic(const OutputFile& output, const OrthoMosaic& mosaic,
+                         std::vector<std::pair<std::string, std::string>> metadata, int threads,
+                         const Progress& progress) {
+  PictureSource picture{mosaic.width_px, mosaic.height_px, mosaic.crs, mosaic.map_from_pixel, std::move(metadata), {}};
+  MosaicStats stats;
+  picture.draw = [&](const auto& write) { stats = draw_mosaic(mosaic, threads, progress, write); };
+  write_picture_cog(output, picture, progress);
+  if (stats.valid_px == 0) throw DataError("the frames show no ground: the map would be empty");
   return stats;
 }
 

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pilotage/base/progress.h"
@@ -35,6 +37,10 @@ Eigen::Vector2d east_north_m(const LocalFrame& frame, GeodeticPoint point);
 /// The inverse, below 1 mm within 100 km.
 GeodeticPoint point_at(const LocalFrame& frame, const Eigen::Vector2d& en_m);
 
+/// By how much the meridian of a point turns clockwise from the block's north, seen from above: its own north lies the
+/// other way round.
+double convergence_deg(const LocalFrame& frame, GeodeticPoint point);
+
 /// Pixels of the map in one cell of what stands beside it, each way.
 inline constexpr int kMapCell_px = 16;
 
@@ -52,8 +58,13 @@ struct MosaicStats {
 /// fading into the next within a narrow band along the seam and towards the edges of frames; colours balanced;
 /// bilinear, so the map must not be coarser than twice the frames. Where no frame sees the ground, or the surface has
 /// no height, nothing is drawn. Frames are loaded as they are needed, neighbouring blocks one after the other, and the
-/// last ones stay in memory up to `frame_bytes`. The same bytes for any number of threads.
-MosaicStats draw_mosaic(const OrthoMosaic& mosaic, std::int64_t frame_bytes, int threads, const Progress& progress,
+/// last ones stay in memory up to 1 GiB. The same bytes for any number of threads.
+MosaicStats draw_mosaic(const OrthoMosaic& mosaic, int threads, const Progress& progress,
                         const std::function<void(std::int64_t col, std::int64_t row, const Raster& block)>& write);
+
+/// draw_mosaic() into a Cloud-Optimised GeoTIFF (write_picture_cog; not committed) with GDAL's `metadata`.
+MosaicStats write_mosaic(const OutputFile& output, const OrthoMosaic& mosaic,
+                         std::vector<std::pair<std::string, std::string>> metadata, int threads,
+                         const Progress& progress);
 
 }  // namespace pilotage

@@ -86,6 +86,17 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
   return result;
 }
 
+std::vector<std::size_t> agreeing_finest_ties(const Registration& registration) {
+  constexpr double kFinest = 1.5;  // levels are twice as fine as those before
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < registration.ties.size(); ++i) {
+    if (registration.fit.outlier[i] == 0 && registration.ties[i].gsd_m <= kFinest * registration.gsd_m) {
+      numbers.push_back(i);
+    }
+  }
+  return numbers;
+}
+
 double registration_gsd_m(const std::vector<ImageryInfo>& infos, const RegistrationOptions& options) {
   if (options.gsd_m) return *options.gsd_m;
   double gsd_m = kDefaultGsd_m;

@@ -44,6 +44,9 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
                             const RegistrationOptions& options, const Wanted& wanted = {}, int threads = 0,
                             const Progress& progress = {});
 
+/// The ties at the finest resolution that agree with the field: their numbers in registration.ties.
+std::vector<std::size_t> agreeing_finest_ties(const Registration& registration);
+
 /// The ground sample distance to correlate at: options.gsd_m, else 0.6 m or that of the coarsest raster.
 double registration_gsd_m(const std::vector<ImageryInfo>& infos, const RegistrationOptions& options);
 

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pilotage/base/output_file.h"
+#include "pilotage/capture/capture.h"
+#include "pilotage/capture/ortho_mosaic.h"
+
+namespace pilotage {
+
+/// Throws DataError when the map of CaptureOptions::align shows no ground below the `frames`, or cannot be read:
+/// before any picture is.
+void check_reference(const CaptureOptions& options, const std::vector<GeodeticPoint>& frames, const Progress& progress);
+
+/// Ties `block` to the map of CaptureOptions::align (Block::reference_ties). `mosaic`, of the block as it was adjusted
+/// without, is drawn as finely as pictures are correlated, at a place beside `output` that does not stay, and held
+/// against that map (audit_map). Of the ties at the finest resolution that agree with the field around them, the one
+/// nearest the middle of each square that was correlated is taken, so that no two look at the same ground. Their
+/// standard deviation is half a pixel that was correlated, or as much as ties that were left out of the fit miss,
+/// whichever is more. MapAlignment::after is left empty. Throws DataError when too little could be
+/// compared, or the other map lies farther off than three times what both may miss.
+MapAlignment tie_to_reference(const OrthoMosaic& mosaic, const CaptureOptions& options, const OutputFile& output,
+                              int threads, const Progress& progress, Block& block);
+
+/// The map that was written, at `output`'s temporary path, against that of CaptureOptions::align.
+MapAudit audit_against_reference(const OutputFile& output, const CaptureOptions& options, int threads,
+                                 const Progress& progress);
+
+}  // namespace pilotage
