@@ -81,10 +81,24 @@ nlohmann::ordered_json alignment_json(const std::optional<MapAlignment>& alignme
   if (!alignment) return nullptr;
   return {{"reference", alignment->reference},
           {"reference_sigma_m", alignment->reference_sigma_m},
-          {"reference_sigma_is", alignment->sigma_source},
+          {"reference_sigma_is", options_detail::enum_to_name(alignment->sigma_source)},
           {"ties", alignment->ties},
+          {"tie_rms_m", alignment->tie_rms_m},
           {"before", audit_json(alignment->before)},
           {"after", audit_json(alignment->after)}};
+}
+
+nlohmann::ordered_json checks_json(const CaptureResult& done) {
+  if (done.check_points.empty()) return nullptr;
+  nlohmann::ordered_json points = nlohmann::ordered_json::array();
+  for (const CheckedPoint& one : done.check_points) {
+    points.push_back({{"name", one.name},
+                      {"file", one.file},
+                      {"miss_east_m", one.miss_east_m},
+                      {"miss_north_m", one.miss_north_m},
+                      {"map_sigma_m", one.map_sigma_m}});
+  }
+  return {{"rms_m", done.check_rms_m}, {"ratio", done.check_ratio}, {"points", std::move(points)}};
 }
 
 std::string audit_text(const MapAudit& audit) {
@@ -121,6 +135,8 @@ nlohmann::ordered_json result_json(const CaptureResult& done, const std::string&
            {{"file", map_sigma_path(output).string()},
             {"median_m", done.map_sigma_median_m},
             {"p95_m", done.map_sigma_p95_m}}},
+          {"frames_given", done.frames_given},
+          {"frames_seen", {{"median", done.frames_seen_median}, {"by_three", done.seen_by_three}}},
           {"pairs", done.pairs},
           {"points", done.points},
           {"sightings", done.sightings},
@@ -138,6 +154,7 @@ nlohmann::ordered_json result_json(const CaptureResult& done, const std::string&
           {"control_points", done.control_points},
           {"control_rms_m", json_number(done.control_rms_m)},
           {"position_bias_m", {done.bias_east_m, done.bias_north_m}},
+          {"check_points", checks_json(done)},
           {"alignment", alignment_json(done.alignment)},
           {"ground", done.ground},
           {"ground_spread_m", done.ground_spread_m},
@@ -164,13 +181,17 @@ std::string result_text(const CaptureResult& done, const std::string& output) {
             " m RMS; frames' positions shifted by " + format_fixed(done.bias_east_m, 2) + " m east, " +
             format_fixed(done.bias_north_m, 2) + " m north\n";
   }
+  if (!done.check_points.empty()) {
+    text += std::to_string(done.check_points.size()) + " check points: the map misses them by " +
+            format_fixed(done.check_rms_m, 2) + " m RMS, each axis, " + format_fixed(done.check_ratio, 1) +
+            " times what it says of itself there; measured\n";
+  }
   if (done.alignment) {
     const MapAlignment& alignment = *done.alignment;
     text += "tied to " + alignment.reference + " (" + std::to_string(alignment.ties) +
             " ties); the map less that one, before: " + audit_text(alignment.before) + "\n";
-    text += "  after: " + audit_text(alignment.after) + "\n";
-    text += "  frames' positions shifted by " + format_fixed(done.bias_east_m, 2) + " m east, " +
-            format_fixed(done.bias_north_m, 2) + " m north\n";
+    text += "  after: " + audit_text(alignment.after) + "; ties miss by " + format_fixed(alignment.tie_rms_m, 2) +
+            " m, each axis\n";
   }
   text += "ground: " + done.ground + ", points lie " + format_fixed(done.ground_spread_m, 2) + " m from it\n";
   for (const std::string& one : done.assumptions) text += "assumes: " + one + "\n";

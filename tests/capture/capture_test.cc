@@ -31,6 +31,7 @@ using pilotage::testing::write_control_points;
 using pilotage::testing::write_ground;
 using pilotage::testing::write_table;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -115,7 +116,9 @@ TEST(Capture, TheMapTellsItsOwnError) {
   EXPECT_GT(done.map_sigma_median_m, 5.0);
   EXPECT_LT(done.map_sigma_median_m, 5.2);
   EXPECT_GE(done.map_sigma_p95_m, done.map_sigma_median_m);
-  const GraySource sigma = open_gray({map_sigma_path(map).string()});
+  ImageryOptions first_band;
+  first_band.bands = {1};
+  const GraySource sigma = open_gray({map_sigma_path(map).string()}, first_band);
   const GraySource picture = open_gray({map.string()});
   EXPECT_EQ(sigma.width_px, (picture.width_px + 15) / 16);
   EXPECT_EQ(sigma.height_px, (picture.height_px + 15) / 16);
@@ -126,6 +129,18 @@ TEST(Capture, TheMapTellsItsOwnError) {
   double least_m = 0;
   cv::minMaxLoc(cells.pixels, &least_m, nullptr, nullptr, nullptr, cells.valid);
   EXPECT_GT(least_m, 5.0);
+  ImageryOptions third_band;
+  third_band.bands = {3};
+  const Raster seen = open_gray({map_sigma_path(map).string()}, third_band)
+                          .read({0, 0, static_cast<int>(sigma.width_px), static_cast<int>(sigma.height_px)});
+  double fewest = 0;
+  double most = 0;
+  cv::minMaxLoc(seen.pixels, &fewest, &most, nullptr, nullptr, seen.valid);
+  EXPECT_EQ(fewest, 1);
+  EXPECT_GE(most, 10);  // steps of 22 m under footprints of 72 m by 54 m
+  EXPECT_LE(most, 20);
+  EXPECT_GT(done.seen_by_three, 0.5);
+  EXPECT_GE(done.frames_seen_median, 3);
 }
 
 TEST(CaptureThorough, HeadingAndHeightComeFromThePicturesAlone) {
@@ -293,6 +308,17 @@ TEST(CaptureThorough, AMapTiedToAnotherLiesWhereThatOneHasTheGround) {
   EXPECT_LE(quantile(misplacements_m(flight, folder / "aligned.tif"), 0.95), 3 * 0.25);
   EXPECT_GT(done.map_sigma_median_m, 0.2);
   EXPECT_LT(done.map_sigma_median_m, 0.5);
+  // Frames are reduced for the first map, by a factor that does not divide them; any number of threads does the same.
+  options.registration.gsd_m = 2.2;
+  options.registration.ties.template_px = 24;
+  options.registration.ties.spacing_px = 8;
+  std::filesystem::create_directory(folder / "alone");
+  const CaptureResult reduced = capture_to(folder / "alone" / "reduced.tif", table, options, 1);
+  EXPECT_LT(reduced.alignment->after.median_shift_en_m.norm(), 0.5);
+  EXPECT_LT(reduced.map_sigma_median_m, 1);
+  capture_to(folder / "reduced.tif", table, options, 3);
+  EXPECT_EQ(read_file((folder / "alone" / "reduced.tif").string()), read_file((folder / "reduced.tif").string()));
+  options.registration = options_to_align("").registration;
   // What the other map may miss is said of this one, and the positions count the more, the more that is.
   options.align_sigma_m = 5;
   const CaptureResult doubted = capture_to(folder / "doubted.tif", table, options);
@@ -300,12 +326,39 @@ TEST(CaptureThorough, AMapTiedToAnotherLiesWhereThatOneHasTheGround) {
   EXPECT_NEAR(doubted.map_sigma_median_m, 5 / std::sqrt(2), 0.4);
 }
 
+TEST(CaptureThorough, CheckPointsTellHowFarTheMapIsOff) {
+  const auto& [folder, flight] = drawn();
+  const auto table = write_moved_table(4);
+  CaptureOptions options = options_of(flight);
+  const std::vector<Eigen::Vector2d> controls{{-30, -25}, {35, -20}, {0, 3}, {30, 28}};
+  const std::vector<Eigen::Vector2d> checks{{-20, 15}, {10, -15}, {25, 10}};
+  const auto check_list = write_control_points(folder.path(), flight, checks, kHill_m, 0);
+  std::filesystem::rename(check_list, folder / "checks.txt");
+  options.check_points = (folder / "checks.txt").string();
+  const CaptureResult alone = capture_to(folder / "alone_checked.tif", table, options);
+  ASSERT_EQ(alone.check_points.size(), 3U);
+  EXPECT_NEAR(alone.check_points.front().miss_east_m, 4, 0.6);
+  EXPECT_NEAR(alone.check_points.front().miss_north_m, 0, 0.6);
+  EXPECT_NEAR(alone.check_rms_m, 4 / std::sqrt(2), 0.5);
+  EXPECT_LT(alone.check_ratio, 1);
+  options.position_bias_sigma_m = 0.1;  // which is not true
+  EXPECT_THAT(capture_to(folder / "misled.tif", table, options).warnings,
+              ElementsAre(HasSubstr("times as far off as the map says of itself")));
+  options.control_points = write_control_points(folder.path(), flight, controls, kHill_m, 0).string();
+  options.position_bias_sigma_m = 5;
+  const CaptureResult controlled = capture_to(folder / "controlled_checked.tif", table, options);
+  EXPECT_LT(controlled.check_rms_m, 0.3);
+  EXPECT_EQ(controlled.warnings.size(), 0U);
+  options.check_points = options.control_points;
+  EXPECT_THAT(refused(table, options), HasSubstr("as well: it would check itself"));
+}
+
 TEST(CaptureThorough, TheOtherMapSaysItselfHowFarItMayBeOff) {
   const auto& [map, first] = captured_once();
   const CaptureResult done = capture_to(drawn().folder / "second.tif", write_moved_table(0), options_to_align(map), 2);
   ASSERT_TRUE(done.alignment);
   EXPECT_NEAR(done.alignment->reference_sigma_m, first.map_sigma_median_m, 0.1);
-  EXPECT_EQ(done.alignment->sigma_source, "as it says itself");
+  EXPECT_EQ(done.alignment->sigma_source, ReferenceSigma::kSaid);
 }
 
 TEST(CaptureThorough, AnotherMapThatDoesNotFitIsRefused) {
@@ -317,13 +370,34 @@ TEST(CaptureThorough, AnotherMapThatDoesNotFitIsRefused) {
               AllOf(HasSubstr("true.tif: lies "), HasSubstr("--align-sigma-m, --position-bias-sigma-m")));
   options.align = write_ground(folder / "far.tif", flight, 3000).string();
   EXPECT_THAT(refused(write_moved_table(0), options), HasSubstr("far.tif: shows no ground below the frames"));
+  std::filesystem::create_directory(folder / "lonely");
+  options.align = (folder / "lonely" / "map.tif").string();
+  std::filesystem::copy_file(captured_once().first, options.align);  // without its own error
+  options.align_sigma_m.reset();
+  EXPECT_THAT(refused(write_moved_table(0), options),
+              AllOf(HasSubstr("lonely/map.tif: says that its own error stands in "),
+                    HasSubstr("which does not exist; put it there")));
+  options.registration.gsd_m = 10;
+  options.align = write_ground(folder / "true.tif", flight, 0).string();
+  EXPECT_THAT(refused(write_moved_table(0), options),
+              AllOf(HasSubstr("is too small for the square that is compared, 96 pixels of 10 m"),
+                    HasSubstr("--registration-gsd-m")));
+  options.registration.gsd_m = 0.3;
+  DrawnFlight elsewhere = flight;  // its rectangle holds the frames', its ground does not
+  elsewhere.ground.valid = cv::Mat(flight.ground.valid.size(), CV_8U, cv::Scalar(0));
+  elsewhere.ground.valid(cv::Rect(0, 0, 40, 40)).setTo(255);
+  options.align = write_ground(folder / "corner.tif", elsewhere, 0).string();
+  EXPECT_THAT(
+      refused(write_moved_table(0), options),
+      AllOf(HasSubstr("corner.tif: shows no ground that the map of the frames shows"), Not(HasSubstr("draft"))));
   DrawnFlight other = flight;
-  cv::flip(other.ground.pixels, other.ground.pixels, 0);
+  other.ground.pixels = cv::Mat();  // not the flight's own
+  cv::flip(flight.ground.pixels, other.ground.pixels, 0);
   options.align = write_ground(folder / "other.tif", other, 0).string();
   EXPECT_THAT(refused(write_moved_table(0), options),
-              AllOf(HasSubstr("other.tif: the map of the frames cannot be tied to it: "), HasSubstr("--min-compared"),
-                    Not(HasSubstr("draft"))));
+              AllOf(HasSubstr("other.tif: the map of the frames cannot be tied to it: "), HasSubstr("--min-compared")));
   options.align.clear();
+  options.align_sigma_m = 1;
   EXPECT_THAT(error_of<UsageError>([&] { capture_to(folder / "none.tif", write_moved_table(0), options); }),
               HasSubstr("align_sigma_m needs align"));
 }

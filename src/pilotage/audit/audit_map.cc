@@ -74,8 +74,8 @@ CommonGround common_ground(const std::string& map, const std::vector<std::string
 }
 
 /// What a map says of its own error, over the ground that both show.
-double own_sigma_m(const std::vector<ImageryInfo>& map, const Crs& crs, const CommonGround& common,
-                   std::vector<std::string>& warnings) try {
+double said_sigma_m(const std::vector<ImageryInfo>& map, const Crs& crs, const CommonGround& common,
+                    std::vector<std::string>& warnings) try {
   std::vector<std::string> rasters;
   for (const ImageryInfo& info : map) {
     if (info.map_sigma.empty()) continue;
@@ -90,10 +90,16 @@ double own_sigma_m(const std::vector<ImageryInfo>& map, const Crs& crs, const Co
   const GraySource source = open_map_sigma(rasters, crs, common.map_from_cell, common.both.cols, common.both.rows);
   Raster sigmas_m = source.read({0, 0, common.both.cols, common.both.rows});
   sigmas_m.valid = sigmas_m.valid & common.both;
-  return mean_map_sigma_m(sigmas_m, join(rasters, ", ")).value_or(kNaN);
+  return mean_map_sigma_m(sigmas_m, name_as_utf8(join(rasters, ", "))).value_or(kNaN);
 } catch (const DataError& error) {
   warnings.push_back(error.what());  // the verdict does not need it
   return kNaN;
+}
+
+/// Whether a square that is correlated fits into the ground.
+bool square_fits(const MapAudit& audit, const TieOptions& ties) {
+  return std::min(audit.area_m.width_m(), audit.area_m.height_m()) >=
+         ties.min_valid_fraction * ties.template_px * audit.registration.gsd_m;
 }
 
 /// Cells around a tie at the finest resolution that agrees with the field.
@@ -136,7 +142,6 @@ void judge(const CommonGround& common, const AuditOptions& options, MapAudit& au
       lengths_m.push_back(shift_m.norm());
     }
   }
-  if (audit.common_m2 == 0) throw DataError("the maps show no common ground");
   audit.compared = audit.compared_m2 / audit.common_m2;
   audit.shift_m = spread_of(lengths_m);
   audit.verdict = AuditVerdict::kNotKnown;
@@ -177,18 +182,18 @@ MapAudit audit_map(const std::string& map, const std::vector<std::string>& other
     audit.warnings.insert(audit.warnings.end(), info.warnings.begin(), info.warnings.end());
   }
   const CommonGround common = common_ground(map, other, options.imagery, audit.crs, audit.area_m);
+  if (cv::countNonZero(common.both) == 0) throw DataError(other.front() + ": shows no ground that " + map + " shows");
   const double gsd_m = registration_gsd_m(infos, options.registration);
-  const TieOptions& ties = options.registration.ties;
-  if (std::min(audit.area_m.width_m(), audit.area_m.height_m()) < ties.min_valid_fraction * ties.template_px * gsd_m) {
-    audit.registration.gsd_m = gsd_m;  // no square to compare fits in
+  audit.registration.gsd_m = gsd_m;
+  if (!square_fits(audit, options.registration.ties)) {
     audit.registration.fit = fit_warp({}, gsd_m, options.registration.warp);
   } else {
     audit.registration = register_dates(open_rasters({map}, options.imagery, other, audit.crs), audit.area_m, gsd_m,
                                         options.registration, {}, threads, progress);
   }
   judge(common, options, audit);
-  audit.map_sigma_m = own_sigma_m({of_this}, audit.crs, common, audit.warnings);
-  audit.other_sigma_m = own_sigma_m(other_infos, audit.crs, common, audit.warnings);
+  audit.map_sigma_m = said_sigma_m({of_this}, audit.crs, common, audit.warnings);
+  audit.other_sigma_m = said_sigma_m(other_infos, audit.crs, common, audit.warnings);
   return audit;
 }
 
@@ -196,7 +201,13 @@ std::string why_not_known(const MapAudit& audit, const AuditOptions& options) {
   if (audit.verdict != AuditVerdict::kNotKnown) return "";
   if (audit.compared_m2 > 0 && audit.compared >= options.min_compared) {
     return "ties that were left out miss by " + format_fixed(audit.registration.fit.left_out_m.median, 2) +
-           " m, more than " + format_number(options.max_shift_m) + " m";
+           " m, more than " + format_number(options.max_shift_m) + " m (--max-shift-m)";
+  }
+  if (!square_fits(audit, options.registration.ties)) {
+    return "the ground that both may show, " + format_fixed(audit.area_m.width_m(), 0) + " x " +
+           format_fixed(audit.area_m.height_m(), 0) + " m, is too small for the square that is compared, " +
+           std::to_string(options.registration.ties.template_px) + " pixels of " +
+           format_number(audit.registration.gsd_m) + " m (--registration-ties-template-px, --registration-gsd-m)";
   }
   return format_fixed(100 * audit.compared, 0) + " % of the ground that both show could be compared, of the " +
          format_fixed(100 * options.min_compared, 0) + " % asked for (--min-compared); shifts are looked for up to " +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -47,8 +48,8 @@ struct MapAudit {
   Spread about_median_m;  ///< The same without the median shift: what no moving of the map mends.
   /// Root mean square of what the map says of its own error there, each axis (raster/map_sigma.h); NaN where it does
   /// not.
-  double map_sigma_m = 0;
-  double other_sigma_m = 0;  ///< The same of the other map.
+  double map_sigma_m = std::numeric_limits<double>::quiet_NaN();
+  double other_sigma_m = std::numeric_limits<double>::quiet_NaN();  ///< The same of the other map, where that says it.
   std::vector<std::string> warnings;
 };
 

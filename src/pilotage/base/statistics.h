@@ -34,6 +34,10 @@ double chi_squared_quantile(double probability, double degrees);
 /// values.
 double quantile(std::vector<double> values, double share);
 
+/// The median of the lengths of errors that are normal in two axes, over the standard deviation of one (Lord Rayleigh,
+/// 1880): √(2 ln 2).
+inline constexpr double kMedianOfLengths = 1.1774100225154747;
+
 }  // namespace pilotage
 
 #pragma GCC visibility pop

@@ -137,8 +137,7 @@ class Adjustment {
       for (const Sighting& one : point.sightings) errors_px.push_back(error_px(point, one).norm());
     }
     if (errors_px.empty()) return;
-    // Lengths of errors normal in two axes have their median at 1.1774 standard deviations of one.
-    const double sigma_px = quantile(errors_px, 0.5) / 1.1774;
+    const double sigma_px = quantile(errors_px, 0.5) / kMedianOfLengths;
     double found_px = 0;  // how well features were found: alike in frames of one size
     for (const FrameFeatures& frame : block_.features) found_px = std::max(found_px, frame.pixel_sigma_px);
     const double limit_px = std::clamp(kOutlierSigmas * sigma_px, 1.5 * found_px, kLargestErrorSigmas * found_px);
@@ -169,6 +168,11 @@ class Adjustment {
                                           done.position_bias_m - center);
     }
     for (std::size_t i = 0; i < control_.size(); ++i) done.control_misses.push_back(control_miss(i));
+    for (std::size_t i = 0; i < ties_.size(); ++i) {
+      done.tie_misses_m.push_back(
+          (ties_[i].head<2>() - block_.reference_ties[i].reference_en_m - Eigen::Vector2d(reference_bias_.data()))
+              .norm());
+    }
     if (!ground_.height_m) done.plane = Eigen::Vector3d(plane_.data());
     done.converged = converged_;
     done.sightings_before = sightings_before_;
@@ -389,7 +393,9 @@ class Adjustment {
           cost<2, 6, 3, 3>(SightingError{&camera_, &camera_from_enu_[frame], tie.pixel, kMarkSigma_px}),
           new ceres::CauchyLoss(kPriorLoss), poses_[frame].data(), ties_[i].data(), lens_.data());
       if (ground_.height_m) {
-        problem.AddResidualBlock(cost<1, 3>(HeightError{tie.enu_m.z(), ground_.sigma_m}), nullptr, ties_[i].data());
+        problem.AddResidualBlock(
+            cost<1, 3>(HeightError{tie.enu_m.z(), std::hypot(ground_.sigma_m, block_.surface_sigma_m)}), nullptr,
+            ties_[i].data());
       } else {
         problem.AddResidualBlock(cost<1, 3, 3>(PlaneError{tie.above_plane_m, block_.surface_sigma_m}), nullptr,
                                  ties_[i].data(), plane_.data());

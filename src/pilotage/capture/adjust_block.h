@@ -43,6 +43,8 @@ struct AdjustedBlock {
   Eigen::Vector3d boresight_deg{0, 0, 0};    ///< Turn of the camera against its measured attitude, about its x, y, z.
   std::vector<Eigen::Vector3d> position_residuals_m;  ///< Measured less adjusted less what is common; per frame.
   std::vector<ControlMiss> control_misses;
+  std::vector<double>
+      tie_misses_m;  ///< How far each tie lies from where the other map has it less what that misses alike.
   /// The plane that holds the block from bending, where no elevation model does: slopes to the east and to the north,
   /// height at the origin.
   std::optional<Eigen::Vector3d> plane;

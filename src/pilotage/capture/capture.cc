@@ -16,6 +16,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/utc_time.h"
 #include "pilotage/capture/capture_frames.h"
+#include "pilotage/capture/check_points.h"
 #include "pilotage/capture/contradictions.h"
 #include "pilotage/capture/control_points.h"
 #include "pilotage/capture/describe_capture.h"
@@ -231,7 +232,7 @@ std::string tiff_time(double taken_s) {
   return text;
 }
 
-/// Beside the map: how far it may be off, and which frame it is of.
+/// Beside the map: how far it may be off, which frame it is of, and how many frames see it.
 void write_map_sigma(const OutputFile& output, const OrthoMosaic& mosaic, const MosaicStats& stats,
                      CaptureResult& result) {
   GeoTransform map_from_cell = mosaic.map_from_pixel;
@@ -239,14 +240,42 @@ void write_map_sigma(const OutputFile& output, const OrthoMosaic& mosaic, const 
        {&map_from_cell.x_per_col, &map_from_cell.x_per_row, &map_from_cell.y_per_col, &map_from_cell.y_per_row}) {
     *step *= kMapCell_px;
   }
-  write_score_raster(output, {{"map_sigma", "m", stats.map_sigma_m}, {"frame", "", stats.cell_frame}}, mosaic.crs,
-                     map_from_cell, true);
-  std::vector<double> sigmas_m;
-  for (const float sigma_m : cv::Mat_<float>(stats.map_sigma_m)) {
-    if (std::isfinite(sigma_m)) sigmas_m.push_back(static_cast<double>(sigma_m));
-  }
+  write_score_raster(output,
+                     {{"map_sigma", "m", stats.map_sigma_m},
+                      {"frame", "", stats.cell_frame},
+                      {"frames_seen", "", stats.cell_frames_seen}},
+                     mosaic.crs, map_from_cell, true);
+  const std::vector<double> sigmas_m = known_values(stats.map_sigma_m);
+  const std::vector<double> seen = known_values(stats.cell_frames_seen);
+  result.frames_seen_median = quantile(seen, 0.5);
+  result.seen_by_three =
+      static_cast<double>(std::count_if(seen.begin(), seen.end(), [](double count) { return count >= 3; })) /
+      static_cast<double>(seen.size());
   result.map_sigma_median_m = quantile(sigmas_m, 0.5);
   result.map_sigma_p95_m = quantile(sigmas_m, 0.95);
+}
+
+/// A block of which hardly half fits together is of another camera than is said.
+void refuse_misfit(const CaptureFrames& frames, const AdjustedBlock& adjusted) {
+  const double fitting = static_cast<double>(adjusted.sightings) / static_cast<double>(adjusted.sightings_before);
+  if (fitting >= kLeastFitting) return;
+  throw DataError("only " + format_fixed(100 * fitting, 0) + " % of what the frames have in common fits together; " +
+                  "is the camera (" + frames.camera_source + ") right?");
+}
+
+/// Of a list of points; none without one.
+std::vector<ControlPoint> read_points(const std::string& list, const std::string& kind, const CaptureFrames& frames,
+                                      const LocalFrame& local, CaptureResult& result) {
+  if (list.empty()) return {};
+  std::vector<std::string> paths;
+  for (const FlightFrame& one : frames.frames) paths.push_back(one.path);
+  int unused_marks = 0;
+  std::vector<ControlPoint> points = read_control_points(list, paths, local, unused_marks);
+  if (unused_marks > 0) {
+    result.warnings.push_back(std::to_string(unused_marks) + " marks of " + kind +
+                              " points are in pictures that are not among the frames");
+  }
+  return points;
 }
 
 /// What a map is made of, beside the frames.
@@ -289,17 +318,10 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   CaptureFrames frames = read_capture_frames(inputs, options);
   const LocalFrame local = local_frame(frames);
   CaptureResult result;
-  std::vector<ControlPoint> control_points;
-  if (!options.control_points.empty()) {
-    std::vector<std::string> paths;
-    for (const FlightFrame& one : frames.frames) paths.push_back(one.path);
-    int unused_marks = 0;
-    control_points = read_control_points(options.control_points, paths, local, unused_marks);
-    if (unused_marks > 0) {
-      result.warnings.push_back(std::to_string(unused_marks) +
-                                " marks of control points are in pictures that are not among the frames");
-    }
-  }
+  result.frames_given = static_cast<std::int64_t>(frames.frames.size() + frames.left_out.size());
+  std::vector<ControlPoint> control_points = read_points(options.control_points, "control", frames, local, result);
+  std::vector<ControlPoint> checks = read_points(options.check_points, "check", frames, local, result);
+  refuse_adjusted_checks(checks, control_points);
   std::optional<Elevation> elevation;
   GroundPrior prior;
   if (!options.elevation.empty()) {
@@ -323,6 +345,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   keep_frames(frames, can_be_read);
   keep_pictures(pictures, can_be_read);
   keep_marks(control_points, can_be_read);
+  keep_marks(checks, can_be_read);
 
   std::vector<Eigen::Vector2d> nadirs_m;
   for (const FlightFrame& one : frames.frames) nadirs_m.push_back(east_north_m(local, one.frame.prior));
@@ -331,12 +354,17 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   Block block;
   BlockStart start;
   AdjustedBlock adjusted;
+  const auto adjust = [&] {
+    return adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, threads,
+                        progress);
+  };
   // What hangs together by matches may fall apart when they are held against each other: then once more without it.
   for (;;) {
     if (parts.size() > 1) {
       refuse_other_parts(parts, options.leave_out, frames);
       keep_pairs(pairs, parts.front());
       keep_marks(control_points, parts.front());
+      keep_marks(checks, parts.front());
       keep_frames(frames, parts.front());
       keep_pictures(pictures, parts.front());
     }
@@ -346,16 +374,11 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
     block.control_points = control_points;
     start = start_block(block);
     take_velocities(frames, start, block);
-    adjusted =
-        adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, threads, progress);
+    adjusted = adjust();
     parts = tied_parts(shared_points(adjusted), static_cast<int>(frames.frames.size()));
     if (parts.size() == 1) break;
   }
-  const double fitting = static_cast<double>(adjusted.sightings) / static_cast<double>(adjusted.sightings_before);
-  if (fitting < kLeastFitting) {
-    throw DataError("only " + format_fixed(100 * fitting, 0) + " % of what the frames have in common fits together; " +
-                    "is the camera (" + frames.camera_source + ") right?");
-  }
+  refuse_misfit(frames, adjusted);
   const Contradictions contradictions = find_contradictions(frames, block, start, adjusted);
   refuse_frames(contradictions.problems, options.leave_out, frames);
   result.warnings.insert(result.warnings.end(), contradictions.warnings.begin(), contradictions.warnings.end());
@@ -367,8 +390,11 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   if (!options.align.empty()) {
     const OrthoMosaic first = mosaic_of(frames, adjusted, parts_of_first, local, crs.crs, gsd_m);
     result.alignment = tie_to_reference(first, options, ortho, threads, progress, block);
-    adjusted =
-        adjust_block(block, start, join_tracks(block.pairs, block.features, kTracksPerCell), prior, threads, progress);
+    do {
+      adjusted = adjust();
+    } while (loosen_ties(adjusted, *result.alignment, block));
+    refuse_misfit(frames, adjusted);
+    refuse_control_contradictions(frames, block, adjusted, parts_of_first.frame_gsd_m);
   }
   const MapParts parts_of_last = parts_of_map(prior, elevation, pictures, block, adjusted);
   const OrthoMosaic mosaic = mosaic_of(frames, adjusted, parts_of_last, local, crs.crs, gsd_m);
@@ -384,6 +410,8 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   metadata.emplace_back(kMapSigmaTag, map_sigma.destination().filename().string());
   const MosaicStats stats = write_mosaic(ortho, mosaic, metadata, threads, progress);
   write_map_sigma(map_sigma, mosaic, stats, result);
+  result.check_points = check_map(checks, frames, mosaic, stats);
+  describe_checks(checks.size(), result);
   if (result.alignment) {
     result.alignment->after = audit_against_reference(ortho, options, threads, progress);
     describe_alignment(result);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pilotage/audit/audit_map.h"
+#include "pilotage/base/options.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/camera/camera.h"
@@ -35,20 +36,44 @@ struct CapturedFrame {
   std::int64_t drawn_px = 0;  ///< Of the map, from it.
 };
 
+/// A surveyed point that took no part in the adjustment, against where the map shows it.
+struct CheckedPoint {
+  std::string name;
+  std::string file;  ///< The frame whose mark was looked at.
+  double miss_east_m = 0;
+  double miss_north_m = 0;
+  double map_sigma_m = 0;  ///< What the map says of its own error there, each axis; modelled.
+};
+
+/// Where the standard deviation of another map's place is from.
+enum class ReferenceSigma {
+  kGiven,
+  kSaid,   ///< By the map itself (raster/map_sigma.h).
+  kTaken,  ///< kUnknownMapSigma_m: it says nothing.
+};
+
+inline EnumNames<ReferenceSigma> enum_names(ReferenceSigma) {
+  return {{ReferenceSigma::kGiven, "given"},
+          {ReferenceSigma::kSaid, "as it says itself"},
+          {ReferenceSigma::kTaken, "taken for granted"}};
+}
+
 /// How a map was tied to another one.
 struct MapAlignment {
   std::string reference;         ///< The other map.
   double reference_sigma_m = 0;  ///< Of what it misses alike, each axis; taken for granted.
-  std::string sigma_source;      ///< Where that is from, as a word for people.
-  int ties = 0;                  ///< That were used.
-  MapAudit before;               ///< The map of the frames by themselves against it,
-  MapAudit after;                ///< and the map that was written.
+  ReferenceSigma sigma_source = ReferenceSigma::kTaken;
+  int ties = 0;          ///< That were used.
+  double tie_rms_m = 0;  ///< By how much they miss, each axis, without what all miss alike; robust.
+  MapAudit before;       ///< The map of the frames by themselves against it,
+  MapAudit after;        ///< and the map that was written.
 };
 
 /// What capture() made, and how well the frames fit together. All numbers are measured on this block.
 struct CaptureResult {
   std::vector<CapturedFrame> frames;
   std::vector<std::string> left_out;  ///< "path: why".
+  std::int64_t frames_given = 0;      ///< With those that are left out.
   std::int64_t pairs = 0;
   std::int64_t points = 0;
   std::int64_t sightings = 0;        ///< That count, of
@@ -61,12 +86,15 @@ struct CaptureResult {
   double boresight_y_deg = 0;
   double boresight_z_deg = 0;
   double clock_offset_s = 0;
-  double bias_east_m = 0;  ///< Known with control points or another map alone; 0 without.
+  double bias_east_m = 0;  ///< Without control points as far as the priors tell it from tilts of all frames.
   double bias_north_m = 0;
   double position_rms_m = 0;  ///< Of the frames' horizontal residuals.
   int control_points = 0;
   double control_rms_m = 0;  ///< Of where marks put them against where they were given; NaN without.
-  std::string ground;        ///< What the frames were laid over.
+  std::vector<CheckedPoint> check_points;
+  double check_rms_m = 0;  ///< Of their misses, each axis; NaN without.
+  double check_ratio = 0;  ///< Root mean square of misses over what the map says there, each axis; NaN without.
+  std::string ground;      ///< What the frames were laid over.
   double ground_spread_m = 0;
   double gsd_m = 0;
   std::int64_t width_px = 0;
@@ -76,6 +104,8 @@ struct CaptureResult {
   std::optional<MapAlignment> alignment;
   double map_sigma_median_m = 0;  ///< Of the map's own error, each axis, over what is drawn; modelled.
   double map_sigma_p95_m = 0;
+  double frames_seen_median = 0;  ///< By how many frames a place of the map is seen.
+  double seen_by_three = 0;       ///< Share of the map that three frames see, or more.
   std::vector<std::string> assumptions;
   std::vector<std::string> warnings;
 };

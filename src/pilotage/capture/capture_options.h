@@ -22,6 +22,7 @@ struct CaptureOptions {
   std::string elevation;
   std::string control_points;
   double control_sigma_m = 0.05;
+  std::string check_points;
   std::string align;
   std::optional<double> align_sigma_m;
   double min_compared = 0.5;
@@ -54,11 +55,14 @@ struct CaptureOptions {
                 "Ground control points as OpenDroneMap's gcp_list.txt: a CRS, then lines of x y z, pixel, file.");
     fields.field("control_sigma_m", self.control_sigma_m, "Standard deviation of the control points, each axis.",
                  Range{0.001, 100});
+    fields.path("check_points", self.check_points,
+                "Surveyed points that take no part in the adjustment, against which the map is measured; as "
+                "control_points.");
     fields.path("align", self.align,
                 "Another map of this ground, an older one or a satellite's (GDAL dataset): ties this one to it.");
     fields.field("align_sigma_m", self.align_sigma_m,
-                 "Standard deviation of what that map misses alike, each axis; what it says of its own error if not "
-                 "given, or 1 m where it says nothing.",
+                 "Standard deviation of how far that map lies off, each axis; what it says of its own error if not "
+                 "given, or 1 m where it says nothing, with what its control points and datum add.",
                  Range{0.001, 100});
     fields.field("min_compared", self.min_compared,
                  "Share of the ground that both maps show that must be compared, or nothing is tied.", Range{0, 1});

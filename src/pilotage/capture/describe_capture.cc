@@ -13,6 +13,8 @@ namespace pilotage {
 namespace {
 
 constexpr double kLargestFocalChange = 0.03;
+/// What all check points miss alike is one draw of each axis: three standard deviations of it.
+constexpr double kUnlikelyRatio = 3;
 
 }  // namespace
 
@@ -87,12 +89,37 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
   }
 }
 
+void describe_checks(std::size_t given, CaptureResult& result) {
+  const std::vector<CheckedPoint>& checks = result.check_points;
+  result.check_rms_m = result.check_ratio = kNaN;
+  if (checks.size() < given) {
+    result.warnings.push_back(std::to_string(given - checks.size()) + " of " + std::to_string(given) +
+                              " check points lie where the map shows nothing");
+  }
+  if (checks.empty()) return;
+  double squares_m2 = 0;
+  double squares = 0;
+  for (const CheckedPoint& one : checks) {
+    const double miss2_m2 = (one.miss_east_m * one.miss_east_m + one.miss_north_m * one.miss_north_m) / 2;
+    squares_m2 += miss2_m2;
+    squares += miss2_m2 / (one.map_sigma_m * one.map_sigma_m);
+  }
+  result.check_rms_m = std::sqrt(squares_m2 / static_cast<double>(checks.size()));
+  result.check_ratio = std::sqrt(squares / static_cast<double>(checks.size()));
+  if (result.check_ratio > kUnlikelyRatio) {
+    result.warnings.push_back("check points lie " + format_fixed(result.check_ratio, 1) +
+                              " times as far off as the map says of itself: what was stated of positions, control "
+                              "points or the other map is not so good");
+  }
+}
+
 void describe_alignment(CaptureResult& result) {
   const MapAlignment& alignment = *result.alignment;
   result.warnings.insert(result.warnings.end(), alignment.before.warnings.begin(), alignment.before.warnings.end());
   if (alignment.after.verdict == AuditVerdict::kNotKnown) {
     result.warnings.push_back(alignment.reference + ": the map that was tied to it can no longer be compared with it");
-  } else if (alignment.after.shift_m.quantile_95 > alignment.before.shift_m.quantile_95) {
+  } else if (alignment.after.shift_m.quantile_95 >
+             alignment.before.shift_m.quantile_95 + alignment.before.registration.fit.left_out_m.median) {
     result.warnings.push_back(alignment.reference + ": the map lies farther from it than before it was tied to it");
   }
 }
@@ -108,10 +135,10 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
                             : "heights of the frames are above one level, as take-off");
   if (!elevation.empty()) assumptions.push_back("elevation model: " + elevation);
   if (result.alignment) {
-    assumptions.push_back(result.alignment->reference + ": misses alike " +
-                          format_number(result.alignment->reference_sigma_m) +
-                          " m (one standard deviation, each axis; " + result.alignment->sigma_source +
-                          "), and shows the same ground where pictures agree");
+    assumptions.push_back(
+        result.alignment->reference + ": misses alike " + format_number(result.alignment->reference_sigma_m) +
+        " m (one standard deviation, each axis; " + options_detail::enum_to_name(result.alignment->sigma_source) +
+        "), which has nothing to do with what the frames' positions miss");
   } else if (block.control_points.empty()) {
     assumptions.push_back(
         "what all positions and tilts miss alike is not known without control points, and shifts the whole map; taken "

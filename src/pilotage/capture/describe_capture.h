@@ -21,6 +21,9 @@ void describe_frames(const CaptureFrames& frames, const Block& block, const Adju
 void describe_block(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
                     CaptureResult& result);
 
+/// What follows from CaptureResult::check_points, of `given` ones, and its warnings.
+void describe_checks(std::size_t given, CaptureResult& result);
+
 /// The warnings of CaptureResult::alignment, which it must have.
 void describe_alignment(CaptureResult& result);
 

@@ -197,6 +197,7 @@ struct DrawnBlock {
   Raster raster;
   cv::Mat map_sigma_m;  ///< As MosaicStats, of this block.
   cv::Mat cell_frame;
+  cv::Mat cell_frames_seen;
   std::vector<std::pair<std::size_t, std::int64_t>> frame_px;
 };
 
@@ -216,13 +217,15 @@ class BlockPainter {
                          (ground.height + kMapCell_px - 1) / kMapCell_px);
     drawn.map_sigma_m = cv::Mat(cells, CV_32F, cv::Scalar(kNaN));
     drawn.cell_frame = drawn.map_sigma_m.clone();
+    drawn.cell_frames_seen = drawn.map_sigma_m.clone();
     const std::vector<FrameOverBlock> frames = frames_over(ground);
     if (frames.empty()) return drawn;
     const cv::Mat best = best_frames(frames, ground);
     blend(frames, best, drawn);
+    const std::vector<std::size_t> near = frames_near(ground);
     for (int cell_row = 0; cell_row < cells.height; ++cell_row) {
       for (int cell_col = 0; cell_col < cells.width; ++cell_col)
-        describe_cell(frames, best, ground, cell_col, cell_row, drawn);
+        describe_cell(frames, near, best, ground, cell_col, cell_row, drawn);
     }
     return drawn;
   }
@@ -245,6 +248,12 @@ class BlockPainter {
     return farthest_m;
   }
 
+  /// From the place below a frame to a block.
+  double distance_m(std::size_t frame, const BlockGround& ground) const {
+    const Eigen::Vector2d nadir = mosaic_.block->poses[frame].center_enu_m.head<2>();
+    return (nadir - nadir.cwiseMax(ground.low_m).cwiseMin(ground.high_m)).norm();
+  }
+
   /// Whether a frame is the nearest somewhere, or near enough to fade into the nearest: of two frames whose nadirs are
   /// a and b away, the band along their seam is where a − b is below twice its width.
   bool counts_somewhere(const FrameOverBlock& over, const cv::Mat& nearest_m2) const {
@@ -261,20 +270,16 @@ class BlockPainter {
   /// The nearest first, until no farther one can be the best anywhere, nor fade into it.
   std::vector<FrameOverBlock> frames_over(const BlockGround& ground) const {
     std::vector<std::pair<double, std::size_t>> by_distance;
-    for (std::size_t i = 0; i < mosaic_.block->poses.size(); ++i) {
-      const Eigen::Vector2d nadir = mosaic_.block->poses[i].center_enu_m.head<2>();
-      const Eigen::Vector2d nearest = nadir.cwiseMax(ground.low_m).cwiseMin(ground.high_m);
-      by_distance.emplace_back((nadir - nearest).norm(), i);
-    }
+    for (std::size_t i = 0; i < mosaic_.block->poses.size(); ++i) by_distance.emplace_back(distance_m(i, ground), i);
     std::sort(by_distance.begin(), by_distance.end());
     std::vector<FrameOverBlock> frames;
     cv::Mat nearest_m2(ground.height, ground.width, CV_32F, cv::Scalar(static_cast<double>(kNotSeen)));
-    for (const auto& [distance_m, frame] : by_distance) {
+    for (const auto& [away_m, frame] : by_distance) {
       double farthest_m2 = 0;
       cv::minMaxLoc(nearest_m2, nullptr, &farthest_m2);
       const double band_m = 4 * kFeather_px * mosaic_.gsd_m;
-      if (std::isfinite(farthest_m2) && distance_m > std::sqrt(farthest_m2) + band_m) break;
-      if (distance_m > reaches_m_[frame]) continue;
+      if (std::isfinite(farthest_m2) && away_m > std::sqrt(farthest_m2) + band_m) break;
+      if (away_m > reaches_m_[frame]) continue;
       auto over = look_from(mosaic_, lens_, ground, frame);
       if (!over || !counts_somewhere(*over, nearest_m2)) continue;
       nearest_m2 = cv::min(nearest_m2, over->off_nadir_m2);
@@ -294,9 +299,25 @@ class BlockPainter {
     return best;
   }
 
+  std::vector<std::size_t> frames_near(const BlockGround& ground) const {
+    std::vector<std::size_t> near;
+    for (std::size_t i = 0; i < mosaic_.block->poses.size(); ++i) {
+      if (distance_m(i, ground) <= reaches_m_[i]) near.push_back(i);
+    }
+    return near;
+  }
+
+  bool sees(std::size_t frame, const Eigen::Vector3d& place_enu_m) const {
+    const FramePose& pose = mosaic_.block->poses[frame];
+    const Camera& camera = mosaic_.block->camera;
+    const auto pixel = pixel_from_ray(lens_, pose.enu_from_camera.transpose() * (place_enu_m - pose.center_enu_m));
+    return pixel && pixel->x() >= 0 && pixel->y() >= 0 && pixel->x() <= camera.width_px &&
+           pixel->y() <= camera.height_px;
+  }
+
   /// What stands beside the map for a cell of it.
-  void describe_cell(const std::vector<FrameOverBlock>& frames, const cv::Mat& best, const BlockGround& ground, int col,
-                     int row, DrawnBlock& drawn) const {
+  void describe_cell(const std::vector<FrameOverBlock>& frames, const std::vector<std::size_t>& near,
+                     const cv::Mat& best, const BlockGround& ground, int col, int row, DrawnBlock& drawn) const {
     const cv::Rect cell = cv::Rect(col * kMapCell_px, row * kMapCell_px, kMapCell_px, kMapCell_px) &
                           cv::Rect(0, 0, ground.width, ground.height);
     std::vector<int> pixels(frames.size(), 0);
@@ -315,6 +336,8 @@ class BlockPainter {
     const Eigen::Matrix2d covariance_m2 = map_covariance_m2(*mosaic_.block, *mosaic_.ground, frame, middle_m);
     drawn.map_sigma_m.at<float>(row, col) = static_cast<float>(std::sqrt(covariance_m2.trace() / 2));
     drawn.cell_frame.at<float>(row, col) = static_cast<float>(frame + 1);
+    const auto seen = std::count_if(near.begin(), near.end(), [&](std::size_t one) { return sees(one, middle_m); });
+    drawn.cell_frames_seen.at<float>(row, col) = static_cast<float>(std::max<std::ptrdiff_t>(1, seen));
   }
 
   /// How much a frame counts at a pixel of which `best` is the nearest.
@@ -430,6 +453,14 @@ double convergence_deg(const LocalFrame& frame, GeodeticPoint point) {
   return apart_deg * std::sin(point.lat_deg * kRadPerDeg);
 }
 
+std::vector<double> known_values(const cv::Mat& cells) {
+  std::vector<double> values;
+  for (const float value : cv::Mat_<float>(cells)) {
+    if (std::isfinite(value)) values.push_back(static_cast<double>(value));
+  }
+  return values;
+}
+
 MosaicStats draw_mosaic(const OrthoMosaic& mosaic, int threads, const Progress& progress,
                         const std::function<void(std::int64_t col, std::int64_t row, const Raster& block)>& write) {
   FrameCache cache(mosaic, kFrameBytes);
@@ -442,6 +473,7 @@ MosaicStats draw_mosaic(const OrthoMosaic& mosaic, int threads, const Progress& 
       cv::Mat(static_cast<int>((mosaic.height_px + kMapCell_px - 1) / kMapCell_px),
               static_cast<int>((mosaic.width_px + kMapCell_px - 1) / kMapCell_px), CV_32F, cv::Scalar(kNaN));
   stats.cell_frame = stats.map_sigma_m.clone();
+  stats.cell_frames_seen = stats.map_sigma_m.clone();
   std::mutex writing;
   std::int64_t done = 0;
   parallel_for(blocks.size(), threads, [&](std::size_t i, int worker) {
@@ -458,6 +490,7 @@ MosaicStats draw_mosaic(const OrthoMosaic& mosaic, int threads, const Progress& 
                          drawn.map_sigma_m.size());
     drawn.map_sigma_m.copyTo(stats.map_sigma_m(cells));
     drawn.cell_frame.copyTo(stats.cell_frame(cells));
+    drawn.cell_frames_seen.copyTo(stats.cell_frames_seen(cells));
     report_progress(progress, "drawing the orthophoto", ++done, static_cast<std::int64_t>(blocks.size()));
   });
   return stats;
@@ -472,6 +505,15 @@ MosaicStats write_mosaic(const OutputFile& output, const OrthoMosaic& mosaic,
   write_picture_cog(output, picture, progress);
   if (stats.valid_px == 0) throw DataError("the frames show no ground: the map would be empty");
   return stats;
+}
+
+std::optional<std::size_t> shown_frame(const OrthoMosaic& mosaic, const MosaicStats& drawn,
+                                       const Eigen::Vector2d& map_m) {
+  const Eigen::Array2d cell = (mosaic.map_from_pixel.pixel_from_map(map_m).array() / kMapCell_px).floor();
+  if (!(cell >= 0).all() || cell.x() >= drawn.cell_frame.cols || cell.y() >= drawn.cell_frame.rows) return std::nullopt;
+  const float number = drawn.cell_frame.at<float>(static_cast<int>(cell.y()), static_cast<int>(cell.x()));
+  if (!(number >= 1)) return std::nullopt;
+  return static_cast<std::size_t>(number) - 1;
 }
 
 }  // namespace pilotage

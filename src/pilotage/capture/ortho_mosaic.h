@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,14 +45,19 @@ double convergence_deg(const LocalFrame& frame, GeodeticPoint point);
 /// Pixels of the map in one cell of what stands beside it, each way.
 inline constexpr int kMapCell_px = 16;
 
+/// The finite values of a layer of such cells.
+std::vector<double> known_values(const cv::Mat& cells);
+
 /// What was drawn.
 struct MosaicStats {
   std::int64_t valid_px = 0;
   std::vector<std::int64_t> frame_px;  ///< Pixels that each frame has most of.
   /// For each kMapCell_px of the map, the first at its first pixel, CV_32F; NaN where nothing is drawn: standard
-  /// deviation of the map's own error, each axis (map_covariance_m2), and which frame shows most of it, from 1.
+  /// deviation of the map's own error, each axis (map_covariance_m2); which frame shows most of it, from 1; how many
+  /// frames see its middle (that one always).
   cv::Mat map_sigma_m;
   cv::Mat cell_frame;
+  cv::Mat cell_frames_seen;
 };
 
 /// Draws an orthophoto in blocks of 512 px: each pixel from the frame that sees it at the least angle off the nadir,
@@ -66,5 +72,9 @@ MosaicStats draw_mosaic(const OrthoMosaic& mosaic, int threads, const Progress& 
 MosaicStats write_mosaic(const OutputFile& output, const OrthoMosaic& mosaic,
                          std::vector<std::pair<std::string, std::string>> metadata, int threads,
                          const Progress& progress);
+
+/// The frame, from 0, of which the map shows most around a place in its CRS; nothing where it shows none.
+std::optional<std::size_t> shown_frame(const OrthoMosaic& mosaic, const MosaicStats& drawn,
+                                       const Eigen::Vector2d& map_m);
 
 }  // namespace pilotage

@@ -10,6 +10,7 @@
 #include <ceres/tiny_solver.h>
 #include <ceres/tiny_solver_autodiff_function.h>
 
+#include "pilotage/base/statistics.h"
 #include "pilotage/match/displacement_voting.h"
 
 namespace pilotage {
@@ -91,7 +92,7 @@ std::vector<double> errors_m(const std::vector<GroundPair>& pairs, const State& 
 double noise_from_median(std::vector<double> errors, double floor_m) {
   const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
   std::nth_element(errors.begin(), middle, errors.end());
-  return std::max(*middle / 1.17741, floor_m);
+  return std::max(*middle / kMedianOfLengths, floor_m);
 }
 
 State solve_state(const PoseResiduals& residuals, State state) {

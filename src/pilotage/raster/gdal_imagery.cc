@@ -480,6 +480,10 @@ bool looks_like_heights(const ImageryInfo& info) {
                                          info.band_type == "Int16" || info.band_type == "Int32");
 }
 
+double placement_rms_m(const ImageryInfo& info) {
+  return std::hypot(info.control_points ? info.control_points->rms_m : 0, info.datum_accuracy_m);
+}
+
 Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs) {
   constexpr int kSteps = 64;  // per edge; the bulge between two steps of a curved edge is below 1/16,000 of its own
   const CrsTransform from(info.crs);

@@ -158,6 +158,10 @@ ImageryInfo inspect_picture(const std::string& dataset);
 /// or signed numbers.
 bool looks_like_heights(const ImageryInfo& info);
 
+/// How far the ground control points and the change of datum that place a raster may put it, both axes together, in
+/// metres; 0 where it has neither.
+double placement_rms_m(const ImageryInfo& info);
+
 /// The rectangle around a raster in another CRS; its edges are followed point by point because they may curve. Empty
 /// when no point of it has an image there.
 Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs);

@@ -395,7 +395,7 @@ void add_map_error(const std::vector<ImageryInfo>& infos, Mission& mission) {
   double rms_m = 0;
   std::string from;
   for (const auto& info : infos) {
-    const double raster_m = std::hypot(info.control_points ? info.control_points->rms_m : 0, info.datum_accuracy_m);
+    const double raster_m = placement_rms_m(info);
     if (raster_m <= rms_m) continue;
     rms_m = raster_m;
     from = info.datum_accuracy_m == 0 ? "whose place comes from ground control points"
