@@ -4,12 +4,15 @@
 
 #include "commands.h"
 #include "spread_output.h"
+#include "version.h"
 
 #include "pilotage/base/csv.h"
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/capture/capture.h"
+#include "pilotage/capture/quality_page.h"
 #include "pilotage/raster/map_sigma.h"
 
 namespace pilotage {
@@ -19,6 +22,7 @@ struct CaptureCommandOptions {
   CaptureOptions capture;
   std::string log;
   std::string camera_log;
+  std::string quality;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -29,6 +33,8 @@ struct CaptureCommandOptions {
     fields.path(
         "camera_log", self.camera_log,
         "Also write the camera as adjusted, as ROS camera_info (YAML): the table's heights are those of this one.");
+    fields.path("quality", self.quality,
+                "Also write a page on how good the map is: error, overlap, frames, shifts, check points (HTML).");
   }
 };
 
@@ -211,6 +217,17 @@ CommandResult run_capture(const CaptureCommandOptions& options, const Invocation
     log->write(frames_table(done, options.log));
     outputs.push_back(&*log);
   }
+  std::optional<OutputFile> quality;
+  if (!options.quality.empty()) {
+    CaptureCommandOptions described = options;
+    const nlohmann::ordered_json parameters = options_to_json(list_options(described));
+    quality.emplace(options.quality, invocation.overwrite)
+        .write(quality_page_html(done,
+                                 {std::filesystem::path(invocation.output).filename().string(),
+                                  ortho.temporary_path().string(), map_sigma.temporary_path().string()},
+                                 parameters, version_line()));
+    outputs.push_back(&*quality);
+  }
   std::optional<OutputFile> camera;
   if (!options.camera_log.empty()) {
     camera.emplace(options.camera_log, invocation.overwrite).write(camera_yaml(done.camera));
@@ -238,13 +255,13 @@ Command make_capture_command() {
        "pilotage capture frames.csv --camera camera.yaml --elevation dem.tif --log adjusted.csv -o "
        "reference.tif"},
       {"Tied to the satellite's map, which lies to within 2 m.",
-       "pilotage capture photos/ --align satellite.tif --align-sigma-m 2 -o reference.tif"}};
+       "pilotage capture photos/ --align satellite.tif --align-sigma-m 2 --quality quality.html -o reference.tif"}};
   command.inputs = {
       .name = "FRAMES", .help = "Pictures, folders of them, or one frames.csv.", .min = 1, .max = InputSpec::kMany};
   command.output = {
       .kind = OutputKind::kFile,
       .help = "The map: a Cloud-Optimised GeoTIFF. Beside it, its own error: reference.map_sigma.tif.",
-      .flags = {"log", "camera_log"},
+      .flags = {"log", "camera_log", "quality"},
       .files =
           [](const std::string& output) {
             return std::vector<std::filesystem::path>{output, map_sigma_path(output)};

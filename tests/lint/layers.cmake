@@ -32,7 +32,7 @@ set(may_include_prepare ${below_stages} tile score select simulate build_map rep
 set(may_include_audit ${below_stages} report)
 set(may_include_survey ${below_stages} tile score report gis)
 set(may_include_reroute ${below_stages} tile score select build_map report gis prepare)
-set(may_include_capture ${below_stages} flightlog audit)
+set(may_include_capture ${below_stages} flightlog audit report)
 set(may_include_evaluate ${below_stages} build_map match flightlog)
 set(may_include_simulate ${below_stages} airsim match navigate select flightlog)
 set(may_include_replay ${below_stages} match flightlog vehiclelog evaluate)

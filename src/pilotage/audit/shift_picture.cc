@@ -23,15 +23,6 @@ constexpr double kScale_px = 200;
 constexpr double kArrows = 30;  // along the longer side
 constexpr std::size_t kMostBytes = 400'000;
 
-/// The largest of 1, 2, 5, 10 … times a power of ten that is not above `most`.
-double round_below(double most) {
-  const double decade = std::pow(10.0, std::floor(std::log10(most)));
-  for (const double step : {5.0, 2.0}) {
-    if (step * decade <= most) return step * decade;
-  }
-  return decade;
-}
-
 /// Of the arrows, so that the longest takes at most the room between two of them.
 double exaggeration(double largest_m, double metres_between) {
   return largest_m > 0 && metres_between > largest_m ? round_below(metres_between / largest_m) : 1;

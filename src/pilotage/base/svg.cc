@@ -37,4 +37,12 @@ std::string SvgWriter::rect(std::string_view type, double x, double y, double wi
          "</rect>\n";
 }
 
+double round_below(double most) {
+  const double decade = std::pow(10.0, std::floor(std::log10(most)));
+  for (const double step : {5.0, 2.0}) {
+    if (step * decade <= most) return step * decade;
+  }
+  return decade;
+}
+
 }  // namespace pilotage

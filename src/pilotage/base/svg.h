@@ -19,4 +19,8 @@ struct SvgWriter {
                    std::string_view title = "") const;
 };
 
+/// For the scale of a drawing: the largest of 1, 2, 5, 10 … times a power of ten that is not above `most`, which is
+/// positive.
+double round_below(double most);
+
 }  // namespace pilotage

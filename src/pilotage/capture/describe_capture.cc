@@ -135,10 +135,11 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
                             : "heights of the frames are above one level, as take-off");
   if (!elevation.empty()) assumptions.push_back("elevation model: " + elevation);
   if (result.alignment) {
-    assumptions.push_back(
-        result.alignment->reference + ": misses alike " + format_number(result.alignment->reference_sigma_m) +
-        " m (one standard deviation, each axis; " + options_detail::enum_to_name(result.alignment->sigma_source) +
-        "), which has nothing to do with what the frames' positions miss");
+    assumptions.push_back("the other map, " + result.alignment->reference + ", lies off by " +
+                          format_number(result.alignment->reference_sigma_m) +
+                          " m (one standard deviation, each axis; " +
+                          options_detail::enum_to_name(result.alignment->sigma_source) +
+                          "), which has nothing to do with what the frames' positions miss");
   } else if (block.control_points.empty()) {
     assumptions.push_back(
         "what all positions and tilts miss alike is not known without control points, and shifts the whole map; taken "

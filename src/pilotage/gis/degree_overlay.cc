@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
@@ -14,6 +13,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_degrees.h"
+#include "pilotage/report/display_plane.h"
 #include "pilotage/report/tile_class.h"
 #include "pilotage/report/wording.h"
 
@@ -23,14 +23,6 @@ namespace {
 constexpr int kBlockCells = 256;
 constexpr int kPixelsPerCell = 8;
 constexpr const char* kLegend = "files/legend.png";
-
-std::string png(const cv::Mat& rgba) {
-  cv::Mat bgra;
-  cv::cvtColor(rgba, bgra, cv::COLOR_RGBA2BGRA);
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", bgra, bytes)) throw DataError("a picture cannot be written as PNG");
-  return {bytes.begin(), bytes.end()};
-}
 
 std::string ground_overlay(const std::string& name, const std::string& file, const DegreePicture& picture) {
   // The colour's first byte is the opacity: the ground stays visible below.
@@ -149,7 +141,7 @@ DegreeOverlay heat_overlay(const ScoreTable& table, const MeasureScale& shown, b
   DegreeOverlay overlay;
   const bool measured = !std::isnan(shown.least);
   overlay.kml = legend_overlay();
-  overlay.pictures.emplace_back(kLegend, png(legend(measured ? &shown : nullptr, flown)));
+  overlay.pictures.emplace_back(kLegend, encode_png(legend(measured ? &shown : nullptr, flown)));
   if (!measured) return overlay;
   const Crs crs = table.ground.crs;
   const std::string name = html_escape(shown.measure.heat.title);
@@ -171,7 +163,7 @@ DegreeOverlay heat_overlay(const ScoreTable& table, const MeasureScale& shown, b
                                                          kPixelsPerCell, kBlockCells * kPixelsPerCell);
         const std::string file = "files/heat_" + number + "_" + std::to_string(y / kBlockCells) + "_" +
                                  std::to_string(x / kBlockCells) + ".png";
-        overlay.pictures.emplace_back(file, png(picture.rgba));
+        overlay.pictures.emplace_back(file, encode_png(picture.rgba));
         overlay.kml += ground_overlay(name, file, picture);
       }
     }

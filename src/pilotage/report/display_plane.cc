@@ -244,4 +244,12 @@ std::string encode_jpeg(const cv::Mat& picture, std::size_t max_bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
+std::string encode_png(const cv::Mat& picture) {
+  cv::Mat bgr;
+  cv::cvtColor(picture, bgr, picture.channels() == 4 ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".png", bgr, bytes)) throw DataError("a picture cannot be written as PNG");
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace pilotage

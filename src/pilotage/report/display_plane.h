@@ -51,4 +51,7 @@ cv::Mat warp_imagery(const Raster& imagery, const cv::Mat& map_xy);
 /// within `max_bytes` (the last when none does). Throws DataError when the encoder refuses.
 std::string encode_jpeg(const cv::Mat& picture, std::size_t max_bytes);
 
+/// PNG of a picture of red, green, blue and, with four channels, opacity. Throws DataError when the encoder refuses.
+std::string encode_png(const cv::Mat& picture);
+
 }  // namespace pilotage

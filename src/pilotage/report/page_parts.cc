@@ -58,6 +58,24 @@ std::string heading_html(const std::string& text) {
   return "<th scope=\"row\">" + html_escape(text) + "</th>";
 }
 
+std::string badge_html(std::string_view status) {
+  return "<span class=\"badge " + std::string(status) + "\">" + std::string(status) + "</span>";
+}
+
+std::string badge_cell_html(std::string_view status) {
+  return "<td data-label=\"Status\">" + badge_html(status) + "</td>";
+}
+
+std::string quality_rows_html(const std::vector<QualityRow>& rows) {
+  std::string html;
+  for (const QualityRow& row : rows) {
+    html += "<tr>" + heading_html(row.label + (row.decides ? " *" : "")) + "<td data-label=\"Value\">" +
+            html_escape(row.value) + " " + kind_mark(row.kind) + "</td>" + badge_cell_html(status_name(row.status)) +
+            cell_html("Threshold", row.threshold) + cell_html("Advice", row.advice) + "</tr>\n";
+  }
+  return html;
+}
+
 std::string list_html(const std::vector<std::string>& texts) {
   std::string html;
   for (const std::string& text : texts) html += "<li>" + html_escape(text) + "</li>\n";

@@ -11,6 +11,7 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/ground/ground.h"
 #include "pilotage/mission/input_files.h"
+#include "pilotage/report/quality.h"
 
 // Pieces of HTML that the pages of a route and of an area share; text is escaped here.
 
@@ -20,6 +21,11 @@ std::string cell_html(const std::string& text);
 /// On a small screen a row becomes a card, in which each value says what it is.
 std::string cell_html(const std::string& label, const std::string& text);
 std::string heading_html(const std::string& text);  ///< Of a row.
+
+std::string badge_html(std::string_view status);
+std::string badge_cell_html(std::string_view status);
+/// Rows: what, value, status, threshold, advice; a star behind what decides.
+std::string quality_rows_html(const std::vector<QualityRow>& rows);
 
 /// Items of a list; "None." without one.
 std::string list_html(const std::vector<std::string>& texts);

@@ -16,12 +16,6 @@ namespace {
 
 using Limits = QualityThresholds;
 
-// Judges a number of which more is better; NaN is bad.
-QualityStatus judge_at_least(double number, double good, double marginal) {
-  if (number >= good) return QualityStatus::kGood;
-  return number >= marginal ? QualityStatus::kMarginal : QualityStatus::kBad;
-}
-
 QualityRow largest_error_row(const Selection& selection) {
   QualityRow row;
   row.name = "largest_error";
@@ -317,6 +311,11 @@ std::string_view status_name(QualityStatus status) {
 std::string_view verdict_name(QualityStatus status) {
   if (status == QualityStatus::kGood) return "GO";
   return status == QualityStatus::kMarginal ? "MARGINAL" : "NO-GO";
+}
+
+QualityStatus judge_at_least(double number, double good, double marginal) {
+  if (number >= good) return QualityStatus::kGood;
+  return number >= marginal ? QualityStatus::kMarginal : QualityStatus::kBad;
 }
 
 QualityStatus judge_error(double error_m, double limit_m) {

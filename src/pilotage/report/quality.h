@@ -50,6 +50,9 @@ struct QualityThresholds {
   static constexpr double kScoredMarginal = 0.8;
 };
 
+/// Judges a number of which more is better; NaN is bad.
+QualityStatus judge_at_least(double number, double good, double marginal);
+
 /// Judges a predicted error against the limit: good up to 80 % of it, marginal up to it, bad beyond or when NaN.
 QualityStatus judge_error(double error_m, double limit_m);
 

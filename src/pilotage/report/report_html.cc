@@ -25,13 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string badge(std::string_view status) {
-  return "<span class=\"badge " + std::string(status) + "\">" + std::string(status) + "</span>";
-}
-
-std::string badge_cell(std::string_view status) {
-  return "<td data-label=\"Status\">" + badge(status) + "</td>";
-}
 // Brings a stretch of the route into sight; nothing for one whose place is not known.
 std::string show_button(double from_m, double to_m, const std::string& what) {
   if (!std::isfinite(from_m) || !std::isfinite(to_m)) return "";
@@ -62,7 +55,7 @@ std::string evidence_html(const Report& report) {
   std::string html;
   for (const QualityRow* row : evidence_rows(report.quality)) {
     if (row->kind == NumberKind::kModelled) continue;
-    html += "      <li>" + badge(status_name(row->status)) + " " + kind_mark(row->kind) + " " +
+    html += "      <li>" + badge_html(status_name(row->status)) + " " + kind_mark(row->kind) + " " +
             html_escape(row->label + ": " + row->value) + "</li>\n";
   }
   const std::string missing = missing_evidence(report.quality);
@@ -82,7 +75,7 @@ std::string places_html(const Report& report) {
   for (const WeakPlace& place : report.weak_places) {
     const std::string status(status_name(place.status));
     html += "<li class=\"" + status + "\"><p><span class=\"where\">" + html_escape(place.where) + "</span> " +
-            badge(status) + show_button(place.from_distance_m, place.to_distance_m, place.where) + "</p><p>" +
+            badge_html(status) + show_button(place.from_distance_m, place.to_distance_m, place.where) + "</p><p>" +
             html_escape(place.what) + "</p>";
     if (!place.why.empty()) html += "<p><b>Why:</b> " + html_escape(place.why) + "</p>";
     if (!place.todo.empty()) {
@@ -120,20 +113,6 @@ std::string evaluation_html(const Report& report) {
   return html + "</tbody></table></div>\n</section>\n";
 }
 
-std::string value_cell(const QualityRow& row) {
-  return "<td data-label=\"Value\">" + html_escape(row.value) + " " + kind_mark(row.kind) + "</td>";
-}
-
-std::string quality_html(const Report& report) {
-  std::string html;
-  for (const QualityRow& row : report.quality) {
-    html += "<tr>" + heading_html(row.label + (row.decides ? " *" : "")) + value_cell(row) +
-            badge_cell(status_name(row.status)) + cell_html("Threshold", row.threshold) +
-            cell_html("Advice", row.advice) + "</tr>\n";
-  }
-  return html;
-}
-
 // "–" where nothing is known, words where the number does not exist.
 std::string leg_probability_text(const Report& report, double p) {
   return std::isnan(p) && report.probability ? "not reached within the limit" : probability_text(p);
@@ -144,7 +123,7 @@ std::string legs_html(const Report& report) {
   for (const int index : report.worst_legs) {
     const ReportLeg& leg = report.legs[static_cast<std::size_t>(index)];
     html += "<tr>" + heading_html("Leg " + std::to_string(leg.status.leg + 1)) +
-            cell_html("Items of the plan", leg_items_text(leg)) + badge_cell(status_name(leg.quality)) +
+            cell_html("Items of the plan", leg_items_text(leg)) + badge_cell_html(status_name(leg.quality)) +
             cell_html("Largest error", comparison_text(leg.status.max_error_m, report.max_error_m)) +
             cell_html("P within limit", leg_probability_text(report, leg.status.p_within_limit)) +
             cell_html("P of a fix", leg_probability_text(report, leg.status.p_fix)) +
@@ -162,7 +141,7 @@ std::string gaps_html(const Report& report) {
   std::string html;
   for (const ReportGap& gap : report.gaps) {
     html += "<tr>" + heading_html(length_text(gap.gap.from_distance_m) + " – " + length_text(gap.gap.to_distance_m)) +
-            badge_cell(status_name(gap.quality)) + cell_html("Length", length_text(gap.length_m)) +
+            badge_cell_html(status_name(gap.quality)) + cell_html("Length", length_text(gap.length_m)) +
             cell_html("Time", duration_text(gap.gap.duration_s)) +
             cell_html("Error at its end", comparison_text(gap.gap.error_m, report.max_error_m)) +
             copy_cell(gap.from, gap.to,
@@ -337,7 +316,7 @@ std::string report_html(const Report& report) {
        {"chart", strip_chart_svg(report)},
        {"heights", height_profile_svg(report.heights, chart_distance_m(report))},
        {"waypoints", waypoints_html(report.waypoints)},
-       {"quality", quality_html(report)},
+       {"quality", quality_rows_html(report.quality)},
        {"legs", legs_html(report)},
        {"gaps", gaps_html(report)},
        {"imagery", imagery_html(report.imagery)},
