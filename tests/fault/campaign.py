@@ -55,6 +55,13 @@ STOPS = 4
 INTERRUPTED = 130
 FRAME = ("frame1.jpg", "--prior-lon-deg", "16.4991", "--prior-lat-deg", "55.5012", "--prior-sigma-m", "10", "--height-agl-m", "60",
          "--yaw-deg", "0", "--pitch-deg", "0", "--roll-deg", "0", "--no-timings")
+#: Nine frames of the mission's imagery, each overlapping its neighbours by half, and their table; and a part of it as another map.
+BLOCK = """(echo file,prior_lon_deg,prior_lat_deg,height_agl_m,yaw_deg,pitch_deg,roll_deg
+for row in 0 100 200; do for column in 0 120 240; do
+  gdal_translate -q -of PNG --config GDAL_PAM_ENABLED NO -srcwin $column $row 300 200 ortho.tif b${row}_$column.png
+  echo "$((column + 150)) $((row + 100))" | gdaltransform -t_srs EPSG:4326 -output_xy ortho.tif | (read lon lat
+    echo "b${row}_$column.png,$lon,$lat,150,1.24,0,0")
+done; done) > block.csv && gdal_translate -q -srcwin 100 50 400 400 ortho.tif part.tif"""
 #: Deaths by a signal that are libraries' answers to a failed allocation: GDAL and PROJ end the process, libgeotiff uses what it did not
 #: get. Our own code allocates by `new`, which throws.
 DEATHS = {-signal.SIGABRT: "aborted", -signal.SIGSEGV: "crashed"}
@@ -68,6 +75,9 @@ def cases():
     survey = ["survey", "ortho.tif", "--elevation", "elevation.tif", "--camera-hfov-deg", "73.7", "--camera-width-px", "1000",
               "--camera-height-px", "562", "--agl-m", "60", "--tile-overlap", "0", "-o", "new"]
     reroute = ["reroute", "mission.json", "-o", "new/better.plan"]
+    capture = ["capture", "block.csv", "--camera-hfov-deg", "53.130102", "--camera-width-px", "300", "--camera-height-px", "200",
+               "--align", "ortho.tif", "--log", "new/a.csv", "--camera-log", "new/c.yaml", "--quality", "new/q.html", "-o", "new/r.tif"]
+    audit = ["audit", "part.tif", "ortho.tif", "-o", "new/s.svg", "--disagreement", "new/d.tif"]
     envelope = ["--height-m", "60:90:30", "--heading-deg", "", "--gsd-ratio", "", "--attitude-error-deg", "2",
                 "--position-error-m", "10"]
     return (
@@ -101,6 +111,8 @@ def cases():
         Case("calibrate", ["calibrate", "here=here", "--adapt", "default", "--date", "2026-01-01", "-o", "new/model.json"],
              ["calibrate", "here=here", "--adapt", "default", "--date", "2026-01-02", "-o", "new/model.json", *fresh], None),
         Case("reroute", [*reroute, "--speed-mps", "17"], [*reroute, *fresh], "better.plan", 8),
+        Case("capture", [*capture, "--gsd-m", "0.6"], [*capture, *fresh], "r.tif", 20),
+        Case("audit", [*audit, "--max-shift-m", "2"], [*audit, *fresh], None, 4),
     )
 
 
@@ -129,6 +141,7 @@ class Campaign:
         coarse = ["score", "ortho.tif", "--tile-size-px", "48", "--search-radius-px", "32"]
         for name, stride_px in (("earlier_parts", "48"), ("parts", "32")):
             self.plain(home, [*coarse, "--stride-px", stride_px, "--measures", "gray_variance", "--shard", "1/1", "--shards", name])
+        subprocess.run(["sh", "-c", BLOCK], cwd=home, check=True)
         (home / "here").mkdir()
         self.plain(home, [*coarse, "--stride-px", "32", "--measures", "correct_fix", "--evaluate", "ortho.tif",
                           "--evaluate-max-tiles", "60", "-o", "here/scores.tif"])
