@@ -90,6 +90,8 @@ TEST(CaptureQuality, PlaceIsGoodOnControlPointsAnotherMapAndChecked) {
   const auto rows = capture_quality(done);
   EXPECT_EQ(row_of(rows, "georeference").status, QualityStatus::kGood);
   EXPECT_THAT(row_of(rows, "georeference").value, HasSubstr("another map (12 ties): good to 5.00 m"));
+  done.alignment->reference_sigma_m = 10;
+  EXPECT_EQ(row_of(capture_quality(done), "georeference").status, QualityStatus::kMarginal);
   done.check_points.resize(3);
   done.check_rms_m = 12;
   done.check_ratio = 2.4;

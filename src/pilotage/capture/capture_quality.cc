@@ -133,14 +133,18 @@ QualityRow relief_row(const CaptureResult& done) {
 QualityRow georeference_row(const CaptureResult& done) {
   QualityRow row = row_of("georeference", "What its place on the ground rests on", done.map_sigma_median_m, "m");
   row.kind = NumberKind::kModelled;
-  row.threshold = "good on " + std::to_string(Limits::kControlPointsGood) +
-                  " control points or another map, marginal on fewer, or on frames' positions alone";
+  row.threshold = "good on " + std::to_string(Limits::kControlPointsGood) + " control points or another map good to " +
+                  number_text(Limits::kReferenceGood_m, 0) + " m, marginal on less, or on frames' positions alone";
   row.status = QualityStatus::kGood;
   const std::string sigma = ": good to " + number_text(done.map_sigma_median_m, 2) + " m, each axis";
   if (done.control_points >= Limits::kControlPointsGood) {
     row.value = std::to_string(done.control_points) + " control points" + sigma;
   } else if (done.alignment) {
     row.value = "another map (" + std::to_string(done.alignment->ties) + " ties)" + sigma;
+    if (done.alignment->reference_sigma_m > Limits::kReferenceGood_m) {
+      row.status = QualityStatus::kMarginal;
+      row.advice = "The other map is hardly better known than frames' positions: give --control-points.";
+    }
   } else {
     row.status = QualityStatus::kMarginal;
     row.value = (done.control_points > 0 ? std::to_string(done.control_points) + " control points"

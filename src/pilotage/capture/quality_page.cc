@@ -12,6 +12,7 @@
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/capture/capture_assets.h"
 #include "pilotage/capture/capture_quality.h"
 #include "pilotage/raster/gdal_gray.h"
@@ -153,6 +154,7 @@ std::string error_picture(const CaptureResult& done, const QualityPageInput& inp
   const double span_m = std::max(high_m - low_m, kLeastSpan * high_m);
   const std::array<Rgb, 256> colors = color_table(ColorMap::kCividis);
   const std::string png = layer_png(layer, [&](double sigma_m) {
+    if (!std::isfinite(sigma_m)) return colors.back();
     return colors[static_cast<std::size_t>(std::lround(255 * std::clamp((sigma_m - low_m) / span_m, 0.0, 1.0)))];
   });
   std::string keys = "<ul>";
@@ -289,7 +291,7 @@ std::string quality_page_html(const CaptureResult& done, const QualityPageInput&
       {"Frames", std::to_string(done.frames.size())},
       {"Pairs", std::to_string(done.pairs)},
       {"Points", std::to_string(done.points)}};
-  return fill_template(
+  return valid_utf8(fill_template(
       page_assets::quality_html(),
       {{"title", html_escape(input.title)},
        {"word", "± " + number_text(done.map_sigma_median_m, done.map_sigma_median_m < 10 ? 1 : 0) + " m"},
@@ -315,7 +317,7 @@ std::string quality_page_html(const CaptureResult& done, const QualityPageInput&
        {"frames", frames_html(done)},
        {"frames_note", html_escape(frames_note(done))},
        {"parameters", parameters_html(parameters)},
-       {"version", html_escape(software_version)}});
+       {"version", html_escape(software_version)}}));
 }
 
 }  // namespace pilotage
