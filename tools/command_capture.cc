@@ -88,6 +88,7 @@ nlohmann::ordered_json alignment_json(const std::optional<MapAlignment>& alignme
   return {{"reference", alignment->reference},
           {"reference_sigma_m", alignment->reference_sigma_m},
           {"reference_sigma_is", options_detail::enum_to_name(alignment->sigma_source)},
+          {"counted_sigma_m", alignment->counted_sigma_m},
           {"ties", alignment->ties},
           {"tie_rms_m", alignment->tie_rms_m},
           {"before", audit_json(alignment->before)},
@@ -102,9 +103,10 @@ nlohmann::ordered_json checks_json(const CaptureResult& done) {
                       {"file", one.file},
                       {"miss_east_m", one.miss_east_m},
                       {"miss_north_m", one.miss_north_m},
-                      {"map_sigma_m", one.map_sigma_m}});
+                      {"is_shown", one.is_shown},
+                      {"map_sigma_m", json_number(one.map_sigma_m)}});
   }
-  return {{"rms_m", done.check_rms_m}, {"ratio", done.check_ratio}, {"points", std::move(points)}};
+  return {{"rms_m", done.check_rms_m}, {"ratio", json_number(done.check_ratio)}, {"points", std::move(points)}};
 }
 
 std::string audit_text(const MapAudit& audit) {
@@ -139,8 +141,8 @@ nlohmann::ordered_json result_json(const CaptureResult& done, const std::string&
           {"area_m2", done.area_m2},
           {"map_sigma",
            {{"file", map_sigma_path(output).string()},
-            {"median_m", done.map_sigma_median_m},
-            {"p95_m", done.map_sigma_p95_m}}},
+            {"median_m", json_number(done.map_sigma_median_m)},
+            {"p95_m", json_number(done.map_sigma_p95_m)}}},
           {"frames_given", done.frames_given},
           {"frames_seen", {{"median", done.frames_seen_median}, {"by_three", done.seen_by_three}}},
           {"pairs", done.pairs},
@@ -149,6 +151,8 @@ nlohmann::ordered_json result_json(const CaptureResult& done, const std::string&
           {"sightings_found", done.sightings_found},
           {"reprojection_rms_px", done.reprojection_rms_px},
           {"position_rms_m", done.position_rms_m},
+          {"position_ratio", done.position_ratio},
+          {"contradicted_positions", done.contradicted_positions},
           {"camera",
            {{"source", done.camera_source},
             {"given_focal_length_px", done.given_focal_length_px},

@@ -1,6 +1,7 @@
 #include "pilotage/capture/capture_quality.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,6 +27,7 @@ CaptureResult good_map() {
   done.given_focal_length_px = 1000;
   done.camera.fx_px = 1010;
   done.position_rms_m = 2.5;
+  done.position_ratio = 0.9;
   done.map_sigma_median_m = 5;
   done.seen_by_three = 0.9;
   done.frames_seen_median = 6;
@@ -34,7 +36,10 @@ CaptureResult good_map() {
 }
 
 const QualityRow& row_of(const std::vector<QualityRow>& rows, const std::string& name) {
-  return *std::find_if(rows.begin(), rows.end(), [&](const QualityRow& row) { return row.name == name; });
+  static const QualityRow kNone;
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const QualityRow& row) { return row.name == name; });
+  EXPECT_NE(found, rows.end()) << name;
+  return found == rows.end() ? kNone : *found;
 }
 
 TEST(CaptureQuality, AGoodMapLacksAPlaceThatIsChecked) {
@@ -60,7 +65,7 @@ TEST(CaptureQuality, EveryRowCanBeMarginalAndBad) {
            Case{"fitting", [](CaptureResult&done, double share) { done.sightings = share < 1 ? 9'600 : 6'600; }},
            Case{"reprojection", [](CaptureResult&done, double share) { done.reprojection_rms_px = 3 * share; }},
            Case{"focal_length", [](CaptureResult&done, double share) { done.camera.fx_px = 1000 - 150 * share; }},
-           Case{"positions", [](CaptureResult&done, double share) { done.position_rms_m = 10 * share; }},
+           Case{"positions", [](CaptureResult&done, double share) { done.position_ratio = 4 * share; }},
            Case{"overlap", [](CaptureResult&done, double share) { done.seen_by_three = 1.1 - 0.8 * share; }},
            Case{"relief", [](CaptureResult&done, double share) { done.ground_spread_m = 8 * share; }},
        }) {
@@ -79,6 +84,16 @@ TEST(CaptureQuality, EveryRowCanBeMarginalAndBad) {
   }
 }
 
+TEST(CaptureQuality, FewFramesAndContradictedPositionsAreSaid) {
+  CaptureResult done = good_map();
+  done.contradicted_positions = 3;
+  EXPECT_EQ(row_of(capture_quality(done), "positions").status, QualityStatus::kMarginal);
+  EXPECT_THAT(row_of(capture_quality(done), "positions").value, HasSubstr("3 that contradict"));
+  done.frames.resize(12);
+  EXPECT_EQ(row_of(capture_quality(done), "focal_length").status, QualityStatus::kMarginal);
+  EXPECT_THAT(row_of(capture_quality(done), "focal_length").value, HasSubstr("held to 1 %"));
+}
+
 TEST(CaptureQuality, PlaceIsGoodOnControlPointsAnotherMapAndChecked) {
   CaptureResult done = good_map();
   done.control_points = 3;
@@ -87,16 +102,26 @@ TEST(CaptureQuality, PlaceIsGoodOnControlPointsAnotherMapAndChecked) {
   EXPECT_EQ(row_of(capture_quality(done), "georeference").status, QualityStatus::kGood);
   done.control_points = 0;
   done.alignment.emplace().ties = 12;
+  done.alignment->after.verdict = AuditVerdict::kWithin;
   const auto rows = capture_quality(done);
   EXPECT_EQ(row_of(rows, "georeference").status, QualityStatus::kGood);
-  EXPECT_THAT(row_of(rows, "georeference").value, HasSubstr("another map (12 ties): good to 5.00 m"));
-  done.alignment->reference_sigma_m = 10;
+  EXPECT_THAT(row_of(rows, "georeference").value,
+              HasSubstr("another map (12 ties); one standard deviation 5.00 m, each axis"));
+  done.alignment->counted_sigma_m = 10;
+  EXPECT_EQ(row_of(capture_quality(done), "georeference").status, QualityStatus::kMarginal);
+  done.alignment->counted_sigma_m = 1;
+  done.alignment->ties = 1;
+  EXPECT_EQ(row_of(capture_quality(done), "georeference").status, QualityStatus::kMarginal);
+  done.alignment->ties = 12;
+  done.alignment->after.verdict = AuditVerdict::kNotKnown;
   EXPECT_EQ(row_of(capture_quality(done), "georeference").status, QualityStatus::kMarginal);
   done.check_points.resize(3);
   done.check_rms_m = 12;
   done.check_ratio = 2.4;
   const auto checked = capture_quality(done);
   EXPECT_EQ(row_of(checked, "check_points").status, QualityStatus::kMarginal);
+  done.check_ratio = std::numeric_limits<double>::quiet_NaN();  // the map says nothing there
+  EXPECT_EQ(row_of(capture_quality(done), "check_points").status, QualityStatus::kBad);
   EXPECT_THAT(row_of(checked, "check_points").value, HasSubstr("12.00 m over 3, 2.4 times what the map says"));
 }
 

@@ -3,17 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "drawn_flight.h"
 #include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/read_file.h"
 #include "pilotage/base/statistics.h"
+#include "pilotage/capture/quality_page.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/map_sigma.h"
@@ -141,6 +144,27 @@ TEST(Capture, TheMapTellsItsOwnError) {
   EXPECT_LE(most, 20);
   EXPECT_GT(done.seen_by_three, 0.5);
   EXPECT_GE(done.frames_seen_median, 3);
+}
+
+TEST(Capture, ThePageHoldsNamesAndSaysWhatWasMeasured) {
+  const auto& [map, once] = captured_once();
+  CaptureResult done = once;
+  const QualityPageInput input{"a<b>.tif", map.string(), map_sigma_path(map).string()};
+  done.frames[0].file = "x<script>&\"y\xff.jpg";
+  done.frames[1].rms_px = std::numeric_limits<double>::quiet_NaN();
+  const std::string page = quality_page_html(done, input, {{"align", "<i>"}}, "pilotage");
+  EXPECT_THAT(page, AllOf(HasSubstr("x&lt;script&gt;&amp;"), HasSubstr("a&lt;b&gt;.tif"), HasSubstr("&lt;i&gt;"),
+                          Not(HasSubstr("<script>&")), Not(HasSubstr("\xff"))));
+  EXPECT_THAT(page, AllOf(HasSubstr("± 5."), HasSubstr("modelled and not checked"), HasSubstr("– px")));
+  done.check_points.resize(2);
+  done.check_points[0].name = "<u>";
+  done.check_points[1].is_shown = false;
+  done.check_rms_m = 17.3;
+  done.check_ratio = 3.4;
+  const std::string checked = quality_page_html(done, input, {}, "pilotage");
+  EXPECT_THAT(checked,
+              AllOf(HasSubstr("± 17 m"), HasSubstr("2 check points miss by 17 m"), HasSubstr("which is too good"),
+                    HasSubstr("&lt;u&gt;"), HasSubstr("the map shows another one there")));
 }
 
 TEST(CaptureThorough, HeadingAndHeightComeFromThePicturesAlone) {
@@ -341,6 +365,7 @@ TEST(CaptureThorough, CheckPointsTellHowFarTheMapIsOff) {
   EXPECT_NEAR(alone.check_points.front().miss_north_m, 0, 0.6);
   EXPECT_NEAR(alone.check_rms_m, 4 / std::sqrt(2), 0.5);
   EXPECT_LT(alone.check_ratio, 1);
+  EXPECT_GT(alone.check_ratio, 0.3);
   options.position_bias_sigma_m = 0.1;  // which is not true
   EXPECT_THAT(capture_to(folder / "misled.tif", table, options).warnings,
               ElementsAre(HasSubstr("times as far off as the map says of itself")));

@@ -322,6 +322,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   std::vector<ControlPoint> control_points = read_points(options.control_points, "control", frames, local, result);
   std::vector<ControlPoint> checks = read_points(options.check_points, "check", frames, local, result);
   refuse_adjusted_checks(checks, control_points);
+  const std::size_t checks_given = checks.size();
   std::optional<Elevation> elevation;
   GroundPrior prior;
   if (!options.elevation.empty()) {
@@ -411,7 +412,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   const MosaicStats stats = write_mosaic(ortho, mosaic, metadata, threads, progress);
   write_map_sigma(map_sigma, mosaic, stats, result);
   result.check_points = check_map(checks, frames, mosaic, stats);
-  describe_checks(checks.size(), result);
+  describe_checks(checks_given, result);
   if (result.alignment) {
     result.alignment->after = audit_against_reference(ortho, options, threads, progress);
     describe_alignment(result);

@@ -39,7 +39,8 @@ struct CapturedFrame {
 /// A surveyed point that took no part in the adjustment, against where the map shows it.
 struct CheckedPoint {
   std::string name;
-  std::string file;  ///< The frame whose mark was looked at.
+  std::string file;      ///< The frame whose mark was looked at.
+  bool is_shown = true;  ///< Whether the map shows that frame there; else it is the nearest that has a mark.
   double miss_east_m = 0;
   double miss_north_m = 0;
   double map_sigma_m = 0;  ///< What the map says of its own error there, each axis; modelled.
@@ -63,10 +64,11 @@ struct MapAlignment {
   std::string reference;         ///< The other map.
   double reference_sigma_m = 0;  ///< Of what it misses alike, each axis; taken for granted.
   ReferenceSigma sigma_source = ReferenceSigma::kTaken;
-  int ties = 0;          ///< That were used.
-  double tie_rms_m = 0;  ///< By how much they miss, each axis, without what all miss alike; robust.
-  MapAudit before;       ///< The map of the frames by themselves against it,
-  MapAudit after;        ///< and the map that was written.
+  double counted_sigma_m = 0;  ///< What it counted as: more where ties showed that it is bent.
+  int ties = 0;                ///< That were used.
+  double tie_rms_m = 0;        ///< By how much they miss, each axis, without what all miss alike; robust.
+  MapAudit before;             ///< The map of the frames by themselves against it,
+  MapAudit after;              ///< and the map that was written.
 };
 
 /// What capture() made, and how well the frames fit together. All numbers are measured on this block.
@@ -88,7 +90,9 @@ struct CaptureResult {
   double clock_offset_s = 0;
   double bias_east_m = 0;  ///< Without control points as far as the priors tell it from tilts of all frames.
   double bias_north_m = 0;
-  double position_rms_m = 0;  ///< Of the frames' horizontal residuals.
+  double position_ratio = 0;  ///< Root mean square of residuals over what each frame's position states, each axis.
+  std::int64_t contradicted_positions = 0;  ///< Not counted in either.
+  double position_rms_m = 0;                ///< Of the frames' horizontal residuals.
   int control_points = 0;
   double control_rms_m = 0;  ///< Of where marks put them against where they were given; NaN without.
   std::vector<CheckedPoint> check_points;

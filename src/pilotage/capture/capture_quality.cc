@@ -5,6 +5,8 @@
 
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
+#include "pilotage/capture/block.h"
+#include "pilotage/capture/describe_capture.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -85,20 +87,30 @@ QualityRow focal_length_row(const CaptureResult& done) {
   row.threshold = limits_text("up to", number_text(100 * Limits::kFocalChangeGood, 0),
                               number_text(100 * Limits::kFocalChangeMarginal, 0) + " %");
   row.status = judge_at_most(change, Limits::kFocalChangeGood, Limits::kFocalChangeMarginal);
-  if (row.status != QualityStatus::kGood) row.advice = "Tags often mislead; a wrong height would look the same.";
+  if (done.frames.size() < kFewFrames) {
+    row.value += ", held to " + number_text(100 * kHeldSigma, 0) + " %";
+    row.kind = NumberKind::kStated;
+    row.status = std::max(row.status, QualityStatus::kMarginal);
+    row.advice = "Fewer than " + std::to_string(kFewFrames) +
+                 " frames do not tell a focal length from a height: give a calibrated camera.";
+  } else if (row.status != QualityStatus::kGood) {
+    row.advice = "Tags often mislead; a wrong height would look the same.";
+  }
   return row;
 }
 
 QualityRow positions_row(const CaptureResult& done) {
-  std::vector<double> stated_m;
-  for (const CapturedFrame& frame : done.frames) stated_m.push_back(frame.measured_sigma_m);
-  const double sigma_m = quantile(stated_m, 0.5);
-  const double axis_m = done.position_rms_m / std::sqrt(2.0);
-  QualityRow row = row_of("positions", "Frames' positions against the pictures (RMS, each axis)", axis_m, "m");
-  row.value = number_text(axis_m, 2) + " m; stated " + number_text(sigma_m, 2) + " m";
+  QualityRow row = row_of("positions", "Frames' positions against the pictures, without what all miss alike",
+                          done.position_ratio, "");
+  row.value = number_text(done.position_ratio, 2) + " times what is stated (RMS; " +
+              number_text(done.position_rms_m / std::sqrt(2.0), 2) + " m, each axis)";
   row.threshold = limits_text("up to", number_text(Limits::kPositionRatioGood, 1) + " times",
                               number_text(Limits::kPositionRatioMarginal, 0) + " times what is stated");
-  row.status = judge_at_most(axis_m / sigma_m, Limits::kPositionRatioGood, Limits::kPositionRatioMarginal);
+  row.status = judge_at_most(done.position_ratio, Limits::kPositionRatioGood, Limits::kPositionRatioMarginal);
+  if (done.contradicted_positions > 0) {
+    row.value += "; " + std::to_string(done.contradicted_positions) + " that contradict the pictures not counted";
+    row.status = std::max(row.status, QualityStatus::kMarginal);
+  }
   if (row.status != QualityStatus::kGood) {
     row.advice =
         "Positions are worse than stated: the map may lie farther off than it says (--position-sigma-m, "
@@ -109,12 +121,13 @@ QualityRow positions_row(const CaptureResult& done) {
 
 QualityRow overlap_row(const CaptureResult& done) {
   QualityRow row = row_of("overlap", "Of the map, seen by three frames or more", done.seen_by_three, "");
+  row.kind = NumberKind::kModelled;  // by the frames as adjusted
   row.value = percent_text(done.seen_by_three) + "; " + number_text(done.frames_seen_median, 0) + " frames (median)";
   row.threshold =
       limits_text("from", percent_text(Limits::kSeenByThreeGood), percent_text(Limits::kSeenByThreeMarginal));
   row.status = judge_at_least(row.number, Limits::kSeenByThreeGood, Limits::kSeenByThreeMarginal);
   if (row.status != QualityStatus::kGood)
-    row.advice = "Where one frame sees the ground nothing checks it: fly lines closer.";
+    row.advice = "Where fewer than three frames see the ground little checks it: fly lines closer.";
   return row;
 }
 
@@ -135,21 +148,30 @@ QualityRow georeference_row(const CaptureResult& done) {
   row.kind = NumberKind::kModelled;
   row.threshold = "good on " + std::to_string(Limits::kControlPointsGood) + " control points or another map good to " +
                   number_text(Limits::kReferenceGood_m, 0) + " m, marginal on less, or on frames' positions alone";
-  row.status = QualityStatus::kGood;
-  const std::string sigma = ": good to " + number_text(done.map_sigma_median_m, 2) + " m, each axis";
+  row.status = QualityStatus::kMarginal;
+  const std::string sigma = "; one standard deviation " + number_text(done.map_sigma_median_m, 2) + " m, each axis";
+  const std::string control_text =
+      std::to_string(done.control_points) + " control points (" + number_text(done.control_rms_m, 2) + " m RMS)";
   if (done.control_points >= Limits::kControlPointsGood) {
-    row.value = std::to_string(done.control_points) + " control points" + sigma;
+    row.value = control_text + sigma;
+    row.status = QualityStatus::kGood;
   } else if (done.alignment) {
-    row.value = "another map (" + std::to_string(done.alignment->ties) + " ties)" + sigma;
-    if (done.alignment->reference_sigma_m > Limits::kReferenceGood_m) {
-      row.status = QualityStatus::kMarginal;
+    const MapAlignment& alignment = *done.alignment;
+    row.value = "another map (" + std::to_string(alignment.ties) + " ties)" + sigma;
+    if (alignment.counted_sigma_m > Limits::kReferenceGood_m) {
       row.advice = "The other map is hardly better known than frames' positions: give --control-points.";
+    } else if (alignment.ties < Limits::kTiesGood) {
+      row.advice = "So few ties hold one corner: give a finer --registration-gsd-m, or --control-points.";
+    } else if (alignment.after.verdict == AuditVerdict::kNotKnown || is_farther(alignment)) {
+      row.advice = "The map does not lie better on the other one than before: look at the shifts below.";
+    } else {
+      row.status = QualityStatus::kGood;
     }
+  } else if (done.control_points > 0) {
+    row.value = control_text + sigma;
+    row.advice = "So few control points do not check each other: give four or more.";
   } else {
-    row.status = QualityStatus::kMarginal;
-    row.value = (done.control_points > 0 ? std::to_string(done.control_points) + " control points"
-                                         : "frames' positions alone") +
-                sigma;
+    row.value = "frames' positions alone" + sigma;
     row.advice =
         "Nothing checks what all positions miss alike: give --control-points, or --align to a map that is known.";
   }

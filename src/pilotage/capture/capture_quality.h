@@ -29,6 +29,7 @@ struct CaptureThresholds {
   static constexpr double kCheckRatioGood = 2;  ///< Of misses to what the map says of itself.
   static constexpr double kCheckRatioMarginal = 3;
   static constexpr int kControlPointsGood = 4;
+  static constexpr int kTiesGood = 4;
   static constexpr double kReferenceGood_m = 3;  ///< Standard deviation of another map, each axis.
 };
 

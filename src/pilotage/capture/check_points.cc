@@ -12,6 +12,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kSamePlace_m = 0.01;
+constexpr double kNear_m = 0.001;
 
 const ControlPoint::Mark& mark_of_map(const ControlPoint& point, const AdjustedBlock& block, std::size_t shown) {
   const auto away_m = [&](const ControlPoint::Mark& mark) {
@@ -36,9 +37,11 @@ std::optional<Eigen::Vector3d> place_of(const OrthoMosaic& mosaic, const Lens& l
   for (int round = 0; round < kMostSteps; ++round) {
     const double height_m = mosaic.ground->heights.height_m(place.head<2>());
     if (!std::isfinite(height_m)) return std::nullopt;
+    const Eigen::Vector3d before = place;
     place = pose.center_enu_m + direction * ((height_m - pose.center_enu_m.z()) / direction.z());
+    if ((place - before).norm() < kNear_m) return place;
   }
-  return place;
+  return std::nullopt;  // ground as steep as the ray
 }
 
 }  // namespace
@@ -69,6 +72,7 @@ std::vector<CheckedPoint> check_map(const std::vector<ControlPoint>& checks, con
     CheckedPoint one;
     one.name = point.name;
     one.file = frames.frames[static_cast<std::size_t>(mark.frame)].frame.file;
+    one.is_shown = mark.frame == static_cast<int>(*shown);
     one.miss_east_m = place_m->x() - point.enu_m.x();
     one.miss_north_m = place_m->y() - point.enu_m.y();
     one.map_sigma_m = std::sqrt(

@@ -22,6 +22,7 @@ void describe_frames(const CaptureFrames& frames, const Block& block, const Adju
                      const GroundSurface& ground, const EastNorthBounds& bounds, const LocalFrame& local,
                      const Contradictions& contradictions, CaptureResult& result) {
   double squares_m2 = 0;
+  double squares = 0;
   double counted = 0;
   for (std::size_t i = 0; i < frames.frames.size(); ++i) {
     const FlightFrame& frame = frames.frames[i];
@@ -49,11 +50,14 @@ void describe_frames(const CaptureFrames& frames, const Block& block, const Adju
     one.rms_px = adjusted.frame_rms_px[i];
     if (!contradictions.position[i]) {
       squares_m2 += residual.head<2>().squaredNorm();
+      squares += residual.head<2>().squaredNorm() / (2 * one.measured_sigma_m * one.measured_sigma_m);
       ++counted;
     }
     result.frames.push_back(std::move(one));
   }
   result.position_rms_m = std::sqrt(squares_m2 / std::max(1.0, counted));
+  result.position_ratio = std::sqrt(squares / std::max(1.0, counted));
+  result.contradicted_positions = static_cast<std::int64_t>(result.frames.size()) - static_cast<std::int64_t>(counted);
 }
 
 void describe_block(const CaptureFrames& frames, const Block& block, const AdjustedBlock& adjusted,
@@ -94,18 +98,21 @@ void describe_checks(std::size_t given, CaptureResult& result) {
   result.check_rms_m = result.check_ratio = kNaN;
   if (checks.size() < given) {
     result.warnings.push_back(std::to_string(given - checks.size()) + " of " + std::to_string(given) +
-                              " check points lie where the map shows nothing");
+                              " check points are marked in no frame of the map, or lie where it shows nothing");
   }
   if (checks.empty()) return;
   double squares_m2 = 0;
   double squares = 0;
+  double judged = 0;
   for (const CheckedPoint& one : checks) {
     const double miss2_m2 = (one.miss_east_m * one.miss_east_m + one.miss_north_m * one.miss_north_m) / 2;
     squares_m2 += miss2_m2;
+    if (!std::isfinite(one.map_sigma_m) || one.map_sigma_m <= 0) continue;  // the map says nothing there
     squares += miss2_m2 / (one.map_sigma_m * one.map_sigma_m);
+    ++judged;
   }
   result.check_rms_m = std::sqrt(squares_m2 / static_cast<double>(checks.size()));
-  result.check_ratio = std::sqrt(squares / static_cast<double>(checks.size()));
+  if (judged > 0) result.check_ratio = std::sqrt(squares / judged);
   if (result.check_ratio > kUnlikelyRatio) {
     result.warnings.push_back("check points lie " + format_fixed(result.check_ratio, 1) +
                               " times as far off as the map says of itself: what was stated of positions, control "
@@ -113,13 +120,22 @@ void describe_checks(std::size_t given, CaptureResult& result) {
   }
 }
 
+bool is_farther(const MapAlignment& alignment) {
+  return alignment.after.shift_m.quantile_95 >
+         alignment.before.shift_m.quantile_95 + alignment.before.registration.fit.left_out_m.median;
+}
+
 void describe_alignment(CaptureResult& result) {
   const MapAlignment& alignment = *result.alignment;
   result.warnings.insert(result.warnings.end(), alignment.before.warnings.begin(), alignment.before.warnings.end());
+  if (alignment.counted_sigma_m > alignment.reference_sigma_m) {
+    result.warnings.push_back(alignment.reference + ": is bent: its ties miss by " +
+                              format_fixed(alignment.tie_rms_m, 2) + " m, each axis, and it counted as good to " +
+                              format_fixed(alignment.counted_sigma_m, 2) + " m alone");
+  }
   if (alignment.after.verdict == AuditVerdict::kNotKnown) {
     result.warnings.push_back(alignment.reference + ": the map that was tied to it can no longer be compared with it");
-  } else if (alignment.after.shift_m.quantile_95 >
-             alignment.before.shift_m.quantile_95 + alignment.before.registration.fit.left_out_m.median) {
+  } else if (is_farther(alignment)) {
     result.warnings.push_back(alignment.reference + ": the map lies farther from it than before it was tied to it");
   }
 }
@@ -136,10 +152,13 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
   if (!elevation.empty()) assumptions.push_back("elevation model: " + elevation);
   if (result.alignment) {
     assumptions.push_back("the other map, " + result.alignment->reference + ", lies off by " +
-                          format_number(result.alignment->reference_sigma_m) +
+                          format_number(std::round(1000 * result.alignment->counted_sigma_m) / 1000) +
                           " m (one standard deviation, each axis; " +
                           options_detail::enum_to_name(result.alignment->sigma_source) +
                           "), which has nothing to do with what the frames' positions miss");
+    assumptions.push_back(
+        "shadows fall alike in the frames and in the other map; where they do not, ties follow the shadows of what is "
+        "tall, by metres");
   } else if (block.control_points.empty()) {
     assumptions.push_back(
         "what all positions and tilts miss alike is not known without control points, and shifts the whole map; taken "

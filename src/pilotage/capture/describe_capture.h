@@ -24,6 +24,9 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
 /// What follows from CaptureResult::check_points, of `given` ones, and its warnings.
 void describe_checks(std::size_t given, CaptureResult& result);
 
+/// Whether the map lies farther from the other one than before it was tied to it, by more than can be measured.
+bool is_farther(const MapAlignment& alignment);
+
 /// The warnings of CaptureResult::alignment, which it must have.
 void describe_alignment(CaptureResult& result);
 

@@ -456,7 +456,7 @@ double convergence_deg(const LocalFrame& frame, GeodeticPoint point) {
 std::vector<double> known_values(const cv::Mat& cells) {
   std::vector<double> values;
   for (const float value : cv::Mat_<float>(cells)) {
-    if (std::isfinite(value)) values.push_back(static_cast<double>(value));
+    if (!std::isnan(value)) values.push_back(static_cast<double>(value));
   }
   return values;
 }

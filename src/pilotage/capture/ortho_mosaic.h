@@ -45,7 +45,7 @@ double convergence_deg(const LocalFrame& frame, GeodeticPoint point);
 /// Pixels of the map in one cell of what stands beside it, each way.
 inline constexpr int kMapCell_px = 16;
 
-/// The finite values of a layer of such cells.
+/// The values of a layer of such cells where something is drawn; infinite where nothing is known of it.
 std::vector<double> known_values(const cv::Mat& cells);
 
 /// What was drawn.

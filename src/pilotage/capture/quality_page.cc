@@ -29,6 +29,7 @@ namespace {
 constexpr double kPictureSide_px = 900;
 constexpr std::size_t kMostBytes = 400'000;
 constexpr std::size_t kMostRows = 400;
+constexpr std::size_t kMostLines = 100;
 /// Colours of the error span at least this share of it: less makes no difference.
 constexpr double kLeastSpan = 0.1;
 constexpr Rgb kNothing{255, 255, 255};
@@ -150,7 +151,9 @@ std::string error_picture(const CaptureResult& done, const QualityPageInput& inp
   double low_m = 0;
   double high_m = 0;
   cv::minMaxLoc(layer.pixels, &low_m, &high_m, nullptr, nullptr, layer.valid);
-  high_m = std::min(high_m, std::max(done.map_sigma_p95_m, low_m));
+  if (!std::isfinite(low_m)) return "";
+  if (!std::isfinite(high_m) || high_m > done.map_sigma_p95_m) high_m = std::max(low_m, done.map_sigma_p95_m);
+  if (!std::isfinite(high_m)) high_m = 2 * low_m;
   const double span_m = std::max(high_m - low_m, kLeastSpan * high_m);
   const std::array<Rgb, 256> colors = color_table(ColorMap::kCividis);
   const std::string png = layer_png(layer, [&](double sigma_m) {
@@ -211,8 +214,8 @@ std::string checks_html(const CaptureResult& done) {
   for (const CheckedPoint& one : done.check_points) {
     html += "<tr>" + heading_html(one.name) + cell_html("East", number_text(one.miss_east_m, 2) + " m") +
             cell_html("North", number_text(one.miss_north_m, 2) + " m") +
-            cell_html("The map says", number_text(one.map_sigma_m, 2) + " m") + cell_html("Frame", one.file) +
-            "</tr>\n";
+            cell_html("The map says", number_text(one.map_sigma_m, 2) + " m") +
+            cell_html("Frame", one.file + (one.is_shown ? "" : " (the map shows another one there)")) + "</tr>\n";
   }
   return html + "</tbody></table></div>\n</section>\n";
 }
@@ -261,6 +264,39 @@ std::string frames_html(const CaptureResult& done) {
   return html;
 }
 
+std::vector<std::string> first_ones(const std::vector<std::string>& all) {
+  if (all.size() <= kMostLines) return all;
+  std::vector<std::string> first(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(kMostLines));
+  first.push_back("… and " + std::to_string(all.size() - kMostLines) + " more; --json has all.");
+  return first;
+}
+
+/// With two digits or three.
+std::string sigma_text(double sigma_m) {
+  return number_text(sigma_m, sigma_m < 0.1 ? 3 : sigma_m < 1 ? 2 : sigma_m < 10 ? 1 : 0) + " m";
+}
+
+/// What was measured, where that is worse than what the map says of itself.
+bool checks_contradict(const CaptureResult& done) {
+  return !done.check_points.empty() && !(done.check_ratio <= CaptureThresholds::kCheckRatioGood);
+}
+
+std::string headline(const CaptureResult& done) {
+  return "± " + sigma_text(checks_contradict(done) ? done.check_rms_m : done.map_sigma_median_m);
+}
+
+std::string answer_text(const CaptureResult& done) {
+  const std::string own =
+      "The map's own error, one standard deviation, each axis: " + sigma_text(done.map_sigma_median_m) +
+      " in the middle, at most " + sigma_text(done.map_sigma_p95_m) + " on 95 % of the map, modelled";
+  if (done.check_points.empty()) return own + " and not checked. Errors of twice that are to be expected.";
+  const std::string measured = std::to_string(done.check_points.size()) + " check points miss by " +
+                               sigma_text(done.check_rms_m) + " (RMS, each axis), measured";
+  if (checks_contradict(done))
+    return "In front is what was measured: " + measured + ". " + own + ", which is too good.";
+  return own + "; " + measured + ". Errors of twice that are to be expected.";
+}
+
 std::string frames_note(const CaptureResult& done) {
   std::string note =
       "Positions and heights: as measured less where the pictures put them, without what all miss alike.";
@@ -294,21 +330,16 @@ std::string quality_page_html(const CaptureResult& done, const QualityPageInput&
   return valid_utf8(fill_template(
       page_assets::quality_html(),
       {{"title", html_escape(input.title)},
-       {"word", "± " + number_text(done.map_sigma_median_m, done.map_sigma_median_m < 10 ? 1 : 0) + " m"},
+       {"word", headline(done)},
        {"page_css", std::string(page_assets::page_css())},
-       {"answer", "The map's own error: " + number_text(done.map_sigma_median_m, 2) +
-                      " m each axis (median; 95 % of the map within " + number_text(done.map_sigma_p95_m, 2) +
-                      " m), one standard deviation, " +
-                      (done.check_points.empty()
-                           ? "modelled and not checked."
-                           : "modelled; check points miss it by " + number_text(done.check_rms_m, 2) + " m.")},
+       {"answer", answer_text(done)},
        {"detail", "Of " + std::to_string(rows.size()) + " rows below " + count(QualityStatus::kGood) + " are good, " +
                       count(QualityStatus::kMarginal) + " marginal, " + count(QualityStatus::kBad) + " bad."},
        {"assumptions", list_html(assumptions)},
        {"title_block", title_block_html(title_block)},
        {"quality", quality_rows_html(rows)},
-       {"warnings", list_html(done.warnings)},
-       {"left_out", list_html(done.left_out)},
+       {"warnings", list_html(first_ones(done.warnings))},
+       {"left_out", list_html(first_ones(done.left_out))},
        {"pictures",
         frames_picture(done, input.map, grid) + overlap_picture(input, grid) + error_picture(done, input, grid)},
        {"alignment", shifts_html(done, input)},

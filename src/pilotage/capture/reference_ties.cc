@@ -213,7 +213,7 @@ MapAlignment tie_to_reference(const OrthoMosaic& mosaic, const CaptureOptions& o
   block.reference_ties = reference_ties(alignment.before, options.registration.ties, *mosaic.block, draft, drawn);
   if (block.reference_ties.empty()) throw DataError(options.align + ": no tie to it lies on ground that a frame shows");
   alignment.ties = static_cast<int>(block.reference_ties.size());
-  block.reference_sigma_m = alignment.reference_sigma_m;
+  block.reference_sigma_m = alignment.counted_sigma_m = alignment.reference_sigma_m;
   block.surface_sigma_m = std::max(kLeastSurfaceSigma_m, mosaic.ground->spread_m);
   return alignment;
 }
@@ -221,9 +221,9 @@ MapAlignment tie_to_reference(const OrthoMosaic& mosaic, const CaptureOptions& o
 bool loosen_ties(const AdjustedBlock& adjusted, MapAlignment& alignment, Block& block) {
   alignment.tie_rms_m = quantile(adjusted.tie_misses_m, 0.5) / kMedianOfLengths;
   const double said_m = block.reference_ties.front().sigma_m;
-  if (alignment.tie_rms_m <= kBent * said_m) return false;
+  if (!(alignment.tie_rms_m > kBent * said_m)) return false;
   for (ReferenceTie& tie : block.reference_ties) tie.sigma_m = alignment.tie_rms_m;
-  block.reference_sigma_m = std::hypot(alignment.reference_sigma_m, alignment.tie_rms_m);
+  block.reference_sigma_m = alignment.counted_sigma_m = std::hypot(alignment.reference_sigma_m, alignment.tie_rms_m);
   return true;
 }
 
