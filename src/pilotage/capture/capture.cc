@@ -334,10 +334,11 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
     }
     prior.height_m = [&](const Eigen::Vector2d& en_m) { return elevation->amsl_m(point_at(local, en_m)); };
   }
+  ImageryInfo reference;
   if (!options.align.empty()) {
     std::vector<GeodeticPoint> priors;
     for (const FlightFrame& one : frames.frames) priors.push_back(one.frame.prior);
-    check_reference(options, priors, progress);
+    reference = inspect_reference(options, priors, progress);
   }
   std::vector<std::string> problems;
   FramePictures pictures = read_pictures(frames, threads, progress, problems);
@@ -384,23 +385,23 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   refuse_frames(contradictions.problems, options.leave_out, frames);
   result.warnings.insert(result.warnings.end(), contradictions.warnings.begin(), contradictions.warnings.end());
 
-  const MapParts parts_of_first = parts_of_map(prior, elevation, pictures, block, adjusted);
-  refuse_control_contradictions(frames, block, adjusted, parts_of_first.frame_gsd_m);
-  const double gsd_m = map_gsd_m(options, parts_of_first.frame_gsd_m);
-  const MissionCrs crs = map_crs(options, local, parts_of_first.bounds);
+  MapParts map_parts = parts_of_map(prior, elevation, pictures, block, adjusted);
+  refuse_control_contradictions(frames, block, adjusted, map_parts.frame_gsd_m);
+  const double gsd_m = map_gsd_m(options, map_parts.frame_gsd_m);
+  const MissionCrs crs = map_crs(options, local, map_parts.bounds);
   if (!options.align.empty()) {
-    const OrthoMosaic first = mosaic_of(frames, adjusted, parts_of_first, local, crs.crs, gsd_m);
-    result.alignment = tie_to_reference(first, options, ortho, threads, progress, block);
+    const OrthoMosaic first = mosaic_of(frames, adjusted, map_parts, local, crs.crs, gsd_m);
+    result.alignment = tie_to_reference(first, options, reference, ortho, threads, progress, block);
     do {
       adjusted = adjust();
     } while (loosen_ties(adjusted, *result.alignment, block));
     refuse_misfit(frames, adjusted);
-    refuse_control_contradictions(frames, block, adjusted, parts_of_first.frame_gsd_m);
+    map_parts = parts_of_map(prior, elevation, pictures, block, adjusted);
+    refuse_control_contradictions(frames, block, adjusted, map_parts.frame_gsd_m);
   }
-  const MapParts parts_of_last = parts_of_map(prior, elevation, pictures, block, adjusted);
-  const OrthoMosaic mosaic = mosaic_of(frames, adjusted, parts_of_last, local, crs.crs, gsd_m);
+  const OrthoMosaic mosaic = mosaic_of(frames, adjusted, map_parts, local, crs.crs, gsd_m);
 
-  describe_frames(frames, block, adjusted, parts_of_last.ground, parts_of_last.bounds, local, contradictions, result);
+  describe_frames(frames, block, adjusted, map_parts.ground, map_parts.bounds, local, contradictions, result);
   describe_block(frames, block, adjusted, result);
   std::vector<std::pair<std::string, std::string>> metadata;
   for (const double taken_s : frames.taken_s) {
@@ -421,7 +422,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   result.left_out = frames.left_out;
   result.assumptions = assumptions_of(frames, block, elevation ? elevation->vertical_datum() : "", result);
   result.ground = elevation ? "elevation model " + options.elevation : "a smooth surface through the points seen";
-  result.ground_spread_m = parts_of_last.ground.spread_m;
+  result.ground_spread_m = map_parts.ground.spread_m;
   result.gsd_m = mosaic.gsd_m;
   result.width_px = mosaic.width_px;
   result.height_px = mosaic.height_px;

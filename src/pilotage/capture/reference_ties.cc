@@ -175,8 +175,8 @@ std::string without_path(std::string text, const std::string& path) {
 
 }  // namespace
 
-void check_reference(const CaptureOptions& options, const std::vector<GeodeticPoint>& frames,
-                     const Progress& progress) {
+ImageryInfo inspect_reference(const CaptureOptions& options, const std::vector<GeodeticPoint>& frames,
+                              const Progress& progress) {
   const ImageryInfo info = inspect_imagery(options.align, second_date_options({}), progress);
   if (!options.align_sigma_m && !info.map_sigma.empty() && !map_sigma_exists(info.map_sigma)) {
     throw DataError(options.align + ": says that its own error stands in " + name_as_utf8(info.map_sigma) +
@@ -192,13 +192,13 @@ void check_reference(const CaptureOptions& options, const std::vector<GeodeticPo
   if (shown.empty() || !shown.intersects(seen_from)) {
     throw DataError(options.align + ": shows no ground below the frames");
   }
+  return info;
 }
 
-MapAlignment tie_to_reference(const OrthoMosaic& mosaic, const CaptureOptions& options, const OutputFile& output,
-                              int threads, const Progress& progress, Block& block) {
-  const ImageryInfo info = inspect_imagery(options.align, second_date_options({}), progress);
+MapAlignment tie_to_reference(const OrthoMosaic& mosaic, const CaptureOptions& options, const ImageryInfo& reference,
+                              const OutputFile& output, int threads, const Progress& progress, Block& block) {
   AdjustedBlock reduced_block;
-  const OrthoMosaic draft = reduced(mosaic, registration_gsd_m({info}, options.registration) / 2, reduced_block);
+  const OrthoMosaic draft = reduced(mosaic, registration_gsd_m({reference}, options.registration) / 2, reduced_block);
   const OutputFile file(output.temporary_path().parent_path() / "draft.tif", true);
   const MosaicStats drawn = write_mosaic(file, draft, {}, threads, progress);
   MapAlignment alignment;
@@ -208,7 +208,7 @@ MapAlignment tie_to_reference(const OrthoMosaic& mosaic, const CaptureOptions& o
     throw DataError(options.align + ": the map of the frames cannot be tied to it: " +
                     why_not_known(alignment.before, audit_options(options)));
   }
-  take_reference_sigma(options, info, alignment);
+  take_reference_sigma(options, reference, alignment);
   refuse_contradiction(alignment, drawn);
   block.reference_ties = reference_ties(alignment.before, options.registration.ties, *mosaic.block, draft, drawn);
   if (block.reference_ties.empty()) throw DataError(options.align + ": no tie to it lies on ground that a frame shows");
