@@ -7,11 +7,14 @@
 #include "version.h"
 
 #include "pilotage/base/csv.h"
+#include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/shard.h"
 #include "pilotage/base/text.h"
 #include "pilotage/capture/capture.h"
+#include "pilotage/capture/match_shard.h"
 #include "pilotage/capture/quality_page.h"
 #include "pilotage/raster/map_sigma.h"
 
@@ -23,6 +26,7 @@ struct CaptureCommandOptions {
   std::string log;
   std::string camera_log;
   std::string quality;
+  std::string shard;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -35,6 +39,10 @@ struct CaptureCommandOptions {
         "Also write the camera as adjusted, as ROS camera_info (YAML): the table's heights are those of this one.");
     fields.path("quality", self.quality,
                 "Also write a page on how good the map is: error, overlap, frames, shifts, check points (HTML).");
+    fields.field("shard", self.shard,
+                 "Make no map, but match a part of the frames into the folder of matches, for one of several machines: "
+                 "3/16 is the third of 16 shards; auto/16 as `pilotage score` has it. Other options are those of the "
+                 "map, as far as they are given: the camera's and leave_out say which frames are taken.");
   }
 };
 
@@ -209,13 +217,46 @@ std::string result_text(const CaptureResult& done, const std::string& output) {
   return text;
 }
 
+/// What is of the map is made by the run without --shard.
+CommandResult run_shard(const CaptureCommandOptions& options, const Invocation& invocation) {
+  const std::pair<const char*, bool> given[] = {{"-o", !invocation.output.empty()},
+                                                {"--log", !options.log.empty()},
+                                                {"--camera-log", !options.camera_log.empty()},
+                                                {"--quality", !options.quality.empty()}};
+  for (const auto& [flag, is_given] : given) {
+    if (is_given)
+      throw UsageError(std::string(flag) + " does not go with --shard; give it to the run that makes the map");
+  }
+  const Shard shard = parse_shard(options.shard, environment_of_process);
+  const MatchedShard done =
+      match_shard(invocation.inputs, options.capture, shard, version_line(), invocation.threads, invocation.progress);
+  CommandResult result;
+  result.text = "shard " + std::to_string(shard.number) + "/" + std::to_string(shard.count) + ": " +
+                std::to_string(done.frames) + " of " + std::to_string(done.frames_in) + " frames, " +
+                std::to_string(done.pairs) + " pairs, " + std::to_string(done.in_common) +
+                " of them with ground in common: " + options.capture.matches + "\n";
+  for (const std::string& one : done.left_out) result.text += "left out: " + one + "\n";
+  result.json = {{"shard", shard.number},
+                 {"shards", shard.count},
+                 {"frames", done.frames},
+                 {"frames_in", done.frames_in},
+                 {"pairs", done.pairs},
+                 {"in_common", done.in_common},
+                 {"folder", options.capture.matches},
+                 {"left_out", done.left_out}};
+  result.warnings = done.warnings;
+  return result;
+}
+
 CommandResult run_capture(const CaptureCommandOptions& options, const Invocation& invocation) {
+  if (!options.shard.empty()) return run_shard(options, invocation);
+  if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: where the map goes");
   OutputFile ortho(invocation.output, invocation.overwrite);
   std::optional<OutputFile> log;
   if (!options.log.empty()) log.emplace(options.log, invocation.overwrite);
   const OutputFile map_sigma(map_sigma_path(invocation.output), invocation.overwrite);
-  const CaptureResult done =
-      capture(invocation.inputs, options.capture, ortho, map_sigma, invocation.threads, invocation.progress);
+  const CaptureResult done = capture(invocation.inputs, options.capture, ortho, map_sigma, version_line(),
+                                     invocation.threads, invocation.progress);
   std::vector<const OutputFile*> outputs{&map_sigma};
   if (log) {
     log->write(frames_table(done, options.log));
@@ -259,13 +300,19 @@ Command make_capture_command() {
        "pilotage capture frames.csv --camera camera.yaml --elevation dem.tif --log adjusted.csv -o "
        "reference.tif"},
       {"Tied to the satellite's map, which lies to within 2 m.",
-       "pilotage capture photos/ --align satellite.tif --align-sigma-m 2 --quality quality.html -o reference.tif"}};
+       "pilotage capture photos/ --align satellite.tif --align-sigma-m 2 --quality quality.html -o reference.tif"},
+      {"Matched in 16 parts, for as many machines; then the map.",
+       "pilotage capture photos/ --matches parts --shard 3/16"}};
   command.inputs = {
       .name = "FRAMES", .help = "Pictures, folders of them, or one frames.csv.", .min = 1, .max = InputSpec::kMany};
   command.output = {
       .kind = OutputKind::kFile,
-      .help = "The map: a Cloud-Optimised GeoTIFF. Beside it, its own error: reference.map_sigma.tif.",
+      .help =
+          "The map: a Cloud-Optimised GeoTIFF. Beside it, its own error: reference.map_sigma.tif. Not with "
+          "--shard.",
+      .required = false,
       .flags = {"log", "camera_log", "quality"},
+      .folder_flags = {"matches"},
       .files =
           [](const std::string& output) {
             return std::vector<std::filesystem::path>{output, map_sigma_path(output)};

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include "commands.h"
@@ -111,10 +110,7 @@ bool is_done(const std::filesystem::path& file, const nlohmann::ordered_json& ru
 CommandResult score_shard(const ScoreCommandOptions& options, const Invocation& invocation) {
   refuse_outputs(options, "--shard", !invocation.output.empty());
   if (options.shards.empty()) throw UsageError("shards is missing; give --shards FOLDER");
-  const Shard shard = parse_shard(options.shard, [](const std::string& name) {
-    const char* value = std::getenv(name.c_str());
-    return value == nullptr ? std::optional<std::string>() : std::optional<std::string>(value);
-  });
+  const Shard shard = parse_shard(options.shard, environment_of_process);
   const ScoreRun run = open_run(options, invocation);
   std::vector<std::int64_t> places;
   for (const ShardTile& tile : shard_tiles(run, shard)) places.push_back(tile.place);

@@ -1,5 +1,5 @@
 """A run of `score` as a Slurm job array on two nodes, one of which dies while it works; merged, byte for byte the files
-of a single run.
+of a single run. Then a run of `capture`, matched in two shards: byte for byte the map of a single run.
 
 slurm_array.py PILOTAGE SOURCE_FOLDER
 
@@ -156,6 +156,29 @@ def make_ground(path):
     dataset.GetRasterBand(1).WriteArray(np.clip(gray, 0, 255).astype(np.uint8))
 
 
+def make_frames(ground, folder):
+    """24 frames of 300 x 200 px, north up, cut from the ground side by side, and their table; the camera's options."""
+    folder.mkdir()
+    dataset = gdal.Open(str(ground))
+    to_degrees = osr.CoordinateTransformation(osr.SpatialReference(dataset.GetProjection()), wgs84())
+    lines = ["file,prior_lon_deg,prior_lat_deg,height_agl_m,yaw_deg,pitch_deg,roll_deg"]
+    for y in range(0, 400, 100):
+        for x in range(0, 700, 120):
+            name = f"f{y}_{x}.png"
+            gdal.Translate(str(folder / name), dataset, format="PNG", srcWin=[x, y, 300, 200])
+            lon_deg, lat_deg, _ = to_degrees.TransformPoint(500000 + 0.5 * (x + 150), 5000000 - 0.5 * (y + 100))
+            lines.append(f"{name},{lon_deg:.9f},{lat_deg:.9f},150,0,0,0")
+    (folder / "frames.csv").write_text("\n".join(lines) + "\n")
+    return "--camera-hfov-deg", "53.130102", "--camera-width-px", "300", "--camera-height-px", "200"
+
+
+def wgs84():
+    reference = osr.SpatialReference()
+    reference.ImportFromEPSG(4326)
+    reference.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+    return reference
+
+
 def environment_of(process):
     try:
         pairs = (process / "environ").read_bytes().decode(errors="replace").split("\0")
@@ -241,6 +264,15 @@ def test(pilotage, source, work, _):
             wait_for("the second merge", lambda: job_field(again[3], "JobState") == "COMPLETED", until)
             logs = [(parts / f"score-{again[1]}_{i}.log").read_text() for i in range(1, SHARDS + 1)]
             check(all("done already" in log for log in logs), f"shards were scored again: {logs}")
+
+            camera = make_frames(ground, work / "frames")
+            (work / "mapped").mkdir()
+            submitted = run(source / "tools/slurm/submit-capture", 2, work / "matches", work / "frames/frames.csv", *camera,
+                            "--", "-o", work / "mapped/reference.tif", cwd=work).split()
+            check(submitted[0::2] == ["match", "map"], f"submit-capture said {submitted}")
+            wait_for("the map", lambda: job_field(submitted[3], "JobState") == "COMPLETED", until)
+            logs = [(work / f"matches/match-{submitted[1]}_{i}.log").read_text() for i in (1, 2)]
+            check(all("12 of 24 frames" in log for log in logs), f"not half the frames each: {logs}")
         except Exception:
             print(cluster.logs())
             raise
@@ -248,6 +280,9 @@ def test(pilotage, source, work, _):
     run(pilotage, "score", ground, *OPTIONS, "-o", work / "whole.tif", "--table", work / "whole.csv", "-q")
     for whole, merged_file in (("whole.tif", "merged.tif"), ("whole.csv", "merged.csv"), ("whole.tif", "again.tif")):
         check(filecmp.cmp(work / whole, work / merged_file, shallow=False), f"{merged_file} is not {whole}")
+    run(pilotage, "capture", work / "frames/frames.csv", *camera, "-o", work / "reference.tif", "-q")
+    check(filecmp.cmp(work / "reference.tif", work / "mapped/reference.tif", shallow=False),
+          "the map of two shards is not that of the single run")
     print(f"{SHARDS} shards on two nodes, one node killed: merged.tif and merged.csv are those of the single run")
 
 

@@ -14,8 +14,11 @@
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/file_digest.h"
 #include "pilotage/base/read_file.h"
 #include "pilotage/base/statistics.h"
+#include "pilotage/capture/match_folder.h"
+#include "pilotage/capture/match_shard.h"
 #include "pilotage/capture/quality_page.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_gray.h"
@@ -66,7 +69,7 @@ CaptureResult capture_to(const std::filesystem::path& map, const std::filesystem
                          const CaptureOptions& options, int threads = 0) {
   OutputFile output(map, true);
   OutputFile map_sigma(map_sigma_path(map), true);
-  CaptureResult done = capture({table.string()}, options, output, map_sigma, threads);
+  CaptureResult done = capture({table.string()}, options, output, map_sigma, "this version", threads);
   map_sigma.commit();
   output.commit();
   return done;
@@ -190,6 +193,57 @@ TEST(CaptureThorough, TheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(by_one.reprojection_rms_px, done.reprojection_rms_px);
   EXPECT_EQ(read_file((folder / "one" / "map.tif").string()), read_file(three.string()));
   EXPECT_EQ(read_file((folder / "one" / "map.map_sigma.tif").string()), read_file(map_sigma_path(three).string()));
+}
+
+TEST(CaptureThorough, GoesOnFromWhatARunThatWasStoppedOrShardsHaveMatched) {
+  const auto& [map, done] = captured_once();
+  const std::filesystem::path table = write_table(drawn().folder.path(), drawn().flight.frames, true);
+  CaptureOptions options = options_of(drawn().flight);
+  options.matches = (drawn().folder / "matches").string();
+  std::filesystem::create_directory(drawn().folder / "resumed");
+  const std::filesystem::path again = drawn().folder / "resumed" / "map.tif";
+  const auto stop_at = [&](std::int64_t pairs) {
+    OutputFile output(again, true);
+    OutputFile map_sigma(map_sigma_path(again), true);
+    std::int64_t seen = 0;
+    EXPECT_THROW(capture({table.string()}, options, output, map_sigma, "this version", 1,
+                         [&](std::string_view what, std::int64_t now, std::int64_t) {
+                           if (what == "matching pairs of frames") seen = now;
+                           return seen < pairs;
+                         }),
+                 Interrupted);
+  };
+  stop_at(40);
+  MatchFolder folder(options.matches, "this version");
+  const auto kept = [&] {
+    std::array<int, 2> count{0, 0};
+    for (const auto& entry : std::filesystem::directory_iterator(options.matches)) {
+      ++count[entry.path().extension() == ".matches" ? 1 : 0];
+    }
+    return count;
+  };
+  const auto [pictures, firsts] = kept();
+  EXPECT_EQ(pictures, 20);
+  EXPECT_GT(firsts, 2);
+  EXPECT_LT(firsts, 19);
+  // Two machines share the rest, one of which meets a damaged file.
+  const MatchedShard first = match_shard({table.string()}, options, {1, 2}, "this version", 0);
+  EXPECT_EQ(first.frames, 10);
+  EXPECT_EQ(first.frames_in, 20);
+  const std::string digest = file_digest(drawn().folder / drawn().flight.frames[12].file);
+  write_file(std::filesystem::path(options.matches) / (digest.substr(0, 24) + ".picture"), "cut", true);
+  const MatchedShard second = match_shard({table.string()}, options, {2, 2}, "this version", 0);
+  EXPECT_THAT(second.warnings, ElementsAre(HasSubstr("made anew: 1")));
+  EXPECT_EQ(kept()[1], 19);  // the last frame is of no pair the first
+  EXPECT_EQ(first.in_common + second.in_common, done.pairs);
+  capture_to(again, table, options, 2);
+  EXPECT_EQ(read_file(again), read_file(map));
+  // What is there is taken as it is.
+  MatchesWith matches = folder.find_matches(digest);
+  ASSERT_FALSE(matches.empty());
+  for (auto& [other, with] : matches) with.clear();
+  folder.keep_matches(digest, matches);
+  EXPECT_LT(capture_to(again, table, options, 2).pairs, done.pairs);
 }
 
 TEST(CaptureThorough, FramesWhosePositionCannotBeAreNamed) {

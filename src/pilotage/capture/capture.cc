@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 
 #include <Eigen/Geometry>
-#include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
-#include "pilotage/base/parallel.h"
 #include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utc_time.h"
@@ -20,6 +17,7 @@
 #include "pilotage/capture/contradictions.h"
 #include "pilotage/capture/control_points.h"
 #include "pilotage/capture/describe_capture.h"
+#include "pilotage/capture/frame_pictures.h"
 #include "pilotage/capture/map_grid.h"
 #include "pilotage/capture/ortho_mosaic.h"
 #include "pilotage/capture/reference_ties.h"
@@ -31,7 +29,6 @@
 namespace pilotage {
 namespace {
 
-constexpr int kSmallSide_px = 400;
 constexpr int kTracksPerCell = 8;
 constexpr double kLongestStep_s = 30;
 /// Faster than this is no flight along the frames' order, but places drawn one by one, or a clock that is none.
@@ -41,85 +38,12 @@ constexpr double kGivenFocalSigma = 0.02;
 constexpr double kTagFocalSigma = 0.1;
 constexpr double kDistortionSigma = 0.1;
 
-/// What is kept of the pictures' pixels.
-struct FramePictures {
-  std::vector<FrameFeatures> features;
-  std::vector<cv::Mat> small;
-};
-
-cv::Mat shrunk(const cv::Mat& picture) {
-  const double scale = std::min(1.0, static_cast<double>(kSmallSide_px) / std::max(picture.cols, picture.rows));
-  cv::Mat small;
-  cv::resize(picture, small,
-             {std::max(3, static_cast<int>(picture.cols * scale)), std::max(3, static_cast<int>(picture.rows * scale))},
-             0, 0, cv::INTER_AREA);
-  return small;
-}
-
-/// Reads all pictures; what cannot be read is in `problems`, and its features are none.
-FramePictures read_pictures(const CaptureFrames& frames, int threads, const Progress& progress,
-                            std::vector<std::string>& problems) {
-  const std::size_t count = frames.frames.size();
-  FramePictures pictures{std::vector<FrameFeatures>(count), std::vector<cv::Mat>(count)};
-  std::vector<std::string> failures(count);
-  std::mutex reporting;
-  std::int64_t done = 0;
-  report_progress(progress, "finding features", 0, static_cast<std::int64_t>(count));
-  parallel_for(count, threads, [&](std::size_t i, int) {
-    try {
-      const std::string& path = frames.frames[i].path;
-      const cv::Mat picture = read_rgb8_picture(path, [&](int width_px, int height_px) {
-        if (width_px != frames.camera.width_px || height_px != frames.camera.height_px) {
-          throw DataError(path + ": has " + std::to_string(width_px) + " x " + std::to_string(height_px) +
-                          " pixels, the camera " + std::to_string(frames.camera.width_px) + " x " +
-                          std::to_string(frames.camera.height_px));
-        }
-      });
-      cv::Mat gray;
-      cv::cvtColor(picture, gray, cv::COLOR_RGB2GRAY);
-      pictures.features[i] = find_frame_features(gray);
-      pictures.small[i] = shrunk(picture);
-    } catch (const DataError& error) {
-      failures[i] = error.what();
-    }
-    const std::lock_guard lock(reporting);
-    report_progress(progress, "finding features", ++done, static_cast<std::int64_t>(count));
-  });
-  for (const std::string& failure : failures) {
-    if (!failure.empty()) problems.push_back(failure);
-  }
-  return pictures;
-}
-
-void keep_pictures(FramePictures& pictures, const std::vector<int>& numbers) {
+void keep_pictures(std::vector<FramePicture>& pictures, const std::vector<int>& numbers) {
   for (std::size_t to = 0; to < numbers.size(); ++to) {
     const auto from = static_cast<std::size_t>(numbers[to]);
-    if (from == to) continue;
-    pictures.features[to] = std::move(pictures.features[from]);
-    pictures.small[to] = std::move(pictures.small[from]);
+    if (from != to) pictures[to] = std::move(pictures[from]);
   }
-  pictures.features.resize(numbers.size());
-  pictures.small.resize(numbers.size());
-}
-
-std::vector<int> readable(const FramePictures& pictures) {
-  std::vector<int> numbers;
-  for (std::size_t i = 0; i < pictures.small.size(); ++i) {
-    if (!pictures.small[i].empty()) numbers.push_back(static_cast<int>(i));
-  }
-  return numbers;
-}
-
-/// Around the median of the positions, which one that is wrong does not move.
-LocalFrame local_frame(const CaptureFrames& frames) {
-  const double reference_deg = frames.frames.front().frame.prior.lon_deg;
-  std::vector<double> lons_deg;
-  std::vector<double> lats_deg;
-  for (const FlightFrame& one : frames.frames) {
-    lons_deg.push_back(unwrap_lon_deg(one.frame.prior.lon_deg, reference_deg));
-    lats_deg.push_back(one.frame.prior.lat_deg);
-  }
-  return LocalFrame({wrap_lon_deg(quantile(lons_deg, 0.5)), quantile(lats_deg, 0.5)});
+  pictures.resize(numbers.size());
 }
 
 /// From where the pictures put the frames before and after, by the camera's clock.
@@ -287,7 +211,7 @@ struct MapParts {
 };
 
 MapParts parts_of_map(const GroundPrior& prior, const std::optional<Elevation>& elevation,
-                      const FramePictures& pictures, const Block& block, const AdjustedBlock& adjusted) {
+                      const std::vector<FramePicture>& pictures, const AdjustedBlock& adjusted) {
   const EastNorthBounds bounds = shown_bounds(adjusted);
   const auto& [low, high] = bounds;
   MapParts parts{bounds,
@@ -296,7 +220,7 @@ MapParts parts_of_map(const GroundPrior& prior, const std::optional<Elevation>& 
                  0,
                  {}};
   parts.frame_gsd_m = median_agl_m(adjusted, parts.ground) / adjusted.camera.fx_px;
-  parts.balance = balance_colors(pictures.small, adjusted, block.features);
+  parts.balance = balance_colors(pictures, adjusted);
   return parts;
 }
 
@@ -311,7 +235,8 @@ OrthoMosaic mosaic_of(const CaptureFrames& frames, const AdjustedBlock& adjusted
 }  // namespace
 
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
-                      const OutputFile& map_sigma, int threads, const Progress& progress) {
+                      const OutputFile& map_sigma, const std::string& software_version, int threads,
+                      const Progress& progress) {
   if (!options.crs.empty()) Crs::from_user_input(options.crs);
   if (options.align.empty() && options.align_sigma_m) throw UsageError("align_sigma_m needs align");
   refuse_imagery_as_elevation(options.elevation, {});
@@ -341,7 +266,11 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
     reference = inspect_reference(options, priors, progress);
   }
   std::vector<std::string> problems;
-  FramePictures pictures = read_pictures(frames, threads, progress, problems);
+  std::optional<MatchFolder> folder;
+  if (!options.matches.empty()) folder.emplace(options.matches, software_version);
+  MatchFolder* const kept = folder ? &*folder : nullptr;
+  std::vector<FramePicture> pictures =
+      read_pictures(frames, all_numbers(frames.frames.size()), kept, threads, progress, problems);
   refuse_frames(problems, options.leave_out, frames);
   const std::vector<int> can_be_read = readable(pictures);
   keep_frames(frames, can_be_read);
@@ -349,9 +278,9 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   keep_marks(control_points, can_be_read);
   keep_marks(checks, can_be_read);
 
-  std::vector<Eigen::Vector2d> nadirs_m;
-  for (const FlightFrame& one : frames.frames) nadirs_m.push_back(east_north_m(local, one.frame.prior));
-  std::vector<FramePair> pairs = match_pairs(neighbouring_frames(nadirs_m), pictures.features, threads, progress);
+  std::vector<FramePair> pairs =
+      match_pairs(neighbouring_frames(nadirs_en_m(frames, local)), pictures, kept, threads, progress);
+  if (folder && !folder->warning().empty()) result.warnings.push_back(folder->warning());
   auto parts = tied_parts(pairs, static_cast<int>(frames.frames.size()));
   Block block;
   BlockStart start;
@@ -371,7 +300,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
       keep_pictures(pictures, parts.front());
     }
     block = make_block(frames, options, local);
-    block.features = pictures.features;
+    block.features = features_of(pictures);
     block.pairs = pairs;
     block.control_points = control_points;
     start = start_block(block);
@@ -385,7 +314,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   refuse_frames(contradictions.problems, options.leave_out, frames);
   result.warnings.insert(result.warnings.end(), contradictions.warnings.begin(), contradictions.warnings.end());
 
-  MapParts map_parts = parts_of_map(prior, elevation, pictures, block, adjusted);
+  MapParts map_parts = parts_of_map(prior, elevation, pictures, adjusted);
   refuse_control_contradictions(frames, block, adjusted, map_parts.frame_gsd_m);
   const double gsd_m = map_gsd_m(options, map_parts.frame_gsd_m);
   const MissionCrs crs = map_crs(options, local, map_parts.bounds);
@@ -396,7 +325,7 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
       adjusted = adjust();
     } while (loosen_ties(adjusted, *result.alignment, block));
     refuse_misfit(frames, adjusted);
-    map_parts = parts_of_map(prior, elevation, pictures, block, adjusted);
+    map_parts = parts_of_map(prior, elevation, pictures, adjusted);
     refuse_control_contradictions(frames, block, adjusted, map_parts.frame_gsd_m);
   }
   const OrthoMosaic mosaic = mosaic_of(frames, adjusted, map_parts, local, crs.crs, gsd_m);

@@ -8,7 +8,9 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
 #include "pilotage/base/read_file.h"
+#include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
+#include "pilotage/capture/ortho_mosaic.h"
 #include "pilotage/geo/geodesic.h"
 
 namespace pilotage {
@@ -153,6 +155,23 @@ void refuse_frames(const std::vector<std::string>& problems, bool leave_out, Cap
   if (problems.size() > kNamed) named.push_back("and " + std::to_string(problems.size() - kNamed) + " more");
   throw DataError(join(named, "; ") + (in_all.empty() ? "" : "; " + in_all) +
                   ". Remove them, say in a table (frames.csv) what they lack, or give --leave-out");
+}
+
+LocalFrame local_frame(const CaptureFrames& frames) {
+  const double reference_deg = frames.frames.front().frame.prior.lon_deg;
+  std::vector<double> lons_deg;
+  std::vector<double> lats_deg;
+  for (const FlightFrame& one : frames.frames) {
+    lons_deg.push_back(unwrap_lon_deg(one.frame.prior.lon_deg, reference_deg));
+    lats_deg.push_back(one.frame.prior.lat_deg);
+  }
+  return LocalFrame({wrap_lon_deg(quantile(lons_deg, 0.5)), quantile(lats_deg, 0.5)});
+}
+
+std::vector<Eigen::Vector2d> nadirs_en_m(const CaptureFrames& frames, const LocalFrame& local) {
+  std::vector<Eigen::Vector2d> nadirs;
+  for (const FlightFrame& one : frames.frames) nadirs.push_back(east_north_m(local, one.frame.prior));
+  return nadirs;
 }
 
 void keep_frames(CaptureFrames& frames, const std::vector<int>& numbers) {

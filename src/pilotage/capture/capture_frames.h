@@ -3,8 +3,11 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pilotage/capture/capture_options.h"
 #include "pilotage/flightlog/flight_frames.h"
+#include "pilotage/geo/local_frame.h"
 
 namespace pilotage {
 
@@ -33,6 +36,12 @@ struct CaptureFrames {
 /// taken more than kMostDaysApart days apart (where CaptureOptions::leave_out is set, the former are left out),
 /// and when fewer than three frames remain or all are of one place.
 CaptureFrames read_capture_frames(const std::vector<std::string>& inputs, const CaptureOptions& options);
+
+/// Around the median of the positions, which one that is wrong does not move.
+LocalFrame local_frame(const CaptureFrames& frames);
+
+/// The ground below each frame, as its position has it.
+std::vector<Eigen::Vector2d> nadirs_en_m(const CaptureFrames& frames, const LocalFrame& local);
 
 /// A map shows one date.
 inline constexpr double kMostDaysApart = 30;

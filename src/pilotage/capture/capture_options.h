@@ -30,6 +30,7 @@ struct CaptureOptions {
   std::optional<double> gsd_m;
   std::string crs;
   bool leave_out = false;
+  std::string matches;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -72,6 +73,9 @@ struct CaptureOptions {
     fields.field("crs", self.crs, "CRS of the map, projected in metres; chosen if not given.");
     fields.field("leave_out", self.leave_out,
                  "Leave out frames that cannot be used, and name them, instead of ending with an error.");
+    fields.path("matches", self.matches,
+                "Folder that keeps features of frames and matches of pairs as they are found, and of which those that "
+                "are there are taken: a run that was stopped goes on from there. Made when it is missing.");
   }
 };
 

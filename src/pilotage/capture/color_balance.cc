@@ -39,16 +39,15 @@ std::optional<Shade> shade_at(const cv::Mat& small, const Camera& camera, int fr
 
 using ShadePair = std::pair<Shade, Shade>;
 
-std::vector<ShadePair> shade_pairs(const std::vector<cv::Mat>& small, const AdjustedBlock& block,
-                                   const std::vector<FrameFeatures>& features, int channel) {
+std::vector<ShadePair> shade_pairs(const std::vector<FramePicture>& pictures, const AdjustedBlock& block, int channel) {
   std::vector<ShadePair> pairs;
   const std::size_t step = std::max<std::size_t>(1, block.points.size() / kMostPoints);
   for (std::size_t i = 0; i < block.points.size(); i += step) {
     std::optional<Shade> before;
     for (const Sighting& one : block.points[i].sightings) {
-      const auto frame = static_cast<std::size_t>(one.frame);
-      const auto shade = shade_at(small[frame], block.camera, one.frame,
-                                  features[frame].pixels[static_cast<std::size_t>(one.feature)], channel);
+      const FramePicture& picture = pictures[static_cast<std::size_t>(one.frame)];
+      const auto shade = shade_at(picture.small, block.camera, one.frame,
+                                  picture.features.pixels[static_cast<std::size_t>(one.feature)], channel);
       if (shade && before) pairs.emplace_back(*before, *shade);
       if (shade) before = shade;
     }
@@ -58,13 +57,12 @@ std::vector<ShadePair> shade_pairs(const std::vector<cv::Mat>& small, const Adju
 
 }  // namespace
 
-ColorBalance balance_colors(const std::vector<cv::Mat>& small, const AdjustedBlock& block,
-                            const std::vector<FrameFeatures>& features) {
-  const auto frames = static_cast<Eigen::Index>(small.size());
+ColorBalance balance_colors(const std::vector<FramePicture>& pictures, const AdjustedBlock& block) {
+  const auto frames = static_cast<Eigen::Index>(pictures.size());
   ColorBalance balance;
-  balance.log_gain.resize(small.size());
+  balance.log_gain.resize(pictures.size());
   for (int channel = 0; channel < 3; ++channel) {
-    const std::vector<ShadePair> pairs = shade_pairs(small, block, features, channel);
+    const std::vector<ShadePair> pairs = shade_pairs(pictures, block, channel);
     Eigen::VectorXd solution = Eigen::VectorXd::Zero(frames + 2);
     for (int round = 0; round < 5; ++round) {
       Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(frames + 2, frames + 2);

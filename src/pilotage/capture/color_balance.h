@@ -16,9 +16,8 @@ struct ColorBalance {
   std::array<std::array<double, 2>, 3> falloff{};  ///< a and b of the lens, per colour.
 };
 
-/// Least squares over the points that frames have in common, with Cauchy's weights; gains are 0 on average. `small` are
-/// the frames, CV_8UC3, of any size.
-ColorBalance balance_colors(const std::vector<cv::Mat>& small, const AdjustedBlock& block,
-                            const std::vector<FrameFeatures>& features);
+/// Least squares over the points that frames have in common, with Cauchy's weights; gains are 0 on average. `pictures`
+/// are those of the block's frames.
+ColorBalance balance_colors(const std::vector<FramePicture>& pictures, const AdjustedBlock& block);
 
 }  // namespace pilotage

@@ -10,7 +10,9 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/capture/match_folder.h"
 
 namespace pilotage {
 namespace {
@@ -62,7 +64,7 @@ struct Best {
   }
 };
 
-std::vector<std::array<int, 2>> match_coarsest(const FrameFeatures& first, const FrameFeatures& second) {
+FeatureMatches match_coarsest(const FrameFeatures& first, const FrameFeatures& second) {
   const int rows = std::min(kCoarsest, first.descriptors.rows);
   const int cols = std::min(kCoarsest, second.descriptors.rows);
   const Descriptors cosines = unit_rows(first.descriptors, rows) * unit_rows(second.descriptors, cols).transpose();
@@ -75,7 +77,7 @@ std::vector<std::array<int, 2>> match_coarsest(const FrameFeatures& first, const
       of_second[static_cast<std::size_t>(col)].look_at(row, cosine);
     }
   }
-  std::vector<std::array<int, 2>> matches;
+  FeatureMatches matches;
   for (int row = 0; row < rows; ++row) {
     const Best& best = of_first[static_cast<std::size_t>(row)];
     if (best.stands_out() && of_second[static_cast<std::size_t>(best.index)].index == row) {
@@ -85,8 +87,7 @@ std::vector<std::array<int, 2>> match_coarsest(const FrameFeatures& first, const
   return matches;
 }
 
-std::vector<cv::Point2d> points_of(const std::vector<std::array<int, 2>>& matches, const FrameFeatures& features,
-                                   std::size_t side) {
+std::vector<cv::Point2d> points_of(const FeatureMatches& matches, const FrameFeatures& features, std::size_t side) {
   std::vector<cv::Point2d> points;
   points.reserve(matches.size());
   for (const auto& match : matches) {
@@ -115,8 +116,8 @@ bool is_view_of_ground(const Eigen::Matrix3d& homography, const Eigen::Vector2d&
   return area > 1 / (kLargestScale * kLargestScale) && area < kLargestScale * kLargestScale;
 }
 
-std::optional<Eigen::Matrix3d> find_homography(const std::vector<std::array<int, 2>>& matches,
-                                               const FrameFeatures& first, const FrameFeatures& second) {
+std::optional<Eigen::Matrix3d> find_homography(const FeatureMatches& matches, const FrameFeatures& first,
+                                               const FrameFeatures& second) {
   if (matches.size() < kFewestOnHomography) return std::nullopt;
   const double tolerance_px = 0.25 * kReliefShare * extent_px(second);
   const std::vector<cv::Point2d> from = points_of(matches, first, 0);
@@ -169,8 +170,8 @@ class FeatureSquares {
   std::vector<std::vector<int>> squares_;
 };
 
-std::vector<std::array<int, 2>> match_guided(const FrameFeatures& first, const FrameFeatures& second,
-                                             const Eigen::Matrix3d& second_from_first) {
+FeatureMatches match_guided(const FrameFeatures& first, const FrameFeatures& second,
+                            const Eigen::Matrix3d& second_from_first) {
   const double radius_px = kReliefShare * extent_px(second);
   const FeatureSquares squares(second, radius_px);
   const Descriptors of_first = unit_rows(first.descriptors, first.descriptors.rows);
@@ -197,7 +198,7 @@ std::vector<std::array<int, 2>> match_guided(const FrameFeatures& first, const F
       takers[index].look_at(static_cast<int>(i), cosine);
     });
   }
-  std::vector<std::array<int, 2>> matches;
+  FeatureMatches matches;
   for (std::size_t i = 0; i < best.size(); ++i) {
     if (!best[i].stands_out()) continue;
     if (takers[static_cast<std::size_t>(best[i].index)].index != static_cast<int>(i)) continue;
@@ -207,19 +208,39 @@ std::vector<std::array<int, 2>> match_guided(const FrameFeatures& first, const F
 }
 
 /// Those of `matches` that one epipolar geometry explains.
-std::vector<std::array<int, 2>> of_one_geometry(const std::vector<std::array<int, 2>>& matches,
-                                                const FrameFeatures& first, const FrameFeatures& second) {
+FeatureMatches of_one_geometry(const FeatureMatches& matches, const FrameFeatures& first, const FrameFeatures& second) {
   if (matches.size() < kFewestMatches) return {};
   const double tolerance_px = 3 * std::max(first.pixel_sigma_px, second.pixel_sigma_px);
   cv::Mat inliers;
   const cv::Mat found = cv::findFundamentalMat(points_of(matches, first, 0), points_of(matches, second, 1),
                                                cv::USAC_MAGSAC, tolerance_px, 0.999, 5000, inliers);
   if (found.empty()) return {};
-  std::vector<std::array<int, 2>> kept;
+  FeatureMatches kept;
   for (std::size_t i = 0; i < matches.size(); ++i) {
     if (inliers.at<std::uint8_t>(static_cast<int>(i)) != 0) kept.push_back(matches[i]);
   }
   return kept;
+}
+
+/// Where the pairs of each first frame begin, and the end.
+std::vector<std::size_t> begins_of_firsts(const std::vector<std::array<int, 2>>& pairs) {
+  std::vector<std::size_t> begins;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i == 0 || pairs[i][0] != pairs[i - 1][0]) begins.push_back(i);
+  }
+  begins.push_back(pairs.size());
+  return begins;
+}
+
+/// Matches from a file may be of anything.
+void check_numbers(const FeatureMatches& matches, const FramePicture& first, const FramePicture& second) {
+  const int firsts = static_cast<int>(first.features.pixels.size());
+  const int seconds = static_cast<int>(second.features.pixels.size());
+  for (const auto& [a, b] : matches) {
+    if (a < 0 || a >= firsts || b < 0 || b >= seconds) {
+      throw DataError("the matches of picture " + first.digest + " are of features that it does not have");
+    }
+  }
 }
 
 }  // namespace
@@ -248,37 +269,46 @@ std::vector<std::array<int, 2>> neighbouring_frames(const std::vector<Eigen::Vec
   return {pairs.begin(), pairs.end()};
 }
 
-std::optional<FramePair> match_frames(int first, int second, const FrameFeatures& features_of_first,
-                                      const FrameFeatures& features_of_second) {
-  if (features_of_first.pixels.size() < kFewestMatches || features_of_second.pixels.size() < kFewestMatches) {
-    return std::nullopt;
-  }
-  const auto homography =
-      find_homography(match_coarsest(features_of_first, features_of_second), features_of_first, features_of_second);
-  if (!homography) return std::nullopt;
-  const auto near = match_guided(features_of_first, features_of_second, *homography);
-  FramePair pair{first, second, of_one_geometry(near, features_of_first, features_of_second)};
-  if (pair.matches.size() < kFewestMatches) return std::nullopt;
-  return pair;
+FeatureMatches match_frames(const FrameFeatures& first, const FrameFeatures& second) {
+  if (first.pixels.size() < kFewestMatches || second.pixels.size() < kFewestMatches) return {};
+  const auto homography = find_homography(match_coarsest(first, second), first, second);
+  if (!homography) return {};
+  FeatureMatches matches = of_one_geometry(match_guided(first, second, *homography), first, second);
+  if (matches.size() < kFewestMatches) matches.clear();
+  return matches;
 }
 
 std::vector<FramePair> match_pairs(const std::vector<std::array<int, 2>>& pairs,
-                                   const std::vector<FrameFeatures>& features, int threads, const Progress& progress) {
-  std::vector<std::optional<FramePair>> found(pairs.size());
+                                   const std::vector<FramePicture>& pictures, MatchFolder* folder, int threads,
+                                   const Progress& progress) {
+  std::vector<FeatureMatches> found(pairs.size());
   std::mutex reporting;
   std::int64_t done = 0;
-  parallel_for(pairs.size(), threads, [&](std::size_t i, int) {
-    const auto [first, second] = pairs[i];
-    found[i] = match_frames(first, second, features[static_cast<std::size_t>(first)],
-                            features[static_cast<std::size_t>(second)]);
-    const std::lock_guard lock(reporting);
-    report_progress(progress, "matching pairs of frames", ++done, static_cast<std::int64_t>(pairs.size()));
+  const std::vector<std::size_t> begins = begins_of_firsts(pairs);
+  parallel_for(begins.size() - 1, threads, [&](std::size_t k, int) {
+    const FramePicture& first = pictures[static_cast<std::size_t>(pairs[begins[k]][0])];
+    MatchesWith kept = folder != nullptr ? folder->find_matches(first.digest) : MatchesWith{};
+    bool is_new = false;
+    for (std::size_t i = begins[k]; i < begins[k + 1]; ++i) {
+      const FramePicture& second = pictures[static_cast<std::size_t>(pairs[i][1])];
+      if (const auto one = kept.find(second.digest); folder != nullptr && one != kept.end()) {
+        found[i] = one->second;
+        check_numbers(found[i], first, second);
+      } else {
+        found[i] = match_frames(first.features, second.features);
+        is_new = true;
+        if (folder != nullptr) kept[second.digest] = found[i];
+      }
+      const std::lock_guard lock(reporting);
+      report_progress(progress, "matching pairs of frames", ++done, static_cast<std::int64_t>(pairs.size()));
+    }
+    if (folder != nullptr && is_new) folder->keep_matches(first.digest, kept);
   });
-  std::vector<FramePair> kept;
-  for (std::optional<FramePair>& pair : found) {
-    if (pair) kept.push_back(std::move(*pair));
+  std::vector<FramePair> in_common;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!found[i].empty()) in_common.push_back({pairs[i][0], pairs[i][1], std::move(found[i])});
   }
-  return kept;
+  return in_common;
 }
 
 }  // namespace pilotage

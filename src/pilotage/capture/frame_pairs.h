@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,11 +10,16 @@
 
 namespace pilotage {
 
+class MatchFolder;
+
+/// Features of a frame and of another one that show the same place.
+using FeatureMatches = std::vector<std::array<int, 2>>;
+
 /// Two frames that show the same ground, and the features they have in common.
 struct FramePair {
   int first = 0;
   int second = 0;
-  std::vector<std::array<int, 2>> matches;  ///< Of features of the first and of the second.
+  FeatureMatches matches;
 };
 
 /// Pairs of frames that may show the same ground: of each frame with the two that are nearest in each eighth of the
@@ -26,11 +30,12 @@ std::vector<std::array<int, 2>> neighbouring_frames(const std::vector<Eigen::Vec
 /// What two frames have in common: the coarsest features first (ratio test, mutual), a homography through them
 /// (MAGSAC++), then all features near where it leads, and those that obey one epipolar geometry. Nothing unless 20 do.
 /// Deterministic.
-std::optional<FramePair> match_frames(int first, int second, const FrameFeatures& features_of_first,
-                                      const FrameFeatures& features_of_second);
+FeatureMatches match_frames(const FrameFeatures& first, const FrameFeatures& second);
 
-/// match_frames() for all `pairs`, in their order, without those that have nothing in common.
+/// match_frames() for all `pairs` (in order of the first), in their order, without those that have nothing in common.
+/// What `folder` has is taken from there, and what it has not is kept there; null: nothing is kept.
 std::vector<FramePair> match_pairs(const std::vector<std::array<int, 2>>& pairs,
-                                   const std::vector<FrameFeatures>& features, int threads, const Progress& progress);
+                                   const std::vector<FramePicture>& pictures, MatchFolder* folder, int threads,
+                                   const Progress& progress);
 
 }  // namespace pilotage

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "pilotage/base/progress.h"
+#include "pilotage/capture/capture_frames.h"
+#include "pilotage/capture/frame_features.h"
+#include "pilotage/capture/match_folder.h"
+
+namespace pilotage {
+
+/// The pictures of the frames at the ascending `numbers`, on up to `threads` threads; the others stay empty. What
+/// `folder` has is taken from there, and what it has not is kept there; null: nothing is kept. A picture that cannot be
+/// read, or has not the camera's size, stays empty, and `problems` says why, "path: why".
+std::vector<FramePicture> read_pictures(const CaptureFrames& frames, const std::vector<int>& numbers,
+                                        MatchFolder* folder, int threads, const Progress& progress,
+                                        std::vector<std::string>& problems);
+
+/// 0 … count - 1.
+std::vector<int> all_numbers(std::size_t count);
+
+/// The frames whose pictures could be read.
+std::vector<int> readable(const std::vector<FramePicture>& pictures);
+
+/// Of each picture.
+std::vector<FrameFeatures> features_of(const std::vector<FramePicture>& pictures);
+
+}  // namespace pilotage
