@@ -39,10 +39,11 @@ struct CaptureCommandOptions {
         "Also write the camera as adjusted, as ROS camera_info (YAML): the table's heights are those of this one.");
     fields.path("quality", self.quality,
                 "Also write a page on how good the map is: error, overlap, frames, shifts, check points (HTML).");
-    fields.field("shard", self.shard,
-                 "Make no map, but match a part of the frames into the folder of matches, for one of several machines: "
-                 "3/16 is the third of 16 shards; auto/16 as `pilotage score` has it. Other options are those of the "
-                 "map, as far as they are given: the camera's and leave_out say which frames are taken.");
+    fields.field(
+        "shard", self.shard,
+        "Make no map, but match a part of the pairs into the folder of matches, for one of several machines: "
+        "3/16 is the third of 16 shards; auto/16 as `pilotage score` has it. Which frames there are is said by "
+        "the options of the camera and leave_out; those of the map alone are only checked.");
   }
 };
 
@@ -217,6 +218,22 @@ std::string result_text(const CaptureResult& done, const std::string& output) {
   return text;
 }
 
+/// A folder named like a file that is read or written would come in that file's way.
+void refuse_matches_as_file(const CaptureCommandOptions& options, const Invocation& invocation) {
+  if (options.capture.matches.empty()) return;
+  std::vector<NamedFile> outputs{{"--matches", options.capture.matches}};
+  if (!invocation.output.empty()) {
+    outputs.push_back({"--output", invocation.output});
+    outputs.push_back({"--output", map_sigma_path(invocation.output)});
+  }
+  for (const auto& [flag, path] : {std::pair<const char*, const std::string&>{"--log", options.log},
+                                   {"--camera-log", options.camera_log},
+                                   {"--quality", options.quality}}) {
+    if (!path.empty()) outputs.push_back({flag, path});
+  }
+  refuse_shared_files(invocation.named_inputs, outputs);
+}
+
 /// What is of the map is made by the run without --shard.
 CommandResult run_shard(const CaptureCommandOptions& options, const Invocation& invocation) {
   const std::pair<const char*, bool> given[] = {{"-o", !invocation.output.empty()},
@@ -229,19 +246,19 @@ CommandResult run_shard(const CaptureCommandOptions& options, const Invocation& 
   }
   const Shard shard = parse_shard(options.shard, environment_of_process);
   const MatchedShard done =
-      match_shard(invocation.inputs, options.capture, shard, version_line(), invocation.threads, invocation.progress);
+      match_shard(invocation.inputs, options.capture, shard, invocation.threads, invocation.progress);
   CommandResult result;
   result.text = "shard " + std::to_string(shard.number) + "/" + std::to_string(shard.count) + ": " +
-                std::to_string(done.frames) + " of " + std::to_string(done.frames_in) + " frames, " +
-                std::to_string(done.pairs) + " pairs, " + std::to_string(done.in_common) +
-                " of them with ground in common: " + options.capture.matches + "\n";
+                std::to_string(done.pairs) + " of " + std::to_string(done.pairs_in) + " pairs, of " +
+                std::to_string(done.frames) + " frames; " + std::to_string(done.in_common) +
+                " show ground in common: " + options.capture.matches + "\n";
   for (const std::string& one : done.left_out) result.text += "left out: " + one + "\n";
   result.json = {{"shard", shard.number},
                  {"shards", shard.count},
-                 {"frames", done.frames},
-                 {"frames_in", done.frames_in},
                  {"pairs", done.pairs},
+                 {"pairs_in", done.pairs_in},
                  {"in_common", done.in_common},
+                 {"frames", done.frames},
                  {"folder", options.capture.matches},
                  {"left_out", done.left_out}};
   result.warnings = done.warnings;
@@ -249,14 +266,15 @@ CommandResult run_shard(const CaptureCommandOptions& options, const Invocation& 
 }
 
 CommandResult run_capture(const CaptureCommandOptions& options, const Invocation& invocation) {
+  refuse_matches_as_file(options, invocation);
   if (!options.shard.empty()) return run_shard(options, invocation);
   if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: where the map goes");
   OutputFile ortho(invocation.output, invocation.overwrite);
   std::optional<OutputFile> log;
   if (!options.log.empty()) log.emplace(options.log, invocation.overwrite);
   const OutputFile map_sigma(map_sigma_path(invocation.output), invocation.overwrite);
-  const CaptureResult done = capture(invocation.inputs, options.capture, ortho, map_sigma, version_line(),
-                                     invocation.threads, invocation.progress);
+  const CaptureResult done =
+      capture(invocation.inputs, options.capture, ortho, map_sigma, invocation.threads, invocation.progress);
   std::vector<const OutputFile*> outputs{&map_sigma};
   if (log) {
     log->write(frames_table(done, options.log));

@@ -270,9 +270,12 @@ def test(pilotage, source, work, _):
             submitted = run(source / "tools/slurm/submit-capture", 2, work / "matches", work / "frames/frames.csv", *camera,
                             "--", "-o", work / "mapped/reference.tif", cwd=work).split()
             check(submitted[0::2] == ["match", "map"], f"submit-capture said {submitted}")
-            wait_for("the map", lambda: job_field(submitted[3], "JobState") == "COMPLETED", until)
+            wait_for("the map", lambda: job_field(submitted[3], "JobState") not in
+                     ("PENDING", "RUNNING", "CONFIGURING", "COMPLETING", ""), until)
+            check(job_field(submitted[3], "JobState") == "COMPLETED", f"map: {job_field(submitted[3], 'JobState')}\n" +
+                  (work / f"matches/map-{submitted[3]}.log").read_text())
             logs = [(work / f"matches/match-{submitted[1]}_{i}.log").read_text() for i in (1, 2)]
-            check(all("12 of 24 frames" in log for log in logs), f"not half the frames each: {logs}")
+            check(all("59 of 118 pairs" in log for log in logs), f"not half the pairs each: {logs}")
         except Exception:
             print(cluster.logs())
             raise
@@ -283,7 +286,8 @@ def test(pilotage, source, work, _):
     run(pilotage, "capture", work / "frames/frames.csv", *camera, "-o", work / "reference.tif", "-q")
     check(filecmp.cmp(work / "reference.tif", work / "mapped/reference.tif", shallow=False),
           "the map of two shards is not that of the single run")
-    print(f"{SHARDS} shards on two nodes, one node killed: merged.tif and merged.csv are those of the single run")
+    print(f"{SHARDS} shards on two nodes, one node killed: merged.tif and merged.csv are those of the single run; "
+          "so is the map of frames that two shards matched")
 
 
 if __name__ == "__main__":

@@ -37,6 +37,7 @@ using pilotage::testing::write_control_points;
 using pilotage::testing::write_ground;
 using pilotage::testing::write_table;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -69,7 +70,7 @@ CaptureResult capture_to(const std::filesystem::path& map, const std::filesystem
                          const CaptureOptions& options, int threads = 0) {
   OutputFile output(map, true);
   OutputFile map_sigma(map_sigma_path(map), true);
-  CaptureResult done = capture({table.string()}, options, output, map_sigma, "this version", threads);
+  CaptureResult done = capture({table.string()}, options, output, map_sigma, threads);
   map_sigma.commit();
   output.commit();
   return done;
@@ -195,6 +196,15 @@ TEST(CaptureThorough, TheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(read_file((folder / "one" / "map.map_sigma.tif").string()), read_file(map_sigma_path(three).string()));
 }
 
+/// How many files of this kind are kept.
+int kept(const std::string& folder, const std::string& ending) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    count += entry.path().extension() == ending ? 1 : 0;
+  }
+  return count;
+}
+
 TEST(CaptureThorough, GoesOnFromWhatARunThatWasStoppedOrShardsHaveMatched) {
   const auto& [map, done] = captured_once();
   const std::filesystem::path table = write_table(drawn().folder.path(), drawn().flight.frames, true);
@@ -206,7 +216,7 @@ TEST(CaptureThorough, GoesOnFromWhatARunThatWasStoppedOrShardsHaveMatched) {
     OutputFile output(again, true);
     OutputFile map_sigma(map_sigma_path(again), true);
     std::int64_t seen = 0;
-    EXPECT_THROW(capture({table.string()}, options, output, map_sigma, "this version", 1,
+    EXPECT_THROW(capture({table.string()}, options, output, map_sigma, 1,
                          [&](std::string_view what, std::int64_t now, std::int64_t) {
                            if (what == "matching pairs of frames") seen = now;
                            return seen < pairs;
@@ -214,36 +224,67 @@ TEST(CaptureThorough, GoesOnFromWhatARunThatWasStoppedOrShardsHaveMatched) {
                  Interrupted);
   };
   stop_at(40);
-  MatchFolder folder(options.matches, "this version");
-  const auto kept = [&] {
-    std::array<int, 2> count{0, 0};
-    for (const auto& entry : std::filesystem::directory_iterator(options.matches)) {
-      ++count[entry.path().extension() == ".matches" ? 1 : 0];
-    }
-    return count;
-  };
-  const auto [pictures, firsts] = kept();
-  EXPECT_EQ(pictures, 20);
-  EXPECT_GT(firsts, 2);
-  EXPECT_LT(firsts, 19);
-  // Two machines share the rest, one of which meets a damaged file.
-  const MatchedShard first = match_shard({table.string()}, options, {1, 2}, "this version", 0);
-  EXPECT_EQ(first.frames, 10);
-  EXPECT_EQ(first.frames_in, 20);
-  const std::string digest = file_digest(drawn().folder / drawn().flight.frames[12].file);
-  write_file(std::filesystem::path(options.matches) / (digest.substr(0, 24) + ".picture"), "cut", true);
-  const MatchedShard second = match_shard({table.string()}, options, {2, 2}, "this version", 0);
-  EXPECT_THAT(second.warnings, ElementsAre(HasSubstr("made anew: 1")));
-  EXPECT_EQ(kept()[1], 19);  // the last frame is of no pair the first
+  EXPECT_EQ(kept(options.matches, ".features"), 20);
+  EXPECT_EQ(kept(options.matches, ".matches"), 40);
+  // Two machines share the rest.
+  const MatchedShard first = match_shard({table.string()}, options, {1, 2}, 0);
+  const MatchedShard second = match_shard({table.string()}, options, {2, 2}, 0);
+  EXPECT_EQ(first.pairs + second.pairs, first.pairs_in);
+  EXPECT_LE(std::abs(first.pairs - second.pairs), 1);
   EXPECT_EQ(first.in_common + second.in_common, done.pairs);
+  EXPECT_EQ(kept(options.matches, ".matches"), first.pairs_in);
   capture_to(again, table, options, 2);
   EXPECT_EQ(read_file(again), read_file(map));
-  // What is there is taken as it is.
-  MatchesWith matches = folder.find_matches(digest);
-  ASSERT_FALSE(matches.empty());
-  for (auto& [other, with] : matches) with.clear();
-  folder.keep_matches(digest, matches);
-  EXPECT_LT(capture_to(again, table, options, 2).pairs, done.pairs);
+  EXPECT_EQ(read_file(map_sigma_path(again)), read_file(map_sigma_path(map)));
+}
+
+TEST(CaptureThorough, TakesFeaturesAndMatchesThatAreKept) {
+  const std::filesystem::path table = write_table(drawn().folder.path(), drawn().flight.frames, true);
+  CaptureOptions options = options_of(drawn().flight);
+  options.matches = (drawn().folder / "kept").string();
+  match_shard({table.string()}, options, {1, 1}, 0);
+  MatchFolder folder(options.matches);
+  const cv::Mat picture = read_rgb8_picture((drawn().folder / drawn().flight.frames[3].file).string());
+  const std::string digest =
+      bytes_digest({reinterpret_cast<const char*>(picture.data), picture.total() * picture.elemSize()});
+  auto features = folder.find_features(digest);
+  ASSERT_TRUE(features);
+  EXPECT_GT(features->pixels.size(), 100U);
+  FrameFeatures none;
+  folder.keep_features(digest, none);
+  EXPECT_THAT(refused(table, options), AllOf(HasSubstr(drawn().flight.frames[3].file), HasSubstr("shows nothing")));
+  // Back again, but a damaged file and one that cannot be read: both are made anew, and no frame is blamed.
+  folder.keep_features(digest, *features);
+  std::filesystem::path spoilt;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(options.matches)) {
+    if (entry.path().extension() == ".matches") spoilt = entry.path();
+  }
+  write_file(spoilt, "cut", true);
+  options.leave_out = true;
+  const CaptureResult mended = capture_to(drawn().folder / "mended.tif", table, options);
+  EXPECT_EQ(mended.frames.size(), 20U);
+  EXPECT_THAT(mended.warnings, Contains(HasSubstr("were not used: 1")));
+  EXPECT_THAT(capture_to(drawn().folder / "mended.tif", table, options).warnings,
+              Not(Contains(HasSubstr("were not used"))));
+}
+
+TEST(Capture, AFolderOfMatchesThatCannotBeIsNamed) {
+  const std::filesystem::path table = write_table(drawn().folder.path(), drawn().flight.frames, true);
+  CaptureOptions options = options_of(drawn().flight);
+  EXPECT_THAT(error_of<UsageError>([&] {
+                match_shard({table.string()}, options, {1, 2}, 0);
+              }),
+              HasSubstr("matches is missing"));
+  write_file(drawn().folder / "a_file", "", true);
+  options.matches = (drawn().folder / "a_file").string();
+  EXPECT_THAT(refused(table, options), HasSubstr("a_file"));
+  options.matches = (drawn().folder / "never").string();
+  EXPECT_THAT(error_of<UsageError>([&] {
+                match_shard({table.string()}, options, {1, 1000}, 0);
+              }),
+              HasSubstr("at most one shard for each pair"));
+  options.crs = "EPSG:99999999";
+  EXPECT_THAT(error_of<DataError>([&] { match_shard({table.string()}, options, {1, 2}, 0); }), HasSubstr("99999999"));
 }
 
 TEST(CaptureThorough, FramesWhosePositionCannotBeAreNamed) {

@@ -235,11 +235,11 @@ OrthoMosaic mosaic_of(const CaptureFrames& frames, const AdjustedBlock& adjusted
 }  // namespace
 
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
-                      const OutputFile& map_sigma, const std::string& software_version, int threads,
-                      const Progress& progress) {
-  if (!options.crs.empty()) Crs::from_user_input(options.crs);
-  if (options.align.empty() && options.align_sigma_m) throw UsageError("align_sigma_m needs align");
-  refuse_imagery_as_elevation(options.elevation, {});
+                      const OutputFile& map_sigma, int threads, const Progress& progress) {
+  check_map_options(options);
+  std::optional<MatchFolder> folder;
+  if (!options.matches.empty()) folder.emplace(options.matches);
+  MatchFolder* const kept = folder ? &*folder : nullptr;
   CaptureFrames frames = read_capture_frames(inputs, options);
   const LocalFrame local = local_frame(frames);
   CaptureResult result;
@@ -266,9 +266,6 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
     reference = inspect_reference(options, priors, progress);
   }
   std::vector<std::string> problems;
-  std::optional<MatchFolder> folder;
-  if (!options.matches.empty()) folder.emplace(options.matches, software_version);
-  MatchFolder* const kept = folder ? &*folder : nullptr;
   std::vector<FramePicture> pictures =
       read_pictures(frames, all_numbers(frames.frames.size()), kept, threads, progress, problems);
   refuse_frames(problems, options.leave_out, frames);

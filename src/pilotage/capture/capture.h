@@ -117,12 +117,11 @@ struct CaptureResult {
 /// Makes a reference map of the frames of a camera that looked down, and writes it to `ortho` (not committed):
 /// features and tracks, block adjustment, ground, orthophoto (docs/methods/capture.md), tied to the map of
 /// CaptureOptions::align where one is given; and to `map_sigma` (not committed; in the same folder) the map's own
-/// error, whose name stands in the map's tags (raster/map_sigma.h). What CaptureOptions::matches has of
-/// `software_version` is taken from there. The same bytes for any number of threads. Throws UsageError; DataError,
-/// naming the frames, for what cannot be used or contradicts itself; Interrupted.
+/// error, whose name stands in the map's tags (raster/map_sigma.h). The same bytes for any number of threads, and
+/// whatever the folder CaptureOptions::matches held. Throws UsageError; DataError, naming the frames, for what cannot
+/// be used or contradicts itself, and when that folder cannot be written to; Interrupted.
 CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptions& options, const OutputFile& ortho,
-                      const OutputFile& map_sigma, const std::string& software_version, int threads,
-                      const Progress& progress = {});
+                      const OutputFile& map_sigma, int threads, const Progress& progress = {});
 
 }  // namespace pilotage
 

@@ -73,9 +73,10 @@ struct CaptureOptions {
     fields.field("crs", self.crs, "CRS of the map, projected in metres; chosen if not given.");
     fields.field("leave_out", self.leave_out,
                  "Leave out frames that cannot be used, and name them, instead of ending with an error.");
-    fields.path("matches", self.matches,
-                "Folder that keeps features of frames and matches of pairs as they are found, and of which those that "
-                "are there are taken: a run that was stopped goes on from there. Made when it is missing.");
+    fields.path(
+        "matches", self.matches,
+        "Folder in which features of frames and matches of pairs are kept as they are found, and from which those "
+        "that are there are taken: a run that was stopped goes on from there. Made when it is missing.");
   }
 };
 

@@ -18,13 +18,11 @@ struct FrameFeatures {
   /// Zisserman, "Three things everyone should know to improve object retrieval", CVPR 2012).
   cv::Mat descriptors;
   double pixel_sigma_px = 1;  ///< How well `pixels` are known: two thirds of a pixel of the size they were found at.
+  std::string digest;         ///< Of all of these, BLAKE2b-256, where a MatchFolder keeps them; else "".
 };
 
 /// What is kept of a picture's pixels.
 struct FramePicture {
-  std::string digest;  ///< Of its file, BLAKE2b-256; "" where nothing is kept in a folder.
-  int width_px = 0;
-  int height_px = 0;
   FrameFeatures features;
   cv::Mat small;  ///< CV_8UC3, RGB, a long side of at most 400 px; empty where the picture could not be read.
 };

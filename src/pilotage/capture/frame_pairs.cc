@@ -4,13 +4,13 @@
 #include <cmath>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include <Eigen/Dense>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
-#include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
 #include "pilotage/capture/match_folder.h"
 
@@ -222,25 +222,11 @@ FeatureMatches of_one_geometry(const FeatureMatches& matches, const FrameFeature
   return kept;
 }
 
-/// Where the pairs of each first frame begin, and the end.
-std::vector<std::size_t> begins_of_firsts(const std::vector<std::array<int, 2>>& pairs) {
-  std::vector<std::size_t> begins;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (i == 0 || pairs[i][0] != pairs[i - 1][0]) begins.push_back(i);
-  }
-  begins.push_back(pairs.size());
-  return begins;
-}
-
-/// Matches from a file may be of anything.
-void check_numbers(const FeatureMatches& matches, const FramePicture& first, const FramePicture& second) {
-  const int firsts = static_cast<int>(first.features.pixels.size());
-  const int seconds = static_cast<int>(second.features.pixels.size());
-  for (const auto& [a, b] : matches) {
-    if (a < 0 || a >= firsts || b < 0 || b >= seconds) {
-      throw DataError("the matches of picture " + first.digest + " are of features that it does not have");
-    }
-  }
+FeatureMatches kept_matches(const FrameFeatures& first, const FrameFeatures& second, MatchFolder& folder) {
+  if (std::optional<FeatureMatches> kept = folder.find_matches(first, second)) return *std::move(kept);
+  FeatureMatches matches = match_frames(first, second);
+  folder.keep_matches(first, second, matches);
+  return matches;
 }
 
 }  // namespace
@@ -284,25 +270,12 @@ std::vector<FramePair> match_pairs(const std::vector<std::array<int, 2>>& pairs,
   std::vector<FeatureMatches> found(pairs.size());
   std::mutex reporting;
   std::int64_t done = 0;
-  const std::vector<std::size_t> begins = begins_of_firsts(pairs);
-  parallel_for(begins.size() - 1, threads, [&](std::size_t k, int) {
-    const FramePicture& first = pictures[static_cast<std::size_t>(pairs[begins[k]][0])];
-    MatchesWith kept = folder != nullptr ? folder->find_matches(first.digest) : MatchesWith{};
-    bool is_new = false;
-    for (std::size_t i = begins[k]; i < begins[k + 1]; ++i) {
-      const FramePicture& second = pictures[static_cast<std::size_t>(pairs[i][1])];
-      if (const auto one = kept.find(second.digest); folder != nullptr && one != kept.end()) {
-        found[i] = one->second;
-        check_numbers(found[i], first, second);
-      } else {
-        found[i] = match_frames(first.features, second.features);
-        is_new = true;
-        if (folder != nullptr) kept[second.digest] = found[i];
-      }
-      const std::lock_guard lock(reporting);
-      report_progress(progress, "matching pairs of frames", ++done, static_cast<std::int64_t>(pairs.size()));
-    }
-    if (folder != nullptr && is_new) folder->keep_matches(first.digest, kept);
+  parallel_for(pairs.size(), threads, [&](std::size_t i, int) {
+    const FrameFeatures& first = pictures[static_cast<std::size_t>(pairs[i][0])].features;
+    const FrameFeatures& second = pictures[static_cast<std::size_t>(pairs[i][1])].features;
+    found[i] = folder != nullptr ? kept_matches(first, second, *folder) : match_frames(first, second);
+    const std::lock_guard lock(reporting);
+    report_progress(progress, "matching pairs of frames", ++done, static_cast<std::int64_t>(pairs.size()));
   });
   std::vector<FramePair> in_common;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -32,8 +32,9 @@ std::vector<std::array<int, 2>> neighbouring_frames(const std::vector<Eigen::Vec
 /// Deterministic.
 FeatureMatches match_frames(const FrameFeatures& first, const FrameFeatures& second);
 
-/// match_frames() for all `pairs` (in order of the first), in their order, without those that have nothing in common.
-/// What `folder` has is taken from there, and what it has not is kept there; null: nothing is kept.
+/// match_frames() for all `pairs`, in their order, without those that have nothing in common. What `folder` has is
+/// taken from there, and what it has not is kept there (the features must be from there, too); null: nothing is kept.
+/// Throws DataError when the folder cannot be written to; Interrupted.
 std::vector<FramePair> match_pairs(const std::vector<std::array<int, 2>>& pairs,
                                    const std::vector<FramePicture>& pictures, MatchFolder* folder, int threads,
                                    const Progress& progress);

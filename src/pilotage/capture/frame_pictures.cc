@@ -26,29 +26,33 @@ cv::Mat shrunk(const cv::Mat& picture) {
   return small;
 }
 
-void check_size(const std::string& path, int width_px, int height_px, const Camera& camera) {
-  if (width_px == camera.width_px && height_px == camera.height_px) return;
-  throw DataError(path + ": has " + std::to_string(width_px) + " x " + std::to_string(height_px) +
-                  " pixels, the camera " + std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
+cv::Mat read_picture(const std::string& path, const Camera& camera) {
+  return read_rgb8_picture(path, [&](int width_px, int height_px) {
+    if (width_px == camera.width_px && height_px == camera.height_px) return;
+    throw DataError(path + ": has " + std::to_string(width_px) + " x " + std::to_string(height_px) +
+                    " pixels, the camera " + std::to_string(camera.width_px) + " x " +
+                    std::to_string(camera.height_px));
+  });
 }
 
-FramePicture read_one(const std::string& path, const Camera& camera) {
-  const cv::Mat picture =
-      read_rgb8_picture(path, [&](int width_px, int height_px) { check_size(path, width_px, height_px, camera); });
+FrameFeatures features_of(const cv::Mat& picture) {
   cv::Mat gray;
   cv::cvtColor(picture, gray, cv::COLOR_RGB2GRAY);
-  return {"", picture.cols, picture.rows, find_frame_features(gray), shrunk(picture)};
+  return find_frame_features(gray);
 }
 
-/// What the folder has of a picture; else that picture's digest alone.
-FramePicture kept_one(const std::string& path, const Camera& camera, MatchFolder& folder) {
-  FramePicture one;
-  one.digest = file_digest(path);
-  if (std::optional<FramePicture> kept = folder.find_picture(one.digest)) {
-    check_size(path, kept->width_px, kept->height_px, camera);
-    return *std::move(kept);
-  }
-  return one;
+/// Of its pixels, whatever file they are from.
+std::string digest_of(const cv::Mat& picture) {
+  const cv::Mat whole = picture.isContinuous() ? picture : picture.clone();
+  return bytes_digest({reinterpret_cast<const char*>(whole.data), whole.total() * whole.elemSize()});
+}
+
+FrameFeatures kept_features_of(const cv::Mat& picture, MatchFolder& folder) {
+  const std::string digest = digest_of(picture);
+  if (std::optional<FrameFeatures> kept = folder.find_features(digest)) return *std::move(kept);
+  FrameFeatures features = features_of(picture);
+  folder.keep_features(digest, features);
+  return features;
 }
 
 }  // namespace
@@ -64,22 +68,16 @@ std::vector<FramePicture> read_pictures(const CaptureFrames& frames, const std::
   report_progress(progress, "finding features", 0, count);
   parallel_for(numbers.size(), threads, [&](std::size_t k, int) {
     const auto i = static_cast<std::size_t>(numbers[k]);
-    const std::string& path = frames.frames[i].path;
-    bool is_new = false;
+    cv::Mat picture;
     try {
-      FramePicture one = folder != nullptr ? kept_one(path, frames.camera, *folder) : FramePicture{};
-      is_new = one.small.empty();
-      if (is_new) {
-        std::string digest = std::move(one.digest);
-        one = read_one(path, frames.camera);
-        one.digest = std::move(digest);
-      }
-      pictures[i] = std::move(one);
+      picture = read_picture(frames.frames[i].path, frames.camera);
     } catch (const DataError& error) {
       failures[k] = error.what();
     }
-    // Outside: a folder that cannot be written to is no fault of the picture.
-    if (is_new && failures[k].empty() && folder != nullptr) folder->keep_picture(pictures[i]);
+    if (!picture.empty()) {
+      pictures[i].features = folder != nullptr ? kept_features_of(picture, *folder) : features_of(picture);
+      pictures[i].small = shrunk(picture);
+    }
     const std::lock_guard lock(reporting);
     report_progress(progress, "finding features", ++done, count);
   });

@@ -12,9 +12,10 @@
 
 namespace pilotage {
 
-/// The pictures of the frames at the ascending `numbers`, on up to `threads` threads; the others stay empty. What
-/// `folder` has is taken from there, and what it has not is kept there; null: nothing is kept. A picture that cannot be
-/// read, or has not the camera's size, stays empty, and `problems` says why, "path: why".
+/// The pictures of the frames at the ascending `numbers`, on up to `threads` threads; the others stay empty. Features
+/// that `folder` has are taken from there, and those that it has not are kept there; null: nothing is kept. A picture
+/// that cannot be read, or has not the camera's size, stays empty, and `problems` says why, "path: why". Throws
+/// DataError when the folder cannot be written to; Interrupted.
 std::vector<FramePicture> read_pictures(const CaptureFrames& frames, const std::vector<int>& numbers,
                                         MatchFolder* folder, int threads, const Progress& progress,
                                         std::vector<std::string>& problems);

@@ -33,6 +33,12 @@ double map_gsd_m(const CaptureOptions& options, double frame_gsd_m) {
   return options.gsd_m.value_or(rounded_gsd_m(frame_gsd_m));
 }
 
+void check_map_options(const CaptureOptions& options) {
+  if (!options.crs.empty()) Crs::from_user_input(options.crs);
+  if (options.align.empty() && options.align_sigma_m) throw UsageError("align_sigma_m needs align");
+  refuse_imagery_as_elevation(options.elevation, {});
+}
+
 EastNorthBounds shown_bounds(const AdjustedBlock& block) {
   std::vector<double> heights_m;
   for (const AdjustedPoint& point : block.points) heights_m.push_back(point.enu_m.z());

@@ -10,6 +10,9 @@ namespace pilotage {
 
 // Where a map of a block lies, and how fine it is.
 
+/// Throws UsageError and DataError for options of a map that cannot be, as far as that is known before a frame is read.
+void check_map_options(const CaptureOptions& options);
+
 /// A rectangle in the block's frame.
 struct EastNorthBounds {
   Eigen::Vector2d low{0, 0};

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -11,36 +10,36 @@
 
 namespace pilotage {
 
-/// Of one frame with others, by the digests of their files; without any match where they show nothing in common.
-using MatchesWith = std::map<std::string, FeatureMatches>;
-
-/// A folder that keeps what was found in pictures and in pairs of them, as it is found, so that a run that was stopped
-/// goes on from there and several machines share the work (docs/scale.md). Files are told by the digests of the
-/// pictures, not by names, places or options, none of which changes what is found; each ends in a digest of its own.
-/// What is damaged, or was made by another version of the program, counts as not there and is replaced. Calls may
-/// overlap, also from several processes: whichever is last wins, and all of them write the same.
+/// A folder that keeps the features of pictures and the matches of pairs, each as soon as it is found, so that a run
+/// that was stopped goes on from there and several machines share the work (docs/scale.md). Features are told by the
+/// digest of the picture as it was decoded, matches by those of the features that they join: neither names nor places
+/// nor options matter. Every file ends in a digest of its own and begins with what made it: the program, kMatchRevision
+/// and OpenCV. What is of others, damaged or cannot be read counts as not there and is replaced. Calls may overlap,
+/// also from several processes: each writes whole files, and the last one stays.
 class MatchFolder {
  public:
   /// Makes the folder when it is missing. Throws DataError when it cannot.
-  MatchFolder(std::filesystem::path folder, std::string software_version);
+  explicit MatchFolder(std::filesystem::path folder);
 
-  std::optional<FramePicture> find_picture(const std::string& digest);
-  /// Throws DataError when it cannot be written; as does keep_matches.
-  void keep_picture(const FramePicture& picture) const;
+  std::optional<FrameFeatures> find_features(const std::string& picture_digest);
+  std::optional<FeatureMatches> find_matches(const FrameFeatures& first, const FrameFeatures& second);
 
-  /// Empty where there is nothing.
-  MatchesWith find_matches(const std::string& digest_of_first);
-  void keep_matches(const std::string& digest_of_first, const MatchesWith& matches) const;
+  /// Sets FrameFeatures::digest, by which keep_matches() and find_matches() know them. Throws DataError when the file
+  /// cannot be written; as does keep_matches.
+  void keep_features(const std::string& picture_digest, FrameFeatures& features) const;
+  void keep_matches(const FrameFeatures& first, const FrameFeatures& second, const FeatureMatches& matches) const;
 
   /// What to tell people of files that were found and could not be used; "" where there was none.
   std::string warning() const;
 
  private:
-  std::optional<std::string> find(const std::filesystem::path& file, const std::string& magic);
+  std::optional<std::string> find(const std::filesystem::path& file, const std::string& what);
 
   std::filesystem::path folder_;
-  std::string software_version_;
   std::atomic<int> unusable_ = 0;
 };
+
+/// To be raised with every change of what is found in pictures (frame_features.cc, frame_pairs.cc), or of the files.
+inline constexpr int kMatchRevision = 1;
 
 }  // namespace pilotage
