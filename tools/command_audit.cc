@@ -67,7 +67,7 @@ std::string result_text(const MapAudit& audit, const AuditOptions& options) {
         "the other map's own error, each axis, as that says itself: " + format_fixed(audit.other_sigma_m, 2) + " m\n";
   }
   text += "assumes: the other map is right where they differ; nothing here tells which of them is\n";
-  text += "assumes: shadows fall alike in both; where they do not, the shift of tall things is that of their shadows\n";
+  text += "assumes: " + shadows_assumption(options.registration) + "\n";
   return text;
 }
 

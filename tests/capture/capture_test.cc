@@ -284,7 +284,7 @@ TEST(Capture, AFolderOfMatchesThatCannotBeIsNamed) {
               }),
               HasSubstr("at most one shard for each pair"));
   options.crs = "EPSG:99999999";
-  EXPECT_THAT(error_of<DataError>([&] { match_shard({table.string()}, options, {1, 2}, 0); }), HasSubstr("99999999"));
+  EXPECT_THAT(error_of<UsageError>([&] { match_shard({table.string()}, options, {1, 2}, 0); }), HasSubstr("99999999"));
 }
 
 TEST(CaptureThorough, FramesWhosePositionCannotBeAreNamed) {

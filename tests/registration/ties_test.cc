@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/statistics.h"
 
 namespace pilotage {
 namespace {
@@ -44,10 +45,17 @@ TEST(Ties, NoneBeyondTheRadius) {
   EXPECT_LE(find(shifted(), 4).ties.size(), 2U) << "the true place is outside the search";
 }
 
-TEST(Ties, NoneBetweenDifferentGround) {
+TEST(Ties, HardlyAnyBetweenDifferentGround) {
   TwoDates dates = shifted();
   dates.second.pixels = testing::random_texture(400, "elsewhere");
-  EXPECT_LE(find(dates, 10).ties.size(), 2U);
+  for (const TieShadows shadows : {TieShadows::kIgnore, TieShadows::kFollow}) {
+    TieOptions options;
+    options.shadows = shadows;
+    const TieSearch search =
+        find_ties(gray_source_from(dates.reference), gray_source_from(dates.second), 10, options, {}, 1);
+    EXPECT_EQ(search.places, 81);
+    EXPECT_LE(search.ties.size(), 3U);  // below 4 %, which counts as none (register_dates)
+  }
 }
 
 TEST(Ties, NoneWithoutGround) {
@@ -68,6 +76,40 @@ TEST(Ties, SurviveAnotherTone) {
   dates.second.map_from_pixel = dates.reference.map_from_pixel;
   const TieSearch search = find(dates, 10);
   EXPECT_GE(search.ties.size(), 110U);
+}
+
+/// Bright ground whose tones vary by little, and the shadows of two hundred things, `shadow_px` from each.
+cv::Mat ground_with_shadows(const cv::Mat& texture, const cv::Point& shadow_px) {
+  cv::Mat ground;
+  texture.convertTo(ground, CV_8U, 0.25, 130);
+  cv::RNG random(7);
+  for (int i = 0; i < 200; ++i) {
+    const cv::Point at(random.uniform(20, 370), random.uniform(20, 370));
+    const cv::Rect shadow(at + shadow_px, cv::Size(random.uniform(4, 9), random.uniform(4, 9)));
+    cv::Mat dark = ground(shadow);
+    dark *= 0.45;
+  }
+  return ground;
+}
+
+TEST(Ties, StandOnTheGroundAndNotOnShadowsThatFallAnotherWay) {
+  TwoDates dates = shifted();
+  const cv::Mat texture = testing::random_texture(400, "lit");
+  dates.reference.pixels = ground_with_shadows(texture, {-3, -2});
+  dates.second.pixels = ground_with_shadows(texture, {3, 2});
+  TieOptions options;
+  const auto medians_m = [&](const TieOptions& with) {
+    std::vector<double> off_m;
+    for (const Tie& tie :
+         find_ties(gray_source_from(dates.reference), gray_source_from(dates.second), 12, with, {}, 1).ties) {
+      off_m.push_back(tie.displacement_m.norm());
+    }
+    EXPECT_GT(off_m.size(), 40U);
+    return quantile(off_m, 0.5);
+  };
+  EXPECT_LT(medians_m(options), 0.1);
+  options.shadows = TieShadows::kFollow;
+  EXPECT_GT(medians_m(options), 5);  // of the 7.2 m between the shadows
 }
 
 TEST(Ties, OnlyWhereWanted) {

@@ -346,7 +346,8 @@ CaptureResult capture(const std::vector<std::string>& inputs, const CaptureOptio
   }
   for (std::size_t i = 0; i < stats.frame_px.size(); ++i) result.frames[i].drawn_px = stats.frame_px[i];
   result.left_out = frames.left_out;
-  result.assumptions = assumptions_of(frames, block, elevation ? elevation->vertical_datum() : "", result);
+  result.assumptions =
+      assumptions_of(frames, block, elevation ? elevation->vertical_datum() : "", result, options.registration);
   result.ground = elevation ? "elevation model " + options.elevation : "a smooth surface through the points seen";
   result.ground_spread_m = map_parts.ground.spread_m;
   result.gsd_m = mosaic.gsd_m;

@@ -141,7 +141,7 @@ void describe_alignment(CaptureResult& result) {
 }
 
 std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block& block, const std::string& elevation,
-                                        const CaptureResult& result) {
+                                        const CaptureResult& result, const RegistrationOptions& registration) {
   std::vector<double> sigmas_m;
   for (const MeasuredPose& pose : block.measured) sigmas_m.push_back(pose.sigma_en_m);
   std::vector<std::string> assumptions{"frames' positions are good to " + format_number(quantile(sigmas_m, 0.5)) +
@@ -156,9 +156,7 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
                           " m (one standard deviation, each axis; " +
                           options_detail::enum_to_name(result.alignment->sigma_source) +
                           "), which has nothing to do with what the frames' positions miss");
-    assumptions.push_back(
-        "shadows fall alike in the frames and in the other map; where they do not, ties follow the shadows of what is "
-        "tall, by metres");
+    assumptions.push_back("of the frames and the other map: " + shadows_assumption(registration));
   } else if (block.control_points.empty()) {
     assumptions.push_back(
         "what all positions and tilts miss alike is not known without control points, and shifts the whole map; taken "

@@ -32,6 +32,6 @@ void describe_alignment(CaptureResult& result);
 
 /// What is taken for granted. `elevation`: how the heights of the model are counted, or "" without one.
 std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block& block, const std::string& elevation,
-                                        const CaptureResult& result);
+                                        const CaptureResult& result, const RegistrationOptions& registration);
 
 }  // namespace pilotage

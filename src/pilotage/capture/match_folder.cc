@@ -11,7 +11,6 @@
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/read_file.h"
-#include "pilotage/version.h"
 
 namespace pilotage {
 namespace {
@@ -23,8 +22,7 @@ constexpr std::int64_t kMostFeatures = 1'000'000;
 
 /// What every file begins with.
 std::string made_by() {
-  return "pilotage-capture-matches " + std::to_string(kMatchRevision) + "\npilotage " PILOTAGE_VERSION "\nOpenCV " +
-         cv::getVersionString() + "\n";
+  return "pilotage-capture-matches " + std::to_string(kMatchRevision) + "\nOpenCV " + cv::getVersionString() + "\n";
 }
 
 template <class T>

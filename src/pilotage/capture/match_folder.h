@@ -13,9 +13,9 @@ namespace pilotage {
 /// A folder that keeps the features of pictures and the matches of pairs, each as soon as it is found, so that a run
 /// that was stopped goes on from there and several machines share the work (docs/scale.md). Features are told by the
 /// digest of the picture as it was decoded, matches by those of the features that they join: neither names nor places
-/// nor options matter. Every file ends in a digest of its own and begins with what made it: the program, kMatchRevision
-/// and OpenCV. What is of others, damaged or cannot be read counts as not there and is replaced. Calls may overlap,
-/// also from several processes: each writes whole files, and the last one stays.
+/// nor options matter. Every file ends in a digest of its own and begins with what made it: kMatchRevision and the
+/// version of OpenCV. What is of others, damaged or cannot be read counts as not there and is replaced. Calls may
+/// overlap, also from several processes: each writes whole files, and the last one stays.
 class MatchFolder {
  public:
   /// Makes the folder when it is missing. Throws DataError when it cannot.

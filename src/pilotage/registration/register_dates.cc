@@ -19,19 +19,25 @@ constexpr int kLastRadius_px = 4;
 /// Other ground gives ties at 0.3 % (real) to 1.7 % (random texture) of the places, by chance (docs/methods).
 constexpr double kLeastShare = 0.04;
 
+/// With shadows a tie counts where it differs by less than this from the field that was found without them.
+constexpr double kConfirmed_px = 1;
+
 struct PyramidPass {
   double gsd_m;
   int radius_px;  // when a field is known from the pass before
+  bool confirms = false;
 };
 
 /// Halving the pixel from where the search is short; the finest level twice.
-std::vector<PyramidPass> make_passes(double gsd_m, double search_radius_m) {
+std::vector<PyramidPass> make_passes(double gsd_m, const RegistrationOptions& options) {
+  const double search_radius_m = options.search_radius_m;
   std::vector<PyramidPass> passes;
   double coarse_m = gsd_m;
   while (search_radius_m / coarse_m > kCoarseRadius_px) coarse_m *= 2;
   for (; coarse_m > 1.5 * gsd_m; coarse_m /= 2) passes.push_back({coarse_m, kRefineRadius_px});
   passes.push_back({gsd_m, kRefineRadius_px});
   passes.push_back({gsd_m, kLastRadius_px});
+  if (options.ties.shadows == TieShadows::kIgnore) passes.push_back({gsd_m, kLastRadius_px, true});
   return passes;
 }
 
@@ -55,6 +61,16 @@ void compose(const WarpField& field, std::vector<Tie>& ties) {
   }
 }
 
+bool has_tie_at(const std::vector<Tie>& ties, const Tie& like) {
+  return std::any_of(ties.begin(), ties.end(),
+                     [&](const Tie& tie) { return tie.gsd_m == like.gsd_m && tie.point_m == like.point_m; });
+}
+
+bool is_confirmed(const WarpField& field, const Tie& tie) {
+  const Eigen::Vector2d known_m = field.displacement_m(tie.point_m.x(), tie.point_m.y());
+  return (tie.displacement_m - known_m).norm() < kConfirmed_px * tie.gsd_m;  // NaN is not
+}
+
 }  // namespace
 
 Registration register_dates(const OpenPair& open, const Bounds& area_m, double gsd_m,
@@ -64,17 +80,26 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
   Registration result;
   result.gsd_m = gsd_m;
   result.fit = fit_warp({}, gsd_m, options.warp);
-  for (const PyramidPass& pass : make_passes(gsd_m, options.search_radius_m)) {
+  for (const PyramidPass& pass : make_passes(gsd_m, options)) {
     // A square may lie half outside the area, so that its edge gets ties too.
     const double margin_m = (options.ties.template_px / 2.0 + kCoarseRadius_px) * pass.gsd_m;
     const DatePair dates = open_level(open, area_m.grown(margin_m), pass.gsd_m);
+    TieOptions ties = options.ties;
+    if (pass.confirms) ties.shadows = TieShadows::kFollow;
     const bool first = result.fit.field.control_m.empty();
     const auto field = std::make_shared<const WarpField>(result.fit.field);
     TieSearch search = find_ties(dates.reference, first ? dates.second : warped_source(dates.second, field, true),
-                                 first ? whole_radius_px(options.search_radius_m, pass.gsd_m) : pass.radius_px,
-                                 options.ties, wanted, threads, progress);
+                                 first ? whole_radius_px(options.search_radius_m, pass.gsd_m) : pass.radius_px, ties,
+                                 wanted, threads, progress);
     if (static_cast<double>(search.ties.size()) < kLeastShare * static_cast<double>(search.places)) search.ties.clear();
     compose(*field, search.ties);
+    if (pass.confirms) {
+      std::erase_if(search.ties,
+                    [&](const Tie& tie) { return has_tie_at(result.ties, tie) || !is_confirmed(*field, tie); });
+      result.ties.insert(result.ties.begin(), search.ties.begin(), search.ties.end());
+      result.fit = fit_warp(result.ties, pass.gsd_m, options.warp);
+      continue;
+    }
     result.places = search.places;
     std::erase_if(result.ties, [&](const Tie& tie) { return tie.gsd_m < 1.5 * pass.gsd_m; });
     result.ties.insert(result.ties.begin(), search.ties.begin(), search.ties.end());
@@ -84,6 +109,12 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
       std::count_if(result.ties.begin(), result.ties.end(), [&](const Tie& tie) { return tie.gsd_m < 1.5 * gsd_m; });
   if (result.places == 0) throw DataError("the second date shows no ground that the reference shows");
   return result;
+}
+
+std::string shadows_assumption(const RegistrationOptions& options) {
+  return options.ties.shadows == TieShadows::kIgnore
+             ? "ground outside of shadows decides where both lie: what is darker than its surroundings was left out"
+             : "shadows fall alike in both; where they do not, the shift of tall things is that of their shadows";
 }
 
 std::vector<std::size_t> agreeing_finest_ties(const Registration& registration) {

@@ -8,6 +8,13 @@
 
 namespace pilotage {
 
+/// What of the ground is correlated.
+enum class TieShadows { kIgnore, kFollow };
+
+inline EnumNames<TieShadows> enum_names(TieShadows) {
+  return {{TieShadows::kIgnore, "ignore"}, {TieShadows::kFollow, "follow"}};
+}
+
 /// How ties between two dates are looked for on one grid (ties.h).
 struct TieOptions {
   int template_px = 96;
@@ -16,6 +23,7 @@ struct TieOptions {
   double min_margin = 0.03;
   double max_backward_px = 1;
   double min_valid_fraction = 0.7;
+  TieShadows shadows = TieShadows::kIgnore;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -28,6 +36,10 @@ struct TieOptions {
                  "A tie looked for backwards, from the second date, must come back within this.", Range{0.1, 16});
     fields.field("min_valid_fraction", self.min_valid_fraction, "Least share of ground in a square, in both dates.",
                  Range{0.1, 1});
+    fields.field(
+        "shadows", self.shadows,
+        "What is darker than its surroundings, most of it shadows: ignore leaves it out, for with the sun "
+        "elsewhere shadows fall another way; follow correlates it, too: more ties between dates of like light.");
   }
 };
 

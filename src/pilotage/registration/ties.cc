@@ -13,27 +13,34 @@
 #include "pilotage/base/parallel.h"
 #include "pilotage/correlation/correlation_peaks.h"
 #include "pilotage/correlation/fft_correlation.h"
+#include "pilotage/registration/lit_ground.h"
 
 namespace pilotage {
 namespace {
 
 constexpr std::size_t kTiesBetweenReports = 32;  // some milliseconds each
+/// On coarser pixels shadows are hardly more than one of them, and what decides is large.
+constexpr double kFinestWithShadows_m = 2;
+/// Of a square, of which dark parts are left out, this much must be lit in both dates.
+constexpr double kLeastLit = 0.3;
 
 /// A rectangle of one date in memory.
 struct Patchwork {
   PixelWindow window;
-  cv::Mat pixels;  // CV_32F, less the mean of its ground; 0 where there is none
-  cv::Mat valid;
+  cv::Mat pixels;    // CV_32F, less the mean of its ground; 0 where there is none
+  cv::Mat valid;     // where there is ground,
+  cv::Mat compared;  // and what of it is correlated
 
   cv::Rect rect(int col, std::int64_t row, int width, int height) const {
     return {static_cast<int>(col - window.col), static_cast<int>(row - window.row), width, height};
   }
 };
 
-Patchwork load(const GraySource& source, const PixelWindow& window) {
+Patchwork load(const GraySource& source, const PixelWindow& window, bool lit_alone, int template_px) {
   Raster raster = source.read(window);
-  Patchwork patchwork{window, {}, raster.valid};
+  Patchwork patchwork{window, {}, raster.valid, raster.valid};
   raster.pixels.convertTo(patchwork.pixels, CV_32F);
+  if (lit_alone) patchwork.compared = lit_ground(patchwork.pixels, raster.valid, template_px);
   patchwork.pixels -= cv::mean(patchwork.pixels, patchwork.valid)[0];
   patchwork.pixels.setTo(0, patchwork.valid == 0);
   return patchwork;
@@ -73,9 +80,9 @@ std::optional<Eigen::Vector2d> quadratic_vertex(const cv::Mat& surface, const cv
 }
 
 std::optional<Peak> find_peak(const Patchwork& from, const cv::Rect& square, const Patchwork& in,
-                              const cv::Rect& around, const TieOptions& options) {
-  const cv::Mat surface = masked_correlation_surface(from.pixels(square), from.valid(square), in.pixels(around),
-                                                     in.valid(around), options.min_valid_fraction);
+                              const cv::Rect& around, const TieOptions& options, double min_overlap) {
+  const cv::Mat surface = masked_correlation_surface(from.pixels(square), from.compared(square), in.pixels(around),
+                                                     in.compared(around), min_overlap);
   cv::Mat compared = surface.clone();
   cv::patchNaNs(compared, -2);
   cv::Point at;
@@ -99,6 +106,10 @@ struct TieRequest {
   const Wanted& wanted;
   int threads;
 
+  bool lit_alone() const {
+    return options.shadows == TieShadows::kIgnore && reference.map_from_pixel.x_per_col < kFinestWithShadows_m;
+  }
+  double min_overlap() const { return lit_alone() ? kLeastLit : options.min_valid_fraction; }
   /// Room that a place needs around its square: the search, and the search backwards from its end.
   int halo_px() const { return 2 * radius_px; }
   Bounds bounds(std::int64_t col, std::int64_t row) const {
@@ -122,14 +133,14 @@ std::optional<Tie> find_tie(const TieRequest& request, const Patchwork& referenc
   const cv::Rect square = reference.rect(col, row, side, side);
   const cv::Rect around(square.x - request.radius_px, square.y - request.radius_px, search, search);
   if (!inside(around)) return std::nullopt;
-  const auto peak = find_peak(reference, square, second, around, request.options);
+  const auto peak = find_peak(reference, square, second, around, request.options, request.min_overlap());
   if (!peak) return std::nullopt;
   const cv::Point step(static_cast<int>(std::lround(peak->offset_px.x())),
                        static_cast<int>(std::lround(peak->offset_px.y())));
   const cv::Rect found = square + step;
   const cv::Rect back = around + step;
   if (!inside(back)) return std::nullopt;
-  const auto backwards = find_peak(second, found, reference, back, request.options);
+  const auto backwards = find_peak(second, found, reference, back, request.options, request.min_overlap());
   if (!backwards) return std::nullopt;
   const Eigen::Vector2d miss = backwards->offset_px + Eigen::Vector2d(step.x, step.y);
   if (miss.norm() > request.options.max_backward_px) return std::nullopt;
@@ -208,7 +219,9 @@ TieSearch find_ties(const GraySource& reference, const GraySource& second, int r
     if (columns.empty()) continue;
     const PixelWindow window = strip_window(request, columns, row);
     std::vector<Patchwork> dates(2);
-    parallel_for(2, threads, [&](std::size_t i, int) { dates[i] = load(i == 0 ? reference : second, window); });
+    parallel_for(2, threads, [&](std::size_t i, int) {
+      dates[i] = load(i == 0 ? reference : second, window, request.lit_alone(), options.template_px);
+    });
     const std::vector<int> places = places_of(request, dates[0], dates[1], columns, row);
     std::vector<std::optional<Tie>> found(places.size());
     for (std::size_t first = 0; first < places.size(); first += kTiesBetweenReports) {
