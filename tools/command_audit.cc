@@ -45,6 +45,11 @@ std::string verdict_text(const MapAudit& audit, const AuditOptions& options) {
   return "NOT KNOWN: " + why_not_known(audit, options);
 }
 
+std::vector<std::string> assumptions_of(const MapAudit& audit, const AuditOptions& options) {
+  return {"the other map is right where they differ; nothing here tells which of them is",
+          shadows_assumption(options.registration, audit.registration.gsd_m)};
+}
+
 std::string result_text(const MapAudit& audit, const AuditOptions& options) {
   std::string text = verdict_text(audit, options) + "\n";
   text += "compared: " + format_fixed(audit.compared_m2 / 1e4, 1) + " of " + format_fixed(audit.common_m2 / 1e4, 1) +
@@ -66,8 +71,7 @@ std::string result_text(const MapAudit& audit, const AuditOptions& options) {
     text +=
         "the other map's own error, each axis, as that says itself: " + format_fixed(audit.other_sigma_m, 2) + " m\n";
   }
-  text += "assumes: the other map is right where they differ; nothing here tells which of them is\n";
-  text += "assumes: " + shadows_assumption(options.registration) + "\n";
+  for (const std::string& one : assumptions_of(audit, options)) text += "assumes: " + one + "\n";
   return text;
 }
 
@@ -85,7 +89,8 @@ nlohmann::ordered_json result_json(const MapAudit& audit, const AuditOptions& op
           {"about_median_m", spread_json(audit.about_median_m)},
           {"left_out_m", spread_json(audit.registration.fit.left_out_m)},
           {"map_sigma_m", json_number(audit.map_sigma_m)},
-          {"other_map_sigma_m", json_number(audit.other_sigma_m)}};
+          {"other_map_sigma_m", json_number(audit.other_sigma_m)},
+          {"assumptions", assumptions_of(audit, options)}};
 }
 
 CommandResult run_audit(const AuditCommandOptions& options, const Invocation& invocation) {

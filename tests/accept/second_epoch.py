@@ -118,7 +118,7 @@ def test(pilotage, source, work, _rest):
     patches = compare(field, reference, delivered, True, PATCHES)
     _, residual_m = tell("squares of the reference in the delivered picture", patches)
     check(len(patches) > 100, "too few squares to judge by")
-    check(residual_m[0] < 0.6 and residual_m[1] < 2.5, "the warped picture does not lie on the reference")
+    check(residual_m[0] < 0.7 and residual_m[1] < 2.5, "the warped picture does not lie on the reference")
     print(f"residual over predicted sigma, median per place {np.median(patches[:, 1] / patches[:, 2]):.2f} "
           "(1.18 for normal errors)")
 

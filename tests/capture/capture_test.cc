@@ -246,7 +246,8 @@ TEST(CaptureThorough, TakesFeaturesAndMatchesThatAreKept) {
   MatchFolder folder(options.matches);
   const cv::Mat picture = read_rgb8_picture((drawn().folder / drawn().flight.frames[3].file).string());
   const std::string digest =
-      bytes_digest({reinterpret_cast<const char*>(picture.data), picture.total() * picture.elemSize()});
+      bytes_digest(std::to_string(picture.cols) + " x " + std::to_string(picture.rows) + " " +
+                   bytes_digest({reinterpret_cast<const char*>(picture.data), picture.total() * picture.elemSize()}));
   auto features = folder.find_features(digest);
   ASSERT_TRUE(features);
   EXPECT_GT(features->pixels.size(), 100U);

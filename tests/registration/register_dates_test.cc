@@ -1,8 +1,10 @@
 #include "pilotage/registration/register_dates.h"
 
 #include <cmath>
+#include <set>
 
 #include "registration/two_dates.h"
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -102,6 +104,51 @@ TEST(RegisterDates, KnowsOnlyWhereBothHaveGround) {
   EXPECT_TRUE(std::isnan(at(2, raster.map_from_pixel.pixel_from_map({1100, 4600}))));
 }
 
+/// Both dates show one ground, and shadows that fall another way.
+TEST(RegisterDates, GroundOutsideOfShadowsDecides) {
+  TwoDates dates = make_two_dates(
+      kRegisteredSide_px, [](const Eigen::Vector2d&) { return Eigen::Vector2d::Zero().eval(); }, "shadows");
+  const cv::Mat texture = testing::random_texture(kRegisteredSide_px, "shadows");
+  dates.reference.pixels = testing::ground_with_shadows(texture, {-3, -2});
+  dates.second.pixels = testing::ground_with_shadows(texture, {3, 2});
+  RegistrationOptions options;
+  const Registration lit = register_dates(open_in_memory(dates), kArea, 1, options);
+  EXPECT_LT(lit.fit.disagreement_m.quantile_95, 0.5);
+  EXPECT_LT(lit.fit.left_out_m.median, 0.3);
+  EXPECT_THAT(shadows_assumption(options, 1), ::testing::HasSubstr("outside of shadows"));
+  EXPECT_THAT(shadows_assumption(options, 2), ::testing::HasSubstr("fall alike"));  // there they are correlated
+  options.ties.shadows = TieShadows::kFollow;
+  const Registration followed = register_dates(open_in_memory(dates), kArea, 1, options);
+  EXPECT_GT(followed.fit.disagreement_m.median, 3);
+  for (const Tie& tie : followed.ties) EXPECT_FALSE(tie.is_confirmed);
+}
+
+/// Dark things that agree with the lit ground count, and say nothing of how well it is known.
+TEST(RegisterDates, WhatIsDarkIsConfirmedByTheLitGround) {
+  TwoDates dates = make_two_dates(
+      kRegisteredSide_px, [](const Eigen::Vector2d&) { return Eigen::Vector2d(3, -2); }, "dark");
+  // In the middle the lit ground shows nothing, and dark things, which are alike in both, all.
+  for (Raster* date : {&dates.reference, &dates.second}) {
+    cv::Mat middle = date->pixels(cv::Rect(330, 330, 140, 140));
+    cv::Mat plain(middle.size(), CV_8U, cv::Scalar(150));
+    const cv::Point moved = date == &dates.second ? cv::Point(3, 2) : cv::Point(0, 0);
+    for (int i = 0; i < 140 * 140; i += 977)
+      plain(cv::Rect(cv::Point(i % 125, i / 140 % 125) + moved, cv::Size(8, 8))) = 40;
+    plain.copyTo(middle);
+  }
+  const Registration result = register_dates(open_in_memory(dates), kArea, 1, {});
+  std::set<std::pair<double, double>> places;
+  int confirmed = 0;
+  for (const Tie& tie : result.ties) {
+    if (tie.gsd_m > 1.5) continue;
+    EXPECT_TRUE(places.emplace(tie.point_m.x(), tie.point_m.y()).second);  // one a place
+    if (!tie.is_confirmed) continue;
+    ++confirmed;
+    EXPECT_LT((tie.displacement_m - Eigen::Vector2d(3, -2)).norm(), 1.2);
+  }
+  EXPECT_GE(confirmed, 1);
+}
+
 TEST(RegisterDates, OtherGroundIsKnownNowhereAndNoGroundIsRefused) {
   TwoDates dates = make_two_dates(kRegisteredSide_px, bent_field, "unrelated");
   dates.second.pixels = testing::random_texture(kRegisteredSide_px, "unrelated other");
@@ -114,8 +161,10 @@ TEST(RegisterDates, OtherGroundIsKnownNowhereAndNoGroundIsRefused) {
 TEST(RegisterDates, DoesNotDependOnThreads) {
   const TwoDates dates = make_two_dates(kRegisteredSide_px, bent_field, "threads");
   const OpenPair open = open_in_memory(dates);
-  EXPECT_EQ(register_dates(open, kArea, 2, {}, {}, 1).fit.field.control_m,
-            register_dates(open, kArea, 2, {}, {}, 3).fit.field.control_m);
+  for (const double gsd_m : {1.0, 2.0}) {  // with shadows left out, and not
+    EXPECT_EQ(register_dates(open, kArea, gsd_m, {}, {}, 1).fit.field.control_m,
+              register_dates(open, kArea, gsd_m, {}, {}, 3).fit.field.control_m);
+  }
 }
 
 }  // namespace

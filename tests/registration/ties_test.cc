@@ -1,5 +1,7 @@
 #include "pilotage/registration/ties.h"
 
+#include <algorithm>
+
 #include "registration/two_dates.h"
 #include <gtest/gtest.h>
 
@@ -78,25 +80,11 @@ TEST(Ties, SurviveAnotherTone) {
   EXPECT_GE(search.ties.size(), 110U);
 }
 
-/// Bright ground whose tones vary by little, and the shadows of two hundred things, `shadow_px` from each.
-cv::Mat ground_with_shadows(const cv::Mat& texture, const cv::Point& shadow_px) {
-  cv::Mat ground;
-  texture.convertTo(ground, CV_8U, 0.25, 130);
-  cv::RNG random(7);
-  for (int i = 0; i < 200; ++i) {
-    const cv::Point at(random.uniform(20, 370), random.uniform(20, 370));
-    const cv::Rect shadow(at + shadow_px, cv::Size(random.uniform(4, 9), random.uniform(4, 9)));
-    cv::Mat dark = ground(shadow);
-    dark *= 0.45;
-  }
-  return ground;
-}
-
 TEST(Ties, StandOnTheGroundAndNotOnShadowsThatFallAnotherWay) {
   TwoDates dates = shifted();
   const cv::Mat texture = testing::random_texture(400, "lit");
-  dates.reference.pixels = ground_with_shadows(texture, {-3, -2});
-  dates.second.pixels = ground_with_shadows(texture, {3, 2});
+  dates.reference.pixels = testing::ground_with_shadows(texture, {-3, -2});
+  dates.second.pixels = testing::ground_with_shadows(texture, {3, 2});
   TieOptions options;
   const auto medians_m = [&](const TieOptions& with) {
     std::vector<double> off_m;
@@ -110,6 +98,48 @@ TEST(Ties, StandOnTheGroundAndNotOnShadowsThatFallAnotherWay) {
   EXPECT_LT(medians_m(options), 0.1);
   options.shadows = TieShadows::kFollow;
   EXPECT_GT(medians_m(options), 5);  // of the 7.2 m between the shadows
+}
+
+TEST(Ties, OfAPlaceDoNotDependOnWhichOthersAreWanted) {
+  TwoDates dates = shifted();
+  const cv::Mat texture = testing::random_texture(400, "lit");
+  dates.reference.pixels = testing::ground_with_shadows(texture, {-3, -2});
+  dates.second.pixels = testing::ground_with_shadows(texture, {3, 2});
+  const auto find_in = [&](const Wanted& wanted) {
+    return find_ties(gray_source_from(dates.reference), gray_source_from(dates.second), 4, {}, wanted, 1).ties;
+  };
+  const std::vector<Tie> all = find_in({});
+  const std::vector<Tie> some = find_in([](const Bounds& square) { return square.min_x_m < 1100; });
+  ASSERT_GT(some.size(), 10U);
+  ASSERT_GT(all.size(), some.size());
+  for (const Tie& tie : some) {
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Tie& one) { return one.point_m == tie.point_m; });
+    ASSERT_NE(found, all.end());
+    EXPECT_NEAR((found->displacement_m - tie.displacement_m).norm(), 0, 1e-3);
+    EXPECT_NEAR(found->ncc, tie.ncc, 1e-4);
+  }
+}
+
+TEST(Ties, NoneWhereHardlyAnythingIsLit) {
+  TwoDates dates = shifted();
+  cv::Mat texture = testing::random_texture(400, "lit");
+  texture.convertTo(texture, CV_8U, 0.05, 200);
+  texture *= 0.2;
+  cv::Mat strip = texture(cv::Rect(112, 0, 8, 400));  // all the rest is dark beside it
+  strip *= 6;
+  dates.reference.pixels = texture;
+  dates.second.pixels = texture.clone();
+  TieOptions options;
+  options.template_px = 32;
+  const Wanted at_strip = [](const Bounds& square) { return std::abs(square.min_x_m - 1100) < 8; };
+  const auto count = [&](const TieOptions& with) {
+    return find_ties(gray_source_from(dates.reference), gray_source_from(dates.second), 4, with, at_strip, 1)
+        .ties.size();
+  };
+  EXPECT_EQ(count(options), 0U);
+  options.shadows = TieShadows::kFollow;
+  options.min_margin = 0;
+  EXPECT_GT(count(options), 0U);
 }
 
 TEST(Ties, OnlyWhereWanted) {

@@ -66,6 +66,19 @@ TwoDates make_two_dates(int side_px, const TrueField& field, std::string_view se
   return dates;
 }
 
+cv::Mat ground_with_shadows(const cv::Mat& texture, const cv::Point& shadow_px) {
+  cv::Mat ground;
+  texture.convertTo(ground, CV_8U, 0.25, 130);
+  cv::RNG random(7);
+  for (int i = 0; i < texture.cols * texture.rows / 800; ++i) {
+    const cv::Point at(random.uniform(20, texture.cols - 30), random.uniform(20, texture.rows - 30));
+    const cv::Rect shadow(at + shadow_px, cv::Size(random.uniform(4, 9), random.uniform(4, 9)));
+    cv::Mat dark = ground(shadow);
+    dark *= 0.45;
+  }
+  return ground;
+}
+
 OpenPair open_in_memory(const TwoDates& dates) {
   return [dates](const GeoTransform& place, std::int64_t width_px, std::int64_t height_px) {
     return DatePair{on_grid(dates.reference, place, width_px, height_px),

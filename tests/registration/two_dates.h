@@ -25,6 +25,10 @@ TwoDates make_two_dates(int side_px, const TrueField& field, std::string_view se
 /// Random texture of several scales, CV_8U.
 cv::Mat random_texture(int side_px, std::string_view seed_name);
 
+/// Lit ground of the tones of `texture` (CV_8U, square), with the shadow of one thing for every 800 px, `shadow_px`
+/// from where it stands. The same things for the same side.
+cv::Mat ground_with_shadows(const cv::Mat& texture, const cv::Point& shadow_px);
+
 /// Opens them on any grid whose pixels are a whole multiple of theirs (area averages), no ground outside.
 OpenPair open_in_memory(const TwoDates& dates);
 

@@ -156,7 +156,8 @@ std::vector<std::string> assumptions_of(const CaptureFrames& frames, const Block
                           " m (one standard deviation, each axis; " +
                           options_detail::enum_to_name(result.alignment->sigma_source) +
                           "), which has nothing to do with what the frames' positions miss");
-    assumptions.push_back("of the frames and the other map: " + shadows_assumption(registration));
+    assumptions.push_back("of the frames and the other map: " +
+                          shadows_assumption(registration, result.alignment->after.registration.gsd_m));
   } else if (block.control_points.empty()) {
     assumptions.push_back(
         "what all positions and tilts miss alike is not known without control points, and shifts the whole map; taken "

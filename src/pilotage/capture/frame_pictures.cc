@@ -41,10 +41,11 @@ FrameFeatures features_of(const cv::Mat& picture) {
   return find_frame_features(gray);
 }
 
-/// Of its pixels, whatever file they are from.
+/// Of its size and pixels, whatever file they are from.
 std::string digest_of(const cv::Mat& picture) {
   const cv::Mat whole = picture.isContinuous() ? picture : picture.clone();
-  return bytes_digest({reinterpret_cast<const char*>(whole.data), whole.total() * whole.elemSize()});
+  return bytes_digest(std::to_string(whole.cols) + " x " + std::to_string(whole.rows) + " " +
+                      bytes_digest({reinterpret_cast<const char*>(whole.data), whole.total() * whole.elemSize()}));
 }
 
 FrameFeatures kept_features_of(const cv::Mat& picture, MatchFolder& folder) {

@@ -195,8 +195,8 @@ void MatchFolder::keep_matches(const FrameFeatures& first, const FrameFeatures& 
 
 std::string MatchFolder::warning() const {
   if (unusable_ == 0) return "";
-  return folder_.string() + ": files that are damaged or of another version of the program, and were not used: " +
-         std::to_string(unusable_);
+  return folder_.string() +
+         ": files that are damaged or of another revision or OpenCV, and were not used: " + std::to_string(unusable_);
 }
 
 }  // namespace pilotage

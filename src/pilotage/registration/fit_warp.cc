@@ -222,12 +222,19 @@ std::vector<double> disagreements(const WarpField& field) {
   return values;
 }
 
-/// Of the finest ties that are no outliers.
+/// Outliers, and what was taken because it lies near the field.
+std::vector<std::uint8_t> of_no_account(std::span<const Tie> ties, const std::vector<std::uint8_t>& outlier) {
+  std::vector<std::uint8_t> without = outlier;
+  for (std::size_t i = 0; i < ties.size(); ++i) without[i] = outlier[i] != 0 || ties[i].is_confirmed ? 1 : 0;
+  return without;
+}
+
+/// Of the finest ties that are not left out.
 Spread spread_of_good(std::span<const Tie> ties, double gsd_m, const std::vector<Eigen::Vector2d>& residuals,
-                      const std::vector<std::uint8_t>& outlier) {
+                      const std::vector<std::uint8_t>& without) {
   std::vector<double> lengths;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    if (outlier[i] == 0 && ties[i].gsd_m <= gsd_m * 1.001) lengths.push_back(residuals[i].norm());
+    if (without[i] == 0 && ties[i].gsd_m <= gsd_m * 1.001) lengths.push_back(residuals[i].norm());
   }
   return spread_of(lengths);
 }
@@ -260,11 +267,11 @@ WarpFit fit_warp(std::span<const Tie> ties, double gsd_m, const WarpOptions& opt
   const double limit_px = 4 * std::max(options.tie_sigma_px, robust_sigma_px(ties, residuals, none));
   for (std::size_t i = 0; i < ties.size(); ++i) fit.outlier[i] = residuals[i].norm() > limit_px * ties[i].gsd_m ? 1 : 0;
   fit.outliers = std::count(fit.outlier.begin(), fit.outlier.end(), 1);
-  fit.residual_m = spread_of_good(ties, gsd_m, residuals, fit.outlier);
+  const std::vector<std::uint8_t> without = of_no_account(ties, fit.outlier);
+  fit.residual_m = spread_of_good(ties, gsd_m, residuals, without);
   const std::vector<Eigen::Vector2d> left_out = left_out_residuals(problem, ties, fit.field);
-  fit.left_out_m = spread_of_good(ties, gsd_m, left_out, fit.outlier);
-  set_sigmas(problem, ties, robust_sigma_px(ties, left_out, fit.outlier) * gsd_m, options.tie_sigma_px * gsd_m,
-             fit.field);
+  fit.left_out_m = spread_of_good(ties, gsd_m, left_out, without);
+  set_sigmas(problem, ties, robust_sigma_px(ties, left_out, without) * gsd_m, options.tie_sigma_px * gsd_m, fit.field);
   set_known(ties, fit.outlier, options.reach_px, fit.field);
   continue_outwards(fit.field, problem.active);
   fit.disagreement_m = spread_of(disagreements(fit.field));

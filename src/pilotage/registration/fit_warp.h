@@ -37,7 +37,8 @@ struct WarpFit {
 ///
 /// Ties are left out in blocks of two control spacings, a fifth of the blocks at a time. The predicted σ² of the field
 /// is what one more tie would show: σ₀² (1 + v), σ₀ = 1.4826 · the median residual per axis of good ties left out, v
-/// the variance of the fit by the curvature of the same sum (five control points around, the ones beyond held).
+/// the variance of the fit by the curvature of the same sum (five control points around, the ones beyond held). Ties
+/// that were taken because they lie near the field (Tie::is_confirmed) have no part in residuals and σ₀.
 ///
 /// `gsd_m`: that of the finest ties. Deterministic: one thread. Fewer than eight ties give a field that is
 /// known nowhere. Throws UsageError for bad options.

@@ -5,9 +5,8 @@
 namespace pilotage {
 namespace {
 
-// docs/methods/registration.md (Shadows) says what other values make of known ground.
+// docs/methods/registration.md (Shadows) says what another value makes of known ground.
 constexpr double kShadowShare = 0.7;
-constexpr int kEdge_px = 2;
 
 }  // namespace
 
@@ -24,8 +23,9 @@ cv::Mat lit_ground(const cv::Mat& pixels, const cv::Mat& valid, int window_px) {
   const cv::Mat left = values.mul(count);
   const cv::Mat right = kShadowShare * 255 * sum;
   cv::Mat dark = left < right;
+  dark.setTo(0, sum <= 0);
   dark.setTo(0, ground == 0);
-  cv::dilate(dark, dark, cv::Mat::ones(2 * kEdge_px + 1, 2 * kEdge_px + 1, CV_8U));
+  cv::dilate(dark, dark, cv::Mat::ones(2 * kLitEdge_px + 1, 2 * kLitEdge_px + 1, CV_8U));
   cv::Mat lit = ground.clone();
   lit.setTo(0, dark);
   return lit;

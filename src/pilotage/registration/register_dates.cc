@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/options.h"
@@ -16,6 +17,7 @@ constexpr double kDefaultGsd_m = 0.6;
 constexpr double kCoarseRadius_px = 12;
 constexpr int kRefineRadius_px = 6;  // three pixels of the level before
 constexpr int kLastRadius_px = 4;
+constexpr int kUnshadowedRadius_px = 12;  // of 1 to 2 m: as far as shadows of houses and trees reach
 /// Other ground gives ties at 0.3 % (real) to 1.7 % (random texture) of the places, by chance (docs/methods).
 constexpr double kLeastShare = 0.04;
 
@@ -28,16 +30,26 @@ struct PyramidPass {
   bool confirms = false;
 };
 
+bool leaves_shadows_out(const RegistrationOptions& options, double gsd_m) {
+  return options.ties.shadows == TieShadows::kIgnore && gsd_m < kShadowPixels_m;
+}
+
 /// Halving the pixel from where the search is short; the finest level twice.
 std::vector<PyramidPass> make_passes(double gsd_m, const RegistrationOptions& options) {
   const double search_radius_m = options.search_radius_m;
   std::vector<PyramidPass> passes;
   double coarse_m = gsd_m;
   while (search_radius_m / coarse_m > kCoarseRadius_px) coarse_m *= 2;
-  for (; coarse_m > 1.5 * gsd_m; coarse_m /= 2) passes.push_back({coarse_m, kRefineRadius_px});
-  passes.push_back({gsd_m, kRefineRadius_px});
+  // The first without shadows has to come back from where shadows may have put it.
+  const auto refine = [&](double pass_gsd_m) {
+    const bool is_first_without =
+        leaves_shadows_out(options, pass_gsd_m) && !leaves_shadows_out(options, 2 * pass_gsd_m);
+    passes.push_back({pass_gsd_m, is_first_without ? kUnshadowedRadius_px : kRefineRadius_px});
+  };
+  for (; coarse_m > 1.5 * gsd_m; coarse_m /= 2) refine(coarse_m);
+  refine(gsd_m);
   passes.push_back({gsd_m, kLastRadius_px});
-  if (options.ties.shadows == TieShadows::kIgnore) passes.push_back({gsd_m, kLastRadius_px, true});
+  if (leaves_shadows_out(options, gsd_m)) passes.push_back({gsd_m, kLastRadius_px, true});
   return passes;
 }
 
@@ -61,14 +73,43 @@ void compose(const WarpField& field, std::vector<Tie>& ties) {
   }
 }
 
-bool has_tie_at(const std::vector<Tie>& ties, const Tie& like) {
-  return std::any_of(ties.begin(), ties.end(),
-                     [&](const Tie& tie) { return tie.gsd_m == like.gsd_m && tie.point_m == like.point_m; });
+/// Where the middles of squares lie on the grid of `gsd_m`, in half pixels.
+std::pair<std::int64_t, std::int64_t> half_pixel(const Eigen::Vector2d& point_m, double gsd_m) {
+  return {std::llround(2 * point_m.x() / gsd_m), std::llround(2 * point_m.y() / gsd_m)};
 }
 
-bool is_confirmed(const WarpField& field, const Tie& tie) {
-  const Eigen::Vector2d known_m = field.displacement_m(tie.point_m.x(), tie.point_m.y());
-  return (tie.displacement_m - known_m).norm() < kConfirmed_px * tie.gsd_m;  // NaN is not
+/// Ties with shadows in them at places that have none without: those near the field of the ties without shadows, where
+/// that is known. Only those of pixels below kShadowPixels_m were found without.
+std::vector<Tie> confirmed_ties(const std::vector<Tie>& without, const DatePair& dates, const WarpField& drawn_by,
+                                double gsd_m, const RegistrationOptions& options, const Wanted& wanted, int threads,
+                                const Progress& progress) {
+  std::vector<Tie> lit;
+  std::set<std::pair<std::int64_t, std::int64_t>> taken;
+  for (const Tie& tie : without) {
+    if (tie.gsd_m >= kShadowPixels_m) continue;
+    lit.push_back(tie);
+    if (tie.gsd_m < 1.5 * gsd_m) taken.insert(half_pixel(tie.point_m, gsd_m));
+  }
+  const WarpFit fit = fit_warp(lit, gsd_m, options.warp);
+  if (fit.field.control_m.empty()) return {};
+  const Wanted free_places = [&](const Bounds& square_m) {
+    const Eigen::Vector2d middle_m((square_m.min_x_m + square_m.max_x_m) / 2,
+                                   (square_m.min_y_m + square_m.max_y_m) / 2);
+    return (!wanted || wanted(square_m)) && !taken.contains(half_pixel(middle_m, gsd_m)) &&
+           fit.field.known(middle_m.x(), middle_m.y());
+  };
+  TieOptions with_shadows = options.ties;
+  with_shadows.shadows = TieShadows::kFollow;
+  const auto field = std::make_shared<const WarpField>(drawn_by);
+  TieSearch search = find_ties(dates.reference, warped_source(dates.second, field, true), kLastRadius_px, with_shadows,
+                               free_places, threads, progress);
+  compose(drawn_by, search.ties);
+  std::erase_if(search.ties, [&](Tie& tie) {
+    tie.is_confirmed = true;
+    const Eigen::Vector2d miss_m = tie.displacement_m - fit.field.displacement_m(tie.point_m.x(), tie.point_m.y());
+    return !(miss_m.norm() < kConfirmed_px * gsd_m);  // NaN is not
+  });
+  return search.ties;
 }
 
 }  // namespace
@@ -84,22 +125,20 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
     // A square may lie half outside the area, so that its edge gets ties too.
     const double margin_m = (options.ties.template_px / 2.0 + kCoarseRadius_px) * pass.gsd_m;
     const DatePair dates = open_level(open, area_m.grown(margin_m), pass.gsd_m);
-    TieOptions ties = options.ties;
-    if (pass.confirms) ties.shadows = TieShadows::kFollow;
-    const bool first = result.fit.field.control_m.empty();
-    const auto field = std::make_shared<const WarpField>(result.fit.field);
-    TieSearch search = find_ties(dates.reference, first ? dates.second : warped_source(dates.second, field, true),
-                                 first ? whole_radius_px(options.search_radius_m, pass.gsd_m) : pass.radius_px, ties,
-                                 wanted, threads, progress);
-    if (static_cast<double>(search.ties.size()) < kLeastShare * static_cast<double>(search.places)) search.ties.clear();
-    compose(*field, search.ties);
     if (pass.confirms) {
-      std::erase_if(search.ties,
-                    [&](const Tie& tie) { return has_tie_at(result.ties, tie) || !is_confirmed(*field, tie); });
-      result.ties.insert(result.ties.begin(), search.ties.begin(), search.ties.end());
+      const std::vector<Tie> more =
+          confirmed_ties(result.ties, dates, result.fit.field, pass.gsd_m, options, wanted, threads, progress);
+      result.ties.insert(result.ties.begin(), more.begin(), more.end());
       result.fit = fit_warp(result.ties, pass.gsd_m, options.warp);
       continue;
     }
+    const bool first = result.fit.field.control_m.empty();
+    const auto field = std::make_shared<const WarpField>(result.fit.field);
+    TieSearch search = find_ties(dates.reference, first ? dates.second : warped_source(dates.second, field, true),
+                                 first ? whole_radius_px(options.search_radius_m, pass.gsd_m) : pass.radius_px,
+                                 options.ties, wanted, threads, progress);
+    if (static_cast<double>(search.ties.size()) < kLeastShare * static_cast<double>(search.places)) search.ties.clear();
+    compose(*field, search.ties);
     result.places = search.places;
     std::erase_if(result.ties, [&](const Tie& tie) { return tie.gsd_m < 1.5 * pass.gsd_m; });
     result.ties.insert(result.ties.begin(), search.ties.begin(), search.ties.end());
@@ -111,9 +150,10 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
   return result;
 }
 
-std::string shadows_assumption(const RegistrationOptions& options) {
-  return options.ties.shadows == TieShadows::kIgnore
-             ? "ground outside of shadows decides where both lie: what is darker than its surroundings was left out"
+std::string shadows_assumption(const RegistrationOptions& options, double gsd_m) {
+  return leaves_shadows_out(options, gsd_m)
+             ? "ground outside of shadows decides where both lie: what is darker than its surroundings was left out or "
+               "agreed with the rest"
              : "shadows fall alike in both; where they do not, the shift of tall things is that of their shadows";
 }
 

@@ -44,8 +44,8 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
                             const RegistrationOptions& options, const Wanted& wanted = {}, int threads = 0,
                             const Progress& progress = {});
 
-/// What a registration takes for granted of shadows, for people.
-std::string shadows_assumption(const RegistrationOptions& options);
+/// What a registration to pixels of `gsd_m` takes for granted of shadows, for people.
+std::string shadows_assumption(const RegistrationOptions& options, double gsd_m);
 
 /// The ties at the finest resolution that agree with the field: their numbers in registration.ties.
 std::vector<std::size_t> agreeing_finest_ties(const Registration& registration);

@@ -38,7 +38,8 @@ struct TieOptions {
                  Range{0.1, 1});
     fields.field(
         "shadows", self.shadows,
-        "What is darker than its surroundings, most of it shadows: ignore leaves it out, for with the sun "
+        "What is darker than its surroundings, most of it shadows, on pixels below 2 m: ignore leaves it out, for with "
+        "the sun "
         "elsewhere shadows fall another way; follow correlates it, too: more ties between dates of like light.");
   }
 };

@@ -19,9 +19,7 @@ namespace pilotage {
 namespace {
 
 constexpr std::size_t kTiesBetweenReports = 32;  // some milliseconds each
-/// On coarser pixels shadows are hardly more than one of them, and what decides is large.
-constexpr double kFinestWithShadows_m = 2;
-/// Of a square, of which dark parts are left out, this much must be lit in both dates.
+/// Of a square whose dark parts are left out this much must be lit in both dates.
 constexpr double kLeastLit = 0.3;
 
 /// A rectangle of one date in memory.
@@ -36,11 +34,26 @@ struct Patchwork {
   }
 };
 
+/// Of the mask, whatever rectangle it is asked for, so that a place's ties do not depend on which others are wanted.
+cv::Mat lit_in(const GraySource& source, const PixelWindow& window, int window_px) {
+  const int margin = window_px / 2 + kLitEdge_px + 1;
+  const std::int64_t left = std::max<std::int64_t>(0, window.col - margin);
+  const std::int64_t top = std::max<std::int64_t>(0, window.row - margin);
+  const std::int64_t right = std::min(source.width_px, window.col + window.width + margin);
+  const std::int64_t bottom = std::min(source.height_px, window.row + window.height + margin);
+  const Raster raster = source.read({left, top, static_cast<int>(right - left), static_cast<int>(bottom - top)});
+  cv::Mat pixels;
+  raster.pixels.convertTo(pixels, CV_32F);
+  const cv::Rect inside(static_cast<int>(window.col - left), static_cast<int>(window.row - top), window.width,
+                        window.height);
+  return lit_ground(pixels, raster.valid, window_px)(inside).clone();
+}
+
 Patchwork load(const GraySource& source, const PixelWindow& window, bool lit_alone, int template_px) {
   Raster raster = source.read(window);
   Patchwork patchwork{window, {}, raster.valid, raster.valid};
+  if (lit_alone) patchwork.compared = lit_in(source, window, template_px);
   raster.pixels.convertTo(patchwork.pixels, CV_32F);
-  if (lit_alone) patchwork.compared = lit_ground(patchwork.pixels, raster.valid, template_px);
   patchwork.pixels -= cv::mean(patchwork.pixels, patchwork.valid)[0];
   patchwork.pixels.setTo(0, patchwork.valid == 0);
   return patchwork;
@@ -80,7 +93,13 @@ std::optional<Eigen::Vector2d> quadratic_vertex(const cv::Mat& surface, const cv
 }
 
 std::optional<Peak> find_peak(const Patchwork& from, const cv::Rect& square, const Patchwork& in,
-                              const cv::Rect& around, const TieOptions& options, double min_overlap) {
+                              const cv::Rect& around, const TieOptions& options, bool lit_alone) {
+  double min_overlap = options.min_valid_fraction;
+  if (lit_alone) {  // of the square; the correlation asks for a share of what is compared of it
+    const double compared = cv::countNonZero(from.compared(square)) / static_cast<double>(square.area());
+    if (compared < kLeastLit) return std::nullopt;
+    min_overlap = kLeastLit / compared;
+  }
   const cv::Mat surface = masked_correlation_surface(from.pixels(square), from.compared(square), in.pixels(around),
                                                      in.compared(around), min_overlap);
   cv::Mat compared = surface.clone();
@@ -107,9 +126,8 @@ struct TieRequest {
   int threads;
 
   bool lit_alone() const {
-    return options.shadows == TieShadows::kIgnore && reference.map_from_pixel.x_per_col < kFinestWithShadows_m;
+    return options.shadows == TieShadows::kIgnore && reference.map_from_pixel.x_per_col < kShadowPixels_m;
   }
-  double min_overlap() const { return lit_alone() ? kLeastLit : options.min_valid_fraction; }
   /// Room that a place needs around its square: the search, and the search backwards from its end.
   int halo_px() const { return 2 * radius_px; }
   Bounds bounds(std::int64_t col, std::int64_t row) const {
@@ -133,14 +151,14 @@ std::optional<Tie> find_tie(const TieRequest& request, const Patchwork& referenc
   const cv::Rect square = reference.rect(col, row, side, side);
   const cv::Rect around(square.x - request.radius_px, square.y - request.radius_px, search, search);
   if (!inside(around)) return std::nullopt;
-  const auto peak = find_peak(reference, square, second, around, request.options, request.min_overlap());
+  const auto peak = find_peak(reference, square, second, around, request.options, request.lit_alone());
   if (!peak) return std::nullopt;
   const cv::Point step(static_cast<int>(std::lround(peak->offset_px.x())),
                        static_cast<int>(std::lround(peak->offset_px.y())));
   const cv::Rect found = square + step;
   const cv::Rect back = around + step;
   if (!inside(back)) return std::nullopt;
-  const auto backwards = find_peak(second, found, reference, back, request.options, request.min_overlap());
+  const auto backwards = find_peak(second, found, reference, back, request.options, request.lit_alone());
   if (!backwards) return std::nullopt;
   const Eigen::Vector2d miss = backwards->offset_px + Eigen::Vector2d(step.x, step.y);
   if (miss.norm() > request.options.max_backward_px) return std::nullopt;

@@ -22,12 +22,17 @@ struct Tie {
   double gsd_m = 1;  ///< Of the pixels it was found on, by which its error goes.
   double ncc = 0;
   double margin = 0;  ///< ncc − that of the best rival outside the main lobe.
+  /// Found with shadows, and taken because it lies near the field of those without: says nothing of that field's error.
+  bool is_confirmed = false;
 };
 
 struct TieSearch {
   std::vector<Tie> ties;    ///< By row of places, then column.
   std::int64_t places = 0;  ///< Places with ground in both dates, where a tie was looked for.
 };
+
+/// On pixels as large shadows are hardly more than one of them, and are correlated like everything else.
+inline constexpr double kShadowPixels_m = 2;
 
 /// Which parts of the grid matter; empty = all of it.
 using Wanted = std::function<bool(const Bounds& around_m)>;
