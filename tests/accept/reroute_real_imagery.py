@@ -28,8 +28,8 @@ def test(pilotage, source, work, _):
     check(imagery.exists(), f"{imagery} is not there")
     (work / "judged").mkdir()
     run(pilotage, "score", imagery, "--gsd-m", "0.6", "--tile-size-px", "111", "--stride-px", "27", "--search-radius-px", "58", "--measures",
-        "correct_fix", "--second-epoch", other, "--evaluate", other, "--evaluate-max-tiles", "600", "--evaluate-resamples", "0", "-q", "-o",
-        work / "judged/scores.tif")
+        "correct_fix", "--second-epoch", other, "--registration-ties-shadows", "follow", "--evaluate", other, "--evaluate-max-tiles", "600",
+        "--evaluate-resamples", "0", "-q", "-o", work / "judged/scores.tif")
     model = work / "model.json"
     print(run(pilotage, "calibrate", f"port={work / 'judged'}", "--adapt", "default", "-o", model), end="")
     mission = work / "mission.json"
