@@ -218,22 +218,6 @@ std::string result_text(const CaptureResult& done, const std::string& output) {
   return text;
 }
 
-/// A folder named like a file that is read or written would come in that file's way.
-void refuse_matches_as_file(const CaptureCommandOptions& options, const Invocation& invocation) {
-  if (options.capture.matches.empty()) return;
-  std::vector<NamedFile> outputs{{"--matches", options.capture.matches}};
-  if (!invocation.output.empty()) {
-    outputs.push_back({"--output", invocation.output});
-    outputs.push_back({"--output", map_sigma_path(invocation.output)});
-  }
-  for (const auto& [flag, path] : {std::pair<const char*, const std::string&>{"--log", options.log},
-                                   {"--camera-log", options.camera_log},
-                                   {"--quality", options.quality}}) {
-    if (!path.empty()) outputs.push_back({flag, path});
-  }
-  refuse_shared_files(invocation.named_inputs, outputs);
-}
-
 /// What is of the map is made by the run without --shard.
 CommandResult run_shard(const CaptureCommandOptions& options, const Invocation& invocation) {
   const std::pair<const char*, bool> given[] = {{"-o", !invocation.output.empty()},
@@ -266,7 +250,6 @@ CommandResult run_shard(const CaptureCommandOptions& options, const Invocation& 
 }
 
 CommandResult run_capture(const CaptureCommandOptions& options, const Invocation& invocation) {
-  refuse_matches_as_file(options, invocation);
   if (!options.shard.empty()) return run_shard(options, invocation);
   if (invocation.output.empty()) throw UsageError("-o OUTPUT is missing: where the map goes");
   OutputFile ortho(invocation.output, invocation.overwrite);
@@ -329,8 +312,7 @@ Command make_capture_command() {
           "The map: a Cloud-Optimised GeoTIFF. Beside it, its own error: reference.map_sigma.tif. Not with "
           "--shard.",
       .required = false,
-      .flags = {"log", "camera_log", "quality"},
-      .folder_flags = {"matches"},
+      .flags = {"log", "camera-log", "quality", "matches"},
       .files =
           [](const std::string& output) {
             return std::vector<std::filesystem::path>{output, map_sigma_path(output)};

@@ -27,12 +27,7 @@ constexpr double kConfirmed_px = 1;
 struct PyramidPass {
   double gsd_m;
   int radius_px;  // when a field is known from the pass before
-  bool confirms = false;
 };
-
-bool leaves_shadows_out(const RegistrationOptions& options, double gsd_m) {
-  return options.ties.shadows == TieShadows::kIgnore && gsd_m < kShadowPixels_m;
-}
 
 /// Halving the pixel from where the search is short; the finest level twice.
 std::vector<PyramidPass> make_passes(double gsd_m, const RegistrationOptions& options) {
@@ -43,13 +38,12 @@ std::vector<PyramidPass> make_passes(double gsd_m, const RegistrationOptions& op
   // The first without shadows has to come back from where shadows may have put it.
   const auto refine = [&](double pass_gsd_m) {
     const bool is_first_without =
-        leaves_shadows_out(options, pass_gsd_m) && !leaves_shadows_out(options, 2 * pass_gsd_m);
+        leaves_shadows_out(options.ties, pass_gsd_m) && !leaves_shadows_out(options.ties, 2 * pass_gsd_m);
     passes.push_back({pass_gsd_m, is_first_without ? kUnshadowedRadius_px : kRefineRadius_px});
   };
   for (; coarse_m > 1.5 * gsd_m; coarse_m /= 2) refine(coarse_m);
   refine(gsd_m);
   passes.push_back({gsd_m, kLastRadius_px});
-  if (leaves_shadows_out(options, gsd_m)) passes.push_back({gsd_m, kLastRadius_px, true});
   return passes;
 }
 
@@ -57,7 +51,9 @@ int whole_radius_px(double search_radius_m, double gsd_m) {
   return std::max(kLastRadius_px, static_cast<int>(std::ceil(search_radius_m / gsd_m)) + 1);
 }
 
-DatePair open_level(const OpenPair& open, const Bounds& area_m, double gsd_m) {
+/// A square may lie half outside the area, so that its edge gets ties too.
+DatePair open_level(const OpenPair& open, const Bounds& wanted_m, double gsd_m, const TieOptions& options) {
+  const Bounds area_m = wanted_m.grown((options.template_px / 2.0 + kCoarseRadius_px) * gsd_m);
   const GeoTransform place = GeoTransform::north_up(std::floor(area_m.min_x_m / gsd_m) * gsd_m,
                                                     std::ceil(area_m.max_y_m / gsd_m) * gsd_m, gsd_m);
   const Eigen::Vector2d corner = place.pixel_from_map({area_m.max_x_m, area_m.min_y_m});
@@ -122,16 +118,7 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
   result.gsd_m = gsd_m;
   result.fit = fit_warp({}, gsd_m, options.warp);
   for (const PyramidPass& pass : make_passes(gsd_m, options)) {
-    // A square may lie half outside the area, so that its edge gets ties too.
-    const double margin_m = (options.ties.template_px / 2.0 + kCoarseRadius_px) * pass.gsd_m;
-    const DatePair dates = open_level(open, area_m.grown(margin_m), pass.gsd_m);
-    if (pass.confirms) {
-      const std::vector<Tie> more =
-          confirmed_ties(result.ties, dates, result.fit.field, pass.gsd_m, options, wanted, threads, progress);
-      result.ties.insert(result.ties.begin(), more.begin(), more.end());
-      result.fit = fit_warp(result.ties, pass.gsd_m, options.warp);
-      continue;
-    }
+    const DatePair dates = open_level(open, area_m, pass.gsd_m, options.ties);
     const bool first = result.fit.field.control_m.empty();
     const auto field = std::make_shared<const WarpField>(result.fit.field);
     TieSearch search = find_ties(dates.reference, first ? dates.second : warped_source(dates.second, field, true),
@@ -144,6 +131,12 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
     result.ties.insert(result.ties.begin(), search.ties.begin(), search.ties.end());
     result.fit = fit_warp(result.ties, pass.gsd_m, options.warp);
   }
+  if (leaves_shadows_out(options.ties, gsd_m)) {
+    const std::vector<Tie> more = confirmed_ties(result.ties, open_level(open, area_m, gsd_m, options.ties),
+                                                 result.fit.field, gsd_m, options, wanted, threads, progress);
+    result.ties.insert(result.ties.begin(), more.begin(), more.end());
+    result.fit = fit_warp(result.ties, gsd_m, options.warp);
+  }
   result.finest_ties =
       std::count_if(result.ties.begin(), result.ties.end(), [&](const Tie& tie) { return tie.gsd_m < 1.5 * gsd_m; });
   if (result.places == 0) throw DataError("the second date shows no ground that the reference shows");
@@ -151,7 +144,7 @@ Registration register_dates(const OpenPair& open, const Bounds& area_m, double g
 }
 
 std::string shadows_assumption(const RegistrationOptions& options, double gsd_m) {
-  return leaves_shadows_out(options, gsd_m)
+  return leaves_shadows_out(options.ties, gsd_m)
              ? "ground outside of shadows decides where both lie: what is darker than its surroundings was left out or "
                "agreed with the rest"
              : "shadows fall alike in both; where they do not, the shift of tall things is that of their shadows";

@@ -34,26 +34,20 @@ struct Patchwork {
   }
 };
 
-/// Of the mask, whatever rectangle it is asked for, so that a place's ties do not depend on which others are wanted.
-cv::Mat lit_in(const GraySource& source, const PixelWindow& window, int window_px) {
-  const int margin = window_px / 2 + kLitEdge_px + 1;
+Patchwork load(const GraySource& source, const PixelWindow& window, bool lit_alone, int template_px) {
+  // The mask of all that decides it: so a place's ties do not depend on which others are wanted.
+  const int margin = lit_alone ? template_px / 2 + kLitEdge_px + 1 : 0;
   const std::int64_t left = std::max<std::int64_t>(0, window.col - margin);
   const std::int64_t top = std::max<std::int64_t>(0, window.row - margin);
   const std::int64_t right = std::min(source.width_px, window.col + window.width + margin);
   const std::int64_t bottom = std::min(source.height_px, window.row + window.height + margin);
   const Raster raster = source.read({left, top, static_cast<int>(right - left), static_cast<int>(bottom - top)});
-  cv::Mat pixels;
-  raster.pixels.convertTo(pixels, CV_32F);
   const cv::Rect inside(static_cast<int>(window.col - left), static_cast<int>(window.row - top), window.width,
                         window.height);
-  return lit_ground(pixels, raster.valid, window_px)(inside).clone();
-}
-
-Patchwork load(const GraySource& source, const PixelWindow& window, bool lit_alone, int template_px) {
-  Raster raster = source.read(window);
-  Patchwork patchwork{window, {}, raster.valid, raster.valid};
-  if (lit_alone) patchwork.compared = lit_in(source, window, template_px);
-  raster.pixels.convertTo(patchwork.pixels, CV_32F);
+  cv::Mat pixels;
+  raster.pixels.convertTo(pixels, CV_32F);
+  Patchwork patchwork{window, pixels(inside).clone(), raster.valid(inside), raster.valid(inside)};
+  if (lit_alone) patchwork.compared = lit_ground(pixels, raster.valid, template_px)(inside);
   patchwork.pixels -= cv::mean(patchwork.pixels, patchwork.valid)[0];
   patchwork.pixels.setTo(0, patchwork.valid == 0);
   return patchwork;
@@ -125,9 +119,7 @@ struct TieRequest {
   const Wanted& wanted;
   int threads;
 
-  bool lit_alone() const {
-    return options.shadows == TieShadows::kIgnore && reference.map_from_pixel.x_per_col < kShadowPixels_m;
-  }
+  bool lit_alone() const { return leaves_shadows_out(options, reference.map_from_pixel.x_per_col); }
   /// Room that a place needs around its square: the search, and the search backwards from its end.
   int halo_px() const { return 2 * radius_px; }
   Bounds bounds(std::int64_t col, std::int64_t row) const {

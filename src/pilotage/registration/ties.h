@@ -34,6 +34,11 @@ struct TieSearch {
 /// On pixels as large shadows are hardly more than one of them, and are correlated like everything else.
 inline constexpr double kShadowPixels_m = 2;
 
+/// Whether ties on pixels of `gsd_m` are looked for without what is dark (lit_ground.h).
+inline bool leaves_shadows_out(const TieOptions& options, double gsd_m) {
+  return options.shadows == TieShadows::kIgnore && gsd_m < kShadowPixels_m;
+}
+
 /// Which parts of the grid matter; empty = all of it.
 using Wanted = std::function<bool(const Bounds& around_m)>;
 
@@ -42,9 +47,9 @@ using Wanted = std::function<bool(const Bounds& around_m)>;
 /// fraction of a pixel by a quadratic through the nine values around it. A tie is kept when its peak is not on the
 /// edge, reaches min_ncc, exceeds every rival outside the main lobe (correlation_peaks.h) by min_margin, and the second
 /// date's square at the peak, looked for in the reference within the same radius, comes back within max_backward_px
-/// (cross-check, P. Fua, Machine Vision and Applications 6, 1993). With TieShadows::kIgnore and pixels of less than 2 m
-/// what is dark against its surroundings is left out of the correlation (lit_ground.h), and 30 % of a square must be
-/// lit in both dates.
+/// (cross-check, P. Fua, Machine Vision and Applications 6, 1993). Where leaves_shadows_out(), what is dark
+/// against its surroundings takes no part in the correlation, and 30 % of a square must be lit in both dates;
+/// min_valid_fraction then holds for the square's own place alone.
 ///
 /// Both sources have the same north-up grid of square pixels in metres; any depth. Only a strip of the rows around one
 /// row of places is in memory. The same result for any number of threads. Throws UsageError when the grids differ, are
