@@ -13,6 +13,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/raster/gdal_write.h"
 #include "pilotage/registration/disagreement_raster.h"
+#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
@@ -32,8 +33,7 @@ struct AuditCommandOptions {
 
 std::string verdict_text(const MapAudit& audit, const AuditOptions& options) {
   const std::string limit = format_number(options.max_shift_m) + " m";
-  const std::string silent =
-      "; of " + format_fixed(100 * (1 - audit.compared), 0) + " % of the common ground nothing is said";
+  const std::string silent = "; of " + percent_text(1 - audit.compared) + " of the common ground nothing is said";
   switch (audit.verdict) {
     case AuditVerdict::kWithin:
       return "WITHIN " + limit + ": 95 % of what was compared lies within it" + silent;

@@ -251,8 +251,8 @@ CommandResult flight_result(const MatchCommandOptions& options, const MatchedFra
   const bool no_fix_is_false = evaluation.false_fixes.of == 0;
   const bool met =
       (!options.require_fix || evaluation.accepted > 0) &&
-      (!options.require_correct_rate || evaluation.correct.rate >= *options.require_correct_rate) &&
-      (!options.require_false_rate || no_fix_is_false || evaluation.false_fixes.rate <= *options.require_false_rate);
+      (!options.require_correct_rate || evaluation.correct.value() >= *options.require_correct_rate) &&
+      (!options.require_false_rate || no_fix_is_false || evaluation.false_fixes.value() <= *options.require_false_rate);
   if (!met) result.exit_code = kExitGateNotMet;
   return result;
 }

@@ -462,7 +462,7 @@ CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& 
   if (model && !options.ins.grade && !options.ins.name) {
     result.warnings.push_back("no inertial grade is given (--ins-grade): " + replay.grade_name + " is assumed");
   }
-  if (options.require_observed_rate && replay.prediction->observed.interval.low < *options.require_observed_rate) {
+  if (options.require_observed_rate && replay.prediction->observed.interval().low < *options.require_observed_rate) {
     result.exit_code = kExitGateNotMet;
   }
   return result;

@@ -14,6 +14,7 @@
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/report/compare_reports.h"
+#include "pilotage/report/disagreement.h"
 #include "pilotage/report/evidence.h"
 #include "pilotage/report/page_pdf.h"
 #include "pilotage/report/plan_report.h"
@@ -87,6 +88,9 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
       make_report_input(files.mission, files.scores, files.selection, input_files(files.mission), version_line());
   if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, invocation.threads, invocation.progress);
   input.title = options.title;
+  if (georeference_disagreement(input)) {
+    input.assumptions.emplace_back("what bringing the second date onto the imagery took for granted, `score` says");
+  }
   if (!options.evaluation.empty()) {
     input.evaluation = read_evaluation_note(options.evaluation);
     input.inputs.push_back(input_file("evaluation", input.evaluation->file, ""));

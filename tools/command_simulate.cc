@@ -142,7 +142,7 @@ CommandResult run_simulate(const SimulateCommandOptions& options, const Invocati
   write_outputs(flown, json_text(result.json), files.mission, options, invocation);
   result.text = simulation_text(simulation) + flown.text;
   const std::optional<double>& required = options.simulate.require_simulated;
-  if (required && simulation.within.interval.low < *required) result.exit_code = kExitGateNotMet;
+  if (required && simulation.within.interval().low < *required) result.exit_code = kExitGateNotMet;
   return result;
 }
 

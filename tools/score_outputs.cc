@@ -68,7 +68,8 @@ void summarise(const std::vector<TileScores>& scores, CommandResult& result) {
   }
 }
 
-void summarise(const SecondEpoch& epoch, const std::vector<TileScores>& scores, CommandResult& result) {
+void summarise(const SecondEpoch& epoch, const RegistrationOptions& options, const std::vector<TileScores>& scores,
+               CommandResult& result) {
   const Registration& registration = epoch.registration;
   const WarpFit& fit = registration.fit;
   const auto unknown = std::count_if(scores.begin(), scores.end(),
@@ -79,6 +80,8 @@ void summarise(const SecondEpoch& epoch, const std::vector<TileScores>& scores, 
                  " coarser ones, " + std::to_string(fit.outliers) + " outliers\n";
   result.text += "  disagreement: " + spread_text(fit.disagreement_m) + "\n  residual: " + spread_text(fit.residual_m) +
                  "\n  residual of ties left out: " + spread_text(fit.left_out_m) + "\n";
+  const std::string assumption = second_date_assumption(epoch, options);
+  result.text += "  assumes: " + assumption + "\n";
   result.json["second_epoch"] = {
       {"gsd_m", registration.gsd_m},
       {"places", registration.places},
@@ -88,7 +91,8 @@ void summarise(const SecondEpoch& epoch, const std::vector<TileScores>& scores, 
       {"disagreement_m", spread_json(fit.disagreement_m)},
       {"residual_m", spread_json(fit.residual_m)},
       {"left_out_m", spread_json(fit.left_out_m)},
-      {"tiles_unknown", unknown}};
+      {"tiles_unknown", unknown},
+      {"assumption", assumption}};
   if (unknown == 0) return;
   result.warnings.push_back("the second date could not be brought onto the reference at " + std::to_string(unknown) +
                             " of " + std::to_string(scores.size()) + " tiles");
@@ -110,7 +114,7 @@ CommandResult tell(const GroundScores& scored, const ScoreRun& run, const Invoca
                  {"too_little_ground", of_status(TileStatus::kTooLittleGround)}};
   summarise(scored.scores, result);
   result.warnings = run.warnings;
-  if (scored.second_epoch) summarise(*scored.second_epoch, scored.scores, result);
+  if (scored.second_epoch) summarise(*scored.second_epoch, run.options.score.registration, scored.scores, result);
   return result;
 }
 

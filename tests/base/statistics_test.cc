@@ -68,6 +68,15 @@ TEST(BinomialInterval, NothingSeenSaysNothing) {
   EXPECT_EQ(binomial_interval(0, 0).high, 1);
 }
 
+TEST(Share, HasAValueAndAnInterval) {
+  const Share share{963, 1000};
+  EXPECT_EQ(share.value(), 0.963);
+  EXPECT_EQ(share.interval().low, binomial_interval(963, 1000, 0.95).low);
+  EXPECT_EQ(share.interval().high, binomial_interval(963, 1000, 0.95).high);
+  EXPECT_TRUE(std::isnan(Share{}.value()));
+  EXPECT_EQ(Share{}.interval().high, 1);
+}
+
 TEST(BinomialInterval, RefusesWhatIsNoShare) {
   EXPECT_THROW(binomial_interval(-1, 3), UsageError);
   EXPECT_THROW(binomial_interval(4, 3), UsageError);

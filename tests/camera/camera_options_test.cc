@@ -128,7 +128,11 @@ TEST(CameraOptions, RefusesContradictionsAndNonsense) {
   EXPECT_THAT(camera_error(options), HasSubstr("Give the part of the sensor that the image shows"));
   options = field_of_view();
   options.hfov_deg = 180;
-  EXPECT_THAT(camera_error(options), HasSubstr("hfov_deg = 180 is outside [0.1, 179]"));
+  EXPECT_THAT(camera_error(options), HasSubstr("hfov_deg = 180 is outside [3.15, 179]"));
+  options.hfov_deg = 1.2;
+  EXPECT_THAT(camera_error(options), HasSubstr("hfov_deg = 1.2 is outside [3.15, 179]"));
+  options.hfov_deg = 3.2;
+  EXPECT_EQ(camera_error(options), "");
 }
 
 }  // namespace

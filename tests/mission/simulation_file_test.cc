@@ -19,8 +19,8 @@ Simulation small_simulation() {
   simulation.seed = 5;
   simulation.max_error_m = 60;
   simulation.planned_p = 0.9688;
-  simulation.within = simulated_share(94, 100);
-  simulation.legs = {{0, 0.97, simulated_share(94, 100)}, {1, 0.99, simulated_share(0, 0)}};
+  simulation.within = {94, 100};
+  simulation.legs = {{0, 0.97, {94, 100}}, {1, 0.99, {0, 0}}};
   SimulatedMark mark;
   mark.distance_m = 1000;
   mark.p_within = 0.94;
@@ -33,10 +33,10 @@ Simulation small_simulation() {
   SimulatedMark between = mark;
   between.distance_m = 700;
   simulation.marks = {between, mark};
-  simulation.as_planned = AsPlanned{simulated_share(97, 100), 0.03, {-0.01, 0.07}};
-  simulation.losses = {{0, 0.9688, simulated_share(94, 100)}, {1000, 0.98, simulated_share(99, 100)}};
+  simulation.as_planned = AsPlanned{{97, 100}, 0.03, {-0.01, 0.07}};
+  simulation.losses = {{0, 0.9688, {94, 100}}, {1000, 0.98, {99, 100}}};
   simulation.inputs = {{"plan", "/somewhere/plan.json", "", "blake2b-256:ab"}};
-  simulation.by_p = {{0.42, simulated_share(30, 60)}};
+  simulation.by_p = {{0.42, {30, 60}}};
   simulation.notes = {"dry"};
   simulation.not_simulated = {"rain", "snow"};
   return simulation;

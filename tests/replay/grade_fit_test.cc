@@ -33,7 +33,7 @@ ReplayedFlight drawn_flight(const InsErrorModel& model, std::uint64_t seed, int 
     ReplayedFrame frame;
     frame.time_s = places[i].time_s;
     frame.yaw_deg = 90;
-    frame.outcome = FrameOutcome::kRight;
+    frame.outcome = Outcome::kCorrect;
     const Eigen::Vector2d& error_m = priors[i].error_en_m;
     frame.prior = LocalFrame(truth).geodetic_from_enu({error_m.x(), error_m.y(), 0});
     frame.inertial_error = InertialError{error_m + kFixSigma_m * Eigen::Vector2d(random.normal(), random.normal()),
@@ -70,6 +70,22 @@ TEST(GradeFit, WorseSystemIsFoundWorse) {
   EXPECT_GT(fit.mean_nis, fit.nis_band.high);
 }
 
+TEST(GradeFit, AnEndOfWhatIsLookedAtIsNoFactor) {
+  const InsErrorModel model = tactical();
+  const std::vector<ReplayedFlight> wild{drawn_flight(scaled_model(model, 200), 1, 30, 20)};
+  const GradeFit fit = fit_grade(wild, model);
+  EXPECT_FALSE(fit.factor || fit.high);
+  EXPECT_NE(fit.why_not.find("beyond 32 times the model's"), std::string::npos) << fit.why_not;
+  EXPECT_GT(fit.mean_nis, fit.nis_band.high);
+  // A second between fixes is too short for a drift: what they say is a bound.
+  const std::vector<ReplayedFlight> steady{drawn_flight(scaled_model(model, 0.001), 1, 30, 1)};
+  const GradeFit bounded = fit_grade(steady, model);
+  EXPECT_FALSE(bounded.factor);
+  ASSERT_TRUE(bounded.high);
+  EXPECT_NE(bounded.why_not.find("fixes do not tell its drift from none; it is below "), std::string::npos)
+      << bounded.why_not;
+}
+
 TEST(GradeFit, FewGapsSayNothing) {
   const std::vector<ReplayedFlight> flights{drawn_flight(tactical(), 1, 10, 20)};
   const GradeFit fit = fit_grade(flights, tactical());
@@ -79,7 +95,7 @@ TEST(GradeFit, FewGapsSayNothing) {
 
 TEST(GradeFit, FalseFixesAndFramesWithoutPriorTakeNoPart) {
   ReplayedFlight flight = drawn_flight(tactical(), 1, 30, 20);
-  flight.frames[10].outcome = FrameOutcome::kFalse;
+  flight.frames[10].outcome = Outcome::kFalse;
   flight.frames[20].prior.reset();
   const std::vector<ReplayedFlight> flights{flight};
   EXPECT_EQ(fit_grade(flights, tactical()).innovations, 27);

@@ -19,11 +19,11 @@ constexpr const char* kTable =
 TEST(FixTable, OutcomesAndPlaces) {
   const std::vector<ReplayedFrame> frames = frames_of_fix_table("fixes.csv", kTable, {}, 5);
   ASSERT_EQ(frames.size(), 6U);
-  EXPECT_EQ(frames[0].outcome, FrameOutcome::kRight);
-  EXPECT_EQ(frames[1].outcome, FrameOutcome::kNoFix);
-  EXPECT_EQ(frames[2].outcome, FrameOutcome::kFalse);
-  EXPECT_EQ(frames[3].outcome, FrameOutcome::kUnjudged);
-  EXPECT_EQ(frames[4].outcome, FrameOutcome::kNotTried);
+  EXPECT_EQ(frames[0].outcome, Outcome::kCorrect);
+  EXPECT_EQ(frames[1].outcome, Outcome::kRefused);
+  EXPECT_EQ(frames[2].outcome, Outcome::kFalse);
+  EXPECT_EQ(frames[3].outcome, Outcome::kUnjudged);
+  EXPECT_EQ(frames[4].outcome, Outcome::kNotTried);
   EXPECT_EQ(frames[0].place_from, PlaceSource::kFix);
   EXPECT_EQ(frames[1].place_from, PlaceSource::kBetweenFixes);
   EXPECT_NEAR(frames[1].place.lon_deg, 16.502, 1e-9) << "a third of the way from a to d: the false fix is no place";

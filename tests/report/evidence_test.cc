@@ -35,7 +35,7 @@ Simulation simulated(std::int64_t within, std::int64_t of, const std::string& wo
   simulation.flights = of;
   simulation.max_error_m = 50;
   simulation.planned_p = 0.97;
-  simulation.within = simulated_share(within, of);
+  simulation.within = {within, of};
   if (!world.empty()) simulation.rendered = {{"world", world}};
   return simulation;
 }

@@ -19,12 +19,12 @@ Simulation flown(std::int64_t within, std::int64_t of) {
   simulation.flights = of;
   simulation.max_error_m = 50;
   simulation.planned_p = 0.95;
-  simulation.within = simulated_share(within, of);
-  simulation.legs = {{0, 0.95, simulated_share(within, of)}};
+  simulation.within = {within, of};
+  simulation.legs = {{0, 0.95, {within, of}}};
   for (int i = 1; i <= 3; ++i) {
     SimulatedMark mark;
     mark.distance_m = 200.0 * i;
-    mark.p_within = i < 3 ? 1 : simulation.within.share();
+    mark.p_within = i < 3 ? 1 : simulation.within.value();
     mark.lost = i < 3 ? 0 : of - within;
     mark.cep50_m = 2;
     mark.r95_m = i < 3 ? 9.5 : kNaN;

@@ -42,6 +42,8 @@ TEST(Wording, DurationsSharesBytesNumbers) {
   EXPECT_EQ(percent_text(0.29), "29 %");
   EXPECT_EQ(percent_text(0.9999), "99 %");
   EXPECT_EQ(percent_text(1), "100 %");
+  EXPECT_EQ(percent_text(0.004), "less than 1 %");
+  EXPECT_EQ(percent_text(0), "0 %");
   EXPECT_EQ(bytes_text(812), "812 bytes");
   EXPECT_EQ(bytes_text(1.5 * 1024 * 1024), "1.5 MiB");
   EXPECT_EQ(number_text(kNaN, 2), "–");

@@ -24,8 +24,6 @@ EnvelopeCell cell_of(EnvelopeFactor factor, double value, std::int64_t correct, 
   cell.frames = frames;
   cell.correct = correct;
   cell.wrong = wrong;
-  cell.correct_interval = binomial_interval(correct, frames);
-  cell.wrong_interval = binomial_interval(wrong, correct + wrong);
   return cell;
 }
 

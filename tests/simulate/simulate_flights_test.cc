@@ -55,8 +55,8 @@ TEST(SimulateFlights, AgreesWithThePlanInWhatThePlanKnows) {
     EXPECT_GT(found.planned_p, 0.05);
     EXPECT_LT(found.planned_p, 0.95);
     // The true error and the strip take a little away, so the interval is widened by one point.
-    EXPECT_GE(found.planned_p, found.within_sure.interval.low - 0.01) << level_sigma;
-    EXPECT_LE(found.planned_p, found.within_sure.interval.high + 0.01) << level_sigma;
+    EXPECT_GE(found.planned_p, found.within_sure.interval().low - 0.01) << level_sigma;
+    EXPECT_LE(found.planned_p, found.within_sure.interval().high + 0.01) << level_sigma;
     ASSERT_EQ(found.legs.size(), 2U);
     EXPECT_EQ(found.legs[0].planned_p, made.selection.legs[0].p_within_limit);
     EXPECT_EQ(found.legs[0].within.of, 1000);
@@ -77,8 +77,8 @@ TEST(SimulateFlights, AgreesWithThePlanInItsConditions) {
     EXPECT_FALSE(found.as_planned) << "no other conditions were asked for";
     EXPECT_EQ(found.planned_p, made.selection.probability->p_within_limit);
     EXPECT_LT(found.planned_p, calm - 0.05) << "wind, the map's error and dropped frames cost";
-    EXPECT_GE(found.planned_p, found.within.interval.low - 0.03) << level_sigma;
-    EXPECT_LE(found.planned_p, found.within.interval.high + 0.03) << level_sigma;
+    EXPECT_GE(found.planned_p, found.within.interval().low - 0.03) << level_sigma;
+    EXPECT_LE(found.planned_p, found.within.interval().high + 0.03) << level_sigma;
     EXPECT_GT(found.fixes.no_frame, 0);
   }
 }
@@ -107,7 +107,7 @@ TEST(SimulateFlights, FixesComeFromTheSourceThatIsGiven) {
 
   const Simulation drawn = made.fly(as_planned(400));
   ASSERT_EQ(drawn.by_p.size(), 1U);
-  EXPECT_NEAR(drawn.by_p[0].found.share(), 0.35, 0.03);
+  EXPECT_NEAR(drawn.by_p[0].found.value(), 0.35, 0.03);
 }
 
 TEST(SimulateFlights, WithoutFixesTheInertialSystemIsAlone) {
@@ -125,8 +125,8 @@ TEST(SimulateFlights, WithoutFixesTheInertialSystemIsAlone) {
 
 TEST(SimulateFlights, AFlightHasOneLevel) {
   // If each tile met its own level, fixes would be as many and flights would be lost less often.
-  const double shared = case_of(0.5, 3).fly(as_planned(1000)).within.share();
-  const double alone = case_of(0.5, 0).fly(as_planned(1000)).within.share();
+  const double shared = case_of(0.5, 3).fly(as_planned(1000)).within.value();
+  const double alone = case_of(0.5, 0).fly(as_planned(1000)).within.value();
   EXPECT_LT(shared, alone - 0.1);
 }
 
@@ -165,7 +165,7 @@ TEST(SimulateFlights, NoStoredGroundLosesEveryFlight) {
   EXPECT_EQ(found.fixes.right, 0);
   EXPECT_EQ(found.marks.back().lost, 0) << "all were lost before";
   EXPECT_EQ(found.legs[1].within.of, 0);
-  EXPECT_TRUE(std::isnan(found.legs[1].within.share()));
+  EXPECT_TRUE(std::isnan(found.legs[1].within.value()));
 }
 
 TEST(SimulateFlights, BesideTheStripThereIsNoFix) {
@@ -174,17 +174,17 @@ TEST(SimulateFlights, BesideTheStripThereIsNoFix) {
   made.mission.flight.max_error_m = made.selection.max_error_m = 300;
   const Simulation found = made.fly(as_planned(1000));
   EXPECT_GT(found.fixes.off_line, 0);
-  EXPECT_LT(found.within.share(), found.planned_p);
+  EXPECT_LT(found.within.value(), found.planned_p);
 }
 
 TEST(SimulateFlightsThorough, GnssIsLostWhereItIsSaid) {
   const Case made = case_of(0.35);
   SimulateOptions options = as_planned(500);
-  const double all_the_way = made.fly(options).within.share();
+  const double all_the_way = made.fly(options).within.value();
   options.lost_from_km = 3.5;
   const Simulation late = made.fly(options);
   EXPECT_NEAR(late.lost_from_m, 3500, 10);
-  EXPECT_GT(late.within.share(), all_the_way);
+  EXPECT_GT(late.within.value(), all_the_way);
   EXPECT_LT(late.marks[29].r95_m, 10) << "with GNSS";
   options.lost_from_km = 4;
   EXPECT_THROW(made.fly(options), UsageError);
@@ -200,7 +200,7 @@ TEST(SimulateFlightsThorough, FalseFixesAndWindDoHarm) {
   EXPECT_GT(deceived.unaware.count, 0);
   options = as_planned(1000);
   options.wind_sigma_mps = 8;
-  EXPECT_LT(made.fly(options).within.share(), made.fly(as_planned(1000)).within.share());
+  EXPECT_LT(made.fly(options).within.value(), made.fly(as_planned(1000)).within.value());
 }
 
 TEST(SimulateFlights, FilterIsHonestWithAnErrorOfTheMap) {
@@ -233,7 +233,7 @@ TEST(SimulateFlights, SaysWhatOtherConditionsThanThePlansCost) {
   const Simulation shifted = made.fly(options);
   EXPECT_EQ(shifted.as_planned->within.count, calm.within.count) << "the same flights";
   EXPECT_GT(shifted.as_planned->cost, 0);
-  EXPECT_DOUBLE_EQ(shifted.as_planned->cost, calm.within.share() - shifted.within.share());
+  EXPECT_DOUBLE_EQ(shifted.as_planned->cost, calm.within.value() - shifted.within.value());
   EXPECT_GT(shifted.as_planned->cost, shifted.as_planned->cost_interval.low);
   EXPECT_LT(shifted.as_planned->cost, shifted.as_planned->cost_interval.high);
 }

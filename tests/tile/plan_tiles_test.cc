@@ -238,11 +238,7 @@ TEST(PlanTiles, NamesWhatIsHardlyMeant) {
   EXPECT_FALSE(plan_tiles(options).flight.ins.grade);
   options.ins.grade = InsGrade::kTactical;
   EXPECT_FALSE(warns("inertial grade"));
-  EXPECT_FALSE(warns("degrees wide"));
   EXPECT_FALSE(warns("elevation model, not like imagery"));
-  options.camera.hfov_deg = 1.2;
-  options.route_options.agl_m = 2000;
-  EXPECT_TRUE(warns("camera.hfov_deg = 1.2 is a view only 1.2 degrees wide; if that is in radians, give 68.8"));
   options = make_small_mission(folder.path(), two_legs());
   options.imagery = {testing::make_flat_elevation(folder.path(), 50)};
   EXPECT_TRUE(warns("elevation.tif: its one band of Float32 values looks like an elevation model"));

@@ -13,6 +13,7 @@
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/map_sigma.h"
 #include "pilotage/raster/mission_crs.h"
+#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
@@ -209,8 +210,8 @@ std::string why_not_known(const MapAudit& audit, const AuditOptions& options) {
            std::to_string(options.registration.ties.template_px) + " pixels of " +
            format_number(audit.registration.gsd_m) + " m (--registration-ties-template-px, --registration-gsd-m)";
   }
-  return format_fixed(100 * audit.compared, 0) + " % of the ground that both show could be compared, of the " +
-         format_fixed(100 * options.min_compared, 0) + " % asked for (--min-compared); shifts are looked for up to " +
+  return percent_text(audit.compared) + " of the ground that both show could be compared, of the " +
+         percent_text(options.min_compared) + " asked for (--min-compared); shifts are looked for up to " +
          format_number(options.registration.search_radius_m) + " m (--registration-search-radius-m)";
 }
 

@@ -11,6 +11,7 @@
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/report/display_plane.h"
 #include "pilotage/report/page_text.h"
+#include "pilotage/report/wording.h"
 
 namespace pilotage {
 namespace {
@@ -97,7 +98,7 @@ std::string shift_picture_svg(const MapAudit& audit, const std::string& map, con
   text += svg.text("", 10, height_px + 68, "from where the other map has the ground to where this one has it.");
   text += svg.text("", 10, height_px + 90,
                    "Orange: beyond " + format_number(options.max_shift_m) + " m. None where nothing was compared: " +
-                       format_fixed(100 * (1 - audit.compared), 0) + " % of the common ground.");
+                       percent_text(1 - audit.compared) + " of the common ground.");
   return text + "</svg>\n";
 }
 

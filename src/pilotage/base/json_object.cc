@@ -186,4 +186,13 @@ Json json_number(double number) {
   return std::isfinite(number) ? Json(number) : Json(nullptr);
 }
 
+Json share_to_json(const Share& share) {
+  const Interval interval = share.interval();
+  return {{"count", share.count},
+          {"of", share.of},
+          {"rate", json_number(share.value())},
+          {"low", interval.low},
+          {"high", interval.high}};
+}
+
 }  // namespace pilotage

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "pilotage/base/statistics.h"
+
 namespace pilotage {
 
 /// Strict reading of one JSON object: each key is asked for by type, and what is missing, of another type or out of
@@ -69,5 +71,8 @@ std::string json_text(const nlohmann::ordered_json& json, int indent = 1);
 
 /// A number for a file: NaN and infinities become null.
 nlohmann::ordered_json json_number(double number);
+
+/// "count", "of", "rate" (null of none), and "low" and "high", the ends of its interval.
+nlohmann::ordered_json share_to_json(const Share& share);
 
 }  // namespace pilotage

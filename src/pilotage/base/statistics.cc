@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
 
 namespace pilotage {
@@ -111,6 +112,14 @@ Interval binomial_interval(std::int64_t successes, std::int64_t trials, double c
     interval.high = bisect(0, 1, 1 - tail, [&](double rate) { return incomplete_beta(rate, k + 1, n - k); });
   }
   return interval;
+}
+
+double Share::value() const {
+  return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : kNaN;
+}
+
+Interval Share::interval() const {
+  return binomial_interval(count, of);
 }
 
 Interval paired_difference_interval(std::int64_t only_first, std::int64_t only_second, std::int64_t trials) {

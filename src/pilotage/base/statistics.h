@@ -18,6 +18,15 @@ struct Interval {
 /// UsageError unless 0 ≤ successes ≤ trials and 0 < confidence < 1.
 Interval binomial_interval(std::int64_t successes, std::int64_t trials, double confidence = 0.95);
 
+/// So many of so many: of tries, frames, flights.
+struct Share {
+  std::int64_t count = 0;
+  std::int64_t of = 0;
+
+  double value() const;       ///< NaN of none.
+  Interval interval() const;  ///< binomial_interval() with a confidence of 0.95.
+};
+
 /// The interval that holds, with probability 0.95, the difference of two shares of the same trials: of `trials`,
 /// `only_first` had the first and not the second, `only_second` the second alone (D. G. Bonett, R. M. Price, "Adjusted
 /// Wald confidence interval for a difference of binomial proportions based on paired data", J. Educ. Behav. Stat. 37,

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "pilotage/base/angle.h"
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
 #include "pilotage/camera/camera_file.h"
@@ -149,14 +148,6 @@ Camera camera_of_options(const CameraOptions& options, const std::optional<Route
 bool names_camera(const CameraOptions& options) {
   return !options.file.empty() || !options.name.empty() || options.hfov_deg || options.width_px || options.height_px ||
          options.sensor_width_mm || options.sensor_height_mm || options.focal_length_mm;
-}
-
-std::string narrow_view_warning(const CameraOptions& options) {
-  constexpr double kWidestInRadians = std::numbers::pi;
-  if (!options.hfov_deg || *options.hfov_deg >= kWidestInRadians) return "";
-  return "camera.hfov_deg = " + format_number(*options.hfov_deg) + " is a view only " +
-         format_number(*options.hfov_deg) + " degrees wide; if that is in radians, give " +
-         format_fixed(*options.hfov_deg / kRadPerDeg, 1);
 }
 
 Camera make_camera(const CameraOptions& options, const std::optional<RouteCamera>& route_camera) {

@@ -38,7 +38,9 @@ struct CameraOptions {
         "name", self.name,
         "A camera by the name it is sold under, as \"DJI Mavic 3E\": the whole photo, an ideal lens; list names "
         "all.");
-    fields.field("hfov_deg", self.hfov_deg, "Horizontal field of view.", Range{0.1, 179});
+    fields.field("hfov_deg", self.hfov_deg,
+                 "Horizontal field of view; what is below would be radians: such a lens is given by its focal length.",
+                 Range{3.15, 179});
     fields.field("width_px", self.width_px, "Width of the image.", Range{1, 100000});
     fields.field("height_px", self.height_px, "Height of the image.", Range{1, 100000});
     fields.field("sensor_width_mm", self.sensor_width_mm, "Width of the part of the sensor that the image shows.",
@@ -58,9 +60,6 @@ struct CameraOptions {
 
 /// Whether `options` begin to describe a camera; a mount alone does not.
 bool names_camera(const CameraOptions& options);
-
-/// What a planner should know of a field of view so narrow that it was meant in radians; "" when it is not.
-std::string narrow_view_warning(const CameraOptions& options);
 
 /// The camera that `options` describe; when they give no way at all, the one of the route, with the mount of the
 /// options. Options win over the route's camera. Throws UsageError when more than one way is begun, when one is

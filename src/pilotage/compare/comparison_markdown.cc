@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pilotage/base/statistics.h"
 #include "pilotage/base/text.h"
 #include "pilotage/compare/comparison_files.h"
 #include "pilotage/compare/comparison_summary.h"
@@ -20,7 +19,7 @@ std::string percent(const Share& share) {
 // "95.0 % (91.2 … 97.5)".
 std::string percent_with_interval(const Share& share) {
   if (share.of == 0) return "–";
-  const auto interval = binomial_interval(share.count, share.of);
+  const Interval interval = share.interval();
   return percent(share) + " (" + format_fixed(100 * interval.low, 1) + " … " + format_fixed(100 * interval.high, 1) +
          ")";
 }

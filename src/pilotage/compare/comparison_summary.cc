@@ -2,8 +2,6 @@
 
 #include <numeric>
 
-#include "pilotage/base/statistics.h"
-
 namespace pilotage {
 namespace {
 
@@ -15,7 +13,7 @@ void add_share(std::vector<SummaryColumn>& columns, const std::string& name, con
                Share MethodSummary::*share, bool with_interval) {
   columns.push_back({name, help, [share](const MethodSummary& s) { return (s.*share).value(); }});
   if (!with_interval) return;
-  const auto interval = [share](const MethodSummary& s) { return binomial_interval((s.*share).count, (s.*share).of); };
+  const auto interval = [share](const MethodSummary& s) { return (s.*share).interval(); };
   columns.push_back({name + "_low", "Lower end of its 95 % confidence interval.",
                      [interval](const MethodSummary& s) { return interval(s).low; }});
   columns.push_back({name + "_high", "Upper end of its 95 % confidence interval.",

@@ -5,17 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "pilotage/base/statistics.h"
 #include "pilotage/compare/compare.h"
 
 namespace pilotage {
-
-/// So many of so many.
-struct Share {
-  std::int64_t count = 0;
-  std::int64_t of = 0;
-
-  double value() const { return static_cast<double>(count) / static_cast<double>(of); }  ///< NaN of none.
-};
 
 /// Median of the frames, and their sum.
 struct Times {

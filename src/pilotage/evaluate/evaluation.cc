@@ -104,7 +104,7 @@ std::optional<JudgedPredictor> judge_inside(const LevelScores& judged, Evaluatio
   std::size_t at = 0;
   std::vector<std::size_t> with_level;
   for (const TileOutcome& outcome : evaluation.outcomes) {
-    if (outcome.outcome == Outcome::kNotCovered) continue;
+    if (outcome.outcome == Outcome::kNotTried) continue;
     const TileScores& score = judged.scores[outcome.tile];
     const std::size_t index = at++;
     if (!(score.level_sigma > 0) || !(score.p_correct_fix > 0 && score.p_correct_fix < 1)) continue;
@@ -149,7 +149,7 @@ QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t see
 
 std::int64_t Evaluation::judged() const {
   return std::count_if(outcomes.begin(), outcomes.end(),
-                       [](const TileOutcome& outcome) { return outcome.outcome != Outcome::kNotCovered; });
+                       [](const TileOutcome& outcome) { return outcome.outcome != Outcome::kNotTried; });
 }
 
 std::vector<std::string> predictor_columns() {
@@ -165,7 +165,7 @@ std::vector<JudgedPrediction> predictions_of(const LevelScores& judged, const Ev
   const double block_px = evaluation.block_m / evaluation.gsd_m;
   std::vector<JudgedPrediction> predictions;
   for (const TileOutcome& outcome : evaluation.outcomes) {
-    if (outcome.outcome == Outcome::kNotCovered) continue;
+    if (outcome.outcome == Outcome::kNotTried) continue;
     predictions.push_back({measure->get(judged.scores[outcome.tile]), outcome.outcome == Outcome::kCorrect,
                            block_of(judged, judged.ground.tiles[outcome.tile], block_px)});
   }
@@ -206,8 +206,8 @@ Evaluation evaluate(const LevelScores& judged, const std::vector<FlightFrame>& f
   if (evaluation.judged() == 0) {
     throw DataError((options.file.empty() ? options.frames : options.file) + ": shows none of the scored tiles");
   }
-  if (evaluation.counts[Outcome::kNotCovered] > 0) {
-    evaluation.warnings.push_back(std::to_string(evaluation.counts[Outcome::kNotCovered]) + " of " +
+  if (evaluation.counts[Outcome::kNotTried] > 0) {
+    evaluation.warnings.push_back(std::to_string(evaluation.counts[Outcome::kNotTried]) + " of " +
                                   std::to_string(evaluation.outcomes.size()) +
                                   (options.file.empty() ? " frames show no scored tile and are left out"
                                                         : " tiles are not covered by the other date and are left out"));

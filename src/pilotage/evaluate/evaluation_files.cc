@@ -20,23 +20,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kNames[] = {"evaluation.md", "evaluation.json", "evaluation.csv", "reliability.svg"};
 
-/// A share with its 95 % interval.
-Json share_json(std::int64_t count, std::int64_t of) {
-  const Interval interval = binomial_interval(count, of);
-  return {{"count", count},
-          {"of", of},
-          {"rate", of > 0 ? Json(static_cast<double>(count) / static_cast<double>(of)) : Json()},
-          {"low", interval.low},
-          {"high", interval.high}};
-}
-
-std::string share_text(std::int64_t count, std::int64_t of) {
-  if (of == 0) return "none";
-  const Interval interval = binomial_interval(count, of);
-  const auto percent = [](double share) { return format_fixed(100 * share, 1); };
-  return std::to_string(count) + " of " + std::to_string(of) + ": " +
-         percent(static_cast<double>(count) / static_cast<double>(of)) + " % (" + percent(interval.low) + " … " +
-         percent(interval.high) + ")";
+std::string counted_share_text(const Share& share) {
+  if (share.of == 0) return "none";
+  const Interval interval = share.interval();
+  const auto percent = [](double value) { return format_fixed(100 * value, 1); };
+  return std::to_string(share.count) + " of " + std::to_string(share.of) + ": " + percent(share.value()) + " % (" +
+         percent(interval.low) + " … " + percent(interval.high) + ")";
 }
 
 std::string metres(double value) {
@@ -114,8 +103,8 @@ Json evaluation_json(const Evaluation& evaluation, const EvaluationSource& sourc
   json["scored_tiles"] = evaluation.scored_tiles;
   json["outcomes"] = Json::object();
   for (const Outcome outcome : kOutcomes) json["outcomes"][outcome_name(outcome)] = evaluation.counts.at(outcome);
-  json["correct_fixes"] = share_json(correct, evaluation.judged());
-  json["false_fixes"] = share_json(wrong, correct + wrong);
+  json["correct_fixes"] = share_to_json({correct, evaluation.judged()});
+  json["false_fixes"] = share_to_json({wrong, correct + wrong});
   const std::vector<double> nadir_m = nadir_errors_m(evaluation);
   json["nadir_median_error_m"] = json_number(quantile(nadir_m, 0.5));
   json["nadir_p95_error_m"] = json_number(quantile(nadir_m, 0.95));
@@ -134,8 +123,8 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
   std::string text = "# What the scores are worth\n\nScores of " + join(source.inputs, ", ") + ", held against " +
                      (options.file.empty() ? options.frames : options.file) + ": " + matcher_text(options) + ". " +
                      conditions(evaluation, options) + "\n\n";
-  text += "- Correct fixes: " + share_text(correct, evaluation.judged()) + ".\n";
-  text += "- False among accepted: " + share_text(wrong, correct + wrong) + ".\n";
+  text += "- Correct fixes: " + counted_share_text({correct, evaluation.judged()}) + ".\n";
+  text += "- False among accepted: " + counted_share_text({wrong, correct + wrong}) + ".\n";
   if (evaluation.false_like_neighbours > 0) {
     text += "- Of the false, " + std::to_string(evaluation.false_like_neighbours) +
             " lie off as the accepted fixes around them do: where that is many, rather the two georeferences disagree "
@@ -143,7 +132,7 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
   }
   if (const std::string nadir = nadir_text(evaluation); !nadir.empty()) text += "- Besides, " + nadir + ".\n";
   text += "- Refused: " + std::to_string(evaluation.counts.at(Outcome::kRefused)) +
-          "; not covered and left out: " + std::to_string(evaluation.counts.at(Outcome::kNotCovered)) +
+          "; not covered and left out: " + std::to_string(evaluation.counts.at(Outcome::kNotTried)) +
           "; tiles scored: " + std::to_string(evaluation.scored_tiles) + ".\n\n";
   if (!std::isnan(evaluation.level_z)) text += "- " + level_text(evaluation) + ".\n\n";
   text += quality_markdown(evaluation.predictors, quality_options(options, source.seed));
@@ -157,8 +146,8 @@ std::string evaluation_markdown(const Evaluation& evaluation, const EvaluationSo
 std::string evaluation_text(const Evaluation& evaluation) {
   const std::int64_t correct = evaluation.counts.at(Outcome::kCorrect);
   const std::int64_t wrong = evaluation.counts.at(Outcome::kFalse);
-  std::string text = "evaluation: correct " + share_text(correct, evaluation.judged()) + "; false among accepted " +
-                     share_text(wrong, correct + wrong) + "\n";
+  std::string text = "evaluation: correct " + counted_share_text({correct, evaluation.judged()}) +
+                     "; false among accepted " + counted_share_text({wrong, correct + wrong}) + "\n";
   if (const std::string nadir = nadir_text(evaluation); !nadir.empty()) text += "evaluation: " + nadir + "\n";
   for (const JudgedPredictor& predictor : evaluation.predictors) {
     const PredictionQuality& quality = predictor.quality;

@@ -59,9 +59,7 @@ std::vector<TileOutcome> judge_by_frames(const LevelScores& judged, const std::f
     const std::optional<Fix>& best = matched.result.fix ? matched.result.fix : matched.result.candidate;
     if (matched.readable() && best) set_outcome_errors(outcome, *best, frame.true_center, frame.true_nadir);
     if (nearest.holds_it) {
-      outcome.outcome = !matched.has_fix()               ? Outcome::kRefused
-                        : outcome.error_m <= tolerance_m ? Outcome::kCorrect
-                                                         : Outcome::kFalse;
+      outcome.outcome = matched.has_fix() ? outcome_of_fix(outcome.error_m, tolerance_m) : Outcome::kRefused;
     }
     outcomes.push_back(std::move(outcome));
   }

@@ -78,7 +78,7 @@ TileOutcome judge(const LevelScores& judged, const BothDates& dates, std::size_t
   outcome.error_east_m = error_px.x() * gsd_m;
   outcome.error_north_m = -error_px.y() * gsd_m;
   outcome.status = "peak";
-  outcome.outcome = outcome.error_m <= tolerance_m ? Outcome::kCorrect : Outcome::kFalse;
+  outcome.outcome = outcome_of_fix(outcome.error_m, tolerance_m);
   return outcome;
 }
 

@@ -150,9 +150,7 @@ TileOutcome judge(const FrameSetup& setup, std::size_t index, std::uint64_t seed
   if (const auto& best = result.fix ? result.fix : result.candidate) {
     set_outcome_errors(outcome, *best, frame->true_center, frame->true_nadir);
   }
-  outcome.outcome = !result.fix                            ? Outcome::kRefused
-                    : outcome.error_m <= setup.tolerance_m ? Outcome::kCorrect
-                                                           : Outcome::kFalse;
+  outcome.outcome = result.fix ? outcome_of_fix(outcome.error_m, setup.tolerance_m) : Outcome::kRefused;
   return outcome;
 }
 

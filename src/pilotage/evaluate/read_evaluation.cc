@@ -53,7 +53,7 @@ EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::
   CsvTable table(csv_name, csv, "a table of evaluated tiles");
   while (const auto* cells = table.next()) {
     const std::string& outcome = cell_of(table, *cells, "outcome");
-    if (outcome == outcome_name(Outcome::kNotCovered)) continue;
+    if (outcome == outcome_name(Outcome::kNotTried)) continue;
     TileScores score;
     score.frieden_deficit = number_of(table, *cells, "frieden_deficit");
     score.map_features = number_of(table, *cells, "map_features");

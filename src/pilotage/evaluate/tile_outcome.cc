@@ -1,7 +1,5 @@
 #include "pilotage/evaluate/tile_outcome.h"
 
-#include "pilotage/flightlog/frame_match.h"
-
 namespace pilotage {
 
 std::string_view outcome_name(Outcome outcome) {
@@ -10,9 +8,11 @@ std::string_view outcome_name(Outcome outcome) {
       return "correct";
     case Outcome::kFalse:
       return "false";
+    case Outcome::kUnjudged:
+      return "unjudged";
     case Outcome::kRefused:
       return "refused";
-    case Outcome::kNotCovered:
+    case Outcome::kNotTried:
       break;
   }
   return "not_covered";

@@ -6,25 +6,20 @@
 #include <string>
 #include <string_view>
 
-#include "pilotage/match/match.h"
+#include "pilotage/flightlog/frame_match.h"
 
 namespace pilotage {
 
-enum class Outcome {
-  kCorrect,     ///< Accepted, and within the tolerance.
-  kFalse,       ///< Accepted, and farther off.
-  kRefused,     ///< No place was accepted.
-  kNotCovered,  ///< Nothing to judge: the other date shows too little of it, or the frame shows no scored tile.
-};
+/// Those that an evaluation counts: the truth is known of all.
+inline constexpr Outcome kOutcomes[] = {Outcome::kCorrect, Outcome::kFalse, Outcome::kRefused, Outcome::kNotTried};
 
-inline constexpr Outcome kOutcomes[] = {Outcome::kCorrect, Outcome::kFalse, Outcome::kRefused, Outcome::kNotCovered};
-
-std::string_view outcome_name(Outcome outcome);  ///< "correct", "false", "refused", "not_covered".
+/// As evaluation.csv has it: "correct", "false", "refused", "not_covered".
+std::string_view outcome_name(Outcome outcome);
 
 /// What became of one tile, or of one real frame over it.
 struct TileOutcome {
   std::size_t tile = 0;  ///< Index into the ground's tiles.
-  Outcome outcome = Outcome::kNotCovered;
+  Outcome outcome = Outcome::kNotTried;
   std::string status;  ///< The matcher's word: "fix", "ambiguous" …; "peak" for ncc.
   /// Of the best place, accepted or not, answer minus truth; NaN without one. For ncc along the grid's axes. At the
   /// centre of the image: whether the ground is recognised is the question here. Of a frame whose centre is not known,

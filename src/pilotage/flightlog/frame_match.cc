@@ -1,6 +1,7 @@
 #include "pilotage/flightlog/frame_match.h"
 
 #include <chrono>
+#include <cmath>
 #include <new>
 
 #include <Eigen/LU>
@@ -29,6 +30,11 @@ std::string frame_status_name(const FrameMatch& match) {
 
 std::string frame_status_text(const FrameMatch& match) {
   return match.readable() ? std::string(match_status_text(match.result.status)) : match.problem;
+}
+
+Outcome outcome_of_fix(double error_m, double correct_within_m) {
+  if (std::isnan(error_m)) return Outcome::kUnjudged;
+  return error_m <= correct_within_m ? Outcome::kCorrect : Outcome::kFalse;
 }
 
 FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind) {

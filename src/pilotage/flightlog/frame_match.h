@@ -20,6 +20,18 @@ struct FixError {
   double nees = 0;
 };
 
+/// What became of a frame that was tried: rendered, of a log, or real.
+enum class Outcome {
+  kCorrect,   ///< A fix within the limit of the truth.
+  kFalse,     ///< A fix farther off.
+  kUnjudged,  ///< A fix whose truth is not known.
+  kRefused,   ///< The matcher gave no fix.
+  kNotTried,  ///< Nothing to match, or nothing to judge by: no picture, no prior, too little imagery, no scored tile.
+};
+
+/// Of a fix that is `error_m` away from the truth, NaN where that is not known.
+Outcome outcome_of_fix(double error_m, double correct_within_m);
+
 /// A frame from a file and what became of it.
 struct FrameMatch {
   FrameRecord frame;  ///< With the prior that was matched with.

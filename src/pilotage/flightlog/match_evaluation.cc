@@ -35,14 +35,6 @@ NeesSummary summarise_nees(const std::vector<double>& all) {
   return summary;
 }
 
-Json rate_json(const MatchRate& rate) {
-  return {{"count", rate.count},
-          {"of", rate.of},
-          {"rate", json_number(rate.rate)},
-          {"low", rate.interval.low},
-          {"high", rate.interval.high}};
-}
-
 Json nees_json(const NeesSummary& nees) {
   return {{"count", nees.count},
           {"mean", json_number(nees.mean)},
@@ -65,11 +57,11 @@ std::string sequence_text(const SequenceSummary& sequence) {
          std::to_string(sequence.resets) + " tracks given up\n";
 }
 
-std::string rate_text(const MatchRate& rate, const std::string& of_what) {
+std::string rate_text(const Share& rate, const std::string& of_what) {
   const auto percent = [](double share) { return format_fixed(100 * share, 2); };
-  return (rate.of == 0 ? "undefined" : percent(rate.rate) + " %") + " (" + std::to_string(rate.count) + " of " +
-         std::to_string(rate.of) + " " + of_what + "; 95 % interval " + percent(rate.interval.low) + " to " +
-         percent(rate.interval.high) + " %)\n";
+  return (rate.of == 0 ? "undefined" : percent(rate.value()) + " %") + " (" + std::to_string(rate.count) + " of " +
+         std::to_string(rate.of) + " " + of_what + "; 95 % interval " + percent(rate.interval().low) + " to " +
+         percent(rate.interval().high) + " %)\n";
 }
 
 std::string nees_text(const NeesSummary& nees) {
@@ -122,11 +114,6 @@ std::string centers_text(const MatchEvaluation::Centers& centers, const std::str
 
 }  // namespace
 
-MatchRate match_rate(std::int64_t count, std::int64_t of) {
-  return {count, of, of > 0 ? static_cast<double>(count) / static_cast<double>(of) : kNaN,
-          binomial_interval(count, of, kConfidence)};
-}
-
 MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double correct_within_m) {
   if (!(correct_within_m > 0)) {
     throw UsageError("correct_within_m = " + format_number(correct_within_m) + " is not above 0");
@@ -155,8 +142,8 @@ MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double cor
   }
   const auto judged = static_cast<std::int64_t>(errors_m.size());
   const auto correct = static_cast<std::int64_t>(nees_correct.size());
-  evaluation.correct = match_rate(correct, evaluation.frames_with_truth);
-  evaluation.false_fixes = match_rate(judged - correct, judged);
+  evaluation.correct = {correct, evaluation.frames_with_truth};
+  evaluation.false_fixes = {judged - correct, judged};
   evaluation.median_error_m = quantile(errors_m, 0.5);
   evaluation.p95_error_m = quantile(errors_m, 0.95);
   evaluation.nees = summarise_nees(nees);
@@ -178,8 +165,8 @@ Json to_json(const MatchEvaluation& evaluation, bool timings) {
   if (evaluation.frames_with_truth > 0) {
     json["judged_at_center"] = evaluation.judged_at_center;
     json["correct_within_m"] = evaluation.correct_within_m;
-    json["correct_fixes"] = rate_json(evaluation.correct);
-    json["false_fixes"] = rate_json(evaluation.false_fixes);
+    json["correct_fixes"] = share_to_json(evaluation.correct);
+    json["false_fixes"] = share_to_json(evaluation.false_fixes);
     json["median_error_m"] = json_number(evaluation.median_error_m);
     json["p95_error_m"] = json_number(evaluation.p95_error_m);
     json["nees"] = nees_json(evaluation.nees);

@@ -13,14 +13,6 @@
 
 namespace pilotage {
 
-/// A share of frames with its 95 % interval by Clopper and Pearson (base/statistics.h).
-struct MatchRate {
-  std::int64_t count = 0;
-  std::int64_t of = 0;
-  double rate = 0;  ///< NaN when `of` is 0.
-  Interval interval;
-};
-
 /// The mean of N normalised errors squared, each χ² of 2 degrees of freedom: 2 when the covariances are honest. The sum
 /// is χ² of 2N degrees; `band` holds the mean of honest covariances with probability 95 %.
 struct NeesSummary {
@@ -41,8 +33,8 @@ struct MatchEvaluation {
   // Of the frames whose truth is known, judged by FrameRecord::truth().
   double correct_within_m = 0;
   std::int64_t frames_with_truth = 0;
-  MatchRate correct;          ///< Fixes with error ≤ correct_within_m, of all frames (unreadable ones too).
-  MatchRate false_fixes;      ///< Fixes with a larger error, of the accepted ones.
+  Share correct;              ///< Fixes with error ≤ correct_within_m, of all frames (unreadable ones too).
+  Share false_fixes;          ///< Fixes with a larger error, of the accepted ones.
   double median_error_m = 0;  ///< Of the accepted; NaN without one.
   double p95_error_m = 0;
   NeesSummary nees;                   ///< Of the accepted.
@@ -66,8 +58,6 @@ struct MatchEvaluation {
 
 /// Throws UsageError unless correct_within_m is above 0.
 MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double correct_within_m);
-
-MatchRate match_rate(std::int64_t count, std::int64_t of);
 
 /// Keys as the fields are named, NaN as null; what needs truth is left out when there is none, times when they are not
 /// wanted.

@@ -211,9 +211,7 @@ void check(const QualityOptions& options) {
 std::vector<ReliabilityBin> reliability_bins(std::span<const Weighted> list, int bins) {
   std::vector<ReliabilityBin> result;
   for (const Bin& bin : equal_count_bins(list, bins)) {
-    const auto count = static_cast<double>(bin.weight);
-    result.push_back({bin.low, bin.high, bin.value_sum / count, bin.weight, bin.correct,
-                      static_cast<double>(bin.correct) / count, binomial_interval(bin.correct, bin.weight)});
+    result.push_back({bin.low, bin.high, bin.value_sum / static_cast<double>(bin.weight), {bin.correct, bin.weight}});
   }
   return result;
 }

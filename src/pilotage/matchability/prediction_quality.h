@@ -27,10 +27,7 @@ struct ReliabilityBin {
   double low = 0;         ///< Smallest value.
   double high = 0;        ///< Largest value.
   double mean_value = 0;  ///< What was promised, where the value is a probability.
-  std::int64_t count = 0;
-  std::int64_t correct = 0;
-  double rate = 0;    ///< correct / count.
-  Interval interval;  ///< Of the rate, by Clopper and Pearson, 95 %: as if the outcomes were independent.
+  Share correct;          ///< Its interval: as if the outcomes were independent.
 };
 
 struct QualityOptions {

@@ -23,9 +23,15 @@ Json to_json(const Estimate& estimate) {
 }
 
 Json to_json(const ReliabilityBin& bin) {
-  return {
-      {"low", bin.low},         {"high", bin.high}, {"mean_value", bin.mean_value}, {"count", bin.count},
-      {"correct", bin.correct}, {"rate", bin.rate}, {"rate_low", bin.interval.low}, {"rate_high", bin.interval.high}};
+  const Interval interval = bin.correct.interval();
+  return {{"low", bin.low},
+          {"high", bin.high},
+          {"mean_value", bin.mean_value},
+          {"count", bin.correct.of},
+          {"correct", bin.correct.count},
+          {"rate", json_number(bin.correct.value())},
+          {"rate_low", interval.low},
+          {"rate_high", interval.high}};
 }
 
 std::string row(const std::vector<std::string>& cells) {

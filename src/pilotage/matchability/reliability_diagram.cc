@@ -89,17 +89,19 @@ std::string marks(const PredictionQuality& quality) {
   if (quality.count > 0) svg += kSvg.line("base", x_of(0), y_of(quality.base_rate), x_of(1), y_of(quality.base_rate));
   std::string points;
   for (const ReliabilityBin& bin : quality.bins) {
-    points += (points.empty() ? "" : " ") + kSvg.number(x_of(bin.mean_value)) + "," + kSvg.number(y_of(bin.rate));
+    points +=
+        (points.empty() ? "" : " ") + kSvg.number(x_of(bin.mean_value)) + "," + kSvg.number(y_of(bin.correct.value()));
   }
   if (quality.bins.size() > 1) svg += "<polyline class=\"curve\" points=\"" + points + "\"/>\n";
   for (const ReliabilityBin& bin : quality.bins) {
     const double x = x_of(bin.mean_value);
-    svg += kSvg.line("interval", x, y_of(bin.interval.low), x, y_of(bin.interval.high));
-    svg += "<circle class=\"dot\" cx=\"" + kSvg.number(x) + "\" cy=\"" + kSvg.number(y_of(bin.rate)) +
+    svg += kSvg.line("interval", x, y_of(bin.correct.interval().low), x, y_of(bin.correct.interval().high));
+    svg += "<circle class=\"dot\" cx=\"" + kSvg.number(x) + "\" cy=\"" + kSvg.number(y_of(bin.correct.value())) +
            "\" r=\"4.5\"><title>promised " + format_fixed(bin.mean_value, 3) + " (" + format_fixed(bin.low, 3) + " … " +
-           format_fixed(bin.high, 3) + "), came true " + std::to_string(bin.correct) + " of " +
-           std::to_string(bin.count) + " = " + format_fixed(bin.rate, 3) + " (" + format_fixed(bin.interval.low, 3) +
-           " … " + format_fixed(bin.interval.high, 3) + ")</title></circle>\n";
+           format_fixed(bin.high, 3) + "), came true " + std::to_string(bin.correct.count) + " of " +
+           std::to_string(bin.correct.of) + " = " + format_fixed(bin.correct.value(), 3) + " (" +
+           format_fixed(bin.correct.interval().low, 3) + " … " + format_fixed(bin.correct.interval().high, 3) +
+           ")</title></circle>\n";
   }
   return svg;
 }

@@ -4,13 +4,8 @@
 #include <numbers>
 
 #include "pilotage/base/angle.h"
-#include "pilotage/base/nan.h"
 
 namespace pilotage {
-
-double SimulatedShare::share() const {
-  return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : kNaN;
-}
 
 std::vector<Eigen::Vector2d> ellipse_outline_m(const TruePlaceEllipse& ellipse, int corners) {
   const double azimuth_rad = ellipse.azimuth_deg * kRadPerDeg;
@@ -22,10 +17,6 @@ std::vector<Eigen::Vector2d> ellipse_outline_m(const TruePlaceEllipse& ellipse, 
     outline_m.emplace_back(std::cos(angle_rad) * major + std::sin(angle_rad) * minor);
   }
   return outline_m;
-}
-
-SimulatedShare simulated_share(std::int64_t count, std::int64_t of) {
-  return {of, count, binomial_interval(count, of)};
 }
 
 }  // namespace pilotage

@@ -19,20 +19,10 @@
 
 namespace pilotage {
 
-/// A share of flights, with its exact 95 % interval (base/statistics.h); NaN and [0, 1] of none.
-struct SimulatedShare {
-  std::int64_t of = 0;
-  std::int64_t count = 0;
-  Interval interval{0, 1};
-
-  double share() const;
-};
-SimulatedShare simulated_share(std::int64_t count, std::int64_t of);
-
 struct SimulatedLeg {
   int leg = 0;
-  double planned_p = 0;   ///< LegStatus::p_within_limit; NaN where no flight of the plan reaches it.
-  SimulatedShare within;  ///< Of the flights that reached it within the limit, those that left it so.
+  double planned_p = 0;  ///< LegStatus::p_within_limit; NaN where no flight of the plan reaches it.
+  Share within;          ///< Of the flights that reached it within the limit, those that left it so.
 };
 
 /// Where the aircraft truly are: the ellipse around the line's place that holds 95 of 100 flights, in the shape of
@@ -74,7 +64,7 @@ struct SimulatedMark {
 
 /// The same flights in the plan's own conditions, where others were given.
 struct AsPlanned {
-  SimulatedShare within;
+  Share within;
   double cost = 0;  ///< That share less the share in the conditions given.
   Interval cost_interval{-1, 1};
 };
@@ -83,26 +73,30 @@ struct AsPlanned {
 struct SimulatedLoss {
   double lost_from_m = 0;
   double planned_p = 0;
-  SimulatedShare within;
+  Share within;
 };
 
-/// What became of a flight's tries to fix.
-struct TriedFixes {
-  std::int64_t tries = 0;        ///< While the flight knew itself within the limit, over ground of stored tiles or not.
+/// What became of tries to fix, simulated or flown.
+struct TryCounts {
+  /// Over ground of stored tiles or not; of simulated flights while they know themselves within the limit.
+  std::int64_t tries = 0;
   std::int64_t right = 0;        ///< Right fixes that were taken.
-  std::int64_t missed = 0;       ///< Over a stored tile, and no fix came.
-  std::int64_t not_stored = 0;   ///< Over ground that is not stored, where the line leads over none either.
+  std::int64_t unjudged = 0;     ///< Fixes whose truth is not known, of flown flights.
+  std::int64_t missed = 0;       ///< Over a stored tile, and no right fix came.
+  std::int64_t not_stored = 0;   ///< None came, over ground that is not stored, where the line leads over none either.
   std::int64_t off_line = 0;     ///< The same, where the line leads over a stored tile: the aircraft was beside it.
   std::int64_t no_frame = 0;     ///< No frame came: dropped, or of ground beyond the imagery that is looked at.
-  std::int64_t false_taken = 0;  ///< False fixes that passed the gate.
-  std::int64_t refused = 0;      ///< False and right fixes that the gate refused.
-  std::int64_t resets = 0;       ///< Fixes believed after refusals that said the same.
+  std::int64_t false_taken = 0;  ///< False fixes that were taken.
+  std::int64_t refused =
+      0;  ///< False and right fixes that the gate of a simulated flight's filter refused: neither taken nor missed.
+  std::int64_t resets = 0;     ///< Fixes that it believed after refusals that said the same.
+  std::int64_t not_tried = 0;  ///< Frames of flown flights with nothing to match; not among the tries.
 };
 
 /// The tries of a bin of predicted P.
 struct SimulatedBin {
   double mean_p = 0;
-  SimulatedShare found;  ///< Right fixes of tries, as if tries were independent; they are not, so it is too narrow.
+  Share found;  ///< Right fixes of tries, as if tries were independent; they are not, so it is too narrow.
 };
 
 /// What `simulate` finds.
@@ -112,18 +106,18 @@ struct Simulation {
   nlohmann::ordered_json options = nlohmann::ordered_json::object();  ///< All of them, as options_to_json gives them.
   double max_error_m = 0;
   double sigma_multiple = 3;
-  double lost_from_m = 0;      ///< Where GNSS is lost first.
-  double planned_p = 0;        ///< Of the selection, by the plan's own recursion.
-  SimulatedShare within;       ///< The error stays within the limit all the way, and so does k·σ of the filter.
-  SimulatedShare within_sure;  ///< k·σ of the filter stays within the limit: what the plan's P is of.
-  SimulatedShare within_true;  ///< The true error stays within the limit, whatever the filter knows.
-  SimulatedShare unaware;      ///< Flights that were off while the filter held itself within the limit.
-  Integrity integrity;         ///< Over all flights, wherever they fly without GNSS.
+  double lost_from_m = 0;  ///< Where GNSS is lost first.
+  double planned_p = 0;    ///< Of the selection, by the plan's own recursion.
+  Share within;            ///< The error stays within the limit all the way, and so does k·σ of the filter.
+  Share within_sure;       ///< k·σ of the filter stays within the limit: what the plan's P is of.
+  Share within_true;       ///< The true error stays within the limit, whatever the filter knows.
+  Share unaware;           ///< Flights that were off while the filter held itself within the limit.
+  Integrity integrity;     ///< Over all flights, wherever they fly without GNSS.
   std::optional<AsPlanned> as_planned;
   std::vector<SimulatedLoss> losses;  ///< With `lost_every_km`: by place; all else is of the worst of them.
   std::vector<SimulatedLeg> legs;
   std::vector<SimulatedMark> marks;
-  TriedFixes fixes;                 ///< Sums over all flights.
+  TryCounts fixes;                  ///< Sums over all flights.
   std::vector<SimulatedBin> by_p;   ///< Tries with a frame over stored tiles by their P: bins with tries, ascending.
   nlohmann::ordered_json rendered;  ///< Where fixes come from frames: options, and what the matcher did; else null.
   std::vector<std::string> notes;   ///< What to know of the numbers, as sentences.

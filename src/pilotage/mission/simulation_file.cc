@@ -20,12 +20,12 @@ using Json = nlohmann::ordered_json;
 constexpr int kSimulationVersion = 2;
 constexpr int kMostLegs = 1'000'000;
 
-Json share_json(const SimulatedShare& share) {
-  return {{"share", json_number(share.share())},
+Json share_json(const Share& share) {
+  return {{"share", json_number(share.value())},
           {"flights", share.count},
           {"of", share.of},
-          {"low", share.interval.low},
-          {"high", share.interval.high}};
+          {"low", share.interval().low},
+          {"high", share.interval().high}};
 }
 
 /// Null where flights do not bound it.
@@ -96,9 +96,9 @@ Json by_p_json(const Simulation& simulation) {
     bins.push_back({{"mean_p", bin.mean_p},
                     {"tries", bin.found.of},
                     {"right", bin.found.count},
-                    {"share", json_number(bin.found.share())},
-                    {"low", bin.found.interval.low},
-                    {"high", bin.found.interval.high}});
+                    {"share", json_number(bin.found.value())},
+                    {"low", bin.found.interval().low},
+                    {"high", bin.found.interval().high}});
   }
   return bins;
 }
@@ -118,17 +118,17 @@ SimulatedBin read_bin(JsonObject& json) {
   const std::int64_t tries = json.integer("tries", right);
   for (const char* key : {"share", "low", "high"}) json.number_or_nan(key);
   json.finish();
-  return {mean_p, simulated_share(right, tries)};
+  return {mean_p, {right, tries}};
 }
 
-SimulatedShare read_share(JsonObject json) {
+Share read_share(JsonObject json) {
   json.number_or_nan("share");
   const std::int64_t count = json.integer("flights", 0);
   const std::int64_t of = json.integer("of", count);
   json.number("low");
   json.number("high");
   json.finish();
-  return simulated_share(count, of);  // its interval is a function of both
+  return {count, of};  // its interval is a function of both
 }
 
 TruePlaceEllipse read_ellipse(JsonObject& mark) {
@@ -154,8 +154,8 @@ SimulatedMark read_mark(JsonObject& json) {
   return mark;
 }
 
-TriedFixes read_fixes(JsonObject json) {
-  TriedFixes fixes;
+TryCounts read_fixes(JsonObject json) {
+  TryCounts fixes;
   const auto count = [&](const char* key) { return json.integer(key, 0); };
   fixes.tries = count("tries");
   fixes.right = count("right");
@@ -202,10 +202,10 @@ void read_lists(JsonObject& object, Simulation& simulation) {
 
 }  // namespace
 
-std::string share_text(const SimulatedShare& share) {
+std::string share_text(const Share& share) {
   if (share.of == 0) return "no flight came here";
-  return probability_text(share.share()) + " [" + probability_text(share.interval.low) + ", " +
-         probability_text(share.interval.high) + "]";
+  return probability_text(share.value()) + " [" + probability_text(share.interval().low) + ", " +
+         probability_text(share.interval().high) + "]";
 }
 
 Simulation simulation_from_json(const Json& json, const std::string& name) {
@@ -252,7 +252,7 @@ Simulation read_simulation(const std::filesystem::path& path) {
 }
 
 Json simulation_to_json(const Simulation& simulation) {
-  const TriedFixes& fixes = simulation.fixes;
+  const TryCounts& fixes = simulation.fixes;
   Json json = {{"pilotage_simulation", kSimulationVersion},
                {"fixes_from", simulation.options.value("fixes", "drawn")},
                {"flights", simulation.flights},
@@ -315,7 +315,7 @@ Json simulation_to_json(const Simulation& simulation) {
 }
 
 std::string simulation_text(const Simulation& simulation) {
-  const TriedFixes& fixes = simulation.fixes;
+  const TryCounts& fixes = simulation.fixes;
   std::string text = std::to_string(simulation.within.count) + " of " + std::to_string(simulation.flights) +
                      " flights stay within " + format_fixed(simulation.max_error_m, 0) +
                      " m all the way and know it: " + share_text(simulation.within) + ", planned " +

@@ -30,7 +30,7 @@ Simulation read_simulation(const std::filesystem::path& path);
 std::string simulation_text(const Simulation& simulation);
 
 /// "0.928 [0.910, 0.943]"
-std::string share_text(const SimulatedShare& share);
+std::string share_text(const Share& share);
 
 }  // namespace pilotage
 

@@ -198,6 +198,9 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     InputFile& flown = input.inputs.emplace_back(input_file("simulation", (staging / kSimulation).string(), ""));
     flown.name = kSimulation;
   }
+  if (scored.second_epoch) {
+    input.assumptions.push_back(second_date_assumption(*scored.second_epoch, options.score.registration));
+  }
   input.parameters = described(options);
   input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});

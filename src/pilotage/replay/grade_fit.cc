@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "pilotage/base/text.h"
 #include "pilotage/flightlog/drift_filter.h"
 #include "pilotage/flightlog/frame_track.h"
 
@@ -128,7 +129,6 @@ GradeFit fit_grade(std::span<const ReplayedFlight> flights, const InsErrorModel&
   const auto best = std::max_element(likelihoods.begin(), likelihoods.end());
   const auto at = static_cast<int>(best - likelihoods.begin());
   const double limit = *best - kHalfChiSquared95;
-  fit.factor = factor_of_step(at - kMost);
   for (int i = at; i > 0 && !fit.low; --i) {
     const auto index = static_cast<std::size_t>(i);
     if (likelihoods[index - 1] < limit) {
@@ -140,6 +140,15 @@ GradeFit fit_grade(std::span<const ReplayedFlight> flights, const InsErrorModel&
     if (likelihoods[index + 1] < limit) {
       fit.high = crossing(i - kMost, i + 1 - kMost, likelihoods[index], likelihoods[index + 1], limit);
     }
+  }
+  if (at > 0 && at < 2 * kMost) {
+    fit.factor = factor_of_step(at - kMost);
+  } else if (at == 0) {  // the best of all may lie beyond the end
+    fit.why_not = "fixes do not tell its drift from none";
+    if (fit.high) fit.why_not += "; it is below " + format_fixed(*fit.high, 2) + " times the model's";
+  } else {
+    fit.why_not = "errors between fixes are beyond " + format_fixed(kLargestGradeFactor, 0) +
+                  " times the model's: fixes or inertial positions are not what they are taken for";
   }
   return fit;
 }

@@ -24,7 +24,7 @@ struct GradeFit {
   double longest_gap_s = 0;                                    ///< Between two of the fixes.
   double mean_nis = std::numeric_limits<double>::quiet_NaN();  ///< At factor 1: 2 when the model holds.
   Interval nis_band{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-  std::optional<double> factor;  ///< Nothing below kLeastInnovations.
+  std::optional<double> factor;  ///< Nothing below kLeastInnovations, nor at an end of what is tried.
   /// 95 %, by the likelihood ratio. Nothing at an end that the innovations do not bound.
   std::optional<double> low;
   std::optional<double> high;

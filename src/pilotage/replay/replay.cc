@@ -50,16 +50,16 @@ std::vector<Try> tries_of(const ReplayedFlight& flight, std::size_t number, Pred
   return tries;
 }
 
-void count_try(const Try& one, FlownFixes& fixes) {
+void count_try(const Try& one, TryCounts& fixes) {
   const ReplayedFrame& frame = *one.frame;
   if (!frame.is_tried()) {
     ++fixes.not_tried;
     return;
   }
   ++fixes.tries;
-  if (frame.outcome == FrameOutcome::kFalse) ++fixes.false_taken;
-  if (frame.outcome == FrameOutcome::kRight) ++fixes.right;
-  if (frame.outcome == FrameOutcome::kUnjudged) ++fixes.unjudged;
+  if (frame.outcome == Outcome::kFalse) ++fixes.false_taken;
+  if (frame.outcome == Outcome::kCorrect) ++fixes.right;
+  if (frame.outcome == Outcome::kUnjudged) ++fixes.unjudged;
   if (frame.counts_as_right()) return;
   if (one.tile) {
     ++fixes.missed;
@@ -113,7 +113,7 @@ std::optional<PredictedAgainstFlown> predicted_against_flown(const std::vector<T
     return one.too_unsure && one.frame->is_tried() && one.tile && !std::isnan(one.tile->p());
   });
   result.tries = promised.tries;
-  result.observed = match_rate(promised.right, promised.tries);
+  result.observed = {promised.right, promised.tries};
   result.predicted = promised.mean_p();
   QualityOptions options;
   options.seed = scoring.seed;
@@ -146,7 +146,7 @@ std::vector<FlownLeg> legs_of_plan(const std::vector<Try>& tries, const FlownPla
       if (one.frame->has_fix() && !std::isnan(one.frame->error_m)) errors_m.push_back(one.frame->error_m);
     }
     leg.predicted = promised.mean_p();
-    leg.observed = match_rate(promised.right, promised.tries);
+    leg.observed = {promised.right, promised.tries};
     leg.errors = std::ssize(errors_m);
     leg.median_error_m = quantile(errors_m, 0.5);
     leg.largest_error_m = largest(errors_m);
@@ -201,7 +201,7 @@ std::vector<TilePass> passes_of(const std::vector<Try>& tries) {
     }
     const double distance_m = geodesic_between(one.tile->tile.center, one.frame->place).length_m;
     const bool continues = open && one.tile->tile.tile_id == passes.back().tile.tile.tile_id;
-    if (!continues) passes.push_back({*one.tile, one.block, "", "", FrameOutcome::kNoFix, kNaN, false});
+    if (!continues) passes.push_back({*one.tile, one.block, "", "", Outcome::kRefused, kNaN, false});
     TilePass& pass = passes.back();
     if (!continues || distance_m < nearest_m) {
       nearest_m = distance_m;
@@ -238,7 +238,7 @@ void set_errors_of_fixes(const std::vector<Try>& tries, Replay& replay) {
     const ReplayedFrame& frame = *one.frame;
     replay.has_truth = replay.has_truth || frame.place_from == PlaceSource::kTruth || !std::isnan(frame.error_m);
     if (frame.has_fix() && !std::isnan(frame.error_m)) errors_m.push_back(frame.error_m);
-    if (frame.outcome != FrameOutcome::kRight || std::isnan(frame.nees)) continue;
+    if (frame.outcome != Outcome::kCorrect || std::isnan(frame.nees)) continue;
     nees += frame.nees;
     ++judged;
   }
@@ -292,7 +292,14 @@ Replay score_replay(std::span<const ReplayedFlight> flights, PredictedTiles& til
   replay.contradictions = find_contradictions(flown_tiles(replay.passes));
   if (plan) {
     replay.legs = legs_of_plan(tries, *plan);
-    replay.line = line_of(tries);
+    const FlownLine line = line_of(tries);
+    if (line.away > line.frames) {
+      replay.notes.push_back("not flown along the planned line: " + std::to_string(line.away) + " of " +
+                             std::to_string(line.away + line.frames) +
+                             " frames lie farther from it than anything planned; offset, height, heading and speed are "
+                             "of the others");
+    }
+    replay.line = line;
     replay.integrity = integrity_of(flights, plan->selection.max_error_m);
     if (plan->selection.probability) replay.planned_p = plan->selection.probability->p_within_limit;
   }

@@ -12,6 +12,7 @@
 #include "pilotage/mission/integrity.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
+#include "pilotage/mission/simulation.h"
 #include "pilotage/replay/flown_line.h"
 #include "pilotage/replay/grade_fit.h"
 #include "pilotage/replay/predicted_tiles.h"
@@ -20,25 +21,12 @@
 
 namespace pilotage {
 
-/// Tries of flights that were flown, by the names of TriedFixes (simulate/fly_mission.h).
-struct FlownFixes {
-  std::int64_t tries = 0;
-  std::int64_t right = 0;  ///< Right fixes; those whose truth is not known are `unjudged`.
-  std::int64_t unjudged = 0;
-  std::int64_t missed = 0;  ///< Over a stored tile, and no right fix came.
-  /// No right fix came, and no stored tile is known below the frame, nor below the planned line there.
-  std::int64_t not_stored = 0;
-  std::int64_t off_line = 0;  ///< The same, but the planned line is over a stored tile there.
-  std::int64_t false_taken = 0;
-  std::int64_t not_tried = 0;  ///< Frames that gave the matcher nothing to do; not among the tries.
-};
-
 /// P of the tiles below against what came of the tries over them.
 struct PredictedAgainstFlown {
   std::int64_t too_unsure =
       0;                   ///< Tries over a tile with a P that count nowhere here: ReplayScoring::max_prior_sigma_m.
   std::int64_t tries = 0;  ///< Over a stored tile with a P.
-  MatchRate observed;      ///< Right (or unjudged) fixes, of the tries.
+  Share observed;          ///< Right (or unjudged) fixes, of the tries.
   double predicted = std::numeric_limits<double>::quiet_NaN();  ///< Mean P of the tries.
   PredictionQuality quality;  ///< Deciles, Brier skill, AUC; intervals by blocks along the track.
   /// Σ (y − p) in standard deviations, were the tries independent; and with the level of the place, which they share.
@@ -51,9 +39,9 @@ struct FlownLeg {
   double planned_p = std::numeric_limits<double>::quiet_NaN();  ///< LegStatus::p_within_limit.
   double planned_p_fix = std::numeric_limits<double>::quiet_NaN();
   double planned_max_error_m = std::numeric_limits<double>::quiet_NaN();  ///< k·σ.
-  FlownFixes fixes;
+  TryCounts fixes;
   double predicted = std::numeric_limits<double>::quiet_NaN();  ///< Mean P of the tries over stored tiles,
-  MatchRate observed;                                           ///< and how many of them gave a fix.
+  Share observed;                                               ///< and how many of them gave a fix.
   std::int64_t errors = 0;                                      ///< Fixes whose truth is known.
   double median_error_m = std::numeric_limits<double>::quiet_NaN();
   double largest_error_m = std::numeric_limits<double>::quiet_NaN();
@@ -81,7 +69,7 @@ struct TilePass {
   std::int64_t block = 0;
   std::string file;  ///< The frame nearest to the tile's centre,
   std::string status;
-  FrameOutcome outcome = FrameOutcome::kNoFix;  ///< and what came of it.
+  Outcome outcome = Outcome::kRefused;  ///< and what came of it.
   double error_m = std::numeric_limits<double>::quiet_NaN();
   bool won = false;  ///< Any frame of the pass gave a fix.
 };
@@ -92,7 +80,7 @@ struct Replay {
   double correct_within_m = 0;
   bool has_truth = false;
   std::string priors;
-  FlownFixes fixes;
+  TryCounts fixes;
   double median_error_m = std::numeric_limits<double>::quiet_NaN();
   double p95_error_m = std::numeric_limits<double>::quiet_NaN();
   NeesSummary nees;                                 ///< Of right fixes.

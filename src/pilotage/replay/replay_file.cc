@@ -14,15 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json flown_rate_json(const MatchRate& rate) {
-  return {{"count", rate.count},
-          {"of", rate.of},
-          {"rate", json_number(rate.rate)},
-          {"low", rate.interval.low},
-          {"high", rate.interval.high}};
-}
-
-Json flown_fixes_json(const FlownFixes& fixes) {
+Json flown_fixes_json(const TryCounts& fixes) {
   return {{"tries", fixes.tries},
           {"right", fixes.right},
           {"unjudged", fixes.unjudged},
@@ -45,18 +37,13 @@ Json prediction_json(const PredictedAgainstFlown& prediction) {
   quality.erase("bins");  // here as `reliability`
   Json bins = Json::array();
   for (const ReliabilityBin& bin : prediction.quality.bins) {
-    bins.push_back({{"low_p", bin.low},
-                    {"high_p", bin.high},
-                    {"mean_p", bin.mean_value},
-                    {"count", bin.correct},
-                    {"of", bin.count},
-                    {"rate", bin.rate},
-                    {"low", bin.interval.low},
-                    {"high", bin.interval.high}});
+    Json row{{"low_p", bin.low}, {"high_p", bin.high}, {"mean_p", bin.mean_value}};
+    row.update(share_to_json(bin.correct));
+    bins.push_back(std::move(row));
   }
   return {{"tries", prediction.tries},
           {"too_unsure", prediction.too_unsure},
-          {"observed", flown_rate_json(prediction.observed)},
+          {"observed", share_to_json(prediction.observed)},
           {"predicted", json_number(prediction.predicted)},
           {"large_z", json_number(prediction.large_z)},
           {"large_z_with_level", json_number(prediction.large_z_with_level)},
@@ -71,7 +58,7 @@ Json leg_json(const FlownLeg& leg) {
           {"planned_max_error_m", json_number(leg.planned_max_error_m)},
           {"fixes", flown_fixes_json(leg.fixes)},
           {"predicted", json_number(leg.predicted)},
-          {"observed", flown_rate_json(leg.observed)},
+          {"observed", share_to_json(leg.observed)},
           {"errors", leg.errors},
           {"median_error_m", json_number(leg.median_error_m)},
           {"largest_error_m", json_number(leg.largest_error_m)}};
@@ -124,10 +111,11 @@ std::string percent_text(double share) {
   return std::isnan(share) ? "–" : format_fixed(100 * share, 1) + " %";
 }
 
-std::string flown_rate_text(const MatchRate& rate) {
-  if (rate.of == 0) return "none";
-  return std::to_string(rate.count) + " of " + std::to_string(rate.of) + ": " + percent_text(rate.rate) + " [" +
-         format_fixed(100 * rate.interval.low, 1) + ", " + format_fixed(100 * rate.interval.high, 1) + "]";
+std::string flown_share_text(const Share& share) {
+  if (share.of == 0) return "none";
+  const Interval interval = share.interval();
+  return std::to_string(share.count) + " of " + std::to_string(share.of) + ": " + percent_text(share.value()) + " [" +
+         format_fixed(100 * interval.low, 1) + ", " + format_fixed(100 * interval.high, 1) + "]";
 }
 
 std::string number_text(double value, int decimals) {
@@ -135,7 +123,7 @@ std::string number_text(double value, int decimals) {
 }
 
 std::string fixes_text(const Replay& replay) {
-  const FlownFixes& fixes = replay.fixes;
+  const TryCounts& fixes = replay.fixes;
   std::string text = std::to_string(fixes.tries) + " tries: ";
   if (replay.has_truth) text += "right " + std::to_string(fixes.right) + ", ";
   if (fixes.unjudged > 0) text += "fixes without truth " + std::to_string(fixes.unjudged) + ", ";
@@ -153,7 +141,7 @@ std::string fixes_text(const Replay& replay) {
 
 std::string prediction_text(const PredictedAgainstFlown& prediction) {
   const PredictionQuality& quality = prediction.quality;
-  std::string text = "fixes over stored tiles: " + flown_rate_text(prediction.observed) + ", predicted " +
+  std::string text = "fixes over stored tiles: " + flown_share_text(prediction.observed) + ", predicted " +
                      percent_text(prediction.predicted) + "\n";
   if (prediction.too_unsure > 0) {
     text += "not counted, for P is of surer priors: " + std::to_string(prediction.too_unsure) + " tries\n";
@@ -165,8 +153,7 @@ std::string prediction_text(const PredictedAgainstFlown& prediction) {
           " (by chance " + number_text(quality.chance_calibration_error, 3) + ")\n";
   for (const ReliabilityBin& bin : quality.bins) {
     text += "  P " + format_fixed(bin.low, 2) + " … " + format_fixed(bin.high, 2) + ": predicted " +
-            percent_text(bin.mean_value) + ", flown " +
-            flown_rate_text({bin.correct, bin.count, bin.rate, bin.interval}) + "\n";
+            percent_text(bin.mean_value) + ", flown " + flown_share_text(bin.correct) + "\n";
   }
   return text;
 }
@@ -176,7 +163,7 @@ std::string leg_text(const FlownLeg& leg) {
   if (leg.fixes.tries == 0) return text + "not flown\n";
   text += std::to_string(leg.fixes.right + leg.fixes.unjudged) + " fixes of " + std::to_string(leg.fixes.tries) +
           " tries, missed " + std::to_string(leg.fixes.missed) + ", false " + std::to_string(leg.fixes.false_taken) +
-          "; over stored tiles " + percent_text(leg.observed.rate) + ", predicted " + percent_text(leg.predicted);
+          "; over stored tiles " + percent_text(leg.observed.value()) + ", predicted " + percent_text(leg.predicted);
   if (leg.errors > 0) text += "; largest error " + number_text(leg.largest_error_m, 1) + " m";
   return text + "; planned P " + number_text(leg.planned_p, 3) + "\n";
 }

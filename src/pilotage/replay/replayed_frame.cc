@@ -40,12 +40,9 @@ std::optional<InertialError> inertial_error_of(const Fix& fix, const FrameRecord
   return InertialError{error_m.head<2>(), covariance_within_map(alone)};
 }
 
-FrameOutcome outcome_of(const ReplayedFrame& frame, bool has_fix, double correct_within_m) {
-  if (has_fix) {
-    if (std::isnan(frame.error_m)) return FrameOutcome::kUnjudged;
-    return frame.error_m <= correct_within_m ? FrameOutcome::kRight : FrameOutcome::kFalse;
-  }
-  return is_tried_status(frame.status) ? FrameOutcome::kNoFix : FrameOutcome::kNotTried;
+Outcome outcome_of(const ReplayedFrame& frame, bool has_fix, double correct_within_m) {
+  if (has_fix) return outcome_of_fix(frame.error_m, correct_within_m);
+  return is_tried_status(frame.status) ? Outcome::kRefused : Outcome::kNotTried;
 }
 
 /// The best that is known: truth, a fix that is not false, the prior.
@@ -56,7 +53,7 @@ void set_place(ReplayedFrame& frame, const std::optional<GeodeticPoint>& truth,
     frame.place_from = source;
   };
   if (truth) return set(*truth, PlaceSource::kTruth);
-  if (fix && frame.outcome != FrameOutcome::kFalse) return set(*fix, PlaceSource::kFix);
+  if (fix && frame.outcome != Outcome::kFalse) return set(*fix, PlaceSource::kFix);
   if (frame.prior && is_place(*frame.prior)) return set(*frame.prior, PlaceSource::kPrior);
 }
 

@@ -14,15 +14,6 @@
 
 namespace pilotage {
 
-/// What became of a frame.
-enum class FrameOutcome {
-  kRight,     ///< A fix within the limit of the truth.
-  kFalse,     ///< A fix farther off.
-  kUnjudged,  ///< A fix whose truth is not known.
-  kNoFix,     ///< The matcher refused.
-  kNotTried,  ///< Nothing to match: no picture, no prior, a window too large to search.
-};
-
 /// How the place of a frame is known.
 enum class PlaceSource { kTruth, kFix, kBetweenFixes, kPrior, kNone };
 
@@ -37,7 +28,7 @@ struct ReplayedFrame {
   std::string file;
   double time_s = std::numeric_limits<double>::quiet_NaN();
   std::string status;  ///< As fixes.csv has it.
-  FrameOutcome outcome = FrameOutcome::kNotTried;
+  Outcome outcome = Outcome::kNotTried;
   GeodeticPoint place;  ///< Where it was taken; meaningless for kNone.
   PlaceSource place_from = PlaceSource::kNone;
   double height_agl_m = std::numeric_limits<double>::quiet_NaN();
@@ -52,10 +43,10 @@ struct ReplayedFrame {
   std::optional<GeodeticPoint> prior;  ///< What the inertial system said.
   std::optional<InertialError> inertial_error;
 
-  bool is_tried() const { return outcome != FrameOutcome::kNotTried; }
-  bool has_fix() const { return is_tried() && outcome != FrameOutcome::kNoFix; }
+  bool is_tried() const { return outcome != Outcome::kNotTried; }
+  bool has_fix() const { return is_tried() && outcome != Outcome::kRefused; }
   /// A right fix, or one that nobody can judge: false ones are one in a thousand.
-  bool counts_as_right() const { return outcome == FrameOutcome::kRight || outcome == FrameOutcome::kUnjudged; }
+  bool counts_as_right() const { return outcome == Outcome::kCorrect || outcome == Outcome::kUnjudged; }
 };
 
 /// The frames of one flight in the order of their times, one second or more apart or not.

@@ -43,7 +43,7 @@ std::string sigmas_text(double z) {
 /// More false fixes than the rate that the plan reckons with.
 bool too_many_false(const FlownAgainstPlan& flown, const Selection& selection) {
   if (flown.false_taken == 0 || !selection.tries) return false;
-  return binomial_interval(flown.false_taken, flown.without_right).low > selection.tries->false_fix_rate;
+  return Share{flown.false_taken, flown.without_right}.interval().low > selection.tries->false_fix_rate;
 }
 
 const QualityRow* row_named(const std::vector<QualityRow>& rows, std::string_view name) {
@@ -77,8 +77,8 @@ QualityRow flown_row(const FlownAgainstPlan& flown, const Selection& selection) 
       "independent, or with more false fixes than are reckoned with";
   row.decides = true;
   if (flown.tries > 0) {
-    row.number = static_cast<double>(flown.fixes) / static_cast<double>(flown.tries);
-    row.value = share_text(simulated_share(flown.fixes, flown.tries)) + ", " + std::to_string(flown.fixes) + " of " +
+    row.number = Share{flown.fixes, flown.tries}.value();
+    row.value = share_text({flown.fixes, flown.tries}) + ", " + std::to_string(flown.fixes) + " of " +
                 std::to_string(flown.tries) + " tries; predicted " + probability_text(flown.predicted) + ": " +
                 sigmas_text(flown.z_with_level) + " with the level of the place, " + sigmas_text(flown.z) +
                 " were tries independent";
@@ -97,8 +97,8 @@ QualityRow flown_row(const FlownAgainstPlan& flown, const Selection& selection) 
   }
   if (too_many_false(flown, selection)) {
     row.status = std::max(row.status, QualityStatus::kMarginal);
-    row.value += "; false " + share_text(simulated_share(flown.false_taken, flown.without_right)) +
-                 " of tries without a right fix, " + format_number(selection.tries->false_fix_rate) + " reckoned with";
+    row.value += "; false " + share_text({flown.false_taken, flown.without_right}) + " of tries without a right fix, " +
+                 format_number(selection.tries->false_fix_rate) + " reckoned with";
     row.advice +=
         std::string(row.advice.empty() ? "" : " ") +
         "More fixes are false than are reckoned with: look at them (replay --fixes) before flying by this map.";

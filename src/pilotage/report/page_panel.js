@@ -77,7 +77,7 @@ function countThreshold() {
   const value = withUnit(formatted(state.threshold, decimalsNow()), scaleNow().unit);
   $('threshold-text').textContent = value;
   $('threshold-count').textContent = above + ' of ' + all + ' tiles at or above ' + value + (flown ? '; ' + selectedBelow + ' chosen tiles below' : '') +
-    (share === null ? '' : '; ' + Math.floor(100 * share + 1e-9) + ' % of the route over tiles at or above');
+    (share === null ? '' : '; ' + percentWords(share) + ' of the route over tiles at or above');
 }
 function updateThreshold() {
   if (isDecision()) {

@@ -48,7 +48,7 @@ function foundText(i) {
   const ncc = seenValue(row, 'epoch_ncc');
   if (ncc !== null) {
     const more = [['epoch_margin', (value) => Math.abs(value).toFixed(2) + (value < 0 ? ' below' : ' above') + ' the best wrong place'],
-      ['epoch_survival', (value) => Math.floor(value * 100 + 1e-9) + ' % of the features found again'],
+      ['epoch_survival', (value) => percentWords(value) + ' of the features found again'],
       ['epoch_disagreement_m', (value) => 'georeferences ' + value.toFixed(1) + ' m apart']];
     said.push('Second date: its picture of this tile correlates with the map by ' + ncc.toFixed(2) + more.map(([name, words]) => {
       const value = seenValue(row, name);

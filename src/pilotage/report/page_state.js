@@ -36,6 +36,8 @@ function passes(i) {
 function formatted(value, decimals) {
   return value === null || value === undefined ? '–' : value.toFixed(decimals);
 }
+// As percent_text: what is not complete is not 100 %, what is something is not 0 %.
+const percentWords = (fraction) => (fraction > 0 && fraction < 0.01 ? 'less than 1' : Math.floor(fraction * 100 + 1e-9)) + ' %';
 function withUnit(text, unit) {
   return unit && unit !== '1' ? text + ' ' + unit : text;
 }

@@ -25,7 +25,6 @@ function durationWords(duration_s) {
   const whole_s = Math.round(duration_s);
   return whole_s < 600 ? whole_s + ' s' : Math.floor(whole_s / 60) + ' min ' + whole_s % 60 + ' s';
 }
-const percentWords = (fraction) => Math.floor(fraction * 100 + 1e-9) + ' %';
 const probabilityWords = (p) => (p === null ? '–' : fixedWords(Math.floor(p * 1000 + 1e-6) / 1000, 3));
 const probabilityComparison = (route) => probabilityWords(route.p_within_limit) +
   (route.p_within_limit >= route.min_p_within_limit ? ' ≥ ' : ' < ') + probabilityWords(route.min_p_within_limit) +

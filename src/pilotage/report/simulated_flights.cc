@@ -25,17 +25,17 @@ constexpr int kOutlineCorners = 32;
 /// Rows of the table along the route, at most about so many.
 constexpr double kMostMarkRows = 20;
 
-std::string flights_of(const SimulatedShare& share) {
+std::string flights_of(const Share& share) {
   return std::to_string(share.count) + " of " + std::to_string(share.of) + " flights";
 }
 
-std::string difference_text(double planned, const SimulatedShare& simulated) {
+std::string difference_text(double planned, const Share& simulated) {
   if (simulated.of == 0 || std::isnan(planned)) return "–";
   const auto part = [&](double share) {
     const double difference = share - planned;
     return (difference < 0 ? "−" : "+") + format_fixed(std::abs(difference), 3);
   };
-  return part(simulated.share()) + " [" + part(simulated.interval.low) + ", " + part(simulated.interval.high) + "]";
+  return part(simulated.value()) + " [" + part(simulated.interval().low) + ", " + part(simulated.interval().high) + "]";
 }
 
 std::string metres_or_dash(double length_m) {
@@ -49,7 +49,7 @@ std::string table_html(const std::string& what, const std::vector<std::string>& 
   return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
 }
 
-std::string share_cell(const std::string& label, const SimulatedShare& share) {
+std::string share_cell(const std::string& label, const Share& share) {
   return cell_html(label, share_text(share));
 }
 
@@ -126,7 +126,7 @@ std::string most_lost_text(const Simulation& simulation) {
 }
 
 std::string fixes_text(const Simulation& simulation) {
-  const TriedFixes& fixes = simulation.fixes;
+  const TryCounts& fixes = simulation.fixes;
   return "Of " + std::to_string(fixes.tries) + " tries in all flights " + std::to_string(fixes.right) +
          " gave a right fix, " + std::to_string(fixes.missed) + " none over a stored tile, " +
          std::to_string(fixes.not_stored) + " were over ground that is not stored, " + std::to_string(fixes.off_line) +
@@ -182,7 +182,7 @@ QualityRow simulated_row(const Simulation& simulation, const Selection& selectio
   row.label = by_frames ? "Flights by computed frames that stay within the limit"
                         : "Simulated flights that stay within the limit";
   row.kind = NumberKind::kSimulated;
-  row.number = simulation.within.share();
+  row.number = simulation.within.value();
   row.unit = "1";
   row.value = share_text(simulation.within) + ", " + flights_of(simulation.within) + "; planned " +
               probability_text(simulation.planned_p) + (by_frames ? "; " + frames_of_text(simulation) : "");
@@ -196,8 +196,8 @@ QualityRow simulated_row(const Simulation& simulation, const Selection& selectio
   row.threshold = "good when " + std::string(by_frames ? "it" : "the lower end of the interval") + " reaches " +
                   probability_text(asked) + ", bad when the upper end of the interval does not";
   row.decides = true;
-  if ((by_frames ? simulation.within.share() : simulation.within.interval.low) >= asked) return row;
-  row.status = simulation.within.interval.high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
+  if ((by_frames ? simulation.within.value() : simulation.within.interval().low) >= asked) return row;
+  row.status = simulation.within.interval().high < asked ? QualityStatus::kBad : QualityStatus::kMarginal;
   row.advice =
       row.status == QualityStatus::kBad
           ? most_lost_text(simulation)

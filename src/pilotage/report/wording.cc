@@ -49,6 +49,7 @@ std::string duration_text(double duration_s) {
 
 std::string percent_text(double fraction) {
   if (!std::isfinite(fraction)) return "unknown";
+  if (fraction > 0 && fraction < 0.01) return "less than 1 %";
   return format_fixed(std::floor(fraction * 100 + 1e-9), 0) + " %";
 }
 

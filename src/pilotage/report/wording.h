@@ -18,7 +18,7 @@ std::string comparison_text(double error_m, double limit_m);
 /// "122 s", "14 min 5 s" from ten minutes.
 std::string duration_text(double duration_s);
 
-/// "87 %": rounded down, so that what is not complete never reads 100 %.
+/// "87 %": rounded down, so that what is not complete never reads 100 %; "less than 1 %" where there is something.
 std::string percent_text(double fraction);
 
 /// "1.4 MiB", "812 bytes".

@@ -1,6 +1,7 @@
 #include "pilotage/reroute/judged_line.h"
 
 #include <cmath>
+#include <utility>
 
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/geo/geodesic.h"
@@ -70,7 +71,11 @@ JudgedLine judge_as_prepare(const PrepareOptions& options, const TileOptions& ti
                             const Progress& progress) {
   JudgedLine line;
   line.mission = plan_tiles(tile, progress);
-  line.scores = score_ground(line.mission.ground, score_options_of(options), run.seed, run.threads, progress).scores;
+  GroundScores scored = score_ground(line.mission.ground, score_options_of(options), run.seed, run.threads, progress);
+  line.scores = std::move(scored.scores);
+  if (scored.second_epoch) {
+    line.second_date = second_date_assumption(*scored.second_epoch, options.score.registration);
+  }
   line.selection = select_tiles(line.mission, line.scores, stored_size(options.build, line.mission.ground),
                                 options.select, run.threads);
   judge(line, fly_plan(line.mission, line.scores, line.selection, options, run.seed, run.threads, progress));

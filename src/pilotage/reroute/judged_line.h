@@ -18,7 +18,8 @@ struct JudgedLine {
   std::vector<TileScores> scores;
   Selection selection;
   QualityStatus status = QualityStatus::kBad;
-  std::string text;  ///< The verdict in one line, as `prepare` prints it.
+  std::string text;         ///< The verdict in one line, as `prepare` prints it.
+  std::string second_date;  ///< What was taken for granted of it (score/score_second_epoch.h); "" without one.
 };
 
 /// Fills status and text from the rest, and from drawn flights where there are any, by the rows and the words of the

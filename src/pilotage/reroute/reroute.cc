@@ -210,6 +210,7 @@ RerouteResult reroute(const RerouteOptions& given, const RerouteRun& run, const 
   result.before = figures_of(before, zones);
   result.after = figures_of(*after, zones);
   result.assumptions = assumptions_line(after->mission, after->selection);
+  if (!after->second_date.empty()) result.notes.push_back(after->second_date);
   result.removed_items = plan.removed;
   result.lost_items = plan.lost;
   result.shifted_items = plan.shifted;

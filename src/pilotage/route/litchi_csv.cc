@@ -110,7 +110,6 @@ Route parse_litchi_csv(const std::string& name, std::string_view text, const Rou
   std::vector<double> turns_m;  // of each row
   std::vector<GeodeticPoint> points;
   double lead_mps = kNaN;
-  int last = -1;
   while (const std::vector<std::string>* cells = table.next()) {
     const std::string where = table.where();
     const auto number = [&](const TableColumn& column) { return cell_number(*cells, column, table.columns(), where); };
@@ -137,15 +136,9 @@ Route parse_litchi_csv(const std::string& name, std::string_view text, const Rou
     lead_mps = own_mps;
     notes.without_speed += std::isnan(own_mps) ? 1 : 0;
     notes.not_down += columns.gimbal && number(*columns.gimbal) > -89.5 ? 1 : 0;
-    vertex.source_item = static_cast<int>(points.size()) + 1;
-    vertex.kind = "waypoint";
     turns_m.push_back(number_or(columns.curve, 0));
     points.push_back(vertex.point);
-    const int index = append_vertex(route, vertex);
-    if (last >= 0 && index != last) append_leg(route, last, index);
-    route.items.push_back({vertex.source_item, -1, "waypoint",
-                           index != last ? "vertex" : "no vertex: same place and height as the vertex before"});
-    last = index;
+    append_waypoint(route, vertex);
   }
   double widest_m = 0;
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {

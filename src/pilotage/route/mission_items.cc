@@ -314,7 +314,7 @@ void fly_to_item(Follower& follower, Cursor& cursor, GeodeticPoint point) {
   fly_item_to(follower, cursor, vertex, known);
   const auto added = follower.route.vertices.size() - count;
   follower.became[cursor.item] = added == 1   ? "vertex"
-                                 : added == 0 ? "no vertex: same place and height as the vertex before"
+                                 : added == 0 ? kSamePlaceText
                                               : "spline, " + std::to_string(added) + " vertices";
 }
 

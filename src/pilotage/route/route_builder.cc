@@ -58,6 +58,15 @@ bool append_leg(Route& route, int from, int to) {
   return true;
 }
 
+void append_waypoint(Route& route, RouteVertex vertex) {
+  const int last = static_cast<int>(route.vertices.size()) - 1;
+  vertex.source_item = static_cast<int>(route.items.size()) + 1;
+  vertex.kind = "waypoint";
+  const int index = append_vertex(route, vertex);
+  if (last >= 0 && index != last) append_leg(route, last, index);
+  route.items.push_back({vertex.source_item, -1, "waypoint", index != last ? "vertex" : kSamePlaceText});
+}
+
 void add_note(Route& route, const std::string& note) {
   if (std::find(route.notes.begin(), route.notes.end(), note) == route.notes.end()) route.notes.push_back(note);
 }

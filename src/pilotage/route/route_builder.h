@@ -26,6 +26,13 @@ int append_vertex(Route& route, const RouteVertex& vertex);
 /// Appends the leg unless it has no length. Says whether it did.
 bool append_leg(Route& route, int from, int to);
 
+/// What makes a vertex no vertex of its own (append_vertex), for Route::items.
+inline constexpr const char* kSamePlaceText = "no vertex: same place and height as the vertex before";
+
+/// Appends the next waypoint of a file that is a list of them: the vertex, the leg to it, and its item, the next number
+/// from 1.
+void append_waypoint(Route& route, RouteVertex vertex);
+
 /// Adds a sentence unless it stands there already.
 void add_note(Route& route, const std::string& note);
 

@@ -62,7 +62,6 @@ Route parse_ugcs_csv(const std::string& name, std::string_view text, const Route
   route.format = "UgCS CSV";
   std::vector<double> speeds_mps;
   std::size_t with_both = 0;
-  int last = -1;
   while (const std::vector<std::string>* cells = table.next()) {
     const std::string where = table.where();
     const std::string place = where.substr(0, where.size() - 2);
@@ -81,14 +80,8 @@ Route parse_ugcs_csv(const std::string& name, std::string_view text, const Route
     if (vertex.speed_mps <= 0 || vertex.speed_mps > 1000) {
       throw DataError(where + "its Speed, " + format_number(vertex.speed_mps) + " m/s, is outside (0, 1000]");
     }
-    vertex.source_item = static_cast<int>(route.items.size()) + 1;
-    vertex.kind = "waypoint";
     speeds_mps.push_back(vertex.speed_mps);
-    const int index = append_vertex(route, vertex);
-    if (last >= 0 && index != last) append_leg(route, last, index);
-    route.items.push_back({vertex.source_item, -1, "waypoint",
-                           index != last ? "vertex" : "no vertex: same place and height as the vertex before"});
-    last = index;
+    append_waypoint(route, vertex);
   }
   if (with_both > 0 && !options.agl_m) {
     add_note(route, std::to_string(with_both) + " of " + std::to_string(route.items.size()) +

@@ -79,16 +79,9 @@ Route parse_ugcs_json(const std::string& name, const nlohmann::ordered_json& jso
   route.name = name;
   route.format = "UgCS route (JSON)";
   std::vector<UgcsWaypoint> waypoints;
-  int last = -1;
   for (JsonObject& segment : ugcs.objects("segments")) {
     UgcsWaypoint waypoint = ugcs_waypoint(segment, name);
-    waypoint.vertex.source_item = static_cast<int>(waypoints.size()) + 1;
-    waypoint.vertex.kind = "waypoint";
-    const int index = append_vertex(route, waypoint.vertex);
-    if (last >= 0 && index != last) append_leg(route, last, index);
-    route.items.push_back({waypoint.vertex.source_item, -1, "waypoint",
-                           index != last ? "vertex" : "no vertex: same place and height as the vertex before"});
-    last = index;
+    append_waypoint(route, waypoint.vertex);
     waypoints.push_back(std::move(waypoint));
   }
   double widest_m = 0;

@@ -224,6 +224,10 @@ std::vector<EpochScores> score_epoch_tiles(const DatePair& dates, const WarpFiel
   return scores;
 }
 
+std::string second_date_assumption(const SecondEpoch& epoch, const RegistrationOptions& options) {
+  return "of imagery and second date: " + shadows_assumption(options, epoch.registration.gsd_m);
+}
+
 SecondEpoch register_second_epoch(const Ground& ground, const ScoreOptions& options, int threads,
                                   const Progress& progress) {
   for (const GridLevel& level : ground.levels) check_grid(ground.crs, level.matrix.map_from_pixel);

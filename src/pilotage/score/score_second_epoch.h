@@ -20,6 +20,9 @@ struct SecondEpoch {
   Bounds area_m;  ///< That was looked at, in the CRS of the ground.
 };
 
+/// What bringing it onto the reference took for granted, a sentence for who judges by it.
+std::string second_date_assumption(const SecondEpoch& epoch, const RegistrationOptions& options);
+
 /// What the second date, drawn onto the reference by `field`, says of tiles of a level, named by their index in its
 /// matrix. `dates` is on the grid of the matrix: north-up, square pixels, metres.
 ///  - ncc: the second date's tile correlated with the reference at its place, the highest within kEpochPlace_px of it;

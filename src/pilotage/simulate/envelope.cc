@@ -27,8 +27,6 @@ constexpr double kLeastOfFrame = 0.9;  // that shows imagery
 constexpr double kSureP = 0.5;
 constexpr double kAsGood = 0.9;
 
-enum class Answer { kNoFrame, kNothing, kCorrect, kWrong };
-
 /// What a thread keeps: the map, and a camera for each world and GSD ratio.
 struct EnvelopeWorker {
   MapReader map;
@@ -50,8 +48,8 @@ struct EnvelopeRun {
 };
 
 /// One place in one cell. Its random numbers are those of the place.
-Answer answer_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t number, const EnvelopePlace& place,
-                 EnvelopeWorker& worker) {
+Outcome outcome_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t number, const EnvelopePlace& place,
+                   EnvelopeWorker& worker) {
   const EnvelopeOptions& options = run.options;
   const FlightSample& sample = run.mission.flight.samples[place.sample];
   const auto varied = [&](EnvelopeFactor factor, double otherwise) {
@@ -80,13 +78,12 @@ Answer answer_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t n
   prior.attitude.roll_deg += error_deg * random.normal();
 
   RenderedFrame frame = camera->frame_at(pose);
-  if (frame.valid_fraction < kLeastOfFrame) return Answer::kNoFrame;
+  if (frame.valid_fraction < kLeastOfFrame) return Outcome::kNotTried;
   if (run.worlds[cell.world].of_the_map) FrameDegrader(options.degradation, random.next()).apply(frame.gray);
   const MatchResult result = match(frame.gray, prior, camera->camera(), worker.map, options.match);
   require_frame_was_tried(result, worker.map.name());
-  if (!result.fix) return Answer::kNothing;
-  const bool correct = error_of_fix(*result.fix, pose.position, FrameTruth::kNadir).error_m <= options.correct_within_m;
-  return correct ? Answer::kCorrect : Answer::kWrong;
+  if (!result.fix) return Outcome::kRefused;
+  return outcome_of_fix(error_of_fix(*result.fix, pose.position, FrameTruth::kNadir).error_m, options.correct_within_m);
 }
 
 std::vector<EnvelopeCell> empty_cells(const EnvelopeOptions& options, std::size_t worlds) {
@@ -129,14 +126,12 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
   }
 }
 
-void count(const std::vector<Answer>& answers, EnvelopeCell& cell) {
-  for (const Answer answer : answers) {
-    if (answer != Answer::kNoFrame) ++cell.frames;
-    if (answer == Answer::kCorrect) ++cell.correct;
-    if (answer == Answer::kWrong) ++cell.wrong;
+void count(const std::vector<Outcome>& outcomes, EnvelopeCell& cell) {
+  for (const Outcome outcome : outcomes) {
+    if (outcome != Outcome::kNotTried) ++cell.frames;
+    if (outcome == Outcome::kCorrect) ++cell.correct;
+    if (outcome == Outcome::kFalse) ++cell.wrong;
   }
-  cell.correct_interval = binomial_interval(cell.correct, cell.frames);
-  cell.wrong_interval = binomial_interval(cell.wrong, cell.correct + cell.wrong);
 }
 
 std::vector<std::string> envelope_notes(const std::vector<std::string>& worlds) {
@@ -239,7 +234,7 @@ HeightMargin height_margin(const std::vector<EnvelopeCell>& cells, std::size_t w
     if (cell.factor == EnvelopeFactor::kHeight) heights.push_back(cell);
   }
   margin.planned_p = planned.p();
-  const auto is_sure = [](const EnvelopeCell& cell) { return cell.correct_interval.low >= kSureP; };
+  const auto is_sure = [](const EnvelopeCell& cell) { return cell.correct_share().interval().low >= kSureP; };
   if (is_sure(planned)) margin.sure_m = reach(heights, planned_height_m, is_sure);
   if (planned.correct > 0) {
     margin.as_good_m = reach(heights, planned_height_m,
@@ -269,7 +264,7 @@ Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& sc
   rendered.frame_width_px = options.frame_width_px;
   EnvelopeRun run{mission, options, seed, {}, rendered_camera(mission, rendered)};
   for (const std::string& world : envelope.worlds) run.worlds.push_back(make_rendered_world(mission, world));
-  std::vector<std::vector<Answer>> answers(envelope.cells.size(), std::vector<Answer>(envelope.places.size()));
+  std::vector<std::vector<Outcome>> outcomes(envelope.cells.size(), std::vector<Outcome>(envelope.places.size()));
   std::vector<std::unique_ptr<EnvelopeWorker>> workers(static_cast<std::size_t>(thread_count(threads)));
   std::mutex reporting;
   std::int64_t done = 0;
@@ -279,11 +274,11 @@ Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& sc
     if (!worker) worker = std::make_unique<EnvelopeWorker>(EnvelopeWorker{open_map(), {}});
     const std::size_t cell = index / envelope.places.size();
     const std::size_t place = index % envelope.places.size();
-    answers[cell][place] = answer_at(run, envelope.cells[cell], place, envelope.places[place], *worker);
+    outcomes[cell][place] = outcome_at(run, envelope.cells[cell], place, envelope.places[place], *worker);
     const std::lock_guard lock(reporting);
     report_progress(progress, "matching", ++done, static_cast<std::int64_t>(total));
   });
-  for (std::size_t cell = 0; cell < answers.size(); ++cell) count(answers[cell], envelope.cells[cell]);
+  for (std::size_t cell = 0; cell < outcomes.size(); ++cell) count(outcomes[cell], envelope.cells[cell]);
   for (std::size_t world = 0; world < envelope.worlds.size(); ++world) {
     envelope.margins.push_back(height_margin(envelope.cells, world, envelope.planned_height_m));
   }

@@ -88,11 +88,11 @@ struct EnvelopeCell {
   std::size_t world = 0;    ///< Index into Envelope::worlds.
   std::int64_t frames = 0;  ///< Places where the world has imagery for a frame.
   std::int64_t correct = 0;
-  std::int64_t wrong = 0;           ///< False fixes.
-  Interval correct_interval{0, 1};  ///< Of correct / frames, 95 %, Clopper and Pearson.
-  Interval wrong_interval{0, 1};    ///< Of wrong / fixes.
+  std::int64_t wrong = 0;  ///< False fixes.
 
-  double p() const { return frames > 0 ? static_cast<double>(correct) / static_cast<double>(frames) : 0; }
+  Share correct_share() const { return {correct, frames}; }
+  double p() const { return frames > 0 ? correct_share().value() : 0; }
+  Share wrong_share() const { return {wrong, correct + wrong}; }  ///< Of the fixes.
 };
 
 /// How far a world's heights may be from the planned one.

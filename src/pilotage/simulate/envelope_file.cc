@@ -63,8 +63,9 @@ std::vector<std::vector<const EnvelopeCell*>> rows_of(const Envelope& envelope) 
 }
 
 std::string cell_text(const EnvelopeCell& cell) {
-  return "P(correct) " + probability_text(cell.p()) + " [" + probability_text(cell.correct_interval.low) + ", " +
-         probability_text(cell.correct_interval.high) + "], " + std::to_string(cell.correct) + " correct and " +
+  const Interval interval = cell.correct_share().interval();
+  return "P(correct) " + probability_text(cell.p()) + " [" + probability_text(interval.low) + ", " +
+         probability_text(interval.high) + "], " + std::to_string(cell.correct) + " correct and " +
          std::to_string(cell.wrong) + " false of " + std::to_string(cell.frames) + " frames";
 }
 
@@ -123,6 +124,8 @@ EnvelopeJson envelope_to_json(const Envelope& envelope) {
     json["places"].push_back({{"tile_id", place.tile_id}, {"p", place.p}});
   }
   for (const EnvelopeCell& cell : envelope.cells) {
+    const Interval correct = cell.correct_share().interval();
+    const Interval wrong = cell.wrong_share().interval();
     json["cells"].push_back(
         {{"factor", factor_name(cell.factor)},
          {"value", cell.factor == EnvelopeFactor::kPlanned ? EnvelopeJson() : EnvelopeJson(cell.value)},
@@ -130,11 +133,11 @@ EnvelopeJson envelope_to_json(const Envelope& envelope) {
          {"frames", cell.frames},
          {"correct", cell.correct},
          {"false", cell.wrong},
-         {"p_correct", cell.frames > 0 ? EnvelopeJson(cell.p()) : EnvelopeJson()},
-         {"p_correct_low", cell.correct_interval.low},
-         {"p_correct_high", cell.correct_interval.high},
-         {"false_share_low", cell.wrong_interval.low},
-         {"false_share_high", cell.wrong_interval.high}});
+         {"p_correct", json_number(cell.correct_share().value())},
+         {"p_correct_low", correct.low},
+         {"p_correct_high", correct.high},
+         {"false_share_low", wrong.low},
+         {"false_share_high", wrong.high}});
   }
   for (const HeightMargin& margin : envelope.margins) {
     json["height_margins"].push_back({{"world", margin.world},
@@ -154,9 +157,10 @@ std::string envelope_to_csv(const Envelope& envelope) {
             (cell.factor == EnvelopeFactor::kPlanned ? "" : format_number(cell.value)) + "," +
             csv_cell(envelope.worlds[cell.world]) + "," + std::to_string(cell.frames) + "," +
             std::to_string(cell.correct) + "," + std::to_string(cell.wrong) + "," +
-            (cell.frames > 0 ? format_number(cell.p()) : "");
-    for (const double bound :
-         {cell.correct_interval.low, cell.correct_interval.high, cell.wrong_interval.low, cell.wrong_interval.high}) {
+            (cell.frames > 0 ? format_number(cell.correct_share().value()) : "");
+    const Interval correct = cell.correct_share().interval();
+    const Interval wrong = cell.wrong_share().interval();
+    for (const double bound : {correct.low, correct.high, wrong.low, wrong.high}) {
       text += "," + format_number(bound);
     }
     text += "\n";

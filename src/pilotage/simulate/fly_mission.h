@@ -39,7 +39,7 @@ struct SimulatedFlight {
   std::optional<std::size_t> unsure_at;
   std::optional<std::size_t> off_at;
   std::optional<std::size_t> unaware_at;  ///< First place where it is off and the filter does not know.
-  TriedFixes fixes;
+  TryCounts fixes;
   FoundByP found;
   IntegrityCount integrity;  ///< Seconds flown without GNSS.
   std::vector<ErrorAtMark> marks;

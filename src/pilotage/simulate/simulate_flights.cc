@@ -21,7 +21,7 @@ constexpr std::size_t kFewestForR95 = 60;
 constexpr std::size_t kLargestBatch = 64;
 constexpr std::size_t kMostLosses = 200;
 
-void add(const TriedFixes& one, TriedFixes& sum) {
+void add(const TryCounts& one, TryCounts& sum) {
   sum.tries += one.tries;
   sum.right += one.right;
   sum.missed += one.missed;
@@ -34,9 +34,8 @@ void add(const TriedFixes& one, TriedFixes& sum) {
 }
 
 template <class Condition>
-SimulatedShare share_of(const std::vector<SimulatedFlight>& flights, Condition condition) {
-  return simulated_share(std::count_if(flights.begin(), flights.end(), condition),
-                         static_cast<std::int64_t>(flights.size()));
+Share share_of(const std::vector<SimulatedFlight>& flights, Condition condition) {
+  return {std::count_if(flights.begin(), flights.end(), condition), static_cast<std::int64_t>(flights.size())};
 }
 
 std::vector<SimulatedLeg> legs_of(const SimulatedMission& mission, const std::vector<SimulatedFlight>& flights) {
@@ -50,7 +49,7 @@ std::vector<SimulatedLeg> legs_of(const SimulatedMission& mission, const std::ve
       return std::count_if(flights.begin(), flights.end(),
                            [&](const SimulatedFlight& f) { return f.lost_at(samples.size()) >= at; });
     };
-    legs.push_back({samples[begin].leg, mission.planned_leg_p[index], simulated_share(still(end), still(begin))});
+    legs.push_back({samples[begin].leg, mission.planned_leg_p[index], {still(end), still(begin)}});
     begin = end;
   }
   return legs;
@@ -133,7 +132,7 @@ std::vector<SimulatedBin> bins_of(const std::vector<SimulatedFlight>& flights) {
       sum.sum_p += flight.found.bins[b].sum_p;
     }
     if (sum.tries == 0) continue;
-    bins.push_back({sum.sum_p / static_cast<double>(sum.tries), simulated_share(sum.right, sum.tries)});
+    bins.push_back({sum.sum_p / static_cast<double>(sum.tries), {sum.right, sum.tries}});
   }
   return bins;
 }

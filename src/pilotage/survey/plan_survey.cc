@@ -120,8 +120,6 @@ SurveyedGround plan_survey(const std::vector<std::string>& imagery, const Survey
 
   const double usable_gsd_m = choose_working_gsd({}, 0, camera_gsd_m, side_m).gsd_m;
   area.warnings = imagery_warnings(infos, usable_gsd_m);
-  const std::string narrow = narrow_view_warning(options.camera);
-  if (!narrow.empty()) area.warnings.push_back(narrow);
   return area;
 }
 

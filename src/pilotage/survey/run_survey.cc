@@ -145,6 +145,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
     const DisagreementRaster layer = disagreement_raster(epoch.registration.fit.field, epoch.area_m);
     write_score_raster(publish_later("survey_disagreement.tif"), layer.bands, ground.crs, layer.map_from_pixel, true,
                        scoring);
+    input.second_date_assumption = second_date_assumption(epoch, options.score.registration);
   }
   input.scores = std::move(scored.scores);
   drop_tiles_without_imagery(ground, input.scores);

@@ -79,6 +79,7 @@ std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {
                     (input.second_dates.empty() ? "; no second date, so what seasons and years change is not measured"
                                                 : "; second date: " + dates_of(input.second_dates) +
                                                       ", which is shown beside P and is no part of it"));
+  if (!input.second_date_assumption.empty()) phrases.push_back(input.second_date_assumption);
   phrases.push_back(model_phrase(input, known));
   return phrases;
 }

@@ -26,7 +26,8 @@ struct SurveyInput {
   FlyingMatcher matcher = FlyingMatcher::kFeatures;
   std::string model;  ///< File of the parameters of P(correct fix); "" for those that come with the program.
   std::vector<ImageryDataset> second_dates;
-  Raster imagery;  ///< As ReportInput has them, and the next two.
+  std::string second_date_assumption;  ///< What was taken for granted of it; "" without one.
+  Raster imagery;                      ///< As ReportInput has them, and the next two.
   TilePictures pictures;
   std::function<GeodeticPoint(Eigen::Vector2d)> geodetic_from_map;
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();

@@ -342,14 +342,12 @@ std::string tile_larger_than_imagery(const Mission& mission, const std::vector<I
 }
 
 // Input that can be used, but is hardly what was meant.
-void warn_of_mistakes(const TileOptions& options, const std::vector<ImageryInfo>& infos, Mission& mission) {
+void warn_of_mistakes(const std::vector<ImageryInfo>& infos, Mission& mission) {
   for (const ImageryInfo& info : infos) {
     if (!looks_like_heights(info)) continue;
     mission.warnings.push_back(info.dataset + ": its one band of " + info.band_type +
                                " values looks like an elevation model, not like imagery; give it as --elevation");
   }
-  const std::string warning = narrow_view_warning(options.camera);
-  if (!warning.empty()) mission.warnings.push_back(warning);
 }
 
 void check_date(const std::string& option, const std::string& text) {
@@ -475,7 +473,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   Mission mission;
   const auto infos = inspect_all(options, progress);
   add_imagery(mission, options, infos);
-  warn_of_mistakes(options, infos, mission);
+  warn_of_mistakes(infos, mission);
   const std::shared_ptr<const Elevation> elevation = open_elevation(options, mission);
   mission.flight.route_file = options.route;
   mission.ground.imagery.options = options.imagery_options;
