@@ -1,6 +1,5 @@
 #include "pilotage/capture/capture.h"
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -27,12 +26,15 @@
 namespace pilotage {
 namespace {
 
+using pilotage::testing::capture_to;
 using pilotage::testing::draw_flight;
 using pilotage::testing::DrawnFlight;
 using pilotage::testing::DrawnFrame;
 using pilotage::testing::error_of;
 using pilotage::testing::misplacements_m;
+using pilotage::testing::options_of;
 using pilotage::testing::TemporaryFolder;
+using pilotage::testing::worst_frame_m;
 using pilotage::testing::write_control_points;
 using pilotage::testing::write_ground;
 using pilotage::testing::write_table;
@@ -56,26 +58,6 @@ const DrawnOnce& drawn() {
   return once;
 }
 
-CaptureOptions options_of(const DrawnFlight& flight) {
-  CaptureOptions options;
-  options.camera.width_px = flight.camera.width_px;
-  options.camera.height_px = flight.camera.height_px;
-  options.camera.hfov_deg = 2 * std::atan(flight.camera.width_px / 2.0 / flight.camera.fx_px) * 180 / M_PI;
-  options.position_sigma_m = 0.3;
-  options.height_sigma_m = 1;
-  return options;
-}
-
-CaptureResult capture_to(const std::filesystem::path& map, const std::filesystem::path& table,
-                         const CaptureOptions& options, int threads = 0) {
-  OutputFile output(map, true);
-  OutputFile map_sigma(map_sigma_path(map), true);
-  CaptureResult done = capture({table.string()}, options, output, map_sigma, threads);
-  map_sigma.commit();
-  output.commit();
-  return done;
-}
-
 /// The drawn flight as it is, once, by three threads.
 const std::pair<std::filesystem::path, CaptureResult>& captured_once() {
   static const std::filesystem::path map = drawn().folder / "map.tif";
@@ -95,21 +77,12 @@ std::string refused(const std::filesystem::path& table, const CaptureOptions& op
   return message;
 }
 
-/// How far the adjusted frames lie from where they were, metres.
-double worst_frame_m(const CaptureResult& done) {
-  double worst_m = 0;
-  for (std::size_t i = 0; i < done.frames.size(); ++i) {
-    worst_m = std::max(worst_m, geodesic_between(done.frames[i].adjusted, drawn().flight.frames[i].nadir).length_m);
-  }
-  return worst_m;
-}
-
 TEST(Capture, AMapLiesWhereItsGroundIs) {
   const auto& [map, done] = captured_once();
   EXPECT_EQ(done.frames.size(), 20U);
   EXPECT_LT(done.reprojection_rms_px, 0.5);
   EXPECT_NEAR(done.gsd_m, 0.15, 0.01);
-  EXPECT_LT(worst_frame_m(done), 0.6);
+  EXPECT_LT(worst_frame_m(drawn().flight, done), 0.6);
   const std::vector<double> misses_m = misplacements_m(drawn().flight, map);
   ASSERT_GT(misses_m.size(), 40U);
   // Pixels of the true ground are 0.25 m: so exact is the comparison.
@@ -328,7 +301,7 @@ TEST(CaptureThorough, PositionsThatLagComeOutAsAClock) {
   const CaptureResult done =
       capture_to(folder / "lag.tif", write_table(folder.path(), frames, true), options_of(flight));
   EXPECT_NEAR(done.clock_offset_s, kLag_s, 0.1);
-  EXPECT_LT(worst_frame_m(done), 0.8);
+  EXPECT_LT(worst_frame_m(drawn().flight, done), 0.8);
 }
 
 TEST(CaptureThorough, ACameraThatIsTurnedAgainstItsStatedAttitude) {
@@ -392,7 +365,7 @@ TEST(CaptureThorough, ControlPointsTellWhatAllPositionsMissAlike) {
   EXPECT_LT(done.control_rms_m, 0.1);
   EXPECT_NEAR(done.bias_east_m, 4, 0.3);
   EXPECT_NEAR(done.bias_north_m, 0, 0.3);
-  EXPECT_LT(worst_frame_m(done), 0.6);
+  EXPECT_LT(worst_frame_m(drawn().flight, done), 0.6);
   EXPECT_LE(quantile(misplacements_m(flight, folder / "controlled.tif"), 0.95), 3 * 0.25);
   write_control_points(folder.path(), flight, points, kHill_m, 3);
   EXPECT_THAT(refused(table, options), HasSubstr("control point \"500158"));
@@ -424,7 +397,7 @@ TEST(CaptureThorough, AMapTiedToAnotherLiesWhereThatOneHasTheGround) {
   EXPECT_NEAR(done.alignment->before.median_shift_en_m.x(), 4, 0.6);
   EXPECT_LT(done.alignment->after.median_shift_en_m.norm(), 0.2);
   EXPECT_NEAR(done.bias_east_m, 4, 0.6);
-  EXPECT_LT(worst_frame_m(done), 1);
+  EXPECT_LT(worst_frame_m(drawn().flight, done), 1);
   EXPECT_LE(quantile(misplacements_m(flight, folder / "aligned.tif"), 0.95), 3 * 0.25);
   EXPECT_GT(done.map_sigma_median_m, 0.2);
   EXPECT_LT(done.map_sigma_median_m, 0.5);

@@ -1,5 +1,6 @@
 #include "drawn_flight.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -12,8 +13,10 @@
 #include "pilotage/camera/attitude.h"
 #include "pilotage/camera/lens.h"
 #include "pilotage/camera/render_frame.h"
+#include "pilotage/geo/geodesic.h"
 #include "pilotage/raster/gdal_gray.h"
 #include "pilotage/raster/gdal_write.h"
+#include "pilotage/raster/map_sigma.h"
 
 namespace pilotage::testing {
 namespace {
@@ -150,6 +153,34 @@ std::filesystem::path write_table(const std::filesystem::path& folder, const std
     time_s += 4;
   }
   return folder / "frames.csv";
+}
+
+CaptureOptions options_of(const DrawnFlight& flight) {
+  CaptureOptions options;
+  options.camera.width_px = flight.camera.width_px;
+  options.camera.height_px = flight.camera.height_px;
+  options.camera.hfov_deg = 2 * std::atan(flight.camera.width_px / 2.0 / flight.camera.fx_px) * 180 / M_PI;
+  options.position_sigma_m = 0.3;
+  options.height_sigma_m = 1;
+  return options;
+}
+
+CaptureResult capture_to(const std::filesystem::path& map, const std::filesystem::path& table,
+                         const CaptureOptions& options, int threads) {
+  OutputFile output(map, true);
+  OutputFile map_sigma(map_sigma_path(map), true);
+  CaptureResult done = capture({table.string()}, options, output, map_sigma, threads);
+  map_sigma.commit();
+  output.commit();
+  return done;
+}
+
+double worst_frame_m(const DrawnFlight& flight, const CaptureResult& done) {
+  double worst_m = 0;
+  for (std::size_t i = 0; i < done.frames.size(); ++i) {
+    worst_m = std::max(worst_m, geodesic_between(done.frames[i].adjusted, flight.frames[i].nadir).length_m);
+  }
+  return worst_m;
 }
 
 std::vector<double> misplacements_m(const DrawnFlight& flight, const std::filesystem::path& map) {

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "pilotage/camera/camera.h"
+#include "pilotage/capture/capture.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gdal_crs.h"
 #include "pilotage/raster/raster.h"
@@ -50,6 +51,16 @@ std::filesystem::path write_ground(const std::filesystem::path& map, const Drawn
 /// frames.csv of the flight in `folder`; with attitude, or with positions and heights alone.
 std::filesystem::path write_table(const std::filesystem::path& folder, const std::vector<DrawnFrame>& frames,
                                   bool with_attitude);
+
+/// For the flight: its camera, positions good to 0.3 m and heights to 1 m.
+CaptureOptions options_of(const DrawnFlight& flight);
+
+/// The map of a table's frames, and beside it its own error.
+CaptureResult capture_to(const std::filesystem::path& map, const std::filesystem::path& table,
+                         const CaptureOptions& options, int threads = 0);
+
+/// How far the adjusted frames of the whole flight lie from where they were, metres.
+double worst_frame_m(const DrawnFlight& flight, const CaptureResult& done);
 
 /// How far a map's pixels lie from the ground they show, metres: patches of the true ground are looked for in the map
 /// around their place.
