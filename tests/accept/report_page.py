@@ -107,9 +107,13 @@ def heat_color(report, display, measure, value):
     return [int(color[k:k + 2], 16) for k in (1, 3, 5)]
 
 
-def decision_comes_first(page, report):
-    """Go, marginal and no-go ground before any number, in the colours of legs and gaps."""
-    check(page.run("return document.getElementById('measure').value") == "-1", "the map does not open on the decision")
+def probability_comes_first(page, report):
+    """What ranks the ground is shown first; go, marginal and no-go ground by choice, in the colours of legs and gaps."""
+    check(page.run("return document.getElementById('measure').value") == "0", "the map does not open on P(correct fix)")
+    untested = set(page.run("return pilotage.display.untested"))  # the scene's pixels are coarser than what P was tested on
+    check(untested == {i for i, row in enumerate(report.rows) if row["p_correct_fix"] is not None}, "tiles beyond the tested")
+    check(page.run("return document.getElementById('scale-untested').offsetParent !== null"), "the legend does not say the light hatch")
+    page.run(CHOOSE_MEASURE, -1)
     classes, names, colors = page.run("const d = pilotage.display; return [d.classes, d.class_names, d.class_colors]")
     check(names == ["go", "marginal", "no-go"] and colors == ["#0072b2", "#e69f00", "#d5008a"], f"{names} are {colors}")
     check(len(set(classes)) >= 2, f"all tiles are of one class: {set(classes)}")
@@ -204,7 +208,7 @@ def threshold_recounts(page, report):
             position = int(page.run("return document.getElementById('threshold').value"))
             threshold = measure["low"] + (measure["high"] - measure["low"]) * position / 200
             text = text_of(page, "threshold-count")
-            told = re.match(r"(\d+) of (\d+) tiles at or above ([-\d.]+)[^;]*; (\d+) chosen tiles below; \d+ % of the route", text)
+            told = re.match(r"(\d+) of (\d+) tiles at or above ([-\d.]+)[^;]*; (\d+) chosen tiles below; (?:less than )?\d+ % of the route", text)
             wanted = counted(report, measure, level, threshold)
             check(told and tuple(int(told.group(k)) for k in (1, 2, 4)) == wanted, f"{measure['name']} at {threshold}: {text}, not {wanted}")
             check(abs(float(told.group(3)) - threshold) <= 0.51 * 10 ** -len(told.group(3).partition(".")[2]), f"threshold {text}")
@@ -450,7 +454,7 @@ def test(pilotage, source, work, rest):
     report = Report(work / "report.json")
     with Browser() as page:
         opens_quietly(page, work / "report.html", report)
-        decision_comes_first(page, report)
+        probability_comes_first(page, report)
         every_layer_toggles(page)
         every_measure_is_drawn(page, report)
         tile_click_shows_the_numbers(page, report)

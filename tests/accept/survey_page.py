@@ -20,6 +20,8 @@ TILE_PLACE = """const box = document.getElementById('map').getBoundingClientRect
 const p = pilotage.map.latLngToContainerPoint(pilotage.toLatLng((f[0] + f[4]) / 2, (f[1] + f[5]) / 2));
 return [box.left + p.x, box.top + p.y]"""
 # Colour [r, g, b, a] that the heat map has at the middle of a tile, from a copy (reading the page's own canvas makes the browser talk).
+CHOOSE_MEASURE = """const list = document.getElementById('measure'); list.value = arguments[0];
+list.dispatchEvent(new Event('change'))"""
 HEAT_COLOR = """const layer = pilotage.layers.heat; const view = layer.view(); const f = pilotage.display.cells_m[arguments[0]];
 const small = document.createElement('canvas'); small.width = small.height = 1; const context = small.getContext('2d', {willReadFrequently: true});
 context.drawImage(layer.canvas, -Math.round(view.x((f[0] + f[4]) / 2)), -Math.round(view.y((f[1] + f[5]) / 2)));
@@ -116,7 +118,8 @@ def page_says_the_same(page, survey, path):
     for said in [survey.json["headline"], survey.json["detail"], survey.json["not_looked_at"], *survey.json["assumptions"]]:
         check(said[1:] in told, f"under the headline is not said: {said}")
     check(not re.search(r"\bGO\b|NO-GO", told), "an area has a verdict")
-    check(page.run("return document.getElementById('measure').value") == "-1", "the map does not open on the decision")
+    check(page.run("return document.getElementById('measure').value") == "0", "the map does not open on P(correct fix)")
+    page.run(CHOOSE_MEASURE, -1)
     legend = page.run("return document.getElementById('scale-classes').textContent")
     for name in COLORS:
         i = next(i for i, tile in enumerate(survey.tiles) if tile["class"] == name)
@@ -126,16 +129,28 @@ def page_says_the_same(page, survey, path):
 
 
 def map_works(page, survey):
-    for name in ("imagery", "heat", "squares"):
+    for name in ("imagery", "heat", "classes", "squares"):
         for expected in (False, True):
             page.run("document.getElementById('show-' + arguments[0]).click()", name)
             shown = page.run("return pilotage.map.hasLayer(pilotage.layers[arguments[0]])", name)
             check(shown is expected, f"layer {name}: shown {shown}, its box says {expected}")
-    page.run("""const list = document.getElementById('measure'); list.value = '0'; list.dispatchEvent(new Event('change'));
-      const slider = document.getElementById('threshold'); slider.value = 100; slider.dispatchEvent(new Event('input'))""")
+    page.run(CHOOSE_MEASURE, 0)
+    measure = survey.json["measures"][0]
+    ends = page.run("return ['scale-low', 'scale-high'].map((id) => document.getElementById(id).textContent)")
+    check([float(end.strip("≤≥ ")) for end in ends] == [round(measure[end], 2) for end in ("low", "high")],
+          f"the scale's ends are {ends}, and the ground's own {measure}")
+    page.run("document.getElementById('whole').click()")
+    ends = page.run("return ['scale-low', 'scale-high'].map((id) => document.getElementById(id).textContent)")
+    check(ends == ["0.00", "1.00"], f"from 0 to 1 the scale's ends are {ends}")
+    page.run("const slider = document.getElementById('threshold'); slider.value = 100; slider.dispatchEvent(new Event('input'))")
     counted = page.run("return document.getElementById('threshold-count').textContent")
     above = sum(1 for tile in survey.tiles if (tile["p_correct_fix"] or 0) >= 0.5)
     check(counted == f"{above} of {len(survey.tiles)} tiles at or above 0.50", f"the threshold says: {counted}")
+    page.run("document.getElementById('whole').click()")
+    for button, pick in zip(page.run("return [...document.querySelectorAll('button.show-tile')].map((node) => Number(node.dataset.tile))"),
+                            (max, min)):
+        extreme = pick(tile["p_correct_fix"] for tile in survey.tiles if tile["p_correct_fix"] is not None)
+        check(survey.tiles[button]["p_correct_fix"] == extreme, f"{pick.__name__} of P is {extreme}, not of tile {button}")
     page.run("document.getElementById('map').scrollIntoView({block: 'center'})")
     i = next(i for i, tile in enumerate(survey.tiles) if tile["class"] == "no-go" and tile["reasons"])
     page.click(*page.run(TILE_PLACE, i))

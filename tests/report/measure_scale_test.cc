@@ -1,5 +1,7 @@
 #include "pilotage/report/measure_scale.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -54,10 +56,38 @@ TEST(ColorTable, BrightnessChangesOneWaySoThatItReadsWithoutHue) {
   }
 }
 
+// CIE L*a*b* of sRGB, D65.
+std::array<double, 3> lab(Rgb color) {
+  const auto linear = [](double value) {
+    value /= 255;
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+  };
+  const double r = linear(color.red);
+  const double g = linear(color.green);
+  const double b = linear(color.blue);
+  const auto root = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; };
+  const double x = root((0.4124564 * r + 0.3575761 * g + 0.1804375 * b) / 0.95047);
+  const double y = root(0.2126729 * r + 0.7151522 * g + 0.0721750 * b);
+  const double z = root((0.0193339 * r + 0.1191920 * g + 0.9503041 * b) / 1.08883);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+
+TEST(ColorTable, EqualStepsOfBluesLookAlike) {
+  const auto blues = color_table(ColorMap::kBlues);
+  std::vector<double> steps;
+  for (std::size_t i = 0; i + 15 < blues.size(); i += 15) {
+    const auto from = lab(blues[i]);
+    const auto to = lab(blues[i + 15]);
+    steps.push_back(std::hypot(from[0] - to[0], from[1] - to[1], from[2] - to[2]));
+  }
+  const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
+  EXPECT_LT(*most / *least, 1.2);  // was 1.45
+}
+
 // Eyes trained on traffic lights read yellow as caution: what is good has the blue of good.
 TEST(ColorTable, GoodIsTheBlueOfGood) {
   const auto blues = color_table(ColorMap::kBlues);
-  EXPECT_EQ(blues[192], status_color(QualityStatus::kGood));
+  EXPECT_EQ(blues[182], status_color(QualityStatus::kGood));
   for (std::size_t i = 64; i < blues.size(); ++i) EXPECT_GT(blues[i].blue, blues[i].red + 40) << i;
 }
 
@@ -89,6 +119,33 @@ TEST(MeasureScale, CoverageSpansZeroToOne) {
   const MeasureScale scale = measure_scale(measure_named("valid_fraction"), scores);
   EXPECT_EQ(scale.low, 0);
   EXPECT_EQ(scale.high, 1);
+}
+
+std::vector<TileScores> scores_with_p(const std::vector<double>& values) {
+  std::vector<TileScores> scores(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) scores[i].p_correct_fix = values[i];
+  return scores;
+}
+
+// Over good ground 0 to 1 is one colour: what ranks it spans what it has, and never less than a tenth.
+TEST(MeasureScale, ProbabilityRanksTheGround) {
+  const Measure& p = measure_named("p_correct_fix");
+  std::vector<double> values;
+  for (int i = 0; i <= 100; ++i) values.push_back(0.7 + 0.002 * i);
+  const MeasureScale scale = measure_scale(p, scores_with_p(values));
+  EXPECT_DOUBLE_EQ(scale.low, 0.704);
+  EXPECT_DOUBLE_EQ(scale.high, 0.896);
+  for (const double alike : {0.005, 0.5, 0.995}) {
+    const MeasureScale narrow = measure_scale(p, scores_with_p({alike, alike + 0.001}));
+    EXPECT_NEAR(narrow.high - narrow.low, 0.1, 1e-12) << alike;
+    EXPECT_GE(narrow.low, 0);
+    EXPECT_LE(narrow.high, 1);
+    EXPECT_LE(narrow.low, alike);
+    EXPECT_GE(narrow.high, alike);
+  }
+  const MeasureScale none = measure_scale(p, {});
+  EXPECT_EQ(none.low, 0);
+  EXPECT_EQ(none.high, 1);
 }
 
 TEST(Shade, ClampsAndTellsNoValueFromLow) {

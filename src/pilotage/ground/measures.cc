@@ -153,7 +153,7 @@ void add_features(std::vector<Measure>& list) {
       {1, "", "",
        "Probability that the matcher finds a frame taken here on another day, and is right; from one date of imagery. "
        "This is the measure to judge by.",
-       ColorMap::kBlues, 2}));
+       ColorMap::kBlues, 2, true}));
   list.push_back(of_tile("level_sigma", "", "standard deviation of the level of the place, logits",
                          "Level of the place: not known better than (logits, 1 sigma)", Kind::kNumber, Group::kFeatures,
                          &TileScores::level_sigma));

@@ -23,8 +23,9 @@ enum class MeasureKind {
 enum class MeasureGroup { kCorrectFix, kCoverage, kContrast, kFeatures, kGround, kDegraded, kClean, kSecondDate };
 
 /// Colour maps whose brightness only falls or only grows, so that colour-blind people and paper read them alike. Blues
-/// are of measures of which more is better: from pale to the blue in which all maps say "good", and darker; nothing of
-/// it reads as caution. Cividis (J. Nuñez, C. Anderton, R. Renslow, PLoS ONE 13(7), 2018) is of all others.
+/// are of measures of which more is better: from pale to the blue in which all maps say "good", and darker, in even
+/// steps to the eye; nothing of it reads as caution. Cividis (J. Nuñez, C. Anderton, R. Renslow, PLoS ONE 13(7), 2018)
+/// is of all others.
 enum class ColorMap { kBlues, kCividis };
 
 /// How a measure is drawn as a heat map.
@@ -34,7 +35,8 @@ struct HeatMap {
   std::string unit;     ///< Of its legend: "NCC", "1" for none.
   std::string meaning;  ///< For people, one or two sentences.
   ColorMap colors = ColorMap::kCividis;
-  int decimals = 2;  ///< In the legend.
+  int decimals = 2;    ///< In the legend.
+  bool ranks = false;  ///< Its colours span what the ground has, though it is a share: tiles are told apart by it.
 };
 
 /// One measured number of a tile.

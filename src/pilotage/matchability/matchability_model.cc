@@ -18,6 +18,11 @@ namespace {
 
 constexpr int kFormatVersion = 2;
 
+constexpr int kSmallestTested_px = 72;
+constexpr int kLargestTested_px = 222;
+constexpr double kTestedGsd_m = 0.6;
+constexpr double kLikeTested = 1.25;  // a convention: pixels that differ by less are called alike
+
 using Json = nlohmann::ordered_json;
 
 template <class Enum>
@@ -184,6 +189,17 @@ MatchabilityModel matchability_model_from_json(const Json& json, const std::stri
 
 MatchabilityModel read_matchability_model(const std::filesystem::path& path) {
   return matchability_model_from_json(parse_json(path.string(), read_file(path)), path.string());
+}
+
+bool is_like_tested(const GridLevel& level) {
+  const int side_px = level.matrix.tile_size_px;
+  return side_px >= kSmallestTested_px && side_px <= kLargestTested_px && level.gsd_m <= kTestedGsd_m * kLikeTested &&
+         level.gsd_m >= kTestedGsd_m / kLikeTested;
+}
+
+std::string tested_on_text() {
+  return "frames of " + std::to_string(kSmallestTested_px) + " to " + std::to_string(kLargestTested_px) +
+         " px of maps of " + format_fixed(kTestedGsd_m, 1) + " m/px";
 }
 
 }  // namespace pilotage

@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "pilotage/base/options.h"
+#include "pilotage/ground/ground.h"
 #include "pilotage/ground/tile_scores.h"
 
 #pragma GCC visibility push(default)
@@ -137,6 +138,13 @@ MatchabilityModel matchability_model_from_json(const nlohmann::ordered_json& jso
 
 /// matchability_model_from_json of a file. Throws DataError.
 MatchabilityModel read_matchability_model(const std::filesystem::path& path);
+
+/// Whether P on this ground is about as it was tested (docs/methods/matchability.md): on frames of as many pixels, of
+/// maps of about this ground sample distance.
+bool is_like_tested(const GridLevel& level);
+
+/// What it was tested on: "frames of 72 to 222 px of maps of 0.6 m/px".
+std::string tested_on_text();
 
 }  // namespace pilotage
 

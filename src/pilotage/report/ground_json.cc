@@ -1,5 +1,6 @@
 #include "pilotage/report/ground_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -8,10 +9,26 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/variant_json.h"
+#include "pilotage/matchability/matchability_model.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/tile_class.h"
 
 namespace pilotage {
+namespace {
+
+/// Whether its P, the measure that ranks, is beyond what P was tested on, and rests on no tile of this ground either.
+bool is_untested(const std::vector<GridLevel>& levels, const std::vector<MeasureScale>& measures,
+                 const ReportTile& tile) {
+  const auto has_p = [&](const MeasureScale& scale) {
+    return scale.measure.heat.ranks && std::isfinite(scale.measure.get(tile.score));
+  };
+  if (std::none_of(measures.begin(), measures.end(), has_p) || tile.score.level_tiles > 0) return false;
+  const auto level = std::find_if(levels.begin(), levels.end(),
+                                  [&](const GridLevel& one) { return one.matrix.level == tile.tile.level; });
+  return level != levels.end() && !is_like_tested(*level);
+}
+
+}  // namespace
 
 nlohmann::ordered_json measures_json(const std::vector<MeasureScale>& measures) {
   const auto number = [](double value) { return variant_to_json(number_value(value, 12)); };
@@ -55,7 +72,8 @@ nlohmann::ordered_json plane_line_json(const std::vector<Eigen::Vector2d>& line)
   return json;
 }
 
-nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const std::vector<ReportTile>& tiles,
+nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const std::vector<GridLevel>& levels,
+                                           const std::vector<ReportTile>& tiles,
                                            const std::vector<MeasureScale>& measures) {
   nlohmann::ordered_json json;
   json["drawn"] = display.drawn;
@@ -74,6 +92,11 @@ nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const s
     const std::optional<TileClass> known = tile_class(tile.score);
     json["classes"].push_back(known ? nlohmann::ordered_json(static_cast<int>(*known)) : nlohmann::ordered_json());
   }
+  json["untested"] = nlohmann::ordered_json::array();  // numbers of the tiles whose P is beyond what it was tested on
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (is_untested(levels, measures, tiles[i])) json["untested"].push_back(i);
+  }
+  json["tested_on"] = tested_on_text();
   json["class_names"] = nlohmann::ordered_json::array();
   json["class_colors"] = nlohmann::ordered_json::array();
   for (const RasterClass& next : tile_classes()) {
@@ -84,12 +107,14 @@ nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const s
   json["shades"] = nlohmann::ordered_json::array();
   json["color_maps"] = nlohmann::ordered_json::array();
   json["decimals"] = nlohmann::ordered_json::array();
+  json["ranks"] = nlohmann::ordered_json::array();  // the page can show them from 0 to 1, too
   for (const MeasureScale& scale : measures) {
     nlohmann::ordered_json shades = nlohmann::ordered_json::array();
     for (const ReportTile& tile : tiles) shades.push_back(shade(scale, scale.measure.get(tile.score)));
     json["shades"].push_back(std::move(shades));
     json["color_maps"].push_back(scale.measure.heat.colors == ColorMap::kBlues ? "blues" : "cividis");
     json["decimals"].push_back(scale.measure.heat.decimals);
+    json["ranks"].push_back(scale.measure.heat.ranks);
   }
   for (const auto& [name, map] : {std::pair{"blues", ColorMap::kBlues}, std::pair{"cividis", ColorMap::kCividis}}) {
     for (const Rgb color : color_table(map)) json["colors"][name].push_back(hex_color(color));

@@ -17,9 +17,10 @@ nlohmann::ordered_json measures_json(const std::vector<MeasureScale>& measures);
 /// A table with a column for each field and a row for each tile: `tiles` of both files.
 nlohmann::ordered_json tiles_json(const std::vector<TileField>& fields, const std::vector<ReportTile>& tiles);
 
-/// What the page's map draws of the ground and is no number of its own: edges, imagery, pictures, cells, classes and
-/// colours (page_state.js).
-nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const std::vector<ReportTile>& tiles,
+/// What the page's map draws of the ground and is no number of its own: edges, imagery, pictures, cells, classes, which
+/// tiles are beyond what P was tested on, and colours (page_state.js).
+nlohmann::ordered_json ground_display_json(const ReportDisplay& display, const std::vector<GridLevel>& levels,
+                                           const std::vector<ReportTile>& tiles,
                                            const std::vector<MeasureScale>& measures);
 
 /// A line in the page's plane, x and y one after the other, to decimetres.

@@ -17,24 +17,25 @@ double percentile(const std::vector<double>& sorted, double share) {
   return sorted[std::min(index, sorted.size() - 1)];
 }
 
-// Between its neighbours each channel grows linearly; the fourth is status_color of good.
+// Between its neighbours each channel grows linearly; the fourth is status_color of good. They lie where the way
+// through CIE L*a*b* from each to the next puts them: equal steps of the table look alike.
 std::array<Rgb, 256> blues() {
   constexpr std::array<Rgb, 5> kStops{
       {{0xf4, 0xf1, 0xea}, {0xb5, 0xd1, 0xe6}, {0x56, 0x9f, 0xce}, {0x00, 0x72, 0xb2}, {0x00, 0x32, 0x62}}};
-  constexpr std::size_t kStep = 64;
-  const auto channel = [](std::uint8_t from, std::uint8_t to, std::size_t step) {
-    const double share = static_cast<double>(step) / kStep;
-    return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
-  };
+  constexpr std::array<std::size_t, 5> kPlaces{0, 57, 127, 182, 255};
   std::array<Rgb, 256> table;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const std::size_t at = i == table.size() - 1 ? 4 * kStep : i;  // the last is the last stop
-    const std::size_t stop = std::min<std::size_t>(at / kStep, kStops.size() - 2);
+  for (std::size_t stop = 0; stop + 1 < kStops.size(); ++stop) {
     const Rgb& from = kStops[stop];
     const Rgb& to = kStops[stop + 1];
-    const std::size_t step = at - stop * kStep;
-    table[i] = {channel(from.red, to.red, step), channel(from.green, to.green, step),
-                channel(from.blue, to.blue, step)};
+    const std::size_t length = kPlaces[stop + 1] - kPlaces[stop];
+    for (std::size_t step = 0; step <= length; ++step) {
+      const auto channel = [&](std::uint8_t a, std::uint8_t b) {
+        return static_cast<std::uint8_t>(
+            std::lround(a + static_cast<double>(step) / static_cast<double>(length) * (b - a)));
+      };
+      table[kPlaces[stop] + step] = {channel(from.red, to.red), channel(from.green, to.green),
+                                     channel(from.blue, to.blue)};
+    }
   }
   return table;
 }
@@ -79,9 +80,15 @@ MeasureScale measure_scale(const Measure& measure, const std::vector<TileScores>
     scale.least = values.front();
     scale.most = values.back();
   }
-  if (measure.kind == MeasureKind::kShare || values.empty()) return scale;
+  if ((measure.kind == MeasureKind::kShare && !measure.heat.ranks) || values.empty()) return scale;
   scale.low = percentile(values, 0.02);
   scale.high = percentile(values, 0.98);
+  if (measure.kind == MeasureKind::kShare) {
+    const double missing = std::max(0.0, MeasureScale::kLeastSpan - (scale.high - scale.low));
+    scale.low = std::clamp(scale.low - missing / 2, 0.0, 1 - MeasureScale::kLeastSpan);
+    scale.high = std::max(scale.high, std::min(1.0, scale.low + MeasureScale::kLeastSpan));
+    return scale;
+  }
   if (!(scale.high > scale.low)) {
     const double half = std::max(std::abs(scale.low) * 0x1p-20, 1e-9);
     scale.low -= half;

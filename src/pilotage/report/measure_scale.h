@@ -26,8 +26,10 @@ std::string hex_color(Rgb color);
 
 /// A measure with the range its colours span: the 2nd to the 98th percentile (nearest rank) of its defined values, so
 /// that a few extreme tiles do not wash out the rest; values beyond take the end colours. Shares
-/// and probabilities always span 0 to 1.
+/// span 0 to 1, but for those that rank the ground (HeatMap::ranks): these span at least kLeastSpan of what it has.
 struct MeasureScale {
+  static constexpr double kLeastSpan = 0.1;  ///< Of a share that ranks: less is no difference to colour.
+
   Measure measure;
   double low = 0;
   double high = 1;   ///< > low.

@@ -91,23 +91,28 @@ function visibleCells(view) {
 }
 
 // ---- Heat map ----
-function hatchPattern(context) {
+function hatchPattern(context, light) {
   const canvas = document.createElement('canvas');
   canvas.width = canvas.height = 8;
   const brush = canvas.getContext('2d');
-  brush.fillStyle = 'rgba(200,200,200,0.55)';
-  brush.fillRect(0, 0, 8, 8);
-  brush.strokeStyle = 'rgba(20,20,20,0.9)';
-  brush.lineWidth = 1.6;
+  if (!light) {
+    brush.fillStyle = 'rgba(200,200,200,0.55)';
+    brush.fillRect(0, 0, 8, 8);
+  }
+  brush.strokeStyle = light ? 'rgba(120,120,120,0.55)' : 'rgba(20,20,20,0.9)';
+  brush.lineWidth = light ? 0.8 : 1.6;
   brush.beginPath();
-  for (const shift of [-8, 0, 8]) { brush.moveTo(shift, 8); brush.lineTo(shift + 8, 0); }
+  for (const shift of [-8, 0, 8]) {  // the light one falls the other way
+    brush.moveTo(shift, light ? 0 : 8);
+    brush.lineTo(shift + 8, light ? 8 : 0);
+  }
   brush.stroke();
   return context.createPattern(canvas, 'repeat');
 }
 const belowThreshold = '#30343a';
 function heatColor(i) {
   if (isDecision()) return display.classes[i] === null ? 'hatch' : display.class_colors[display.classes[i]];
-  const index = display.shades[state.measure][i];
+  const index = shadeOf(i);
   if (index < 0) return 'hatch';
   return passes(i) ? display.colors[display.color_maps[state.measure]][index] : belowThreshold;
 }
@@ -144,6 +149,13 @@ function drawHeat(context, view) {
   }
   context.globalAlpha = 1;
   writeValues(context, view, visible);
+}
+// Over the colours of what P decides: where it is beyond what it was tested on.
+function drawUntested(context, view) {
+  if (!isUntested.size || !(isDecision() || ranksNow())) return;
+  context.fillStyle = hatchPattern(context, true);
+  context.strokeStyle = 'transparent';
+  fillCells(context, view, visibleCells(view).filter((i) => isUntested.has(i)));
 }
 // Close up, each tile also says its value, below the cross of a refused one.
 const saysValues = (view) => bucketSize_m * view.scale >= 64;
@@ -228,6 +240,14 @@ function strokeTwice(context, path, outer, inner, dash) {
     context.stroke(path);
   }
   context.setLineDash([]);
+}
+// Where go, marginal and no-go ground meet, over the colours of a measure; the worse on top.
+function drawClasses(context, view) {
+  if (isDecision()) return;
+  display.class_colors.forEach((color, k) => {
+    const ofClass = new Set(tiles.filter((row, i) => display.classes[i] === k));
+    strokeTwice(context, edgePath(view, cachedEdges('class' + k + '-', (row) => ofClass.has(row))), ['#fff', 3.4], [color, 2]);
+  });
 }
 const isSelected = (row) => valueOf(row, 'selected');
 const isRefused = (row) => !valueOf(row, 'selected');

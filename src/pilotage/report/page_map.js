@@ -165,6 +165,8 @@ function makeMap() {
   if (display.imagery) layers.imagery = L.imageOverlay(display.imagery, bounds, { pane: 'imagery', alt: flown ? 'Imagery of the corridor' : 'Imagery of the area' }).addTo(map);
   addLayer('detail', 'detail', drawDetail);
   addLayer('heat', 'heat', drawHeat);
+  addLayer('untested', 'heat', drawUntested);
+  addLayer('classes', 'outline', drawClasses);
   if (flown) {
     addLayer('refused', 'outline', drawRefused);
     addLayer('selected', 'outline', drawSelected);
@@ -194,7 +196,7 @@ function hoverRoute(event) {
   if (nearest.away <= metresOf(14)) setAlong(nearest.along, 'map');
 }
 function recolor() {
-  if (layers.heat) layers.heat.redraw();
+  for (const name of ['heat', 'untested', 'classes']) if (layers[name]) layers[name].redraw();
 }
 function redrawMarks() {
   if (layers.marks) layers.marks.redraw();

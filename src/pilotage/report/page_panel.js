@@ -28,7 +28,7 @@ function showCounts() {
   const bars = 32;
   const counts = new Array(bars).fill(0);
   tiles.forEach((row, i) => {
-    const index = display.shades[state.measure][i];
+    const index = shadeOf(i);
     if (valueOf(row, 'level') === state.level && index >= 0) ++counts[Math.min(bars - 1, Math.floor(index * bars / 256))];
   });
   const most = Math.max(1, ...counts);
@@ -41,7 +41,11 @@ function showCounts() {
 }
 function showScale() {
   const scale = scaleNow();
+  const range = rangeNow();
   $('scale').classList.toggle('classed', isDecision());
+  $('whole-box').hidden = !ranksNow();
+  $('scale-untested').hidden = !isUntested.size || !(isDecision() || ranksNow());
+  $('tested-on').textContent = ' (' + display.tested_on + ')';
   $('scale-name').textContent = scale.label;
   $('scale-meaning').textContent = '· ' + scale.meaning;
   showCounts();
@@ -51,8 +55,8 @@ function showScale() {
   for (let i = 0; i < 256; i += 15) stops.push(colors[i]);
   $('scale-bar').style.background = 'linear-gradient(to right,' + stops.join(',') + ')';
   const decimals = decimalsNow();
-  $('scale-low').textContent = (scale.least !== null && scale.least < scale.low ? '≤ ' : '') + formatted(scale.low, decimals);
-  $('scale-high').textContent = (scale.most !== null && scale.most > scale.high ? '≥ ' : '') + formatted(scale.high, decimals);
+  $('scale-low').textContent = (scale.least !== null && scale.least < range.low ? '≤ ' : '') + formatted(range.low, decimals);
+  $('scale-high').textContent = (scale.most !== null && scale.most > range.high ? '≥ ' : '') + formatted(range.high, decimals);
   $('scale-unit').textContent = scale.unit === '1' ? '(no unit)' : scale.unit;
 }
 function routeShare() {
@@ -87,7 +91,8 @@ function updateThreshold() {
     return;
   }
   const scale = scaleNow();
-  const value = scale.low + (scale.high - scale.low) * Number($('threshold').value) / 200;
+  const range = rangeNow();
+  const value = range.low + (range.high - range.low) * Number($('threshold').value) / 200;
   state.threshold = $('threshold-on').checked ? value : null;
   $('threshold').setAttribute('aria-valuetext', withUnit(formatted(value, decimalsNow()), scale.unit));
   recolor();
@@ -96,7 +101,7 @@ function updateThreshold() {
 function setLevel(level) {
   state.level = level;
   document.querySelectorAll('input[name="level"]').forEach((input) => { input.checked = Number(input.value) === level; });
-  ['heat', 'detail', 'selected', 'refused'].forEach((name) => { if (layers[name]) layers[name].redraw(); });
+  ['heat', 'untested', 'detail', 'classes', 'selected', 'refused'].forEach((name) => { if (layers[name]) layers[name].redraw(); });
   showCounts();
   countThreshold();
 }
@@ -107,7 +112,7 @@ function addMeasure(label, value) {
   $('measure').append(option);
 }
 function makePanel() {
-  if (state.measure < 0) addMeasure(decision.label, -1);
+  if (hasClasses) addMeasure(decision.label, -1);
   report.measures.forEach((measure, i) => {
     if (measure.least === null && i !== state.measure) return;  // was not computed
     addMeasure(measure.label, i);
@@ -120,6 +125,11 @@ function makePanel() {
   if (levels.length > 1) levels.forEach((level) => $('levels').append(levelRadio(level)));
   showScale();
   updateThreshold();
+  $('whole').addEventListener('change', () => {
+    state.whole = $('whole').checked;
+    showScale();
+    updateThreshold();
+  });
   $('opacity').addEventListener('input', setOpacity);
   $('threshold').addEventListener('input', () => { $('threshold-on').checked = true; updateThreshold(); });
   $('threshold-on').addEventListener('change', updateThreshold);
@@ -127,7 +137,7 @@ function makePanel() {
     const name = box.id.slice('show-'.length);
     box.addEventListener('change', () => {
       const shown = box.checked;
-      const names = name === 'imagery' ? ['imagery', 'detail'] : [name];
+      const names = name === 'imagery' ? ['imagery', 'detail'] : name === 'heat' ? ['heat', 'untested'] : [name];
       names.filter((layer) => map && layers[layer]).forEach((layer) => { if (shown) layers[layer].addTo(map); else layers[layer].remove(); });
     });
   });

@@ -47,11 +47,11 @@ function mapPicture() {
     const to = map.latLngToContainerPoint(bounds.getSouthEast());
     context.drawImage(layers.imagery.getElement(), from.x, from.y, to.x - from.x, to.y - from.y);
   }
-  ['detail', 'heat', 'refused', 'selected', 'denied', 'true-places', 'gaps', 'route', ...moreLayers.map(([name]) => name), 'grid', 'marks']
+  ['detail', 'heat', 'untested', 'classes', 'refused', 'selected', 'denied', 'true-places', 'gaps', 'route', ...moreLayers.map(([name]) => name), 'grid', 'marks']
     .filter((name) => layers[name] && map.hasLayer(layers[name])).forEach((name) => {
     const layer = layers[name];
     const corner = place(layer.corner);
-    context.globalAlpha = name === 'heat' ? Number($('opacity').value) / 100 : 1;
+    context.globalAlpha = name === 'heat' || name === 'untested' ? Number($('opacity').value) / 100 : 1;
     context.drawImage(layer.canvas, corner.x, corner.y, layer.size.x, layer.size.y);
   });
   return canvas;

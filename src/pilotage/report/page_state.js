@@ -11,8 +11,8 @@ const valueOf = (row, name) => row[column[name]];
 
 const levels = [...new Set(tiles.map((row) => valueOf(row, 'level')))].sort((a, b) => a - b);
 const state = {
-  measure: display.classes.some((known) => known !== null) ? -1  // the decision
-    : Math.max(0, report.measures.findIndex((measure) => measure.least !== null)),
+  measure: Math.max(0, report.measures.findIndex((measure) => measure.least !== null)),  // the one to judge by, first
+  whole: false,     // shares that rank the ground are coloured from 0 to 1
   level: levels.length ? levels[0] : 0,
   threshold: null,  // a value of the measure, or null
   tile: -1,         // index into tiles
@@ -21,9 +21,20 @@ const state = {
 };
 
 // Whether the ground can be counted on: classes instead of a scale, and no threshold.
+const hasClasses = display.classes.some((known) => known !== null);
 const decision = { label: 'Decision: go, marginal, no-go', unit: '1', meaning: display.class_meaning };
 const isDecision = () => state.measure < 0;
 const scaleNow = () => (isDecision() ? decision : report.measures[state.measure]);
+const ranksNow = () => !isDecision() && display.ranks[state.measure];
+// The values at the ends of the colours.
+const rangeNow = () => (ranksNow() && state.whole ? { low: 0, high: 1 } : scaleNow());
+// Index of the colour of a tile, -1 where it has no value.
+function shadeOf(i) {
+  if (!(ranksNow() && state.whole)) return display.shades[state.measure][i];
+  const value = measuredValue(i);
+  return value === null ? -1 : Math.round(255 * Math.min(1, Math.max(0, value)));
+}
+const isUntested = new Set(display.untested);
 const decimalsNow = () => display.decimals[state.measure];
 const measuredValue = (i) => valueOf(tiles[i], scaleNow().name);
 const className = (i) => (display.classes[i] === null ? 'not known' : display.class_names[display.classes[i]]);

@@ -239,7 +239,7 @@ Json found_json(const Report& report) {
 
 Json display_json(const Report& report) {
   const ReportDisplay& display = report.display;
-  Json json = ground_display_json(display, report.tiles, report.measures);
+  Json json = ground_display_json(display, report.levels, report.tiles, report.measures);
   json["leg_lines_m"] = Json::array();
   for (const auto& line : display.leg_lines_m) json["leg_lines_m"].push_back(plane_line_json(line));
   json["gap_lines_m"] = Json::array();

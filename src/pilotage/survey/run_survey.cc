@@ -23,6 +23,7 @@
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/plan_report.h"
+#include "pilotage/report/wording.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/survey/survey.h"
 #include "pilotage/survey/survey_layers.h"
@@ -53,11 +54,16 @@ void refuse_existing_survey(const fs::path& folder, bool overwrite) {
   }
 }
 
-// Tiles of the rectangle around the imagery of which it shows nothing are no part of the area.
-void drop_tiles_without_imagery(Ground& ground, std::vector<TileScores>& scores) {
+// Tiles of the rectangle around the imagery of which it shows too little are no part of the area: nobody knows their
+// ground. Returns how many of them show some.
+std::int64_t drop_tiles_without_ground(Ground& ground, std::vector<TileScores>& scores) {
   std::size_t kept = 0;
+  std::int64_t partly = 0;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (!(scores[i].valid_fraction > 0)) continue;
+    if (scores[i].status == TileStatus::kTooLittleGround) {
+      partly += scores[i].valid_fraction > 0 ? 1 : 0;
+      continue;
+    }
     if (kept != i) {
       ground.tiles[kept] = ground.tiles[i];
       scores[kept] = std::move(scores[i]);
@@ -66,7 +72,8 @@ void drop_tiles_without_imagery(Ground& ground, std::vector<TileScores>& scores)
   }
   ground.tiles.resize(kept);
   scores.resize(kept);
-  if (kept == 0) throw DataError("the imagery has no ground: all of it is no data");
+  if (kept == 0) throw DataError("the imagery has too little ground: no tile of it can be judged");
+  return partly;
 }
 
 void warn_of_missing_heights(const Ground& ground, const std::vector<TileScores>& scores,
@@ -148,7 +155,12 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
     input.second_date_assumption = second_date_assumption(epoch, options.score.registration);
   }
   input.scores = std::move(scored.scores);
-  drop_tiles_without_imagery(ground, input.scores);
+  if (const std::int64_t partly = drop_tiles_without_ground(ground, input.scores); partly > 0) {
+    input.area.notes.push_back(std::to_string(partly) + (partly == 1 ? " tile" : " tiles") +
+                               " at the edges of the imagery, with ground in less than " +
+                               percent_text(options.score.min_valid_fraction) +
+                               " of each, are not judged and no part of the area");
+  }
   warn_of_missing_heights(ground, input.scores, input.area.warnings);
 
   report_progress(scoring, "writing scores", 0, 0);

@@ -10,6 +10,7 @@
 #include "pilotage/base/source_date.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/matchability/matchability_model.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/display_plane.h"
@@ -18,13 +19,6 @@
 
 namespace pilotage {
 namespace {
-
-// Frames that P(correct fix) was tested on, of maps of about this ground sample distance
-// (docs/methods/matchability.md).
-constexpr int kSmallestTested_px = 72;
-constexpr int kLargestTested_px = 222;
-constexpr double kTestedGsd_m = 0.6;
-constexpr double kLikeTested = 1.25;  // a convention: pixels that differ by less are called alike
 
 std::string camera_phrase(const SurveyedGround& area) {
   const Camera& camera = area.camera;
@@ -57,15 +51,11 @@ std::string model_phrase(const SurveyInput& input, bool known) {
   if (!known) return "P(correct fix) is not there: ground is judged by the margin of its degraded copies";
   const GridLevel& level = input.area.ground.levels.front();
   const int side_px = level.matrix.tile_size_px;
-  const bool like = side_px >= kSmallestTested_px && side_px <= kLargestTested_px &&
-                    level.gsd_m <= kTestedGsd_m * kLikeTested && level.gsd_m >= kTestedGsd_m / kLikeTested;
   const std::string parameters =
       input.model.empty() ? "fitted on other places" : "with the parameters of " + input.model;
-  return "P(correct fix) is modelled from one date, " + parameters +
-         ", and not measured here; it was tested on frames of " + std::to_string(kSmallestTested_px) + " to " +
-         std::to_string(kLargestTested_px) + " px of maps of " + number_text(kTestedGsd_m, 1) + " m/px, these are " +
-         std::to_string(side_px) + " px at " + number_text(level.gsd_m, 2) + " m/px" +
-         (like ? "" : ": beyond what was tested");
+  return "P(correct fix) is modelled from one date, " + parameters + ", and not measured here; it was tested on " +
+         tested_on_text() + ", these are " + std::to_string(side_px) + " px at " + number_text(level.gsd_m, 2) +
+         " m/px" + (is_like_tested(level) ? "" : ": beyond what was tested");
 }
 
 std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {
@@ -202,6 +192,13 @@ Survey make_survey(const SurveyInput& input) {
 
   for (const Measure* measure : heat_maps()) survey.measures.push_back(measure_scale(*measure, input.scores));
   survey.tiles = tiles_of(input);
+  const Measure& judged_by = survey.measures.front().measure;
+  for (std::size_t i = 0; i < survey.tiles.size(); ++i) {
+    const auto value = [&](std::size_t tile) { return judged_by.get(survey.tiles[tile].score); };
+    if (std::isnan(value(i))) continue;
+    if (!survey.strongest || value(i) > value(*survey.strongest)) survey.strongest = i;
+    if (!survey.weakest || value(i) < value(*survey.weakest)) survey.weakest = i;
+  }
   survey.matcher = input.matcher;
   survey.model = name_as_utf8(input.model);
   survey.second_dates = input.second_dates;

@@ -46,6 +46,9 @@ struct Survey {
   std::vector<std::pair<std::string, std::string>> title_block;
 
   AreaStatistics statistics;
+  std::optional<std::size_t>
+      strongest;  ///< Tiles where the first of `measures`, P(correct fix), is highest and lowest; nothing without one.
+  std::optional<std::size_t> weakest;
   double farthest_from_go_m = 0;  ///< square_kilometres.h.
   std::vector<SquareKilometre> squares;
 

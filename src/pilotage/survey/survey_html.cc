@@ -82,6 +82,21 @@ std::string squares_html(const Survey& survey) {
   return html;
 }
 
+// Where P is highest and lowest, with their places.
+std::string extremes_html(const Survey& survey) {
+  if (!survey.strongest) return "";
+  const auto place = [&](const char* which, std::size_t index) {
+    const ReportTile& tile = survey.tiles[index];
+    const std::string center = html_escape(lat_lon(tile.tile.center));
+    return std::string(which) + ": P " + number_text(survey.measures.front().measure.get(tile.score), 2) +
+           " at <code>" + center + "</code> (tile " + std::to_string(tile.tile.tile_id) +
+           ") <button type=\"button\" class=\"show-tile\" data-tile=\"" + std::to_string(index) +
+           "\" aria-label=\"Show tile " + std::to_string(tile.tile.tile_id) + " on the map\">Show</button>";
+  };
+  return "<p class=\"extremes\">" + place("Strongest ground", *survey.strongest) + " · " +
+         place("weakest", *survey.weakest) + "</p>";
+}
+
 std::string squares_note(const Survey& survey) {
   std::string note =
       "E and N are the kilometres of its lower left corner in the grid's CRS. A tile counts where its centre lies, "
@@ -111,7 +126,7 @@ std::string survey_grid_html(const Survey& survey) {
 }
 
 Json survey_display_json(const Survey& survey) {
-  Json json = ground_display_json(survey.display, survey.tiles, survey.measures);
+  Json json = ground_display_json(survey.display, survey.area.ground.levels, survey.tiles, survey.measures);
   json["squares"] = Json::array();
   for (std::size_t i = 0; i < survey.squares.size(); ++i) {
     const auto& corners = survey.square_corners_m[i];
@@ -152,6 +167,7 @@ std::string survey_html(const Survey& survey) {
        {"assumptions", list_html(assumptions)},
        {"title_block", title_block_html(survey.title_block)},
        {"causes", causes_html(survey)},
+       {"extremes", extremes_html(survey)},
        {"squares", squares_html(survey)},
        {"squares_note", html_escape(squares_note(survey))},
        {"imagery", imagery_html(survey.area.ground.imagery.datasets) + imagery_html(survey.second_dates)},

@@ -21,6 +21,9 @@ function drawSquares(context, view) {
 }
 moreLayers.push(['squares', 'route', drawSquares]);
 
+document.querySelectorAll('button.show-tile').forEach((button) => {
+  button.addEventListener('click', () => showTile(Number(button.dataset.tile), true));
+});
 document.querySelectorAll('button.show-square').forEach((button) => {
   button.addEventListener('click', () => {
     const p = display.squares[Number(button.dataset.square)].corners_m;
