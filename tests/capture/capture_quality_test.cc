@@ -94,6 +94,23 @@ TEST(CaptureQuality, FewFramesAndContradictedPositionsAreSaid) {
   EXPECT_THAT(row_of(capture_quality(done), "focal_length").value, HasSubstr("held to 1 %"));
 }
 
+TEST(CaptureQuality, ControlPointsAreHeldAgainstTheirMarks) {
+  CaptureResult done = good_map();
+  done.gsd_m = 0.04;
+  done.control_sigma_m = 0.03;  // with a pixel of the map: 0.05
+  done.control_points = 5;
+  const auto status = [&](double rms_m) {
+    done.control_rms_m = rms_m;
+    return row_of(capture_quality(done), "control_points").status;
+  };
+  EXPECT_EQ(status(0.099), QualityStatus::kGood);
+  EXPECT_EQ(status(0.12), QualityStatus::kMarginal);
+  EXPECT_EQ(status(0.16), QualityStatus::kBad);
+  const auto rows = capture_quality(done);
+  EXPECT_EQ(row_of(rows, "control_points").value, "0.160 m over 5, 3.2 times what is stated");
+  EXPECT_NE(row_of(rows, "control_points").advice, "");
+}
+
 TEST(CaptureQuality, PlaceIsGoodOnControlPointsAnotherMapAndChecked) {
   CaptureResult done = good_map();
   done.control_points = 3;

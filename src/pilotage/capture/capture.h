@@ -94,7 +94,8 @@ struct CaptureResult {
   std::int64_t contradicted_positions = 0;  ///< Not counted in either.
   double position_rms_m = 0;                ///< Of the frames' horizontal residuals.
   int control_points = 0;
-  double control_rms_m = 0;  ///< Of where marks put them against where they were given; NaN without.
+  double control_rms_m = 0;    ///< Of where marks put them against where they were given; NaN without.
+  double control_sigma_m = 0;  ///< Stated of them, each axis.
   std::vector<CheckedPoint> check_points;
   double check_rms_m = 0;  ///< Of their misses, each axis; NaN without.
   double check_ratio = 0;  ///< Root mean square of misses over what the map says there, each axis; NaN without.

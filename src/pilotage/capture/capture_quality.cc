@@ -178,6 +178,22 @@ QualityRow georeference_row(const CaptureResult& done) {
   return row;
 }
 
+QualityRow controls_row(const CaptureResult& done) {
+  QualityRow row = row_of("control_points", "Control points against their marks (RMS)", done.control_rms_m, "m");
+  const double stated_m = std::hypot(done.control_sigma_m, done.gsd_m);  // a mark is good to a pixel
+  const double ratio = done.control_rms_m / stated_m;
+  row.value = number_text(done.control_rms_m, 3) + " m over " + std::to_string(done.control_points) + ", " +
+              number_text(ratio, 1) + " times what is stated";
+  row.threshold = limits_text("up to", number_text(Limits::kControlRatioGood, 0) + " times",
+                              number_text(Limits::kControlRatioMarginal, 0) +
+                                  " times what is stated of them (--control-sigma-m) and a pixel of the map");
+  row.status = judge_at_most(ratio, Limits::kControlRatioGood, Limits::kControlRatioMarginal);
+  if (row.status != QualityStatus::kGood) {
+    row.advice = "Points or their marks are worse than stated: look at the marks, the CRS and the heights.";
+  }
+  return row;
+}
+
 QualityRow checks_row(const CaptureResult& done) {
   QualityRow row = row_of("check_points", "Check points against the map (RMS, each axis)", done.check_rms_m, "m");
   row.value = number_text(done.check_rms_m, 2) + " m over " + std::to_string(done.check_points.size()) + ", " +
@@ -194,6 +210,7 @@ QualityRow checks_row(const CaptureResult& done) {
 
 std::vector<QualityRow> capture_quality(const CaptureResult& done) {
   std::vector<QualityRow> rows{georeference_row(done)};
+  if (done.control_points > 0) rows.push_back(controls_row(done));
   if (!done.check_points.empty()) rows.push_back(checks_row(done));
   for (const auto& row : {frames_row(done), sightings_row(done), fitting_row(done), reprojection_row(done),
                           focal_length_row(done), positions_row(done), overlap_row(done), relief_row(done)}) {

@@ -78,6 +78,7 @@ void describe_block(const CaptureFrames& frames, const Block& block, const Adjus
   result.bias_east_m = adjusted.position_bias_m.x();
   result.bias_north_m = adjusted.position_bias_m.y();
   result.control_points = static_cast<int>(block.control_points.size());
+  result.control_sigma_m = block.control_sigma_m;
   double squares_m2 = 0;
   for (const ControlMiss& one : adjusted.control_misses) squares_m2 += one.miss_m * one.miss_m;
   result.control_rms_m = result.control_points > 0 ? std::sqrt(squares_m2 / result.control_points) : kNaN;
