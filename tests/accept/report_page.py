@@ -88,8 +88,8 @@ def opens_quietly(page, path, report):
 
 
 def every_layer_toggles(page, more=()):
-    for name in ("imagery", "heat", "selected", "refused", "route", "gaps", "grid", *more):
-        for expected in (True, False) if name == "grid" else (False, True):
+    for name in ("imagery", "heat", "classes", "selected", "refused", "route", "gaps", "grid", *more):
+        for expected in (True, False) if name in ("grid", "classes") else (False, True):
             page.run("document.getElementById('show-' + arguments[0]).click()", name)
             shown = page.run("return pilotage.map.hasLayer(pilotage.layers[arguments[0]])", name)
             check(shown is expected, f"layer {name}: shown {shown}, its box says {expected}")
@@ -207,6 +207,8 @@ def threshold_recounts(page, report):
             page.press(*["Right"] * 7)
             position = int(page.run("return document.getElementById('threshold').value"))
             threshold = measure["low"] + (measure["high"] - measure["low"]) * position / 200
+            if m == 0:
+                threshold = math.floor(100 * threshold + 0.5) / 100  # of P, to what the page says
             text = text_of(page, "threshold-count")
             told = re.match(r"(\d+) of (\d+) tiles at or above ([-\d.]+)[^;]*; (\d+) chosen tiles below; (?:less than )?\d+ % of the route", text)
             wanted = counted(report, measure, level, threshold)

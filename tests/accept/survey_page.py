@@ -147,9 +147,12 @@ def map_works(page, survey):
     above = sum(1 for tile in survey.tiles if (tile["p_correct_fix"] or 0) >= 0.5)
     check(counted == f"{above} of {len(survey.tiles)} tiles at or above 0.50", f"the threshold says: {counted}")
     page.run("document.getElementById('whole').click()")
-    for button, pick in zip(page.run("return [...document.querySelectorAll('button.show-tile')].map((node) => Number(node.dataset.tile))"),
-                            (max, min)):
+    buttons = page.run("return [...document.querySelectorAll('button.show-tile')].map((node) => Number(node.dataset.tile))")
+    check(len(buttons) == 2, f"{len(buttons)} places are named, not the strongest and the weakest")
+    for button, pick in zip(buttons, (max, min)):
         extreme = pick(tile["p_correct_fix"] for tile in survey.tiles if tile["p_correct_fix"] is not None)
+        page.run("document.querySelector('button.show-tile[data-tile=\"' + arguments[0] + '\"]').click()", button)
+        check(page.run("return pilotage.state.tile") == button, f"Show does not show tile {button}")
         check(survey.tiles[button]["p_correct_fix"] == extreme, f"{pick.__name__} of P is {extreme}, not of tile {button}")
     page.run("document.getElementById('map').scrollIntoView({block: 'center'})")
     i = next(i for i, tile in enumerate(survey.tiles) if tile["class"] == "no-go" and tile["reasons"])

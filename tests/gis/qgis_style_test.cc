@@ -55,6 +55,13 @@ TEST(QgisStyle, ScaleClassesCoverTheScaleWithoutGaps) {
   EXPECT_EQ(classes.back().high, 30);
   for (std::size_t i = 1; i < classes.size(); ++i) EXPECT_EQ(classes[i].low, classes[i - 1].high);
   EXPECT_EQ(classes[1].label, "14.0 – 18.0 gray levels");
+  EXPECT_EQ(classes.front().label, "below 14.0 gray levels") << "values from 5 on";
+  EXPECT_EQ(classes.back().label, "from 26.0 gray levels");
+  MeasureScale whole = variance_scale();
+  whole.least = whole.low;
+  whole.most = whole.high;
+  EXPECT_EQ(scale_classes(whole).front().label, "10.0 – 14.0 gray levels");
+  EXPECT_EQ(scale_classes(whole).back().label, "26.0 – 30.0 gray levels");
 }
 
 TEST(QgisStyle, RulesHaveASymbolEach) {

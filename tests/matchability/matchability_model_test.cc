@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -184,6 +185,23 @@ TEST(MatchabilityModel, TheDefaultHasBothMatchers) {
     }
     EXPECT_GT(model.level.sigma, 0.2);
     EXPECT_GE(model.level.places, 6);
+  }
+}
+
+TEST(MatchabilityModel, SaysWhatIsLikeTheGroundItWasTestedOn) {
+  GridLevel level;
+  level.gsd_m = 0.6;
+  level.matrix.tile_size_px = 128;
+  EXPECT_TRUE(is_like_tested(level));
+  for (const auto& [gsd_m, side_px, like] : {std::tuple{0.5, 72, true},
+                                             {0.74, 222, true},
+                                             {0.6, 71, false},
+                                             {0.6, 223, false},
+                                             {0.4, 128, false},
+                                             {1.0, 128, false}}) {
+    level.gsd_m = gsd_m;
+    level.matrix.tile_size_px = side_px;
+    EXPECT_EQ(is_like_tested(level), like) << gsd_m << " " << side_px;
   }
 }
 

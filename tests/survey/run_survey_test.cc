@@ -15,6 +15,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/progress.h"
+#include "pilotage/base/read_file.h"
 
 namespace pilotage {
 namespace {
@@ -98,6 +99,12 @@ TEST(RunSurvey, GroundWithoutImageryIsNoPartOfTheArea) {
   EXPECT_LT(half.area_km2, 0.65 * whole.area_km2);
   EXPECT_GT(half.area_km2, 0.45 * whole.area_km2);
   EXPECT_GT(half.go_share, 0.6 * whole.go_share);
+  EXPECT_THAT(read_file((folder / "half" / "survey_tiles.csv").string()),
+              ::testing::Not(::testing::HasSubstr("too_little_ground")));
+  EXPECT_THAT(read_file((folder / "half" / "survey.json").string()),
+              ::testing::HasSubstr("with ground in less than 50 % of each"));
+  EXPECT_THAT(read_file((folder / "whole" / "survey.json").string()),
+              ::testing::Not(::testing::HasSubstr("with ground in less than")));
 }
 
 TEST(RunSurvey, SaysWhereTheElevationModelEnds) {

@@ -163,8 +163,12 @@ std::vector<ScaleClass> scale_classes(const MeasureScale& scale) {
     next.low = scale.low + (scale.high - scale.low) * i / kScaleClasses;
     next.high = scale.low + (scale.high - scale.low) * (i + 1) / kScaleClasses;
     next.color = colors[static_cast<std::size_t>((2 * i + 1) * 255 / (2 * kScaleClasses))];
-    next.label = number_text(next.low, scale.measure.heat.decimals) + " – " +
-                 number_text(next.high, scale.measure.heat.decimals) + unit_suffix(scale.measure);
+    const std::string low = number_text(next.low, scale.measure.heat.decimals);
+    const std::string high = number_text(next.high, scale.measure.heat.decimals);
+    next.label = low + " – " + high;  // values beyond the scale take the end colours
+    if (i == 0 && scale.least < scale.low) next.label = "below " + high;
+    if (i + 1 == kScaleClasses && scale.most > scale.high) next.label = "from " + low;
+    next.label += unit_suffix(scale.measure);
     classes.push_back(next);
   }
   return classes;

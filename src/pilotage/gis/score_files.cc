@@ -63,7 +63,9 @@ void write_heat_mbtiles(const std::filesystem::path& path, const ScoreRaster& ra
   const Measure& measure = shown.scale.measure;
   write_mbtiles(path, picture, crs, place, title,
                 measure.heat.title + (measure.heat.unit == "1" ? "" : " [" + measure.heat.unit + "]") + ", " +
-                    format_number(shown.scale.low) + " to " + format_number(shown.scale.high),
+                    format_fixed(shown.scale.low, measure.heat.decimals) + " to " +
+                    format_fixed(shown.scale.high, measure.heat.decimals) +
+                    (measure.heat.ranks ? ", what most of this ground has" : ""),
                 overwrite);
 }
 

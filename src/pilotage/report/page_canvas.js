@@ -99,14 +99,18 @@ function hatchPattern(context, light) {
     brush.fillStyle = 'rgba(200,200,200,0.55)';
     brush.fillRect(0, 0, 8, 8);
   }
-  brush.strokeStyle = light ? 'rgba(120,120,120,0.55)' : 'rgba(20,20,20,0.9)';
-  brush.lineWidth = light ? 0.8 : 1.6;
-  brush.beginPath();
-  for (const shift of [-8, 0, 8]) {  // the light one falls the other way
-    brush.moveTo(shift, light ? 0 : 8);
-    brush.lineTo(shift + 8, light ? 8 : 0);
+  // The light one falls the other way, in two tones that show on pale and on dark ground alike.
+  const lines = light ? [['rgba(255,255,255,0.5)', 0.8, 0], ['rgba(40,40,40,0.35)', 0.8, 1]] : [['rgba(20,20,20,0.9)', 1.6, 0]];
+  for (const [color, width, aside] of lines) {
+    brush.strokeStyle = color;
+    brush.lineWidth = width;
+    brush.beginPath();
+    for (const shift of [-8, 0, 8]) {
+      brush.moveTo(shift + aside, light ? 0 : 8);
+      brush.lineTo(shift + aside + 8, light ? 8 : 0);
+    }
+    brush.stroke();
   }
-  brush.stroke();
   return context.createPattern(canvas, 'repeat');
 }
 const belowThreshold = '#30343a';
@@ -241,12 +245,14 @@ function strokeTwice(context, path, outer, inner, dash) {
   }
   context.setLineDash([]);
 }
-// Where go, marginal and no-go ground meet, over the colours of a measure; the worse on top.
+// Where go, marginal and no-go ground meet, over the colours of a measure: solid, dashed, dotted; the worse on top.
+const classDashes = [[], [7, 4], [2, 3]];
+const classOfRow = new Map(tiles.map((row, i) => [row, display.classes[i]]));
 function drawClasses(context, view) {
   if (isDecision()) return;
   display.class_colors.forEach((color, k) => {
-    const ofClass = new Set(tiles.filter((row, i) => display.classes[i] === k));
-    strokeTwice(context, edgePath(view, cachedEdges('class' + k + '-', (row) => ofClass.has(row))), ['#fff', 3.4], [color, 2]);
+    const edges = cachedEdges('class' + k + '-', (row) => classOfRow.get(row) === k);
+    strokeTwice(context, edgePath(view, edges), ['#fff', 3.4], [color, 2.2], classDashes[k]);
   });
 }
 const isSelected = (row) => valueOf(row, 'selected');

@@ -196,7 +196,11 @@ function hoverRoute(event) {
   if (nearest.away <= metresOf(14)) setAlong(nearest.along, 'map');
 }
 function recolor() {
-  for (const name of ['heat', 'untested', 'classes']) if (layers[name]) layers[name].redraw();
+  if (layers.heat) layers.heat.redraw();
+}
+// Another measure, or another range of its colours.
+function showMeasure() {
+  for (const name of ['untested', 'classes']) if (layers[name]) layers[name].redraw();
 }
 function redrawMarks() {
   if (layers.marks) layers.marks.redraw();

@@ -83,6 +83,11 @@ function countThreshold() {
   $('threshold-count').textContent = above + ' of ' + all + ' tiles at or above ' + value + (flown ? '; ' + selectedBelow + ' chosen tiles below' : '') +
     (share === null ? '' : '; ' + percentWords(share) + ' of the route over tiles at or above');
 }
+function thresholdValue() {
+  const range = rangeNow();
+  const value = range.low + (range.high - range.low) * Number($('threshold').value) / 200;
+  return ranksNow() ? Math.round(100 * value) / 100 : value;  // so that 0.50 is 0.5, where classes part
+}
 function updateThreshold() {
   if (isDecision()) {
     state.threshold = null;
@@ -91,8 +96,7 @@ function updateThreshold() {
     return;
   }
   const scale = scaleNow();
-  const range = rangeNow();
-  const value = range.low + (range.high - range.low) * Number($('threshold').value) / 200;
+  const value = thresholdValue();
   state.threshold = $('threshold-on').checked ? value : null;
   $('threshold').setAttribute('aria-valuetext', withUnit(formatted(value, decimalsNow()), scale.unit));
   recolor();
@@ -121,12 +125,17 @@ function makePanel() {
     state.measure = Number($('measure').value);
     showScale();
     updateThreshold();
+    showMeasure();
   });
   if (levels.length > 1) levels.forEach((level) => $('levels').append(levelRadio(level)));
+  state.whole = $('whole').checked;  // a page that is loaded again keeps its boxes
   showScale();
   updateThreshold();
   $('whole').addEventListener('change', () => {
+    const value = thresholdValue();
     state.whole = $('whole').checked;
+    const range = rangeNow();  // the threshold stays where it was
+    $('threshold').value = String(Math.round(200 * (value - range.low) / (range.high - range.low)));
     showScale();
     updateThreshold();
   });

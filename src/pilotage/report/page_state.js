@@ -11,7 +11,9 @@ const valueOf = (row, name) => row[column[name]];
 
 const levels = [...new Set(tiles.map((row) => valueOf(row, 'level')))].sort((a, b) => a - b);
 const state = {
-  measure: Math.max(0, report.measures.findIndex((measure) => measure.least !== null)),  // the one to judge by, first
+  // The measure to judge by, first; the decision where nothing was measured.
+  measure: report.measures.some((measure) => measure.least !== null) ? report.measures.findIndex((measure) => measure.least !== null)
+    : display.classes.some((known) => known !== null) ? -1 : 0,
   whole: false,     // shares that rank the ground are coloured from 0 to 1
   level: levels.length ? levels[0] : 0,
   threshold: null,  // a value of the measure, or null

@@ -10,6 +10,7 @@
 #include "pilotage/report/evidence.h"
 #include "pilotage/report/explain.h"
 #include "pilotage/report/ground_json.h"
+#include "pilotage/report/key_figures.h"
 #include "pilotage/report/page_assets.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
@@ -62,6 +63,15 @@ std::string evidence_html(const Report& report) {
   return html + "      <li>" + kind_mark(NumberKind::kModelled) + " by the inertial error model" +
          (report.probability ? " and the tiles' P" : "") + (missing.empty() ? "" : "; " + html_escape(missing)) +
          "</li>\n";
+}
+
+std::string figures_html(const Report& report) {
+  std::string html;
+  for (const KeyFigure& figure : key_figures(report)) {
+    html += "    <div><dt>" + html_escape(figure.label) + "</dt><dd><b>" + html_escape(figure.value) + "</b> " +
+            html_escape(figure.detail) + " " + kind_mark(figure.kind) + "</dd></div>\n";
+  }
+  return html;
 }
 
 std::string places_heading(const Report& report) {
@@ -295,6 +305,7 @@ std::string report_html(const Report& report) {
        {"verdict_rest", html_escape(report.verdict_detail)},
        {"answer", html_escape(answer_text(report))},
        {"title_block", title_block_html(report.title_block)},
+       {"figures", figures_html(report)},
        {"assumptions", html_escape(report.assumptions)},
        {"places_heading", places_heading(report)},
        {"places", places_html(report)},

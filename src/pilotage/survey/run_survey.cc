@@ -79,14 +79,11 @@ std::int64_t drop_tiles_without_ground(Ground& ground, std::vector<TileScores>& 
 void warn_of_missing_heights(const Ground& ground, const std::vector<TileScores>& scores,
                              std::vector<std::string>& warnings) {
   if (ground.elevation.empty()) return;
-  const auto scored = std::count_if(scores.begin(), scores.end(),
-                                    [](const TileScores& tile) { return tile.status != TileStatus::kTooLittleGround; });
-  const auto unknown = std::count_if(scores.begin(), scores.end(), [](const TileScores& tile) {
-    return tile.status != TileStatus::kTooLittleGround && std::isnan(tile.relief_m);
-  });
+  const auto unknown =
+      std::count_if(scores.begin(), scores.end(), [](const TileScores& tile) { return std::isnan(tile.relief_m); });
   if (unknown == 0) return;
   warnings.push_back(ground.elevation + ": gives no heights for " + std::to_string(unknown) + " of " +
-                     std::to_string(scored) + " tiles; steep ground is not told there");
+                     std::to_string(scores.size()) + " tiles; steep ground is not told there");
 }
 
 std::vector<ImageryDataset> inspect_second_dates(const SurveyOptions& options, std::vector<std::string>& warnings,
@@ -157,9 +154,8 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   input.scores = std::move(scored.scores);
   if (const std::int64_t partly = drop_tiles_without_ground(ground, input.scores); partly > 0) {
     input.area.notes.push_back(std::to_string(partly) + (partly == 1 ? " tile" : " tiles") +
-                               " at the edges of the imagery, with ground in less than " +
-                               percent_text(options.score.min_valid_fraction) +
-                               " of each, are not judged and no part of the area");
+                               " with ground in less than " + percent_text(options.score.min_valid_fraction) +
+                               " of each, at edges or holes of the imagery, are not judged and no part of the area");
   }
   warn_of_missing_heights(ground, input.scores, input.area.warnings);
 

@@ -51,11 +51,16 @@ std::string model_phrase(const SurveyInput& input, bool known) {
   if (!known) return "P(correct fix) is not there: ground is judged by the margin of its degraded copies";
   const GridLevel& level = input.area.ground.levels.front();
   const int side_px = level.matrix.tile_size_px;
+  const bool judged_here = std::any_of(input.scores.begin(), input.scores.end(),
+                                       [](const TileScores& tile) { return tile.level_tiles > 0; });
   const std::string parameters =
       input.model.empty() ? "fitted on other places" : "with the parameters of " + input.model;
   return "P(correct fix) is modelled from one date, " + parameters + ", and not measured here; it was tested on " +
          tested_on_text() + ", these are " + std::to_string(side_px) + " px at " + number_text(level.gsd_m, 2) +
-         " m/px" + (is_like_tested(level) ? "" : ": beyond what was tested");
+         " m/px" +
+         (is_like_tested(level) ? ""
+          : judged_here         ? ", beyond that; it rests on tiles of this ground that were judged"
+                                : ": beyond what was tested");
 }
 
 std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {

@@ -22,7 +22,11 @@ function drawSquares(context, view) {
 moreLayers.push(['squares', 'route', drawSquares]);
 
 document.querySelectorAll('button.show-tile').forEach((button) => {
-  button.addEventListener('click', () => showTile(Number(button.dataset.tile), true));
+  button.addEventListener('click', () => {
+    showTile(Number(button.dataset.tile), true);
+    $('map').scrollIntoView({ block: 'center' });
+    $('map').focus({ preventScroll: true });
+  });
 });
 document.querySelectorAll('button.show-square').forEach((button) => {
   button.addEventListener('click', () => {
