@@ -74,7 +74,9 @@ TEST(ReportHtml, AnswersTheQuestionAndSaysWhereToLookFirst) {
   const std::string places = between(html, "<ol class=\"places\">", "</ol>");
   for (const std::string& text : {bad.weak_places[0].where, bad.weak_places[0].why, bad.weak_places[0].todo})
     EXPECT_THAT(places, HasSubstr(text));
-  EXPECT_LT(html.find("<ol class=\"places\">"), html.find("id=\"map\""));
+  EXPECT_LT(html.find("<dl class=\"figures\">"), html.find("id=\"map\""));
+  EXPECT_LT(html.find("id=\"map\""), html.find("<ol class=\"places\">"));
+  EXPECT_THAT(between(html, "<dl class=\"figures\">", "</dl>"), HasSubstr("<dt>Largest error</dt><dd><b>56 m</b>"));
   const std::string good = report_html(drifting_scene(0.01));
   EXPECT_THAT(between(good, "<p class=\"answer\">", "</p>"), HasSubstr("how often fixes come is not known."));
   ReportInput judged = drifting_scene(0.01);

@@ -68,8 +68,8 @@ std::string evidence_html(const Report& report) {
 std::string figures_html(const Report& report) {
   std::string html;
   for (const KeyFigure& figure : key_figures(report)) {
-    html += "    <div><dt>" + html_escape(figure.label) + "</dt><dd><b>" + html_escape(figure.value) + "</b> " +
-            html_escape(figure.detail) + " " + kind_mark(figure.kind) + "</dd></div>\n";
+    html += "    <div><dt>" + html_escape(figure.label) + "</dt><dd><b>" + html_escape(figure.value) + "</b> <span>" +
+            html_escape(figure.detail) + "</span> " + kind_mark(figure.kind) + "</dd></div>\n";
   }
   return html;
 }
