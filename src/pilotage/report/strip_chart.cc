@@ -99,7 +99,8 @@ std::string error_curve(const Report& report, const Axes& axes) {
   return "<path class=\"area\" d=\"" + area + "\"/>\n<path class=\"curve\" d=\"" + path + "\"/>\n";
 }
 
-// P(correct fix) of the tile under each place, in the colours of its heat map from 0 to 1; nothing without probabilities.
+// P(correct fix) of the tile under each place, in the colours of its heat map from 0 to 1; nothing without
+// probabilities.
 std::string probability_ribbon(const Report& report, const Axes& axes, double top) {
   constexpr int kShades = 16;  // neighbours of one shade become one rectangle
   const std::vector<ErrorSample>& profile = report.error_profile;
