@@ -59,9 +59,10 @@ std::string sequence_text(const SequenceSummary& sequence) {
 
 std::string rate_text(const Share& rate, const std::string& of_what) {
   const auto percent = [](double share) { return format_fixed(100 * share, 2); };
+  const Interval interval = rate.interval();
   return (rate.of == 0 ? "undefined" : percent(rate.value()) + " %") + " (" + std::to_string(rate.count) + " of " +
-         std::to_string(rate.of) + " " + of_what + "; 95 % interval " + percent(rate.interval().low) + " to " +
-         percent(rate.interval().high) + " %)\n";
+         std::to_string(rate.of) + " " + of_what + "; 95 % interval " + percent(interval.low) + " to " +
+         percent(interval.high) + " %)\n";
 }
 
 std::string nees_text(const NeesSummary& nees) {

@@ -68,9 +68,10 @@ class LegendPainter {
     }
     for (int tick = 0; tick <= 4; ++tick) {
       const double value = scale.low + (scale.high - scale.low) * tick / 4;
-      const bool beyond = tick == 0 ? scale.least < scale.low : tick == 4 && scale.most > scale.high;
-      write(kLeft + (kWidth - 24) * tick / 4, y_ + 30,
-            (beyond ? tick == 0 ? "<" : ">" : "") + number_text(value, scale.measure.heat.decimals));
+      const bool below = tick == 0 && scale.least < scale.low;  // values lie beyond the ends
+      const bool above = tick == 4 && scale.most > scale.high;
+      const std::string sign = below ? "<" : above ? ">" : "";
+      write(kLeft + (kWidth - 24) * tick / 4, y_ + 30, sign + number_text(value, scale.measure.heat.decimals));
     }
     y_ += 2 * kLine;
   }

@@ -95,13 +95,13 @@ std::string marks(const PredictionQuality& quality) {
   if (quality.bins.size() > 1) svg += "<polyline class=\"curve\" points=\"" + points + "\"/>\n";
   for (const ReliabilityBin& bin : quality.bins) {
     const double x = x_of(bin.mean_value);
-    svg += kSvg.line("interval", x, y_of(bin.correct.interval().low), x, y_of(bin.correct.interval().high));
+    const Interval interval = bin.correct.interval();
+    svg += kSvg.line("interval", x, y_of(interval.low), x, y_of(interval.high));
     svg += "<circle class=\"dot\" cx=\"" + kSvg.number(x) + "\" cy=\"" + kSvg.number(y_of(bin.correct.value())) +
            "\" r=\"4.5\"><title>promised " + format_fixed(bin.mean_value, 3) + " (" + format_fixed(bin.low, 3) + " … " +
            format_fixed(bin.high, 3) + "), came true " + std::to_string(bin.correct.count) + " of " +
            std::to_string(bin.correct.of) + " = " + format_fixed(bin.correct.value(), 3) + " (" +
-           format_fixed(bin.correct.interval().low, 3) + " … " + format_fixed(bin.correct.interval().high, 3) +
-           ")</title></circle>\n";
+           format_fixed(interval.low, 3) + " … " + format_fixed(interval.high, 3) + ")</title></circle>\n";
   }
   return svg;
 }

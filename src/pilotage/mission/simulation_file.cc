@@ -21,11 +21,12 @@ constexpr int kSimulationVersion = 2;
 constexpr int kMostLegs = 1'000'000;
 
 Json share_json(const Share& share) {
+  const Interval interval = share.interval();
   return {{"share", json_number(share.value())},
           {"flights", share.count},
           {"of", share.of},
-          {"low", share.interval().low},
-          {"high", share.interval().high}};
+          {"low", interval.low},
+          {"high", interval.high}};
 }
 
 /// Null where flights do not bound it.
@@ -93,12 +94,13 @@ std::string marks_text(const Simulation& simulation) {
 Json by_p_json(const Simulation& simulation) {
   Json bins = Json::array();
   for (const SimulatedBin& bin : simulation.by_p) {
+    const Interval interval = bin.found.interval();
     bins.push_back({{"mean_p", bin.mean_p},
                     {"tries", bin.found.of},
                     {"right", bin.found.count},
                     {"share", json_number(bin.found.value())},
-                    {"low", bin.found.interval().low},
-                    {"high", bin.found.interval().high}});
+                    {"low", interval.low},
+                    {"high", interval.high}});
   }
   return bins;
 }
@@ -204,8 +206,9 @@ void read_lists(JsonObject& object, Simulation& simulation) {
 
 std::string share_text(const Share& share) {
   if (share.of == 0) return "no flight came here";
-  return probability_text(share.value()) + " [" + probability_text(share.interval().low) + ", " +
-         probability_text(share.interval().high) + "]";
+  const Interval interval = share.interval();
+  return probability_text(share.value()) + " [" + probability_text(interval.low) + ", " +
+         probability_text(interval.high) + "]";
 }
 
 Simulation simulation_from_json(const Json& json, const std::string& name) {

@@ -45,7 +45,6 @@ function showScale() {
   $('scale').classList.toggle('classed', isDecision());
   $('whole-box').hidden = !ranksNow();
   $('scale-untested').hidden = !isUntested.size || !(isDecision() || ranksNow());
-  $('tested-on').textContent = ' (' + display.tested_on + ')';
   $('scale-name').textContent = scale.label;
   $('scale-meaning').textContent = '· ' + scale.meaning;
   showCounts();
@@ -128,6 +127,7 @@ function makePanel() {
     showMeasure();
   });
   if (levels.length > 1) levels.forEach((level) => $('levels').append(levelRadio(level)));
+  $('tested-on').textContent = ' (' + display.tested_on + ')';
   state.whole = $('whole').checked;  // a page that is loaded again keeps its boxes
   showScale();
   updateThreshold();

@@ -9,11 +9,12 @@ report.tiles.columns.forEach((name, i) => { column[name] = i; });
 const $ = (id) => document.getElementById(id);
 const valueOf = (row, name) => row[column[name]];
 
+// Whether ground is told apart by classes, and the first measure that has values: the one to judge by.
+const hasClasses = display.classes.some((known) => known !== null);
+const firstMeasured = report.measures.findIndex((measure) => measure.least !== null);
 const levels = [...new Set(tiles.map((row) => valueOf(row, 'level')))].sort((a, b) => a - b);
 const state = {
-  // The measure to judge by, first; the decision where nothing was measured.
-  measure: report.measures.some((measure) => measure.least !== null) ? report.measures.findIndex((measure) => measure.least !== null)
-    : display.classes.some((known) => known !== null) ? -1 : 0,
+  measure: firstMeasured < 0 && hasClasses ? -1 : Math.max(0, firstMeasured),  // -1: the decision
   whole: false,     // shares that rank the ground are coloured from 0 to 1
   level: levels.length ? levels[0] : 0,
   threshold: null,  // a value of the measure, or null
@@ -23,7 +24,6 @@ const state = {
 };
 
 // Whether the ground can be counted on: classes instead of a scale, and no threshold.
-const hasClasses = display.classes.some((known) => known !== null);
 const decision = { label: 'Decision: go, marginal, no-go', unit: '1', meaning: display.class_meaning };
 const isDecision = () => state.measure < 0;
 const scaleNow = () => (isDecision() ? decision : report.measures[state.measure]);

@@ -35,7 +35,8 @@ std::string difference_text(double planned, const Share& simulated) {
     const double difference = share - planned;
     return (difference < 0 ? "−" : "+") + format_fixed(std::abs(difference), 3);
   };
-  return part(simulated.value()) + " [" + part(simulated.interval().low) + ", " + part(simulated.interval().high) + "]";
+  const Interval interval = simulated.interval();
+  return part(simulated.value()) + " [" + part(interval.low) + ", " + part(interval.high) + "]";
 }
 
 std::string metres_or_dash(double length_m) {
