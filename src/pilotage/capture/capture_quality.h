@@ -28,7 +28,7 @@ struct CaptureThresholds {
   static constexpr double kReliefMarginal_m = 5;
   static constexpr double kCheckRatioGood = 2;  ///< Of misses to what the map says of itself.
   static constexpr double kCheckRatioMarginal = 3;
-  static constexpr double kControlRatioGood = 2;  ///< Of misses to what is stated, or to a pixel of the map if more.
+  static constexpr double kControlRatioGood = 2;  ///< Of misses to what is stated and a pixel of the map together.
   static constexpr double kControlRatioMarginal = 3;
   static constexpr int kControlPointsGood = 4;
   static constexpr int kTiesGood = 4;

@@ -87,10 +87,9 @@ struct TryCounts {
   std::int64_t off_line = 0;     ///< The same, where the line leads over a stored tile: the aircraft was beside it.
   std::int64_t no_frame = 0;     ///< No frame came: dropped, or of ground beyond the imagery that is looked at.
   std::int64_t false_taken = 0;  ///< False fixes that were taken.
-  std::int64_t refused =
-      0;  ///< False and right fixes that the gate of a simulated flight's filter refused: neither taken nor missed.
-  std::int64_t resets = 0;     ///< Fixes that it believed after refusals that said the same.
-  std::int64_t not_tried = 0;  ///< Frames of flown flights with nothing to match; not among the tries.
+  std::int64_t refused = 0;      ///< Fixes, false or right, that the gate of a simulated flight's filter refused.
+  std::int64_t resets = 0;       ///< Fixes that it believed after refusals that said the same.
+  std::int64_t not_tried = 0;    ///< Frames of flown flights with nothing to match; not among the tries.
 };
 
 /// The tries of a bin of predicted P.

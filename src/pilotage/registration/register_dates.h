@@ -37,11 +37,10 @@ struct Registration {
 /// resolution between the reference and the warped second date, and so on to `gsd_m`; there once more, so that what is
 /// correlated at last agrees to a fraction of a pixel. Each level's displacement is composed with the one before. The
 /// warp goes through the ties of all levels, each with an error of half its own pixel: coarse ones, from larger
-/// squares, hold where fine texture has changed, as forest does. Where
-/// shadows are left out (leaves_shadows_out), places without a tie are looked at once more at last, with shadows: ties
-/// that lie within a pixel of the field of those without are taken, too (Tie::is_confirmed). A level with ties at less
-/// than 4 % of its places counts as one without: so many come about by chance. Throws as find_ties; DataError when the
-/// dates share no ground in the area.
+/// squares, hold where fine texture has changed, as forest does. Where shadows are left out (leaves_shadows_out),
+/// places without a tie are looked at once more at last, with shadows: ties that lie within a pixel of the field of
+/// those without are taken, too (Tie::is_confirmed). A level with ties at less than 4 % of its places counts as one
+/// without: so many come about by chance. Throws as find_ties; DataError when the dates share no ground in the area.
 Registration register_dates(const OpenPair& open, const Bounds& area_m, double gsd_m,
                             const RegistrationOptions& options, const Wanted& wanted = {}, int threads = 0,
                             const Progress& progress = {});
