@@ -19,7 +19,7 @@
 namespace pilotage {
 
 /// Where a command stands in the way of the data; `pilotage --help` lists the groups in this order.
-enum class CommandGroup { kPrepare, kStages, kInspect, kHelp };
+enum class CommandGroup { kPrepare, kStages, kInspect, kLandmarks, kHelp };
 
 struct CommandExample {
   std::string what;  ///< One line: what it does.
@@ -90,7 +90,7 @@ struct CommandResult {
 /// A subcommand: one per library folder, each in its own command_<word>.cc as `Command make_<word>_command()`.
 /// `options` is bound to an options object that `run` keeps alive (bind_options, below).
 struct Command {
-  std::string word;
+  std::string word;  ///< "score"; of a family "landmark-label", which may be typed as two words, too.
   CommandGroup group = CommandGroup::kStages;
   std::string summary;  ///< At most 64 characters, begins with a capital, no full stop.
   std::vector<CommandExample> examples;

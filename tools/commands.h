@@ -24,6 +24,7 @@ Command make_verify_command();
 Command make_audit_command();
 Command make_compare_command();
 Command make_calibrate_command();
+Command make_landmark_label_command();
 Command make_completion_command();
 Command make_manual_command();
 

@@ -45,11 +45,29 @@ std::string named_groups(const Command& command, const std::vector<OptionSection
   return text;
 }
 
+/// "landmark label, train, score": the words of a family, what they share said once.
+std::string short_words(const std::vector<std::string>& words) {
+  std::vector<std::string> shown;
+  std::string family;
+  for (const std::string& word : words) {
+    const auto dash = word.find('-');
+    const std::string own = dash == std::string::npos ? "" : word.substr(0, dash);
+    if (own.empty()) {
+      shown.push_back(word);
+    } else {
+      shown.push_back((own == family ? "" : own + " ") + word.substr(dash + 1));
+    }
+    family = own;
+  }
+  return join(shown, ", ");
+}
+
 }  // namespace
 
 std::string overview_help(const std::vector<Command>& commands) {
   // What the program is says its page: all commands must fit a screen.
   std::string text = "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n";
+  std::vector<std::string> last_line;  // groups whose words say enough
   for (const auto& [group, heading] : command_groups()) {
     std::string lines;
     std::vector<std::string> words;
@@ -61,9 +79,13 @@ std::string overview_help(const std::vector<Command>& commands) {
                command.summary + "\n";
     }
     if (words.empty()) continue;
-    text += group == CommandGroup::kHelp ? heading + ": " + join(words, ", ") + "\n" : heading + ":\n" + lines;
+    if (group == CommandGroup::kLandmarks || group == CommandGroup::kHelp) {
+      last_line.push_back(heading + ": " + short_words(words));
+    } else {
+      text += heading + ":\n" + lines;
+    }
   }
-  return text;
+  return last_line.empty() ? text : text + join(last_line, ". ") + "\n";
 }
 
 std::string command_help(const Command& command, const OptionList& common, bool all) {

@@ -333,6 +333,25 @@ int dispatch(std::vector<Command>& commands, const std::vector<std::string>& arg
   return run_command(commands, find_command(commands, word), rest, out, err, deadline);
 }
 
+/// "landmark label" is the command "landmark-label". Throws UsageError for a family without one of its words.
+std::vector<std::string> with_family_joined(const std::vector<Command>& commands, std::vector<std::string> arguments) {
+  const std::size_t at = !arguments.empty() && arguments.front() == "help" ? 1 : 0;
+  if (arguments.size() <= at) return arguments;
+  const std::string family = arguments[at] + "-";
+  std::vector<std::string> members;
+  for (const Command& command : commands) {
+    if (command.word.starts_with(family)) members.push_back(command.word.substr(family.size()));
+  }
+  if (members.empty()) return arguments;
+  const bool known =
+      arguments.size() > at + 1 && std::find(members.begin(), members.end(), arguments[at + 1]) != members.end();
+  if (!known) throw UsageError("\"" + arguments[at] + "\" is followed by one of: " + join(members, ", "));
+  const auto second = arguments.begin() + static_cast<std::ptrdiff_t>(at) + 1;
+  arguments[at] = family + *second;
+  arguments.erase(second);
+  return arguments;
+}
+
 /// How an error is told: its exit code, and its kind for programs.
 struct Failure {
   int exit_code;
@@ -397,7 +416,7 @@ int run_program(std::vector<Command> commands, const std::vector<std::string>& a
     out.flush();
   });
   try {
-    const int exit_code = dispatch(commands, arguments, out, err, deadline);
+    const int exit_code = dispatch(commands, with_family_joined(commands, arguments), out, err, deadline);
     if (!out.flush()) throw DataError("standard output cannot be written");
     return exit_code;
   } catch (...) {

@@ -134,7 +134,7 @@ TEST(ReadDenial, FilesThatHoldNoPolygon) {
   };
   EXPECT_THAT(error(feature(R"({"type":"LineString","coordinates":[[0,0],[1,1]]})")),
               HasSubstr(path + ": holds no polygon, but 1 other shapes"));
-  EXPECT_THAT(error("not a file of shapes"), HasSubstr("GeoJSON, KML, KMZ or GeoPackage"));
+  EXPECT_THAT(error("not a file of shapes"), HasSubstr("GeoJSON, KML, KMZ, GeoPackage or OpenStreetMap"));
   EXPECT_THAT(error(R"({"type":"Polygon","coordinates":[[[0,0],[1,95],[1,1],[0,0]]]})"),
               HasSubstr("the corner 1, 95 of a polygon is no longitude and latitude"));
   EXPECT_THAT(error("{}"), HasSubstr(path));

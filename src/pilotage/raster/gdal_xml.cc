@@ -30,6 +30,9 @@ XmlElement element_of(const CPLXMLNode& node, const std::string& name, int depth
   for (const CPLXMLNode* child = node.psChild; child != nullptr; child = child->psNext) {
     if (child->eType == CXT_Element) element.children.push_back(element_of(*child, name, depth + 1));
     if (child->eType == CXT_Text) element.text += child->pszValue;
+    if (child->eType == CXT_Attribute) {
+      element.attributes.emplace_back(child->pszValue, child->psChild == nullptr ? "" : child->psChild->pszValue);
+    }
   }
   element.text = trimmed(element.text);
   return element;
@@ -46,6 +49,12 @@ const XmlElement* XmlElement::child(std::string_view child_name) const {
 std::string XmlElement::child_text(std::string_view child_name) const {
   const XmlElement* element = child(child_name);
   return element == nullptr ? "" : element->text;
+}
+
+const std::string* XmlElement::attribute(std::string_view attribute_name) const {
+  const auto found = std::find_if(attributes.begin(), attributes.end(),
+                                  [&](const auto& attribute) { return attribute.first == attribute_name; });
+  return found == attributes.end() ? nullptr : &found->second;
 }
 
 XmlElement parse_xml(const std::string& name, std::string_view text) {

@@ -14,10 +14,8 @@ struct GeodeticArea {
   std::vector<std::vector<GeodeticPoint>> rings;
 };
 
-/// The polygons of a GeoJSON, KML, KMZ or GeoPackage file, told apart by content, in the order of the file, whatever
-/// they are nested in; curves become chains of edges. Any CRS that PROJ knows is brought to WGS 84. Throws DataError
-/// naming the file when it cannot be read, is none of these, is larger than read_route() allows, holds no polygon, or
-/// has a corner that is no place.
+/// The polygons among the shapes of a file of vectors (ogr_shapes.h). Throws as read_shapes(), and DataError naming the
+/// file when it holds no polygon.
 std::vector<GeodeticArea> read_areas(const std::filesystem::path& path);
 
 }  // namespace pilotage

@@ -38,6 +38,10 @@ FormatInfo format_info(OgrFormat format) {
       return {"GeoJSON", "geojson", {"GeoJSON", nullptr}};
     case OgrFormat::kGeoPackage:
       return {"GeoPackage", "gpkg", {"GPKG", nullptr}};
+    case OgrFormat::kOsmXml:
+      return {"OpenStreetMap XML", "osm", {"OSM", nullptr}};
+    case OgrFormat::kOsmPbf:
+      return {"OpenStreetMap PBF", "osm.pbf", {"OSM", nullptr}};
   }
   return {};
 }

@@ -9,7 +9,7 @@
 
 namespace pilotage {
 
-enum class OgrFormat { kKml, kKmz, kGpx, kGeoJson, kGeoPackage };
+enum class OgrFormat { kKml, kKmz, kGpx, kGeoJson, kGeoPackage, kOsmXml, kOsmPbf };
 
 /// A route out of a KML, KMZ (the bytes of its document), GPX, GeoJSON or GeoPackage file, read through OGR from
 /// memory.
