@@ -25,6 +25,8 @@ Command make_audit_command();
 Command make_compare_command();
 Command make_calibrate_command();
 Command make_landmark_label_command();
+Command make_landmark_score_command();
+Command make_landmark_train_command();
 Command make_completion_command();
 Command make_manual_command();
 

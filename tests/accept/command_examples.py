@@ -14,7 +14,8 @@ from acceptance import SKIP, Failed, check, main
 from page_examples import blocks, examples_in, run_example
 
 PAGES = ("tile", "score", "select", "build", "verify", "prepare", "inspect", "merge", "calibrate", "report", "match",
-         "compare", "survey", "reroute", "simulate", "envelope", "replay", "capture", "audit", "landmark-label",
+         "compare", "survey", "reroute", "simulate", "envelope", "replay", "capture", "audit", "landmark-label", "landmark-train",
+         "landmark-score",
          "completion", "manual")
 NOT_RUN = "# not run: "
 EXIT_CODE = "echo $?"

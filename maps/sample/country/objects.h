@@ -9,14 +9,20 @@
 
 namespace pilotage::scene_detail {
 
-enum class BoxKind : std::uint8_t { kGable, kHip, kFlat, kVehicle };
+enum class BoxKind : std::uint8_t { kGable, kHip, kFlat, kVehicle, kTank, kRoundabout, kRing };
+
+/// What is round: a disc inside its square.
+inline bool is_round(BoxKind kind) {
+  return kind == BoxKind::kTank || kind == BoxKind::kRoundabout || kind == BoxKind::kRing;
+}
 
 /// A quarter turn against the clock.
 inline Eigen::Vector2d left_of(const Eigen::Vector2d& v) {
   return {-v.y(), v.x()};
 }
 
-/// A building or a vehicle: an upright box on a rectangle, in ground coordinates.
+/// A building or a vehicle: an upright box on a rectangle, in ground coordinates. What is round stands on the disc in
+/// a square.
 struct Box {
   Eigen::Vector2d center_m;
   Eigen::Vector2d along;  ///< Unit vector of the long side; the ridge of a roof runs this way.

@@ -109,12 +109,57 @@ Surface vehicle(const Box& box, const Vector2d& in) {
   return {glass ? Rgb{52, 58, 66} : box.colour, LandCover::kVehicle, 1, static_cast<float>(box.height_m)};
 }
 
+/// Painted steel with a darker rim, dust and a walkway across.
+Surface tank_surface(const GroundPoint& at, const Box& box, const Vector2d& in) {
+  const double fp = at.footprint_m;
+  const float dust = 0.05F * detail_noise(box.seed, at.p.x(), at.p.y(), 7, fp) +
+                     0.04F * detail_noise(box.seed + at.fresh_seed, at.p.x(), at.p.y(), 2, fp);
+  const double from_rim = box.half_length_m - in.norm();
+  const double angle = 6.28 * hash_part(box.seed, 1);
+  const double from_walkway = in.dot(Vector2d(std::cos(angle), std::sin(angle)));
+  Surface surface{box.colour * (1 + dust), LandCover::kRoof, 1, static_cast<float>(box.height_m)};
+  surface.colour = surface.colour * (1 - 0.35F * line_coverage(from_rim - 0.4, 0.4, fp));
+  surface.colour = surface.colour * (1 - 0.12F * line_coverage(from_walkway, 0.5, fp));
+  return surface;
+}
+
+/// A ring road around an island of grass.
+Surface roundabout_surface(const GroundPoint& at, const Box& box, const Vector2d& in) {
+  const double fp = at.footprint_m;
+  const double r = in.norm() / box.half_length_m;
+  const auto height = static_cast<float>(box.height_m);
+  if (r < 0.45) return {grass_colour(at, {96, 116, 66}, 0.6F), LandCover::kGrass, 1, height};
+  const float grain = 0.04F * detail_noise(box.seed, at.p.x(), at.p.y(), 5, fp);
+  Surface surface{Rgb{122, 120, 118} * (1 + grain), LandCover::kRoad, 1, height};
+  const float kerb = line_coverage((r - 0.45) * box.half_length_m - 0.3, 0.3, fp) +
+                     line_coverage((1 - r) * box.half_length_m - 0.3, 0.3, fp);
+  surface.colour = blend(surface.colour, {206, 204, 198}, 0.8F * std::min(kerb, 1.0F));
+  return surface;
+}
+
+/// A pale ring with a pad in its middle, as of a landing place or a settling basin that is dry.
+Surface ring_surface(const GroundPoint& at, const Box& box, const Vector2d& in) {
+  const double r = in.norm() / box.half_length_m;
+  const auto height = static_cast<float>(box.height_m);
+  if (r > 0.78 || r < 0.24) {
+    const float grain = 0.05F * detail_noise(box.seed, at.p.x(), at.p.y(), 3, at.footprint_m);
+    return {box.colour * (1 + grain), LandCover::kPavement, 1, height};
+  }
+  return {grass_colour(at, {108, 116, 74}, 0.8F), LandCover::kGrass, 1, height};
+}
+
 Surface box_surface(const GroundPoint& at, const Box& box, const Vector2d& in) {
   switch (box.kind) {
     case BoxKind::kFlat:
       return flat_roof(at, box, in);
     case BoxKind::kVehicle:
       return vehicle(box, in);
+    case BoxKind::kTank:
+      return tank_surface(at, box, in);
+    case BoxKind::kRoundabout:
+      return roundabout_surface(at, box, in);
+    case BoxKind::kRing:
+      return ring_surface(at, box, in);
     case BoxKind::kGable:
     case BoxKind::kHip:
       break;
@@ -132,10 +177,20 @@ Surface tree_surface(const GroundPoint& at, const Tree& tree, const Vector2d& of
           crown_light(offset, epoch_look(at.epoch)), dome_height_m};
 }
 
-/// Distance from the middle of a crown to the ray towards the sun, below the crown's middle height.
+/// Distance from the middle of what is round to the ray towards the sun, as far as that is below its height.
 double distance_to_ray(const Vector2d& from_center, const Vector2d& to_sun, double length_m) {
   const double t = std::clamp(-from_center.dot(to_sun), 0.0, length_m);
   return (from_center + t * to_sun).norm();
+}
+
+bool lies_on(const Box& box, const Vector2d& in) {
+  if (is_round(box.kind)) return in.norm() < box.half_length_m;
+  return std::abs(in.x()) < box.half_length_m && std::abs(in.y()) < box.half_width_m;
+}
+
+bool shades(const Box& box, const Vector2d& in, const Vector2d& sun, double length_m) {
+  if (is_round(box.kind)) return distance_to_ray(in, sun, length_m) < box.half_length_m;
+  return segment_meets(in, sun * length_m, box.half_length_m, box.half_width_m);
 }
 
 }  // namespace
@@ -150,8 +205,7 @@ float overlay_objects(const ObjectIndex& objects, const GroundPoint& at, Surface
     const Box& box = objects.boxes[objects.box_ids[i]];
     if ((box.epochs & bit) == 0) continue;
     const Vector2d in = in_box(box, at.p);
-    if (std::abs(in.x()) < box.half_length_m && std::abs(in.y()) < box.half_width_m &&
-        box.height_m > surface.height_m) {
+    if (lies_on(box, in) && box.height_m > surface.height_m) {
       surface = box_surface(at, box, in);
     }
   }
@@ -172,7 +226,7 @@ float overlay_objects(const ObjectIndex& objects, const GroundPoint& at, Surface
     if ((box.epochs & bit) == 0 || above < 0.3) continue;
     const Vector2d in = in_box(box, at.p);
     const Vector2d sun(look.to_sun.dot(box.along), look.to_sun.dot(left_of(box.along)));
-    if (segment_meets(in, sun * (above / look.tan_elevation), box.half_length_m, box.half_width_m)) light = 0;
+    if (shades(box, in, sun, above / look.tan_elevation)) light = 0;
   }
   for (std::uint32_t i = objects.tree_starts[index]; i < objects.tree_starts[index + 1] && light > 0; ++i) {
     const Tree& tree = objects.trees[objects.tree_ids[i]];

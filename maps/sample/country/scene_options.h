@@ -13,6 +13,7 @@ struct SceneOptions {
   double height_m = 2000;
   double center_lon_deg = 16.5;
   double center_lat_deg = 55.5;
+  int landmarks = 0;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -21,6 +22,9 @@ struct SceneOptions {
     fields.field("height_m", self.height_m, "Extent from south to north.", Range{1500, 20000});
     fields.field("center_lon_deg", self.center_lon_deg, "Longitude of the centre.", Range{-180, 180});
     fields.field("center_lat_deg", self.center_lat_deg, "Latitude of the centre.", Range{-79, 83});
+    fields.field("landmarks", self.landmarks,
+                 "Round landmarks of each class (tanks, roundabouts, rings) on open ground, as far as there is room.",
+                 Range{0, 1000});
   }
 };
 

@@ -214,6 +214,18 @@ cv::Mat elevation(const Scene& scene, const GeoTransform& map_from_pixel, int wi
   return heights;
 }
 
+std::vector<SceneLandmark> landmarks(const Scene& scene) {
+  std::vector<SceneLandmark> found;
+  for (const scene_detail::Box& box : scene.world->objects.boxes) {
+    if (!scene_detail::is_round(box.kind)) continue;
+    const char* name = box.kind == scene_detail::BoxKind::kTank         ? "tank"
+                       : box.kind == scene_detail::BoxKind::kRoundabout ? "roundabout"
+                                                                        : "ring";
+    found.push_back({name, scene.map_from_local(box.center_m), 2 * box.half_length_m});
+  }
+  return found;
+}
+
 Vector2d orchard_rows(const Scene& scene, const Vector2d& local_m) {
   const World& world = *scene.world;
   const Vector2d q = scene_detail::bent_from_ground(world.ground, local_m);

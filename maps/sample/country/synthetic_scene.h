@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
@@ -57,6 +58,16 @@ cv::Mat land_cover(const Scene& scene, SceneEpoch epoch, const GeoTransform& map
 
 /// Height of the ground (without what stands on it) at pixel centres, CV_32F, metres; NaN outside the scene.
 cv::Mat elevation(const Scene& scene, const GeoTransform& map_from_pixel, int width_px, int height_px);
+
+/// A round landmark (SceneOptions::landmarks): "tank", "roundabout" or "ring".
+struct SceneLandmark {
+  std::string class_name;
+  Eigen::Vector2d center_m;  ///< In the CRS.
+  double diameter_m = 0;
+};
+
+/// All of them, exactly, the same at both dates.
+std::vector<SceneLandmark> landmarks(const Scene& scene);
 
 /// Direction of an orchard's rows at `local_m` as a unit vector on the ground; throws UsageError where no orchard is.
 /// Rows are 5 m apart and trees 4 m apart along them, exactly.

@@ -41,7 +41,49 @@ void place_farms(std::uint64_t seed, const World& world, Parcels& parcels, Stand
   }
 }
 
-Stands build_all(std::uint64_t seed, World& world) {
+bool stands_near(const Stands& stands, const Vector2d& p, double radius_m) {
+  const auto near_box = [&](const Box& box) {
+    return (box.center_m - p).norm() < radius_m + std::hypot(box.half_length_m, box.half_width_m);
+  };
+  const auto near_tree = [&](const Tree& tree) { return (tree.center_m - p).norm() < radius_m + tree.radius_m; };
+  return std::any_of(stands.boxes.begin(), stands.boxes.end(), near_box) ||
+         std::any_of(stands.trees.begin(), stands.trees.end(), near_tree);
+}
+
+/// Round landmarks on fields and meadows, clear of roads, hedges and of what stands there.
+void place_landmarks(std::uint64_t seed, int of_each, const World& world, Stands& stands) {
+  constexpr double kMargin_m = 80;
+  constexpr int kDraws = 400;
+  static constexpr BoxKind kKinds[] = {BoxKind::kTank, BoxKind::kRoundabout, BoxKind::kRing};
+  for (std::int64_t kind = 0; kind < 3; ++kind) {
+    Random random(static_cast<std::uint64_t>(lattice_hash(seed, kind, 0)));
+    int placed = 0;
+    for (int draw = 0; draw < kDraws * of_each && placed < of_each; ++draw) {
+      const Vector2d p(random.uniform(kMargin_m, world.width_m - kMargin_m),
+                       random.uniform(kMargin_m, world.height_m - kMargin_m));
+      Box box;
+      box.center_m = p;
+      box.along = {1, 0};
+      box.kind = kKinds[kind];
+      box.half_length_m = box.half_width_m = random.uniform(7, 14);
+      box.height_m = box.kind == BoxKind::kTank ? random.uniform(5, 12) : 0.05;
+      const auto tone = static_cast<float>(random.uniform(0.75, 1.0));
+      box.colour = Rgb{226, 224, 216} * tone;
+      box.seed = random.next();
+      const GroundNode node = world.ground.at(p);
+      const Vector2d q = p + Vector2d(node.bend_x_m, node.bend_y_m);
+      const Parcel& parcel = world.parcels.parcels[static_cast<std::size_t>(world.parcels.locate(q))];
+      const bool open = parcel.use == LandUse::kArable || parcel.use == LandUse::kMeadow;
+      if (!open || node.water_m > -30 || node.lake_m > -30) continue;
+      if (clearance_m(world.parcels, parcel, q) < box.half_length_m + 6) continue;
+      if (stands_near(stands, p, box.half_length_m + 8)) continue;
+      stands.boxes.push_back(box);
+      ++placed;
+    }
+  }
+}
+
+Stands build_all(std::uint64_t seed, int landmarks, World& world) {
   Stands stands;
   for (const Parcel& parcel : world.parcels.parcels) {
     const Vector2d center = ground_from_bent(world.ground, parcel.center_m);
@@ -58,6 +100,7 @@ Stands build_all(std::uint64_t seed, World& world) {
     return world.ground.at(box.center_m).water_m > -3 && box.kind != BoxKind::kVehicle;
   });
   std::erase_if(stands.boxes, [&](const Box& box) { return world.ground.at(box.center_m).lake_m > -8; });
+  place_landmarks(stream(seed, "landmarks"), landmarks, world, stands);
   return stands;
 }
 
@@ -81,7 +124,7 @@ World make_world(const SceneOptions& options) {
   plan.in_lake = [&](const Vector2d& q) { return world.waters.lake_depth_m(q) > -15; };
   world.parcels = make_parcels(stream(seed, "parcels"), plan);
   assign_land_use(use_seed, world.ground, world.parcels, world.sites);
-  Stands stands = build_all(seed, world);
+  Stands stands = build_all(seed, options.landmarks, world);
   const double margin = 60;
   world.objects = index_objects(std::move(stands.boxes), std::move(stands.trees), Vector2d(-margin, -margin),
                                 Vector2d(options.width_m + margin, options.height_m + margin));

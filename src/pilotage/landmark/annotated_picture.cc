@@ -341,11 +341,11 @@ std::string imglab_xml(const std::vector<AnnotatedPicture>& pictures, std::strin
         low = low.cwiseMin(point);
         high = high.cwiseMax(point);
       }
-      const auto left = static_cast<std::int64_t>(std::floor(low.x()));
-      const auto top = static_cast<std::int64_t>(std::floor(low.y()));
+      const std::int64_t left = std::llround(low.x());
+      const std::int64_t top = std::llround(low.y());
       text += "    <box top='" + std::to_string(top) + "' left='" + std::to_string(left) + "' width='" +
-              std::to_string(static_cast<std::int64_t>(std::ceil(high.x())) - left) + "' height='" +
-              std::to_string(static_cast<std::int64_t>(std::ceil(high.y())) - top) + "'" +
+              std::to_string(std::max<std::int64_t>(std::llround(high.x()) - left, 1)) + "' height='" +
+              std::to_string(std::max<std::int64_t>(std::llround(high.y()) - top, 1)) + "'" +
               (label.ignore ? " ignore='1'" : "") + ">\n      <label>" + html_escape(label.class_name) + "</label>\n";
       for (std::size_t i = 0; i < label.outline_px.size() && !label.box_alone; ++i) {
         const std::string number = std::to_string(i);

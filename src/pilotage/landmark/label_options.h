@@ -19,19 +19,14 @@ inline EnumNames<UnfitLabels> enum_names(UnfitLabels) {
   return {{UnfitLabels::kRefuse, "refuse"}, {UnfitLabels::kSkip, "skip"}};
 }
 
-/// How landmarks are labelled on imagery.
-struct LabelOptions {
+/// Where labels come from, and what is taken of them.
+struct LabelSourceOptions {
   std::vector<std::string> labels;
   std::string class_name;
   std::string class_field = "class";
   std::vector<std::string> classes;
   std::string class_names;
   std::optional<double> diameter_m;
-  UnfitLabels unfit = UnfitLabels::kRefuse;
-  std::optional<int> background_chips;
-  std::optional<double> gsd_m;
-  std::string crs;
-  ImageryOptions imagery;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -48,6 +43,20 @@ struct LabelOptions {
     fields.field("diameter_m", self.diameter_m,
                  "Diameter of labels that are points and have no property diameter: they are taken for round.",
                  Range{0.1, 10000});
+  }
+};
+
+/// How landmarks are labelled on imagery.
+struct LabelOptions : LabelSourceOptions {
+  UnfitLabels unfit = UnfitLabels::kRefuse;
+  std::optional<int> background_chips;
+  std::optional<double> gsd_m;
+  std::string crs;
+  ImageryOptions imagery;
+
+  template <class Self, class Fields>
+  static void describe(Self& self, Fields& fields) {
+    LabelSourceOptions::describe(self, fields);
     fields.field("unfit", self.unfit,
                  "Labels that do not fit the imagery: not wholly on ground that it shows, begun after its date "
                  "(start_date) or ended before it (end_date). Refused, the first by name; or skipped and counted.");

@@ -28,11 +28,11 @@ std::string property(const GeodeticShape& shape, const std::string& key) {
 }
 
 /// The class of a shape, or "" when it is no label.
-std::string class_of(const GeodeticShape& shape, const LabelOptions& options) {
+std::string class_of(const GeodeticShape& shape, const LabelSourceOptions& options) {
   return options.class_name.empty() ? property(shape, options.class_field) : options.class_name;
 }
 
-bool is_wanted(const std::string& class_name, const LabelOptions& options) {
+bool is_wanted(const std::string& class_name, const LabelSourceOptions& options) {
   if (class_name.empty()) return false;
   return options.classes.empty() ||
          std::find(options.classes.begin(), options.classes.end(), class_name) != options.classes.end();
@@ -52,8 +52,8 @@ std::vector<Vector2d> placed(const std::vector<GeodeticPoint>& points, const Crs
   return placed;
 }
 
-std::vector<Vector2d> outline_of(const GeodeticShape& shape, const LabelOptions& options, const CrsTransform& transform,
-                                 const Crs& crs) {
+std::vector<Vector2d> outline_of(const GeodeticShape& shape, const LabelSourceOptions& options,
+                                 const CrsTransform& transform, const Crs& crs) {
   std::vector<Vector2d> outline = placed(shape.rings.front(), transform, shape.name, crs);
   if (shape.kind == ShapeKind::kPoint) {
     const std::string text = property(shape, "diameter");
@@ -72,7 +72,7 @@ std::vector<Vector2d> outline_of(const GeodeticShape& shape, const LabelOptions&
   return outline;
 }
 
-void add_shapes(const std::string& file, const LabelOptions& options, const Crs& crs,
+void add_shapes(const std::string& file, const LabelSourceOptions& options, const Crs& crs,
                 std::vector<LandmarkLabel>& labels) {
   const CrsTransform transform(crs);
   std::set<std::string> fields;
@@ -93,7 +93,7 @@ void add_shapes(const std::string& file, const LabelOptions& options, const Crs&
                   "; give --class, or --class-field with one of: " + (known.empty() ? "(none)" : join(known, ", ")));
 }
 
-void add_annotations(const std::string& file, const LabelOptions& options, const Crs& crs,
+void add_annotations(const std::string& file, const LabelSourceOptions& options, const Crs& crs,
                      std::vector<LandmarkLabel>& labels) {
   const CrsTransform transform(crs);
   for (const AnnotatedPicture& picture : read_annotations(file, options.class_names)) {
@@ -161,7 +161,7 @@ std::vector<LandmarkLabel> without_twins(std::vector<LandmarkLabel> labels, int&
 
 }  // namespace
 
-std::vector<LandmarkLabel> read_landmark_labels(const LabelOptions& options, const Crs& crs, int& merged) {
+std::vector<LandmarkLabel> read_landmark_labels(const LabelSourceOptions& options, const Crs& crs, int& merged) {
   if (options.labels.empty()) throw UsageError("labels is missing; give --labels FILE");
   if (options.class_name.empty() && options.class_field.empty()) {
     throw UsageError("class_field is empty; give --class or --class-field");

@@ -28,6 +28,6 @@ struct LandmarkLabel {
 /// naming the label; when there is no label of the classes; and when two labels of different classes cover the same
 /// ground (bounds_overlap() above 0.7), naming both. Of such labels of one class the first that is not ignored is
 /// kept; `merged` counts the others.
-std::vector<LandmarkLabel> read_landmark_labels(const LabelOptions& options, const Crs& crs, int& merged);
+std::vector<LandmarkLabel> read_landmark_labels(const LabelSourceOptions& options, const Crs& crs, int& merged);
 
 }  // namespace pilotage

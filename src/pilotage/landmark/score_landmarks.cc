@@ -1,0 +1,312 @@
+#include "pilotage/landmark/score_landmarks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numbers>
+#include <optional>
+
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
+#include "pilotage/base/parallel.h"
+#include "pilotage/base/text.h"
+#include "pilotage/landmark/detections.h"
+#include "pilotage/landmark/landmark_label.h"
+#include "pilotage/landmark/outline.h"
+#include "pilotage/raster/gdal_gray.h"
+#include "pilotage/raster/gray_stretch.h"
+#include "pilotage/raster/mission_crs.h"
+
+namespace pilotage {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kBlock_px = 1024;
+
+/// A hit on the ground.
+struct GroundHit {
+  Vector2d center_m{0, 0};
+  double length_m = 0;
+  double score = 0;
+};
+
+/// Labels of one class with their middles.
+struct ClassLabel {
+  const LandmarkLabel* label = nullptr;
+  Vector2d center_m{0, 0};
+  double length_m = 0;
+};
+
+Bounds bounds_of(const std::vector<ImageryInfo>& infos, const Crs& crs) {
+  Bounds bounds;
+  for (const ImageryInfo& info : infos) {
+    const Bounds one = imagery_bounds(info, crs);
+    if (one.empty()) continue;
+    bounds.extend({one.min_x_m, one.min_y_m});
+    bounds.extend({one.max_x_m, one.max_y_m});
+  }
+  return bounds;
+}
+
+/// The search's grid: whole pixels of `gsd_m` over all imagery.
+struct SearchGrid {
+  GeoTransform map_from_pixel;
+  std::int64_t width_px = 0;
+  std::int64_t height_px = 0;
+};
+
+SearchGrid grid_over(const Bounds& bounds, double gsd_m) {
+  return {GeoTransform::north_up(bounds.min_x_m, bounds.max_y_m, gsd_m),
+          static_cast<std::int64_t>(std::ceil(bounds.width_m() / gsd_m)),
+          static_cast<std::int64_t>(std::ceil(bounds.height_m() / gsd_m))};
+}
+
+struct Found {
+  std::vector<GroundHit> hits;  ///< Strongest first.
+  double area_km2 = 0;          ///< Valid ground.
+};
+
+/// Every hit on the imagery. Blocks overlap by the largest window, and a hit belongs to the block in whose middle it
+/// lies; what two blocks see at the same place, across their border, counts once.
+Found search(const LandmarkDetector& detector, const std::vector<std::string>& imagery, const ImageryOptions& options,
+             const Crs& crs, const Bounds& bounds, int threads, const Progress& progress) {
+  const SearchGrid grid = grid_over(bounds, detector.gsd_m);
+  const GraySource source =
+      stretch_to_8bit(open_gray_on_grid(imagery, crs, grid.map_from_pixel, grid.width_px, grid.height_px, options));
+  const int margin_px =
+      static_cast<int>(std::ceil(detector.context * detector.longest_m / detector.gsd_m)) + detector.window.side_px;
+  const std::int64_t columns = (grid.width_px + kBlock_px - 1) / kBlock_px;
+  const std::int64_t rows = (grid.height_px + kBlock_px - 1) / kBlock_px;
+  std::vector<Found> blocks(static_cast<std::size_t>(columns * rows));
+  std::int64_t done = 0;
+  std::mutex mutex;
+  parallel_for(blocks.size(), threads, [&](std::size_t number, int) {
+    const std::int64_t core_col = static_cast<std::int64_t>(number) % columns * kBlock_px;
+    const std::int64_t core_row = static_cast<std::int64_t>(number) / columns * kBlock_px;
+    const std::int64_t col = std::max<std::int64_t>(core_col - margin_px, 0);
+    const std::int64_t row = std::max<std::int64_t>(core_row - margin_px, 0);
+    const std::int64_t end_col = std::min(core_col + kBlock_px + margin_px, grid.width_px);
+    const std::int64_t end_row = std::min(core_row + kBlock_px + margin_px, grid.height_px);
+    Raster read = source.read({col, row, static_cast<int>(end_col - col), static_cast<int>(end_row - row)});
+    const cv::Rect core(static_cast<int>(core_col - col), static_cast<int>(core_row - row),
+                        static_cast<int>(std::min<std::int64_t>(kBlock_px, grid.width_px - core_col)),
+                        static_cast<int>(std::min<std::int64_t>(kBlock_px, grid.height_px - core_row)));
+    const int valid = cv::countNonZero(read.valid(core));
+    blocks[number].area_km2 = valid * detector.gsd_m * detector.gsd_m * 1e-6;
+    if (valid > 0) {
+      read.pixels.setTo(cv::mean(read.pixels, read.valid), ~read.valid);
+      for (const LandmarkHit& hit : detect_landmarks(detector, read.pixels, detector.gsd_m, kLeastScore)) {
+        const Vector2d px(hit.center_px.x(), hit.center_px.y());
+        const bool inside =
+            px.x() >= core.x && px.x() < core.x + core.width && px.y() >= core.y && px.y() < core.y + core.height;
+        if (!inside || read.valid.at<std::uint8_t>(static_cast<int>(px.y()), static_cast<int>(px.x())) == 0) continue;
+        const Vector2d place =
+            grid.map_from_pixel.map_from_pixel(px + Vector2d(static_cast<double>(col), static_cast<double>(row)));
+        blocks[number].hits.push_back({place, hit.length_px * detector.gsd_m, hit.score});
+      }
+    }
+    const std::lock_guard lock(mutex);
+    report_progress(progress, "looking for " + detector.class_name, ++done, static_cast<std::int64_t>(blocks.size()));
+  });
+  Found all;
+  for (Found& block : blocks) {
+    all.area_km2 += block.area_km2;
+    all.hits.insert(all.hits.end(), block.hits.begin(), block.hits.end());
+  }
+  std::stable_sort(all.hits.begin(), all.hits.end(),
+                   [](const GroundHit& a, const GroundHit& b) { return a.score > b.score; });
+  std::vector<GroundHit> once;
+  for (const GroundHit& hit : all.hits) {
+    const bool again = std::any_of(once.begin(), once.end(), [&](const GroundHit& other) {
+      return (hit.center_m - other.center_m).norm() < kSamePlace * std::max(hit.length_m, other.length_m);
+    });
+    if (!again) once.push_back(hit);
+  }
+  all.hits = std::move(once);
+  return all;
+}
+
+/// Whether the imagery shows the middle of a label.
+std::vector<ClassLabel> shown_labels(const std::vector<LandmarkLabel>& labels, const std::string& class_name,
+                                     const std::vector<std::string>& imagery, const ImageryOptions& options,
+                                     const Crs& crs, const Bounds& bounds, std::int64_t& outside) {
+  std::vector<ClassLabel> shown;
+  for (const LandmarkLabel& label : labels) {
+    if (label.class_name != class_name || label.ignore) continue;
+    const OrientedBox box = oriented_box(label.outline_m);
+    bool valid = bounds.contains(box.center);
+    if (valid) {
+      const GeoTransform at = GeoTransform::north_up(box.center.x() - 0.5, box.center.y() + 0.5, 1);
+      valid = cv::countNonZero(open_valid_on_grid(imagery, crs, at, 1, 1, options).read({0, 0, 1, 1}).valid) > 0;
+    }
+    if (valid) {
+      shown.push_back({&label, box.center, box.length});
+    } else {
+      ++outside;
+    }
+  }
+  return shown;
+}
+
+double ambiguity_of(const ClassLabel& label, const std::vector<ClassLabel>& all, double p_detect,
+                    double false_alarms_per_m2, double radius_m) {
+  const auto others = std::count_if(all.begin(), all.end(), [&](const ClassLabel& other) {
+    return &other != &label && (other.center_m - label.center_m).norm() <= radius_m;
+  });
+  return static_cast<double>(others) * p_detect + false_alarms_per_m2 * std::numbers::pi * radius_m * radius_m;
+}
+
+bool was_learnt(const LandmarkDetector& detector, const ClassLabel& label, const CrsTransform& transform) {
+  return std::any_of(detector.learnt.begin(), detector.learnt.end(), [&](const GeodeticPoint& place) {
+    const auto at = transform.map_from_geodetic(place);
+    return at && (*at - label.center_m).norm() < kSamePlace * label.length_m;
+  });
+}
+
+void score_class(const LandmarkDetector& detector, const std::vector<ClassLabel>& labels,
+                 const std::vector<LandmarkLabel>& ignored, const Found& found, double search_radius_m,
+                 const CrsTransform& transform, LandmarkScores& scores) {
+  std::vector<std::optional<GroundHit>> hit_of(labels.size());
+  std::vector<JudgedHit> judged;
+  std::vector<GroundHit> false_alarms;
+  for (const GroundHit& hit : found.hits) {
+    std::optional<std::size_t> nearest;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const double distance_m = (hit.center_m - labels[i].center_m).norm();
+      if (distance_m >= kSamePlace * labels[i].length_m) continue;
+      if (!nearest || distance_m < (hit.center_m - labels[*nearest].center_m).norm()) nearest = i;
+    }
+    const bool on_ignored = std::any_of(ignored.begin(), ignored.end(), [&](const LandmarkLabel& label) {
+      if (!label.ignore || label.class_name != detector.class_name) return false;
+      const OrientedBox box = oriented_box(label.outline_m);
+      return (hit.center_m - box.center).norm() < kSamePlace * box.length;
+    });
+    if (!nearest && on_ignored) continue;
+    const bool right = nearest && !hit_of[*nearest];
+    judged.push_back({hit.score, right, 0});
+    if (hit.score < detector.threshold) continue;
+    if (right) {
+      hit_of[*nearest] = hit;
+    } else {
+      false_alarms.push_back(hit);
+    }
+  }
+  ScoredClass result;
+  result.class_name = detector.class_name;
+  result.average_precision = average_precision(judged, std::ssize(labels));
+  result.false_alarms = {std::ssize(false_alarms), found.area_km2};
+  result.recall.of = std::ssize(labels);
+  std::vector<double> lengths_m;
+  double squares = 0;
+  std::vector<ScoredLandmark> rows;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    ScoredLandmark row;
+    row.class_name = detector.class_name;
+    row.place = transform.geodetic_from_map(labels[i].center_m).value_or(GeodeticPoint{kNaN, kNaN});
+    row.length_m = labels[i].length_m;
+    row.learnt = was_learnt(detector, labels[i], transform);
+    row.score = row.east_m = row.north_m = kNaN;
+    if (!row.learnt) ++result.recall_elsewhere.of;
+    if (hit_of[i]) {
+      row.fate = LandmarkFate::kFound;
+      row.score = hit_of[i]->score;
+      row.east_m = hit_of[i]->center_m.x() - labels[i].center_m.x();
+      row.north_m = hit_of[i]->center_m.y() - labels[i].center_m.y();
+      lengths_m.push_back(std::hypot(row.east_m, row.north_m));
+      squares += row.east_m * row.east_m + row.north_m * row.north_m;
+      ++result.recall.count;
+      if (!row.learnt) ++result.recall_elsewhere.count;
+    }
+    rows.push_back(row);
+  }
+  const double per_m2 = found.area_km2 > 0 ? result.false_alarms.value() * 1e-6 : 0;
+  std::vector<double> ambiguities;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    rows[i].ambiguity = ambiguity_of(labels[i], labels, result.recall.value(), per_m2, search_radius_m);
+    ambiguities.push_back(rows[i].ambiguity);
+  }
+  for (const GroundHit& hit : false_alarms) {
+    ScoredLandmark row;
+    row.class_name = detector.class_name;
+    row.fate = LandmarkFate::kFalseAlarm;
+    row.place = transform.geodetic_from_map(hit.center_m).value_or(GeodeticPoint{kNaN, kNaN});
+    row.score = hit.score;
+    row.length_m = hit.length_m;
+    row.east_m = row.north_m = row.ambiguity = kNaN;
+    rows.push_back(row);
+  }
+  result.median_ambiguity = quantile(ambiguities, 0.5);
+  result.error_median_m = quantile(lengths_m, 0.5);
+  result.error_95_m = quantile(lengths_m, 0.95);
+  const double degrees = 2 * static_cast<double>(lengths_m.size());
+  result.sigma_m = lengths_m.empty() ? kNaN : std::sqrt(squares / degrees);
+  result.sigma_interval_m = {kNaN, kNaN};
+  if (!lengths_m.empty()) {
+    result.sigma_interval_m = {std::sqrt(squares / chi_squared_quantile(0.975, degrees)),
+                               std::sqrt(squares / chi_squared_quantile(0.025, degrees))};
+  }
+  scores.classes.push_back(result);
+  scores.landmarks.insert(scores.landmarks.end(), rows.begin(), rows.end());
+}
+
+}  // namespace
+
+double Density::value() const {
+  return area_km2 > 0 ? static_cast<double>(count) / area_km2 : kNaN;
+}
+
+Interval Density::interval() const {
+  if (!(area_km2 > 0)) return {0, std::numeric_limits<double>::infinity()};
+  const double low = count == 0 ? 0 : chi_squared_quantile(0.025, 2.0 * static_cast<double>(count)) / 2;
+  const double high = chi_squared_quantile(0.975, 2.0 * static_cast<double>(count) + 2) / 2;
+  return {low / area_km2, high / area_km2};
+}
+
+LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOptions& options, int threads,
+                               const Progress& progress) {
+  check_options(options);
+  if (options.second_epoch.empty()) throw UsageError("second_epoch is missing; give --second-epoch IMAGERY");
+  std::vector<ImageryInfo> infos;
+  for (const std::string& dataset : options.second_epoch) {
+    infos.push_back(inspect_imagery(dataset, options.imagery, progress));
+  }
+  LandmarkScores scores;
+  scores.warnings = imagery_warnings(infos, 0);
+  for (const ImageryInfo& info : infos) scores.acquired = std::max(scores.acquired, info.acquired);
+  const std::vector<GeodeticPoint> middle{infos.front().center};
+  const double half_m =
+      std::hypot(infos.front().width_px * infos.front().gsd_x_m, infos.front().height_px * infos.front().gsd_y_m) / 2;
+  scores.crs = options.crs.empty() ? choose_mission_crs(middle, half_m).crs
+                                   : check_mission_crs(Crs::from_user_input(options.crs), middle, half_m).crs;
+  const Bounds bounds = bounds_of(infos, scores.crs);
+  int merged = 0;
+  const std::vector<LandmarkLabel> labels = read_landmark_labels(options.labels, scores.crs, merged);
+  const CrsTransform transform(scores.crs);
+  bool any = false;
+  for (const LandmarkDetector& detector : model.detectors) {
+    const bool known = std::any_of(labels.begin(), labels.end(),
+                                   [&](const LandmarkLabel& label) { return label.class_name == detector.class_name; });
+    if (!known) continue;
+    any = true;
+    const std::vector<ClassLabel> shown = shown_labels(labels, detector.class_name, options.second_epoch,
+                                                       options.imagery, scores.crs, bounds, scores.outside);
+    if (shown.empty()) {
+      throw DataError(options.second_epoch.front() + ": shows no landmark of the class " + detector.class_name);
+    }
+    const Found found = search(detector, options.second_epoch, options.imagery, scores.crs, bounds, threads, progress);
+    score_class(detector, shown, labels, found, options.search_radius_m, transform, scores);
+  }
+  if (!any) {
+    std::vector<std::string> known;
+    for (const LandmarkDetector& detector : model.detectors) known.push_back(detector.class_name);
+    throw DataError(join(options.labels.labels, ", ") +
+                    ": no label is of a class that the model knows: " + join(known, ", "));
+  }
+  return scores;
+}
+
+}  // namespace pilotage
