@@ -408,15 +408,17 @@ void print_failure(const Failure& failure, const std::vector<std::string>& argum
 
 }  // namespace
 
-int run_program(std::vector<Command> commands, const std::vector<std::string>& arguments, std::ostream& out,
+int run_program(std::vector<Command> commands, const std::vector<std::string>& typed, std::ostream& out,
                 std::ostream& err) {
+  std::vector<std::string> arguments = typed;
   InterruptionDeadline deadline([&] {
     if (is_terminal(err)) err << "\n";  // below the bar that may stand there
     print_failure(kInterruption, arguments, out, err);
     out.flush();
   });
   try {
-    const int exit_code = dispatch(commands, with_family_joined(commands, arguments), out, err, deadline);
+    arguments = with_family_joined(commands, arguments);
+    const int exit_code = dispatch(commands, arguments, out, err, deadline);
     if (!out.flush()) throw DataError("standard output cannot be written");
     return exit_code;
   } catch (...) {

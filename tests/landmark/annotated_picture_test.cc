@@ -126,7 +126,10 @@ TEST_F(AnnotatedPictureTest, NamesWhatIsWrong) {
   };
   EXPECT_THAT(imglab("<box top='1' left='1' width='0' height='5'><label>a</label></box>"),
               HasSubstr("labels.xml: a.tif, box 1: is a box without extent, 0 x 5 pixels"));
-  EXPECT_THAT(imglab("<box top='1' left='1' width='5' height='5'/>"), HasSubstr("box 1: has no class"));
+  EXPECT_THAT(
+      imglab(
+          "<box top='1' left='1' width='5' height='5'><part name='1' x='0' y='0'/><part name='01' x='1' y='1'/></box>"),
+      HasSubstr("box 1: its part 01 is no place of a corner"));
   EXPECT_THAT(imglab("<box top='1' left='1' width='5'><label>a</label></box>"),
               HasSubstr("its attribute height: is missing"));
   EXPECT_THAT(error("labels.xml", "<dataset><images><image file='no.tif'/></images></dataset>"),
@@ -153,12 +156,32 @@ TEST_F(AnnotatedPictureTest, WhatIsWrittenReadsBack) {
   EXPECT_TRUE(pictures[0].labels[1].box_alone);
 }
 
+TEST_F(AnnotatedPictureTest, LargestPolygonOfCocoCountsAndSizesAreKept) {
+  const auto pictures = read("coco.json",
+                             "\xEF\xBB\xBF"
+                             R"({"images": [{"id": 7, "file_name": "a.tif", "width": 200, "height": 99}],
+"categories": [{"id": 3, "name": "pool"}], "annotations": [{"id": 1, "image_id": 7, "category_id": 3, "bbox": [0, 0, 1, 1],
+ "segmentation": [[0, 0, 1, 0, 1, 1], [20, 20, 60, 20, 60, 50]]}]})");
+  EXPECT_EQ(pictures[0].labels[0].outline_px.front(), Vector2d(20, 20));
+  EXPECT_EQ(pictures[0].width_px, 200);
+  EXPECT_EQ(pictures[0].height_px, 99);
+}
+
+TEST_F(AnnotatedPictureTest, ClassesNeedNoNamesWhereNobodyAsks) {
+  const auto pictures = read_annotations(write("a.txt", "4 0.5 0.5 0.1 0.2\n"), "", false);
+  EXPECT_EQ(pictures[0].labels[0].class_name, "");
+  expect_box(pictures[0].labels[0], 90, 40, 110, 60);
+}
+
 TEST_F(AnnotatedPictureTest, ToldFromShapesByContent) {
   EXPECT_TRUE(is_annotation_file(write("a.txt", "")));
   EXPECT_TRUE(is_annotation_file(write("l.xml", "<dataset/>")));
   EXPECT_TRUE(is_annotation_file(write("l.xml", "<annotation/>")));
   EXPECT_TRUE(is_annotation_file(write("l.json", R"({"images": [], "annotations": []})")));
   EXPECT_FALSE(is_annotation_file(write("l.json", R"({"type": "FeatureCollection", "features": []})")));
+  EXPECT_TRUE(is_annotation_file(write("l.json", "\xEF\xBB\xBF{\"images\": [], \"annotations\": []}")));
+  EXPECT_FALSE(
+      is_annotation_file(write("l.json", R"({"type": "FeatureCollection", "name": "<annotation", "features": []})")));
   EXPECT_FALSE(is_annotation_file(write("l.osm", "<?xml version='1.0'?><osm/>")));
 }
 

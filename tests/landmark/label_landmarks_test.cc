@@ -119,8 +119,14 @@ TEST_F(LabelLandmarksTest, WhatWasLabelledCanBeLabelledAgain) {
     ASSERT_EQ(second.classes.size(), 2U) << again;
     EXPECT_NEAR(second.classes[0].median_m, 20, kGsd_m) << again;
     EXPECT_EQ(second.classes[1].labels, 1) << again;
-    EXPECT_EQ(second.merged, again == kLabelShapes ? 0 : 1)
-        << "the shed stands on the hall's chip, too, and is ignored there";
+    EXPECT_EQ(second.merged, 0) << "the shed stands on the hall's chip, too, but is ignored there";
+    // Each at its place: the halls of both runs cover each other.
+    const auto middle_of = [&](const fs::path& chips) {
+      const auto pictures = read_annotations(chips / kChipAnnotations);
+      const ImageryInfo info = inspect_imagery(pictures[0].picture.string());
+      return info.map_from_pixel.map_from_pixel(oriented_box(pictures[0].labels[0].outline_px).center);
+    };
+    EXPECT_NEAR((middle_of(folder / "chips") - middle_of(folder / "again")).norm(), 0, kGsd_m) << again;
   }
 }
 
@@ -145,6 +151,20 @@ TEST_F(LabelLandmarksTest, WhatIsIgnoredHasNoChipAndIsNoBackground) {
   const auto pictures = read_annotations(folder / "chips" / kChipAnnotations);
   ASSERT_EQ(pictures[0].labels.size(), 2U);
   EXPECT_TRUE(pictures[0].labels[1].ignore);
+  // No background lies on either.
+  options.background_chips = 30;
+  const LabelledChips many = label(true);
+  EXPECT_GT(many.background_chips, 10);
+  for (std::int64_t i = 1; i <= many.background_chips; ++i) {
+    const std::string digits = std::to_string(i);
+    const ImageryInfo info = inspect_imagery(
+        (folder / "chips" / ("background_" + std::string(6 - digits.size(), '0') + digits + ".png")).string());
+    const Vector2d corner = info.map_from_pixel.map_from_pixel({0, 0}) - Vector2d(500'000, 5'000'000);
+    const double side_m = info.width_px * kGsd_m;
+    const bool clear =
+        corner.x() >= 110 || corner.x() + side_m <= 60 || -corner.y() >= 100 || -corner.y() + side_m <= 80;
+    EXPECT_TRUE(clear) << corner.transpose();
+  }
 }
 
 TEST_F(LabelLandmarksTest, ClosedLinesAreOutlinesAndOpenOnesAreRefused) {
@@ -223,6 +243,102 @@ TEST_F(LabelLandmarksTest, ExistingChipsAreReplacedTogether) {
   label(true);
   EXPECT_FALSE(fs::exists(folder / "chips" / "chip_000002.png"));
   EXPECT_FALSE(fs::exists(folder / "chips" / "chip_000002.png.aux.xml"));
+}
+
+TEST_F(LabelLandmarksTest, LabelsAtTheEdgeOfTheImageryFit) {
+  write_labels({square(180, 180, 20, R"({"class": "hall"})"), square(0, 0, 20, R"({"class": "hall"})")});
+  const LabelledChips chips = label();
+  EXPECT_EQ(chips.classes[0].labels, 2);
+  EXPECT_EQ(chips.outside, 0);
+}
+
+TEST_F(LabelLandmarksTest, HallsSideBySideAreTwo) {
+  const auto diagonal = [&](double off_m) {
+    std::string ring;
+    for (const auto& [a, b] : {std::pair{-40, -3}, {40, -3}, {40, 3}, {-40, 3}, {-40, -3}}) {
+      const double along = a * std::sqrt(0.5);
+      const double across = (b + off_m) * std::sqrt(0.5);
+      ring += (ring.empty() ? "" : ", ") + place(100 + along - across, 100 + along + across);
+    }
+    return R"({"type": "Feature", "properties": {"class": "hall"}, "geometry": {"type": "Polygon", "coordinates": [[)" +
+           ring + "]]}}";
+  };
+  write_labels({diagonal(0), diagonal(8)});
+  const LabelledChips chips = label();
+  EXPECT_EQ(chips.classes[0].labels, 2);
+  EXPECT_EQ(chips.merged, 0);
+}
+
+TEST_F(LabelLandmarksTest, DaysAreComparedAndGoWithTheLabels) {
+  spec.finish = [](GDALDataset& dataset) { dataset.SetMetadataItem("TIFFTAG_DATETIME", "2023:06:14 09:40:00"); };
+  imagery = make_raster(folder / "dated.tif", spec);
+  write_labels({square(60, 80, 20, R"({"class": "hall", "start_date": "2023-06-15"})")});
+  EXPECT_THAT(error(), HasSubstr("begins 2023-06-15, after the imagery of 2023-06-14"));
+  write_labels({square(60, 80, 20, R"({"class": "hall", "start_date": "2023-06-14", "end_date": "2023-07"})")});
+  label();
+  LabelOptions later;
+  later.labels = {(folder / "chips" / kLabelShapes).string()};
+  spec.finish = [](GDALDataset& dataset) { dataset.SetMetadataItem("TIFFTAG_DATETIME", "2024:06:14 09:40:00"); };
+  const std::string year_later = make_raster(folder / "later.tif", spec);
+  EXPECT_THAT(error_of<DataError>([&] { label_landmarks({year_later}, later, folder / "later", true, 1); }),
+              HasSubstr("ended 2023-07, before the imagery of 2024-06-14"));
+  write_labels({square(60, 80, 20, R"({"class": "hall", "start_date": "~1990"})")});
+  EXPECT_THAT(label(true).warnings, ::testing::Contains(HasSubstr("1 labels have dates that are none")));
+}
+
+TEST_F(LabelLandmarksTest, WhatIsNowhereIsSkippedWhenAsked) {
+  const std::string broken = R"({"type": "Feature", "properties": {"class": "hall"},
+ "geometry": {"type": "Polygon", "coordinates": [[[15, 45], [15.1, 45], [15, 45]]]}})";
+  write_labels({square(60, 80, 20, R"({"class": "hall"})"), broken, square(500'000, 80, 9000, R"({"class": "hall"})")});
+  EXPECT_THAT(error(), HasSubstr("feature 1: a ring of a polygon has fewer than three corners; --unfit skip"));
+  options.unfit = UnfitLabels::kSkip;
+  const LabelledChips chips = label();
+  EXPECT_EQ(chips.classes[0].labels, 1);
+  EXPECT_EQ(chips.outside, 2);
+  write_labels({square(60, 80, 0.1, R"({"class": "hall"})")});
+  EXPECT_THAT(error_of<DataError>([&] { label(true); }), HasSubstr("is an outline without extent, 0.1"));
+}
+
+TEST_F(LabelLandmarksTest, AnnotationsMustBeOfTheirPicture) {
+  const auto imglab = [&](const std::string& picture, const std::string& box) {
+    write_file(folder / "boxes.xml",
+               "<dataset><images><image file='" + picture + "'>" + box + "</image></images></dataset>", true);
+    options.labels = {(folder / "boxes.xml").string()};
+  };
+  options.class_name = "hall";  // its boxes have no class
+  imglab("ortho.tif", "<box left='360' top='360' width='40' height='40'/>");
+  EXPECT_EQ(label().classes[0].labels, 1);
+  imglab("ortho.tif", "<box left='380' top='360' width='40' height='40'/>");
+  EXPECT_THAT(error_of<DataError>([&] { label(true); }),
+              HasSubstr("box 1: reaches out of its picture of 400 x 400 px"));
+
+  spec.srs = "";
+  make_raster(folder / "no_crs.tif", spec);
+  imglab("no_crs.tif", "<box left='60' top='60' width='40' height='40'/>");
+  EXPECT_THAT(error_of<DataError>([&] { label(true); }), HasSubstr("its picture has no place on the ground"));
+  options.imagery.imagery_crs = "EPSG:32633";
+  EXPECT_EQ(label(true).classes[0].labels, 1);
+
+  write_file(folder / "coco.json", R"({"images": [{"id": 1, "file_name": "ortho.tif", "width": 200, "height": 200}],
+ "categories": [{"id": 1, "name": "hall"}],
+ "annotations": [{"image_id": 1, "category_id": 1, "bbox": [10, 10, 30, 30]}]})",
+             true);
+  options.labels = {(folder / "coco.json").string()};
+  EXPECT_THAT(error_of<DataError>([&] { label(true); }),
+              HasSubstr("was drawn on a picture of 200 x 200 px, and the picture has 400 x 400"));
+}
+
+TEST_F(LabelLandmarksTest, HalvesOfOneGridKeepItsPixels) {
+  RasterSpec half = spec;
+  half.width = kSide_px / 2;
+  const std::string west = make_raster(folder / "west.tif", half);
+  half.place = GeoTransform::north_up(500'100, 5'000'000, kGsd_m);
+  half.value = [&](int band, int col, int row) { return spec.value(band, col + kSide_px / 2, row); };
+  const std::string east = make_raster(folder / "east.tif", half);
+  write_labels({square(90, 80, 20, R"({"class": "hall"})")});
+  label();
+  label_landmarks({west, east}, options, folder / "halves", false, 1);
+  EXPECT_EQ(read_file(folder / "chips" / "chip_000001.png"), read_file(folder / "halves" / "chip_000001.png"));
 }
 
 TEST_F(LabelLandmarksTest, TheSameInputGivesTheSameBytes) {

@@ -47,11 +47,11 @@ TEST(Outline, BoxOfARectangleIsTheRectangle) {
     const double length = width + random.uniform(0.5, 30);
     const Vector2d center(random.uniform(-1e6, 1e6), random.uniform(-1e6, 1e6));
     const OrientedBox box = oriented_box(turned_rectangle(center, length, width, angle));
-    EXPECT_NEAR(box.length, length, 1e-6);
-    EXPECT_NEAR(box.width, width, 1e-6);
-    EXPECT_NEAR((box.center - center).norm(), 0, 1e-6);
+    EXPECT_NEAR(box.length, length, 1e-4);
+    EXPECT_NEAR(box.width, width, 1e-4);
+    EXPECT_NEAR((box.center - center).norm(), 0, 1e-4);
     const double off = std::remainder(box.angle_rad - angle, std::numbers::pi);
-    EXPECT_NEAR(off, 0, 1e-6) << angle;
+    EXPECT_NEAR(off, 0, 1e-4) << angle;
     EXPECT_GE(box.angle_rad, 0);
     EXPECT_LT(box.angle_rad, std::numbers::pi);
   }
@@ -59,17 +59,26 @@ TEST(Outline, BoxOfARectangleIsTheRectangle) {
 
 TEST(Outline, BoxOfAnLIsTheSmallestAroundItsHull) {
   const OrientedBox box = oriented_box({{0, 0}, {30, 0}, {30, 10}, {10, 10}, {10, 20}, {0, 20}});
-  EXPECT_NEAR(box.length, 30, 1e-9);
-  EXPECT_NEAR(box.width, 20, 1e-9);
-  EXPECT_NEAR(box.angle_rad, 0, 1e-9);
+  EXPECT_NEAR(box.length, 30, 1e-4);
+  EXPECT_NEAR(box.width, 20, 1e-4);
+  EXPECT_NEAR(std::remainder(box.angle_rad, std::numbers::pi), 0, 1e-5);
   EXPECT_THROW(oriented_box({}), UsageError);
 }
 
-TEST(Outline, OverlapOfBounds) {
-  const Outline one = turned_rectangle({0, 0}, 10, 10, 0);
-  EXPECT_NEAR(bounds_overlap(one, one), 1, 1e-12);
-  EXPECT_NEAR(bounds_overlap(one, turned_rectangle({5, 0}, 10, 10, 0)), 1.0 / 3, 1e-12);
-  EXPECT_EQ(bounds_overlap(one, turned_rectangle({10, 0}, 10, 10, 0)), 0);
+TEST(Outline, OverlapIsThatOfTheBoxesAndNotOfTheirBounds) {
+  const auto box = [](const Vector2d& center, double length, double width, double angle_rad) {
+    return oriented_box(turned_rectangle(center, length, width, angle_rad));
+  };
+  const OrientedBox one = box({0, 0}, 10, 10, 0);
+  EXPECT_NEAR(overlap(one, one), 1, 1e-5);
+  EXPECT_NEAR(overlap(one, box({5, 0}, 10, 10, 0)), 1.0 / 3, 1e-5);
+  EXPECT_NEAR(overlap(one, box({10.001, 0}, 10, 10, 0)), 0, 1e-3);
+  EXPECT_EQ(overlap(one, box({50, 0}, 10, 10, 0)), 0);
+  // Two halls side by side: their bounds are nearly one.
+  const Vector2d across(-std::sqrt(0.5), std::sqrt(0.5));
+  EXPECT_EQ(overlap(box({6e5, 6e6}, 150, 10, std::numbers::pi / 4),
+                    box(Vector2d(6e5, 6e6) + 12 * across, 150, 10, std::numbers::pi / 4)),
+            0);
 }
 
 }  // namespace

@@ -97,15 +97,20 @@ PictureLabel imglab_label(const XmlElement& element, const std::string& name) {
     if (child.name != "part") continue;
     const std::string* part = child.attribute("name");
     if (part == nullptr) throw DataError(name + ": has a part without a name");
-    const std::optional<double> number_of_part = parse_number(*part);
-    if (!number_of_part) continue;  // a point that somebody named, as "mast": no corner
-    parts[std::llround(*number_of_part)] = {number_of(child.attribute("x"), name + ": x of part " + *part),
-                                            number_of(child.attribute("y"), name + ": y of part " + *part)};
+    constexpr double kMostCorners = 100000;
+    const std::optional<double> place = parse_number(*part);
+    if (!place) continue;  // a point that somebody named, as "mast": no corner
+    if (!(*place >= 0 && *place < kMostCorners && *place == std::floor(*place)) ||
+        parts.contains(std::llround(*place))) {
+      throw DataError(name + ": its part " + *part + " is no place of a corner, a whole number that no other part has");
+    }
+    parts[std::llround(*place)] = {number_of(child.attribute("x"), name + ": x of part " + *part),
+                                   number_of(child.attribute("y"), name + ": y of part " + *part)};
   }
   if (parts.size() >= 3) {
     label.outline_px.clear();
     label.box_alone = false;
-    for (const auto& [place, point] : parts) label.outline_px.push_back(point);
+    for (const auto& [corner, point] : parts) label.outline_px.push_back(point);
   }
   return label;
 }
@@ -132,6 +137,14 @@ std::vector<AnnotatedPicture> imglab_pictures(const fs::path& path, const std::s
 AnnotatedPicture voc_picture(const fs::path& path, const std::string& file, const XmlElement& root) {
   AnnotatedPicture picture;
   picture.picture = picture_named(root.child_text("filename"), path);
+  if (const XmlElement* size = root.child("size")) {
+    const auto pixels = [&](const char* key) {
+      const std::string text = size->child_text(key);
+      return static_cast<int>(std::clamp(number_of(&text, file + ": its size's " + key), 0.0, 1e9));
+    };
+    picture.width_px = pixels("width");
+    picture.height_px = pixels("height");
+  }
   for (const XmlElement& object : root.children) {
     if (object.name != "object") continue;
     PictureLabel& label = picture.labels.emplace_back();
@@ -162,7 +175,10 @@ std::vector<AnnotatedPicture> coco_pictures(const fs::path& path, const std::str
   std::map<std::int64_t, std::size_t> places;
   for (JsonObject& image : root.objects("images")) {
     places[image.integer("id")] = pictures.size();
-    pictures.push_back({picture_named(image.text("file_name"), path), {}});
+    AnnotatedPicture& picture = pictures.emplace_back();
+    picture.picture = picture_named(image.text("file_name"), path);
+    if (image.has_value("width")) picture.width_px = image.small_integer("width", 0);
+    if (image.has_value("height")) picture.height_px = image.small_integer("height", 0);
   }
   for (JsonObject& annotation : root.objects("annotations")) {
     PictureLabel label;
@@ -176,13 +192,17 @@ std::vector<AnnotatedPicture> coco_pictures(const fs::path& path, const std::str
     const bool polygons = annotation.has_value("segmentation") && annotation.value("segmentation").is_array() &&
                           !annotation.value("segmentation").empty();
     if (polygons) {
-      const nlohmann::ordered_json& first = annotation.value("segmentation").front();
-      if (!first.is_array() || first.size() < 6 || first.size() % 2 != 0) {
-        annotation.fail("segmentation", "polygons x, y, x, y, … of three corners at least");
-      }
-      for (std::size_t i = 0; i < first.size(); i += 2) {
-        if (!first[i].is_number() || !first[i + 1].is_number()) annotation.fail("segmentation", "numbers");
-        label.outline_px.emplace_back(first[i].get<double>(), first[i + 1].get<double>());
+      for (const nlohmann::ordered_json& polygon : annotation.value("segmentation")) {
+        if (!polygon.is_array() || polygon.size() < 6 || polygon.size() % 2 != 0) {
+          annotation.fail("segmentation", "polygons x, y, x, y, … of three corners at least");
+        }
+        std::vector<Vector2d> outline;
+        for (std::size_t i = 0; i < polygon.size(); i += 2) {
+          if (!polygon[i].is_number() || !polygon[i + 1].is_number()) annotation.fail("segmentation", "numbers");
+          outline.emplace_back(polygon[i].get<double>(), polygon[i + 1].get<double>());
+        }
+        // What something hides a part of has several; slivers beside it are no landmark.
+        if (outline_area(outline) > outline_area(label.outline_px)) label.outline_px = std::move(outline);
       }
     } else {
       const std::vector<double> box = annotation.numbers("bbox", 4);
@@ -226,7 +246,8 @@ std::vector<std::string> yolo_classes(const fs::path& path, const fs::path& clas
   return lines_of(read_file(*found, kMostBytes));
 }
 
-AnnotatedPicture yolo_picture(const fs::path& path, const std::string& file, const fs::path& class_names) {
+AnnotatedPicture yolo_picture(const fs::path& path, const std::string& file, const fs::path& class_names,
+                              bool class_names_asked) {
   AnnotatedPicture picture;
   std::vector<fs::path> candidates;
   for (const char* extension : {".tif", ".png", ".jpg", ".jpeg", ".TIF", ".PNG", ".JPG"}) {
@@ -238,7 +259,8 @@ AnnotatedPicture yolo_picture(const fs::path& path, const std::string& file, con
   if (!found) throw DataError(file + ": no picture of its name stands beside it or in ../images");
   picture.picture = *found;
   const ImageryInfo info = inspect_picture(found->string());
-  const std::vector<std::string> classes = yolo_classes(path, class_names);
+  const std::vector<std::string> classes =
+      class_names_asked ? yolo_classes(path, class_names) : std::vector<std::string>{};
   const std::vector<std::string> lines = lines_of(read_file(path, kMostBytes));
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::vector<std::string> words = words_of(lines[i]);
@@ -252,12 +274,13 @@ AnnotatedPicture yolo_picture(const fs::path& path, const std::string& file, con
       throw DataError(label.name + ": is neither \"class x y width height\" nor \"class x1 y1 x2 y2 x3 y3 …\"");
     }
     const double number = numbers.front();
-    if (!(number >= 0 && number < static_cast<double>(classes.size()) && number == std::floor(number)) ||
-        classes[static_cast<std::size_t>(number)].empty()) {
+    if (class_names_asked &&
+        (!(number >= 0 && number < static_cast<double>(classes.size()) && number == std::floor(number)) ||
+         classes[static_cast<std::size_t>(number)].empty())) {
       throw DataError(label.name + ": class " + format_number(number) + " has no name; " +
                       std::to_string(classes.size()) + " are known");
     }
-    label.class_name = classes[static_cast<std::size_t>(number)];
+    if (class_names_asked) label.class_name = classes[static_cast<std::size_t>(number)];
     const auto width = static_cast<double>(info.width_px);
     const auto height = static_cast<double>(info.height_px);
     if (is_box) {
@@ -278,41 +301,43 @@ AnnotatedPicture yolo_picture(const fs::path& path, const std::string& file, con
 void check_labels(const std::vector<AnnotatedPicture>& pictures) {
   for (const AnnotatedPicture& picture : pictures) {
     for (const PictureLabel& label : picture.labels) {
-      if (label.class_name.empty()) throw DataError(label.name + ": has no class");
       if (!(outline_area(label.outline_px) > 0)) throw DataError(label.name + ": is an outline without extent");
     }
   }
 }
 
-std::string first_word(const fs::path& path) {
-  return read_file(path, kMostBytes).substr(0, 4096);
-}
-
 bool is_yolo(const fs::path& path) {
-  return path.extension() == ".txt";
+  return path.extension() == ".txt" || path.extension() == ".TXT";
 }
 
 }  // namespace
 
 bool is_annotation_file(const fs::path& path) {
   if (is_yolo(path)) return true;
-  const std::string head = first_word(path);
-  if (head.find("<dataset") != std::string::npos || head.find("<annotation") != std::string::npos) return true;
-  const auto first = head.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos || head[first] != '{') return false;
-  const nlohmann::ordered_json json = parse_json(name_as_utf8(path.string()), read_file(path, kMostBytes));
-  return json.is_object() && json.contains("annotations") && json.contains("images");
+  const std::string bytes = read_file(path, kMostBytes);
+  const std::string_view text = without_byte_order_mark(bytes);
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return false;
+  if (text[first] == '<') {
+    const std::string_view head = text.substr(0, 4096);
+    return head.find("<dataset") != std::string_view::npos || head.find("<annotation") != std::string_view::npos;
+  }
+  if (text[first] != '{') return false;
+  const nlohmann::ordered_json json = parse_json(name_as_utf8(path.string()), text);
+  return json.is_object() && json.contains("annotations") && json.contains("images") && !json.contains("type");
 }
 
-std::vector<AnnotatedPicture> read_annotations(const fs::path& path, const fs::path& class_names) {
+std::vector<AnnotatedPicture> read_annotations(const fs::path& path, const fs::path& class_names,
+                                               bool class_names_asked) {
   const std::string file = name_as_utf8(path.string());
   std::vector<AnnotatedPicture> pictures;
   if (is_yolo(path)) {
-    pictures.push_back(yolo_picture(path, file, class_names));
+    pictures.push_back(yolo_picture(path, file, class_names, class_names_asked));
   } else {
-    const std::string text = read_file(path, kMostBytes);
+    const std::string bytes = read_file(path, kMostBytes);
+    const std::string_view text = without_byte_order_mark(bytes);
     const auto first = text.find_first_not_of(" \t\r\n");
-    if (first != std::string::npos && text[first] == '{') {
+    if (first != std::string_view::npos && text[first] == '{') {
       pictures = coco_pictures(path, file, parse_json(file, text));
     } else {
       const XmlElement root = parse_xml(file, text);

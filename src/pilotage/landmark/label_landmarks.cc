@@ -5,7 +5,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <optional>
+#include <regex>
+#include <set>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -34,8 +35,10 @@ using Eigen::Vector2d;
 /// A chip is so many lengths of its label wide: a square of 2.2 lengths can be cut from it at any heading.
 constexpr double kChipLengths = 3.2;
 constexpr int kLeastChip_px = 64;
+/// What is narrower is no outline, but a line or a point.
+constexpr double kLeastWidth_px = 1;
 constexpr int kMostChip_px = 4096;
-constexpr int kDrawsPerBackgroundChip = 200;
+constexpr int kDrawsInVain = 1000;
 
 /// Of what rasters are no grid of square, north-up pixels in metres.
 bool is_metric_grid(const ImageryInfo& info) {
@@ -65,8 +68,12 @@ ChipGround chip_ground(const std::vector<std::string>& inputs, const LabelOption
   std::vector<ImageryInfo> infos;
   for (const std::string& dataset : inputs) infos.push_back(inspect_imagery(dataset, options.imagery, progress));
   if (!grid.gsd_m && (infos.size() > 1 || !options.crs.empty() || !is_metric_grid(infos.front()))) {
+    // Parts of one grid keep its pixels, which are not quite as long on the ground as on the map.
     double finest_m = std::numeric_limits<double>::infinity();
-    for (const ImageryInfo& info : infos) finest_m = std::min(finest_m, std::max(info.gsd_x_m, info.gsd_y_m));
+    for (const ImageryInfo& info : infos) {
+      finest_m = std::min(finest_m,
+                          is_metric_grid(info) ? info.map_from_pixel.x_per_col : std::max(info.gsd_x_m, info.gsd_y_m));
+    }
     grid.gsd_m = finest_m;
   }
   grid.tile_size_px = 2;  // no tiles are cut
@@ -90,18 +97,13 @@ ImageryDates dates_of(const Ground& ground) {
   return dates;
 }
 
-bool is_date(const std::string& text) {
-  return text.size() >= 4 &&
-         std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || c == '-'; });
-}
-
 /// Why a landmark cannot be seen on imagery of these dates, or "". A day is compared with a year as a year.
 std::string date_misfit(const LandmarkLabel& label, const ImageryDates& dates) {
   if (dates.first.empty()) return "";
-  if (is_date(label.start_date) && label.start_date > dates.last.substr(0, label.start_date.size())) {
+  if (!label.start_date.empty() && label.start_date > dates.last.substr(0, label.start_date.size())) {
     return "begins " + label.start_date + ", after the imagery of " + dates.last;
   }
-  if (is_date(label.end_date) && label.end_date < dates.first.substr(0, label.end_date.size())) {
+  if (!label.end_date.empty() && label.end_date < dates.first.substr(0, label.end_date.size())) {
     return "ended " + label.end_date + ", before the imagery of " + dates.first;
   }
   return "";
@@ -112,17 +114,23 @@ struct GridLabel {
   LandmarkLabel label;
   OrientedBox box_m;
   std::vector<Vector2d> outline_px;
-  PixelWindow bounds_px;  ///< Around the outline; may leave the grid.
-  PixelWindow chip_px;
+  Bounds bounds_px;  ///< Around the outline, in pixels of the grid, which it may leave.
 };
 
-PixelWindow window_around(const std::vector<Vector2d>& outline) {
+/// The pixels that an outline lies on. A hundredth of one is rounding: coordinates in degrees have seven decimals in
+/// some formats.
+constexpr double kRounding_px = 0.01;
+
+Bounds bounds_of_outline(const std::vector<Vector2d>& outline) {
   Bounds bounds;
   for (const Vector2d& point : outline) bounds.extend(point);
-  const auto col = static_cast<std::int64_t>(std::floor(bounds.min_x_m));
-  const auto row = static_cast<std::int64_t>(std::floor(bounds.min_y_m));
-  return {col, row, static_cast<int>(std::ceil(bounds.max_x_m) - static_cast<double>(col)),
-          static_cast<int>(std::ceil(bounds.max_y_m) - static_cast<double>(row))};
+  return bounds.grown(-kRounding_px);
+}
+
+bool lies_on(const Bounds& bounds_px, const TileMatrix& grid) {
+  return bounds_px.min_x_m >= 0 && bounds_px.min_y_m >= 0 &&
+         bounds_px.max_x_m <= static_cast<double>(grid.grid_width_px) &&
+         bounds_px.max_y_m <= static_cast<double>(grid.grid_height_px);
 }
 
 /// The first of `count` pixels of an axis that is `extent` long and that lie as near as may be around `middle`.
@@ -143,27 +151,27 @@ GridLabel on_grid(LandmarkLabel label, const GridLevel& level) {
   for (const Vector2d& corner : label.outline_m) {
     placed.outline_px.push_back(level.matrix.map_from_pixel.pixel_from_map(corner));
   }
-  placed.bounds_px = window_around(placed.outline_px);
-  constexpr double kRounding_px = 0.01;  // coordinates in degrees have seven decimals in some formats
-  const double side_px = std::ceil(kChipLengths * placed.box_m.length / level.gsd_m - kRounding_px);
-  if (side_px > kMostChip_px) {
-    throw DataError(label.name + ": is " + format_fixed(placed.box_m.length, 1) + " m long; its chip would be " +
-                    format_number(side_px) + " px wide, more than " + std::to_string(kMostChip_px) +
-                    "; take a larger --gsd-m");
-  }
-  const Vector2d middle_px = level.matrix.map_from_pixel.pixel_from_map(placed.box_m.center);
-  placed.chip_px = chip_around(middle_px, std::max(static_cast<int>(side_px), kLeastChip_px), level.matrix);
+  placed.bounds_px = bounds_of_outline(placed.outline_px);
   placed.label = std::move(label);
   return placed;
 }
 
-bool intersect(const PixelWindow& a, const PixelWindow& b) {
-  return a.col < b.col + b.width && b.col < a.col + a.width && a.row < b.row + b.height && b.row < a.row + a.height;
+/// The chip of a label that lies on the grid. Throws DataError when it would be too large.
+PixelWindow chip_of(const GridLabel& placed, const GridLevel& level) {
+  const double side_px = std::round(kChipLengths * placed.box_m.length / level.matrix.map_from_pixel.x_per_col);
+  if (side_px > kMostChip_px) {
+    throw DataError(placed.label.name + ": is " + format_fixed(placed.box_m.length, 1) + " m long; its chip would be " +
+                    format_number(side_px) + " px wide, more than " + std::to_string(kMostChip_px) +
+                    "; take a larger --gsd-m");
+  }
+  const Vector2d middle_px = level.matrix.map_from_pixel.pixel_from_map(placed.box_m.center);
+  return chip_around(middle_px, std::max(static_cast<int>(side_px), kLeastChip_px), level.matrix);
 }
 
-bool contains(const PixelWindow& outer, const PixelWindow& inner) {
-  return inner.col >= outer.col && inner.row >= outer.row && inner.col + inner.width <= outer.col + outer.width &&
-         inner.row + inner.height <= outer.row + outer.height;
+bool intersect(const Bounds& bounds_px, const PixelWindow& window) {
+  const auto col = static_cast<double>(window.col);
+  const auto row = static_cast<double>(window.row);
+  return bounds_px.intersects({col, row, col + window.width, row + window.height});
 }
 
 std::vector<cv::Point> polygon_of(const std::vector<Vector2d>& outline_px, const PixelWindow& window) {
@@ -179,6 +187,8 @@ std::vector<cv::Point> polygon_of(const std::vector<Vector2d>& outline_px, const
 bool shows_all(const Raster& chip, const std::vector<Vector2d>& outline_px, const PixelWindow& window) {
   cv::Mat inside(chip.valid.size(), CV_8U, cv::Scalar(0));
   cv::fillPoly(inside, std::vector<std::vector<cv::Point>>{polygon_of(outline_px, window)}, cv::Scalar(255));
+  // Pixels under the outline itself belong to both sides; on the chip's edge there is only one.
+  cv::erode(inside, inside, cv::Mat::ones(3, 3, CV_8U));
   return cv::countNonZero(inside & ~chip.valid) == 0;
 }
 
@@ -202,9 +212,8 @@ std::vector<std::string> earlier_chips(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool chip = (name.starts_with(kChipStem) || name.starts_with(kBackgroundStem)) &&
-                      (name.ends_with(".png") || name.ends_with(".png.aux.xml"));
-    if (chip || name == kChipAnnotations || name == kLabelShapes) names.push_back(name);
+    static const std::regex kChip("(chip|background)_[0-9]{6,}\\.png(\\.aux\\.xml)?");  // as numbered() makes them
+    if (std::regex_match(name, kChip) || name == kChipAnnotations || name == kLabelShapes) names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -239,14 +248,28 @@ VectorLayer label_layer(const std::vector<GridLabel>& labels, const std::vector<
                    {"heading_deg", VectorType::kReal, "Heading of the longer side, degrees clockwise from grid north"},
                    {"box_alone", VectorType::kBoolean, "Neither form nor heading known"},
                    {"ignore", VectorType::kBoolean, "Neither to be found nor missed"},
+                   {"start_date", VectorType::kText, ""},
+                   {"end_date", VectorType::kText, ""},
                    {"chip", VectorType::kText, ""},
                    {"source", VectorType::kText, ""}};
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const GridLabel& placed = labels[i];
     VectorFeature feature;
     feature.points = placed.label.outline_m;
-    feature.values = {placed.label.class_name, placed.box_m.length, placed.box_m.width, heading_deg(placed.box_m),
-                      placed.label.box_alone,  placed.label.ignore, chips[i],           placed.label.name};
+    const auto text_or_null = [](const std::string& text) -> VectorValue {
+      if (text.empty()) return std::monostate{};
+      return text;
+    };
+    feature.values = {placed.label.class_name,
+                      placed.box_m.length,
+                      placed.box_m.width,
+                      heading_deg(placed.box_m),
+                      placed.label.box_alone,
+                      placed.label.ignore,
+                      text_or_null(placed.label.start_date),
+                      text_or_null(placed.label.end_date),
+                      text_or_null(chips[i]),
+                      placed.label.name};
     layer.features.push_back(std::move(feature));
   }
   return layer;
@@ -288,29 +311,29 @@ class ChipWriter {
   LabelledChips& result_;
 };
 
-void write_background(const std::vector<GridLabel>& labels, const TileMatrix& grid, std::int64_t wanted,
+/// Ground without labels, no window twice. Gives up where most of it is no ground or labelled.
+void write_background(const std::vector<GridLabel>& labels, const TileMatrix& grid, int side_px, std::int64_t wanted,
                       std::uint64_t seed, ChipWriter& writer, LabelledChips& result,
                       std::vector<AnnotatedPicture>& pictures, const Progress& progress) {
-  std::vector<double> sides;
-  for (const GridLabel& placed : labels) sides.push_back(placed.chip_px.width);
-  const int side_px = static_cast<int>(quantile(sides, 0.5));
   const auto width = static_cast<int>(std::min<std::int64_t>(side_px, grid.grid_width_px));
   const auto height = static_cast<int>(std::min<std::int64_t>(side_px, grid.grid_height_px));
   Random random(seed);
-  for (std::int64_t draw = 0; draw < wanted * kDrawsPerBackgroundChip && result.background_chips < wanted; ++draw) {
+  std::set<std::pair<std::int64_t, std::int64_t>> taken;
+  for (int in_vain = 0; in_vain < kDrawsInVain && result.background_chips < wanted; ++in_vain) {
+    report_progress(progress, "background chips", result.background_chips, wanted);
     const PixelWindow window{
         static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(grid.grid_width_px - width + 1))),
         static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(grid.grid_height_px - height + 1))), width,
         height};
     const bool labelled = std::any_of(labels.begin(), labels.end(),
                                       [&](const GridLabel& placed) { return intersect(placed.bounds_px, window); });
-    if (labelled) continue;
+    if (labelled || !taken.insert({window.col, window.row}).second) continue;
     Raster chip = writer.read(window);
     if (cv::countNonZero(chip.valid) < width * height) continue;
     const std::string name = numbered(kBackgroundStem, static_cast<std::size_t>(++result.background_chips));
     writer.write(std::move(chip), window, name);
-    pictures.push_back({name, {}});
-    report_progress(progress, "background chips", result.background_chips, wanted);
+    pictures.emplace_back().picture = name;
+    in_vain = 0;
   }
 }
 
@@ -334,15 +357,24 @@ LabelledChips label_landmarks(const std::vector<std::string>& inputs, const Labe
   const ImageryDates dates = dates_of(on.ground);
   const bool refuse = options.unfit == UnfitLabels::kRefuse;
 
+  LandmarkLabels read = read_landmark_labels(options, options.imagery.imagery_crs, on.ground.crs);
+  result.merged = read.merged;
+  result.warnings.insert(result.warnings.end(), read.warnings.begin(), read.warnings.end());
+  const auto misfit = [&](const std::string& why, std::int64_t& count) {
+    if (refuse) throw DataError(why + "; --unfit skip leaves such labels out");
+    ++count;
+  };
+  for (const std::string& why : read.nowhere) misfit(why, result.outside);
   std::vector<GridLabel> labels;
-  for (LandmarkLabel& label : read_landmark_labels(options, on.ground.crs, result.merged)) {
-    const std::string misfit = date_misfit(label, dates);
-    if (!misfit.empty() && refuse) throw DataError(label.name + ": " + misfit + "; --unfit skip leaves it out");
-    if (!misfit.empty()) {
-      ++result.other_date;
-      continue;
+  std::int64_t ignored = 0;
+  for (LandmarkLabel& label : read.labels) {
+    ignored += label.ignore ? 1 : 0;
+    const std::string other_date = date_misfit(label, dates);
+    if (!other_date.empty()) {
+      misfit(label.name + ": " + other_date, result.other_date);
+    } else {
+      labels.push_back(on_grid(std::move(label), level));
     }
-    labels.push_back(on_grid(std::move(label), level));
   }
 
   const StagingFolder staging(folder);
@@ -350,7 +382,7 @@ LabelledChips label_landmarks(const std::vector<std::string>& inputs, const Labe
   std::vector<AnnotatedPicture> pictures;
   std::vector<std::string> chips;  // of `kept`; "" of what is ignored
   std::vector<GridLabel> kept;
-  const PixelWindow all{0, 0, static_cast<int>(grid.grid_width_px), static_cast<int>(grid.grid_height_px)};
+  std::vector<double> sides_px;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     report_progress(progress, "chips", static_cast<std::int64_t>(i), std::ssize(labels));
     const GridLabel& placed = labels[i];
@@ -359,37 +391,44 @@ LabelledChips label_landmarks(const std::vector<std::string>& inputs, const Labe
       kept.push_back(placed);
       continue;
     }
-    std::optional<Raster> chip;
-    if (contains(all, placed.bounds_px)) {
-      Raster read = writer.read(placed.chip_px);
-      if (shows_all(read, placed.outline_px, placed.chip_px)) chip = std::move(read);
+    if (!lies_on(placed.bounds_px, grid)) {
+      misfit(placed.label.name + ": does not lie wholly on ground that the imagery shows", result.outside);
+      continue;
     }
-    if (!chip) {
-      if (refuse) {
-        throw DataError(placed.label.name +
-                        ": does not lie wholly on ground that the imagery shows; --unfit skip leaves such labels out");
-      }
-      ++result.outside;
+    if (placed.box_m.width < kLeastWidth_px * grid.map_from_pixel.x_per_col) {
+      throw DataError(placed.label.name + ": is an outline without extent, " + format_fixed(placed.box_m.width, 3) +
+                      " m wide on pixels of " + format_fixed(result.gsd_m, 3) + " m");
+    }
+    const PixelWindow window = chip_of(placed, level);
+    Raster chip = writer.read(window);
+    if (!shows_all(chip, placed.outline_px, window)) {
+      misfit(placed.label.name + ": does not lie wholly on ground that the imagery shows", result.outside);
       continue;
     }
     const std::string name = numbered(kChipStem, pictures.size() + 1);
-    writer.write(std::move(*chip), placed.chip_px, name);
+    writer.write(std::move(chip), window, name);
     AnnotatedPicture& picture = pictures.emplace_back();
     picture.picture = name;
-    picture.labels.push_back(label_on_chip(placed, placed.chip_px, true));
+    picture.labels.push_back(label_on_chip(placed, window, true));
     for (std::size_t other = 0; other < labels.size(); ++other) {
-      if (other == i || !intersect(labels[other].bounds_px, placed.chip_px)) continue;
-      picture.labels.push_back(label_on_chip(labels[other], placed.chip_px, false));
+      if (other == i || !intersect(labels[other].bounds_px, window)) continue;
+      picture.labels.push_back(label_on_chip(labels[other], window, false));
     }
+    sides_px.push_back(window.width);
     chips.push_back(name);
     kept.push_back(placed);
   }
-  if (pictures.empty()) throw DataError(join(options.labels, ", ") + ": no label fits the imagery");
+  if (pictures.empty()) {
+    throw DataError(join(options.labels, ", ") + ": no label fits the imagery: " + std::to_string(result.outside) +
+                    " not wholly on ground that it shows, " + std::to_string(result.other_date) + " of another date, " +
+                    std::to_string(ignored) + " ignored");
+  }
   const std::int64_t wanted = options.background_chips.value_or(static_cast<int>(pictures.size()));
-  write_background(labels, grid, wanted, seed, writer, result, pictures, progress);
+  write_background(labels, grid, static_cast<int>(quantile(sides_px, 0.5)), wanted, seed, writer, result, pictures,
+                   progress);
   if (result.background_chips < wanted) {
     result.warnings.push_back("only " + std::to_string(result.background_chips) + " of " + std::to_string(wanted) +
-                              " background chips were found: there is little ground without labels");
+                              " background chips were found: little of the imagery is ground without labels");
   }
   write_file(staging / kChipAnnotations, imglab_xml(pictures, "Labelled landmarks"), false);
   write_geojson(staging / kLabelShapes, label_layer(kept, chips, on.ground.crs), false);

@@ -35,7 +35,8 @@ struct LabelledChips {
 inline constexpr const char* kChipAnnotations = "labels.xml";
 inline constexpr const char* kLabelShapes = "labels.geojson";
 
-/// Cuts a north-up chip of the imagery around each label, three times as long as it and on the pixels of one grid, and
+/// Cuts a north-up chip of the imagery around each label, 3.2 times as long as it (less at the imagery's edge, where it
+/// is shifted or cut; what is no ground there is as gray as the rest on average) and on the pixels of one grid, and
 /// chips of ground without labels, and writes them into `folder` (8-bit PNG, georeferenced by .aux.xml beside each):
 /// labels.xml, imglab's annotations of the chips, each with one label of its own, others on it ignored;
 /// labels.geojson, the labels on the ground. `inputs`: GDAL datasets, later ones on top, or one tile plan, whose finest

@@ -22,12 +22,22 @@ struct LandmarkLabel {
   std::string name;  ///< For messages.
 };
 
+/// Labels of several files.
+struct LandmarkLabels {
+  std::vector<LandmarkLabel> labels;
+  int merged = 0;  ///< Labels of what another one of their class had labelled.
+  /// Labels that are nowhere on the map, with the reason: "extract.osm: layer …: a ring of a polygon has …".
+  std::vector<std::string> nowhere;
+  std::vector<std::string> warnings;
+};
+
 /// All labels of options.labels in `crs` (metres), by class_field, class_name and classes. Closed lines are outlines
-/// like polygons; of polygons the outline alone counts. Throws DataError as read_shapes() and read_annotations(), for a
-/// picture that has no place on the ground, a point whose size nobody says, an open line, and a label without extent,
-/// naming the label; when there is no label of the classes; and when two labels of different classes cover the same
-/// ground (bounds_overlap() above 0.7), naming both. Of such labels of one class the first that is not ignored is
-/// kept; `merged` counts the others.
-std::vector<LandmarkLabel> read_landmark_labels(const LabelSourceOptions& options, const Crs& crs, int& merged);
+/// like polygons; of polygons the outline alone counts. `imagery_crs`: of pictures of annotations that state none.
+/// Throws DataError as read_shapes() and read_annotations(), for a picture whose place the label's pixels do not tell
+/// (no georeference, control points, another size than the annotations say), a label that reaches out of its picture, a
+/// point whose size nobody says, an open line, a label without class, naming the label; when there is no label of the
+/// classes; and when two labels of different classes are of one thing (overlap() of their smallest rectangles above
+/// 0.7), naming both. Of such labels of one class the first that is not ignored is kept.
+LandmarkLabels read_landmark_labels(const LabelSourceOptions& options, const std::string& imagery_crs, const Crs& crs);
 
 }  // namespace pilotage

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include <opencv2/imgproc.hpp>
+
 #include "pilotage/base/error.h"
-#include "pilotage/geo/bounds.h"
 
 namespace pilotage {
 namespace {
@@ -18,34 +18,6 @@ constexpr int kCircleCorners = 32;
 
 double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
-}
-
-/// Andrew's monotone chain, against the clock, without points on its edges.
-Outline convex_hull(Outline points) {
-  std::sort(points.begin(), points.end(),
-            [](const Vector2d& a, const Vector2d& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() < 3) return points;
-  Outline hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t begin = hull.size();
-    for (const Vector2d& point : points) {
-      while (hull.size() >= begin + 2 &&
-             cross(hull.back() - hull[hull.size() - 2], point - hull[hull.size() - 2]) <= 0) {
-        hull.pop_back();
-      }
-      hull.push_back(point);
-    }
-    hull.pop_back();  // begins the other side
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
-Bounds bounds_of_outline(const Outline& outline) {
-  Bounds bounds;
-  for (const Vector2d& point : outline) bounds.extend(point);
-  return bounds;
 }
 
 }  // namespace
@@ -68,44 +40,37 @@ double circularity(const Outline& outline) {
 
 OrientedBox oriented_box(const Outline& outline) {
   if (outline.empty()) throw UsageError("an outline without corners has no box");
-  const Vector2d& origin = outline.front();
-  Outline moved;
-  for (const Vector2d& point : outline) moved.push_back(point - origin);
-  const Outline hull = convex_hull(moved);
-  OrientedBox best;
-  double best_area = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
-    if (hull.size() > 1 && edge.norm() == 0) continue;
-    const Vector2d along = hull.size() > 1 ? Vector2d(edge.normalized()) : Vector2d(1, 0);
-    const Vector2d across(-along.y(), along.x());
-    Bounds extent;
-    for (const Vector2d& point : hull) extent.extend({along.dot(point), across.dot(point)});
-    const double area = extent.width_m() * extent.height_m();
-    // Of rectangles as good as equal the first counts: rounding must not choose.
-    if (!(area < best_area * (1 - 1e-9)) && best_area != std::numeric_limits<double>::infinity()) continue;
-    best_area = area;
-    const Vector2d middle = extent.center_m();
-    best.center = origin + along * middle.x() + across * middle.y();
-    const bool along_is_longer = extent.width_m() >= extent.height_m();
-    best.length = std::max(extent.width_m(), extent.height_m());
-    best.width = std::min(extent.width_m(), extent.height_m());
-    const Vector2d longer = along_is_longer ? along : across;
-    double angle = std::atan2(longer.y(), longer.x());
-    if (angle < 0) angle += std::numbers::pi;
-    best.angle_rad = angle >= std::numbers::pi ? 0 : angle;
-  }
-  return best;
+  const Vector2d& origin = outline.front();  // coordinates of a CRS are large, and OpenCV's are of 32 bits
+  std::vector<cv::Point2f> points;
+  for (const Vector2d& point : outline)
+    points.emplace_back(cv::Point2d(point.x() - origin.x(), point.y() - origin.y()));
+  const cv::RotatedRect rectangle = cv::minAreaRect(points);
+  OrientedBox box;
+  box.center = origin + Vector2d(rectangle.center.x, rectangle.center.y);
+  box.length = std::max(rectangle.size.width, rectangle.size.height);
+  box.width = std::min(rectangle.size.width, rectangle.size.height);
+  const double turned_deg = rectangle.angle + (rectangle.size.width >= rectangle.size.height ? 0 : 90);
+  const double angle = std::remainder(turned_deg * std::numbers::pi / 180, std::numbers::pi);
+  box.angle_rad = angle < 0 ? angle + std::numbers::pi : angle;
+  if (box.angle_rad >= std::numbers::pi) box.angle_rad = 0;
+  return box;
 }
 
-double bounds_overlap(const Outline& a, const Outline& b) {
-  const Bounds one = bounds_of_outline(a);
-  const Bounds other = bounds_of_outline(b);
-  const double width = std::min(one.max_x_m, other.max_x_m) - std::max(one.min_x_m, other.min_x_m);
-  const double height = std::min(one.max_y_m, other.max_y_m) - std::max(one.min_y_m, other.min_y_m);
-  if (!(width > 0 && height > 0)) return 0;
-  const double both = width * height;
-  return both / (one.width_m() * one.height_m() + other.width_m() * other.height_m() - both);
+double overlap(const OrientedBox& a, const OrientedBox& b) {
+  const auto rectangle = [&](const OrientedBox& box) {
+    const Vector2d middle = box.center - a.center;
+    return cv::RotatedRect(cv::Point2f(cv::Point2d(middle.x(), middle.y())),
+                           cv::Size2f(cv::Size2d(box.length, box.width)),
+                           static_cast<float>(box.angle_rad * 180 / std::numbers::pi));
+  };
+  std::vector<cv::Point2f> both;
+  if (cv::rotatedRectangleIntersection(rectangle(a), rectangle(b), both) == cv::INTERSECT_NONE || both.size() < 3) {
+    return 0;
+  }
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(both, hull);
+  const double common = cv::contourArea(hull);
+  return common / (a.length * a.width + b.length * b.width - common);
 }
 
 Outline circle_outline(const Vector2d& center, double diameter) {

@@ -23,12 +23,11 @@ struct OrientedBox {
   double angle_rad = 0;
 };
 
-/// Rotating calipers over the convex hull (G. Toussaint, "Solving geometric problems with the rotating calipers",
-/// 1983). Throws UsageError for an empty outline.
+/// To some 1e-6 of its extent; of a square any of its sides is the longer one. Throws UsageError for an empty outline.
 OrientedBox oriented_box(const std::vector<Eigen::Vector2d>& outline);
 
-/// Share of the area of two oriented boxes' axis-parallel bounds that both cover, of what either covers.
-double bounds_overlap(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b);
+/// Share of the area that two boxes both cover, of what either covers.
+double overlap(const OrientedBox& a, const OrientedBox& b);
 
 /// A regular polygon in place of a circle.
 std::vector<Eigen::Vector2d> circle_outline(const Eigen::Vector2d& center, double diameter);

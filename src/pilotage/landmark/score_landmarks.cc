@@ -283,8 +283,9 @@ LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOp
   scores.crs = options.crs.empty() ? choose_mission_crs(middle, half_m).crs
                                    : check_mission_crs(Crs::from_user_input(options.crs), middle, half_m).crs;
   const Bounds bounds = bounds_of(infos, scores.crs);
-  int merged = 0;
-  const std::vector<LandmarkLabel> labels = read_landmark_labels(options.labels, scores.crs, merged);
+  const LandmarkLabels read = read_landmark_labels(options.labels, options.imagery.imagery_crs, scores.crs);
+  const std::vector<LandmarkLabel>& labels = read.labels;
+  scores.outside = std::ssize(read.nowhere);
   const CrsTransform transform(scores.crs);
   bool any = false;
   for (const LandmarkDetector& detector : model.detectors) {

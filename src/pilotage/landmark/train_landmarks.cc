@@ -407,7 +407,7 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
     throw UsageError("window_px = " + std::to_string(options.window_px) +
                      " is no odd multiple of cell_px = " + std::to_string(options.cell_px));
   }
-  const TrainingChips chips = read_training_chips(folders);
+  const TrainingChips chips = read_training_chips(folders, progress);
   const CrsTransform transform(chips.crs);
   TrainedLandmarks result;
   const std::vector<std::string> names = class_names_of(chips);

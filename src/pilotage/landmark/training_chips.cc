@@ -10,7 +10,7 @@
 
 namespace pilotage {
 
-TrainingChips read_training_chips(const std::vector<std::string>& folders) {
+TrainingChips read_training_chips(const std::vector<std::string>& folders, const Progress& progress) {
   constexpr double kAlike = 0.01;
   TrainingChips all;
   for (std::size_t number = 0; number < folders.size(); ++number) {
@@ -20,9 +20,17 @@ TrainingChips read_training_chips(const std::vector<std::string>& folders) {
       throw DataError(folders[number] + ": has no " + std::string(kChipAnnotations) +
                       "; `pilotage landmark-label` writes it");
     }
-    for (AnnotatedPicture& picture : read_annotations(annotations)) {
+    ImageryOptions keep;
+    keep.collar = CollarRule::kKeep;
+    std::vector<AnnotatedPicture> pictures = read_annotations(annotations);
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      report_progress(progress, "reading chips", static_cast<std::int64_t>(i), std::ssize(pictures));
+      AnnotatedPicture& picture = pictures[i];
+      for (const PictureLabel& label : picture.labels) {
+        if (label.class_name.empty()) throw DataError(label.name + ": has no class");
+      }
       const std::string name = picture.picture.string();
-      const ImageryInfo info = inspect_imagery(name);
+      const ImageryInfo info = inspect_imagery(name, keep);
       const double gsd_m = info.map_from_pixel.x_per_col;
       if (all.crs.empty()) {
         all.crs = info.crs;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "pilotage/base/progress.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/landmark/annotated_picture.h"
 #include "pilotage/raster/gdal_crs.h"
@@ -28,7 +29,8 @@ struct TrainingChips {
 };
 
 /// All chips of folders that `pilotage landmark-label` wrote, by their labels.xml. Throws DataError naming the folder:
-/// no annotations, chips that have no place, CRS or pixels unlike those of the first folder.
-TrainingChips read_training_chips(const std::vector<std::string>& folders);
+/// no annotations, chips that have no place, CRS or pixels unlike those of the first folder,
+/// a label without class; Interrupted.
+TrainingChips read_training_chips(const std::vector<std::string>& folders, const Progress& progress = {});
 
 }  // namespace pilotage

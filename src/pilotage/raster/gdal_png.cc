@@ -1,5 +1,7 @@
 #include "pilotage/raster/gdal_png.h"
 
+#include <filesystem>
+
 #include <gdal_priv.h>
 #include <opencv2/core.hpp>
 
@@ -25,6 +27,10 @@ void write_gray8_png(const std::filesystem::path& path, const Raster& raster, co
   const bool created = copy != nullptr;
   if (created) GDALClose(GDALDataset::ToHandle(copy.release()));  // what closing has to report counts
   if (!created || errors.failed()) errors.throw_data_error(path.string() + ": cannot be written");
+  std::error_code ignored;
+  if (!std::filesystem::exists(path.string() + ".aux.xml", ignored)) {
+    throw DataError(path.string() + ": its place was not written beside it; is GDAL_PAM_ENABLED switched off?");
+  }
 }
 
 }  // namespace pilotage

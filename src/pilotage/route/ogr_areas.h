@@ -15,7 +15,7 @@ struct GeodeticArea {
 };
 
 /// The polygons among the shapes of a file of vectors (ogr_shapes.h). Throws as read_shapes(), and DataError naming the
-/// file when it holds no polygon.
+/// file when it holds no polygon, one that is none (GeodeticShape::problem), or more corners than a route may have.
 std::vector<GeodeticArea> read_areas(const std::filesystem::path& path);
 
 }  // namespace pilotage

@@ -14,7 +14,6 @@
 #include "pilotage/route/ogr_file.h"
 #include "pilotage/route/ogr_kmz.h"
 #include "pilotage/route/read_route.h"
-#include "pilotage/route/route_size.h"
 
 namespace pilotage {
 namespace {
@@ -30,14 +29,9 @@ OgrFormat shape_format(const std::string& name, std::string_view bytes) {
   if (bytes.substr(0, kPbfMarkWithin).find(kPbfMark) != std::string_view::npos) return OgrFormat::kOsmPbf;
   const std::string_view text = without_byte_order_mark(bytes);
   const auto first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && text[first] == '{') {
-    check_json_route_size(name, text);
-    return OgrFormat::kGeoJson;
-  }
+  if (first != std::string_view::npos && text[first] == '{') return OgrFormat::kGeoJson;
   if (first != std::string_view::npos && text[first] == '<') {
-    if (text.substr(0, 1024).find("<osm") != std::string_view::npos) return OgrFormat::kOsmXml;
-    check_kml_size(name, text);
-    return OgrFormat::kKml;
+    return text.substr(0, 1024).find("<osm") != std::string_view::npos ? OgrFormat::kOsmXml : OgrFormat::kKml;
   }
   throw DataError(name + ": is no file of shapes that is known here: GeoJSON, KML, KMZ, GeoPackage or OpenStreetMap");
 }
@@ -76,24 +70,22 @@ void collect_shapes(const OGRGeometry& geometry, std::vector<RawShape>& shapes, 
   }
 }
 
-std::vector<GeodeticPoint> ring_of(const std::string& name, ShapeKind kind, const std::vector<LinePoint>& points) {
+/// Fills a ring of a shape, or says what is wrong with it.
+std::string fill_ring(ShapeKind kind, const std::vector<LinePoint>& points, std::vector<GeodeticPoint>& ring) {
   static constexpr const char* kKinds[] = {"point", "line", "polygon"};
-  const std::string what = kKinds[static_cast<std::size_t>(kind)];
-  std::vector<GeodeticPoint> ring;
   for (const LinePoint& point : points) {
     if (!(std::abs(point.x) <= 360 && std::abs(point.y) <= 90)) {
-      throw DataError(name + ": the corner " + format_number(point.x) + ", " + format_number(point.y) + " of a " +
-                      what + " is no longitude and latitude");
+      return "the corner " + format_number(point.x) + ", " + format_number(point.y) + " of a " +
+             kKinds[static_cast<std::size_t>(kind)] + " is no longitude and latitude";
     }
     ring.push_back({point.x, point.y});
   }
-  if (kind == ShapeKind::kLine && ring.size() < 2) throw DataError(name + ": a line has fewer than two vertices");
-  if (kind != ShapeKind::kPolygon) return ring;
+  if (kind == ShapeKind::kLine && ring.size() < 2) return "a line has fewer than two vertices";
+  if (kind != ShapeKind::kPolygon) return "";
   const bool closed =
       ring.size() > 1 && ring.front().lon_deg == ring.back().lon_deg && ring.front().lat_deg == ring.back().lat_deg;
   if (closed) ring.pop_back();
-  if (ring.size() < 3) throw DataError(name + ": a ring of a polygon has fewer than three corners");
-  return ring;
+  return ring.size() < 3 ? "a ring of a polygon has fewer than three corners" : "";
 }
 
 /// Tags of OpenStreetMap that have no field of their own stand in one: "key"=>"value","key"=>"value".
@@ -115,7 +107,19 @@ std::map<std::string, std::string> properties_of(const OGRFeature& feature) {
   for (int i = 0; i < feature.GetFieldCount(); ++i) {
     if (!feature.IsFieldSetAndNotNull(i)) continue;
     const std::string key = feature.GetFieldDefnRef(i)->GetNameRef();
-    if (key == "other_tags") {
+    const OGRFieldType type = feature.GetFieldDefnRef(i)->GetType();
+    if (type == OFTDate || type == OFTDateTime) {
+      int year = 0;
+      int month = 0;
+      int day = 0;
+      int hour = 0;
+      int minute = 0;
+      int second = 0;
+      int zone = 0;
+      feature.GetFieldAsDateTime(i, &year, &month, &day, &hour, &minute, &second, &zone);
+      const auto two = [](int number) { return (number < 10 ? "-0" : "-") + std::to_string(number); };
+      properties[key] = std::to_string(year) + two(month) + two(day);
+    } else if (key == "other_tags") {
       split_other_tags(feature.GetFieldAsString(i), properties);
     } else {
       properties[key] = feature.GetFieldAsString(i);
@@ -126,7 +130,6 @@ std::map<std::string, std::string> properties_of(const OGRFeature& feature) {
 
 std::vector<GeodeticShape> shapes_of_file(const std::string& name, const OgrFile& file) {
   std::vector<GeodeticShape> shapes;
-  std::size_t corners = 0;
   for (OGRLayer* layer : file.dataset().GetLayers()) {
     const std::string layer_name = name + ": layer \"" + layer->GetName() + "\"";
     const ToWgs84 to_wgs84(*layer, layer_name);
@@ -136,15 +139,16 @@ std::vector<GeodeticShape> shapes_of_file(const std::string& name, const OgrFile
       const std::string feature_name = layer_name + ", feature " + std::to_string(feature->GetFID());
       std::vector<RawShape> raw;
       collect_shapes(*geometry, raw);
+      const auto properties = std::make_shared<const std::map<std::string, std::string>>(properties_of(*feature));
       for (RawShape& one : raw) {
         GeodeticShape& shape = shapes.emplace_back();
         shape.kind = one.kind;
-        shape.properties = properties_of(*feature);
+        shape.properties = properties;
         shape.name = feature_name;
         for (std::vector<LinePoint>& ring : one.rings) {
-          check_position_count(name, corners += ring.size());
           to_wgs84.apply(ring);
-          shape.rings.push_back(ring_of(feature_name, one.kind, ring));
+          const std::string problem = fill_ring(one.kind, ring, shape.rings.emplace_back());
+          if (shape.problem.empty()) shape.problem = problem;
         }
       }
     }
@@ -162,7 +166,6 @@ std::vector<GeodeticShape> read_shapes(const std::filesystem::path& path) {
   if (format != OgrFormat::kKmz) return shapes_of_file(name, OgrFile(name, bytes, format));
   const std::vector<KmzDocument> documents = unpack_kmz(name, bytes);
   const std::string& text = main_document(name, documents).text;
-  check_kml_size(name, text);
   return shapes_of_file(name, OgrFile(name, text, format));
 }
 
