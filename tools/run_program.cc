@@ -345,6 +345,8 @@ std::vector<std::string> with_family_joined(const std::vector<Command>& commands
   if (members.empty()) return arguments;
   const bool known =
       arguments.size() > at + 1 && std::find(members.begin(), members.end(), arguments[at + 1]) != members.end();
+  const bool asks = at == 1 || (arguments.size() == 2 && (arguments[1] == "--help" || arguments[1] == "-h"));
+  if (!known && asks) return {"--help"};  // the overview has them
   if (!known) throw UsageError("\"" + arguments[at] + "\" is followed by one of: " + join(members, ", "));
   const auto second = arguments.begin() + static_cast<std::ptrdiff_t>(at) + 1;
   arguments[at] = family + *second;
