@@ -15,7 +15,8 @@ std::vector<std::string> score_assumptions() {
   return {"everything of these classes that the imagery shows is labelled: what is not counts as a false alarm",
           "labels lie where the imagery shows them: how far the two dates are apart is part of the position errors "
           "(`pilotage audit` measures it)",
-          "the threshold is the model's; ambiguity counts hits on this date"};
+          "the threshold is the model's; ground whose chips were learnt as background has fewer false alarms than "
+          "other ground"};
 }
 
 std::string class_text(const ScoredClass& scored, double search_radius_m) {
@@ -23,7 +24,7 @@ std::string class_text(const ScoredClass& scored, double search_radius_m) {
   if (scored.recall_elsewhere.of > 0 && scored.recall_elsewhere.of < scored.recall.of) {
     text += "  of those that the detector did not learn: " + measured_share_text(scored.recall_elsewhere) + "\n";
   } else if (scored.recall_elsewhere.of == 0) {
-    text += "  the detector learnt these landmarks, on another date: of other places this says nothing\n";
+    text += "  the detector learnt all of these landmarks: of other places this says nothing\n";
   }
   const Interval rate = scored.false_alarms.interval();
   text += "  false alarms: " + format_fixed(scored.false_alarms.value(), 2) + " for each km² (" +
@@ -67,14 +68,21 @@ CommandResult run_score(const LandmarkScoreOptions& options, const Invocation& i
   const LandmarkScores scores = score_landmarks(model, options, invocation.threads, invocation.progress);
   if (!invocation.output.empty()) write_scored_landmarks(invocation.output, scores, invocation.overwrite);
   CommandResult result;
-  result.json = {{"second_epoch", options.second_epoch},       {"acquired", scores.acquired},
-                 {"search_radius_m", options.search_radius_m}, {"outside", scores.outside},
-                 {"classes", nlohmann::ordered_json::array()}, {"assumptions", score_assumptions()}};
+  result.json = {{"second_epoch", options.second_epoch},
+                 {"acquired", scores.acquired},
+                 {"search_radius_m", options.search_radius_m},
+                 {"outside", scores.outside},
+                 {"other_date", scores.other_date},
+                 {"classes", nlohmann::ordered_json::array()},
+                 {"assumptions", score_assumptions()}};
   for (const ScoredClass& scored : scores.classes) {
     result.text += class_text(scored, options.search_radius_m);
     result.json["classes"].push_back(class_json(scored));
   }
   if (scores.outside > 0) result.text += std::to_string(scores.outside) + " labels are not shown: left out\n";
+  if (scores.other_date > 0) {
+    result.text += std::to_string(scores.other_date) + " labels are of another date: left out\n";
+  }
   for (const std::string& one : score_assumptions()) result.text += "assumes: " + one + "\n";
   result.warnings = scores.warnings;
   return result;

@@ -1,5 +1,6 @@
 #include "pilotage/landmark/train_landmarks.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "landmark/landmark_ground.h"
@@ -198,6 +199,34 @@ TEST(TrainLandmarks, OtherClassesAreLearntAsBackground) {
   }
 }
 
+TEST(TrainLandmarksThorough, ALandmarkOnTwoDatesIsOneTrialAndNoBackgroundOfAnotherFolder) {
+  const Ground ground(true);
+  LabelOptions label;
+  label.labels = {ground.labels};
+  const std::string later =
+      write_ground(ground.folder / "later.tif", draw_ground(ground.things, kGroundSide_px, 80, 7));
+  label_landmarks({later}, label, ground.folder / "chips_later", true, 1);
+  // A folder that was cut with labels of another class shows discs that nobody labelled there.
+  std::vector<GroundThing> beside = ground.things;
+  for (GroundThing& thing : beside) thing.center_m.y() += 24;
+  label.labels = {write_things(ground.folder / "beside.geojson", beside, "mark")};
+  label.unfit = UnfitLabels::kSkip;
+  label_landmarks({ground.ortho}, label, ground.folder / "beside", true, 1);
+  const auto chips = (ground.folder / "chips_later").string();
+  TrainOptions options = quick();
+  options.c = 50;  // marks are learnt at any price: they are nothing
+  const TrainedLandmarks trained =
+      train_landmarks({ground.chips(), chips, (ground.folder / "beside").string()}, options, 0, 1);
+  const auto detector = std::find_if(trained.model.detectors.begin(), trained.model.detectors.end(),
+                                     [](const LandmarkDetector& one) { return one.class_name == "disc"; });
+  ASSERT_NE(detector, trained.model.detectors.end());
+  EXPECT_EQ(detector->quality.recall.of, 25);
+  EXPECT_EQ(detector->learnt.size(), 25U);
+  EXPECT_GE(detector->quality.recall.count, 20);
+  EXPECT_LE(detector->quality.precision.of - detector->quality.precision.count, 1);
+  EXPECT_THROW(train_landmarks({chips, chips + "/."}, quick(), 0, 1), UsageError);
+}
+
 TEST(TrainLandmarks, NamesWhatCannotBeLearnt) {
   const Ground ground(true);
   const std::vector<GroundThing> few(ground.things.begin(), ground.things.begin() + 7);
@@ -205,14 +234,14 @@ TEST(TrainLandmarks, NamesWhatCannotBeLearnt) {
   label.labels = {write_things(ground.folder / "few.geojson", few, "disc")};
   label_landmarks({ground.ortho}, label, ground.folder / "few", true, 1);
   EXPECT_THAT(error_of<DataError>([&] { train_landmarks({(ground.folder / "few").string()}, quick(), 0, 1); }),
-              HasSubstr("disc: has 7 labels; a detector is trained from 8 on"));
+              HasSubstr("disc: has 7 labelled landmarks of 10 px and more; a detector is trained from 8 on"));
 
   std::vector<GroundThing> small = ground.things;
   for (GroundThing& thing : small) thing.length_m = 4;
   label.labels = {write_things(ground.folder / "small.geojson", small, "disc")};
   label_landmarks({ground.ortho}, label, ground.folder / "small", true, 1);
   EXPECT_THAT(error_of<DataError>([&] { train_landmarks({(ground.folder / "small").string()}, quick(), 0, 1); }),
-              HasSubstr("box 1: is 8.0 px long; a detector needs labels of 10 px at least"));
+              HasSubstr("disc: has 0 labelled landmarks of 10 px and more"));
 
   EXPECT_THAT(error_of<DataError>([&] { train_landmarks({ground.folder.path().string()}, quick(), 0, 1); }),
               HasSubstr("has no labels.xml; `pilotage landmark-label` writes it"));
@@ -285,6 +314,43 @@ TEST(ScoreLandmarks, CountsWhatIsMissingAndWhatIsNotALandmark) {
   options.labels.class_name = "tree";
   EXPECT_THAT(error_of<DataError>([&] { score_landmarks(trained.model, options, 0); }),
               HasSubstr("no label is of a class that the model knows: disc"));
+}
+
+TEST(ScoreLandmarks, ALabelIsFoundOnceWhateverTheThreshold) {
+  const Ground ground(true);
+  TrainedLandmarks trained = train_landmarks({ground.chips()}, quick(), 0, 1);
+  LandmarkDetector& detector = trained.model.detectors[0];
+  const auto precision_at = [&](double threshold) {
+    detector.threshold = threshold;
+    return score_landmarks(trained.model, score_options(ground), 0).classes[0].average_precision;
+  };
+  const double all = precision_at(-10);
+  EXPECT_LE(all, 1);
+  EXPECT_DOUBLE_EQ(precision_at(1000), all) << "a threshold has no part in it";
+}
+
+TEST(ScoreLandmarks, WhatLiesOnABlocksBorderIsFound) {
+  const Ground learnt(true);
+  const TrainedLandmarks trained = train_landmarks({learnt.chips()}, quick(), 0, 1);
+  const LandmarkDetector& detector = trained.model.detectors[0];
+  // Discs along the border of two blocks, some 1024 of the detector's pixels east.
+  std::vector<GroundThing> things;
+  for (int i = 0; i < 10; ++i) {
+    GroundThing thing;
+    thing.center_m = Eigen::Vector2d(1024 * detector.gsd_m + 0.3 * (i - 5), 60.0 * (i + 1));
+    things.push_back(thing);
+  }
+  LandmarkScoreOptions options;
+  options.second_epoch = {write_ground(learnt.folder / "wide.tif", draw_ground(things, 1400, 90, 3))};
+  options.labels.labels = {write_things(learnt.folder / "wide.geojson", things, "disc")};
+  const LandmarkScores scores = score_landmarks(trained.model, options, 0);
+  EXPECT_GE(scores.classes[0].recall.count, 9);
+  const LandmarkScores alone = score_landmarks(trained.model, options, 1);
+  ASSERT_EQ(alone.landmarks.size(), scores.landmarks.size());
+  for (std::size_t i = 0; i < alone.landmarks.size(); ++i) {
+    EXPECT_EQ(alone.landmarks[i].fate, scores.landmarks[i].fate);
+    EXPECT_EQ(alone.landmarks[i].place.lon_deg, scores.landmarks[i].place.lon_deg);
+  }
 }
 
 TEST(ScoreLandmarks, DensityHasThePoissonInterval) {

@@ -64,8 +64,10 @@ TrainedFilter train_fhog(const std::vector<TrainingPicture>& pictures, const Fho
   trainer.set_epsilon(options.epsilon);
   trainer.set_overlap_tester(kOverlap);
   TrainedFilter result;
-  for (const auto& removed : dlib::remove_unobtainable_rectangles(trainer, images, boxes)) {
-    result.unobtainable += static_cast<int>(removed.size());
+  const auto removed = dlib::remove_unobtainable_rectangles(trainer, images, boxes);
+  for (std::size_t i = 0; i < removed.size(); ++i) {
+    result.unobtainable += static_cast<int>(removed[i].size());
+    ignored[i].insert(ignored[i].end(), removed[i].begin(), removed[i].end());  // no background either
   }
   std::size_t left = 0;
   for (const auto& of_picture : boxes) left += of_picture.size();

@@ -7,6 +7,9 @@
 
 namespace pilotage {
 
+/// A copy of a picture, and what is seen on it, over the next smaller one.
+inline constexpr double kFhogPyramidStep = 6.0 / 5.0;
+
 /// How a detector looks at a picture: a square window slides over cells of gradient histograms (fHOG) of the picture
 /// and of smaller copies of it, each 5/6 of the one before.
 struct FhogWindow {

@@ -80,35 +80,6 @@ ChipGround chip_ground(const std::vector<std::string>& inputs, const LabelOption
   return {ground_of_inspected(infos, grid), imagery_warnings(infos, 0)};
 }
 
-/// The dates of the imagery, "" where it has none.
-struct ImageryDates {
-  std::string first;
-  std::string last;
-};
-
-ImageryDates dates_of(const Ground& ground) {
-  ImageryDates dates;
-  for (const ImageryDataset& dataset : ground.imagery.datasets) {
-    const std::string day = dataset.acquired.substr(0, 10);
-    if (day.empty()) continue;
-    if (dates.first.empty() || day < dates.first) dates.first = day;
-    if (day > dates.last) dates.last = day;
-  }
-  return dates;
-}
-
-/// Why a landmark cannot be seen on imagery of these dates, or "". A day is compared with a year as a year.
-std::string date_misfit(const LandmarkLabel& label, const ImageryDates& dates) {
-  if (dates.first.empty()) return "";
-  if (!label.start_date.empty() && label.start_date > dates.last.substr(0, label.start_date.size())) {
-    return "begins " + label.start_date + ", after the imagery of " + dates.last;
-  }
-  if (!label.end_date.empty() && label.end_date < dates.first.substr(0, label.end_date.size())) {
-    return "ended " + label.end_date + ", before the imagery of " + dates.first;
-  }
-  return "";
-}
-
 /// A label on the pixels of the grid.
 struct GridLabel {
   LandmarkLabel label;
@@ -354,7 +325,8 @@ LabelledChips label_landmarks(const std::vector<std::string>& inputs, const Labe
   result.crs = on.ground.crs;
   result.gsd_m = level.gsd_m;
   result.warnings = on.warnings;
-  const ImageryDates dates = dates_of(on.ground);
+  ImageryDates dates;
+  for (const ImageryDataset& dataset : on.ground.imagery.datasets) dates.add(dataset.acquired);
   const bool refuse = options.unfit == UnfitLabels::kRefuse;
 
   LandmarkLabels read = read_landmark_labels(options, options.imagery.imagery_crs, on.ground.crs);

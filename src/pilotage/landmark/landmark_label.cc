@@ -255,6 +255,24 @@ void check_dates(LandmarkLabels& found) {
 
 }  // namespace
 
+void ImageryDates::add(const std::string& acquired) {
+  const std::string day = acquired.substr(0, 10);
+  if (day.empty()) return;
+  if (first.empty() || day < first) first = day;
+  if (day > last) last = day;
+}
+
+std::string date_misfit(const LandmarkLabel& label, const ImageryDates& dates) {
+  if (dates.first.empty()) return "";
+  if (!label.start_date.empty() && label.start_date > dates.last.substr(0, label.start_date.size())) {
+    return "begins " + label.start_date + ", after the imagery of " + dates.last;
+  }
+  if (!label.end_date.empty() && label.end_date < dates.first.substr(0, label.end_date.size())) {
+    return "ended " + label.end_date + ", before the imagery of " + dates.first;
+  }
+  return "";
+}
+
 LandmarkLabels read_landmark_labels(const LabelSourceOptions& options, const std::string& imagery_crs, const Crs& crs) {
   if (options.labels.empty()) throw UsageError("labels is missing; give --labels FILE");
   if (options.class_name.empty() && options.class_field.empty()) {

@@ -22,6 +22,18 @@ struct LandmarkLabel {
   std::string name;  ///< For messages.
 };
 
+/// The days that imagery was taken, "YYYY-MM-DD"; "" where it does not say.
+struct ImageryDates {
+  std::string first;
+  std::string last;
+
+  void add(const std::string& acquired);
+};
+
+/// Why a landmark cannot be seen on imagery of these dates, as a clause, or "". A day is compared with a year as a
+/// year.
+std::string date_misfit(const LandmarkLabel& label, const ImageryDates& dates);
+
 /// Labels of several files.
 struct LandmarkLabels {
   std::vector<LandmarkLabel> labels;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,6 +13,7 @@
 #include "pilotage/base/nan.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/read_file.h"
+#include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 
 namespace pilotage {
@@ -65,6 +67,7 @@ LandmarkDetector detector_from_json(JsonObject& json) {
   detector.window.cell_px = json.small_integer("cell_px", 2, 64);
   detector.window.side_px = json.small_integer("window_px", detector.window.cell_px, 1024);
   if (detector.window.side_px % detector.window.cell_px != 0) json.fail("window_px", "a multiple of cell_px");
+  if (detector.window.side_px / detector.window.cell_px % 2 == 0) json.fail("window_px", "an odd multiple of cell_px");
   detector.window.levels = json.small_integer("levels", 1, 64);
   detector.context = json.positive_number("context");
   const std::vector<double> offset = json.numbers("offset", 2);
@@ -73,6 +76,16 @@ LandmarkDetector detector_from_json(JsonObject& json) {
   detector.threshold = json.number("threshold");
   detector.shortest_m = json.positive_number("shortest_m");
   detector.longest_m = json.positive_number("longest_m");
+  constexpr double kMostWindow_px = 8192;
+  if (!(detector.gsd_m >= 1e-3 && detector.gsd_m <= 1e3)) json.fail("gsd_m", "0.001 to 1000");
+  if (!(detector.context >= 1 && detector.context <= 10)) json.fail("context", "1 to 10");
+  if (!(detector.period_deg >= 0 && detector.period_deg <= 360)) json.fail("period_deg", "0 to 360");
+  if (!(offset[0] >= -1 && offset[0] <= 1 && offset[1] >= -1 && offset[1] <= 1)) json.fail("offset", "-1 to 1");
+  if (!(detector.longest_m >= detector.shortest_m &&
+        detector.context * detector.longest_m / detector.gsd_m <= kMostWindow_px)) {
+    json.fail("longest_m",
+              "from shortest_m to what " + format_number(kMostWindow_px) + " pixels hold with its context");
+  }
   JsonObject quality = json.object("quality");
   detector.quality.blocks = quality.small_integer("blocks", 0);
   detector.quality.average_precision = quality.number_or_nan("average_precision");
@@ -149,6 +162,12 @@ LandmarkModel read_landmark_model(const std::filesystem::path& path) {
   LandmarkModel model;
   for (JsonObject& detector : json.objects("detectors")) model.detectors.push_back(detector_from_json(detector));
   json.finish();
+  std::set<std::string> classes;
+  for (const LandmarkDetector& detector : model.detectors) {
+    if (!classes.insert(detector.class_name).second) {
+      throw DataError(file + ": has two detectors of the class " + detector.class_name);
+    }
+  }
   Json signed_part = content;
   signed_part.erase("digest");
   if (bytes_digest(json_text(signed_part, 0)) != digest) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <numbers>
 #include <optional>
@@ -70,8 +71,8 @@ struct Found {
   double area_km2 = 0;          ///< Valid ground.
 };
 
-/// Every hit on the imagery. Blocks overlap by the largest window, and a hit belongs to the block in whose middle it
-/// lies; what two blocks see at the same place, across their border, counts once.
+/// Every hit on the imagery. Blocks overlap by the largest window; what two blocks see at the same place, at their
+/// border, counts once.
 Found search(const LandmarkDetector& detector, const std::vector<std::string>& imagery, const ImageryOptions& options,
              const Crs& crs, const Bounds& bounds, int threads, const Progress& progress) {
   const SearchGrid grid = grid_over(bounds, detector.gsd_m);
@@ -79,6 +80,8 @@ Found search(const LandmarkDetector& detector, const std::vector<std::string>& i
       stretch_to_8bit(open_gray_on_grid(imagery, crs, grid.map_from_pixel, grid.width_px, grid.height_px, options));
   const int margin_px =
       static_cast<int>(std::ceil(detector.context * detector.longest_m / detector.gsd_m)) + detector.window.side_px;
+  // Two blocks see what lies at their border on different cells; either may see it beyond, so both say it.
+  const double reach_px = detector.window.cell_px * std::pow(kFhogPyramidStep, detector.window.levels - 1);
   const std::int64_t columns = (grid.width_px + kBlock_px - 1) / kBlock_px;
   const std::int64_t rows = (grid.height_px + kBlock_px - 1) / kBlock_px;
   std::vector<Found> blocks(static_cast<std::size_t>(columns * rows));
@@ -101,8 +104,9 @@ Found search(const LandmarkDetector& detector, const std::vector<std::string>& i
       read.pixels.setTo(cv::mean(read.pixels, read.valid), ~read.valid);
       for (const LandmarkHit& hit : detect_landmarks(detector, read.pixels, detector.gsd_m, kLeastScore)) {
         const Vector2d px(hit.center_px.x(), hit.center_px.y());
-        const bool inside =
-            px.x() >= core.x && px.x() < core.x + core.width && px.y() >= core.y && px.y() < core.y + core.height;
+        const bool inside = px.x() >= core.x - reach_px && px.x() < core.x + core.width + reach_px &&
+                            px.y() >= core.y - reach_px && px.y() < core.y + core.height + reach_px && px.x() >= 0 &&
+                            px.y() >= 0 && px.x() < read.valid.cols && px.y() < read.valid.rows;
         if (!inside || read.valid.at<std::uint8_t>(static_cast<int>(px.y()), static_cast<int>(px.x())) == 0) continue;
         const Vector2d place =
             grid.map_from_pixel.map_from_pixel(px + Vector2d(static_cast<double>(col), static_cast<double>(row)));
@@ -119,34 +123,53 @@ Found search(const LandmarkDetector& detector, const std::vector<std::string>& i
   }
   std::stable_sort(all.hits.begin(), all.hits.end(),
                    [](const GroundHit& a, const GroundHit& b) { return a.score > b.score; });
+  // The strongest at each place: only hits in the cells around can be at the same.
+  double cell_m = detector.gsd_m;
+  for (const GroundHit& hit : all.hits) cell_m = std::max(cell_m, kSamePlace * hit.length_m);
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> cells;
   std::vector<GroundHit> once;
   for (const GroundHit& hit : all.hits) {
-    const bool again = std::any_of(once.begin(), once.end(), [&](const GroundHit& other) {
-      return (hit.center_m - other.center_m).norm() < kSamePlace * std::max(hit.length_m, other.length_m);
-    });
-    if (!again) once.push_back(hit);
+    const auto x = static_cast<std::int64_t>(std::floor(hit.center_m.x() / cell_m));
+    const auto y = static_cast<std::int64_t>(std::floor(hit.center_m.y() / cell_m));
+    bool again = false;
+    for (std::int64_t step = 0; step < 9 && !again; ++step) {
+      const auto near = cells.find({x + step % 3 - 1, y + step / 3 - 1});
+      if (near == cells.end()) continue;
+      again = std::any_of(near->second.begin(), near->second.end(), [&](std::size_t number) {
+        const GroundHit& other = once[number];
+        return (hit.center_m - other.center_m).norm() < kSamePlace * std::max(hit.length_m, other.length_m);
+      });
+    }
+    if (again) continue;
+    cells[{x, y}].push_back(once.size());
+    once.push_back(hit);
   }
   all.hits = std::move(once);
   return all;
 }
 
-/// Whether the imagery shows the middle of a label.
+/// The labels of a class whose middles the imagery shows.
 std::vector<ClassLabel> shown_labels(const std::vector<LandmarkLabel>& labels, const std::string& class_name,
-                                     const std::vector<std::string>& imagery, const ImageryOptions& options,
-                                     const Crs& crs, const Bounds& bounds, std::int64_t& outside) {
+                                     const GraySource& valid, const ImageryDates& dates, LandmarkScores& scores) {
   std::vector<ClassLabel> shown;
   for (const LandmarkLabel& label : labels) {
     if (label.class_name != class_name || label.ignore) continue;
-    const OrientedBox box = oriented_box(label.outline_m);
-    bool valid = bounds.contains(box.center);
-    if (valid) {
-      const GeoTransform at = GeoTransform::north_up(box.center.x() - 0.5, box.center.y() + 0.5, 1);
-      valid = cv::countNonZero(open_valid_on_grid(imagery, crs, at, 1, 1, options).read({0, 0, 1, 1}).valid) > 0;
+    if (!date_misfit(label, dates).empty()) {
+      ++scores.other_date;
+      continue;
     }
-    if (valid) {
+    const OrientedBox box = oriented_box(label.outline_m);
+    const Vector2d px = valid.map_from_pixel.pixel_from_map(box.center);
+    const bool inside = px.x() >= 0 && px.y() >= 0 && px.x() < static_cast<double>(valid.width_px) &&
+                        px.y() < static_cast<double>(valid.height_px);
+    const auto is_valid = [&] {
+      const PixelWindow window{static_cast<std::int64_t>(px.x()), static_cast<std::int64_t>(px.y()), 1, 1};
+      return cv::countNonZero(valid.read(window).valid) > 0;
+    };
+    if (inside && is_valid()) {
       shown.push_back({&label, box.center, box.length});
     } else {
-      ++outside;
+      ++scores.outside;
     }
   }
   return shown;
@@ -160,17 +183,20 @@ double ambiguity_of(const ClassLabel& label, const std::vector<ClassLabel>& all,
   return static_cast<double>(others) * p_detect + false_alarms_per_m2 * std::numbers::pi * radius_m * radius_m;
 }
 
-bool was_learnt(const LandmarkDetector& detector, const ClassLabel& label, const CrsTransform& transform) {
-  return std::any_of(detector.learnt.begin(), detector.learnt.end(), [&](const GeodeticPoint& place) {
-    const auto at = transform.map_from_geodetic(place);
-    return at && (*at - label.center_m).norm() < kSamePlace * label.length_m;
-  });
+std::vector<Vector2d> learnt_places(const LandmarkDetector& detector, const CrsTransform& transform) {
+  std::vector<Vector2d> places;
+  for (const GeodeticPoint& place : detector.learnt) {
+    if (const auto at = transform.map_from_geodetic(place)) places.push_back(*at);
+  }
+  return places;
 }
 
 void score_class(const LandmarkDetector& detector, const std::vector<ClassLabel>& labels,
-                 const std::vector<LandmarkLabel>& ignored, const Found& found, double search_radius_m,
+                 const std::vector<ClassLabel>& ignored, const Found& found, double search_radius_m,
                  const CrsTransform& transform, LandmarkScores& scores) {
   std::vector<std::optional<GroundHit>> hit_of(labels.size());
+  const std::vector<Vector2d> learnt = learnt_places(detector, transform);
+  std::vector<bool> taken(labels.size(), false);  // by a hit of any score: a label is found once
   std::vector<JudgedHit> judged;
   std::vector<GroundHit> false_alarms;
   for (const GroundHit& hit : found.hits) {
@@ -180,13 +206,12 @@ void score_class(const LandmarkDetector& detector, const std::vector<ClassLabel>
       if (distance_m >= kSamePlace * labels[i].length_m) continue;
       if (!nearest || distance_m < (hit.center_m - labels[*nearest].center_m).norm()) nearest = i;
     }
-    const bool on_ignored = std::any_of(ignored.begin(), ignored.end(), [&](const LandmarkLabel& label) {
-      if (!label.ignore || label.class_name != detector.class_name) return false;
-      const OrientedBox box = oriented_box(label.outline_m);
-      return (hit.center_m - box.center).norm() < kSamePlace * box.length;
+    const bool on_ignored = std::any_of(ignored.begin(), ignored.end(), [&](const ClassLabel& label) {
+      return (hit.center_m - label.center_m).norm() < kSamePlace * label.length_m;
     });
     if (!nearest && on_ignored) continue;
-    const bool right = nearest && !hit_of[*nearest];
+    const bool right = nearest && !taken[*nearest];
+    if (right) taken[*nearest] = true;
     judged.push_back({hit.score, right, 0});
     if (hit.score < detector.threshold) continue;
     if (right) {
@@ -208,7 +233,9 @@ void score_class(const LandmarkDetector& detector, const std::vector<ClassLabel>
     row.class_name = detector.class_name;
     row.place = transform.geodetic_from_map(labels[i].center_m).value_or(GeodeticPoint{kNaN, kNaN});
     row.length_m = labels[i].length_m;
-    row.learnt = was_learnt(detector, labels[i], transform);
+    row.learnt = std::any_of(learnt.begin(), learnt.end(), [&](const Vector2d& place) {
+      return (place - labels[i].center_m).norm() < kSamePlace * labels[i].length_m;
+    });
     row.score = row.east_m = row.north_m = kNaN;
     if (!row.learnt) ++result.recall_elsewhere.of;
     if (hit_of[i]) {
@@ -286,6 +313,12 @@ LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOp
   const LandmarkLabels read = read_landmark_labels(options.labels, options.imagery.imagery_crs, scores.crs);
   const std::vector<LandmarkLabel>& labels = read.labels;
   scores.outside = std::ssize(read.nowhere);
+  scores.warnings.insert(scores.warnings.end(), read.warnings.begin(), read.warnings.end());
+  ImageryDates dates;
+  for (const ImageryInfo& info : infos) dates.add(info.acquired);
+  const SearchGrid metres = grid_over(bounds, 1);
+  const GraySource valid = open_valid_on_grid(options.second_epoch, scores.crs, metres.map_from_pixel, metres.width_px,
+                                              metres.height_px, options.imagery);
   const CrsTransform transform(scores.crs);
   bool any = false;
   for (const LandmarkDetector& detector : model.detectors) {
@@ -293,19 +326,31 @@ LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOp
                                    [&](const LandmarkLabel& label) { return label.class_name == detector.class_name; });
     if (!known) continue;
     any = true;
-    const std::vector<ClassLabel> shown = shown_labels(labels, detector.class_name, options.second_epoch,
-                                                       options.imagery, scores.crs, bounds, scores.outside);
+    const std::vector<ClassLabel> shown = shown_labels(labels, detector.class_name, valid, dates, scores);
     if (shown.empty()) {
-      throw DataError(options.second_epoch.front() + ": shows no landmark of the class " + detector.class_name);
+      scores.warnings.push_back("no landmark of the class " + detector.class_name +
+                                " is shown on imagery of its date: it was not looked for");
+      continue;
+    }
+    std::vector<ClassLabel> ignored;
+    for (const LandmarkLabel& label : labels) {
+      if (!label.ignore || label.class_name != detector.class_name) continue;
+      const OrientedBox box = oriented_box(label.outline_m);
+      ignored.push_back({&label, box.center, box.length});
     }
     const Found found = search(detector, options.second_epoch, options.imagery, scores.crs, bounds, threads, progress);
-    score_class(detector, shown, labels, found, options.search_radius_m, transform, scores);
+    score_class(detector, shown, ignored, found, options.search_radius_m, transform, scores);
   }
   if (!any) {
     std::vector<std::string> known;
     for (const LandmarkDetector& detector : model.detectors) known.push_back(detector.class_name);
     throw DataError(join(options.labels.labels, ", ") +
                     ": no label is of a class that the model knows: " + join(known, ", "));
+  }
+  if (scores.classes.empty()) {
+    throw DataError(options.second_epoch.front() + ": shows no landmark of the labels (" +
+                    std::to_string(scores.outside) + " are elsewhere, " + std::to_string(scores.other_date) +
+                    " of another date)");
   }
   return scores;
 }

@@ -83,15 +83,16 @@ struct LandmarkScores {
   std::vector<ScoredClass> classes;
   std::vector<ScoredLandmark> landmarks;  ///< By class, labels first.
   std::string acquired;                   ///< Date of the imagery, "" when it does not say.
-  std::int64_t outside = 0;               ///< Labels that the imagery does not show.
+  std::int64_t outside = 0;               ///< Labels that the imagery does not show,
+  std::int64_t other_date = 0;            ///< or that were not there when it was taken.
   std::vector<std::string> warnings;
 };
 
 /// Looks for every landmark of the labels with the model's detectors on options.second_epoch, all over it, in blocks of
 /// bounded memory. A hit at a label's middle, to half its length, finds it; every other one is a false alarm, so all
 /// landmarks of these classes that the imagery shows must be labelled. Deterministic for any number of threads. Throws
-/// UsageError; DataError as read_landmark_labels(), when no label is of a class that the model knows or none is shown;
-/// Interrupted.
+/// UsageError; DataError as read_landmark_labels(), when no label is of a class that the model knows or none is shown
+/// (a class of which none is shown is left out with a warning); Interrupted.
 LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOptions& options, int threads,
                                const Progress& progress = {});
 

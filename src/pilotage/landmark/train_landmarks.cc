@@ -31,7 +31,6 @@ using Eigen::Vector2d;
 constexpr double kContext = 1.3;
 /// What is cut around a landmark to learn from, in lengths; chips are wide enough for it at any heading.
 constexpr double kCropLengths = 2.2;
-constexpr double kPyramidStep = 6.0 / 5.0;
 constexpr int kHeadingBins = 8;
 /// Outlines at least as round have no heading (an octagon has 0.95, a square 0.79).
 constexpr double kRound = 0.9;
@@ -47,6 +46,7 @@ struct Sample {
   double length_m = 0;
   std::vector<OrientedBox> ignored_px;  ///< Others of its class.
   std::size_t block = 0;
+  bool first_of_place = true;  ///< Not one of a landmark that an earlier folder shows on another date.
 };
 
 /// What is learnt of one class.
@@ -55,6 +55,8 @@ struct ClassSamples {
   std::vector<Sample> samples;
   std::vector<std::size_t> background;  ///< Chips whose own label is none, or of another class.
   std::vector<std::size_t> background_block;
+  int too_small = 0;  ///< Labels shorter than kLeastLength_px: neither learnt nor background.
+  std::string first_too_small;
   bool box_alone = false;
   bool round = false;
   double period_deg = 0;
@@ -79,6 +81,26 @@ std::vector<std::string> class_names_of(const TrainingChips& chips) {
   return {names.begin(), names.end()};
 }
 
+/// The ground around an outline on a chip.
+Bounds ground_of(const TrainingChips& chips, const TrainingChip& chip, const std::vector<Vector2d>& outline_px) {
+  Bounds bounds;
+  const Vector2d corner_m(chip.bounds_m.min_x_m, chip.bounds_m.max_y_m);
+  for (const Vector2d& point : outline_px) bounds.extend(corner_m + chips.gsd_m * Vector2d(point.x(), -point.y()));
+  return bounds;
+}
+
+/// Whether a chip shows a landmark of a class, labelled on it or on a chip of another folder, which was cut with labels
+/// of other classes.
+bool shows_class(const TrainingChips& chips, const TrainingChip& chip, const std::string& name) {
+  for (const TrainingChip& other : chips.chips) {
+    if (!other.bounds_m.intersects(chip.bounds_m)) continue;
+    for (const PictureLabel& label : other.labels) {
+      if (label.class_name == name && ground_of(chips, other, label.outline_px).intersects(chip.bounds_m)) return true;
+    }
+  }
+  return false;
+}
+
 ClassSamples samples_of(const TrainingChips& chips, const std::string& name) {
   ClassSamples found;
   found.name = name;
@@ -87,9 +109,7 @@ ClassSamples samples_of(const TrainingChips& chips, const std::string& name) {
   int boxes_alone = 0;
   for (std::size_t number = 0; number < chips.chips.size(); ++number) {
     const TrainingChip& chip = chips.chips[number];
-    const bool shows_class = std::any_of(chip.labels.begin(), chip.labels.end(),
-                                         [&](const PictureLabel& label) { return label.class_name == name; });
-    if (!shows_class) found.background.push_back(number);
+    if (!shows_class(chips, chip, name)) found.background.push_back(number);
     for (const PictureLabel& label : chip.labels) {
       if (label.ignore || label.class_name != name) continue;
       Sample sample;
@@ -98,14 +118,18 @@ ClassSamples samples_of(const TrainingChips& chips, const std::string& name) {
       sample.length_m = sample.box_px.length * chips.gsd_m;
       sample.center_m = Vector2d(chip.bounds_m.min_x_m, chip.bounds_m.max_y_m) +
                         chips.gsd_m * Vector2d(sample.box_px.center.x(), -sample.box_px.center.y());
+      sample.first_of_place = std::none_of(found.samples.begin(), found.samples.end(), [&](const Sample& other) {
+        return (other.center_m - sample.center_m).norm() < kSamePlace * sample.length_m;
+      });
       for (const PictureLabel& other : chip.labels) {
         if (&other == &label || other.class_name != name) continue;
         sample.ignored_px.push_back(oriented_box(other.outline_px));
       }
       if (sample.box_px.length < kLeastLength_px) {
-        throw DataError(label.name + ": is " + format_fixed(sample.box_px.length, 1) +
-                        " px long; a detector needs labels of " + format_number(kLeastLength_px) +
-                        " px at least: finer imagery, or leave it out");
+        if (found.too_small++ == 0) {
+          found.first_too_small = label.name + ", " + format_fixed(sample.box_px.length, 1) + " px";
+        }
+        continue;
       }
       roundness.push_back(circularity(label.outline_px));
       widths.push_back(sample.box_px.width / sample.box_px.length);
@@ -113,8 +137,11 @@ ClassSamples samples_of(const TrainingChips& chips, const std::string& name) {
       found.samples.push_back(std::move(sample));
     }
   }
-  if (std::ssize(found.samples) < kLeastLabels) {
-    throw DataError(name + ": has " + std::to_string(found.samples.size()) + " labels; a detector is trained from " +
+  const auto places = std::count_if(found.samples.begin(), found.samples.end(),
+                                    [](const Sample& sample) { return sample.first_of_place; });
+  if (places < kLeastLabels) {
+    throw DataError(name + ": has " + std::to_string(places) + " labelled landmarks of " +
+                    format_number(kLeastLength_px) + " px and more; a detector is trained from " +
                     std::to_string(kLeastLabels) + " on");
   }
   found.box_alone = 2 * boxes_alone > static_cast<int>(found.samples.size());
@@ -123,7 +150,7 @@ ClassSamples samples_of(const TrainingChips& chips, const std::string& name) {
   return found;
 }
 
-void choose_geometry(const TrainOptions& options, double chips_gsd_m, ClassSamples& of) {
+void choose_geometry(const TrainOptions& options, ClassSamples& of) {
   std::vector<double> lengths_m;
   for (const Sample& sample : of.samples) lengths_m.push_back(sample.length_m);
   of.shortest_m = quantile(lengths_m, 0);
@@ -132,7 +159,7 @@ void choose_geometry(const TrainOptions& options, double chips_gsd_m, ClassSampl
   of.window.side_px = options.window_px;
   of.window.cell_px = options.cell_px;
   of.gsd_m = window_m / options.window_px;
-  const double levels = std::ceil(std::log(kContext * of.longest_m / window_m) / std::log(kPyramidStep));
+  const double levels = std::ceil(std::log(kContext * of.longest_m / window_m) / std::log(kFhogPyramidStep));
   of.window.levels = 1 + std::max(0, static_cast<int>(levels));
   if (options.heading_bins == 1 || (options.heading_bins == 0 && (of.round || of.box_alone))) {
     of.bins = 1;
@@ -140,11 +167,9 @@ void choose_geometry(const TrainOptions& options, double chips_gsd_m, ClassSampl
   } else {
     of.bins = static_cast<std::size_t>(options.heading_bins == 0 ? kHeadingBins : options.heading_bins);
   }
-  (void)chips_gsd_m;
 }
 
-/// Strips across the longer side of the ground, with as many labels each; labels of one place on several dates, which
-/// lie within half a length of each other, stay together because the strips are cut between places.
+/// Strips across the longer side of the labels' ground, with as many labels each.
 void cut_blocks(const TrainingChips& chips, std::size_t blocks, ClassSamples& of) {
   Bounds bounds;
   for (const Sample& sample : of.samples) bounds.extend(sample.center_m);
@@ -197,7 +222,7 @@ TrainingPicture crop_of(const TrainingChips& chips, const ClassSamples& of, cons
                             middle.y() + s * from.x() - c * from.y());
   TrainingPicture picture;
   cv::warpAffine(source, picture.gray, inverse, {side, side}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
-                 cv::BORDER_REFLECT_101);
+                 cv::BORDER_REPLICATE);
   picture.boxes.push_back(square_around(at_px, window));
   for (const OrientedBox& other : sample.ignored_px) {
     const Vector2d d = (other.center - sample.box_px.center) * scale;
@@ -403,9 +428,11 @@ LandmarkQuality quality_of(const std::vector<JudgedHit>& judged, const std::vect
 TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const TrainOptions& options, int threads,
                                  std::uint64_t seed, const Progress& progress) {
   check_options(options);
-  if (options.window_px % options.cell_px != 0 || options.window_px / options.cell_px % 2 == 0) {
-    throw UsageError("window_px = " + std::to_string(options.window_px) +
-                     " is no odd multiple of cell_px = " + std::to_string(options.cell_px));
+  constexpr int kLeastCells = 5;  // fewer tell nothing
+  const int cells = options.window_px / options.cell_px;
+  if (options.window_px % options.cell_px != 0 || cells % 2 == 0 || cells < kLeastCells) {
+    throw UsageError("window_px = " + std::to_string(options.window_px) + " is no odd multiple of cell_px = " +
+                     std::to_string(options.cell_px) + " from " + std::to_string(kLeastCells) + " on");
   }
   const TrainingChips chips = read_training_chips(folders, progress);
   const CrsTransform transform(chips.crs);
@@ -415,8 +442,16 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
   std::vector<ClassSamples> classes;
   for (const std::string& name : names) {
     ClassSamples& of = classes.emplace_back(samples_of(chips, name));
-    choose_geometry(options, chips.gsd_m, of);
+    choose_geometry(options, of);
     cut_blocks(chips, static_cast<std::size_t>(options.blocks), of);
+    if (of.too_small > 0) {
+      result.warnings.push_back(name + ": " + std::to_string(of.too_small) + " labels are shorter than " +
+                                format_number(kLeastLength_px) +
+                                " px of the imagery and were not learnt; the first is " + of.first_too_small);
+    }
+    if (of.box_alone && options.heading_bins > 1) {
+      result.warnings.push_back(name + ": its labels are boxes alone, whose sides were taken for their headings");
+    }
     if (of.box_alone && options.heading_bins == 0) {
       result.warnings.push_back(name +
                                 ": its labels are boxes alone, of which no heading is known: one filter for all");
@@ -438,7 +473,7 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
       const FilterJob& job = jobs[number];
       const LeftIn left = without_block(chips, of, job.fold);
       const double heading_deg = static_cast<double>(job.bin) * of.period_deg / static_cast<double>(of.bins);
-      if (!left.samples.empty()) {
+      if (std::ssize(left.samples) >= kLeastLabels / 2) {
         filters[job.fold][job.bin] =
             train_filter(chips, of, left.samples, left.background, heading_deg, options, seed, unobtainable[number]);
       }
@@ -453,14 +488,17 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
     std::vector<JudgedHit> judged;
     std::vector<std::int64_t> to_find(blocks, 0);
     for (const Sample& sample : of.samples) {
+      report_progress(progress, "judging " + of.name, jobs_done, jobs_in_all);
       std::vector<JudgedHit> own;
       judge_chip(chips, detector, sample, own);
       seen += std::any_of(own.begin(), own.end(), [](const JudgedHit& hit) { return hit.right && hit.score >= 0; });
-      if (filters[sample.block].front().empty()) continue;
+      // A landmark on two dates is one trial: what finds it on one finds it on the other more often than not.
+      if (!sample.first_of_place || filters[sample.block].front().empty()) continue;
       ++to_find[sample.block];
       judge_chip(chips, detector_of(of, filters[sample.block]), sample, judged);
     }
     for (std::size_t i = 0; i < of.background.size(); ++i) {
+      report_progress(progress, "judging " + of.name, jobs_done, jobs_in_all);
       const std::size_t block = of.background_block[i];
       if (filters[block].front().empty()) continue;
       for (const LandmarkHit& hit : detect_landmarks(detector_of(of, filters[block]),
@@ -473,14 +511,22 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
                       " labels that it learnt: they do not look alike. Split them into classes of one form and size, "
                       "give more --heading-bins where they have a heading, or a larger --c");
     }
+    for (const Sample& sample : of.samples) {
+      const auto place = transform.geodetic_from_map(sample.center_m);
+      if (place && sample.first_of_place) detector.learnt.push_back(*place);
+    }
     detector.quality = quality_of(judged, to_find);
+    if (detector.quality.recall.of < std::ssize(detector.learnt)) {
+      result.warnings.push_back(
+          of.name + ": " + std::to_string(detector.quality.recall.of) + " of " +
+          std::to_string(detector.learnt.size()) +
+          " landmarks could be left out: the chips of the others share ground with all that would "
+          "have been learnt without them");
+    }
     std::int64_t all = 0;
     for (const std::int64_t count : to_find) all += count;
     detector.threshold = best_threshold(judged, all);
     if (!std::isfinite(detector.threshold)) detector.threshold = 0;
-    for (const Sample& sample : of.samples) {
-      if (const auto place = transform.geodetic_from_map(sample.center_m)) detector.learnt.push_back(*place);
-    }
     int left_out = 0;
     for (std::size_t number = 0; number < jobs.size(); ++number) {
       if (jobs[number].fold == blocks) left_out = std::max(left_out, unobtainable[number] / (options.copies + 1));

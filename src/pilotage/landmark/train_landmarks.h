@@ -27,7 +27,7 @@ struct TrainedLandmarks {
 /// is taken for a landmark on background is learnt as background in a second round. Quality is that of ground left out:
 /// blocks are strips across the longer side of the ground with as many labels each, and chips that share ground with a
 /// block are left out with it. Deterministic for any number of threads. Throws UsageError; DataError as
-/// read_training_chips(), for a class with fewer than kLeastLabels labels or labels shorter than kLeastLength_px, and
+/// read_training_chips(), for a class with fewer than kLeastLabels landmarks of kLeastLength_px and more, and
 /// for a detector that finds none of the labels that it learnt; Interrupted.
 TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const TrainOptions& options, int threads,
                                  std::uint64_t seed, const Progress& progress = {});

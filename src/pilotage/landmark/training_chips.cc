@@ -14,6 +14,12 @@ TrainingChips read_training_chips(const std::vector<std::string>& folders, const
   constexpr double kAlike = 0.01;
   TrainingChips all;
   for (std::size_t number = 0; number < folders.size(); ++number) {
+    std::error_code unknown;
+    for (std::size_t other = 0; other < number; ++other) {
+      if (std::filesystem::equivalent(folders[other], folders[number], unknown)) {
+        throw UsageError(folders[number] + " is given twice: its labels would count twice");
+      }
+    }
     const std::filesystem::path annotations = std::filesystem::path(folders[number]) / kChipAnnotations;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(annotations, ignored)) {
@@ -47,7 +53,6 @@ TrainingChips read_training_chips(const std::vector<std::string>& folders, const
       TrainingChip& chip = all.chips.emplace_back();
       chip.gray = read_gray8_picture(name);
       chip.labels = std::move(picture.labels);
-      chip.folder = number;
       chip.bounds_m.extend(info.map_from_pixel.map_from_pixel({0, 0}));
       chip.bounds_m.extend(info.map_from_pixel.map_from_pixel(
           {static_cast<double>(chip.gray.cols), static_cast<double>(chip.gray.rows)}));

@@ -18,7 +18,6 @@ struct TrainingChip {
   cv::Mat gray;  ///< CV_8U.
   std::vector<PictureLabel> labels;
   Bounds bounds_m;  ///< In the CRS of all chips.
-  std::size_t folder = 0;
 };
 
 /// The chips of several folders, of one ground.
@@ -28,9 +27,9 @@ struct TrainingChips {
   std::vector<TrainingChip> chips;
 };
 
-/// All chips of folders that `pilotage landmark-label` wrote, by their labels.xml. Throws DataError naming the folder:
-/// no annotations, chips that have no place, CRS or pixels unlike those of the first folder,
-/// a label without class; Interrupted.
+/// All chips of folders, each given once, that `pilotage landmark-label` wrote, by their labels.xml. Throws DataError
+/// naming the folder: no annotations, chips that have no place, CRS or pixels unlike those of the first folder, a label
+/// without class; Interrupted.
 TrainingChips read_training_chips(const std::vector<std::string>& folders, const Progress& progress = {});
 
 }  // namespace pilotage
