@@ -22,17 +22,6 @@ namespace {
 constexpr double kCell_m = 10;
 constexpr double kMostCells = 1000;
 
-Bounds bounds_of(const std::vector<ImageryInfo>& infos, const Crs& crs) {
-  Bounds bounds;
-  for (const ImageryInfo& info : infos) {
-    const Bounds one = imagery_bounds(info, crs);
-    if (one.empty()) continue;
-    bounds.extend({one.min_x_m, one.min_y_m});
-    bounds.extend({one.max_x_m, one.max_y_m});
-  }
-  return bounds;
-}
-
 std::vector<ImageryInfo> inspect_all(const std::vector<std::string>& datasets, const ImageryOptions& options,
                                      const Progress& progress) {
   std::vector<ImageryInfo> infos;
@@ -170,8 +159,8 @@ MapAudit audit_map(const std::string& map, const std::vector<std::string>& other
   const auto other_infos = inspect_all(other, second_date_options(options.imagery), progress);
   MapAudit audit;
   audit.crs = audit_crs(options, of_this).crs;
-  const Bounds of_map = bounds_of({of_this}, audit.crs);
-  const Bounds of_other = bounds_of(other_infos, audit.crs);
+  const Bounds of_map = imagery_bounds(of_this, audit.crs);
+  const Bounds of_other = imagery_bounds(other_infos, audit.crs);
   audit.area_m = {std::max(of_map.min_x_m, of_other.min_x_m), std::max(of_map.min_y_m, of_other.min_y_m),
                   std::min(of_map.max_x_m, of_other.max_x_m), std::min(of_map.max_y_m, of_other.max_y_m)};
   if (audit.area_m.empty() || !of_map.intersects(of_other)) {

@@ -42,17 +42,6 @@ struct ClassLabel {
   double length_m = 0;
 };
 
-Bounds bounds_of(const std::vector<ImageryInfo>& infos, const Crs& crs) {
-  Bounds bounds;
-  for (const ImageryInfo& info : infos) {
-    const Bounds one = imagery_bounds(info, crs);
-    if (one.empty()) continue;
-    bounds.extend({one.min_x_m, one.min_y_m});
-    bounds.extend({one.max_x_m, one.max_y_m});
-  }
-  return bounds;
-}
-
 /// The search's grid: whole pixels of `gsd_m` over all imagery.
 struct SearchGrid {
   GeoTransform map_from_pixel;
@@ -309,7 +298,7 @@ LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOp
       std::hypot(infos.front().width_px * infos.front().gsd_x_m, infos.front().height_px * infos.front().gsd_y_m) / 2;
   scores.crs = options.crs.empty() ? choose_mission_crs(middle, half_m).crs
                                    : check_mission_crs(Crs::from_user_input(options.crs), middle, half_m).crs;
-  const Bounds bounds = bounds_of(infos, scores.crs);
+  const Bounds bounds = imagery_bounds(infos, scores.crs);
   const LandmarkLabels read = read_landmark_labels(options.labels, options.imagery.imagery_crs, scores.crs);
   const std::vector<LandmarkLabel>& labels = read.labels;
   scores.outside = std::ssize(read.nowhere);

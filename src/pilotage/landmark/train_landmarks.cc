@@ -295,7 +295,9 @@ std::vector<double> train_filter(const TrainingChips& chips, const ClassSamples&
                                  double heading_deg, const TrainOptions& options, std::uint64_t seed,
                                  int& unobtainable) {
   std::vector<TrainingPicture> pictures = pictures_for(chips, of, samples, heading_deg, options, seed);
-  TrainedFilter filter = train_fhog(pictures, of.window, {options.c, 0.01});
+  TrainingOptions training;
+  training.c = options.c;
+  TrainedFilter filter = train_fhog(pictures, of.window, training);
   std::vector<bool> learnt(background.size(), false);
   for (int round = 0; round < kHardRounds; ++round) {
     bool any = false;
@@ -308,7 +310,7 @@ std::vector<double> train_filter(const TrainingChips& chips, const ClassSamples&
       pictures.push_back({seen, {}, {}});
     }
     if (!any) break;
-    filter = train_fhog(pictures, of.window, {options.c, 0.01});
+    filter = train_fhog(pictures, of.window, training);
   }
   unobtainable = filter.unobtainable;
   return filter.weights;
@@ -468,10 +470,12 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
     }
     std::vector<std::vector<std::vector<double>>> filters(blocks + 1, std::vector<std::vector<double>>(of.bins));
     std::vector<int> unobtainable(jobs.size(), 0);
+    std::vector<LeftIn> left_in;
+    for (std::size_t fold = 0; fold <= blocks; ++fold) left_in.push_back(without_block(chips, of, fold));
     std::mutex mutex;
     parallel_for(jobs.size(), threads, [&](std::size_t number, int) {
       const FilterJob& job = jobs[number];
-      const LeftIn left = without_block(chips, of, job.fold);
+      const LeftIn& left = left_in[job.fold];
       const double heading_deg = static_cast<double>(job.bin) * of.period_deg / static_cast<double>(of.bins);
       if (std::ssize(left.samples) >= kLeastLabels / 2) {
         filters[job.fold][job.bin] =
@@ -481,7 +485,10 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
       report_progress(progress, "training " + of.name, ++jobs_done, jobs_in_all);
     });
 
-    LandmarkDetector detector = detector_of(of, filters[blocks]);
+    std::vector<LandmarkDetector> of_fold;
+    for (std::vector<std::vector<double>>& trained : filters) of_fold.push_back(detector_of(of, std::move(trained)));
+    LandmarkDetector detector = std::move(of_fold.back());
+    const auto was_trained = [&](std::size_t block) { return !of_fold[block].filters.front().empty(); };
     detector.offset = usual_offset(chips, of, detector);
     // What it learnt it must find: the cheapest filter of all finds nothing.
     std::int64_t seen = 0;
@@ -493,16 +500,16 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
       judge_chip(chips, detector, sample, own);
       seen += std::any_of(own.begin(), own.end(), [](const JudgedHit& hit) { return hit.right && hit.score >= 0; });
       // A landmark on two dates is one trial: what finds it on one finds it on the other more often than not.
-      if (!sample.first_of_place || filters[sample.block].front().empty()) continue;
+      if (!sample.first_of_place || !was_trained(sample.block)) continue;
       ++to_find[sample.block];
-      judge_chip(chips, detector_of(of, filters[sample.block]), sample, judged);
+      judge_chip(chips, of_fold[sample.block], sample, judged);
     }
     for (std::size_t i = 0; i < of.background.size(); ++i) {
       report_progress(progress, "judging " + of.name, jobs_done, jobs_in_all);
       const std::size_t block = of.background_block[i];
-      if (filters[block].front().empty()) continue;
-      for (const LandmarkHit& hit : detect_landmarks(detector_of(of, filters[block]),
-                                                     chips.chips[of.background[i]].gray, chips.gsd_m, kLeastScore)) {
+      if (!was_trained(block)) continue;
+      for (const LandmarkHit& hit :
+           detect_landmarks(of_fold[block], chips.chips[of.background[i]].gray, chips.gsd_m, kLeastScore)) {
         judged.push_back({hit.score, false, block});
       }
     }
@@ -523,9 +530,7 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
           " landmarks could be left out: the chips of the others share ground with all that would "
           "have been learnt without them");
     }
-    std::int64_t all = 0;
-    for (const std::int64_t count : to_find) all += count;
-    detector.threshold = best_threshold(judged, all);
+    detector.threshold = best_threshold(judged, detector.quality.recall.of);
     if (!std::isfinite(detector.threshold)) detector.threshold = 0;
     int left_out = 0;
     for (std::size_t number = 0; number < jobs.size(); ++number) {

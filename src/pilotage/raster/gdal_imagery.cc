@@ -508,6 +508,17 @@ Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs) {
   return bounds;
 }
 
+Bounds imagery_bounds(const std::vector<ImageryInfo>& infos, const Crs& crs) {
+  Bounds bounds;
+  for (const ImageryInfo& info : infos) {
+    const Bounds one = imagery_bounds(info, crs);
+    if (one.empty()) continue;
+    bounds.extend({one.min_x_m, one.min_y_m});
+    bounds.extend({one.max_x_m, one.max_y_m});
+  }
+  return bounds;
+}
+
 std::vector<std::string> imagery_warnings(const std::vector<ImageryInfo>& infos, double camera_gsd_m) {
   std::vector<std::string> warnings;
   for (const ImageryInfo& info : infos) {

@@ -166,6 +166,9 @@ double placement_rms_m(const ImageryInfo& info);
 /// when no point of it has an image there.
 Bounds imagery_bounds(const ImageryInfo& info, const Crs& crs);
 
+/// The rectangle around all of them that have an image there.
+Bounds imagery_bounds(const std::vector<ImageryInfo>& infos, const Crs& crs);
+
 /// What a planner should know before these rasters are used together, as sentences: what inspect_imagery said of each;
 /// parts whose ground sample distance differs by more than 1 % (with a scale error of s, features a footprint w apart
 /// no longer agree by s·w); parts with differing depths; imagery coarser than the ground sample distance that the
