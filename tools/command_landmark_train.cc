@@ -17,9 +17,8 @@ std::vector<std::string> training_assumptions() {
 
 std::string result_text(const LandmarkModel& model) {
   std::string text;
-  for (const LandmarkDetector& detector : model.detectors) {
-    const LandmarkQuality& quality = detector.quality;
-    text += detector.class_name + ": " + std::to_string(detector.learnt.size()) + " labels of " +
+  for (const auto& [detector, places, quality] : model.detectors) {
+    text += detector.class_name + ": " + std::to_string(places.size()) + " labels of " +
             format_fixed(detector.shortest_m, 1) + " to " + format_fixed(detector.longest_m, 1) + " m, " +
             std::to_string(detector.filters.size()) + (detector.filters.size() == 1 ? " filter" : " filters") + " at " +
             format_fixed(detector.gsd_m, 3) + " m a pixel\n";
@@ -34,19 +33,19 @@ std::string result_text(const LandmarkModel& model) {
 nlohmann::ordered_json result_json(const TrainedLandmarks& trained, const std::string& output) {
   nlohmann::ordered_json classes = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < trained.model.detectors.size(); ++i) {
-    const LandmarkDetector& detector = trained.model.detectors[i];
+    const auto& [detector, places, quality] = trained.model.detectors[i];
     classes.push_back({{"class", detector.class_name},
-                       {"labels", detector.learnt.size()},
+                       {"labels", places.size()},
                        {"shortest_m", detector.shortest_m},
                        {"longest_m", detector.longest_m},
                        {"filters", detector.filters.size()},
                        {"gsd_m", detector.gsd_m},
                        {"threshold", detector.threshold},
                        {"unobtainable", trained.unobtainable[i]},
-                       {"blocks", detector.quality.blocks},
-                       {"average_precision", json_number(detector.quality.average_precision)},
-                       {"recall", share_to_json(detector.quality.recall)},
-                       {"precision", share_to_json(detector.quality.precision)}});
+                       {"blocks", quality.blocks},
+                       {"average_precision", json_number(quality.average_precision)},
+                       {"recall", share_to_json(quality.recall)},
+                       {"precision", share_to_json(quality.precision)}});
   }
   return {{"output", output}, {"classes", classes}, {"assumptions", training_assumptions()}};
 }

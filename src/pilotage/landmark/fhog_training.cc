@@ -17,7 +17,6 @@ namespace pilotage {
 namespace {
 
 using Scanner = dlib::scan_fhog_pyramid<dlib::pyramid_down<6>>;
-using Detector = dlib::object_detector<Scanner>;
 
 /// Boxes agree when they cover each other by half; a hit that another covers so far is the same thing.
 const dlib::test_box_overlap kOverlap(0.5, 1.0);
@@ -72,35 +71,9 @@ TrainedFilter train_fhog(const std::vector<TrainingPicture>& pictures, const Fho
   std::size_t left = 0;
   for (const auto& of_picture : boxes) left += of_picture.size();
   if (left == 0) throw DataError("no label fits the detector's window");
-  const Detector detector = trainer.train(images, boxes, ignored);
-  const auto& weights = detector.get_w();
-  result.weights.assign(weights.begin(), weights.end());
+  const auto detector = trainer.train(images, boxes, ignored);
+  for (const double weight : detector.get_w()) result.weights.push_back(static_cast<float>(weight));
   return result;
-}
-
-std::vector<FhogHit> detect_by_dlib(const std::vector<std::vector<double>>& filters, const FhogWindow& window,
-                                    const cv::Mat& gray, double least_score) {
-  Scanner scanner;
-  configure(scanner, window);
-  std::vector<Detector> detectors;
-  for (const std::vector<double>& filter : filters) {
-    dlib::matrix<double, 0, 1> weights(static_cast<long>(filter.size()));
-    std::copy(filter.begin(), filter.end(), weights.begin());
-    detectors.emplace_back(scanner, kOverlap, weights);
-  }
-  std::vector<dlib::rect_detection> found;
-  dlib::evaluate_detectors(detectors, image_of(gray), found, least_score);
-  std::vector<FhogHit> hits;
-  for (const dlib::rect_detection& one : found) {
-    const double left = static_cast<double>(one.rect.left());
-    const double top = static_cast<double>(one.rect.top());
-    hits.push_back(
-        {{left + static_cast<double>(one.rect.width()) / 2, top + static_cast<double>(one.rect.height()) / 2},
-         static_cast<double>(one.rect.width()),
-         one.detection_confidence,
-         one.weight_index});
-  }
-  return hits;
 }
 
 }  // namespace pilotage

@@ -5,12 +5,10 @@
 #include <set>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/file_digest.h"
 #include "pilotage/base/json_object.h"
-#include "pilotage/base/nan.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/base/read_file.h"
 #include "pilotage/base/text.h"
@@ -23,7 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "pilotage landmark model";
 constexpr int kVersion = 1;
-constexpr int kPlanes = 31;
 
 Json share_counts(const Share& share) {
   return {{"count", share.count}, {"of", share.of}};
@@ -37,9 +34,10 @@ Share share_of(JsonObject json) {
   return share;
 }
 
-Json detector_to_json(const LandmarkDetector& detector) {
+Json detector_to_json(const LearntDetector& learnt_detector) {
+  const auto& [detector, places, quality] = learnt_detector;
   Json learnt = Json::array();
-  for (const GeodeticPoint& place : detector.learnt) learnt.push_back({place.lon_deg, place.lat_deg});
+  for (const GeodeticPoint& place : places) learnt.push_back({place.lon_deg, place.lat_deg});
   return {{"class", detector.class_name},
           {"gsd_m", detector.gsd_m},
           {"window_px", detector.window.side_px},
@@ -52,16 +50,17 @@ Json detector_to_json(const LandmarkDetector& detector) {
           {"shortest_m", detector.shortest_m},
           {"longest_m", detector.longest_m},
           {"quality",
-           {{"blocks", detector.quality.blocks},
-            {"average_precision", json_number(detector.quality.average_precision)},
-            {"recall", share_counts(detector.quality.recall)},
-            {"precision", share_counts(detector.quality.precision)}}},
+           {{"blocks", quality.blocks},
+            {"average_precision", json_number(quality.average_precision)},
+            {"recall", share_counts(quality.recall)},
+            {"precision", share_counts(quality.precision)}}},
           {"learnt_lon_lat_deg", learnt},
           {"filters", detector.filters}};
 }
 
-LandmarkDetector detector_from_json(JsonObject& json) {
-  LandmarkDetector detector;
+LearntDetector detector_from_json(JsonObject& json) {
+  LearntDetector learnt;
+  LandmarkDetector& detector = learnt.detector;
   detector.class_name = json.text("class");
   detector.gsd_m = json.positive_number("gsd_m");
   detector.window.cell_px = json.small_integer("cell_px", 2, 64);
@@ -87,61 +86,36 @@ LandmarkDetector detector_from_json(JsonObject& json) {
               "from shortest_m to what " + format_number(kMostWindow_px) + " pixels hold with its context");
   }
   JsonObject quality = json.object("quality");
-  detector.quality.blocks = quality.small_integer("blocks", 0);
-  detector.quality.average_precision = quality.number_or_nan("average_precision");
-  detector.quality.recall = share_of(quality.object("recall"));
-  detector.quality.precision = share_of(quality.object("precision"));
+  learnt.quality.blocks = quality.small_integer("blocks", 0);
+  learnt.quality.average_precision = quality.number_or_nan("average_precision");
+  learnt.quality.recall = share_of(quality.object("recall"));
+  learnt.quality.precision = share_of(quality.object("precision"));
   quality.finish();
   for (const Json& place : json.list("learnt_lon_lat_deg")) {
     if (!place.is_array() || place.size() != 2 || !place[0].is_number() || !place[1].is_number()) {
       json.fail("learnt_lon_lat_deg", "pairs of longitude and latitude");
     }
-    detector.learnt.push_back({place[0].get<double>(), place[1].get<double>()});
+    learnt.places.push_back({place[0].get<double>(), place[1].get<double>()});
   }
   for (const Json& filter : json.list("filters")) {
     if (!filter.is_array() || !std::all_of(filter.begin(), filter.end(), [](const Json& w) { return w.is_number(); })) {
       json.fail("filters", "lists of numbers");
     }
-    detector.filters.push_back(filter.get<std::vector<double>>());
-    // The window has a margin of one cell on each side.
-    const std::size_t cells = static_cast<std::size_t>(detector.window.side_px / detector.window.cell_px) + 2;
-    if (detector.filters.back().size() != kPlanes * cells * cells + 1) {
-      json.fail("filters", "lists of " + std::to_string(kPlanes * cells * cells + 1) + " numbers");
+    detector.filters.push_back(filter.get<std::vector<float>>());
+    if (detector.filters.back().size() != detector.window.filter_size()) {
+      json.fail("filters", "lists of " + std::to_string(detector.window.filter_size()) + " numbers");
     }
   }
   if (detector.filters.empty()) json.fail("filters", "one list at least");
   json.finish();
-  return detector;
+  return learnt;
 }
 
 }  // namespace
 
-std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, const cv::Mat& gray, double gsd_m,
-                                          double least_score) {
-  const double scale = gsd_m / detector.gsd_m;
-  cv::Mat seen = gray;
-  if (std::abs(scale - 1) > 1e-6) {
-    cv::resize(gray, seen, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
-  }
-  std::vector<LandmarkHit> hits;
-  for (const FhogHit& hit : detect_by_dlib(detector.filters, detector.window, seen, least_score)) {
-    const double turn =
-        static_cast<double>(hit.filter) * detector.period_deg / static_cast<double>(detector.filters.size());
-    const Eigen::Vector2d seen_px = hit.center_px - hit.side_px * detector.offset;
-    const LandmarkHit here{seen_px.cwiseProduct(Eigen::Vector2d(static_cast<double>(gray.cols) / seen.cols,
-                                                                static_cast<double>(gray.rows) / seen.rows)),
-                           hit.side_px / detector.context / scale, hit.score, detector.period_deg > 0 ? turn : kNaN};
-    const bool again = std::any_of(hits.begin(), hits.end(), [&](const LandmarkHit& stronger) {
-      return (here.center_px - stronger.center_px).norm() < kSamePlace * std::max(here.length_px, stronger.length_px);
-    });
-    if (!again) hits.push_back(here);
-  }
-  return hits;
-}
-
 Json landmark_model_to_json(const LandmarkModel& model) {
   Json detectors = Json::array();
-  for (const LandmarkDetector& detector : model.detectors) detectors.push_back(detector_to_json(detector));
+  for (const LearntDetector& learnt : model.detectors) detectors.push_back(detector_to_json(learnt));
   Json json = {{"format", kFormat}, {"version", kVersion}, {"detectors", detectors}};
   json["digest"] = bytes_digest(json_text(json, 0));
   return json;
@@ -163,9 +137,9 @@ LandmarkModel read_landmark_model(const std::filesystem::path& path) {
   for (JsonObject& detector : json.objects("detectors")) model.detectors.push_back(detector_from_json(detector));
   json.finish();
   std::set<std::string> classes;
-  for (const LandmarkDetector& detector : model.detectors) {
-    if (!classes.insert(detector.class_name).second) {
-      throw DataError(file + ": has two detectors of the class " + detector.class_name);
+  for (const LearntDetector& learnt : model.detectors) {
+    if (!classes.insert(learnt.detector.class_name).second) {
+      throw DataError(file + ": has two detectors of the class " + learnt.detector.class_name);
     }
   }
   Json signed_part = content;

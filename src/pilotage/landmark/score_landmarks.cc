@@ -172,19 +172,20 @@ double ambiguity_of(const ClassLabel& label, const std::vector<ClassLabel>& all,
   return static_cast<double>(others) * p_detect + false_alarms_per_m2 * std::numbers::pi * radius_m * radius_m;
 }
 
-std::vector<Vector2d> learnt_places(const LandmarkDetector& detector, const CrsTransform& transform) {
+std::vector<Vector2d> learnt_places(const LearntDetector& learnt, const CrsTransform& transform) {
   std::vector<Vector2d> places;
-  for (const GeodeticPoint& place : detector.learnt) {
+  for (const GeodeticPoint& place : learnt.places) {
     if (const auto at = transform.map_from_geodetic(place)) places.push_back(*at);
   }
   return places;
 }
 
-void score_class(const LandmarkDetector& detector, const std::vector<ClassLabel>& labels,
+void score_class(const LearntDetector& learnt_detector, const std::vector<ClassLabel>& labels,
                  const std::vector<ClassLabel>& ignored, const Found& found, double search_radius_m,
                  const CrsTransform& transform, LandmarkScores& scores) {
   std::vector<std::optional<GroundHit>> hit_of(labels.size());
-  const std::vector<Vector2d> learnt = learnt_places(detector, transform);
+  const LandmarkDetector& detector = learnt_detector.detector;
+  const std::vector<Vector2d> learnt = learnt_places(learnt_detector, transform);
   std::vector<bool> taken(labels.size(), false);  // by a hit of any score: a label is found once
   std::vector<JudgedHit> judged;
   std::vector<GroundHit> false_alarms;
@@ -310,7 +311,8 @@ LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOp
                                               metres.height_px, options.imagery);
   const CrsTransform transform(scores.crs);
   bool any = false;
-  for (const LandmarkDetector& detector : model.detectors) {
+  for (const LearntDetector& learnt : model.detectors) {
+    const LandmarkDetector& detector = learnt.detector;
     const bool known = std::any_of(labels.begin(), labels.end(),
                                    [&](const LandmarkLabel& label) { return label.class_name == detector.class_name; });
     if (!known) continue;
@@ -328,11 +330,11 @@ LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOp
       ignored.push_back({&label, box.center, box.length});
     }
     const Found found = search(detector, options.second_epoch, options.imagery, scores.crs, bounds, threads, progress);
-    score_class(detector, shown, ignored, found, options.search_radius_m, transform, scores);
+    score_class(learnt, shown, ignored, found, options.search_radius_m, transform, scores);
   }
   if (!any) {
     std::vector<std::string> known;
-    for (const LandmarkDetector& detector : model.detectors) known.push_back(detector.class_name);
+    for (const LearntDetector& learnt : model.detectors) known.push_back(learnt.detector.class_name);
     throw DataError(join(options.labels.labels, ", ") +
                     ": no label is of a class that the model knows: " + join(known, ", "));
   }

@@ -290,33 +290,7 @@ std::vector<TrainingPicture> pictures_for(const TrainingChips& chips, const Clas
   return pictures;
 }
 
-std::vector<double> train_filter(const TrainingChips& chips, const ClassSamples& of,
-                                 const std::vector<std::size_t>& samples, const std::vector<std::size_t>& background,
-                                 double heading_deg, const TrainOptions& options, std::uint64_t seed,
-                                 int& unobtainable) {
-  std::vector<TrainingPicture> pictures = pictures_for(chips, of, samples, heading_deg, options, seed);
-  TrainingOptions training;
-  training.c = options.c;
-  TrainedFilter filter = train_fhog(pictures, of.window, training);
-  std::vector<bool> learnt(background.size(), false);
-  for (int round = 0; round < kHardRounds; ++round) {
-    bool any = false;
-    for (std::size_t i = 0; i < background.size(); ++i) {
-      if (learnt[i]) continue;
-      const cv::Mat seen = background_of(chips, of, background[i]);
-      if (detect_by_dlib({filter.weights}, of.window, seen, kLeastScore / 2).empty()) continue;
-      learnt[i] = true;
-      any = true;
-      pictures.push_back({seen, {}, {}});
-    }
-    if (!any) break;
-    filter = train_fhog(pictures, of.window, training);
-  }
-  unobtainable = filter.unobtainable;
-  return filter.weights;
-}
-
-LandmarkDetector detector_of(const ClassSamples& of, std::vector<std::vector<double>> filters) {
+LandmarkDetector detector_of(const ClassSamples& of, std::vector<std::vector<float>> filters) {
   LandmarkDetector detector;
   detector.class_name = of.name;
   detector.gsd_m = of.gsd_m;
@@ -327,6 +301,32 @@ LandmarkDetector detector_of(const ClassSamples& of, std::vector<std::vector<dou
   detector.shortest_m = of.shortest_m;
   detector.longest_m = of.longest_m;
   return detector;
+}
+
+std::vector<float> train_filter(const TrainingChips& chips, const ClassSamples& of,
+                                const std::vector<std::size_t>& samples, const std::vector<std::size_t>& background,
+                                double heading_deg, const TrainOptions& options, std::uint64_t seed,
+                                int& unobtainable) {
+  std::vector<TrainingPicture> pictures = pictures_for(chips, of, samples, heading_deg, options, seed);
+  TrainingOptions training;
+  training.c = options.c;
+  TrainedFilter filter = train_fhog(pictures, of.window, training);
+  std::vector<bool> learnt(background.size(), false);
+  for (int round = 0; round < kHardRounds; ++round) {
+    bool any = false;
+    for (std::size_t i = 0; i < background.size(); ++i) {
+      if (learnt[i]) continue;
+      const cv::Mat& gray = chips.chips[background[i]].gray;
+      if (detect_landmarks(detector_of(of, {filter.weights}), gray, chips.gsd_m, kLeastScore / 2).empty()) continue;
+      learnt[i] = true;
+      any = true;
+      pictures.push_back({background_of(chips, of, background[i]), {}, {}});
+    }
+    if (!any) break;
+    filter = train_fhog(pictures, of.window, training);
+  }
+  unobtainable = filter.unobtainable;
+  return filter.weights;
 }
 
 /// Hits on the chip of a label: right is the best one at its place; what lies on others of its class counts neither
@@ -468,7 +468,7 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
     for (std::size_t fold = 0; fold <= blocks; ++fold) {
       for (std::size_t bin = 0; bin < of.bins; ++bin) jobs.push_back({fold, bin});
     }
-    std::vector<std::vector<std::vector<double>>> filters(blocks + 1, std::vector<std::vector<double>>(of.bins));
+    std::vector<std::vector<std::vector<float>>> filters(blocks + 1, std::vector<std::vector<float>>(of.bins));
     std::vector<int> unobtainable(jobs.size(), 0);
     std::vector<LeftIn> left_in;
     for (std::size_t fold = 0; fold <= blocks; ++fold) left_in.push_back(without_block(chips, of, fold));
@@ -486,8 +486,9 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
     });
 
     std::vector<LandmarkDetector> of_fold;
-    for (std::vector<std::vector<double>>& trained : filters) of_fold.push_back(detector_of(of, std::move(trained)));
-    LandmarkDetector detector = std::move(of_fold.back());
+    for (std::vector<std::vector<float>>& trained : filters) of_fold.push_back(detector_of(of, std::move(trained)));
+    LearntDetector learnt{std::move(of_fold.back()), {}, {}};
+    LandmarkDetector& detector = learnt.detector;
     const auto was_trained = [&](std::size_t block) { return !of_fold[block].filters.front().empty(); };
     detector.offset = usual_offset(chips, of, detector);
     // What it learnt it must find: the cheapest filter of all finds nothing.
@@ -520,17 +521,16 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
     }
     for (const Sample& sample : of.samples) {
       const auto place = transform.geodetic_from_map(sample.center_m);
-      if (place && sample.first_of_place) detector.learnt.push_back(*place);
+      if (place && sample.first_of_place) learnt.places.push_back(*place);
     }
-    detector.quality = quality_of(judged, to_find);
-    if (detector.quality.recall.of < std::ssize(detector.learnt)) {
+    learnt.quality = quality_of(judged, to_find);
+    if (learnt.quality.recall.of < std::ssize(learnt.places)) {
       result.warnings.push_back(
-          of.name + ": " + std::to_string(detector.quality.recall.of) + " of " +
-          std::to_string(detector.learnt.size()) +
+          of.name + ": " + std::to_string(learnt.quality.recall.of) + " of " + std::to_string(learnt.places.size()) +
           " landmarks could be left out: the chips of the others share ground with all that would "
           "have been learnt without them");
     }
-    detector.threshold = best_threshold(judged, detector.quality.recall.of);
+    detector.threshold = best_threshold(judged, learnt.quality.recall.of);
     if (!std::isfinite(detector.threshold)) detector.threshold = 0;
     int left_out = 0;
     for (std::size_t number = 0; number < jobs.size(); ++number) {
@@ -542,7 +542,7 @@ TrainedLandmarks train_landmarks(const std::vector<std::string>& folders, const 
                                 "would have a window of their size");
     }
     result.unobtainable.push_back(left_out);
-    result.model.detectors.push_back(std::move(detector));
+    result.model.detectors.push_back(std::move(learnt));
   }
   return result;
 }
