@@ -41,12 +41,13 @@ struct BuildCommandOptions {
 };
 
 // The files of the plan and of the second date, as `prepare` lists them.
-std::vector<InputFile> inputs_of(const Mission& mission, const std::vector<std::string>& second_epoch) {
+std::vector<InputFile> inputs_of(const Mission& mission, const BuildCommandOptions& options) {
   std::vector<InputFile> inputs = input_files(mission);
-  for (const std::string& dataset : second_epoch) {
+  for (const std::string& dataset : options.second_epoch) {
     const ImageryInfo info = inspect_imagery(dataset, second_date_options(mission.ground.imagery.options));
     inputs.push_back(input_dataset("second_epoch", dataset, info.acquired));
   }
+  if (!options.build.landmarks.empty()) inputs.push_back(input_file("landmarks", options.build.landmarks, ""));
   return inputs;
 }
 
@@ -56,6 +57,12 @@ std::optional<SecondDate> second_date_of(const BuildCommandOptions& options, con
   if (options.build.keep_features == KeepFeatures::kAll || options.second_epoch.empty()) return std::nullopt;
   return register_second_date(mission.ground, options.second_epoch, options.registration, invocation.threads,
                               invocation.progress);
+}
+
+std::string landmarks_text(const BuildStats& stats) {
+  if (stats.detectors == 0) return {};
+  return std::to_string(stats.landmarks) + " landmarks of " + std::to_string(stats.detectors) +
+         (stats.detectors == 1 ? " class\n" : " classes\n");
 }
 
 }  // namespace
@@ -75,7 +82,10 @@ Command make_build_command() {
        "--created now --valid-until 2027-01-01T00:00:00Z -o map.gpkg"},
       {"Without the features that another date contradicts.",
        "pilotage build plan.json --table tiles.csv --selection selection.json --second-epoch other.tif "
-       "--keep-features stable -o map.gpkg"}};
+       "--keep-features stable -o map.gpkg"},
+      {"With landmarks.",
+       "pilotage build plan.json --table tiles.csv --selection selection.json --landmarks map_landmarks.json -o "
+       "map.gpkg"}};
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile,
                     .help = "The map database (GeoPackage).",
@@ -93,10 +103,10 @@ Command make_build_command() {
     // of chunks.
     OutputFile signature(signature_path_of(invocation.output), invocation.overwrite);
     OutputFile chunk_list(chunk_list_path_of(invocation.output), invocation.overwrite);
-    const BuildStats stats = build_map(map.temporary_path(), files.mission, files.scores, files.selection,
-                                       inputs_of(files.mission, options.second_epoch), version_line(), options.build,
-                                       true, invocation.threads, invocation.progress,
-                                       second_date_of(options, files.mission, invocation), nullptr, purpose);
+    const BuildStats stats =
+        build_map(map.temporary_path(), files.mission, files.scores, files.selection, inputs_of(files.mission, options),
+                  version_line(), options.build, true, invocation.threads, invocation.progress,
+                  second_date_of(options, files.mission, invocation), nullptr, purpose);
     std::vector<const OutputFile*> outputs;
     std::vector<std::filesystem::path> stale;
     sign.signature_path = signature.temporary_path();
@@ -117,12 +127,9 @@ Command make_build_command() {
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
                   format_fixed(static_cast<double>(stats.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(stats) +
-                  kept_features_text(stats) + "digest " + stats.content_digest + "\n";
-    result.json = {{"output", invocation.output},
-                   {"tiles", stats.tiles},
-                   {"descriptors", stats.descriptors},
-                   {"bytes", stats.bytes},
-                   {"digest", stats.content_digest}};
+                  kept_features_text(stats) + landmarks_text(stats) + "digest " + stats.content_digest + "\n";
+    result.json = {{"output", invocation.output},  {"tiles", stats.tiles}, {"descriptors", stats.descriptors},
+                   {"landmarks", stats.landmarks}, {"bytes", stats.bytes}, {"digest", stats.content_digest}};
     add_bytes_per_tile(stats, result.json);
     add_kept_features(stats, result.json);
     if (!options.second_epoch.empty() && !stats.stable) {

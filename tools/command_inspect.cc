@@ -73,6 +73,9 @@ CommandResult inspect_map_file(const std::string& path) {
     result.text += "\n";
   }
   result.text += "route lines: " + std::to_string(summary.route_lines) + ", legs: " + std::to_string(summary.legs) +
+                 (summary.landmark_classes.empty() ? ""
+                                                   : "\nlandmarks: " + std::to_string(summary.landmarks) + " (" +
+                                                         join(summary.landmark_classes, ", ") + ")") +
                  "\nbytes per tile: " + format_fixed(summary.bytes_per_tile, 0);
   if (summary.chip_bytes_per_tile > 0) {
     result.text += " (" + format_fixed(summary.descriptor_bytes_per_tile, 0) + " of descriptors, " +

@@ -1,12 +1,15 @@
 #include <cmath>
+#include <optional>
 
 #include "commands.h"
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/landmark/landmark_files.h"
 #include "pilotage/landmark/score_landmarks.h"
+#include "pilotage/mission/landmark_file.h"
 
 namespace pilotage {
 namespace {
@@ -64,9 +67,19 @@ nlohmann::ordered_json class_json(const ScoredClass& scored) {
 
 CommandResult run_score(const LandmarkScoreOptions& options, const Invocation& invocation) {
   if (!invocation.output.empty()) check_scored_landmarks_name(invocation.output);
+  std::optional<OutputFile> for_map;
+  if (!options.for_map.empty()) for_map.emplace(options.for_map, invocation.overwrite);
   const LandmarkModel model = read_landmark_model(invocation.inputs.front());
   const LandmarkScores scores = score_landmarks(model, options, invocation.threads, invocation.progress);
+  const MapLandmarks landmarks = landmarks_for_map(model, scores);
+  if (for_map) {
+    if (landmarks.detectors.empty()) {
+      throw DataError(options.for_map + ": no detector finds a landmark: there is nothing for a map");
+    }
+    for_map->write(json_text(map_landmarks_to_json(landmarks), 0));
+  }
   if (!invocation.output.empty()) write_scored_landmarks(invocation.output, scores, invocation.overwrite);
+  if (for_map) for_map->commit();
   CommandResult result;
   result.json = {{"second_epoch", options.second_epoch},
                  {"acquired", scores.acquired},
@@ -78,6 +91,12 @@ CommandResult run_score(const LandmarkScoreOptions& options, const Invocation& i
   for (const ScoredClass& scored : scores.classes) {
     result.text += class_text(scored, options.search_radius_m);
     result.json["classes"].push_back(class_json(scored));
+  }
+  if (for_map) {
+    result.json["for_map"] = options.for_map;
+    result.text += "for a map: " + std::to_string(landmarks.landmarks.size()) + " landmarks of " +
+                   std::to_string(landmarks.detectors.size()) +
+                   (landmarks.detectors.size() == 1 ? " class in " : " classes in ") + options.for_map + "\n";
   }
   if (scores.outside > 0) result.text += std::to_string(scores.outside) + " labels are not shown: left out\n";
   if (scores.other_date > 0) {
@@ -98,7 +117,10 @@ Command make_landmark_score_command() {
   command.examples = {
       {"What the detectors find on last year's imagery, and where.",
        "pilotage landmark-score landmarks.json --labels chips/labels.geojson --second-epoch last_year.tif -o "
-       "found.geojson"}};
+       "found.geojson"},
+      {"For an onboard map.",
+       "pilotage landmark-score landmarks.json --labels chips/labels.geojson --second-epoch last_year.tif --for-map "
+       "map_landmarks.json"}};
   command.inputs = {.name = "MODEL", .help = "The detectors that landmark-train wrote.", .min = 1, .max = 1};
   command.output = {.kind = OutputKind::kFile,
                     .help = "Every landmark, found or missed, and every false alarm as points (.geojson or .gpkg).",

@@ -66,6 +66,7 @@ Command make_verify_command() {
                    {"descriptor_rows", report.descriptor_rows},
                    {"descriptors", report.descriptors},
                    {"chips", report.chips},
+                   {"landmarks", report.landmarks},
                    {"bytes", report.bytes},
                    {"digest", report.content_digest},
                    {"problems", nlohmann::ordered_json::array()}};
@@ -79,7 +80,8 @@ Command make_verify_command() {
       return result;
     }
     result.text = path + ": intact; " + std::to_string(report.tiles) + " tiles, " + std::to_string(report.descriptors) +
-                  " descriptors, " + (report.chips > 0 ? std::to_string(report.chips) + " chips, " : "") + "digest " +
+                  " descriptors, " + (report.chips > 0 ? std::to_string(report.chips) + " chips, " : "") +
+                  (report.landmarks > 0 ? std::to_string(report.landmarks) + " landmarks, " : "") + "digest " +
                   report.content_digest + "\n";
     const MapReader map = input ? MapReader::open(input->map) : MapReader::open_unverified(path);
     check_purpose(map, required);

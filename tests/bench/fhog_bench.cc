@@ -25,7 +25,9 @@ cv::Mat picture() {
 
 LandmarkDetector detector(int levels) {
   LandmarkDetector one;
+  one.class_name = "disc";
   one.gsd_m = 1;
+  one.shortest_m = one.longest_m = 35;
   one.context = 1.3;
   one.window.levels = levels;
   Random random(2);

@@ -4,17 +4,24 @@
 #include <set>
 #include <utility>
 
+#include "testing/error_of.h"
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/mapdb/chip_codec.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_verify.h"
+#include "pilotage/mission/landmark_file.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/tile/plan_tiles.h"
@@ -105,6 +112,51 @@ TEST_F(BuildMap, StoresEveryDescriptorOnceAndVerifies) {
   const VerifyReport report = verify_map(folder_ / "map.gpkg");
   EXPECT_TRUE(report.ok());
   EXPECT_EQ(report.content_digest, stats.content_digest);
+}
+
+TEST_F(BuildMap, StoresLandmarksOfThePlannedGround) {
+  MapDetector detector;
+  detector.detector.class_name = "tank";
+  detector.detector.gsd_m = 0.5;
+  detector.detector.context = 1.3;
+  detector.detector.shortest_m = detector.detector.longest_m = 20;
+  detector.detector.filters = {std::vector<float>(detector.detector.window.filter_size(), 0.5F)};
+  detector.p_detect = 0.9;
+  detector.sigma_m = 0.3;
+  const GeodeticPoint here = mission_.flight.samples.front().point;
+  MapLandmarks landmarks{{detector}, {{0, 0, here, 20, kNaN, true, 0.1}, {1, 0, {here.lon_deg, 0}, 20, kNaN, true, 0}}};
+  const auto build_with = [&](const MapLandmarks& given) {
+    write_file(folder_ / "landmarks.json", json_text(map_landmarks_to_json(given), 0), true);
+    BuildOptions options;
+    options.landmarks = (folder_ / "landmarks.json").string();
+    return build("landmarks.gpkg", every_tile(mission_), 1, options);
+  };
+  const BuildStats stats = build_with(landmarks);
+  EXPECT_EQ(stats.landmarks, 1) << "the other is elsewhere";
+  EXPECT_EQ(stats.detectors, 1);
+  BuildOptions options;
+  const double without = stored_size(options, mission_.ground).bytes_fixed;
+  options.landmarks = (folder_ / "landmarks.json").string();
+  EXPECT_GT(stored_size(options, mission_.ground).bytes_fixed - without, 4 * 3752);
+  MapReader reader = MapReader::open_unverified(folder_ / "landmarks.gpkg");
+  const auto read = reader.landmarks();
+  EXPECT_EQ(read->landmarks[0].place.lon_deg, here.lon_deg);
+  EXPECT_EQ(read->detectors[0].detector.filters, detector.detector.filters);
+  EXPECT_TRUE(verify_map(folder_ / "landmarks.gpkg").ok());
+
+  landmarks.landmarks.erase(landmarks.landmarks.begin());
+  landmarks.landmarks.front().id = 0;
+  std::filesystem::remove(folder_ / "landmarks.gpkg");
+  EXPECT_THAT(testing::error_of<DataError>([&] { build_with(landmarks); }),
+              ::testing::HasSubstr("none of its landmarks lies on the planned ground"));
+  std::string text = json_text(map_landmarks_to_json(landmarks), 0);
+  text.replace(text.find("0.9"), 3, "1.0");
+  write_file(folder_ / "landmarks.json", text, true);
+  EXPECT_THAT(testing::error_of<IntegrityError>([&] { read_map_landmarks(folder_ / "landmarks.json"); }),
+              ::testing::HasSubstr("was changed after it was written"));
+  write_file(folder_ / "landmarks.json", "{}", true);
+  EXPECT_THAT(testing::error_of<DataError>([&] { read_map_landmarks(folder_ / "landmarks.json"); }),
+              ::testing::HasSubstr("holds no map landmarks; `pilotage landmark-score --for-map` writes"));
 }
 
 // The stored cells of a part of the tiles cover the union of these tiles and nothing else, with the very points that

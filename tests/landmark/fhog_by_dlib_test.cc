@@ -117,9 +117,11 @@ std::vector<float> disc_filter() {
 /// Compares the hits of both; returns how many.
 int expect_the_same_hits(const std::vector<float>& filter, const cv::Mat& gray, double least_score) {
   LandmarkDetector detector;
+  detector.class_name = "disc";
   detector.gsd_m = 1;
   detector.window = {45, 5, 4};
   detector.context = 1.3;
+  detector.shortest_m = detector.longest_m = 35;
   detector.filters = {filter};
   const std::vector<LandmarkHit> own = detect_landmarks(detector, gray, detector.gsd_m, least_score - 0.1);
   const std::vector<DlibHit> by_dlib = detect_by_dlib(filter, detector.window, gray, least_score);
@@ -175,8 +177,10 @@ TEST(FhogByDlib, WhatDoesNotFitIsAnError) {
   EXPECT_THROW(correlate_fhog(cells, std::vector<float>(31 * 13 * 13), 13), UsageError);
   EXPECT_THROW(FhogCells(cv::Mat(10, 10, CV_8UC3), 5, 1), UsageError);
   LandmarkDetector detector;
+  detector.class_name = "disc";
   detector.gsd_m = 1;
   detector.context = 1;
+  detector.shortest_m = detector.longest_m = 35;
   detector.filters = {std::vector<float>(7)};
   EXPECT_THROW(detect_landmarks(detector, busy_picture(100, 100, 1), 1, 0), UsageError);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "landmark/landmark_ground.h"
 #include "testing/error_of.h"
@@ -16,6 +17,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/landmark/label_landmarks.h"
 #include "pilotage/landmark/score_landmarks.h"
+#include "pilotage/mission/landmark_file.h"
 
 namespace pilotage {
 namespace {
@@ -167,10 +169,26 @@ TEST(TrainLandmarks, TheSameForAnyNumberOfThreadsAndReadsBack) {
         read_landmark_model(file);
       },
       IntegrityError);
-  EXPECT_THAT(error(replaced("\"version\": 1", "\"version\": 2")), HasSubstr("is a landmark model of version 2"));
-  EXPECT_THAT(error("{}"), HasSubstr("is no landmark model"));
-  EXPECT_THAT(error(replaced("\"cell_px\": 5", "\"cell_px\": 7")), HasSubstr("window_px"));
-  EXPECT_THAT(error(replaced("\"window_px\": 45", "\"window_px\": 55")), HasSubstr("filters"));
+  EXPECT_THAT(error(replaced("\"version\": 1", "\"version\": 2")),
+              HasSubstr("is of version 2; this program reads version 1"));
+  EXPECT_THAT(error("{}"), HasSubstr("holds no landmark model; `pilotage landmark-train` writes one"));
+
+  // A program that writes models itself may err.
+  const auto error_with = [&](const std::function<void(nlohmann::ordered_json&)>& change) {
+    nlohmann::ordered_json content = nlohmann::ordered_json::parse(text);
+    for (const char* own : {"format", "version", "digest"}) content.erase(own);
+    change(content["detectors"][0]);
+    return error(json_text(digested_json("pilotage landmark model", 1, content)));
+  };
+  EXPECT_EQ(error_with([](auto&) {}), "");
+  EXPECT_THAT(error_with([](auto& detector) { detector["cell_px"] = 7; }),
+              HasSubstr("detectors[0]: window_px = 45 is no odd multiple of cell_px = 7"));
+  EXPECT_THAT(error_with([](auto& detector) { detector["window_px"] = 55; }),
+              HasSubstr("a filter has 3752 numbers, the window asks for"));
+  EXPECT_THAT(error_with([](auto& detector) { detector["gsd_m"] = 0; }), HasSubstr("gsd_m = 0 is outside"));
+  EXPECT_THAT(error_with([](auto& detector) { detector["filters"][0][0] = "x"; }), HasSubstr("lists of numbers"));
+  EXPECT_THAT(error_with([](auto& detector) { detector["filters"] = nlohmann::ordered_json::array(); }),
+              HasSubstr("filters are 0"));
 }
 
 TEST(TrainLandmarks, OtherClassesAreLearntAsBackground) {

@@ -220,10 +220,10 @@ TEST(MapReader, SaysWhatIsNotAMap) {
 TEST_F(MapReaderTest, RefusesANewerSchema) {
   Database::create(path_, "map")
       .execute(
-          "UPDATE map_info SET value = '2' WHERE key = 'schema_version'; ALTER TABLE pilotage_levels RENAME COLUMN "
+          "UPDATE map_info SET value = '3' WHERE key = 'schema_version'; ALTER TABLE pilotage_levels RENAME COLUMN "
           "gsd_m TO g");
   EXPECT_THAT([&] { MapReader::open_unverified(path_); },
-              ThrowsMessage<DataError>(HasSubstr("schema version 2; this program reads up to")));
+              ThrowsMessage<DataError>(HasSubstr("schema version 3; this program reads up to")));
 }
 
 TEST_F(MapReaderTest, NamesFileTableAndTileOfDamage) {

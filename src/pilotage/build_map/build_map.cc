@@ -9,7 +9,9 @@
 #include "pilotage/build_map/write_ground.h"
 #include "pilotage/camera/camera_text.h"
 #include "pilotage/mapdb/descriptor_row.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/mapdb/map_writer.h"
+#include "pilotage/mission/landmark_file.h"
 #include "pilotage/raster/gdal_io.h"
 
 namespace pilotage {
@@ -118,6 +120,14 @@ StoredSize stored_size(const BuildOptions& options, const Ground& ground) {
       size.chip_bytes_per_px.push_back(chip_bytes_per_px(options.chips, level.gsd_m));
     }
   }
+  if (!options.landmarks.empty()) {
+    constexpr double kLandmarkRowBytes = 200;
+    const MapLandmarks landmarks = read_map_landmarks(options.landmarks);
+    size.bytes_fixed += kLandmarkRowBytes * static_cast<double>(landmarks.landmarks.size());
+    for (const MapDetector& one : landmarks.detectors) {
+      size.bytes_fixed += kPageBytes + kFullPages * static_cast<double>(filter_bytes(one.detector).size());
+    }
+  }
   return size;
 }
 
@@ -127,7 +137,7 @@ BuildStats build_map(const std::filesystem::path& path, const Mission& mission, 
                      const Progress& progress, const std::optional<SecondDate>& second_date,
                      const GroundImagery* imagery, const MapPurpose& purpose) {
   const std::string description = "Reference map for visual navigation along " + mission.flight.route.name;
-  MapWriter writer(path, map_header(mission.ground, description, options.chips.chips), overwrite);
+  MapWriter writer(path, map_header(mission.ground, description, options), overwrite);
   BuildStats stats = write_ground(writer, {mission.ground, scores}, selection.tile_ids, mission.flight.places, options,
                                   threads, progress, second_date, imagery);
   write_flight(writer, mission, selection, options, purpose, inputs, software_version, stats);
@@ -137,7 +147,7 @@ BuildStats build_map(const std::filesystem::path& path, const Mission& mission, 
 BuildStats build_ground_map(const std::filesystem::path& path, const ScoreTable& table,
                             const std::vector<std::int64_t>& tile_ids, const BuildOptions& options, int threads,
                             const Progress& progress) {
-  MapWriter writer(path, map_header(table.ground, "Reference map", options.chips.chips), true);
+  MapWriter writer(path, map_header(table.ground, "Reference map", options), true);
   BuildStats stats = write_ground(writer, table, tile_ids, {}, options, threads, progress);
   write_stored_features(writer, options, stats);
   return finished(writer, path, std::move(stats));

@@ -28,6 +28,7 @@ struct BuildOptions {
   FeatureOptions features;
   KeepFeatures keep_features = KeepFeatures::kAll;
   ChipOptions chips;
+  std::string landmarks;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -35,6 +36,9 @@ struct BuildOptions {
     fields.field("keep_features", self.keep_features,
                  "Which features are stored: all, or those that the second date does not contradict (stable).");
     ChipOptions::describe(self.chips, fields);
+    fields.path("landmarks", self.landmarks,
+                "Landmarks and their detectors, as `landmark-score --for-map` writes them: those on the planned ground "
+                "are stored.");
   }
 };
 
@@ -45,11 +49,14 @@ struct BuildStats {
   std::optional<StableStats> stable;  ///< With keep_features = stable.
   std::int64_t chips = 0;
   std::int64_t chip_bytes = 0;
+  std::int64_t landmarks = 0;
+  std::int64_t detectors = 0;
   std::int64_t bytes = 0;      ///< Of the file.
   std::string content_digest;  ///< 64 hex digits.
 };
 
-/// The most that the map database can take with these options on the levels of a ground.
+/// The most that the map database can take with these options on the levels of a ground. Throws as
+/// read_map_landmarks.
 StoredSize stored_size(const BuildOptions& options, const Ground& ground);
 
 /// Writes the onboard map database (schemas/map-database.md) of a mission's selected tiles: their ground

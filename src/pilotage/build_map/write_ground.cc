@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "pilotage/base/error.h"
@@ -13,7 +14,9 @@
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/measures.h"
 #include "pilotage/mapdb/descriptor_row.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/mapdb/map_tables.h"
+#include "pilotage/mission/landmark_file.h"
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -201,11 +204,37 @@ class LevelBuilder {
   std::int64_t descriptors_ = 0;
 };
 
+/// Landmarks on the ground of any tile that was planned: a frame over a stored one shows its neighbours, too.
+void write_landmarks(MapWriter& writer, const Ground& ground, const std::string& path, BuildStats& stats) {
+  MapLandmarks landmarks = read_map_landmarks(path);
+  const CrsTransform transform(ground.crs);
+  std::optional<Elevation> elevation;
+  if (!ground.elevation.empty()) elevation.emplace(ground.elevation);
+  const auto is_planned = [&](const Eigen::Vector2d& point_m) {
+    return std::any_of(ground.tiles.begin(), ground.tiles.end(), [&](const GroundTile& tile) {
+      return point_m.x() >= tile.bounds.min_x_m && point_m.x() <= tile.bounds.max_x_m &&
+             point_m.y() >= tile.bounds.min_y_m && point_m.y() <= tile.bounds.max_y_m;
+    });
+  };
+  std::erase_if(landmarks.landmarks, [&](const MapLandmark& landmark) {
+    const auto point_m = transform.map_from_geodetic(landmark.place);
+    return !point_m || !is_planned(*point_m);
+  });
+  for (MapLandmark& landmark : landmarks.landmarks) {
+    if (elevation) landmark.ground_height_m = elevation->amsl_m(landmark.place);
+  }
+  if (landmarks.landmarks.empty()) throw DataError(path + ": none of its landmarks lies on the planned ground");
+  writer.write_landmarks(landmarks);
+  stats.landmarks = std::ssize(landmarks.landmarks);
+  stats.detectors = std::ssize(landmarks.detectors);
+}
+
 }  // namespace
 
-MapHeader map_header(const Ground& ground, const std::string& description, bool chips) {
+MapHeader map_header(const Ground& ground, const std::string& description, const BuildOptions& options) {
   MapHeader header;
-  header.chips = chips;
+  header.chips = options.chips.chips;
+  header.landmarks = !options.landmarks.empty();
   header.crs = {ground.crs.name(), ground.crs.wkt(), ground.crs.authority()};
   for (const GridLevel& level : ground.levels) {
     header.levels.push_back({level.matrix, level.gsd_m, level.min_agl_m, level.max_agl_m, 0});
@@ -259,6 +288,7 @@ BuildStats write_ground(MapWriter& writer, const ScoreTable& table, std::span<co
     builder.build(stats, threads, progress);
     if (options.chips.chips) builder.build_chips(stats, options.chips, threads, progress);
   }
+  if (!options.landmarks.empty()) write_landmarks(writer, table.ground, options.landmarks, stats);
   return stats;
 }
 

@@ -14,7 +14,7 @@
 namespace pilotage {
 
 /// What a map of a ground begins with: its CRS, its levels, and the columns of its tiles.
-MapHeader map_header(const Ground& ground, const std::string& description, bool chips);
+MapHeader map_header(const Ground& ground, const std::string& description, const BuildOptions& options);
 
 /// Writes the tiles named (ascending tile_id) with every score and, where `places` has one for each tile of the ground,
 /// their place along the route; then their descriptors and chips, level by level.

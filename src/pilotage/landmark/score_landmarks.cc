@@ -283,6 +283,29 @@ Interval Density::interval() const {
   return {low / area_km2, high / area_km2};
 }
 
+MapLandmarks landmarks_for_map(const LandmarkModel& model, const LandmarkScores& scores) {
+  MapLandmarks landmarks;
+  std::map<std::string, std::size_t> numbers;
+  for (const ScoredClass& scored : scores.classes) {
+    if (scored.recall.count == 0) continue;
+    const auto learnt = std::find_if(model.detectors.begin(), model.detectors.end(), [&](const LearntDetector& one) {
+      return one.detector.class_name == scored.class_name;
+    });
+    numbers[scored.class_name] = landmarks.detectors.size();
+    // Hits on the pixel, of a few landmarks, are no proof of more than that.
+    constexpr double kLeastSigma_px = 0.1;
+    landmarks.detectors.push_back({learnt->detector, scored.recall.value(), scored.false_alarms.value(),
+                                   std::max(scored.sigma_m, kLeastSigma_px * learnt->detector.gsd_m)});
+  }
+  for (const ScoredLandmark& scored : scores.landmarks) {
+    const auto number = numbers.find(scored.class_name);
+    if (scored.fate == LandmarkFate::kFalseAlarm || number == numbers.end()) continue;
+    landmarks.landmarks.push_back({std::ssize(landmarks.landmarks), number->second, scored.place, scored.length_m, kNaN,
+                                   scored.fate == LandmarkFate::kFound, scored.ambiguity});
+  }
+  return landmarks;
+}
+
 LandmarkScores score_landmarks(const LandmarkModel& model, const LandmarkScoreOptions& options, int threads,
                                const Progress& progress) {
   check_options(options);

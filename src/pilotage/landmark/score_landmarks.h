@@ -10,6 +10,7 @@
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/landmark/label_options.h"
 #include "pilotage/landmark/landmark_model.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/raster/gdal_crs.h"
 
 namespace pilotage {
@@ -19,6 +20,7 @@ struct LandmarkScoreOptions {
   std::vector<std::string> second_epoch;
   double search_radius_m = 200;
   LabelSourceOptions labels;
+  std::string for_map;
   std::string crs;
   ImageryOptions imagery;
 
@@ -31,6 +33,8 @@ struct LandmarkScoreOptions {
                  "make a landmark ambiguous.",
                  Range{1, 100000});
     LabelSourceOptions::describe(self.labels, fields);
+    fields.path("for_map", self.for_map,
+                "Also write the detectors, the landmarks and what was measured of them, for `build --landmarks`.");
     fields.field("crs", self.crs, "CRS of the search, projected in metres; chosen if not given.");
     ImageryOptions::describe(self.imagery, fields);
   }
@@ -87,6 +91,10 @@ struct LandmarkScores {
   std::int64_t other_date = 0;            ///< or that were not there when it was taken.
   std::vector<std::string> warnings;
 };
+
+/// What a map holds of landmarks: the detectors that were judged and found something, and the landmarks that the
+/// imagery shows, found or not.
+MapLandmarks landmarks_for_map(const LandmarkModel& model, const LandmarkScores& scores);
 
 /// Looks for every landmark of the labels with the model's detectors on options.second_epoch, all over it, in blocks of
 /// bounded memory. A hit at a label's middle, to half its length, finds it; every other one is a false alarm, so all

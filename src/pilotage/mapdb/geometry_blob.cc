@@ -12,6 +12,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using Line = std::vector<GeodeticPoint>;
 
+constexpr std::uint32_t kPoint = 1;
 constexpr std::uint32_t kLineString = 2;
 constexpr std::uint32_t kPolygon = 3;
 constexpr std::uint32_t kMultiLineString = 5;
@@ -133,6 +134,17 @@ std::vector<Line> cut_at_antimeridian(const Line& points) {
   if (parts.size() > 1) std::erase_if(parts, all_equal);
   if (parts.empty()) parts.push_back({points.front(), points.front()});
   return parts;
+}
+
+std::vector<std::uint8_t> point_blob(GeodeticPoint point) {
+  Bounds envelope;
+  envelope.extend({point.lon_deg, point.lat_deg});
+  Bytes bytes = header(envelope, kWgs84SrsId);
+  bytes.push_back(1);  // little-endian
+  append_le(bytes, kPoint);
+  append_le(bytes, point.lon_deg);
+  append_le(bytes, point.lat_deg);
+  return bytes;
 }
 
 std::vector<std::uint8_t> line_blob(const std::vector<Line>& parts, bool multi) {

@@ -15,6 +15,9 @@ namespace pilotage {
 /// The outline of `bounds`, counter-clockwise from its lower left corner.
 std::vector<std::uint8_t> polygon_blob(const Bounds& bounds, std::int32_t srs_id);
 
+/// A point in EPSG:4326.
+std::vector<std::uint8_t> point_blob(GeodeticPoint point);
+
 /// A line through points in degrees, cut where it crosses the antimeridian: each part has longitudes in [-180, 180].
 /// Points are joined the short way round. Always one part at least.
 std::vector<std::vector<GeodeticPoint>> cut_at_antimeridian(const std::vector<GeodeticPoint>& points);

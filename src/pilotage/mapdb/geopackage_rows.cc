@@ -77,7 +77,7 @@ void insert_spatial_reference_systems(const Database& database, const MapCrs& cr
   add(crs.name, srs_id, organization, wkt2 ? "undefined" : crs.wkt, crs.wkt);
 }
 
-void insert_extensions(const Database& database, bool wkt2, bool chips) {
+void insert_extensions(const Database& database, bool wkt2, bool chips, bool landmarks) {
   Statement insert = database.prepare(insert_sql("gpkg_extensions", 5), "gpkg_extensions");
   const auto add = [&](std::string_view table, std::string_view column, std::string_view name,
                        std::string_view definition, std::string_view scope) {
@@ -98,6 +98,7 @@ void insert_extensions(const Database& database, bool wkt2, bool chips) {
     add(table, "", "pilotage_descriptors", kDefinition, "read-write");
   }
   if (chips) add("pilotage_chips", "", "pilotage_chips", kDefinition, "read-write");
+  if (landmarks) add("pilotage_detectors", "", "pilotage_landmarks", kDefinition, "read-write");
 }
 
 void insert_column_descriptions(const Database& database, std::string_view table,

@@ -29,7 +29,7 @@ std::string insert_sql(std::string_view table, int count);
 void insert_spatial_reference_systems(const Database& database, const MapCrs& crs);
 
 /// Fills gpkg_extensions.
-void insert_extensions(const Database& database, bool wkt2, bool chips);
+void insert_extensions(const Database& database, bool wkt2, bool chips, bool landmarks);
 
 /// Adds to gpkg_data_columns what the columns of a layer mean.
 void insert_column_descriptions(const Database& database, std::string_view table,

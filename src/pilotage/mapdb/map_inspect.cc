@@ -112,6 +112,11 @@ MapSummary inspect_map(const std::filesystem::path& path) {
   summary.tiles = database.query_integer("SELECT count(tile_id) FROM tiles", "tiles");
   summary.route_lines = database.query_integer("SELECT count(fid) FROM route", "route");
   summary.legs = database.query_integer("SELECT count(fid) FROM legs", "legs");
+  if (reader.has_landmarks()) {
+    summary.landmarks = database.query_integer("SELECT count(fid) FROM landmarks", "landmarks");
+    Statement classes = database.prepare("SELECT class FROM pilotage_detectors ORDER BY id", "pilotage_detectors");
+    while (classes.step()) summary.landmark_classes.emplace_back(classes.text(0));
+  }
   const std::string owners = std::string("SELECT count(*) FROM (SELECT tile_id FROM pilotage_descriptors") +
                              (reader.has_chips() ? " UNION SELECT tile_id FROM pilotage_chips)" : " GROUP BY tile_id)");
   const std::int64_t tiles_with_data = database.query_integer(owners, "pilotage_descriptors");
@@ -136,6 +141,8 @@ nlohmann::ordered_json to_json(const MapSummary& summary) {
   json["tiles"] = summary.tiles;
   json["route_lines"] = summary.route_lines;
   json["legs"] = summary.legs;
+  json["landmarks"] = summary.landmarks;
+  json["landmark_classes"] = summary.landmark_classes;
   json["bytes_per_tile"] = number_or_null(summary.bytes_per_tile);
   json["descriptor_bytes_per_tile"] = number_or_null(summary.descriptor_bytes_per_tile);
   json["chip_bytes_per_tile"] = number_or_null(summary.chip_bytes_per_tile);

@@ -33,7 +33,9 @@ struct MapSummary {
   std::int64_t tiles = 0;
   std::int64_t route_lines = 0;
   std::int64_t legs = 0;
-  std::vector<std::string> extensions;  ///< Names in gpkg_extensions, sorted, each once.
+  std::int64_t landmarks = 0;
+  std::vector<std::string> landmark_classes;  ///< That it has detectors of.
+  std::vector<std::string> extensions;        ///< Names in gpkg_extensions, sorted, each once.
   /// Mean over the tiles that have any: key points, descriptors and chips. NaN when none has.
   double bytes_per_tile = 0;
   double descriptor_bytes_per_tile = 0;  ///< Its two parts, over the same tiles.

@@ -17,6 +17,7 @@
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/mapdb/chunked_file.h"
 #include "pilotage/mapdb/descriptor_row.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/mapdb/map_schema.h"
 #include "pilotage/mapdb/map_tables.h"
 
@@ -146,6 +147,7 @@ MapReader::MapReader(Database database, std::size_t cache_bytes) : database_(std
   read_entries();  // a map of tomorrow may declare other tables: its version is what it is judged by
   check_declarations(declared, name());
   has_chips_ = declared.contains("pilotage_chips");
+  has_landmarks_ = declared.contains("landmarks");
   read_info();
   read_levels();
   read_tile_columns();
@@ -400,6 +402,14 @@ std::optional<MapChip> MapReader::chip(std::int64_t tile_id, int level) {
   statement.bind(1, tile_id).bind(2, std::int64_t{level});
   if (!statement.step()) return std::nullopt;
   return read_chip_row(statement, database_.name());
+}
+
+std::shared_ptr<const MapLandmarks> MapReader::landmarks() {
+  if (has_landmarks_ && !landmarks_) {
+    database_.renew_cost();
+    landmarks_ = std::make_shared<const MapLandmarks>(read_landmarks(database_));
+  }
+  return landmarks_;
 }
 
 std::shared_ptr<const DecodedChip> MapReader::decoded_chip(std::int64_t tile_id, int level) {

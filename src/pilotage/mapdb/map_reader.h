@@ -20,6 +20,8 @@
 
 namespace pilotage {
 
+struct MapLandmarks;
+
 /// Some 800 tiles of 256 × 256 px with 20,000 features a megapixel and chips: the ground of a few hundred frames.
 inline constexpr std::size_t kDefaultTileCacheBytes = std::size_t{64} << 20;
 
@@ -108,6 +110,11 @@ class MapReader {
   /// The chip as pixels (mapdb/chip_codec.h), shared with the reader's cache; nullptr when there is none.
   std::shared_ptr<const DecodedChip> decoded_chip(std::int64_t tile_id, int level);
 
+  /// Whether the map has tables of landmarks, and what they hold, read when it is first asked for: all of it, some 100
+  /// bytes a landmark and 15 kB a filter. Nothing without the tables. Throws DataError.
+  bool has_landmarks() const { return has_landmarks_; }
+  std::shared_ptr<const MapLandmarks> landmarks();
+
  private:
   MapReader(Database database, std::size_t cache_bytes);
   void read_entries();
@@ -125,6 +132,8 @@ class MapReader {
   std::optional<double> elevation_sigma_m_;
   bool has_map_sigma_ = false;
   bool has_chips_ = false;
+  bool has_landmarks_ = false;
+  std::shared_ptr<const MapLandmarks> landmarks_;
   TileCache cache_;
   // Prepared when first needed: parsing costs more than reading a tile.
   std::optional<Statement> near_geodetic_;

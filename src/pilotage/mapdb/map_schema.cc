@@ -81,7 +81,7 @@ WrittenSchema written_schema() {
   WrittenSchema schema;
   std::set<std::string> statements;
   for (const std::string& sql : {create_geopackage_tables(false), create_geopackage_tables(true),
-                                 create_map_tables({}, true), create_rtree_triggers()}) {
+                                 create_map_tables({}, true), create_landmark_tables(), create_rtree_triggers()}) {
     for (const std::string& statement : statements_of(sql)) statements.insert(statement);
   }
   for (const std::string& statement : statements) schema.whole.emplace(declared_name(statement), statement);
@@ -270,6 +270,39 @@ CREATE TABLE pilotage_chips (
   return sql;
 }
 
+std::string create_landmark_tables() {
+  return R"sql(
+CREATE TABLE pilotage_detectors (
+  id INTEGER PRIMARY KEY NOT NULL,
+  class TEXT NOT NULL UNIQUE,
+  gsd_m REAL NOT NULL,
+  window_px INTEGER NOT NULL,
+  cell_px INTEGER NOT NULL,
+  levels INTEGER NOT NULL,
+  context REAL NOT NULL,
+  offset_x REAL NOT NULL,
+  offset_y REAL NOT NULL,
+  period_deg REAL NOT NULL,
+  threshold REAL NOT NULL,
+  shortest_m REAL NOT NULL,
+  longest_m REAL NOT NULL,
+  p_detect REAL NOT NULL,
+  false_alarms_per_km2 REAL NOT NULL,
+  sigma_m REAL NOT NULL,
+  filters BLOB NOT NULL);
+CREATE TABLE landmarks (
+  fid INTEGER PRIMARY KEY NOT NULL,
+  geom POINT NOT NULL,
+  detector INTEGER NOT NULL,
+  lon_deg REAL NOT NULL,
+  lat_deg REAL NOT NULL,
+  length_m REAL NOT NULL,
+  ground_height_m REAL,
+  found INTEGER NOT NULL,
+  ambiguity REAL);
+)sql";
+}
+
 std::string create_line_table(const std::string& table, const std::string& geometry_type,
                               const std::vector<MapColumn>& columns) {
   return "CREATE TABLE " + table + " (fid INTEGER PRIMARY KEY NOT NULL, geom " + geometry_type + " NOT NULL" +
@@ -327,7 +360,8 @@ void check_declaration(const MapDeclarations& declared, std::string_view table, 
 void check_declarations(const MapDeclarations& declared, const std::string& file) {
   for (const auto* forms : {&written().whole, &written().layers}) {
     for (auto form = forms->begin(); form != forms->end(); form = forms->upper_bound(form->first)) {
-      const bool may_be_absent = form->first == "pilotage_chips" || form->second.starts_with("CREATE TRIGGER");
+      const bool may_be_absent = form->first == "pilotage_chips" || form->first == "pilotage_detectors" ||
+                                 form->first == "landmarks" || form->second.starts_with("CREATE TRIGGER");
       if (!may_be_absent || declared.contains(form->first)) check_declaration(declared, form->first, file);
     }
   }
@@ -335,6 +369,9 @@ void check_declarations(const MapDeclarations& declared, const std::string& file
     if (written().whole.contains(name) || written().layers.contains(name)) continue;
     throw DataError(file + ": declares " + name +
                     ", which no map has: another program changed the file, or it is of a newer one");
+  }
+  if (declared.contains("landmarks") != declared.contains("pilotage_detectors")) {
+    throw DataError(file + ": declares landmarks without detectors, or detectors without landmarks");
   }
 }
 

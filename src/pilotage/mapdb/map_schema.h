@@ -19,6 +19,9 @@ std::string create_geopackage_tables(bool with_wkt2);
 /// tiles with its columns and both R-trees, map_info, and our extension tables.
 std::string create_map_tables(const std::vector<MapColumn>& tile_columns, bool chips);
 
+/// pilotage_detectors and the layer landmarks.
+std::string create_landmark_tables();
+
 /// The layer route or legs.
 std::string create_line_table(const std::string& table, const std::string& geometry_type,
                               const std::vector<MapColumn>& columns);
@@ -37,7 +40,8 @@ MapDeclarations read_declarations(const Database& database);
 /// that it holds may be computed (generated columns, checks, expressions), for one value may then cost hours.
 void check_declaration(const MapDeclarations& declared, std::string_view table, const std::string& file);
 
-/// The same of all that a map has, of which pilotage_chips and the triggers may be absent; nothing else may be there.
+/// The same of all that a map has, of which pilotage_chips, the tables of landmarks and the triggers may be absent;
+/// nothing else may be there.
 void check_declarations(const MapDeclarations& declared, const std::string& file);
 
 /// The SQL type of a column.

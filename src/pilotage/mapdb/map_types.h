@@ -20,8 +20,10 @@ namespace pilotage {
 // What stands in the onboard map database, as values: MapWriter takes them, MapReader gives them back. The file format
 // is specified in schemas/map-database.md and schemas/pilotage_descriptors.md.
 
-/// The version of our schema; stands in map_info under "schema_version". A reader refuses a newer one.
-inline constexpr int kMapSchemaVersion = 1;
+/// The newest version of our schema; the file's own stands in map_info under "schema_version". A reader refuses a newer
+/// one. A map without landmarks is of the first.
+inline constexpr int kMapSchemaVersion = 2;
+inline constexpr int kMapSchemaVersionWithoutLandmarks = 1;
 /// Largest width and height of the window that one descriptor row or chip covers, in pixels of its level.
 inline constexpr int kMaxMapWindowPx = 65536;
 /// Largest number of descriptors of one row.

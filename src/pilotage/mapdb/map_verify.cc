@@ -18,6 +18,7 @@
 #include "pilotage/mapdb/descriptor_row.h"
 #include "pilotage/mapdb/geometry_blob.h"
 #include "pilotage/mapdb/map_digest.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_tables.h"
 
@@ -242,6 +243,20 @@ void check_chips(Examination& e) {
   }
 }
 
+void check_landmarks(Examination& e) {
+  const std::shared_ptr<const MapLandmarks> landmarks = e.reader.landmarks();
+  e.report.landmarks = std::ssize(landmarks->landmarks);
+  Statement geometry = e.database.prepare("SELECT geom FROM landmarks ORDER BY fid", "landmarks");
+  for (const MapLandmark& landmark : landmarks->landmarks) {
+    if (!geometry.step()) break;
+    const std::vector<std::uint8_t> expected = point_blob(landmark.place);
+    const auto found = geometry.blob(0);
+    if (std::equal(found.begin(), found.end(), expected.begin(), expected.end())) continue;
+    e.damaged("landmarks", std::nullopt,
+              "landmark " + std::to_string(landmark.id) + ": its geometry is not the point of its lon_deg and lat_deg");
+  }
+}
+
 void check_content(Examination& e) {
   e.report.content_digest = to_hex(content_digest(e.database));
   const std::string stored = e.reader.info().find("content_digest").value_or("");
@@ -277,6 +292,7 @@ void examine(Examination& e) {
     e.guard(table, std::nullopt, [&] { check_lines(e, table); });
   }
   e.guard("pilotage_descriptors", std::nullopt, [&] { check_descriptors(e); });
+  if (e.reader.has_landmarks()) e.guard("landmarks", std::nullopt, [&] { check_landmarks(e); });
   if (e.reader.has_chips()) e.guard("pilotage_chips", std::nullopt, [&] { check_chips(e); });
 }
 

@@ -31,6 +31,7 @@ struct VerifyReport {
   std::int64_t descriptor_rows = 0;
   std::int64_t descriptors = 0;
   std::int64_t chips = 0;
+  std::int64_t landmarks = 0;
   std::int64_t bytes = 0;
   std::string content_digest;  ///< Computed, 64 hex digits; "" when the file cannot be read through.
 

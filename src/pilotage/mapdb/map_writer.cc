@@ -11,6 +11,7 @@
 #include "pilotage/mapdb/geometry_blob.h"
 #include "pilotage/mapdb/geopackage_rows.h"
 #include "pilotage/mapdb/map_digest.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/mapdb/map_schema.h"
 #include "pilotage/mapdb/map_tables.h"
 
@@ -90,7 +91,7 @@ MapWriter::MapWriter(const std::filesystem::path& path, MapHeader header, bool o
     }
   }
   create_tables();
-  add_info("schema_version", std::to_string(kMapSchemaVersion));
+  add_info("schema_version", std::to_string(header_.landmarks ? kMapSchemaVersion : kMapSchemaVersionWithoutLandmarks));
 }
 
 void MapWriter::create_tables() {
@@ -98,6 +99,7 @@ void MapWriter::create_tables() {
                     "; PRAGMA user_version=" + std::to_string(kGeoPackageVersion) + "; BEGIN;");
   database_.execute(create_geopackage_tables(is_wkt2(header_.crs.wkt)));
   database_.execute(create_map_tables(header_.tile_columns, header_.chips));
+  if (header_.landmarks) database_.execute(create_landmark_tables());
 
   insert_spatial_reference_systems(database_, header_.crs);
 
@@ -225,6 +227,52 @@ void MapWriter::add_chip(const MapChip& chip) {
   insert.run();
 }
 
+void MapWriter::write_landmarks(const MapLandmarks& landmarks) {
+  if (!header_.landmarks) throw UsageError("landmarks: the map was begun without them");
+  if (landmarks_written_) throw UsageError("landmarks: are written twice");
+  if (landmarks.detectors.size() > kMaxMapDetectors || landmarks.landmarks.size() > kMaxMapLandmarks) {
+    throw UsageError("landmarks: a map has at most " + std::to_string(kMaxMapDetectors) + " detectors and " +
+                     std::to_string(kMaxMapLandmarks) + " landmarks");
+  }
+  landmarks_written_ = true;
+  Statement detector = database_.prepare(insert_sql("pilotage_detectors", 17), "pilotage_detectors");
+  for (std::size_t i = 0; i < landmarks.detectors.size(); ++i) {
+    const MapDetector& one = landmarks.detectors[i];
+    const LandmarkDetector& d = one.detector;
+    const std::string where = "detector " + std::to_string(i);
+    const std::string problem = detector_problem(one);
+    if (!problem.empty()) throw UsageError(where + ": " + problem);
+    check_text(where, d.class_name);
+    detector.bind(1, static_cast<std::int64_t>(i)).bind(2, std::string_view(d.class_name)).bind(3, d.gsd_m);
+    detector.bind(4, std::int64_t{d.window.side_px}).bind(5, std::int64_t{d.window.cell_px});
+    detector.bind(6, std::int64_t{d.window.levels}).bind(7, d.context);
+    detector.bind(8, d.offset.x()).bind(9, d.offset.y()).bind(10, d.period_deg).bind(11, d.threshold);
+    detector.bind(12, d.shortest_m).bind(13, d.longest_m);
+    detector.bind(14, one.p_detect).bind(15, one.false_alarms_per_km2).bind(16, one.sigma_m);
+    const std::vector<std::uint8_t> filters = filter_bytes(d);
+    if (filters.size() > static_cast<std::size_t>(kMaxMapBlobBytes)) {
+      throw UsageError(where + ": its filters take " + std::to_string(filters.size()) + " bytes, too many for a map");
+    }
+    detector.bind(17, std::span<const std::uint8_t>(filters));
+    detector.run();
+  }
+  Statement insert = database_.prepare(insert_sql("landmarks", 9), "landmarks");
+  for (std::size_t i = 0; i < landmarks.landmarks.size(); ++i) {
+    const MapLandmark& landmark = landmarks.landmarks[i];
+    const std::string where = "landmark " + std::to_string(landmark.id);
+    if (i > 0 && landmark.id <= landmarks.landmarks[i - 1].id) throw UsageError(where + ": ids must ascend");
+    const std::string problem = landmark_problem(landmark, landmarks.detectors.size());
+    if (!problem.empty()) throw UsageError(where + ": " + problem);
+    insert.bind(1, landmark.id).bind(2, std::span<const std::uint8_t>(point_blob(landmark.place)));
+    insert.bind(3, static_cast<std::int64_t>(landmark.detector));
+    insert.bind(4, landmark.place.lon_deg).bind(5, landmark.place.lat_deg).bind(6, landmark.length_m);
+    insert.bind(7, landmark.ground_height_m).bind(8, std::int64_t{landmark.found ? 1 : 0});
+    insert.bind(9, landmark.ambiguity);
+    insert.run();
+    landmarks_extent_deg_.extend({landmark.place.lon_deg, landmark.place.lat_deg});
+  }
+}
+
 void MapWriter::write_route(const std::vector<MapColumn>& columns, const std::vector<MapLine>& lines) {
   write_lines(route_, columns, lines);
 }
@@ -310,6 +358,9 @@ void MapWriter::write_contents() {
   add("tiles", "features", header_.description, tile_extent_, srs_id_);
   add("route", "features", "The planned route.", route_.extent_deg, 4326);
   add("legs", "features", "The legs of the route and whether they can be matched.", legs_.extent_deg, 4326);
+  if (header_.landmarks) {
+    add("landmarks", "features", "What detectors of the map find.", landmarks_extent_deg_, 4326);
+  }
   add("map_info", "attributes", "How the map was made.", {}, std::nullopt);
 
   Statement geometry = database_.prepare(insert_sql("gpkg_geometry_columns", 6), "gpkg_geometry_columns");
@@ -321,6 +372,7 @@ void MapWriter::write_contents() {
   add_geometry("tiles", "POLYGON", srs_id_);
   add_geometry("route", route_.geometry_type, 4326);
   add_geometry("legs", legs_.geometry_type, 4326);
+  if (header_.landmarks) add_geometry("landmarks", "POINT", 4326);
 }
 
 std::string MapWriter::finish() {
@@ -329,8 +381,17 @@ std::string MapWriter::finish() {
   if (!legs_.written) write_lines(legs_, {}, {});
   write_levels();
   write_contents();
-  insert_extensions(database_, is_wkt2(header_.crs.wkt), header_.chips);
+  insert_extensions(database_, is_wkt2(header_.crs.wkt), header_.chips, header_.landmarks);
   insert_column_descriptions(database_, "tiles", header_.tile_columns);
+  if (header_.landmarks) {
+    insert_column_descriptions(
+        database_, "landmarks",
+        {{"detector", MapColumnType::kInteger, "Of pilotage_detectors"},
+         {"length_m", MapColumnType::kReal, "Length [m]"},
+         {"ground_height_m", MapColumnType::kReal, "Of the ground, above mean sea level [m]"},
+         {"found", MapColumnType::kInteger, "1 when its detector found it on another date"},
+         {"ambiguity", MapColumnType::kReal, "Expected hits of its class near it that are not it"}});
+  }
   insert_column_descriptions(database_, "route", route_.columns);
   insert_column_descriptions(database_, "legs", legs_.columns);
   database_.execute(create_rtree_triggers());

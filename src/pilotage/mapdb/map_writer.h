@@ -16,13 +16,16 @@
 
 namespace pilotage {
 
+struct MapLandmarks;
+
 /// What must be known before the first row is written.
 struct MapHeader {
   MapCrs crs;
   std::vector<MapLevel> levels;         ///< Ascending, unique matrix.level.
   std::vector<MapColumn> tile_columns;  ///< Scores and status of a tile.
   std::string description;              ///< One sentence for people who open the file in a GIS.
-  bool chips = false;                   ///< Make the optional table of chips.
+  bool chips = false;                   ///< Make the optional table of chips,
+  bool landmarks = false;               ///< and those of landmarks.
 };
 
 /// Writes an onboard map database: GeoPackage 1.3 as schemas/map-database.md says. A class because rows must come in
@@ -47,6 +50,9 @@ class MapWriter {
 
   /// Only when the header asked for chips; rows come in ascending (tile_id, level); their tile has been added before.
   void add_chip(const MapChip& chip);
+
+  /// Only when the header asked for landmarks, then once. Detectors count from 0, landmarks come in ascending id.
+  void write_landmarks(const MapLandmarks& landmarks);
 
   /// The layers route and legs, each once at most; ids ascend. A layer that is not written stays empty.
   void write_route(const std::vector<MapColumn>& columns, const std::vector<MapLine>& lines);
@@ -94,6 +100,8 @@ class MapWriter {
   std::optional<std::pair<std::int64_t, int>> last_descriptors_;
   std::optional<std::pair<std::int64_t, int>> last_chip_;
   std::set<std::string> info_keys_;
+  bool landmarks_written_ = false;
+  Bounds landmarks_extent_deg_;  // x = longitude, y = latitude
   LineLayer route_ = line_layer("route");
   LineLayer legs_ = line_layer("legs");
   std::optional<Statement> insert_tile_;

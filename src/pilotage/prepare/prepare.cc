@@ -17,6 +17,7 @@
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/ground/tile_table.h"
 #include "pilotage/mapdb/map_signature.h"
+#include "pilotage/mission/landmark_file.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/mission/simulation_file.h"
@@ -103,6 +104,7 @@ std::optional<Simulation> fly_plan(const Mission& mission, const std::vector<Til
 
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress) {
   check_options(options);
+  if (!options.build.landmarks.empty()) read_map_landmarks(options.build.landmarks);  // before hours of work
   const ScoreOptions score_options = score_options_of(options);
   if (options.build.keep_features != KeepFeatures::kAll && options.score.second_epoch.empty()) {
     throw UsageError("keep_features = stable needs a second date: give --second-epoch");
@@ -170,6 +172,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   for (const ImageryInfo& info : second_dates) {
     inputs.push_back(input_dataset("second_epoch", info.dataset, info.acquired));
   }
+  if (!options.build.landmarks.empty()) inputs.push_back(input_file("landmarks", options.build.landmarks, ""));
   std::optional<SecondDate> second_date;
   if (scored.second_epoch) {
     const Registration& registration = scored.second_epoch->registration;

@@ -1,6 +1,7 @@
 #include "pilotage/vision/fhog.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -152,6 +153,22 @@ Four four(float value) {
 }
 
 }  // namespace
+
+std::string fhog_window_problem(const FhogWindow& window) {
+  const auto outside = [](const char* name, int value, int low, int high) {
+    return value < low || value > high ? std::string(name) + " = " + std::to_string(value) + " is outside [" +
+                                             std::to_string(low) + ", " + std::to_string(high) + "]"
+                                       : std::string();
+  };
+  for (const std::string& problem :
+       {outside("cell_px", window.cell_px, 2, 64), outside("window_px", window.side_px, window.cell_px, 1024),
+        outside("levels", window.levels, 1, 64)}) {
+    if (!problem.empty()) return problem;
+  }
+  if (window.side_px % window.cell_px == 0 && window.side_px / window.cell_px % 2 == 1) return {};
+  return "window_px = " + std::to_string(window.side_px) +
+         " is no odd multiple of cell_px = " + std::to_string(window.cell_px);
+}
 
 std::size_t FhogCells::offset(int plane, int row) const {
   const auto padded_rows = static_cast<std::size_t>(rows_ + 2 * margin_);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -25,6 +25,9 @@ struct FhogWindow {
     return static_cast<std::size_t>(kFhogPlanes * filter_cells() * filter_cells()) + 1;
   }
 };
+
+/// What is wrong with a window, or "": cells of 2 to 64 px, an odd number of them, 1024 px at most, 1 to 64 levels.
+std::string fhog_window_problem(const FhogWindow& window);
 
 /// A copy of a picture, and what is seen on it, over the next smaller one.
 inline constexpr double kFhogPyramidStep = 6.0 / 5.0;

@@ -10,6 +10,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
@@ -98,13 +99,44 @@ std::vector<Peak> peaks_of(const LandmarkDetector& detector, const cv::Mat& pict
 
 }  // namespace
 
+std::string landmark_detector_problem(const LandmarkDetector& detector) {
+  constexpr double kMostWindow_px = 8192;
+  constexpr std::size_t kMostFilters = 64;
+  const auto outside = [](const char* name, double value, double low, double high) {
+    return value >= low && value <= high ? std::string()
+                                         : std::string(name) + " = " + format_number(value) + " is outside [" +
+                                               format_number(low) + ", " + format_number(high) + "]";
+  };
+  if (detector.class_name.empty()) return "class is empty";
+  for (const std::string& problem :
+       {fhog_window_problem(detector.window), outside("gsd_m", detector.gsd_m, 1e-3, 1e3),
+        outside("context", detector.context, 1, 10), outside("offset", detector.offset.x(), -1, 1),
+        outside("offset", detector.offset.y(), -1, 1), outside("period_deg", detector.period_deg, 0, 360),
+        outside("threshold", detector.threshold, -1e6, 1e6), outside("shortest_m", detector.shortest_m, 1e-3, 1e5),
+        outside("longest_m", detector.longest_m, detector.shortest_m,
+                kMostWindow_px * detector.gsd_m / detector.context)}) {
+    if (!problem.empty()) return problem;
+  }
+  if (detector.filters.empty() || detector.filters.size() > kMostFilters) {
+    return "filters are " + std::to_string(detector.filters.size()) + ", 1 to " + std::to_string(kMostFilters) +
+           " are allowed";
+  }
+  for (const std::vector<float>& filter : detector.filters) {
+    if (filter.size() != detector.window.filter_size()) {
+      return "a filter has " + std::to_string(filter.size()) + " numbers, the window asks for " +
+             std::to_string(detector.window.filter_size());
+    }
+    if (!std::all_of(filter.begin(), filter.end(), [](float number) { return std::isfinite(number); })) {
+      return "a filter has a number that is not finite";
+    }
+  }
+  return {};
+}
+
 std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, const cv::Mat& gray, double gsd_m,
                                           double least_score) {
-  for (const std::vector<float>& filter : detector.filters) {
-    if (filter.size() == detector.window.filter_size()) continue;
-    throw UsageError("detect_landmarks: a filter of " + std::to_string(filter.size()) + " numbers for a window of " +
-                     std::to_string(detector.window.filter_size()));
-  }
+  const std::string problem = landmark_detector_problem(detector);
+  if (!problem.empty()) throw UsageError("detect_landmarks: " + problem);
   const double scale = gsd_m / detector.gsd_m;
   cv::Mat seen = gray;
   if (std::abs(scale - 1) > 1e-6) {

@@ -27,6 +27,9 @@ struct LandmarkDetector {
   double longest_m = 0;
 };
 
+/// What is wrong with a detector, or "".
+std::string landmark_detector_problem(const LandmarkDetector& detector);
+
 /// A landmark that was detected.
 struct LandmarkHit {
   Eigen::Vector2d center_px{0, 0};  ///< On the picture.
@@ -41,7 +44,7 @@ inline constexpr double kSamePlace = 0.5;
 /// Landmarks on a north-up picture (CV_8UC1) of `gsd_m` whose score is at least `least_score`, strongest first; of hits
 /// at one place (kSamePlace of the longer) the strongest alone. The picture is resampled to the detector's own pixels.
 /// A hit is a cell whose score none of its eight neighbours exceeds; parabolas through the scores beside it place it
-/// within the cell. Throws UsageError when a filter has not the numbers of its window.
+/// within the cell. Throws UsageError for a detector with a problem.
 std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, const cv::Mat& gray, double gsd_m,
                                           double least_score);
 
