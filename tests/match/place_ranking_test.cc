@@ -32,7 +32,7 @@ TEST(ChipComparisonTest, APlacementIsTheSamePlaceAsItsChipMatch) {
 
 TEST(RankPlaces, TheTruePlaceIsBest) {
   const auto scene = make_placed_scene({{210, 190}, 0.01, 1.01});
-  const auto places = rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.5);
+  const auto places = rank_places(scene.frame, scene.map, scene.space, std::nullopt, std::nullopt, 0.5);
   ASSERT_TRUE(places.has_value());
   const RankedPlace& best = places->best;
   EXPECT_LT((best.match.placement.center_px - scene.truth.center_px).norm(), 1);
@@ -48,14 +48,14 @@ TEST(RankPlaces, TheTruePlaceIsBest) {
 TEST(RankPlaces, NothingWithoutVotes) {
   auto scene = make_placed_scene({{210, 190}, 0, 1});
   scene.space.center_px = {9000, 9000};  // no feature is near
-  EXPECT_FALSE(rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.5).has_value());
+  EXPECT_FALSE(rank_places(scene.frame, scene.map, scene.space, std::nullopt, std::nullopt, 0.5).has_value());
 }
 
 TEST(RankPlaces, APlaceWithinTheLeastDistanceIsNoRival) {
   const auto scene = make_placed_scene({{210, 190}, 0, 1});
-  const auto near = rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.5);
+  const auto near = rank_places(scene.frame, scene.map, scene.space, std::nullopt, std::nullopt, 0.5);
   // At 0.01 m per pixel the 6 m are 600 pixels, more than the window: every other candidate counts as the same place.
-  const auto all_one = rank_places(scene.frame, scene.map, scene.space, std::nullopt, 0.01);
+  const auto all_one = rank_places(scene.frame, scene.map, scene.space, std::nullopt, std::nullopt, 0.01);
   ASSERT_TRUE(near.has_value());
   ASSERT_TRUE(all_one.has_value());
   EXPECT_EQ(all_one->rival_evidence, 0);
@@ -77,8 +77,8 @@ TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {
   EXPECT_LT((chips->best.nadir_px - truth_px).norm(), 3);
 
   const SearchSpace space = search_space(rectified, local, flown.options);
-  const auto with = rank_places(described, local, space, chips, rectified.gsd_m);
-  const auto without = rank_places(described, local, space, std::nullopt, rectified.gsd_m);
+  const auto with = rank_places(described, local, space, chips, std::nullopt, rectified.gsd_m);
+  const auto without = rank_places(described, local, space, std::nullopt, std::nullopt, rectified.gsd_m);
   ASSERT_TRUE(with.has_value());
   ASSERT_TRUE(without.has_value());
   EXPECT_GT(with->best.compared_px, 1000);

@@ -17,7 +17,8 @@ struct Placed {
   explicit Placed(const FlownFrame& flown)
       : map(MapReader::open_unverified(flown.path)), rectified(flown.rectify(map)), described(describe(rectified, {})) {
     local = flown.local_map(map, rectified, described);
-    place = rank_places(described, local, search_space(rectified, local, flown.options), std::nullopt, rectified.gsd_m)
+    place = rank_places(described, local, search_space(rectified, local, flown.options), std::nullopt, std::nullopt,
+                        rectified.gsd_m)
                 .value()
                 .best.match;
   }

@@ -15,9 +15,9 @@ namespace pilotage::testing {
 
 /// A map of texture.
 struct ShotMap {
-  explicit ShotMap(TexturedGround textured) : ground(std::move(textured)) {
+  explicit ShotMap(TexturedGround textured, const FeatureOptions& features = {}) : ground(std::move(textured)) {
     path = folder / "map.gpkg";
-    write_textured_map(path, ground);
+    write_textured_map(path, ground, features);
   }
   GeodeticPoint place(double east_m, double north_m) const {
     return LocalFrame(ground.center).geodetic_from_enu({east_m, north_m, 0});

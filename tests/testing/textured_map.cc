@@ -125,6 +125,7 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   header.crs = {ground.crs.name(), ground.crs.wkt(), ground.crs.authority()};
   header.description = "A map of random texture.";
   header.chips = true;
+  header.landmarks = ground.landmarks.has_value();
   if (ground.map_sigma_m) header.tile_columns.push_back({"map_sigma_m", MapColumnType::kReal, "Error of the map [m]"});
   header.levels = {level_of(ground)};
   const TileMatrix matrix = header.levels.front().matrix;
@@ -149,6 +150,7 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   for (const MapTile& tile : tiles) {
     writer.add_chip(chip_of(tile, matrix.tile_window(tile.column, tile.row), ground.gray));
   }
+  if (ground.landmarks) writer.write_landmarks(*ground.landmarks);
   writer.finish();
 }
 

@@ -13,6 +13,7 @@
 #include "pilotage/camera/render_frame.h"
 #include "pilotage/camera/terrain_heights.h"
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/vision/features.h"
 
@@ -30,6 +31,7 @@ struct TexturedGround {
   std::function<double(const Eigen::Vector2d&)> height_m;
   std::optional<double> elevation_sigma_m;  ///< What the map says of its heights.
   std::optional<double> map_sigma_m;        ///< What it says of its own error.
+  std::optional<MapLandmarks> landmarks;    ///< What it holds of them.
 };
 
 TexturedGround make_textured_ground(int tiles = 3);

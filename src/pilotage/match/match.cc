@@ -12,6 +12,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/match/frame_on_grid.h"
+#include "pilotage/match/landmark_matching.h"
 #include "pilotage/match/local_map.h"
 #include "pilotage/match/match_confidence.h"
 #include "pilotage/match/place_ranking.h"
@@ -25,7 +26,6 @@ namespace {
 constexpr double kMaxSearchBins = 1e9;
 constexpr double kMaxComparisons = 2e10;
 constexpr double kMib = 1 << 20;
-constexpr int kMinFeatures = 20;
 constexpr double kMinLead = 3;         // of the best place over its rival, in natural logarithms
 constexpr double kMinLeadShare = 0.2;  // likewise, of its own evidence: rows of trees are alike in all they show
 constexpr double kHeadingStepDeg = 10;
@@ -76,6 +76,7 @@ void describe_ranking(const RankedPlaces& places, double half_width_px, double s
   stats.ncc = best.ncc;
   stats.ncc_rival = places.rival_ncc;
   stats.chip_pixels = best.compared_px;
+  stats.landmarks_matched = static_cast<int>(best.landmarks.size());
   stats.confidence = 1 - std::min(1.0, searches * false_fix_rate(best.evidence, half_width_px));
 }
 
@@ -183,6 +184,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
     return refused(MatchStatus::kTooUncertain, stats);
   }
   const double window_px = rectified.half_width_px + described.radius_px;
+  if (!memory.take(landmark_search_bytes(map, options))) return refused(MatchStatus::kTooUncertain, stats);
   if (!memory.take(ground_heights_bytes(2 * (window_px + rectified.px_from_m(rectified.pivot_m).norm())))) {
     return refused(MatchStatus::kTooUncertain, stats);
   }
@@ -196,23 +198,27 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   if (local.features.descriptor_bytes * 8 != features.descriptor_bits) {
     return refused(MatchStatus::kMapUnreadable, stats);
   }
-  if (stats.frame_features < kMinFeatures || stats.map_features < kMinFeatures) {
-    return refused(MatchStatus::kTooFewFeatures, stats);
-  }
-
   local.relief =
       read_relief(map, rectified, prior, window_px, static_cast<std::size_t>(max_features), local, options, checkpoint);
   const SearchSpace space = search_space(rectified, local, options);
+  const auto landmarks =
+      look_for_landmarks(frame, prior, camera, map, options, rectified, described, local, space, checkpoint);
+  stats.landmarks_seen = landmarks ? static_cast<int>(landmarks->sightings.size()) : 0;
+  if (has_few_features(described, local) && stats.landmarks_seen < static_cast<int>(kLeastLandmarks)) {
+    return refused(MatchStatus::kTooFewFeatures, stats);
+  }
   if (stats.map_features > max_features || search_bins(described, space) > kMaxSearchBins) {
     return refused(MatchStatus::kTooUncertain, stats);
   }
   const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local, checkpoint);
-  const auto places = rank_places(described, local, space, chips, rectified.gsd_m, checkpoint);
+  const auto places = rank_places(described, local, space, chips, landmarks, rectified.gsd_m, checkpoint);
   if (!places) return refused(MatchStatus::kInconsistent, stats);
   // Over relief more scales are tried than the rate of false fixes was measured with: as many times as often.
   const double scales = std::max(1.0, space.scale_sigma / options.height_sigma_fraction);
   describe_ranking(*places, rectified.half_width_px, searches * scales, stats);
-  auto refined = refine_fix(rectified, described, local, prior, options, places->best.match);
+  auto refined = places->best.by_landmarks
+                     ? refine_fix_by_landmarks(rectified, described, local, prior, options, *landmarks, places->best)
+                     : refine_fix(rectified, described, local, prior, options, places->best.match);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   add_map_error(refined->fix, options.map_sigma_m ? *options.map_sigma_m
                                                   : map.map_sigma_m(refined->fix.tile_id).value_or(kUnknownMapSigma_m));
@@ -246,6 +252,7 @@ MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const 
   const auto searches = static_cast<double>(headings_deg.size());
   MatchOptions about_heading = options;
   about_heading.chips = false;
+  about_heading.landmarks = false;
   about_heading.yaw_sigma_deg = kHeadingStepDeg / 4;  // two of them reach the middle between two headings
   MatchPrior turned = prior;
   std::vector<MatchResult> found;
@@ -262,6 +269,7 @@ MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const 
   if (!found.front().candidate) return found.front();
   found.resize(std::min(found.size(), kHeadingsLookedAtAgain));
   about_heading.chips = options.chips;
+  about_heading.landmarks = options.landmarks;
   about_heading.yaw_sigma_deg = std::min(options.yaw_sigma_deg, kFoundYawSigmaDeg);
   for (MatchResult& result : found) {
     if (!result.candidate) continue;

@@ -41,6 +41,7 @@ struct MatchOptions {
   std::optional<double> elevation_sigma_m;
   double max_false_fix_rate = 0.001;
   bool chips = true;
+  bool landmarks = true;
   double max_memory_mib = 512;
   std::optional<double> deadline_ms;
 
@@ -71,6 +72,7 @@ struct MatchOptions {
                  "Largest share of false fixes among frames that show other ground; sets the confidence asked for.",
                  Range{1e-6, 0.5});
     fields.field("chips", self.chips, "Use the map's chips where it has them.");
+    fields.field("landmarks", self.landmarks, "Use the map's landmarks where it has them.");
     fields.field("max_memory_mib", self.max_memory_mib,
                  "Memory that matching one frame may take; a frame estimated to need more is too_uncertain.",
                  Range{0, 1e6});
@@ -139,6 +141,8 @@ struct MatchStats {
   int chip_pixels = 0;             ///< Pixels of chips behind ncc; 0 when they were not used.
   double confidence = 0;           ///< 1 − the rate at which frames of other ground reach this evidence, 0 … 1.
   double search_half_width_m = 0;  ///< Of the square that was searched.
+  int landmarks_seen = 0;          ///< What the map's detectors found on the frame,
+  int landmarks_matched = 0;       ///< and how many of them lie on landmarks at the best place.
 };
 
 struct MatchResult {

@@ -24,8 +24,10 @@ double chip_reach_px(const FrameOnGrid& rectified, const PivotedFrame& described
   return rectified.half_width_px + rectified.px_from_m(rectified.pivot_m).norm() + 1.2 * described.radius_px;
 }
 
-RankedPlace rank_place(const GuidedMatch& match, const LocalMap& map, const std::optional<ChipComparison>& chips) {
-  RankedPlace place{match, 0, 0, 0};
+RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, const LocalMap& map,
+                       const std::optional<ChipComparison>& chips, const std::optional<LandmarkSearch>& landmarks) {
+  RankedPlace place;
+  place.match = match;
   if (chips) {
     const ChipMatch here = chips->match_at(match.placement);
     const RectifiedFrame frame =
@@ -36,6 +38,12 @@ RankedPlace rank_place(const GuidedMatch& match, const LocalMap& map, const std:
   }
   place.evidence = place_evidence({match.evidence(), match.expected, descriptor_of(map.features), map.features_per_mpx,
                                    place.ncc, static_cast<double>(place.compared_px)});
+  if (has_few_features(described, map)) place.evidence = 0;
+  if (landmarks) {
+    place.landmarks = pair_landmarks(described, *landmarks, match.placement);
+    place.by_landmarks = landmark_evidence(*landmarks, place.landmarks.size()) > place.evidence;
+    place.evidence = joint_evidence(place.evidence, *landmarks, place.landmarks.size());
+  }
   return place;
 }
 
@@ -89,8 +97,13 @@ double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const 
                            static_cast<std::size_t>(kChipTurns) * kChipScales);
 }
 
+bool has_few_features(const PivotedFrame& frame, const LocalMap& map) {
+  return frame.grid.points.size() < kMinFeatures || map.features.size() < kMinFeatures;
+}
+
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                                        const std::optional<ChipComparison>& chips, double gsd_m,
+                                        const std::optional<ChipComparison>& chips,
+                                        const std::optional<LandmarkSearch>& landmarks, double gsd_m,
                                         const Checkpoint& checkpoint) {
   std::vector<GuidedMatch> matches;
   for (const Candidate& candidate : vote_for_displacements(frame, map, space, kCandidates, checkpoint)) {
@@ -103,11 +116,21 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   if (chips && chips->best.found) {
     matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
   }
+  if (landmarks) {
+    for (const Placement& place : landmark_places(frame, *landmarks, space, kLandmarkPlaces)) {
+      pass(checkpoint);
+      matches.push_back(match_guided(frame, map, space, {place, 0}));
+      // As the landmarks have it, too: few features may draw a place away from them.
+      GuidedMatch alone;
+      alone.placement = place;
+      matches.push_back(alone);
+    }
+  }
   if (matches.empty()) return std::nullopt;
   std::vector<RankedPlace> ranked;
   for (const GuidedMatch& match : matches) {
     pass(checkpoint);
-    ranked.push_back(rank_place(match, map, chips));
+    ranked.push_back(rank_place(match, frame, map, chips, landmarks));
   }
   RankedPlaces places;
   places.best = *std::max_element(ranked.begin(), ranked.end(),

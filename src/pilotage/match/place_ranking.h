@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "pilotage/match/chip_mosaic.h"
 #include "pilotage/match/chip_search.h"
 #include "pilotage/match/frame_on_grid.h"
 #include "pilotage/match/guided_matching.h"
+#include "pilotage/match/landmark_matching.h"
 
 namespace pilotage {
 
@@ -51,6 +53,8 @@ struct RankedPlace {
   GuidedMatch match;
   double ncc = 0;
   int compared_px = 0;  ///< Pixels of chips behind it.
+  std::vector<LandmarkPair> landmarks;
+  bool by_landmarks = false;  ///< Landmarks alone say more for it than features and chips.
   double evidence = 0;
 };
 
@@ -61,15 +65,23 @@ struct RankedPlaces {
   double rival_ncc = 0;
 };
 
-/// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them and the
-/// chips' own best place are held against the chips and ranked by place_evidence(). Nothing when nothing has votes.
+/// Whether frame or map have fewer than kMinFeatures: then landmarks alone may speak for a place.
+bool has_few_features(const PivotedFrame& frame, const LocalMap& map);
+
+/// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them, the chips'
+/// own best place and those of the landmarks are held against the chips and the landmarks and ranked by
+/// place_evidence() and joint_evidence(). Nothing when nothing has votes.
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
-                                        const std::optional<ChipComparison>& chips, double gsd_m,
+                                        const std::optional<ChipComparison>& chips,
+                                        const std::optional<LandmarkSearch>& landmarks, double gsd_m,
                                         const Checkpoint& checkpoint = {});
 
 /// Of 400 real frames, 95 % had the true place among the first 30.
 inline constexpr std::size_t kCandidates = 30;
 inline constexpr std::size_t kRankedPlaces = 8;
+/// Of frame and map: what fewer say was never measured, and is no evidence.
+inline constexpr std::size_t kMinFeatures = 20;
+inline constexpr std::size_t kLandmarkPlaces = 4;
 /// What lies nearer to a place is the same place once more.
 inline constexpr double kMinRivalDistance_m = 12;
 

@@ -200,7 +200,8 @@ StateMatrix frame_covariance(const std::vector<GroundPair>& pairs, const State& 
   StateMatrix of_prior = StateMatrix::Zero();
   of_prior.diagonal() = inverse_sigmas(prior).cwiseAbs2();
   const StateMatrix gain = (inliers.information + of_prior).inverse();
-  const StateMatrix error = kPairsPerIndependentPair * kCauchyVariance * inliers.information +
+  const double pairs_per_independent_pair = prior.pair_sigma_m ? 1 : kPairsPerIndependentPair;
+  const StateMatrix error = pairs_per_independent_pair * kCauchyVariance * inliers.information +
                             shared_errors(inliers.cells, state.head<2>(), prior) + of_prior;
   const StateMatrix covariance = gain * error * gain;
   return (covariance + covariance.transpose()) / 2;
@@ -237,15 +238,16 @@ PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior
                            const Eigen::Vector2d& prior_position_m, const Eigen::Vector2d& start_m, double floor_m) {
   PoseCorrection pose;
   pose.position_m = start_m;
-  if (pairs.size() < 4) return pose;
+  const std::size_t least_pairs = prior.pair_sigma_m ? 2 : 4;
+  if (pairs.size() < least_pairs) return pose;
   State state = State::Zero();
   state.head<2>() = start_m;
-  PoseResiduals residuals{&pairs, inverse_sigmas(prior), std::max(1.0, floor_m)};
+  PoseResiduals residuals{&pairs, inverse_sigmas(prior), prior.pair_sigma_m.value_or(std::max(1.0, floor_m))};
   // The noise is not known before the fit, nor the fit without the noise.
   for (int round = 0; round < 2; ++round) {
     state = solve_state(residuals, state);
     if (!state.allFinite()) return pose;
-    residuals.noise_m = noise_from_median(errors_m(pairs, state), floor_m);
+    if (!prior.pair_sigma_m) residuals.noise_m = noise_from_median(errors_m(pairs, state), floor_m);
   }
   const std::vector<double> errors = errors_m(pairs, state);
   double sum_m2 = 0;
@@ -254,7 +256,7 @@ PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior
     ++pose.inliers;
     sum_m2 += error * error;
   }
-  if (pose.inliers < 4) return pose;
+  if (pose.inliers < static_cast<int>(least_pairs)) return pose;
   pose.covariance = frame_covariance(pairs, state, prior, residuals.noise_m);
   add_position_prior(prior, prior_position_m, state, pose.covariance);
   pose.position_m = state.head<2>();

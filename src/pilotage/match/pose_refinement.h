@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,6 +31,9 @@ struct PosePrior {
   double lean_sigma_m = 0;    ///< Of what neighbouring pairs are off by together, along each axis:
   double lean_length_m = 1;   ///< its likeness falls as a Gaussian of this. kLeanSigma_px, kLeanLength_px.
   double height_sigma_m = 0;  ///< Of the heights behind GroundPair::rise_m.
+  /// Of what pairs are off by, each by itself, along each axis, where that is known: then nothing is estimated from the
+  /// residuals, all pairs are independent, and two are enough.
+  std::optional<double> pair_sigma_m{};
 };
 
 /// The aircraft's pose against the prior one: what the frame says.
@@ -61,7 +65,8 @@ struct PoseCorrection {
 /// along each axis, falling as a Gaussian of lean_length_m); errors of the map's heights likewise
 /// (PosePrior::height_sigma_m, kHeightErrorLength_m); and the prior. Residuals do not show what is shared: tilt follows
 /// it (docs/methods/match.md). Then the prior position is joined with what the frame says, each by its covariance, so
-/// without_prior() gets back the latter. Not converged with fewer than four pairs or when numbers are not finite. Never
+/// without_prior() gets back the latter. Not converged with fewer than four pairs (two with a
+/// PosePrior::pair_sigma_m) or when numbers are not finite. Never
 /// throws but std::bad_alloc.
 PoseCorrection refine_pose(const std::vector<GroundPair>& pairs, const PosePrior& prior,
                            const Eigen::Vector2d& prior_position_m, const Eigen::Vector2d& start_m, double floor_m);

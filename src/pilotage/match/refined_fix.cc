@@ -68,25 +68,26 @@ std::int64_t tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
   return map.tile_ids[nearest];
 }
 
-}  // namespace
-
-std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
-                                     const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place) {
-  const auto pairs = supporting_pairs(frame, map, place.placement);
+/// How sure the prior pose is, on the grid.
+PosePrior pose_prior(const FrameOnGrid& rectified, const LocalMap& map, const MatchPrior& prior,
+                     const MatchOptions& options) {
   PosePrior sigmas;
-  const Eigen::Matrix2d enu_from_grid = rectified.enu_from_grid_m();
-  const Eigen::Matrix2d grid_from_enu = enu_from_grid.inverse();
+  const Eigen::Matrix2d grid_from_enu = rectified.enu_from_grid_m().inverse();
   sigmas.position_covariance_m2 = grid_from_enu * prior.covariance_en_m2 * grid_from_enu.transpose();
   sigmas.tilt_sigma_rad = options.attitude_sigma_deg * kRadPerDeg;
   sigmas.yaw_sigma_rad = options.yaw_sigma_deg * kRadPerDeg;
   sigmas.log_height_sigma = options.height_sigma_fraction;
-  sigmas.lean_sigma_m = kLeanSigma_px * rectified.gsd_m;
-  sigmas.lean_length_m = kLeanLength_px * rectified.gsd_m;
   sigmas.height_sigma_m = map.relief.height_sigma_m;
+  return sigmas;
+}
+
+/// The pose that pairs give at a placement, as a fix. Nothing when it does not converge.
+std::optional<RefinedFix> refined_by(const std::vector<GroundPair>& on_ground, const PosePrior& sigmas,
+                                     const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
+                                     const MatchPrior& prior, const Placement& placement) {
+  const Eigen::Matrix2d enu_from_grid = rectified.enu_from_grid_m();
   const Eigen::Vector2d prior_m = rectified.m_from_px(rectified.prior_px - map.reference_px);
-  const Eigen::Vector2d nadir_px = place.placement.map_from_frame(frame.nadir_px - frame.pivot_px);
-  const Eigen::Vector2d start_m = rectified.m_from_px(nadir_px);
-  const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs, nadir_px);
+  const Eigen::Vector2d start_m = rectified.m_from_px(placement.map_from_frame(frame.nadir_px - frame.pivot_px));
   RefinedFix refined;
   refined.pose = refine_pose(on_ground, sigmas, prior_m, start_m, 0.3 * rectified.gsd_m);
   if (!refined.pose.converged) return std::nullopt;
@@ -116,8 +117,47 @@ std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const Pivoted
   fix.scale = std::exp(pose.log_height);
   fix.height_agl_m = prior.height_agl_m * fix.scale;
   fix.height_sigma_m = std::sqrt(pose.covariance(5, 5)) * fix.height_agl_m;
-  fix.tile_id = tile_at(map, place.placement.center_px);
+  fix.tile_id = tile_at(map, placement.center_px);
   return refined;
+}
+
+}  // namespace
+
+std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
+                                     const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place) {
+  const auto pairs = supporting_pairs(frame, map, place.placement);
+  PosePrior sigmas = pose_prior(rectified, map, prior, options);
+  sigmas.lean_sigma_m = kLeanSigma_px * rectified.gsd_m;
+  sigmas.lean_length_m = kLeanLength_px * rectified.gsd_m;
+  const Eigen::Vector2d nadir_px = place.placement.map_from_frame(frame.nadir_px - frame.pivot_px);
+  const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs, nadir_px);
+  return refined_by(on_ground, sigmas, rectified, frame, map, prior, place.placement);
+}
+
+std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, const PivotedFrame& frame,
+                                                  const LocalMap& map, const MatchPrior& prior,
+                                                  const MatchOptions& options, const LandmarkSearch& landmarks,
+                                                  const RankedPlace& place) {
+  PosePrior sigmas = pose_prior(rectified, map, prior, options);
+  const Eigen::Vector2d nadir_px = place.match.placement.map_from_frame(frame.nadir_px - frame.pivot_px);
+  const double below_m = map.relief.ground.height_m(nadir_px);
+  std::vector<GroundPair> on_ground;
+  double variance_m2 = 0;
+  for (const LandmarkPair& pair : place.landmarks) {
+    const LandmarkSighting& sighting = landmarks.sightings[pair.sighting];
+    const NearLandmark& landmark = landmarks.near[pair.near];
+    const Eigen::Vector2d ground = rectified.frame.ground_from_pixel(sighting.from_pivot_px + frame.pivot_px);
+    GroundPair one;
+    one.ray_m = {ground.x(), ground.y(), -prior.height_agl_m};
+    one.map_m = rectified.m_from_px(landmark.map_px);
+    one.rise_m = std::isfinite(landmark.height_m) && map.relief.ground.known()
+                     ? landmark.height_m - below_m
+                     : rise_m(map.relief.ground, landmark.map_px, nadir_px);
+    on_ground.push_back(one);
+    variance_m2 = std::max(variance_m2, std::pow(landmarks.sigma_m[sighting.detector], 2));
+  }
+  sigmas.pair_sigma_m = std::sqrt(variance_m2);
+  return refined_by(on_ground, sigmas, rectified, frame, map, prior, place.match.placement);
 }
 
 void add_map_error(Fix& fix, double map_sigma_m) {

@@ -4,6 +4,8 @@
 
 #include "pilotage/match/frame_on_grid.h"
 #include "pilotage/match/guided_matching.h"
+#include "pilotage/match/landmark_matching.h"
+#include "pilotage/match/place_ranking.h"
 #include "pilotage/match/pose_refinement.h"
 
 namespace pilotage {
@@ -19,6 +21,12 @@ struct RefinedFix {
 /// Without the map's own error: add_map_error().
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place);
+
+/// The same from the landmarks of `place`, whose errors are those that were measured on another date.
+std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, const PivotedFrame& frame,
+                                                  const LocalMap& map, const MatchPrior& prior,
+                                                  const MatchOptions& options, const LandmarkSearch& landmarks,
+                                                  const RankedPlace& place);
 
 /// Adds the error of the map's own georeference, each axis, to both covariances.
 void add_map_error(Fix& fix, double map_sigma_m);

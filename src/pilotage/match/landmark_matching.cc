@@ -1,0 +1,260 @@
+#include "pilotage/match/landmark_matching.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <opencv2/core.hpp>
+
+#include "pilotage/base/angle.h"
+#include "pilotage/mapdb/map_landmarks.h"
+#include "pilotage/match/match_confidence.h"
+
+namespace pilotage {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Largest side of a frame that is looked at, in pixels of a detector.
+constexpr int kMaxSidePx = 1536;
+/// Of a place that features refined, and of what is left of the frame's pose there: with a sighting's own error it
+/// makes the tolerance, at this many of them.
+constexpr double kPlaceSigma_m = 1;
+constexpr double kToleranceSigmas = 3;
+/// Sightings and landmarks that voting compares with each other, at most; of more sightings the strongest vote.
+constexpr double kMaxPairComparisons = 5e7;
+constexpr double kLandmarkNoisePx = 1;
+
+/// Where a sighting lies from the pivot when it is that landmark: on ground as high as the landmark's.
+Vector2d on_ground_of(const PivotedFrame& frame, const LandmarkSighting& sighting, const NearLandmark& landmark) {
+  return frame.stretched(sighting.from_pivot_px, landmark.stretch);
+}
+
+/// How far a prior's turn and scale, two of their σ, move a place, for each pixel from the pivot.
+double open_per_px(const SearchSpace& space) {
+  return 2 * (space.yaw_sigma_rad + space.scale_sigma);
+}
+
+/// Turn, scale and centre by least squares over pairs, with the prior's turn and scale.
+Placement fitted(const PivotedFrame& frame, const LandmarkSearch& search, const SearchSpace& space,
+                 const std::vector<LandmarkPair>& pairs) {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  const auto add = [&](const Eigen::Vector4d& row, double value, double sigma) {
+    normal += row * row.transpose() / (sigma * sigma);
+    right += row * value / (sigma * sigma);
+  };
+  for (const LandmarkPair& pair : pairs) {
+    const NearLandmark& landmark = search.near[pair.near];
+    const Vector2d o = on_ground_of(frame, search.sightings[pair.sighting], landmark);
+    add({1, 0, o.x(), -o.y()}, landmark.map_px.x(), kLandmarkNoisePx);
+    add({0, 1, o.y(), o.x()}, landmark.map_px.y(), kLandmarkNoisePx);
+  }
+  add({0, 0, 1, 0}, 1, std::max(space.scale_sigma, 1e-4));
+  add({0, 0, 0, 1}, 0, std::max(space.yaw_sigma_rad, 1e-4));
+  const Eigen::Vector4d solution = normal.ldlt().solve(right);
+  return {solution.head<2>(), std::atan2(solution(3), solution(2)), std::hypot(solution(2), solution(3))};
+}
+
+/// Sightings of a place that lie within their tolerance, made wider by `open` for each pixel from `about_px`.
+std::vector<LandmarkPair> pairs_at(const PivotedFrame& frame, const LandmarkSearch& search, const Placement& placement,
+                                   double open, const Vector2d& about_px) {
+  struct Near {
+    double distance_px;
+    LandmarkPair pair;
+  };
+  const PlacementTransform transform(placement);
+  std::vector<Near> all;
+  for (std::size_t i = 0; i < search.sightings.size(); ++i) {
+    const LandmarkSighting& sighting = search.sightings[i];
+    const double tolerance_px =
+        search.tolerance_px[sighting.detector] + open * (sighting.from_pivot_px - about_px).norm();
+    for (std::size_t j = 0; j < search.near.size(); ++j) {
+      const NearLandmark& landmark = search.near[j];
+      if (landmark.detector != sighting.detector) continue;
+      const Vector2d place_px = transform.map_from_frame(on_ground_of(frame, sighting, landmark));
+      const double distance_px = (place_px - landmark.map_px).norm();
+      if (distance_px <= tolerance_px) all.push_back({distance_px, {i, j}});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Near& a, const Near& b) { return a.distance_px < b.distance_px; });
+  std::vector<bool> sighting_taken(search.sightings.size(), false);
+  std::vector<bool> landmark_taken(search.near.size(), false);
+  std::vector<LandmarkPair> pairs;
+  for (const Near& one : all) {
+    if (sighting_taken[one.pair.sighting] || landmark_taken[one.pair.near]) continue;
+    sighting_taken[one.pair.sighting] = true;
+    landmark_taken[one.pair.near] = true;
+    pairs.push_back(one.pair);
+  }
+  return pairs;
+}
+
+/// The frame as a detector wants it: north up on the grid, at its pixels; what is not ground has the mean of the rest.
+std::vector<Vector2d> sightings_m(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
+                                  const FrameOnGrid& rectified, const LandmarkDetector& detector) {
+  RectifyOptions rectify;
+  rectify.gsd_m = detector.gsd_m;
+  rectify.max_size_px = kMaxSidePx;
+  RectifiedFrame laid =
+      ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify);
+  std::vector<Vector2d> places_m;
+  if (laid.status != RectifyStatus::kOk) return places_m;
+  laid.gray.setTo(cv::mean(laid.gray, laid.valid), ~laid.valid);
+  for (const LandmarkHit& hit : detect_landmarks(detector, laid.gray, laid.gsd_m, detector.threshold)) {
+    const cv::Point pixel(static_cast<int>(std::floor(hit.center_px.x())),
+                          static_cast<int>(std::floor(hit.center_px.y())));
+    const bool inside = cv::Rect(0, 0, laid.gray.cols, laid.gray.rows).contains(pixel);
+    if (inside && laid.valid.at<std::uint8_t>(pixel) != 0) places_m.push_back(laid.ground_from_pixel(hit.center_px));
+  }
+  return places_m;
+}
+
+/// How many sightings lie on landmarks at a place that has nothing to do with them, on average.
+double expected_by_chance(const LandmarkSearch& search) {
+  double mean = 0;
+  for (const LandmarkSighting& sighting : search.sightings) {
+    const double tolerance_px = search.tolerance_px[sighting.detector];
+    mean += search.landmarks_in_px2[sighting.detector] * std::numbers::pi * tolerance_px * tolerance_px;
+  }
+  return mean;
+}
+
+}  // namespace
+
+std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
+                                                 MapReader& map, const MatchOptions& options,
+                                                 const FrameOnGrid& rectified, const PivotedFrame& described,
+                                                 const LocalMap& local, const SearchSpace& space,
+                                                 const Checkpoint& checkpoint) {
+  if (!options.landmarks || !map.has_landmarks()) return std::nullopt;
+  const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
+  const std::size_t detectors = stored->detectors.size();
+  LandmarkSearch search;
+  // A circle about the window's middle that holds whatever a frame at any of its places shows.
+  const double reach_px = std::numbers::sqrt2 * space.half_width_px + 1.2 * described.radius_px;
+  std::vector<double> counts(detectors, 0);
+  for (const MapLandmark& landmark : stored->landmarks) {
+    NearLandmark near;
+    near.detector = landmark.detector;
+    near.map_px = rectified.grid.px_from_geodetic(landmark.place) - local.reference_px;
+    if (!((near.map_px - space.center_px).norm() <= reach_px)) continue;
+    near.height_m = landmark.ground_height_m;
+    const bool has_relief = local.relief.ground.known();
+    if (has_relief) {
+      near.stretch = std::isfinite(near.height_m) ? local.relief.stretch_of_height(near.height_m)
+                                                  : local.relief.stretch_at(near.map_px);
+    }
+    search.near.push_back(near);
+    counts[near.detector] += 1;
+  }
+  if (search.near.empty()) return std::nullopt;
+  const double area_px2 = std::numbers::pi * reach_px * reach_px;
+  for (std::size_t i = 0; i < detectors; ++i) {
+    const MapDetector& one = stored->detectors[i];
+    const double sigma_m = std::hypot(one.sigma_m, std::max(kPlaceSigma_m, rectified.gsd_m));
+    search.sigma_m.push_back(one.sigma_m);
+    search.tolerance_px.push_back(kToleranceSigmas * sigma_m / rectified.gsd_m);
+    // One more than were counted: of few, chance may have put some more elsewhere.
+    search.landmarks_in_px2.push_back((counts[i] + 1) / area_px2);
+    if (counts[i] == 0) continue;
+    pass(checkpoint);
+    for (const Vector2d& place_m : sightings_m(frame, prior, camera, rectified, one.detector)) {
+      search.sightings.push_back({i, rectified.px_from_m(place_m - rectified.pivot_m)});
+    }
+  }
+  if (search.sightings.empty()) return std::nullopt;
+  search.turns_and_scales = turns_and_scales(search, space);
+  return search;
+}
+
+double turns_and_scales(const LandmarkSearch& search, const SearchSpace& space) {
+  const double least_tolerance_px = *std::min_element(search.tolerance_px.begin(), search.tolerance_px.end());
+  double farthest_px = 0;
+  for (const LandmarkSighting& sighting : search.sightings) {
+    farthest_px = std::max(farthest_px, sighting.from_pivot_px.norm());
+  }
+  // Each over four of its σ, in steps that move the farthest sighting by its tolerance.
+  const auto steps = [&](double sigma) { return std::max(1.0, 4 * sigma * farthest_px / least_tolerance_px); };
+  return steps(space.yaw_sigma_rad) * steps(space.scale_sigma);
+}
+
+double landmark_search_bytes(const MapReader& map, const MatchOptions& options) {
+  if (!options.landmarks || !map.has_landmarks()) return 0;
+  // Three pictures, histograms of 18 and cells of 31 numbers, of cells of two pixels at the least.
+  const double pixels = double{kMaxSidePx} * kMaxSidePx;
+  return pixels * (4 + 4.0 * (18 + kFhogPlanes + 4) / 4);
+}
+
+std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const LandmarkSearch& search,
+                                         const Placement& placement) {
+  return pairs_at(frame, search, placement, 0, {0, 0});
+}
+
+std::vector<Placement> landmark_places(const PivotedFrame& frame, const LandmarkSearch& search,
+                                       const SearchSpace& space, std::size_t count) {
+  struct Found {
+    Placement placement;
+    std::size_t pairs = 0;
+  };
+  std::vector<Found> found;
+  const auto most = static_cast<std::size_t>(std::sqrt(kMaxPairComparisons) / static_cast<double>(search.near.size()));
+  const std::size_t voting = std::min(search.sightings.size(), std::max<std::size_t>(most, 1));
+  for (std::size_t i = 0; i < voting; ++i) {
+    const LandmarkSighting& sighting = search.sightings[i];
+    for (const NearLandmark& landmark : search.near) {
+      if (landmark.detector != sighting.detector) continue;
+      Placement placement;
+      placement.center_px = landmark.map_px - on_ground_of(frame, sighting, landmark);
+      const double off_px = (placement.center_px - space.center_px).cwiseAbs().maxCoeff();
+      if (off_px > space.half_width_px + open_per_px(space) * sighting.from_pivot_px.norm()) continue;
+      const auto agreeing = pairs_at(frame, search, placement, open_per_px(space), sighting.from_pivot_px);
+      if (agreeing.size() < kLeastLandmarks) continue;
+      placement = fitted(frame, search, space, agreeing);
+      const std::size_t pairs = pair_landmarks(frame, search, placement).size();
+      if (pairs >= kLeastLandmarks) found.push_back({placement, pairs});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.pairs > b.pairs; });
+  std::vector<Placement> places;
+  for (const Found& one : found) {
+    if (places.size() == count) break;
+    const bool again = std::any_of(places.begin(), places.end(), [&](const Placement& other) {
+      return (other.center_px - one.placement.center_px).norm() < kPeakSeparationPx;
+    });
+    if (!again) places.push_back(one.placement);
+  }
+  return places;
+}
+
+double coincidence(const LandmarkSearch& search, std::size_t pairs) {
+  // P(X ≥ k) ≤ meanᵏ / k! of a Poisson count, for any mean: what follows the first term is less than it times eᵐᵉᵃⁿ.
+  const auto k = static_cast<double>(pairs);
+  return pairs == 0 ? 0 : std::max(0.0, std::lgamma(k + 1) - k * std::log(expected_by_chance(search)));
+}
+
+double landmark_evidence(const LandmarkSearch& search, std::size_t pairs) {
+  if (pairs < kLeastLandmarks) return 0;
+  double mean_in_window = 0;  // pairs that put the frame somewhere in the window
+  for (const LandmarkSighting& sighting : search.sightings) {
+    mean_in_window += search.landmarks_in_px2[sighting.detector] * std::pow(2 * kCalibratedHalfWidthPx, 2);
+  }
+  const auto k = static_cast<double>(pairs);
+  const double ln_rate = std::log(mean_in_window * search.turns_and_scales) +
+                         (k - 1) * std::log(4 * expected_by_chance(search)) - std::lgamma(k + 1);
+  return std::max(0.0, -ln_rate);
+}
+
+double joint_evidence(double of_features, const LandmarkSearch& search, std::size_t pairs) {
+  const double alone = landmark_evidence(search, pairs);
+  if (of_features <= 0) return alone;
+  // A landmark on another of its class looks right to features, too: the first is no look of its own.
+  const double together = pairs < kLeastLandmarks
+                              ? of_features
+                              : of_features + coincidence(search, pairs - 1) - std::log(search.turns_and_scales);
+  return std::max({of_features, together, alone});
+}
+
+}  // namespace pilotage
