@@ -23,8 +23,10 @@ constexpr int kMaxSidePx = 1536;
 /// makes the tolerance, at this many of them.
 constexpr double kPlaceSigma_m = 1;
 constexpr double kToleranceSigmas = 3;
-/// Sightings and landmarks that voting compares with each other, at most; of more sightings the strongest vote.
-constexpr double kMaxPairComparisons = 5e7;
+/// Of sightings with landmarks, in voting.
+constexpr double kMaxPairComparisons = 2e8;
+/// Of a class on a frame: the strongest.
+constexpr std::size_t kMaxSightings = 64;
 constexpr double kLandmarkNoisePx = 1;
 
 /// Where a sighting lies from the pivot when it is that landmark: on ground as high as the landmark's.
@@ -94,7 +96,8 @@ std::vector<LandmarkPair> pairs_at(const PivotedFrame& frame, const LandmarkSear
 
 /// The frame as a detector wants it: north up on the grid, at its pixels; what is not ground has the mean of the rest.
 std::vector<Vector2d> sightings_m(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
-                                  const FrameOnGrid& rectified, const LandmarkDetector& detector) {
+                                  const FrameOnGrid& rectified, const LandmarkDetector& detector,
+                                  const Checkpoint& checkpoint) {
   RectifyOptions rectify;
   rectify.gsd_m = detector.gsd_m;
   rectify.max_size_px = kMaxSidePx;
@@ -103,7 +106,8 @@ std::vector<Vector2d> sightings_m(const cv::Mat& frame, const MatchPrior& prior,
   std::vector<Vector2d> places_m;
   if (laid.status != RectifyStatus::kOk) return places_m;
   laid.gray.setTo(cv::mean(laid.gray, laid.valid), ~laid.valid);
-  for (const LandmarkHit& hit : detect_landmarks(detector, laid.gray, laid.gsd_m, detector.threshold)) {
+  for (const LandmarkHit& hit : detect_landmarks(detector, laid.gray, laid.gsd_m, detector.threshold, checkpoint)) {
+    if (places_m.size() == kMaxSightings) break;
     const cv::Point pixel(static_cast<int>(std::floor(hit.center_px.x())),
                           static_cast<int>(std::floor(hit.center_px.y())));
     const bool inside = cv::Rect(0, 0, laid.gray.cols, laid.gray.rows).contains(pixel);
@@ -161,7 +165,7 @@ std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const Mat
     search.landmarks_in_px2.push_back((counts[i] + 1) / area_px2);
     if (counts[i] == 0) continue;
     pass(checkpoint);
-    for (const Vector2d& place_m : sightings_m(frame, prior, camera, rectified, one.detector)) {
+    for (const Vector2d& place_m : sightings_m(frame, prior, camera, rectified, one.detector, checkpoint)) {
       search.sightings.push_back({i, rectified.px_from_m(place_m - rectified.pivot_m)});
     }
   }
@@ -183,9 +187,9 @@ double turns_and_scales(const LandmarkSearch& search, const SearchSpace& space) 
 
 double landmark_search_bytes(const MapReader& map, const MatchOptions& options) {
   if (!options.landmarks || !map.has_landmarks()) return 0;
-  // Three pictures, histograms of 18 and cells of 31 numbers, of cells of two pixels at the least.
+  // Pictures, and histograms of 18 and cells of 31 numbers and their margins, of cells of four pixels at the least.
   const double pixels = double{kMaxSidePx} * kMaxSidePx;
-  return pixels * (4 + 4.0 * (18 + kFhogPlanes + 4) / 4);
+  return pixels * (6 + 1.3 * 4.0 * (18 + kFhogPlanes + 4) / 16);
 }
 
 std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const LandmarkSearch& search,
@@ -194,18 +198,21 @@ std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const Landma
 }
 
 std::vector<Placement> landmark_places(const PivotedFrame& frame, const LandmarkSearch& search,
-                                       const SearchSpace& space, std::size_t count) {
+                                       const SearchSpace& space, std::size_t count, const Checkpoint& checkpoint) {
   struct Found {
     Placement placement;
     std::size_t pairs = 0;
   };
   std::vector<Found> found;
-  const auto most = static_cast<std::size_t>(std::sqrt(kMaxPairComparisons) / static_cast<double>(search.near.size()));
-  const std::size_t voting = std::min(search.sightings.size(), std::max<std::size_t>(most, 1));
+  const auto sightings = static_cast<double>(search.sightings.size());
+  const auto landmarks = static_cast<double>(search.near.size());
+  const auto voting = static_cast<std::size_t>(
+      std::min(sightings, kMaxPairComparisons / std::max(1.0, sightings * landmarks * landmarks)));
   for (std::size_t i = 0; i < voting; ++i) {
     const LandmarkSighting& sighting = search.sightings[i];
     for (const NearLandmark& landmark : search.near) {
       if (landmark.detector != sighting.detector) continue;
+      pass(checkpoint);
       Placement placement;
       placement.center_px = landmark.map_px - on_ground_of(frame, sighting, landmark);
       const double off_px = (placement.center_px - space.center_px).cwiseAbs().maxCoeff();

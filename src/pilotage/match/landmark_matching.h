@@ -60,9 +60,10 @@ std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const Landma
 
 /// Displacement voting: each sighting on each landmark of its class puts the frame somewhere; the places of the square
 /// where two sightings at least agree, up to what the prior's turn and scale leave open, are fitted to all that agree.
-/// At most `count`, most sightings first; of equals that of the first pair.
+/// At most `count`, most sightings first; of equals that of the first pair. Only so many sightings vote as are compared
+/// within some 0.3 s.
 std::vector<Placement> landmark_places(const PivotedFrame& frame, const LandmarkSearch& search,
-                                       const SearchSpace& space, std::size_t count);
+                                       const SearchSpace& space, std::size_t count, const Checkpoint& checkpoint = {});
 
 /// How many turns and scales there are in which sightings lie on other landmarks, at most: LandmarkSearch's own number.
 double turns_and_scales(const LandmarkSearch& search, const SearchSpace& space);

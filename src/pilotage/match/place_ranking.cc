@@ -117,7 +117,7 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
     matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
   }
   if (landmarks) {
-    for (const Placement& place : landmark_places(frame, *landmarks, space, kLandmarkPlaces)) {
+    for (const Placement& place : landmark_places(frame, *landmarks, space, kLandmarkPlaces, checkpoint)) {
       pass(checkpoint);
       matches.push_back(match_guided(frame, map, space, {place, 0}));
       // As the landmarks have it, too: few features may draw a place away from them.

@@ -161,8 +161,8 @@ std::string fhog_window_problem(const FhogWindow& window) {
                                        : std::string();
   };
   for (const std::string& problem :
-       {outside("cell_px", window.cell_px, 2, 64), outside("window_px", window.side_px, window.cell_px, 1024),
-        outside("levels", window.levels, 1, 64)}) {
+       {outside("cell_px", window.cell_px, 4, 16), outside("window_px", window.side_px, window.cell_px, 128),
+        outside("levels", window.levels, 1, 32)}) {
     if (!problem.empty()) return problem;
   }
   if (window.side_px % window.cell_px == 0 && window.side_px / window.cell_px % 2 == 1) return {};
@@ -255,7 +255,8 @@ FhogCells::FhogCells(const cv::Mat& gray, int cell_px, int margin) : margin_(mar
   }
 }
 
-cv::Mat correlate_fhog(const FhogCells& cells, const std::vector<float>& filter, int filter_cells) {
+cv::Mat correlate_fhog(const FhogCells& cells, const std::vector<float>& filter, int filter_cells,
+                       const std::function<void()>& checkpoint) {
   const int reach = filter_cells / 2;
   if (filter_cells < 1 || filter_cells % 2 == 0 || cells.margin() < reach ||
       std::ssize(filter) < std::ptrdiff_t{kFhogPlanes} * filter_cells * filter_cells) {
@@ -269,6 +270,7 @@ cv::Mat correlate_fhog(const FhogCells& cells, const std::vector<float>& filter,
   cv::Mat sums(cells.rows(), padded, CV_32FC1, cv::Scalar(0));
   const float* weights = filter.data();
   for (int plane = 0; plane < kFhogPlanes; ++plane, weights += filter_cells * filter_cells) {
+    if (checkpoint) checkpoint();
     for (int row = 0; row < cells.rows(); ++row) {
       for (int col = 0; col < padded; col += kFhogTile) {
         float* at = sums.ptr<float>(row) + col;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,8 @@ struct FhogWindow {
   }
 };
 
-/// What is wrong with a window, or "": cells of 2 to 64 px, an odd number of them, 1024 px at most, 1 to 64 levels.
+/// What is wrong with a window, or "": cells of 4 to 16 px, an odd number of them, 128 px at most, 1 to 32 levels. What
+/// a filter costs on a picture is bounded by it.
 std::string fhog_window_problem(const FhogWindow& window);
 
 /// A copy of a picture, and what is seen on it, over the next smaller one.
@@ -62,8 +64,9 @@ inline constexpr int kFhogTile = 32;
 
 /// The sum of products of a filter's numbers (FhogWindow::filter_size(), the threshold is not looked at) with the cells
 /// around each described cell: CV_32FC1 of cells.rows() × cells.cols(). The margin of the cells is at least half a
-/// filter.
-cv::Mat correlate_fhog(const FhogCells& cells, const std::vector<float>& filter, int filter_cells);
+/// filter. `checkpoint` is called 31 times, and what it throws comes out.
+cv::Mat correlate_fhog(const FhogCells& cells, const std::vector<float>& filter, int filter_cells,
+                       const std::function<void()>& checkpoint = {});
 
 /// The next smaller picture: 5/6 of the sides, interpolated linearly with the middles of the corners' pixels on each
 /// other, as dlib's pyramid_down<6> makes it.

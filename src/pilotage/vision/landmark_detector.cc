@@ -72,7 +72,8 @@ void append_peaks(const cv::Mat& scores, double threshold, double least_score, c
   }
 }
 
-std::vector<Peak> peaks_of(const LandmarkDetector& detector, const cv::Mat& picture, double least_score) {
+std::vector<Peak> peaks_of(const LandmarkDetector& detector, const cv::Mat& picture, double least_score,
+                           const std::function<void()>& checkpoint) {
   const FhogWindow& window = detector.window;
   std::vector<Peak> peaks;
   cv::Mat level = picture;
@@ -89,8 +90,8 @@ std::vector<Peak> peaks_of(const LandmarkDetector& detector, const cv::Mat& pict
     if (cells.rows() == 0) break;
     for (std::size_t filter = 0; filter < detector.filters.size(); ++filter) {
       const std::vector<float>& weights = detector.filters[filter];
-      append_peaks(correlate_fhog(cells, weights, window.filter_cells()), static_cast<double>(weights.back()),
-                   least_score, window, scale, filter, peaks);
+      append_peaks(correlate_fhog(cells, weights, window.filter_cells(), checkpoint),
+                   static_cast<double>(weights.back()), least_score, window, scale, filter, peaks);
     }
   }
   std::stable_sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) { return a.score > b.score; });
@@ -134,7 +135,7 @@ std::string landmark_detector_problem(const LandmarkDetector& detector) {
 }
 
 std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, const cv::Mat& gray, double gsd_m,
-                                          double least_score) {
+                                          double least_score, const std::function<void()>& checkpoint) {
   const std::string problem = landmark_detector_problem(detector);
   if (!problem.empty()) throw UsageError("detect_landmarks: " + problem);
   const double scale = gsd_m / detector.gsd_m;
@@ -144,7 +145,7 @@ std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, cons
   }
   const Vector2d gray_from_seen(static_cast<double>(gray.cols) / seen.cols, static_cast<double>(gray.rows) / seen.rows);
   std::vector<LandmarkHit> hits;
-  for (const Peak& peak : peaks_of(detector, seen, least_score)) {
+  for (const Peak& peak : peaks_of(detector, seen, least_score, checkpoint)) {
     const double heading_deg =
         static_cast<double>(peak.filter) * detector.period_deg / static_cast<double>(detector.filters.size());
     const LandmarkHit hit{(peak.center_px - peak.side_px * detector.offset).cwiseProduct(gray_from_seen),

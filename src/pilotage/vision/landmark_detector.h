@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,9 @@ inline constexpr double kSamePlace = 0.5;
 /// Landmarks on a north-up picture (CV_8UC1) of `gsd_m` whose score is at least `least_score`, strongest first; of hits
 /// at one place (kSamePlace of the longer) the strongest alone. The picture is resampled to the detector's own pixels.
 /// A hit is a cell whose score none of its eight neighbours exceeds; parabolas through the scores beside it place it
-/// within the cell. Throws UsageError for a detector with a problem.
+/// within the cell. Throws UsageError for a detector with a problem, and
+/// what `checkpoint` throws, which is called every few milliseconds.
 std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, const cv::Mat& gray, double gsd_m,
-                                          double least_score);
+                                          double least_score, const std::function<void()>& checkpoint = {});
 
 }  // namespace pilotage
