@@ -1,6 +1,7 @@
 """How much evidence frames find where they show other ground: what the constants of match_confidence.cc rest on.
 
-calibrate_confidence.py PILOTAGE CUT_FLIGHT_FRAMES --work DIR [--frames 60] [--footprint-m 154,80,260] [--threads 2]
+calibrate_confidence.py PILOTAGE CUT_FLIGHT_FRAMES --work DIR [--frames 60] [--footprint-m 154,80,260]
+                        [--features-per-mpx 20000] [--no-chips] [--threads 2]
 
 Not a test: it measures, and prints tables as Markdown. PILOTAGE_DATA names the folder of real imagery. Port and Moscow
 take no part: they evaluate what is calibrated here.
@@ -43,7 +44,7 @@ CORRECT_M = 5
 RATES = (0.1, 0.01, 0.001, 0.0001)
 HIGH = (50, 90, 95, 99, 99.5, 99.9, 100)
 LOW = (0.1, 1, 5, 10, 50)
-EXPECTED_BINS = (0, 50, 100, 200, 400, 600, 900, 1500, 2500, 100000)
+EXPECTED_BINS = (0, 10, 20, 30, 50, 100, 200, 400, 600, 900, 1500, 2500, 100000)
 NUMBERS = ("support", "expected_features", "ncc", "chip_pixels", "vote_peak", "candidate_center_error_m")
 
 
@@ -99,8 +100,9 @@ def match_rows(pilotage, map_path, folder, rows, threads, chips):
             for row in read_rows(fixes) if float(row["expected_features"]) > 0]
 
 
-def measure(pilotage, tool, rasters, footprint_m, frames, threads, work):
+def measure(pilotage, tool, rasters, footprint_m, options):
     """Lists of rows by (what, chips), what being "other", "beyond" or "right"."""
+    frames, threads, work = options.frames, options.threads, options.work
     maps, folders, rows = {}, {}, {}
     for place in PLACES:
         try:
@@ -110,9 +112,9 @@ def measure(pilotage, tool, rasters, footprint_m, frames, threads, work):
             print(f"{footprint_m:g} m: {place} left out: {str(failure).strip().splitlines()[-1]}\n")
             continue
         maps[place] = whole_map(pilotage, rasters[place][0], work / f"{place}_{footprint_m:g}.gpkg", footprint_m,
-                                PIXEL_M, ("--chips",))
+                                PIXEL_M, ("--chips", "--features-per-mpx", options.features_per_mpx))
         folders[place], rows[place] = folder, read_rows(folder / "frames.csv")
-    found = {(what, chips): [] for what in ("other", "beyond", "right") for chips in (True, False)}
+    found = {(what, chips): [] for what in ("other", "beyond", "right") for chips in options.chips}
     names = list(maps)
     check(len(names) > 3, f"{footprint_m:g} m: fewer than four places have room for frames")
     for i, place in enumerate(names):
@@ -123,7 +125,7 @@ def measure(pilotage, tool, rasters, footprint_m, frames, threads, work):
             other = names[(i + 1 + third * len(names) // 3) % len(names)]
             jobs.append(("other", other, with_priors(rows[other], own)))
         for what, whose, claimed in jobs:
-            for chips in (True, False):
+            for chips in options.chips:
                 if claimed:
                     found[what, chips] += match_rows(pilotage, maps[place], folders[whose], claimed, threads, chips)
     return found
@@ -205,7 +207,7 @@ def split_right(rows):
 def tell(title, found):
     """Everything about one footprint, or all pooled."""
     print(f"### {title}\n")
-    for chips in (True, False):
+    for chips in sorted({chips for _, chips in found}, reverse=True):
         label = "with chips" if chips else "without chips"
         wrong = {what: found[what, chips] for what in ("other", "beyond")}
         right, false = split_right(found["right", chips])
@@ -244,6 +246,9 @@ def command_line():
     parser.add_argument("--work", type=pathlib.Path, required=True, help="rasters, maps and frames; some 300 MB")
     parser.add_argument("--frames", type=int, default=60, help="of each place and footprint")
     parser.add_argument("--footprint-m", default="154,80,260", help="widths, joined by commas")
+    parser.add_argument("--features-per-mpx", type=float, default=20000, help="of the maps")
+    parser.add_argument("--no-chips", dest="chips", action="store_const", const=(False,), default=(True, False),
+                        help="features alone, not with chips as well")
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
     data = pathlib.Path(os.environ.get("PILOTAGE_DATA", ""))
@@ -258,7 +263,7 @@ def command_line():
     try:
         for footprint_m in (float(width) for width in options.footprint_m.split(",")):
             found = measure(options.pilotage.absolute(), options.cut_flight_frames.absolute(), rasters, footprint_m,
-                            options.frames, options.threads, options.work)
+                            options)
             tell(f"{footprint_m:g} m wide", found)
             for key, rows in found.items():
                 pooled.setdefault(key, []).extend(rows)

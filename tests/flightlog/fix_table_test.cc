@@ -36,7 +36,7 @@ TEST(FixTable, ColumnsAreThePromisedOnes) {
             "pitch_deg,roll_deg,height_agl_m,height_sigma_m,scale,tile_id,map_sigma_m,level,gsd_m,frame_features,map_"
             "features,"
             "support,expected_features,vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,chip_pixels,confidence,"
-            "search_half_width_m,confirmed,"
+            "search_half_width_m,landmarks_seen,landmarks_expected,landmarks_matched,confirmed,"
             "error_m,error_east_m,error_north_m,nees,center_error_m,center_nees,candidate_error_m,candidate_center_"
             "error_m,milliseconds\n");
 }
@@ -81,6 +81,9 @@ TEST(FixTable, EveryCellHoldsItsOwnNumber) {
                                                     {"chip_pixels", "320"},
                                                     {"confidence", "0.999"},
                                                     {"search_half_width_m", "77.5"},
+                                                    {"landmarks_seen", "5"},
+                                                    {"landmarks_expected", "4"},
+                                                    {"landmarks_matched", "3"},
                                                     {"confirmed", "1"},
                                                     {"error_m", "2.25"},
                                                     {"error_east_m", "1"},

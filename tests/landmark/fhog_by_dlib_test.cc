@@ -14,6 +14,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/random.h"
 #include "pilotage/landmark/fhog_training.h"
 #include "pilotage/vision/landmark_detector.h"
@@ -183,6 +184,44 @@ TEST(FhogByDlib, WhatDoesNotFitIsAnError) {
   detector.shortest_m = detector.longest_m = 35;
   detector.filters = {std::vector<float>(7)};
   EXPECT_THROW(detect_landmarks(detector, busy_picture(100, 100, 1), 1, 0), UsageError);
+  detector.filters = {std::vector<float>(detector.window.filter_size())};
+  EXPECT_THROW(detect_landmarks(detector, busy_picture(100, 100, 1), kNaN, 0), UsageError);
+  EXPECT_TRUE(detect_landmarks(detector, cv::Mat(), 1, 0).empty());
+  EXPECT_TRUE(detect_landmarks(detector, busy_picture(100, 100, 1), 0.001, 0).empty()) << "less than a pixel";
+  detector.window = {8, 8, 1};
+  detector.filters = {std::vector<float>(detector.window.filter_size())};
+  EXPECT_THROW(detect_landmarks(detector, busy_picture(100, 100, 1), 1, 0), UsageError) << "one cell";
+}
+
+// A detector that fires everywhere, as a forged map may hold one.
+TEST(DetectLandmarks, HitsWithoutEndAreCutAndTheLookMayBeEnded) {
+  LandmarkDetector detector;
+  detector.class_name = "anything";
+  detector.gsd_m = 1;
+  detector.context = 10;
+  detector.shortest_m = detector.longest_m = 1;
+  detector.threshold = -1e6;
+  detector.window = {12, 4, 1};
+  Random random(2);
+  for (int filter = 0; filter < 4; ++filter) {
+    std::vector<float>& weights = detector.filters.emplace_back();
+    for (std::size_t i = 0; i < detector.window.filter_size(); ++i) {
+      weights.push_back(static_cast<float>(0.01 * random.normal()));
+    }
+  }
+  const cv::Mat picture = busy_picture(800, 800, 4);
+  int asked = 0;
+  const auto all = detect_landmarks(detector, picture, 1, detector.threshold, 20'000, [&] { ++asked; });
+  EXPECT_GT(all.size(), 1000U);
+  EXPECT_GT(asked, 50);
+  const auto some = detect_landmarks(detector, picture, 1, detector.threshold, 64);
+  ASSERT_EQ(some.size(), 64U);
+  for (std::size_t i = 0; i < some.size(); ++i) EXPECT_EQ(some[i].center_px, all[i].center_px) << i;
+  EXPECT_THROW(detect_landmarks(detector, picture, 1, detector.threshold, 20'000,
+                                [left = 10]() mutable {
+                                  if (--left == 0) throw UsageError("ended");
+                                }),
+               UsageError);
 }
 
 }  // namespace

@@ -137,7 +137,21 @@ TEST(MapLandmarks, WhatNoMapMayHoldIsNotWritten) {
   EXPECT_THAT(error_with([](MapLandmarks& l) { l.detectors[0].detector.filters[0].pop_back(); }),
               HasSubstr("a filter has 3751 numbers, the window asks for 3752"));
   EXPECT_THAT(error_with([](MapLandmarks& l) { l.detectors[0].detector.filters[0][3] = NAN; }),
-              HasSubstr("a number that is not finite"));
+              HasSubstr("number 3 of a filter is not finite"));
+  EXPECT_THAT(error_with([](MapLandmarks& l) { l.detectors[0].sigma_m = 31; }), HasSubstr("sigma_m = 31 is outside"));
+  EXPECT_THAT(
+      error_with([](MapLandmarks& l) { l.detectors[1].detector.class_name = l.detectors[0].detector.class_name; }),
+      HasSubstr("two detectors of the class"));
+  EXPECT_THAT(error_with([](MapLandmarks& l) { l.detectors.resize(65, l.detectors[0]); }),
+              HasSubstr("65 detectors, a map has at most 64"));
+  EXPECT_THAT(error_with([](MapLandmarks& l) {
+                LandmarkDetector& detector = l.detectors[0].detector;
+                detector.window = {124, 4, 1};
+                detector.filters.assign(64, std::vector<float>(detector.window.filter_size()));
+                l.detectors[1].detector.window = detector.window;
+                l.detectors[1].detector.filters = detector.filters;
+              }),
+              HasSubstr("bytes of filters, a map has at most 16777216"));
   EXPECT_THAT(error_with([](MapLandmarks& l) { l.detectors[0].p_detect = 1.1; }), HasSubstr("p_detect = 1.1"));
   EXPECT_THAT(error_with([](MapLandmarks& l) { l.detectors[0].sigma_m = 0; }), HasSubstr("sigma_m = 0 is outside"));
   EXPECT_THAT(error_with([](MapLandmarks& l) { l.landmarks[1].id = 0; }), HasSubstr("landmark 0: ids must ascend"));

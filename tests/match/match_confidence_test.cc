@@ -39,6 +39,23 @@ TEST(PlaceEvidence, ADenserMapHasATailOfItsOwn) {
   EXPECT_NEAR(place_evidence({onset + 3 * scale, 400, ground, 80'000, 0, 0}), 3, 1e-12);
 }
 
+TEST(PlaceEvidence, AThinnerMapHasATailOfItsOwnWhereItWasMeasured) {
+  const BinaryDescriptor ground = descriptor_of(DescriptorPattern::kGround, 128);
+  const double onset = 1 + 1.4 * std::pow(0.02, 0.1) * 5;
+  const double scale = 2.3 * std::cbrt(0.02) + 0.11 * 5;
+  EXPECT_NEAR(place_evidence({onset + 3 * scale, 25, ground, 400, 0, 0}), 3, 1e-12);
+  EXPECT_EQ(place_evidence({20, 25, ground, 1, 0, 0}), place_evidence({20, 25, ground, 400, 0, 0}))
+      << "nothing thinner was measured";
+  EXPECT_NEAR(place_evidence({40, 30, ground, 19'999.999, 0, 0}), place_evidence({40, 30, ground, 20'000, 0, 0}), 1e-6);
+  // Frames of made-up ground found such support on other ground: 8.7 of 8, 12.1 of 49, 10.1 of 22 features.
+  EXPECT_LT(place_evidence({8.7, 8, ground, 400, 0, 0}), 6.9);
+  EXPECT_LT(place_evidence({12.1, 49, ground, 400, 0, 0}), 6.9);
+  EXPECT_LT(place_evidence({10.1, 22, ground, 400, 0, 0}), 6.9);
+  for (const BinaryDescriptor& other : {kOrb, descriptor_of(DescriptorPattern::kGround, 64)}) {
+    EXPECT_EQ(place_evidence({40, 30, other, 400, 0, 0}), place_evidence({40, 30, other, 20'000, 0, 0}));
+  }
+}
+
 TEST(PlaceEvidence, TheMoreFeaturesAreExpectedTheLessASupportSays) {
   double last = evidence_of(60, 0);
   EXPECT_NEAR(last, (60 - 9) / 3.08, 1e-12);

@@ -86,6 +86,9 @@ std::vector<FixColumn> fix_columns(bool timings) {
   list.of_stats("chip_pixels", [](const MatchStats& stats) { return stats.chip_pixels; });
   list.of_stats("confidence", [](const MatchStats& stats) { return stats.confidence; });
   list.of_stats("search_half_width_m", [](const MatchStats& stats) { return stats.search_half_width_m; });
+  list.of_stats("landmarks_seen", [](const MatchStats& stats) { return stats.landmarks_seen; });
+  list.of_stats("landmarks_expected", [](const MatchStats& stats) { return stats.landmarks_expected; });
+  list.of_stats("landmarks_matched", [](const MatchStats& stats) { return stats.landmarks_matched; });
   list.text("confirmed", [](const FrameMatch& match) { return match.has_fix() ? (match.confirmed ? "1" : "0") : ""; });
   list.of_error("error_m", &FrameMatch::error, &FixError::error_m);
   list.of_error("error_east_m", &FrameMatch::error, &FixError::east_m);

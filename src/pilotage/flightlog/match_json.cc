@@ -60,7 +60,10 @@ Json stats_json(const MatchStats& stats) {
           {"ncc_rival", json_number(stats.ncc_rival)},
           {"chip_pixels", stats.chip_pixels},
           {"confidence", json_number(stats.confidence)},
-          {"search_half_width_m", json_number(stats.search_half_width_m)}};
+          {"search_half_width_m", json_number(stats.search_half_width_m)},
+          {"landmarks_seen", stats.landmarks_seen},
+          {"landmarks_expected", stats.landmarks_expected},
+          {"landmarks_matched", stats.landmarks_matched}};
 }
 
 std::string fix_text(const Fix& fix) {
@@ -106,6 +109,11 @@ std::string frame_match_text(const FrameMatch& match, bool timings) {
           " features, against " + std::to_string(stats.map_features) + " of the map; vote " +
           format_fixed(stats.vote_peak, 1) + ", rival " + format_fixed(stats.vote_rival, 1) + ", confidence " +
           format_fixed(stats.confidence, 6) + "\n";
+  if (stats.landmarks_seen > 0) {
+    text += "landmarks seen: " + std::to_string(stats.landmarks_seen) +
+            ", expected: " + std::to_string(stats.landmarks_expected) +
+            ", matched: " + std::to_string(stats.landmarks_matched) + "\n";
+  }
   if (timings) text += "time of matching: " + format_fixed(match.milliseconds, 1) + " ms\n";
   return text;
 }

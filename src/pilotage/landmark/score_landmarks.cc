@@ -287,7 +287,9 @@ MapLandmarks landmarks_for_map(const LandmarkModel& model, const LandmarkScores&
   MapLandmarks landmarks;
   std::map<std::string, std::size_t> numbers;
   for (const ScoredClass& scored : scores.classes) {
-    if (scored.recall.count == 0) continue;
+    // What a few hits miss may be luck: the upper end of its interval is what the map says.
+    const double sigma_m = scored.sigma_interval_m.high;
+    if (scored.recall.count == 0 || !(sigma_m <= kLargestLandmarkSigma_m)) continue;
     const auto learnt = std::find_if(model.detectors.begin(), model.detectors.end(), [&](const LearntDetector& one) {
       return one.detector.class_name == scored.class_name;
     });
@@ -295,7 +297,7 @@ MapLandmarks landmarks_for_map(const LandmarkModel& model, const LandmarkScores&
     // Hits on the pixel, of a few landmarks, are no proof of more than that.
     constexpr double kLeastSigma_px = 0.1;
     landmarks.detectors.push_back({learnt->detector, scored.recall.value(), scored.false_alarms.value(),
-                                   std::max(scored.sigma_m, kLeastSigma_px * learnt->detector.gsd_m)});
+                                   std::max(sigma_m, kLeastSigma_px * learnt->detector.gsd_m)});
   }
   for (const ScoredLandmark& scored : scores.landmarks) {
     const auto number = numbers.find(scored.class_name);

@@ -13,8 +13,6 @@
 namespace pilotage {
 namespace {
 
-constexpr double kLargestSigma_m = 1000;
-
 double real_or_nan(const Statement& statement, int column) {
   return statement.is_null(column) ? kNaN : statement.real(column);
 }
@@ -58,6 +56,25 @@ MapDetector read_detector_row(const Statement& row, const std::string& where) {
 
 }  // namespace
 
+std::string map_landmarks_problem(const MapLandmarks& landmarks) {
+  const auto too_many = [](std::size_t count, std::size_t most, const char* what) {
+    return count > most ? std::to_string(count) + " " + what + ", a map has at most " + std::to_string(most)
+                        : std::string();
+  };
+  std::string problem = too_many(landmarks.detectors.size(), kMaxMapDetectors, "detectors");
+  if (problem.empty()) problem = too_many(landmarks.landmarks.size(), kMaxMapLandmarks, "landmarks");
+  std::set<std::string> classes;
+  std::size_t bytes = 0;
+  for (const MapDetector& one : landmarks.detectors) {
+    if (problem.empty() && !classes.insert(one.detector.class_name).second) {
+      problem = "two detectors of the class " + one.detector.class_name;
+    }
+    bytes += one.detector.filters.size() * one.detector.window.filter_size() * sizeof(float);
+  }
+  if (problem.empty()) problem = too_many(bytes, kMaxFilterBytes, "bytes of filters");
+  return problem;
+}
+
 std::string detector_problem(const MapDetector& detector) {
   const std::string problem = landmark_detector_problem(detector.detector);
   if (!problem.empty()) return problem;
@@ -67,8 +84,9 @@ std::string detector_problem(const MapDetector& detector) {
   if (!(detector.false_alarms_per_km2 >= 0 && std::isfinite(detector.false_alarms_per_km2))) {
     return "false_alarms_per_km2 = " + format_number(detector.false_alarms_per_km2) + " is no number from 0";
   }
-  if (!(detector.sigma_m > 0 && detector.sigma_m <= kLargestSigma_m)) {
-    return "sigma_m = " + format_number(detector.sigma_m) + " is outside (0, " + format_number(kLargestSigma_m) + "]";
+  if (!(detector.sigma_m > 0 && detector.sigma_m <= kLargestLandmarkSigma_m)) {
+    return "sigma_m = " + format_number(detector.sigma_m) + " is outside (0, " +
+           format_number(kLargestLandmarkSigma_m) + "]";
   }
   return {};
 }
@@ -95,18 +113,14 @@ MapLandmarks read_landmarks(const Database& database) {
   MapLandmarks read;
   Statement detectors = database.prepare(
       "SELECT " + std::string(kDetectorColumns) + " FROM pilotage_detectors ORDER BY id", "pilotage_detectors");
-  std::set<std::string> classes;
   while (detectors.step()) {
     const std::string where =
         database.name() + ": pilotage_detectors: detector " + std::to_string(detectors.integer(0));
-    if (read.detectors.size() == kMaxMapDetectors) {
-      throw DataError(where + ": a map has at most " + std::to_string(kMaxMapDetectors));
-    }
     if (detectors.integer(0) != std::ssize(read.detectors)) throw DataError(where + ": detectors count from 0");
     read.detectors.push_back(read_detector_row(detectors, where));
-    if (!classes.insert(read.detectors.back().detector.class_name).second) {
-      throw DataError(where + ": is the second of its class");
-    }
+    // Before the next is read: what a forged map holds may be large.
+    const std::string problem = map_landmarks_problem(read);
+    if (!problem.empty()) throw DataError(where + ": " + problem);
   }
   Statement landmarks =
       database.prepare("SELECT " + std::string(kLandmarkColumns) + " FROM landmarks ORDER BY fid", "landmarks");
@@ -115,7 +129,7 @@ MapLandmarks read_landmarks(const Database& database) {
     landmark.id = landmarks.integer(0);
     const std::string where = database.name() + ": landmarks: landmark " + std::to_string(landmark.id);
     if (read.landmarks.size() == kMaxMapLandmarks) {
-      throw DataError(where + ": a map has at most " + std::to_string(kMaxMapLandmarks));
+      throw DataError(where + ": a map has at most " + std::to_string(kMaxMapLandmarks) + " landmarks");
     }
     landmark.detector = static_cast<std::size_t>(landmarks.integer(1, 0, static_cast<int>(kMaxMapDetectors)));
     const double lon_deg = landmarks.real(2);

@@ -15,7 +15,7 @@ struct MapDetector {
   LandmarkDetector detector;
   double p_detect = 0;              ///< Share of the landmarks that it found.
   double false_alarms_per_km2 = 0;  ///< Hits that are no landmark.
-  double sigma_m = 0;               ///< Root mean square of what hits miss landmarks by, each axis.
+  double sigma_m = 0;               ///< Of what hits miss landmarks by, each axis: the upper end of its 95 % interval.
 };
 
 /// A landmark of a class that a detector finds.
@@ -37,6 +37,12 @@ struct MapLandmarks {
 
 inline constexpr std::size_t kMaxMapDetectors = 64;
 inline constexpr std::size_t kMaxMapLandmarks = 100'000;
+/// Of all filters together, as a reader holds them.
+inline constexpr std::size_t kMaxFilterBytes = std::size_t{16} << 20;
+inline constexpr double kLargestLandmarkSigma_m = 30;
+
+/// What is wrong with the numbers of detectors and landmarks, their classes and the size of their filters, or "".
+std::string map_landmarks_problem(const MapLandmarks& landmarks);
 
 /// What is wrong with a detector or a landmark, or "".
 std::string detector_problem(const MapDetector& detector);

@@ -230,10 +230,8 @@ void MapWriter::add_chip(const MapChip& chip) {
 void MapWriter::write_landmarks(const MapLandmarks& landmarks) {
   if (!header_.landmarks) throw UsageError("landmarks: the map was begun without them");
   if (landmarks_written_) throw UsageError("landmarks: are written twice");
-  if (landmarks.detectors.size() > kMaxMapDetectors || landmarks.landmarks.size() > kMaxMapLandmarks) {
-    throw UsageError("landmarks: a map has at most " + std::to_string(kMaxMapDetectors) + " detectors and " +
-                     std::to_string(kMaxMapLandmarks) + " landmarks");
-  }
+  const std::string too_much = map_landmarks_problem(landmarks);
+  if (!too_much.empty()) throw UsageError("landmarks: " + too_much);
   landmarks_written_ = true;
   Statement detector = database_.prepare(insert_sql("pilotage_detectors", 17), "pilotage_detectors");
   for (std::size_t i = 0; i < landmarks.detectors.size(); ++i) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -25,9 +27,14 @@ constexpr double kPlaceSigma_m = 1;
 constexpr double kToleranceSigmas = 3;
 /// Of sightings with landmarks, in voting.
 constexpr double kMaxPairComparisons = 2e8;
+/// Turns and scales that are looked at, in σ of the prior.
+constexpr double kPoseSigmas = 2.5;
 /// Of a class on a frame: the strongest.
 constexpr std::size_t kMaxSightings = 64;
 constexpr double kLandmarkNoisePx = 1;
+/// A frame is worse than the imagery of the other date, on which P(detect) was measured: this part of it is counted on.
+/// Modelled, not measured.
+constexpr double kDetectedOnFrames = 0.8;
 
 /// Where a sighting lies from the pivot when it is that landmark: on ground as high as the landmark's.
 Vector2d on_ground_of(const PivotedFrame& frame, const LandmarkSighting& sighting, const NearLandmark& landmark) {
@@ -37,6 +44,13 @@ Vector2d on_ground_of(const PivotedFrame& frame, const LandmarkSighting& sightin
 /// How far a prior's turn and scale, two of their σ, move a place, for each pixel from the pivot.
 double open_per_px(const SearchSpace& space) {
   return 2 * (space.yaw_sigma_rad + space.scale_sigma);
+}
+
+/// Whether turns_and_scales() counted it.
+bool is_searched(const Placement& placement, const SearchSpace& space) {
+  return (placement.center_px - space.center_px).cwiseAbs().maxCoeff() <= space.half_width_px + kPeakSeparationPx &&
+         std::abs(placement.yaw_rad) <= kPoseSigmas * space.yaw_sigma_rad &&
+         std::abs(placement.scale - 1) <= kPoseSigmas * space.scale_sigma;
 }
 
 /// Turn, scale and centre by least squares over pairs, with the prior's turn and scale.
@@ -62,7 +76,7 @@ Placement fitted(const PivotedFrame& frame, const LandmarkSearch& search, const 
 
 /// Sightings of a place that lie within their tolerance, made wider by `open` for each pixel from `about_px`.
 std::vector<LandmarkPair> pairs_at(const PivotedFrame& frame, const LandmarkSearch& search, const Placement& placement,
-                                   double open, const Vector2d& about_px) {
+                                   double open, const Vector2d& about_px, const Checkpoint& checkpoint) {
   struct Near {
     double distance_px;
     LandmarkPair pair;
@@ -70,6 +84,7 @@ std::vector<LandmarkPair> pairs_at(const PivotedFrame& frame, const LandmarkSear
   const PlacementTransform transform(placement);
   std::vector<Near> all;
   for (std::size_t i = 0; i < search.sightings.size(); ++i) {
+    pass(checkpoint);
     const LandmarkSighting& sighting = search.sightings[i];
     const double tolerance_px =
         search.tolerance_px[sighting.detector] + open * (sighting.from_pivot_px - about_px).norm();
@@ -106,14 +121,44 @@ std::vector<Vector2d> sightings_m(const cv::Mat& frame, const MatchPrior& prior,
   std::vector<Vector2d> places_m;
   if (laid.status != RectifyStatus::kOk) return places_m;
   laid.gray.setTo(cv::mean(laid.gray, laid.valid), ~laid.valid);
-  for (const LandmarkHit& hit : detect_landmarks(detector, laid.gray, laid.gsd_m, detector.threshold, checkpoint)) {
-    if (places_m.size() == kMaxSightings) break;
+  for (const LandmarkHit& hit :
+       detect_landmarks(detector, laid.gray, laid.gsd_m, detector.threshold, kMaxSightings, checkpoint)) {
     const cv::Point pixel(static_cast<int>(std::floor(hit.center_px.x())),
                           static_cast<int>(std::floor(hit.center_px.y())));
     const bool inside = cv::Rect(0, 0, laid.gray.cols, laid.gray.rows).contains(pixel);
     if (inside && laid.valid.at<std::uint8_t>(pixel) != 0) places_m.push_back(laid.ground_from_pixel(hit.center_px));
   }
   return places_m;
+}
+
+/// Whether the frame, placed so, shows all that the landmark's detector looks at, and that should be seen.
+bool is_shown(const PivotedFrame& frame, const NearLandmark& landmark, const PlacementTransform& placement) {
+  if (!landmark.found) return false;
+  const FrameGrid& grid = frame.grid;
+  const Vector2d middle =
+      frame.stretched(placement.frame_from_map(landmark.map_px), 1 / landmark.stretch) + frame.pivot_px;
+  for (const Vector2d& corner : {Vector2d(-1, -1), Vector2d(1, -1), Vector2d(-1, 1), Vector2d(1, 1)}) {
+    const Vector2d point = (middle + landmark.half_side_px * corner - Vector2d::Constant(0.5)) / grid.step_px;
+    const double column = std::round(point.x());
+    const double row = std::round(point.y());
+    if (!(column >= 0 && row >= 0 && column < grid.columns && row < grid.rows)) return false;
+    if (grid.at(static_cast<int>(column), static_cast<int>(row)) < 0) return false;
+  }
+  return true;
+}
+
+/// Indices of sightings: the strongest of each class, the next of each, and so on. Those of a class stand together,
+/// strongest first.
+std::vector<std::size_t> strongest_of_each_class(const std::vector<LandmarkSighting>& sightings) {
+  std::vector<std::pair<std::size_t, std::size_t>> ranked;  // rank within its class, index
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const bool same = i > 0 && sightings[i].detector == sightings[i - 1].detector;
+    ranked.emplace_back(same ? ranked.back().first + 1 : 0, i);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::size_t> order;
+  for (const auto& [rank, index] : ranked) order.push_back(index);
+  return order;
 }
 
 /// How many sightings lie on landmarks at a place that has nothing to do with them, on average.
@@ -151,15 +196,22 @@ std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const Mat
       near.stretch = std::isfinite(near.height_m) ? local.relief.stretch_of_height(near.height_m)
                                                   : local.relief.stretch_at(near.map_px);
     }
+    const LandmarkDetector& detector = stored->detectors[landmark.detector].detector;
+    near.length_m = landmark.length_m;
+    near.half_side_px = 0.5 * detector.context * landmark.length_m / rectified.gsd_m;
+    near.found = landmark.found;
     search.near.push_back(near);
+    if (search.near.size() > kMaxNearLandmarks) return std::nullopt;
     counts[near.detector] += 1;
   }
   if (search.near.empty()) return std::nullopt;
+  group_landmarks(kLandmarkGroup_m / rectified.gsd_m, search.near, checkpoint);
   const double area_px2 = std::numbers::pi * reach_px * reach_px;
   for (std::size_t i = 0; i < detectors; ++i) {
     const MapDetector& one = stored->detectors[i];
     const double sigma_m = std::hypot(one.sigma_m, std::max(kPlaceSigma_m, rectified.gsd_m));
     search.sigma_m.push_back(one.sigma_m);
+    search.p_detect.push_back(kDetectedOnFrames * one.p_detect);
     search.tolerance_px.push_back(kToleranceSigmas * sigma_m / rectified.gsd_m);
     // One more than were counted: of few, chance may have put some more elsewhere.
     search.landmarks_in_px2.push_back((counts[i] + 1) / area_px2);
@@ -180,8 +232,10 @@ double turns_and_scales(const LandmarkSearch& search, const SearchSpace& space) 
   for (const LandmarkSighting& sighting : search.sightings) {
     farthest_px = std::max(farthest_px, sighting.from_pivot_px.norm());
   }
-  // Each over four of its σ, in steps that move the farthest sighting by its tolerance.
-  const auto steps = [&](double sigma) { return std::max(1.0, 4 * sigma * farthest_px / least_tolerance_px); };
+  // Each over kPoseSigmas to both sides, in steps that move the farthest sighting by its tolerance.
+  const auto steps = [&](double sigma) {
+    return std::max(1.0, 2 * kPoseSigmas * sigma * farthest_px / least_tolerance_px);
+  };
   return steps(space.yaw_sigma_rad) * steps(space.scale_sigma);
 }
 
@@ -193,75 +247,109 @@ double landmark_search_bytes(const MapReader& map, const MatchOptions& options) 
 }
 
 std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const LandmarkSearch& search,
-                                         const Placement& placement) {
-  return pairs_at(frame, search, placement, 0, {0, 0});
+                                         const Placement& placement, const Checkpoint& checkpoint) {
+  return pairs_at(frame, search, placement, 0, {0, 0}, checkpoint);
+}
+
+void group_landmarks(double link_px, std::vector<NearLandmark>& landmarks, const Checkpoint& checkpoint) {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  for (NearLandmark& landmark : landmarks) landmark.group = kNone;
+  std::size_t groups = 0;
+  std::vector<std::size_t> to_visit;
+  for (std::size_t first = 0; first < landmarks.size(); ++first) {
+    if (landmarks[first].group != kNone) continue;
+    landmarks[first].group = groups;
+    to_visit.push_back(first);
+    while (!to_visit.empty()) {
+      pass(checkpoint);
+      const Vector2d here = landmarks[to_visit.back()].map_px;
+      to_visit.pop_back();
+      for (std::size_t i = first; i < landmarks.size(); ++i) {
+        if (landmarks[i].group != kNone || !((landmarks[i].map_px - here).norm() <= link_px)) continue;
+        landmarks[i].group = groups;
+        to_visit.push_back(i);
+      }
+    }
+    ++groups;
+  }
+}
+
+std::size_t count_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs) {
+  std::set<std::size_t> groups;
+  for (const LandmarkPair& pair : pairs) groups.insert(search.near[pair.near].group);
+  return groups.size();
+}
+
+LandmarkView view_landmarks(const PivotedFrame& frame, const LandmarkSearch& search, const Placement& placement,
+                            const Checkpoint& checkpoint) {
+  LandmarkView view;
+  view.pairs = pair_landmarks(frame, search, placement, checkpoint);
+  view.groups = count_groups(search, view.pairs);
+  view.expected = view.pairs.size();
+  std::vector<bool> seen(search.near.size(), false);
+  for (const LandmarkPair& pair : view.pairs) seen[pair.near] = true;
+  const PlacementTransform transform(placement);
+  for (std::size_t i = 0; i < search.near.size(); ++i) {
+    if (seen[i] || !is_shown(frame, search.near[i], transform)) continue;
+    ++view.expected;
+    view.against -= std::log(1 - search.p_detect[search.near[i].detector]);
+  }
+  return view;
 }
 
 std::vector<Placement> landmark_places(const PivotedFrame& frame, const LandmarkSearch& search,
-                                       const SearchSpace& space, std::size_t count, const Checkpoint& checkpoint) {
+                                       const SearchSpace& space, std::size_t count, double min_distance_px,
+                                       const Checkpoint& checkpoint) {
   struct Found {
     Placement placement;
-    std::size_t pairs = 0;
+    std::size_t groups = 0;
   };
   std::vector<Found> found;
-  const auto sightings = static_cast<double>(search.sightings.size());
-  const auto landmarks = static_cast<double>(search.near.size());
-  const auto voting = static_cast<std::size_t>(
-      std::min(sightings, kMaxPairComparisons / std::max(1.0, sightings * landmarks * landmarks)));
-  for (std::size_t i = 0; i < voting; ++i) {
+  double comparisons = 0;
+  for (const std::size_t i : strongest_of_each_class(search.sightings)) {
     const LandmarkSighting& sighting = search.sightings[i];
     for (const NearLandmark& landmark : search.near) {
       if (landmark.detector != sighting.detector) continue;
-      pass(checkpoint);
       Placement placement;
       placement.center_px = landmark.map_px - on_ground_of(frame, sighting, landmark);
       const double off_px = (placement.center_px - space.center_px).cwiseAbs().maxCoeff();
       if (off_px > space.half_width_px + open_per_px(space) * sighting.from_pivot_px.norm()) continue;
-      const auto agreeing = pairs_at(frame, search, placement, open_per_px(space), sighting.from_pivot_px);
-      if (agreeing.size() < kLeastLandmarks) continue;
+      comparisons += static_cast<double>(search.sightings.size()) * static_cast<double>(search.near.size());
+      if (comparisons > kMaxPairComparisons) break;
+      const auto agreeing = pairs_at(frame, search, placement, open_per_px(space), sighting.from_pivot_px, checkpoint);
+      if (count_groups(search, agreeing) < kLeastLandmarks) continue;
       placement = fitted(frame, search, space, agreeing);
-      const std::size_t pairs = pair_landmarks(frame, search, placement).size();
-      if (pairs >= kLeastLandmarks) found.push_back({placement, pairs});
+      if (!is_searched(placement, space)) continue;
+      const std::size_t groups = count_groups(search, pair_landmarks(frame, search, placement, checkpoint));
+      if (groups >= kLeastLandmarks) found.push_back({placement, groups});
     }
   }
-  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.pairs > b.pairs; });
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.groups > b.groups; });
   std::vector<Placement> places;
   for (const Found& one : found) {
     if (places.size() == count) break;
     const bool again = std::any_of(places.begin(), places.end(), [&](const Placement& other) {
-      return (other.center_px - one.placement.center_px).norm() < kPeakSeparationPx;
+      return (other.center_px - one.placement.center_px).norm() <= min_distance_px;
     });
     if (!again) places.push_back(one.placement);
   }
   return places;
 }
 
-double coincidence(const LandmarkSearch& search, std::size_t pairs) {
-  // P(X ≥ k) ≤ meanᵏ / k! of a Poisson count, for any mean: what follows the first term is less than it times eᵐᵉᵃⁿ.
-  const auto k = static_cast<double>(pairs);
-  return pairs == 0 ? 0 : std::max(0.0, std::lgamma(k + 1) - k * std::log(expected_by_chance(search)));
-}
-
-double landmark_evidence(const LandmarkSearch& search, std::size_t pairs) {
-  if (pairs < kLeastLandmarks) return 0;
+double landmark_evidence(const LandmarkSearch& search, std::size_t groups) {
+  if (groups < kLeastLandmarks) return 0;
   double mean_in_window = 0;  // pairs that put the frame somewhere in the window
   for (const LandmarkSighting& sighting : search.sightings) {
     mean_in_window += search.landmarks_in_px2[sighting.detector] * std::pow(2 * kCalibratedHalfWidthPx, 2);
   }
-  const auto k = static_cast<double>(pairs);
+  const auto k = static_cast<double>(groups);
   const double ln_rate = std::log(mean_in_window * search.turns_and_scales) +
                          (k - 1) * std::log(4 * expected_by_chance(search)) - std::lgamma(k + 1);
   return std::max(0.0, -ln_rate);
 }
 
-double joint_evidence(double of_features, const LandmarkSearch& search, std::size_t pairs) {
-  const double alone = landmark_evidence(search, pairs);
-  if (of_features <= 0) return alone;
-  // A landmark on another of its class looks right to features, too: the first is no look of its own.
-  const double together = pairs < kLeastLandmarks
-                              ? of_features
-                              : of_features + coincidence(search, pairs - 1) - std::log(search.turns_and_scales);
-  return std::max({of_features, together, alone});
+double evidence_of_landmarks(double chips_against, const LandmarkSearch& search, const LandmarkView& view) {
+  return std::max(0.0, landmark_evidence(search, view.groups) - view.against - chips_against);
 }
 
 }  // namespace pilotage

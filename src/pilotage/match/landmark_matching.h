@@ -25,6 +25,10 @@ struct NearLandmark {
   Eigen::Vector2d map_px{0, 0};  ///< As LocalMap has its features.
   double height_m = 0;           ///< Of its ground; NaN where unknown.
   double stretch = 1;            ///< Relief::stretch of its ground.
+  double length_m = 0;
+  double half_side_px = 0;  ///< Of the square about it that its detector looks at.
+  bool found = true;        ///< On the other date: then it should be seen.
+  std::size_t group = 0;    ///< group_landmarks().
 };
 
 /// Sightings of a frame, and the landmarks within the window.
@@ -34,6 +38,7 @@ struct LandmarkSearch {
   std::vector<double> sigma_m;           ///< By detector: of sightings, each axis.
   std::vector<double> tolerance_px;      ///< By detector: how far a sighting may lie from its landmark.
   std::vector<double> landmarks_in_px2;  ///< By detector: how dense its landmarks are in the window.
+  std::vector<double> p_detect;          ///< By detector: of a landmark that the frame shows, at least.
   double turns_and_scales = 1;           ///< How many of them, at most, a frame can be laid on landmarks with.
 };
 
@@ -43,8 +48,14 @@ struct LandmarkPair {
   std::size_t near = 0;
 };
 
+/// Numbers landmarks, of whatever class, so that those of one number hang together in steps of at most `link_px`. What
+/// stands together, two classes on one object, tanks of a farm, is built alike elsewhere: a group says once that a
+/// place is right, however many of its landmarks agree.
+void group_landmarks(double link_px, std::vector<NearLandmark>& landmarks, const Checkpoint& checkpoint = {});
+
 /// Lays the frame north up at the pixels of each detector that has landmarks in the window, and looks for them. Nothing
-/// when they are not wanted, the map has none here, or none is seen. Throws DataError when the map is damaged.
+/// when they are not wanted, the map has none here or more than kMaxNearLandmarks, or none is seen. Throws DataError
+/// when the map is damaged.
 std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                                  MapReader& map, const MatchOptions& options,
                                                  const FrameOnGrid& rectified, const PivotedFrame& described,
@@ -56,36 +67,52 @@ double landmark_search_bytes(const MapReader& map, const MatchOptions& options);
 
 /// Sightings and the landmarks of their class on which a placement puts them, nearest first, each once.
 std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const LandmarkSearch& search,
-                                         const Placement& placement);
+                                         const Placement& placement, const Checkpoint& checkpoint = {});
+
+/// What landmarks say of a place.
+struct LandmarkView {
+  std::vector<LandmarkPair> pairs;
+  std::size_t groups = 0;    ///< Of the landmarks of the pairs: NearLandmark::group.
+  std::size_t expected = 0;  ///< Pairs, and landmarks that the frame should show there, all of what their detector
+                             ///< looks at, and that were not seen.
+  double against = 0;        ///< −ln of the chance that so many are not seen where the place is right.
+};
+
+/// pair_landmarks(), and what is missing. Where the frame was not described it is taken to show nothing.
+LandmarkView view_landmarks(const PivotedFrame& frame, const LandmarkSearch& search, const Placement& placement,
+                            const Checkpoint& checkpoint = {});
+
+/// Groups of the landmarks of pairs, each counted once.
+std::size_t count_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs);
 
 /// Displacement voting: each sighting on each landmark of its class puts the frame somewhere; the places of the square
-/// where two sightings at least agree, up to what the prior's turn and scale leave open, are fitted to all that agree.
-/// At most `count`, most sightings first; of equals that of the first pair. Only so many sightings vote as are compared
-/// within some 0.3 s.
+/// where kLeastLandmarks groups at least agree, up to what the prior's turn and scale leave open, are fitted to all
+/// that agree. At most `count`, none nearer than `min_distance_px` to a better one, most groups first; of equals that
+/// of the first pair. Sightings vote the strongest of each class first, so many as are compared within some 0.3 s.
 std::vector<Placement> landmark_places(const PivotedFrame& frame, const LandmarkSearch& search,
-                                       const SearchSpace& space, std::size_t count, const Checkpoint& checkpoint = {});
+                                       const SearchSpace& space, std::size_t count, double min_distance_px,
+                                       const Checkpoint& checkpoint = {});
 
 /// How many turns and scales there are in which sightings lie on other landmarks, at most: LandmarkSearch's own number.
 double turns_and_scales(const LandmarkSearch& search, const SearchSpace& space);
 
-/// −ln of the chance that so many of the sightings lie on landmarks at a place that has nothing to do with them: a
-/// Poisson count whose mean is the sum over sightings of the landmarks of their class within their tolerance. 0 of
-/// none.
-double coincidence(const LandmarkSearch& search, std::size_t pairs);
+/// What so many groups, sightings on landmarks of each, say for a place alone, as place_evidence(): −ln of the rate at
+/// which the best place of a window of kCalibratedHalfWidthPx has them by chance. Each pair puts the frame somewhere;
+/// the sightings that lie on landmarks within twice the tolerance there are a Poisson count, groups being independent
+/// of each other; so many agree in some turn and scale at most as often as all of these together (the expected number
+/// bounds the probability, as in scan statistics: J. I. Naus, "Approximations for distributions of scan statistics",
+/// JASA 77, 1982). 0 of fewer than kLeastLandmarks.
+double landmark_evidence(const LandmarkSearch& search, std::size_t groups);
 
-/// What so many sightings on landmarks say for a place alone, as place_evidence(): −ln of the rate at which the best
-/// place of a window of kCalibratedHalfWidthPx has them by chance. Each pair puts the frame somewhere; that another
-/// agrees with it, within twice the tolerance, has the chance of coincidence(); so many agree in some turn and scale at
-/// most as often as all of these together (the expected number bounds the probability, as in scan statistics: J. I.
-/// Naus, "Approximations for distributions of scan statistics", JASA 77, 1982). At least 0.
-double landmark_evidence(const LandmarkSearch& search, std::size_t pairs);
+/// What landmarks say alone, less what is against the place: landmarks that are not seen, and `chips_against`,
+/// correlation_evidence() where negative. At least 0.
+double evidence_of_landmarks(double chips_against, const LandmarkSearch& search, const LandmarkView& view);
 
-/// Both: where features speak for a place, the rate at which the best place of other ground looks as good times the
-/// chance that all but one of the sightings lie on landmarks: features of one landmark on another of its class speak
-/// for that place, too. Else landmarks alone.
-double joint_evidence(double of_features, const LandmarkSearch& search, std::size_t pairs);
-
-/// Landmarks alone make no place of fewer.
-inline constexpr std::size_t kLeastLandmarks = 2;
+/// Of fewer groups landmarks make no place: two at a like distance are common.
+inline constexpr std::size_t kLeastLandmarks = 3;
+/// How far off landmarks are taken to be independent of each other.
+inline constexpr double kLandmarkGroup_m = 60;
+/// Of a window: more are no landmarks.
+inline constexpr std::size_t kMaxNearLandmarks = 2000;
 
 }  // namespace pilotage

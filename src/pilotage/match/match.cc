@@ -26,8 +26,13 @@ namespace {
 constexpr double kMaxSearchBins = 1e9;
 constexpr double kMaxComparisons = 2e10;
 constexpr double kMib = 1 << 20;
-constexpr double kMinLead = 3;         // of the best place over its rival, in natural logarithms
-constexpr double kMinLeadShare = 0.2;  // likewise, of its own evidence: rows of trees are alike in all they show
+/// Of the best place over its rival, in natural logarithms: kMinLead, and as much as the rival itself has, up to
+/// kMostRivalLead. A rival that frames of other ground would hardly reach says that this ground deceives more than that
+/// from which the rate was found: rows of trees do. Held against such frames in docs/methods/match-confidence.md.
+constexpr double kMinLead = 3;
+constexpr double kMostRivalLead = 8;
+/// Likewise, of its own evidence: fields of planted rows are alike one by one, and a wrong place may have most of them.
+constexpr double kMinLeadShare = 0.3;
 constexpr double kHeadingStepDeg = 10;
 /// Up to this σ of yaw one search is enough: turns of two σ are within what upright descriptors tolerate. Above it
 /// headings are swept.
@@ -76,12 +81,14 @@ void describe_ranking(const RankedPlaces& places, double half_width_px, double s
   stats.ncc = best.ncc;
   stats.ncc_rival = places.rival_ncc;
   stats.chip_pixels = best.compared_px;
-  stats.landmarks_matched = static_cast<int>(best.landmarks.size());
+  stats.landmarks_expected = static_cast<int>(best.landmarks.expected);
+  stats.landmarks_matched = static_cast<int>(best.landmarks.pairs.size());
   stats.confidence = 1 - std::min(1.0, searches * false_fix_rate(best.evidence, half_width_px));
 }
 
 bool is_ambiguous(const MatchStats& stats) {
-  return stats.vote_peak - stats.vote_rival < std::max(kMinLead, kMinLeadShare * stats.vote_peak);
+  const double lead = kMinLead + std::min(stats.vote_rival, kMostRivalLead);
+  return stats.vote_peak - stats.vote_rival < std::max(lead, kMinLeadShare * stats.vote_peak);
 }
 
 /// Why the best place is not accepted as a fix, or nothing.
@@ -162,6 +169,22 @@ Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrio
   return relief;
 }
 
+/// The pose at the best place. By landmarks only those count that agree with it, and where features say more than
+/// these, they have the pose.
+std::optional<RefinedFix> refine_best(const FrameOnGrid& rectified, const PivotedFrame& described,
+                                      const LocalMap& local, const MatchPrior& prior, const MatchOptions& options,
+                                      const std::optional<LandmarkSearch>& landmarks, RankedPlace& best) {
+  if (best.by_landmarks) {
+    auto refined = refine_fix_by_landmarks(rectified, described, local, prior, options, *landmarks, best);
+    const std::size_t agreeing = refined ? refined->landmark_groups : 0;
+    const double lost = landmark_evidence(*landmarks, best.landmarks.groups) - landmark_evidence(*landmarks, agreeing);
+    best.evidence = std::max(best.of_features, best.evidence - lost);
+    best.by_landmarks = best.evidence > best.of_features;
+    if (best.by_landmarks || best.of_features <= 0) return refined;
+  }
+  return refine_fix(rectified, described, local, prior, options, best.match);
+}
+
 /// A search about one heading, which is known well enough for upright descriptors. `searches`: how many such are made.
 MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
                           const MatchOptions& options, double searches, const Checkpoint& checkpoint) {
@@ -211,14 +234,12 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
     return refused(MatchStatus::kTooUncertain, stats);
   }
   const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local, checkpoint);
-  const auto places = rank_places(described, local, space, chips, landmarks, rectified.gsd_m, checkpoint);
+  auto places = rank_places(described, local, space, chips, landmarks, rectified.gsd_m, checkpoint);
   if (!places) return refused(MatchStatus::kInconsistent, stats);
   // Over relief more scales are tried than the rate of false fixes was measured with: as many times as often.
   const double scales = std::max(1.0, space.scale_sigma / options.height_sigma_fraction);
+  auto refined = refine_best(rectified, described, local, prior, options, landmarks, places->best);
   describe_ranking(*places, rectified.half_width_px, searches * scales, stats);
-  auto refined = places->best.by_landmarks
-                     ? refine_fix_by_landmarks(rectified, described, local, prior, options, *landmarks, places->best)
-                     : refine_fix(rectified, described, local, prior, options, places->best.match);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   add_map_error(refined->fix, options.map_sigma_m ? *options.map_sigma_m
                                                   : map.map_sigma_m(refined->fix.tile_id).value_or(kUnknownMapSigma_m));

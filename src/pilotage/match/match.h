@@ -141,8 +141,9 @@ struct MatchStats {
   int chip_pixels = 0;             ///< Pixels of chips behind ncc; 0 when they were not used.
   double confidence = 0;           ///< 1 − the rate at which frames of other ground reach this evidence, 0 … 1.
   double search_half_width_m = 0;  ///< Of the square that was searched.
-  int landmarks_seen = 0;          ///< What the map's detectors found on the frame,
-  int landmarks_matched = 0;       ///< and how many of them lie on landmarks at the best place.
+  int landmarks_seen = 0;          ///< What the map's detectors found on the frame.
+  int landmarks_expected = 0;      ///< Landmarks of the map that the frame should show at the best place,
+  int landmarks_matched = 0;       ///< and how many of them lie under what was seen.
 };
 
 struct MatchResult {

@@ -14,34 +14,46 @@ struct Tail {
   double exceedance(double value) const { return std::max(0.0, (value - onset) / scale); }
 };
 
-/// What chance gives support to, at 20,000 features for each million pixels: onset = level + per_root · √n, scale =
-/// width
-/// + width_per_root · √n, where n is the number of features that could support. Fitted to the 90 to 99.5 % of frames
-/// that show other ground, or ground of their own map beyond the window, the scale then made wider by 1.05 to 1.3:
-/// 3,196 frames for each of the rows of kGround, at 20,000 and for 128 bits at 40,000 features; ORB's and BRIEF's are
-/// those of 4,500 frames and of no border (docs/methods/match-confidence.md).
+/// What chance gives support to, at kFittedFeaturesPerMpx: onset = level + per_root · √n, scale = width +
+/// width_per_root · √n, where n is the number of features that could support. Fitted to the 90 to 99.5 % of frames that
+/// show other ground, or ground of their own map beyond the window, the scale then made wider by 1.05 to 1.3: 3,196
+/// frames for each of the rows of kGround, at 20,000 and for 128 bits at 40,000 features; ORB's and BRIEF's are those
+/// of 4,500 frames and of no border (docs/methods/match-confidence.md). Of a thinner map per_root and width are
+/// multiplied by its density to these powers: 1,000 frames at 400 and 1,964 at 2,000 features of 128 bits, the scale
+/// wider by 1.2 to 1.9. A power of 0, where nothing was measured, says as much as the denser map does: too little, not
+/// too much.
 struct SupportTail {
   double level;
   double per_root;
   double width;
   double width_per_root;
+  double thin_root_power = 0;
+  double thin_width_power = 0;
 };
 
 SupportTail support_tail_of(const BinaryDescriptor& descriptor) {
   if (descriptor.pattern != DescriptorPattern::kGround) return {9, 0.88, 3.08, 0.098};
   if (descriptor.bits == 64) return {-1, 2.1, 1.8, 0.12};
-  return {1, 1.4, 2.3, 0.11};
+  return {1, 1.4, 2.3, 0.11, 0.1, 1.0 / 3};
 }
 
 constexpr double kFittedFeaturesPerMpx = 20'000;
+/// The thinnest map that was measured.
+constexpr double kLeastFeaturesPerMpx = 400;
 /// What lies nearer to each other gives support together: the tail of a denser map is that of the features it would
 /// have at kFittedFeaturesPerMpx, times the ratio to this power.
 constexpr double kDensityPower = 0.75;
 
 Tail support_tail(const PlaceEvidence& evidence) {
   const SupportTail tail = support_tail_of(evidence.descriptor);
-  const double density = std::max(evidence.features_per_mpx, 1.0) / kFittedFeaturesPerMpx;
-  const double root = std::sqrt(std::max(evidence.expected, 0) / density);
+  const double expected = std::max(evidence.expected, 0);
+  const double density = std::max(evidence.features_per_mpx, kLeastFeaturesPerMpx) / kFittedFeaturesPerMpx;
+  if (density < 1) {
+    const double root = std::sqrt(expected);
+    return {tail.level + tail.per_root * std::pow(density, tail.thin_root_power) * root,
+            tail.width * std::pow(density, tail.thin_width_power) + tail.width_per_root * root};
+  }
+  const double root = std::sqrt(expected / density);
   const double factor = std::pow(density, kDensityPower);
   return {factor * (tail.level + tail.per_root * root), factor * (tail.width + tail.width_per_root * root)};
 }
@@ -55,13 +67,15 @@ constexpr double kAgainst = 4;
 
 }  // namespace
 
+double correlation_evidence(double ncc, double compared_px) {
+  if (!(compared_px > 0)) return 0;
+  const double correlation = ncc * std::sqrt(compared_px);
+  return correlation < kNoCorrelation ? -kAgainst : kCorrelationTail.exceedance(correlation);
+}
+
 double place_evidence(const PlaceEvidence& evidence) {
-  double sum = support_tail(evidence).exceedance(evidence.support);
-  if (evidence.compared_px > 0) {
-    const double correlation = evidence.ncc * std::sqrt(evidence.compared_px);
-    sum += correlation < kNoCorrelation ? -kAgainst : kCorrelationTail.exceedance(correlation);
-  }
-  return std::max(0.0, sum);
+  return std::max(0.0, support_tail(evidence).exceedance(evidence.support) +
+                           correlation_evidence(evidence.ncc, evidence.compared_px));
 }
 
 double false_fix_rate(double evidence, double half_width_px) {

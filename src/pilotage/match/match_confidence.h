@@ -14,6 +14,10 @@ struct PlaceEvidence {
   double compared_px = 0;            ///< Pixels of the chips that were compared; 0 without chips.
 };
 
+/// What the correlation with the map's chips says for a place, as place_evidence(); negative where it speaks against
+/// it. 0 without chips.
+double correlation_evidence(double ncc, double compared_px);
+
 /// How unlikely the evidence is where the frame shows other ground: minus the natural logarithm of the rates at which
 /// the best places of such frames reach the support and the correlation, added. Both tails are exponentials fitted to
 /// frames of other ground (docs/methods/match-confidence.md). At least 0.

@@ -24,8 +24,28 @@ double chip_reach_px(const FrameOnGrid& rectified, const PivotedFrame& described
   return rectified.half_width_px + rectified.px_from_m(rectified.pivot_m).norm() + 1.2 * described.radius_px;
 }
 
+/// What features say for a place without those on its landmarks: these look right wherever landmarks lie on others of
+/// their class. Chips show the landmarks, too, and do not count.
+double evidence_beside_landmarks(const RankedPlace& place, const PivotedFrame& described, const LocalMap& map,
+                                 const LandmarkSearch& landmarks) {
+  if (has_few_features(described, map)) return 0;
+  const std::vector<GuidedPair> supporters = supporting_pairs(described, map, place.match.placement);
+  if (supporters.empty()) return 0;
+  const auto on_landmark = [&](const GuidedPair& supporter) {
+    return std::any_of(place.landmarks.pairs.begin(), place.landmarks.pairs.end(), [&](const LandmarkPair& pair) {
+      const NearLandmark& landmark = landmarks.near[pair.near];
+      return (supporter.map_px - landmark.map_px).cwiseAbs().maxCoeff() <= landmark.half_side_px;
+    });
+  };
+  const auto beside = std::ssize(supporters) - std::count_if(supporters.begin(), supporters.end(), on_landmark);
+  const double share = static_cast<double>(beside) / static_cast<double>(supporters.size());
+  return place_evidence(
+      {share * place.match.evidence(), place.match.expected, descriptor_of(map.features), map.features_per_mpx, 0, 0});
+}
+
 RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, const LocalMap& map,
-                       const std::optional<ChipComparison>& chips, const std::optional<LandmarkSearch>& landmarks) {
+                       const std::optional<ChipComparison>& chips, const std::optional<LandmarkSearch>& landmarks,
+                       const Checkpoint& checkpoint) {
   RankedPlace place;
   place.match = match;
   if (chips) {
@@ -39,11 +59,14 @@ RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, 
   place.evidence = place_evidence({match.evidence(), match.expected, descriptor_of(map.features), map.features_per_mpx,
                                    place.ncc, static_cast<double>(place.compared_px)});
   if (has_few_features(described, map)) place.evidence = 0;
-  if (landmarks) {
-    place.landmarks = pair_landmarks(described, *landmarks, match.placement);
-    place.by_landmarks = landmark_evidence(*landmarks, place.landmarks.size()) > place.evidence;
-    place.evidence = joint_evidence(place.evidence, *landmarks, place.landmarks.size());
-  }
+  place.of_features = place.evidence;
+  if (!landmarks) return place;
+  place.landmarks = view_landmarks(described, *landmarks, match.placement, checkpoint);
+  const double chips_against = std::max(0.0, -correlation_evidence(place.ncc, place.compared_px));
+  const double alone = evidence_of_landmarks(chips_against, *landmarks, place.landmarks);
+  if (alone <= 0) return place;
+  place.by_landmarks = alone > place.of_features;
+  place.evidence = std::max(place.of_features, alone + evidence_beside_landmarks(place, described, map, *landmarks));
   return place;
 }
 
@@ -113,11 +136,13 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   std::stable_sort(matches.begin(), matches.end(),
                    [](const GuidedMatch& a, const GuidedMatch& b) { return a.evidence() > b.evidence(); });
   if (matches.size() > kRankedPlaces) matches.resize(kRankedPlaces);
+  const double min_distance_px = std::max(kMinRivalDistance_m / gsd_m, kPeakSeparationPx);
   if (chips && chips->best.found) {
     matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
   }
   if (landmarks) {
-    for (const Placement& place : landmark_places(frame, *landmarks, space, kLandmarkPlaces, checkpoint)) {
+    for (const Placement& place :
+         landmark_places(frame, *landmarks, space, kLandmarkPlaces, min_distance_px, checkpoint)) {
       pass(checkpoint);
       matches.push_back(match_guided(frame, map, space, {place, 0}));
       // As the landmarks have it, too: few features may draw a place away from them.
@@ -130,12 +155,11 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   std::vector<RankedPlace> ranked;
   for (const GuidedMatch& match : matches) {
     pass(checkpoint);
-    ranked.push_back(rank_place(match, frame, map, chips, landmarks));
+    ranked.push_back(rank_place(match, frame, map, chips, landmarks, checkpoint));
   }
   RankedPlaces places;
   places.best = *std::max_element(ranked.begin(), ranked.end(),
                                   [](const RankedPlace& a, const RankedPlace& b) { return a.evidence < b.evidence; });
-  const double min_distance_px = std::max(kMinRivalDistance_m / gsd_m, kPeakSeparationPx);
   for (const RankedPlace& place : ranked) {
     const double distance_px = (place.match.placement.center_px - places.best.match.placement.center_px).norm();
     if (distance_px <= min_distance_px) continue;

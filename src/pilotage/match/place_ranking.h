@@ -53,9 +53,10 @@ struct RankedPlace {
   GuidedMatch match;
   double ncc = 0;
   int compared_px = 0;  ///< Pixels of chips behind it.
-  std::vector<LandmarkPair> landmarks;
+  LandmarkView landmarks;
   bool by_landmarks = false;  ///< Landmarks alone say more for it than features and chips.
-  double evidence = 0;
+  double of_features = 0;     ///< Evidence of features and chips.
+  double evidence = 0;        ///< Of all.
 };
 
 /// The best place, and the evidence of the best elsewhere.
@@ -69,8 +70,9 @@ struct RankedPlaces {
 bool has_few_features(const PivotedFrame& frame, const LocalMap& map);
 
 /// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them, the chips'
-/// own best place and those of the landmarks are held against the chips and the landmarks and ranked by
-/// place_evidence() and joint_evidence(). Nothing when nothing has votes.
+/// own best place and those of the landmarks are held against the chips and the landmarks and ranked by their evidence:
+/// place_evidence(), or evidence_of_landmarks() and what features that lie on none of these landmarks say, whichever is
+/// more. Nothing when nothing has votes.
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                         const std::optional<ChipComparison>& chips,
                                         const std::optional<LandmarkSearch>& landmarks, double gsd_m,

@@ -14,6 +14,12 @@ namespace pilotage {
 namespace {
 
 constexpr double kGateSigmas = 4;
+/// Of a pair, the least that is believed.
+constexpr double kLeastNoise_px = 0.3;
+/// σ of what landmarks lean away from the nadir, for each metre of their length and the tangent of the angle there: the
+/// middle of what lies flat not at all, that of something half as high as it is long by a quarter. Modelled, not
+/// measured.
+constexpr double kLeanOfLength = 0.1;
 
 /// The ground's height at a place over that straight below the aircraft; 0 where no heights are known.
 double rise_m(const GroundHeights& ground, const Eigen::Vector2d& place_px, const Eigen::Vector2d& nadir_px) {
@@ -89,7 +95,7 @@ std::optional<RefinedFix> refined_by(const std::vector<GroundPair>& on_ground, c
   const Eigen::Vector2d prior_m = rectified.m_from_px(rectified.prior_px - map.reference_px);
   const Eigen::Vector2d start_m = rectified.m_from_px(placement.map_from_frame(frame.nadir_px - frame.pivot_px));
   RefinedFix refined;
-  refined.pose = refine_pose(on_ground, sigmas, prior_m, start_m, 0.3 * rectified.gsd_m);
+  refined.pose = refine_pose(on_ground, sigmas, prior_m, start_m, kLeastNoise_px * rectified.gsd_m);
   if (!refined.pose.converged) return std::nullopt;
 
   const PoseCorrection& pose = refined.pose;
@@ -143,7 +149,8 @@ std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, 
   const double below_m = map.relief.ground.height_m(nadir_px);
   std::vector<GroundPair> on_ground;
   double variance_m2 = 0;
-  for (const LandmarkPair& pair : place.landmarks) {
+  double lean_m2 = 0;
+  for (const LandmarkPair& pair : place.landmarks.pairs) {
     const LandmarkSighting& sighting = landmarks.sightings[pair.sighting];
     const NearLandmark& landmark = landmarks.near[pair.near];
     const Eigen::Vector2d ground = rectified.frame.ground_from_pixel(sighting.from_pivot_px + frame.pivot_px);
@@ -155,9 +162,21 @@ std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, 
                      : rise_m(map.relief.ground, landmark.map_px, nadir_px);
     on_ground.push_back(one);
     variance_m2 = std::max(variance_m2, std::pow(landmarks.sigma_m[sighting.detector], 2));
+    lean_m2 += std::pow(kLeanOfLength * landmark.length_m * ground.norm() / prior.height_agl_m, 2);
   }
-  sigmas.pair_sigma_m = std::sqrt(variance_m2);
-  return refined_by(on_ground, sigmas, rectified, frame, map, prior, place.match.placement);
+  sigmas.pair_sigma_m = std::hypot(std::sqrt(variance_m2), kLeastNoise_px * rectified.gsd_m);
+  sigmas.lean_sigma_m = std::sqrt(lean_m2 / std::max(1.0, static_cast<double>(on_ground.size())));
+  sigmas.lean_length_m = kHeightErrorLength_m;
+  auto refined = refined_by(on_ground, sigmas, rectified, frame, map, prior, place.match.placement);
+  if (!refined) return std::nullopt;
+  std::vector<LandmarkPair> agreeing;
+  for (std::size_t i = 0; i < on_ground.size(); ++i) {
+    const GroundPair& pair = on_ground[i];
+    const double off_m = (refined->pose.ground_from_ray(pair.ray_m, pair.rise_m) - pair.map_m).norm();
+    if (off_m <= 3 * *sigmas.pair_sigma_m) agreeing.push_back(place.landmarks.pairs[i]);
+  }
+  refined->landmark_groups = count_groups(landmarks, agreeing);
+  return refined;
 }
 
 void add_map_error(Fix& fix, double map_sigma_m) {

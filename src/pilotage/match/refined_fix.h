@@ -14,6 +14,7 @@ namespace pilotage {
 struct RefinedFix {
   Fix fix;
   PoseCorrection pose;
+  std::size_t landmark_groups = 0;  ///< count_groups() of the landmarks that agree with the pose.
 };
 
 /// Refines the pose from the supporters of `place`. Heights of the map's ground count against that straight below the
@@ -22,7 +23,8 @@ struct RefinedFix {
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
                                      const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place);
 
-/// The same from the landmarks of `place`, whose errors are those that were measured on another date.
+/// The same from the landmarks of `place`: each as far off as was measured on another date, no less than of a frame's
+/// pixels can be told, and all together by what objects lean away from the nadir.
 std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, const PivotedFrame& frame,
                                                   const LocalMap& map, const MatchPrior& prior,
                                                   const MatchOptions& options, const LandmarkSearch& landmarks,

@@ -1,7 +1,6 @@
 #include "pilotage/mission/landmark_file.h"
 
 #include <algorithm>
-#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -118,7 +117,6 @@ MapLandmarks read_map_landmarks(const std::filesystem::path& path) {
   const Json content = read_digested_json(path, kFormat, kVersion, "landmark-score --for-map");
   JsonObject json(content, name_as_utf8(path.string()));
   MapLandmarks read;
-  std::set<std::string> classes;
   for (JsonObject& detector : json.objects("detectors")) {
     MapDetector one;
     one.detector = detector_from_json(detector);
@@ -128,19 +126,18 @@ MapLandmarks read_map_landmarks(const std::filesystem::path& path) {
     detector.finish();
     const std::string problem = detector_problem(one);
     if (!problem.empty()) throw DataError(detector.where() + ": " + problem);
-    if (!classes.insert(one.detector.class_name).second) {
-      throw DataError(detector.where() + ": is the second of the class " + one.detector.class_name);
-    }
     read.detectors.push_back(std::move(one));
   }
   for (JsonObject& place : json.objects("landmarks")) {
     MapLandmark landmark;
     landmark.id = std::ssize(read.landmarks);
     const std::string class_name = place.text("class");
-    landmark.detector = static_cast<std::size_t>(
-        std::find_if(read.detectors.begin(), read.detectors.end(),
-                     [&](const MapDetector& one) { return one.detector.class_name == class_name; }) -
-        read.detectors.begin());
+    const auto detector = std::find_if(read.detectors.begin(), read.detectors.end(),
+                                       [&](const MapDetector& one) { return one.detector.class_name == class_name; });
+    if (detector == read.detectors.end()) {
+      throw DataError(place.where() + ": there is no detector of the class " + class_name);
+    }
+    landmark.detector = static_cast<std::size_t>(detector - read.detectors.begin());
     const double lon_deg = place.number("lon_deg");
     landmark.place = {lon_deg, place.number("lat_deg")};
     landmark.length_m = place.number("length_m");
@@ -153,10 +150,8 @@ MapLandmarks read_map_landmarks(const std::filesystem::path& path) {
     read.landmarks.push_back(landmark);
   }
   json.finish();
-  if (read.detectors.size() > kMaxMapDetectors || read.landmarks.size() > kMaxMapLandmarks) {
-    throw DataError(json.where() + ": a map has at most " + std::to_string(kMaxMapDetectors) + " detectors and " +
-                    std::to_string(kMaxMapLandmarks) + " landmarks");
-  }
+  const std::string problem = map_landmarks_problem(read);
+  if (!problem.empty()) throw DataError(json.where() + ": " + problem);
   return read;
 }
 

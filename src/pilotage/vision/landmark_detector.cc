@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -17,6 +18,12 @@ namespace {
 
 using Eigen::Vector2d;
 
+/// Of a picture, the strongest: a detector that fires everywhere takes neither memory nor time without end.
+constexpr std::size_t kMaxPeaks = 20'000;
+constexpr std::size_t kPeaksBetweenCheckpoints = 64;
+/// Of a window, along a side. A picture of fewer shows nothing.
+constexpr int kLeastCells = 3;
+
 /// A cell of one level whose score stands out, on the picture that the filters look at.
 struct Peak {
   Vector2d center_px{0, 0};
@@ -24,6 +31,18 @@ struct Peak {
   double score = 0;
   std::size_t filter = 0;
 };
+
+/// Strongest first; of equals in a fixed order.
+bool is_before(const Peak& a, const Peak& b) {
+  return std::tuple(-a.score, a.filter, a.side_px, a.center_px.y(), a.center_px.x()) <
+         std::tuple(-b.score, b.filter, b.side_px, b.center_px.y(), b.center_px.x());
+}
+
+void keep_strongest(std::vector<Peak>& peaks) {
+  if (peaks.size() <= kMaxPeaks) return;
+  std::nth_element(peaks.begin(), peaks.begin() + kMaxPeaks, peaks.end(), is_before);
+  peaks.resize(kMaxPeaks);
+}
 
 /// Where between −½ and ½ the parabola through three neighbours is highest.
 double between_neighbours(double before, double here, double after) {
@@ -92,9 +111,10 @@ std::vector<Peak> peaks_of(const LandmarkDetector& detector, const cv::Mat& pict
       const std::vector<float>& weights = detector.filters[filter];
       append_peaks(correlate_fhog(cells, weights, window.filter_cells(), checkpoint),
                    static_cast<double>(weights.back()), least_score, window, scale, filter, peaks);
+      keep_strongest(peaks);
     }
   }
-  std::stable_sort(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) { return a.score > b.score; });
+  std::sort(peaks.begin(), peaks.end(), is_before);
   return peaks;
 }
 
@@ -118,6 +138,10 @@ std::string landmark_detector_problem(const LandmarkDetector& detector) {
                 kMostWindow_px * detector.gsd_m / detector.context)}) {
     if (!problem.empty()) return problem;
   }
+  if (const int cells = detector.window.side_px / detector.window.cell_px; cells < kLeastCells) {
+    return "the window has " + std::to_string(cells) + " cells along a side, " + std::to_string(kLeastCells) +
+           " at least are allowed";
+  }
   if (detector.filters.empty() || detector.filters.size() > kMostFilters) {
     return "filters are " + std::to_string(detector.filters.size()) + ", 1 to " + std::to_string(kMostFilters) +
            " are allowed";
@@ -127,25 +151,34 @@ std::string landmark_detector_problem(const LandmarkDetector& detector) {
       return "a filter has " + std::to_string(filter.size()) + " numbers, the window asks for " +
              std::to_string(detector.window.filter_size());
     }
-    if (!std::all_of(filter.begin(), filter.end(), [](float number) { return std::isfinite(number); })) {
-      return "a filter has a number that is not finite";
+    const auto odd = std::find_if(filter.begin(), filter.end(), [](float number) { return !std::isfinite(number); });
+    if (odd != filter.end()) {
+      return "number " + std::to_string(odd - filter.begin()) + " of a filter is not finite";
     }
   }
   return {};
 }
 
 std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, const cv::Mat& gray, double gsd_m,
-                                          double least_score, const std::function<void()>& checkpoint) {
+                                          double least_score, std::size_t most_hits,
+                                          const std::function<void()>& checkpoint) {
   const std::string problem = landmark_detector_problem(detector);
   if (!problem.empty()) throw UsageError("detect_landmarks: " + problem);
+  if (!(gsd_m > 0 && std::isfinite(gsd_m))) {
+    throw UsageError("detect_landmarks: gsd_m = " + format_number(gsd_m) + " is no size of a pixel");
+  }
   const double scale = gsd_m / detector.gsd_m;
+  std::vector<LandmarkHit> hits;
+  if (std::min(gray.cols, gray.rows) * scale < kLeastCells * detector.window.cell_px) return hits;
   cv::Mat seen = gray;
   if (std::abs(scale - 1) > 1e-6) {
     cv::resize(gray, seen, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   }
   const Vector2d gray_from_seen(static_cast<double>(gray.cols) / seen.cols, static_cast<double>(gray.rows) / seen.rows);
-  std::vector<LandmarkHit> hits;
+  std::size_t looked_at = 0;
   for (const Peak& peak : peaks_of(detector, seen, least_score, checkpoint)) {
+    if (hits.size() == most_hits) break;
+    if (checkpoint && ++looked_at % kPeaksBetweenCheckpoints == 0) checkpoint();
     const double heading_deg =
         static_cast<double>(peak.filter) * detector.period_deg / static_cast<double>(detector.filters.size());
     const LandmarkHit hit{(peak.center_px - peak.side_px * detector.offset).cwiseProduct(gray_from_seen),

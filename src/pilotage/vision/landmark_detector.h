@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -42,12 +44,15 @@ struct LandmarkHit {
 /// A hit belongs to a landmark whose middle is nearer than this part of its length.
 inline constexpr double kSamePlace = 0.5;
 
-/// Landmarks on a north-up picture (CV_8UC1) of `gsd_m` whose score is at least `least_score`, strongest first; of hits
-/// at one place (kSamePlace of the longer) the strongest alone. The picture is resampled to the detector's own pixels.
-/// A hit is a cell whose score none of its eight neighbours exceeds; parabolas through the scores beside it place it
-/// within the cell. Throws UsageError for a detector with a problem, and
+/// Landmarks on a north-up picture (CV_8UC1) of `gsd_m` whose score is at least `least_score`, strongest first, at most
+/// `most_hits`; of hits at one place (kSamePlace of the longer) the strongest alone. The picture is resampled to the
+/// detector's own pixels; one of fewer than three cells shows nothing. A hit is a cell whose score none of its eight
+/// neighbours exceeds; parabolas through the scores beside it place it within the cell. Of a picture the 20,000
+/// strongest such cells count. Throws UsageError for a detector with a problem and a gsd_m that is not positive, and
 /// what `checkpoint` throws, which is called every few milliseconds.
 std::vector<LandmarkHit> detect_landmarks(const LandmarkDetector& detector, const cv::Mat& gray, double gsd_m,
-                                          double least_score, const std::function<void()>& checkpoint = {});
+                                          double least_score,
+                                          std::size_t most_hits = std::numeric_limits<std::size_t>::max(),
+                                          const std::function<void()>& checkpoint = {});
 
 }  // namespace pilotage
