@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/staging_folder.h"
 #include "pilotage/gis/report_outputs.h"
+#include "pilotage/mission/planned_landmarks.h"
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/report/compare_reports.h"
 #include "pilotage/report/disagreement.h"
@@ -35,6 +37,7 @@ struct ReportCommandOptions {
   std::vector<std::string> simulation;
   std::string envelope;
   std::string replay;
+  std::string landmarks;
   bool require = false;
   std::string pdf;
   std::string pdf_browser;
@@ -56,6 +59,9 @@ struct ReportCommandOptions {
                 "Also show how far the flight may leave its plan: envelope.json of envelope.");
     fields.path("replay", self.replay,
                 "Also show, and judge by, flights that were flown: replay.json of replay, with --plan.");
+    fields.path("landmarks", self.landmarks,
+                "Also show what the landmarks of the onboard map promise: the file of landmark-score --for-map that it "
+                "was built with.");
     fields.field("require", self.require, "Exit with 3 when the verdict is NO-GO.");
     fields.path("pdf", self.pdf, "Also print the page into this PDF; needs Chromium.");
     fields.field("pdf_browser", self.pdf_browser,
@@ -108,6 +114,10 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
     input.replay = read_replay_note(options.replay);
     refuse_other_replay(*input.replay, input.selection);
     input.inputs.push_back(input_file("replay", options.replay, ""));
+  }
+  if (!options.landmarks.empty()) {
+    input.landmarks = std::make_shared<MapLandmarks>(read_planned_landmarks(files.mission.ground, options.landmarks));
+    input.inputs.push_back(input_file("landmarks", options.landmarks, ""));
   }
   return input;
 }

@@ -26,6 +26,7 @@ set(below_stages ${foundation} route ins mapdb registration ground mission match
 foreach(stage tile score select build_map report compare landmark)
   set(may_include_${stage} ${below_stages})
 endforeach()
+list(APPEND may_include_report match)
 set(may_include_flightlog ${below_stages} match)
 set(may_include_gis ${below_stages} report)
 set(may_include_prepare ${below_stages} tile score select simulate build_map report gis)
@@ -79,5 +80,5 @@ foreach(file IN LISTS files)
   endforeach()
 endforeach()
 finish("base <- geo <- raster <- {camera, vision, correlation, degradation} <- {airsim, route, ins, mapdb <- match <- navigate, registration, ground} <- \
-{mission, matchability} <- stages; a stage never includes another stage, except prepare and survey (the stages they are made of), reroute (prepare and its stages), gis (report), flightlog (match), \
+{mission, matchability} <- stages; a stage never includes another stage, except prepare and survey (the stages they are made of), reroute (prepare and its stages), gis (report), report and flightlog (match), \
 evaluate (build_map, match and flightlog) and simulate (airsim, navigate, flightlog, and select, whose P it flies against)")

@@ -86,6 +86,18 @@ TEST(PlaceEvidence, ACorrelationWithoutPixelsIsNone) {
   EXPECT_EQ(evidence_of(40, 100, 0.99, 0), evidence_of(40, 100));
 }
 
+TEST(LeastLead, GrowsWithWhatTheRivalHas) {
+  EXPECT_EQ(least_lead(7, 0), 3);
+  EXPECT_EQ(least_lead(12, 4), 7);
+  EXPECT_EQ(least_lead(40, 20), 11);
+  EXPECT_EQ(least_lead(100, 20), 20) << "a fifth of its own";
+  // Best places and rivals of frames of other orchards, which were taken with a lead of 3 and a fifth.
+  EXPECT_LT(39.9 - 31.5, least_lead(39.9, 31.5));
+  EXPECT_LT(21.9 - 11.1, least_lead(21.9, 11.1));
+  EXPECT_LT(18.2 - 7.8, least_lead(18.2, 7.8));
+  EXPECT_LT(8.9 - 5.9, least_lead(8.9, 5.9));
+}
+
 TEST(FalseFixRate, IsTheExponential) {
   EXPECT_EQ(false_fix_rate(0, 100), 1);
   EXPECT_NEAR(false_fix_rate(std::log(1000.0), kCalibratedHalfWidthPx), 1e-3, 1e-15);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/report/report.h"
 
 namespace pilotage {
@@ -28,6 +29,20 @@ TEST(ReportJson, FollowsItsSchema) {
   ReportInput empty;
   empty.geodetic_from_map = [](Eigen::Vector2d) { return GeodeticPoint{}; };
   EXPECT_EQ(violation(report_json(empty)), "");
+}
+
+TEST(ReportJson, SaysWhatLandmarksPromise) {
+  Report report = make_report(short_scene());
+  EXPECT_FALSE(report_json(report).contains("landmarks"));
+  const std::size_t columns = report_json(report)["tiles"]["columns"].size();
+  report.landmarks = LandmarkNote{{{"tank", 7, 0.95, 0.2, 0.3}}, {}, {{3, 0.7, 120, true}, {0, 0, kNaN, false}}};
+  for (ReportTile& tile : report.tiles) tile.p_landmark_fix = 0.25;
+  const auto json = report_json(report);
+  EXPECT_EQ(violation(json), "");
+  EXPECT_EQ(json["landmarks"]["legs"][0]["p_fix"], 0.7);
+  EXPECT_EQ(json["tiles"]["columns"].size(), columns + 1);
+  EXPECT_EQ(json["tiles"]["columns"].back(), "p_landmark_fix");
+  EXPECT_EQ(json["tiles"]["rows"][0].back(), 0.25);
 }
 
 TEST(ReportJson, CarriesProbabilitiesAndRanksLegsByThem) {

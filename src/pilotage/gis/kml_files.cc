@@ -33,6 +33,7 @@ void write_kmz(const std::filesystem::path& path, const ReportInput& input, cons
   std::vector<VectorLayer> folders = line_layers(layers);
   folders.insert(folders.begin(), layers.decision);
   folders.push_back(layers.areas);
+  if (!layers.landmarks.features.empty()) folders.push_back(layers.landmarks);
   folders.push_back(layers.tiles);
   std::string document = kml_document(report.title, folders);
   DegreeOverlay overlay =

@@ -65,7 +65,7 @@ std::string fill_layer(const std::string& style, Rgb fill, Rgb line, const std::
 struct StyleRule {
   std::string filter;  ///< "" for all features.
   std::string label;
-  std::string symbol_type;  ///< "fill" or "line".
+  std::string symbol_type;  ///< "fill", "line" or "marker".
   std::string opacity;
   std::string layers;
 };
@@ -195,6 +195,21 @@ std::string qgis_tile_style(const MeasureScale& scale, bool selection) {
     rules.push_back({"\"selected\"", "matching area", "fill", "1", fill_layer("no", kStrong, kStrong, "solid", 0.4)});
   }
   return rules_style(rules);
+}
+
+std::string qgis_point_style(Rgb color, double size_mm) {
+  const auto marker = [&](Rgb rim, double rim_mm) {
+    return symbol_layer("SimpleMarker", {{"name", "circle"},
+                                         {"color", "0,0,0,0"},
+                                         {"size", format_number(size_mm)},
+                                         {"size_unit", "MM"},
+                                         {"outline_color", channels(rim)},
+                                         {"outline_style", "solid"},
+                                         {"outline_width", format_number(rim_mm)},
+                                         {"outline_width_unit", "MM"}});
+  };
+  constexpr Rgb kWhite{0xff, 0xff, 0xff};
+  return rules_style({{"", "", "marker", "1", marker(kWhite, 0.9) + marker(color, 0.4)}});
 }
 
 std::string qgis_outline_style(Rgb color, double width_mm) {

@@ -38,6 +38,9 @@ std::string qgis_tile_style(const MeasureScale& scale, bool selection);
 /// An outline without a fill.
 std::string qgis_outline_style(Rgb color, double width_mm);
 
+/// A ring with a white rim.
+std::string qgis_point_style(Rgb color, double size_mm);
+
 /// Polygons by the text column `column`, one colour for each value.
 struct FillClass {
   std::string value;

@@ -13,8 +13,10 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/text.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/gis/ground_layers.h"
 #include "pilotage/gis/qgis_style.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/report/sampled_route.h"
 #include "pilotage/report/tile_class.h"
 #include "pilotage/report/tile_fields.h"
@@ -28,6 +30,7 @@ using Corners = std::vector<Eigen::Vector2d>;
 constexpr std::size_t kMaxLinePoints = 100'000;
 constexpr Rgb kRouteColor{0x20, 0x20, 0x20};
 constexpr Rgb kDeniedColor{0x6a, 0x3d, 0x9a};
+constexpr Rgb kLandmarkColor{0x00, 0x00, 0x00};
 
 /// A column of a layer and where its value comes from.
 template <class Row>
@@ -222,6 +225,37 @@ VectorLayer denied_layer(const ReportInput& input, const Report& report) {
   return layer;
 }
 
+VectorLayer landmark_layer(const MapLandmarks& landmarks) {
+  VectorLayer layer =
+      line_layer("landmarks", "Landmarks", "Landmarks of the onboard map, and what their detectors are worth.");
+  layer.shape = VectorShape::kPoint;
+  using Type = VectorType;
+  layer.columns = {{"class", Type::kText, "Class"},
+                   {"found", Type::kBoolean, "Found on the other date"},
+                   {"length_m", Type::kReal, "Length [m]"},
+                   {"ambiguity", Type::kReal, "Others expected near it"},
+                   {"p_detect", Type::kReal, "P(detect) of its class"},
+                   {"false_alarms_per_km2", Type::kReal, "False alarms of its class [1/km²]"},
+                   {"sigma_m", Type::kReal, "σ of its class, each axis [m]"}};
+  layer.qml = qgis_point_style(kLandmarkColor, 3);
+  for (const MapLandmark& landmark : landmarks.landmarks) {
+    const MapDetector& detector = landmarks.detectors[landmark.detector];
+    VectorFeature feature;
+    feature.points = {{landmark.place.lon_deg, landmark.place.lat_deg}};
+    feature.values = {valid_utf8(detector.detector.class_name),
+                      landmark.found,
+                      number_value(landmark.length_m),
+                      number_value(landmark.ambiguity),
+                      number_value(detector.p_detect),
+                      number_value(detector.false_alarms_per_km2),
+                      number_value(detector.sigma_m)};
+    feature.title = valid_utf8(detector.detector.class_name);
+    feature.note = landmark.found ? "found on the other date" : "not found on the other date";
+    layer.features.push_back(std::move(feature));
+  }
+  return layer;
+}
+
 const std::vector<LayerField<Report>>& route_fields() {
   using Type = VectorType;
   static const std::vector<LayerField<Report>> fields = {
@@ -308,22 +342,26 @@ VectorLayer waypoint_layer(const Report& report) {
 
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers) {
   std::vector<const VectorLayer*> drawn = {&layers.tiles, &layers.areas, &layers.legs, &layers.gaps};
-  if (!layers.denied.features.empty()) drawn.push_back(&layers.denied);
+  for (const VectorLayer* layer : {&layers.denied, &layers.landmarks}) {
+    if (!layer->features.empty()) drawn.push_back(layer);
+  }
   drawn.push_back(&layers.route);
   return drawn;
 }
 
 ReportLayers report_layers(const ReportInput& input, const Report& report) {
   ReportLayers layers{decision_layer(input.mission.ground, report.tiles),
-                      tile_layer(input.mission.ground, report.tiles, tile_fields(), shown_scale(report.measures)),
+                      tile_layer(input.mission.ground, report.tiles, tile_fields(report.landmarks.has_value()),
+                                 shown_scale(report.measures)),
                       area_layer(input, report),
                       leg_layer(input, report),
                       gap_layer(input, report),
                       denied_layer(input, report),
+                      landmark_layer(input.landmarks ? *input.landmarks : MapLandmarks()),
                       route_layer(input, report),
                       report_table(report)};
-  for (VectorLayer* layer :
-       {&layers.decision, &layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.denied, &layers.route}) {
+  for (VectorLayer* layer : {&layers.decision, &layers.tiles, &layers.areas, &layers.legs, &layers.gaps, &layers.denied,
+                             &layers.landmarks, &layers.route}) {
     std::vector<std::pair<std::string, std::string>> titles;
     for (const VectorColumn& column : layer->columns) titles.emplace_back(column.name, column.title);
     layer->qml = with_aliases(layer->qml, titles);

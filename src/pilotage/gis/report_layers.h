@@ -16,6 +16,7 @@ struct ReportLayers {
   VectorLayer legs;   ///< WGS 84, as gaps and route.
   VectorLayer gaps;
   VectorLayer denied;  ///< Where GNSS is denied; without a feature, and left out of the files, where nothing says so.
+  VectorLayer landmarks;  ///< Points, WGS 84; as `denied` where the map has none.
   VectorLayer route;
   VectorLayer report;  ///< Without a shape: the verdict and what the report was made of, as keys and values.
 };
@@ -24,7 +25,7 @@ struct ReportLayers {
 /// items. For KML alone.
 VectorLayer waypoint_layer(const Report& report);
 
-/// The layers that have a place in files, in their order: all with a shape but an empty `denied`.
+/// The layers that have a place in files, in their order: all with a shape but an empty `denied` and `landmarks`.
 std::vector<const VectorLayer*> drawn_layers(const ReportLayers& layers);
 
 /// `report` is make_report(input). Features come in the order of report.json; route is

@@ -39,7 +39,7 @@ inline constexpr std::size_t kMaxMapDetectors = 64;
 inline constexpr std::size_t kMaxMapLandmarks = 100'000;
 /// Of all filters together, as a reader holds them.
 inline constexpr std::size_t kMaxFilterBytes = std::size_t{16} << 20;
-inline constexpr double kLargestLandmarkSigma_m = 30;
+inline constexpr double kLargestLandmarkSigma_m = 10;
 
 /// What is wrong with the numbers of detectors and landmarks, their classes and the size of their filters, or "".
 std::string map_landmarks_problem(const MapLandmarks& landmarks);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -11,7 +13,6 @@
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/angle.h"
-#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/match/match_confidence.h"
 
 namespace pilotage {
@@ -32,6 +33,8 @@ constexpr double kPoseSigmas = 2.5;
 /// Of a class on a frame: the strongest.
 constexpr std::size_t kMaxSightings = 64;
 constexpr double kLandmarkNoisePx = 1;
+/// More say no more: the evidence of so many is beyond any rate that is asked for.
+constexpr std::size_t kMostGroups = 16;
 /// A frame is worse than the imagery of the other date, on which P(detect) was measured: this part of it is counted on.
 /// Modelled, not measured.
 constexpr double kDetectedOnFrames = 0.8;
@@ -109,36 +112,50 @@ std::vector<LandmarkPair> pairs_at(const PivotedFrame& frame, const LandmarkSear
   return pairs;
 }
 
-/// The frame as a detector wants it: north up on the grid, at its pixels; what is not ground has the mean of the rest.
-std::vector<Vector2d> sightings_m(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
-                                  const FrameOnGrid& rectified, const LandmarkDetector& detector,
-                                  const Checkpoint& checkpoint) {
+/// What a detector finds on the frame as it wants it: north up on the grid, at its pixels; what is not ground has the
+/// mean of the rest.
+struct Looked {
+  std::vector<Vector2d> places_m;
+  std::vector<Vector2d> corners_m;  // of what it looked at, two
+  bool all = true;                  // what it found is kept
+};
+
+Looked look(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, const FrameOnGrid& rectified,
+            const LandmarkDetector& detector, const Checkpoint& checkpoint) {
   RectifyOptions rectify;
   rectify.gsd_m = detector.gsd_m;
   rectify.max_size_px = kMaxSidePx;
   RectifiedFrame laid =
       ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify);
-  std::vector<Vector2d> places_m;
-  if (laid.status != RectifyStatus::kOk) return places_m;
+  Looked looked;
+  if (laid.status != RectifyStatus::kOk) return looked;
+  looked.corners_m = {laid.ground_from_pixel({0, 0}), laid.ground_from_pixel({static_cast<double>(laid.gray.cols),
+                                                                              static_cast<double>(laid.gray.rows)})};
   laid.gray.setTo(cv::mean(laid.gray, laid.valid), ~laid.valid);
-  for (const LandmarkHit& hit :
-       detect_landmarks(detector, laid.gray, laid.gsd_m, detector.threshold, kMaxSightings, checkpoint)) {
+  const auto hits = detect_landmarks(detector, laid.gray, laid.gsd_m, detector.threshold, kMaxSightings, checkpoint);
+  looked.all = hits.size() < kMaxSightings;
+  for (const LandmarkHit& hit : hits) {
     const cv::Point pixel(static_cast<int>(std::floor(hit.center_px.x())),
                           static_cast<int>(std::floor(hit.center_px.y())));
     const bool inside = cv::Rect(0, 0, laid.gray.cols, laid.gray.rows).contains(pixel);
-    if (inside && laid.valid.at<std::uint8_t>(pixel) != 0) places_m.push_back(laid.ground_from_pixel(hit.center_px));
+    if (inside && laid.valid.at<std::uint8_t>(pixel) != 0) {
+      looked.places_m.push_back(laid.ground_from_pixel(hit.center_px));
+    }
   }
-  return places_m;
+  return looked;
 }
 
 /// Whether the frame, placed so, shows all that the landmark's detector looks at, and that should be seen.
-bool is_shown(const PivotedFrame& frame, const NearLandmark& landmark, const PlacementTransform& placement) {
-  if (!landmark.found) return false;
+bool is_shown(const PivotedFrame& frame, const LandmarkSearch& search, const NearLandmark& landmark,
+              const PlacementTransform& placement) {
+  if (!landmark.found || !(search.p_detect[landmark.detector] > 0)) return false;
   const FrameGrid& grid = frame.grid;
   const Vector2d middle =
       frame.stretched(placement.frame_from_map(landmark.map_px), 1 / landmark.stretch) + frame.pivot_px;
   for (const Vector2d& corner : {Vector2d(-1, -1), Vector2d(1, -1), Vector2d(-1, 1), Vector2d(1, 1)}) {
-    const Vector2d point = (middle + landmark.half_side_px * corner - Vector2d::Constant(0.5)) / grid.step_px;
+    const Vector2d at_px = middle + landmark.half_side_px * corner;
+    if (!search.looked_at_px[landmark.detector].contains(at_px - frame.pivot_px)) return false;
+    const Vector2d point = (at_px - Vector2d::Constant(0.5)) / grid.step_px;
     const double column = std::round(point.x());
     const double row = std::round(point.y());
     if (!(column >= 0 && row >= 0 && column < grid.columns && row < grid.rows)) return false;
@@ -161,6 +178,76 @@ std::vector<std::size_t> strongest_of_each_class(const std::vector<LandmarkSight
   return order;
 }
 
+/// Groups of the landmarks of pairs, each counted once.
+std::size_t count_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs) {
+  std::set<std::size_t> groups;
+  for (const LandmarkPair& pair : pairs) groups.insert(search.near[pair.near].group);
+  return groups.size();
+}
+
+/// Landmarks from left to right.
+std::vector<std::size_t> sorted_by_x(const std::vector<NearLandmark>& near) {
+  std::vector<std::size_t> order(near.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return near[a].map_px.x() < near[b].map_px.x(); });
+  return order;
+}
+
+/// Whether two other landmarks of these classes differ as these two do, within the tolerance.
+bool difference_repeats(const LandmarkSearch& search, const std::vector<std::size_t>& by_x, std::size_t from,
+                        std::size_t to) {
+  const NearLandmark& a = search.near[from];
+  const NearLandmark& b = search.near[to];
+  const double tolerance_px = std::max(search.tolerance_px[a.detector], search.tolerance_px[b.detector]);
+  for (std::size_t i = 0; i < search.near.size(); ++i) {
+    if (search.near[i].detector != a.detector) continue;
+    const Vector2d expected_px = search.near[i].map_px + (b.map_px - a.map_px);
+    const auto first =
+        std::lower_bound(by_x.begin(), by_x.end(), expected_px.x() - tolerance_px,
+                         [&](std::size_t one, double x_px) { return search.near[one].map_px.x() < x_px; });
+    for (auto at = first; at != by_x.end(); ++at) {
+      const NearLandmark& other = search.near[*at];
+      if (other.map_px.x() > expected_px.x() + tolerance_px) break;
+      if (other.detector != b.detector || (i == from && *at == to) || (i == to && *at == from)) continue;
+      if ((other.map_px - expected_px).norm() <= tolerance_px) return true;
+    }
+  }
+  return false;
+}
+
+/// The most of them that lie along one line, within the tolerance; all where there are two or fewer.
+std::size_t most_in_line(const LandmarkSearch& search, const std::vector<std::size_t>& near) {
+  std::size_t most = std::min<std::size_t>(near.size(), 2);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    for (std::size_t j = i + 1; j < near.size(); ++j) {
+      const Vector2d from_px = search.near[near[i]].map_px;
+      const Vector2d along = (search.near[near[j]].map_px - from_px).normalized();
+      const auto in_line = std::count_if(near.begin(), near.end(), [&](std::size_t one) {
+        const Vector2d off_px = search.near[one].map_px - from_px;
+        const double beside_px = std::abs(along.x() * off_px.y() - along.y() * off_px.x());
+        return beside_px <= 2 * search.tolerance_px[search.near[one].detector];
+      });
+      most = std::max(most, static_cast<std::size_t>(in_line));
+    }
+  }
+  return most;
+}
+
+/// −ln P(M ≥ missed) where each of the groups is missed with its chance: a Poisson binomial.
+double evidence_of_missing(const std::vector<double>& p_missed, std::size_t missed) {
+  if (missed == 0) return 0;
+  std::vector<double> chance{1};  // of 0, 1, 2 … missed
+  for (const double p : p_missed) {
+    chance.push_back(0);
+    for (std::size_t k = chance.size() - 1; k > 0; --k) chance[k] = chance[k] * (1 - p) + chance[k - 1] * p;
+    chance[0] *= 1 - p;
+  }
+  double tail = 0;
+  for (std::size_t k = missed; k < chance.size(); ++k) tail += chance[k];
+  return -std::log(std::clamp(tail, 1e-30, 1.0));
+}
+
 /// How many sightings lie on landmarks at a place that has nothing to do with them, on average.
 double expected_by_chance(const LandmarkSearch& search) {
   double mean = 0;
@@ -172,6 +259,36 @@ double expected_by_chance(const LandmarkSearch& search) {
 }
 
 }  // namespace
+
+double landmark_tolerance_m(const MapDetector& detector, double gsd_m) {
+  return kToleranceSigmas * std::hypot(detector.sigma_m, std::max(kPlaceSigma_m, gsd_m));
+}
+
+double p_seen_on_frame(const MapDetector& detector) {
+  return kDetectedOnFrames * detector.p_detect;
+}
+
+std::vector<double> landmark_densities(const std::vector<NearLandmark>& landmarks, std::size_t detectors,
+                                       double reach_px, double radius_px, const Checkpoint& checkpoint) {
+  std::vector<double> counts(detectors, 0);
+  std::vector<double> beside(detectors, 0);  // of all landmarks, those of their class within the radius
+  for (const NearLandmark& one : landmarks) {
+    pass(checkpoint);
+    counts[one.detector] += 1;
+    for (const NearLandmark& other : landmarks) {
+      const bool is_beside =
+          &one != &other && one.detector == other.detector && (one.map_px - other.map_px).norm() <= radius_px;
+      beside[one.detector] += is_beside ? 1 : 0;
+    }
+  }
+  std::vector<double> densities;
+  for (std::size_t i = 0; i < detectors; ++i) {
+    const double over_all = (counts[i] + 1) / (std::numbers::pi * reach_px * reach_px);
+    const double about_each = (beside[i] / std::max(1.0, counts[i]) + 1) / (std::numbers::pi * radius_px * radius_px);
+    densities.push_back(std::max(over_all, about_each));
+  }
+  return densities;
+}
 
 std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                                  MapReader& map, const MatchOptions& options,
@@ -206,18 +323,21 @@ std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const Mat
   }
   if (search.near.empty()) return std::nullopt;
   group_landmarks(kLandmarkGroup_m / rectified.gsd_m, search.near, checkpoint);
-  const double area_px2 = std::numbers::pi * reach_px * reach_px;
+  search.landmarks_in_px2 = landmark_densities(search.near, detectors, reach_px, described.radius_px, checkpoint);
   for (std::size_t i = 0; i < detectors; ++i) {
     const MapDetector& one = stored->detectors[i];
-    const double sigma_m = std::hypot(one.sigma_m, std::max(kPlaceSigma_m, rectified.gsd_m));
     search.sigma_m.push_back(one.sigma_m);
-    search.p_detect.push_back(kDetectedOnFrames * one.p_detect);
-    search.tolerance_px.push_back(kToleranceSigmas * sigma_m / rectified.gsd_m);
-    // One more than were counted: of few, chance may have put some more elsewhere.
-    search.landmarks_in_px2.push_back((counts[i] + 1) / area_px2);
+    search.p_detect.push_back(p_seen_on_frame(one));
+    search.tolerance_px.push_back(landmark_tolerance_m(one, rectified.gsd_m) / rectified.gsd_m);
+    search.looked_at_px.emplace_back();
     if (counts[i] == 0) continue;
     pass(checkpoint);
-    for (const Vector2d& place_m : sightings_m(frame, prior, camera, rectified, one.detector, checkpoint)) {
+    const Looked looked = look(frame, prior, camera, rectified, one.detector, checkpoint);
+    if (!looked.all) search.p_detect.back() = 0;
+    for (const Vector2d& corner_m : looked.corners_m) {
+      search.looked_at_px.back().extend(rectified.px_from_m(corner_m - rectified.pivot_m));
+    }
+    for (const Vector2d& place_m : looked.places_m) {
       search.sightings.push_back({i, rectified.px_from_m(place_m - rectified.pivot_m)});
     }
   }
@@ -274,26 +394,51 @@ void group_landmarks(double link_px, std::vector<NearLandmark>& landmarks, const
   }
 }
 
-std::size_t count_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs) {
-  std::set<std::size_t> groups;
-  for (const LandmarkPair& pair : pairs) groups.insert(search.near[pair.near].group);
-  return groups.size();
+std::size_t independent_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs) {
+  const std::vector<std::size_t> by_x = sorted_by_x(search.near);
+  std::vector<std::size_t> counted;  // of search.near
+  for (const LandmarkPair& pair : pairs) {
+    if (counted.size() == kMostGroups) break;
+    const bool says_nothing_new = std::any_of(counted.begin(), counted.end(), [&](std::size_t other) {
+      return search.near[other].group == search.near[pair.near].group ||
+             difference_repeats(search, by_x, other, pair.near);
+    });
+    if (!says_nothing_new) counted.push_back(pair.near);
+  }
+  const std::size_t in_line = most_in_line(search, counted);
+  return counted.size() - in_line + std::min<std::size_t>(in_line, 2);
 }
 
 LandmarkView view_landmarks(const PivotedFrame& frame, const LandmarkSearch& search, const Placement& placement,
                             const Checkpoint& checkpoint) {
   LandmarkView view;
   view.pairs = pair_landmarks(frame, search, placement, checkpoint);
-  view.groups = count_groups(search, view.pairs);
+  view.groups = independent_groups(search, view.pairs);
   view.expected = view.pairs.size();
   std::vector<bool> seen(search.near.size(), false);
   for (const LandmarkPair& pair : view.pairs) seen[pair.near] = true;
   const PlacementTransform transform(placement);
+  struct Group {
+    double p_detect = 0;  // of the landmark that is seen best
+    bool seen = false;
+  };
+  std::map<std::size_t, Group> shown;
   for (std::size_t i = 0; i < search.near.size(); ++i) {
-    if (seen[i] || !is_shown(frame, search.near[i], transform)) continue;
-    ++view.expected;
-    view.against -= std::log(1 - search.p_detect[search.near[i].detector]);
+    const NearLandmark& landmark = search.near[i];
+    const bool is_expected = is_shown(frame, search, landmark, transform);
+    if (!seen[i] && is_expected) ++view.expected;
+    if (!seen[i] && !is_expected) continue;
+    Group& group = shown[landmark.group];
+    group.p_detect = std::max(group.p_detect, search.p_detect[landmark.detector]);
+    group.seen = group.seen || seen[i];
   }
+  std::vector<double> p_missed;
+  std::size_t missed = 0;
+  for (const auto& [number, group] : shown) {
+    p_missed.push_back(1 - group.p_detect);
+    missed += group.seen ? 0 : 1;
+  }
+  view.against = evidence_of_missing(p_missed, missed);
   return view;
 }
 

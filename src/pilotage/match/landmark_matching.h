@@ -5,9 +5,11 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 
 #include "pilotage/camera/camera.h"
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/match/checkpoint.h"
 #include "pilotage/match/frame_on_grid.h"
 
@@ -37,9 +39,11 @@ struct LandmarkSearch {
   std::vector<NearLandmark> near;
   std::vector<double> sigma_m;           ///< By detector: of sightings, each axis.
   std::vector<double> tolerance_px;      ///< By detector: how far a sighting may lie from its landmark.
-  std::vector<double> landmarks_in_px2;  ///< By detector: how dense its landmarks are in the window.
-  std::vector<double> p_detect;          ///< By detector: of a landmark that the frame shows, at least.
-  double turns_and_scales = 1;           ///< How many of them, at most, a frame can be laid on landmarks with.
+  std::vector<double> landmarks_in_px2;  ///< By detector: landmark_densities().
+  std::vector<double> p_detect;          ///< By detector: of a landmark that the frame shows, at least; 0 when it found
+                                         ///< more than are kept, and what is missing is not known.
+  std::vector<Eigen::AlignedBox2d> looked_at_px;  ///< By detector: what it saw of the frame, from the pivot.
+  double turns_and_scales = 1;                    ///< How many of them, at most, a frame can be laid on landmarks with.
 };
 
 /// A sighting that lies on a landmark.
@@ -48,10 +52,22 @@ struct LandmarkPair {
   std::size_t near = 0;
 };
 
+/// How far a sighting may lie from its landmark: three σ of it and of the place.
+double landmark_tolerance_m(const MapDetector& detector, double gsd_m);
+
+/// P that a landmark of this class, found on the other date, is seen on a frame that shows it whole, at least.
+double p_seen_on_frame(const MapDetector& detector);
+
 /// Numbers landmarks, of whatever class, so that those of one number hang together in steps of at most `link_px`. What
 /// stands together, two classes on one object, tanks of a farm, is built alike elsewhere: a group says once that a
 /// place is right, however many of its landmarks agree.
 void group_landmarks(double link_px, std::vector<NearLandmark>& landmarks, const Checkpoint& checkpoint = {});
+
+/// How dense landmarks of each detector are: in the circle of `reach_px`, or about each other within `radius_px` of a
+/// frame, whichever is more: a place that has one under a sighting is where landmarks are. One more is counted than
+/// there are: of few, chance may have put some more elsewhere.
+std::vector<double> landmark_densities(const std::vector<NearLandmark>& landmarks, std::size_t detectors,
+                                       double reach_px, double radius_px, const Checkpoint& checkpoint = {});
 
 /// Lays the frame north up at the pixels of each detector that has landmarks in the window, and looks for them. Nothing
 /// when they are not wanted, the map has none here or more than kMaxNearLandmarks, or none is seen. Throws DataError
@@ -72,18 +88,20 @@ std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const Landma
 /// What landmarks say of a place.
 struct LandmarkView {
   std::vector<LandmarkPair> pairs;
-  std::size_t groups = 0;    ///< Of the landmarks of the pairs: NearLandmark::group.
+  std::size_t groups = 0;    ///< independent_groups() of the pairs.
   std::size_t expected = 0;  ///< Pairs, and landmarks that the frame should show there, all of what their detector
                              ///< looks at, and that were not seen.
-  double against = 0;        ///< −ln of the chance that so many are not seen where the place is right.
+  double against = 0;  ///< −ln of the chance that so many groups, or more, are not seen where the place is right.
 };
 
 /// pair_landmarks(), and what is missing. Where the frame was not described it is taken to show nothing.
 LandmarkView view_landmarks(const PivotedFrame& frame, const LandmarkSearch& search, const Placement& placement,
                             const Checkpoint& checkpoint = {});
 
-/// Groups of the landmarks of pairs, each counted once.
-std::size_t count_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs);
+/// How many of the landmarks of pairs say something of their own: one of each group; of those that lie along a line,
+/// within the tolerance, two; and none at a difference from another that the window's landmarks have more than once. A
+/// row or a grid of things lies on another one wherever one of them does.
+std::size_t independent_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs);
 
 /// Displacement voting: each sighting on each landmark of its class puts the frame somewhere; the places of the square
 /// where kLeastLandmarks groups at least agree, up to what the prior's turn and scale leave open, are fitted to all
@@ -113,6 +131,6 @@ inline constexpr std::size_t kLeastLandmarks = 3;
 /// How far off landmarks are taken to be independent of each other.
 inline constexpr double kLandmarkGroup_m = 60;
 /// Of a window: more are no landmarks.
-inline constexpr std::size_t kMaxNearLandmarks = 2000;
+inline constexpr std::size_t kMaxNearLandmarks = 1000;
 
 }  // namespace pilotage

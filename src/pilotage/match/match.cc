@@ -26,13 +26,6 @@ namespace {
 constexpr double kMaxSearchBins = 1e9;
 constexpr double kMaxComparisons = 2e10;
 constexpr double kMib = 1 << 20;
-/// Of the best place over its rival, in natural logarithms: kMinLead, and as much as the rival itself has, up to
-/// kMostRivalLead. A rival that frames of other ground would hardly reach says that this ground deceives more than that
-/// from which the rate was found: rows of trees do. Held against such frames in docs/methods/match-confidence.md.
-constexpr double kMinLead = 3;
-constexpr double kMostRivalLead = 8;
-/// Likewise, of its own evidence: fields of planted rows are alike one by one, and a wrong place may have most of them.
-constexpr double kMinLeadShare = 0.3;
 constexpr double kHeadingStepDeg = 10;
 /// Up to this σ of yaw one search is enough: turns of two σ are within what upright descriptors tolerate. Above it
 /// headings are swept.
@@ -87,8 +80,7 @@ void describe_ranking(const RankedPlaces& places, double half_width_px, double s
 }
 
 bool is_ambiguous(const MatchStats& stats) {
-  const double lead = kMinLead + std::min(stats.vote_rival, kMostRivalLead);
-  return stats.vote_peak - stats.vote_rival < std::max(lead, kMinLeadShare * stats.vote_peak);
+  return stats.vote_peak - stats.vote_rival < least_lead(stats.vote_peak, stats.vote_rival);
 }
 
 /// Why the best place is not accepted as a fix, or nothing.
@@ -169,19 +161,22 @@ Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrio
   return relief;
 }
 
-/// The pose at the best place. By landmarks only those count that agree with it, and where features say more than
-/// these, they have the pose.
+/// The pose at the best place. Of landmarks only those count that agree with it; where features say more than these,
+/// they have the pose.
 std::optional<RefinedFix> refine_best(const FrameOnGrid& rectified, const PivotedFrame& described,
                                       const LocalMap& local, const MatchPrior& prior, const MatchOptions& options,
                                       const std::optional<LandmarkSearch>& landmarks, RankedPlace& best) {
-  if (best.by_landmarks) {
-    auto refined = refine_fix_by_landmarks(rectified, described, local, prior, options, *landmarks, best);
-    const std::size_t agreeing = refined ? refined->landmark_groups : 0;
-    const double lost = landmark_evidence(*landmarks, best.landmarks.groups) - landmark_evidence(*landmarks, agreeing);
-    best.evidence = std::max(best.of_features, best.evidence - lost);
-    best.by_landmarks = best.evidence > best.of_features;
-    if (best.by_landmarks || best.of_features <= 0) return refined;
+  if (!landmarks || best.evidence <= best.of_features) {
+    return refine_fix(rectified, described, local, prior, options, best.match);
   }
+  auto refined = best.by_landmarks
+                     ? refine_fix_by_landmarks(rectified, described, local, prior, options, *landmarks, best)
+                     : refine_fix_beside_landmarks(rectified, described, local, prior, options, *landmarks, best);
+  const std::size_t agreeing = refined ? refined->landmark_groups : 0;
+  const double lost = landmark_evidence(*landmarks, best.landmarks.groups) - landmark_evidence(*landmarks, agreeing);
+  best.evidence = std::max(best.of_features, best.evidence - lost);
+  if (!best.by_landmarks || best.evidence > best.of_features || best.of_features <= 0) return refined;
+  best.by_landmarks = false;
   return refine_fix(rectified, described, local, prior, options, best.match);
 }
 

@@ -78,6 +78,13 @@ double place_evidence(const PlaceEvidence& evidence) {
                            correlation_evidence(evidence.ncc, evidence.compared_px));
 }
 
+double least_lead(double evidence, double rival_evidence) {
+  constexpr double kLeast = 3;
+  constexpr double kMostOfRival = 8;
+  constexpr double kShareOfOwn = 0.2;
+  return std::max(kLeast + std::clamp(rival_evidence, 0.0, kMostOfRival), kShareOfOwn * evidence);
+}
+
 double false_fix_rate(double evidence, double half_width_px) {
   const double windows = std::max(1.0, std::pow(half_width_px / kCalibratedHalfWidthPx, 2));
   return std::min(1.0, windows * std::exp(-evidence));

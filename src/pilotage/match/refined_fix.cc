@@ -16,6 +16,8 @@ namespace {
 constexpr double kGateSigmas = 4;
 /// Of a pair, the least that is believed.
 constexpr double kLeastNoise_px = 0.3;
+/// Of a pose by features, where landmarks are held against it.
+constexpr double kFeaturePoseSigma_m = 1;
 /// σ of what landmarks lean away from the nadir, for each metre of their length and the tangent of the angle there: the
 /// middle of what lies flat not at all, that of something half as high as it is long by a quarter. Modelled, not
 /// measured.
@@ -127,6 +129,37 @@ std::optional<RefinedFix> refined_by(const std::vector<GroundPair>& on_ground, c
   return refined;
 }
 
+/// A sighting and its landmark, the heights against that under the aircraft at the placement.
+GroundPair ground_pair(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
+                       const MatchPrior& prior, const LandmarkSearch& landmarks, const LandmarkPair& pair,
+                       const Placement& placement) {
+  const Eigen::Vector2d nadir_px = placement.map_from_frame(frame.nadir_px - frame.pivot_px);
+  const NearLandmark& landmark = landmarks.near[pair.near];
+  const Eigen::Vector2d from_pivot_px = landmarks.sightings[pair.sighting].from_pivot_px;
+  const Eigen::Vector2d ground = rectified.frame.ground_from_pixel(from_pivot_px + frame.pivot_px);
+  GroundPair one;
+  one.ray_m = {ground.x(), ground.y(), -prior.height_agl_m};
+  one.map_m = rectified.m_from_px(landmark.map_px);
+  one.rise_m = std::isfinite(landmark.height_m) && map.relief.ground.known()
+                   ? landmark.height_m - map.relief.ground.height_m(nadir_px)
+                   : rise_m(map.relief.ground, landmark.map_px, nadir_px);
+  return one;
+}
+
+/// independent_groups() of the pairs that a pose puts within three of their own σ and `pose_sigma_m`.
+std::size_t agreeing_groups(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
+                            const MatchPrior& prior, const LandmarkSearch& landmarks, const RankedPlace& place,
+                            const PoseCorrection& pose, double pose_sigma_m) {
+  std::vector<LandmarkPair> agreeing;
+  for (const LandmarkPair& pair : place.landmarks.pairs) {
+    const GroundPair one = ground_pair(rectified, frame, map, prior, landmarks, pair, place.match.placement);
+    const double sigma_m = landmarks.sigma_m[landmarks.sightings[pair.sighting].detector];
+    const double off_m = (pose.ground_from_ray(one.ray_m, one.rise_m) - one.map_m).norm();
+    if (off_m <= 3 * std::hypot(sigma_m, pose_sigma_m)) agreeing.push_back(pair);
+  }
+  return independent_groups(landmarks, agreeing);
+}
+
 }  // namespace
 
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
@@ -145,37 +178,35 @@ std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, 
                                                   const MatchOptions& options, const LandmarkSearch& landmarks,
                                                   const RankedPlace& place) {
   PosePrior sigmas = pose_prior(rectified, map, prior, options);
-  const Eigen::Vector2d nadir_px = place.match.placement.map_from_frame(frame.nadir_px - frame.pivot_px);
-  const double below_m = map.relief.ground.height_m(nadir_px);
   std::vector<GroundPair> on_ground;
   double variance_m2 = 0;
   double lean_m2 = 0;
   for (const LandmarkPair& pair : place.landmarks.pairs) {
-    const LandmarkSighting& sighting = landmarks.sightings[pair.sighting];
-    const NearLandmark& landmark = landmarks.near[pair.near];
-    const Eigen::Vector2d ground = rectified.frame.ground_from_pixel(sighting.from_pivot_px + frame.pivot_px);
-    GroundPair one;
-    one.ray_m = {ground.x(), ground.y(), -prior.height_agl_m};
-    one.map_m = rectified.m_from_px(landmark.map_px);
-    one.rise_m = std::isfinite(landmark.height_m) && map.relief.ground.known()
-                     ? landmark.height_m - below_m
-                     : rise_m(map.relief.ground, landmark.map_px, nadir_px);
-    on_ground.push_back(one);
-    variance_m2 = std::max(variance_m2, std::pow(landmarks.sigma_m[sighting.detector], 2));
-    lean_m2 += std::pow(kLeanOfLength * landmark.length_m * ground.norm() / prior.height_agl_m, 2);
+    on_ground.push_back(ground_pair(rectified, frame, map, prior, landmarks, pair, place.match.placement));
+    const double sigma_m = landmarks.sigma_m[landmarks.sightings[pair.sighting].detector];
+    variance_m2 = std::max(variance_m2, sigma_m * sigma_m);
+    lean_m2 += std::pow(kLeanOfLength * landmarks.near[pair.near].length_m * on_ground.back().ray_m.head<2>().norm() /
+                            prior.height_agl_m,
+                        2);
   }
   sigmas.pair_sigma_m = std::hypot(std::sqrt(variance_m2), kLeastNoise_px * rectified.gsd_m);
   sigmas.lean_sigma_m = std::sqrt(lean_m2 / std::max(1.0, static_cast<double>(on_ground.size())));
   sigmas.lean_length_m = kHeightErrorLength_m;
   auto refined = refined_by(on_ground, sigmas, rectified, frame, map, prior, place.match.placement);
   if (!refined) return std::nullopt;
-  std::vector<LandmarkPair> agreeing;
-  for (std::size_t i = 0; i < on_ground.size(); ++i) {
-    const GroundPair& pair = on_ground[i];
-    const double off_m = (refined->pose.ground_from_ray(pair.ray_m, pair.rise_m) - pair.map_m).norm();
-    if (off_m <= 3 * *sigmas.pair_sigma_m) agreeing.push_back(place.landmarks.pairs[i]);
-  }
-  refined->landmark_groups = count_groups(landmarks, agreeing);
+  refined->landmark_groups = agreeing_groups(rectified, frame, map, prior, landmarks, place, refined->pose,
+                                             std::hypot(kLeastNoise_px * rectified.gsd_m, sigmas.lean_sigma_m));
+  return refined;
+}
+
+std::optional<RefinedFix> refine_fix_beside_landmarks(const FrameOnGrid& rectified, const PivotedFrame& frame,
+                                                      const LocalMap& map, const MatchPrior& prior,
+                                                      const MatchOptions& options, const LandmarkSearch& landmarks,
+                                                      const RankedPlace& place) {
+  auto refined = refine_fix(rectified, frame, map, prior, options, place.match);
+  if (!refined) return std::nullopt;
+  refined->landmark_groups = agreeing_groups(rectified, frame, map, prior, landmarks, place, refined->pose,
+                                             std::max(kFeaturePoseSigma_m, rectified.gsd_m));
   return refined;
 }
 

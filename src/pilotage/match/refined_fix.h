@@ -14,7 +14,7 @@ namespace pilotage {
 struct RefinedFix {
   Fix fix;
   PoseCorrection pose;
-  std::size_t landmark_groups = 0;  ///< count_groups() of the landmarks that agree with the pose.
+  std::size_t landmark_groups = 0;  ///< independent_groups() that agree with the pose.
 };
 
 /// Refines the pose from the supporters of `place`. Heights of the map's ground count against that straight below the
@@ -29,6 +29,12 @@ std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, 
                                                   const LocalMap& map, const MatchPrior& prior,
                                                   const MatchOptions& options, const LandmarkSearch& landmarks,
                                                   const RankedPlace& place);
+
+/// refine_fix(), and how many of the landmarks of `place` agree with it.
+std::optional<RefinedFix> refine_fix_beside_landmarks(const FrameOnGrid& rectified, const PivotedFrame& frame,
+                                                      const LocalMap& map, const MatchPrior& prior,
+                                                      const MatchOptions& options, const LandmarkSearch& landmarks,
+                                                      const RankedPlace& place);
 
 /// Adds the error of the map's own georeference, each axis, to both covariances.
 void add_map_error(Fix& fix, double map_sigma_m);

@@ -1,6 +1,7 @@
 #include "pilotage/prepare/prepare.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mission/landmark_file.h"
 #include "pilotage/mission/plan_file.h"
+#include "pilotage/mission/planned_landmarks.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/raster/gdal_io.h"
@@ -204,6 +206,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   if (scored.second_epoch) {
     input.assumptions.push_back(second_date_assumption(*scored.second_epoch, options.score.registration));
   }
+  if (!options.build.landmarks.empty())
+    input.landmarks = std::make_shared<MapLandmarks>(read_planned_landmarks(mission.ground, options.build.landmarks));
   input.parameters = described(options);
   input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});

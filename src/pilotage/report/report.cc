@@ -221,6 +221,13 @@ InertialReach inertial_reach(const ReportInput& input) {
   return reach;
 }
 
+void add_landmarks(const Mission& mission, const MapLandmarks& landmarks, Report& report) {
+  std::vector<double> p_fix;
+  for (const ReportLeg& leg : report.legs) p_fix.push_back(leg.status.p_fix);
+  report.landmarks = landmark_note(mission, landmarks, p_fix);
+  for (std::size_t i = 0; i < report.tiles.size(); ++i) report.tiles[i].p_landmark_fix = report.landmarks->p_fix[i];
+}
+
 }  // namespace
 
 Report make_report(const ReportInput& input) {
@@ -253,6 +260,7 @@ Report make_report(const ReportInput& input) {
   report.waypoints = waypoints(mission.flight);
   report.legs = place_legs(input);
   report.worst_legs = rank_legs(report.legs);
+  if (input.landmarks) add_landmarks(mission, *input.landmarks, report);
   report.gaps = place_gaps(input);
   report.probability = selection.probability;
   report.denied = denied_stretches(input);

@@ -13,6 +13,7 @@
 
 #include "pilotage/report/height_profile.h"
 #include "pilotage/report/imagery_age.h"
+#include "pilotage/report/landmark_note.h"
 #include "pilotage/report/measure_scale.h"
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
@@ -56,6 +57,7 @@ struct ReportTile {
   std::string reason;  ///< Why it is not selected, as one sentence; "" when it is.
   std::string
       reasons;  ///< Why it is not, or may not be, recognised (matchability/reasons.h); "" when nothing speaks so.
+  double p_landmark_fix = std::numeric_limits<double>::quiet_NaN();  ///< LandmarkNote::p_fix; NaN without landmarks.
 };
 
 /// A stretch of the route over selected tiles.
@@ -139,6 +141,7 @@ struct Report {
   std::string elevation;
   std::vector<InputFile> inputs;
   std::optional<ImageryAge> imagery_age;  ///< Where the planner said when the flight is.
+  std::optional<LandmarkNote> landmarks;  ///< Where the onboard map has some.
   nlohmann::ordered_json parameters;
   std::vector<std::string> warnings;
   std::vector<std::string> notes;

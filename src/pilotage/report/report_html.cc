@@ -322,6 +322,7 @@ std::string report_html(const Report& report) {
        {"modelled", kind_mark(NumberKind::kModelled)},
        {"evaluation", evaluation_html(report)},
        {"imagery_age", imagery_age_html(report.imagery_age)},
+       {"landmarks", report.landmarks ? landmark_html(*report.landmarks) : ""},
        {"denied_key", denied_key_html(report)},
        {"denied_box", denied_box_html(report)},
        {"chart", strip_chart_svg(report)},

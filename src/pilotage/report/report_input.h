@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,10 @@
 #include "pilotage/report/flight_notes.h"
 #include "pilotage/report/seen_frames.h"
 #include "pilotage/report/tile_pictures.h"
+
+namespace pilotage {
+struct MapLandmarks;
+}  // namespace pilotage
 
 #pragma GCC visibility push(default)
 
@@ -41,6 +46,8 @@ struct ReportInput {
   std::vector<Simulation> simulations;       ///< What `simulate` found of this plan; drawn fixes before frames.
   std::optional<EnvelopeNote> envelope;      ///< What `envelope` found of it.
   std::optional<ReplayNote> replay;          ///< What `replay` found of flights by it.
+  /// Of the onboard map (mission/planned_landmarks.h); null where it has none.
+  std::shared_ptr<const MapLandmarks> landmarks;
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be
   /// inverted over the corridor. Called from one thread, some 10,000 times and four times per tile.

@@ -228,11 +228,12 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
   io.records("imagery", report.imagery);
   io.value("elevation", report.elevation);
   if (report.imagery_age) io.only_written("imagery_age", [&] { return imagery_age_json(*report.imagery_age); });
+  if (report.landmarks) io.only_written("landmarks", [&] { return landmark_json(*report.landmarks); });
   io.records("inputs", report.inputs);
   io.value("parameters", report.parameters);
   io.value("warnings", report.warnings);
   io.value("notes", report.notes);
-  io.only_written("tiles", [&] { return tiles_json(tile_fields(), report.tiles); });
+  io.only_written("tiles", [&] { return tiles_json(tile_fields(report.landmarks.has_value()), report.tiles); });
 }
 
 }  // namespace report_records

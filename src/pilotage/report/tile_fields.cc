@@ -85,9 +85,15 @@ VectorValue degrees_value(double degrees) {
   return value_or_null(result == 0 ? 0.0 : result);
 }
 
-const std::vector<TileField>& tile_fields() {
+const std::vector<TileField>& tile_fields(bool landmarks) {
   static const std::vector<TileField> fields = make_tile_fields();
-  return fields;
+  static const std::vector<TileField> with_landmarks = [] {
+    std::vector<TileField> more = fields;
+    more.push_back({"p_landmark_fix", "P(fix by landmarks alone)", "", Type::kReal,
+                    [](Tile t) { return number_value(t.p_landmark_fix); }});
+    return more;
+  }();
+  return landmarks ? with_landmarks : fields;
 }
 
 const std::vector<TileField>& ground_tile_fields() {

@@ -27,8 +27,9 @@ struct TileField {
   std::function<VectorValue(const ReportTile&)> value;
 };
 
-/// Which tile it is, what the report says of it, where it lies, and every measure, P(correct fix) before the others.
-const std::vector<TileField>& tile_fields();
+/// Which tile it is, what the report says of it, where it lies, and every measure, P(correct fix) before the others;
+/// with landmarks behind it P of a fix by these alone.
+const std::vector<TileField>& tile_fields(bool landmarks = false);
 
 /// The same of ground that nobody flies over: its class (tile_class.h) instead of what a selection and a route say.
 const std::vector<TileField>& ground_tile_fields();
