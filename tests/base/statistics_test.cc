@@ -115,6 +115,21 @@ TEST(ChiSquaredQuantile, RefusesWhatHasNone) {
   EXPECT_THROW(chi_squared_quantile(0.5, std::numeric_limits<double>::infinity()), UsageError);
 }
 
+TEST(PoissonBinomial, EqualChancesAreABinomialAndCertainOnesShiftIt) {
+  const std::vector<double> three = poisson_binomial({0.2, 0.2, 0.2});
+  ASSERT_EQ(three.size(), 4U);
+  EXPECT_DOUBLE_EQ(three[0], 0.512);
+  EXPECT_DOUBLE_EQ(three[1], 0.384);
+  EXPECT_DOUBLE_EQ(three[2], 0.096);
+  EXPECT_DOUBLE_EQ(three[3], 0.008);
+  const std::vector<double> mixed = poisson_binomial({1, 0.25, 0});
+  EXPECT_DOUBLE_EQ(mixed[0], 0);
+  EXPECT_DOUBLE_EQ(mixed[1], 0.75);
+  EXPECT_DOUBLE_EQ(mixed[2], 0.25);
+  EXPECT_DOUBLE_EQ(mixed[3], 0);
+  EXPECT_EQ(poisson_binomial({}), std::vector<double>{1});
+}
+
 // numpy.quantile's default.
 TEST(Quantile, IsLinearBetweenNeighbours) {
   EXPECT_EQ(quantile({3, 1, 2, 4}, 0.5), 2.5);

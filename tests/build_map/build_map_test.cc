@@ -148,7 +148,7 @@ TEST_F(BuildMap, StoresLandmarksOfThePlannedGround) {
   landmarks.landmarks.front().id = 0;
   std::filesystem::remove(folder_ / "landmarks.gpkg");
   EXPECT_THAT(testing::error_of<DataError>([&] { build_with(landmarks); }),
-              ::testing::HasSubstr("none of its landmarks lies on the planned ground"));
+              ::testing::HasSubstr("none of its landmarks lies on the ground of a tile"));
   std::string text = json_text(map_landmarks_to_json(landmarks), 0);
   text.replace(text.find("0.9"), 3, "1.0");
   write_file(folder_ / "landmarks.json", text, true);

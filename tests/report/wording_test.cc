@@ -48,6 +48,11 @@ TEST(Wording, DurationsSharesBytesNumbers) {
   EXPECT_EQ(bytes_text(1.5 * 1024 * 1024), "1.5 MiB");
   EXPECT_EQ(number_text(kNaN, 2), "–");
   EXPECT_EQ(number_text(1.005, 1), "1.0");
+  EXPECT_EQ(count_text(1, "class", "classes"), "1 class");
+  EXPECT_EQ(count_text(0, "class", "classes"), "0 classes");
+  EXPECT_EQ(listed({}), "");
+  EXPECT_EQ(listed({"2"}), "2");
+  EXPECT_EQ(listed({"2", "4", "5"}), "2, 4 and 5");
 }
 
 }  // namespace

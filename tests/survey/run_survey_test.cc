@@ -1,9 +1,11 @@
 #include "pilotage/survey/run_survey.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "matchability/known_level.h"
+#include "testing/error_of.h"
 #include "testing/json_schema.h"
 #include "testing/temporary_folder.h"
 #include "tile/small_mission.h"
@@ -13,9 +15,12 @@
 #include <opencv2/core/utility.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
+#include "pilotage/base/nan.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/base/read_file.h"
+#include "pilotage/mission/landmark_file.h"
 
 namespace pilotage {
 namespace {
@@ -144,6 +149,53 @@ TEST(RunSurvey, LeavesNothingWhenItIsInterrupted) {
   const Progress stop = [&](std::string_view, std::int64_t, std::int64_t) { return ++calls < 20; };
   EXPECT_THROW(run_survey({ortho}, small_survey(), survey_into(folder / "out"), stop), Interrupted);
   EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST(RunSurvey, LandmarksAreALayerAndAColumnOfTheirOwn) {
+  const testing::TemporaryFolder folder;
+  const std::string ortho = small_area(folder.path());
+  const SurveyResult plain = run_survey({ortho}, small_survey(), survey_into(folder / "plain"));
+  const auto places = nlohmann::ordered_json::parse(read_file(folder / "plain/survey.json"))["tiles"];
+  const auto column = [&](const char* name) {
+    const auto& names = places["columns"];
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  MapLandmarks landmarks;
+  MapDetector detector;
+  detector.detector.class_name = "ring";
+  detector.detector.gsd_m = 0.5;
+  detector.detector.context = 1.3;
+  detector.detector.shortest_m = detector.detector.longest_m = 10;
+  detector.detector.filters = {std::vector<float>(detector.detector.window.filter_size(), 0.5F)};
+  detector.p_detect = 0.9;
+  detector.sigma_m = 0.3;
+  landmarks.detectors.push_back(detector);
+  const auto& row = places["rows"][0];
+  landmarks.landmarks.push_back(
+      {0,
+       0,
+       {row[column("center_lon_deg")].get<double>(), row[column("center_lat_deg")].get<double>()},
+       10,
+       kNaN,
+       true,
+       0});
+  SurveyOptions options = small_survey();
+  options.landmarks = (folder / "landmarks.json").string();
+  write_file(options.landmarks, json_text(map_landmarks_to_json(landmarks), 0), true);
+  const SurveyResult result = run_survey({ortho}, options, survey_into(folder / "out"));
+  EXPECT_EQ(plain.landmarks, "");
+  EXPECT_THAT(result.landmarks, ::testing::StartsWith("1 landmark of 1 class (ring): nowhere"));
+  const auto json = nlohmann::ordered_json::parse(read_file(folder / "out/survey.json"));
+  EXPECT_EQ(testing::schema_violation("survey.schema.json", json), "");
+  EXPECT_EQ(json["inputs"].back()["role"], "landmarks");
+  EXPECT_THAT(read_file(folder / "out/survey.gpkg"), ::testing::HasSubstr("p_landmark_fix"));
+  EXPECT_THAT(read_file(folder / "plain/survey.gpkg"), ::testing::Not(::testing::HasSubstr("p_landmark_fix")));
+
+  landmarks.landmarks.front().place.lat_deg = 0;
+  write_file(options.landmarks, json_text(map_landmarks_to_json(landmarks), 0), true);
+  EXPECT_THAT(testing::error_of<DataError>([&] { run_survey({ortho}, options, survey_into(folder / "none")); }),
+              ::testing::HasSubstr("none of its landmarks lies on the ground of a tile"));
+  EXPECT_FALSE(fs::exists(folder / "none"));
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
 #include "pilotage/survey/survey.h"
 
+#include <cmath>
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/raster/gdal_crs.h"
 
@@ -97,6 +102,59 @@ TEST(Survey, NamesFromFilesAreTextOnThePage) {
   const std::string page = survey_html(make_survey(ten_tiles(3)));
   EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("<b>ortho")));
   EXPECT_THAT(page, ::testing::HasSubstr("&lt;b&gt;ortho"));
+}
+
+/// A ring of eight landmarks, unevenly spaced, about the middle of the fifth tile.
+MapLandmarks ring_of_tanks(const Ground& ground) {
+  MapLandmarks landmarks;
+  MapDetector detector;
+  detector.detector.class_name = "tank";
+  detector.detector.gsd_m = 0.6;
+  detector.detector.context = 1.3;
+  detector.p_detect = 1;
+  detector.sigma_m = 0.3;
+  landmarks.detectors.push_back(detector);
+  const CrsTransform transform(ground.crs);
+  const Eigen::Vector2d middle_m = ground.tiles[4].bounds.center_m();
+  for (int i = 0; i < 8; ++i) {
+    const double angle = 2 * std::numbers::pi * (i + 0.12 * ((3 * i) % 5 - 2)) / 8;
+    const Eigen::Vector2d point_m =
+        middle_m + (i % 2 == 0 ? 65.0 : 120.0) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    landmarks.landmarks.push_back({i, 0, transform.geodetic_from_map(point_m).value(), 8, kNaN, true, kNaN});
+  }
+  return landmarks;
+}
+
+TEST(Survey, SaysWhereLandmarksPromiseAFixAndCountsThemInNothing) {
+  SurveyInput input = ten_tiles(3);
+  const Survey without = make_survey(input);
+  input.area.ground.levels.front().gsd_m = 1.8;  // tiles 360 m wide, 180 m apart
+  input.area.ground.levels.front().matrix.map_from_pixel = GeoTransform::north_up(500010, 5'000'900, 1.8);
+  input.area.ground.tiles.clear();
+  cut_all_tiles(input.area.ground, 1);
+  input.landmarks = ring_of_tanks(input.area.ground);
+  const Survey survey = make_survey(input);
+  ASSERT_TRUE(survey.landmarks);
+  EXPECT_EQ(survey.landmarks->strongest, 4U);
+  EXPECT_GT(survey.tiles[4].p_landmark_fix, kLeastLandmarkGain);
+  EXPECT_EQ(survey.tiles[9].p_landmark_fix, 0);
+  EXPECT_GE(survey.landmarks->likely_tiles, 1);
+  EXPECT_GE(survey.landmarks->gaining_tiles, 1) << "features find nothing there";
+  EXPECT_LT(survey.landmarks->gaining_tiles, 10);
+  EXPECT_THAT(survey.landmarks->said,
+              ::testing::StartsWith("8 landmarks of 1 class (tank): a fix by landmarks alone may be "
+                                    "expected over "));
+  EXPECT_EQ(survey.go_share, without.go_share);
+  const nlohmann::ordered_json json = survey_json(survey);
+  EXPECT_EQ(json["landmarks"]["likely_tiles"], survey.landmarks->likely_tiles);
+  EXPECT_EQ(json["tiles"]["columns"].back(), "p_landmark_fix");
+  EXPECT_THAT(survey_html(survey), ::testing::HasSubstr("not counted in the headline or the classes of ground"));
+  EXPECT_FALSE(survey_json(without).contains("landmarks"));
+  EXPECT_THAT(survey_html(without), ::testing::Not(::testing::HasSubstr("Fixes by landmarks")));
+
+  input.landmarks->landmarks.resize(2);
+  const Survey two = make_survey(input);
+  EXPECT_EQ(two.landmarks->said, "2 landmarks of 1 class (tank): nowhere may a fix by landmarks alone be expected");
 }
 
 }  // namespace

@@ -147,6 +147,16 @@ double chi_squared_quantile(double probability, double degrees) {
   return bisect(0, high, probability, cumulative);
 }
 
+std::vector<double> poisson_binomial(const std::vector<double>& p) {
+  std::vector<double> chance{1};
+  for (const double one : p) {
+    chance.push_back(0);
+    for (std::size_t k = chance.size() - 1; k > 0; --k) chance[k] = chance[k] * (1 - one) + chance[k - 1] * one;
+    chance[0] *= 1 - one;
+  }
+  return chance;
+}
+
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());

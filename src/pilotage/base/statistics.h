@@ -38,6 +38,9 @@ Interval paired_difference_interval(std::int64_t only_first, std::int64_t only_s
 /// below 1e-9 for degrees up to 1e6. Throws UsageError unless degrees > 0 and 0 < probability < 1.
 double chi_squared_quantile(double probability, double degrees);
 
+/// The chance that 0, 1, … all of independent events happen, each with its own `p` (S. D. Poisson, 1837).
+std::vector<double> poisson_binomial(const std::vector<double>& p);
+
 /// The value below which a share of the values lies, 0 ≤ share ≤ 1, linear between neighbours (R. J. Hyndman, Y. Fan,
 /// "Sample quantiles in statistical packages", Am. Stat. 50, 1996, definition 7, which numpy takes too); NaN without
 /// values.

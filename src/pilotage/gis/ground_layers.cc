@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "pilotage/base/utf8.h"
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/report/tile_class.h"
 #include "pilotage/report/wording.h"
@@ -15,6 +16,8 @@ namespace pilotage {
 namespace {
 
 using Corners = std::vector<Eigen::Vector2d>;
+
+constexpr Rgb kLandmarkColor{0x00, 0x00, 0x00};
 
 /// The stride-sized cell around a tile's centre, as on the page and in the score raster. Millimetres are the grid on
 /// which neighbours have the same corners.
@@ -182,6 +185,40 @@ VectorLayer decision_layer(const Ground& ground, const std::vector<ReportTile>& 
     }
   }
   layer.qml = qgis_fill_style("class", fills);
+  return layer;
+}
+
+VectorLayer landmark_layer(const MapLandmarks& landmarks) {
+  VectorLayer layer;
+  layer.name = "landmarks";
+  layer.title = "Landmarks";
+  layer.description = "Landmarks of the onboard map, and what their detectors are worth.";
+  layer.shape = VectorShape::kPoint;
+  layer.crs = Crs::wgs84();
+  using Type = VectorType;
+  layer.columns = {{"class", Type::kText, "Class"},
+                   {"found", Type::kBoolean, "Found on the other date"},
+                   {"length_m", Type::kReal, "Length [m]"},
+                   {"ambiguity", Type::kReal, "Others expected near it"},
+                   {"p_detect", Type::kReal, "P(detect) of its class"},
+                   {"false_alarms_per_km2", Type::kReal, "False alarms of its class [1/km²]"},
+                   {"sigma_m", Type::kReal, "σ of its class, each axis [m]"}};
+  layer.qml = qgis_point_style(kLandmarkColor, 3);
+  for (const MapLandmark& landmark : landmarks.landmarks) {
+    const MapDetector& detector = landmarks.detectors[landmark.detector];
+    VectorFeature feature;
+    feature.points = {{landmark.place.lon_deg, landmark.place.lat_deg}};
+    feature.values = {valid_utf8(detector.detector.class_name),
+                      landmark.found,
+                      number_value(landmark.length_m),
+                      number_value(landmark.ambiguity),
+                      number_value(detector.p_detect),
+                      number_value(detector.false_alarms_per_km2),
+                      number_value(detector.sigma_m)};
+    feature.title = valid_utf8(detector.detector.class_name);
+    feature.note = landmark.found ? "found on the other date" : "not found on the other date";
+    layer.features.push_back(std::move(feature));
+  }
   return layer;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/raster/gdal_vector.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/tile_fields.h"
@@ -33,6 +34,9 @@ VectorLayer key_value_layer(const std::string& name, const std::string& title, c
 
 /// Layer `decision`: outlines of the ground of one class (tile_class.h), in the ground's CRS.
 VectorLayer decision_layer(const Ground& ground, const std::vector<ReportTile>& tiles);
+
+/// Layer `landmarks`: points, WGS 84.
+VectorLayer landmark_layer(const MapLandmarks& landmarks);
 
 /// Tiles of a level for which `belongs` holds and that touch along edges, largest group first; of equals the one with
 /// the smallest tile_id. They point into `tiles`.

@@ -30,7 +30,6 @@ using Corners = std::vector<Eigen::Vector2d>;
 constexpr std::size_t kMaxLinePoints = 100'000;
 constexpr Rgb kRouteColor{0x20, 0x20, 0x20};
 constexpr Rgb kDeniedColor{0x6a, 0x3d, 0x9a};
-constexpr Rgb kLandmarkColor{0x00, 0x00, 0x00};
 
 /// A column of a layer and where its value comes from.
 template <class Row>
@@ -221,37 +220,6 @@ VectorLayer denied_layer(const ReportInput& input, const Report& report) {
                    (report.loss_anywhere ? "; the worst point to lose it" : "");
     feature.style = {with_opacity(kDeniedColor, "60"), 14, ""};  // around the gaps
     if (feature.points.size() >= 2) layer.features.push_back(std::move(feature));
-  }
-  return layer;
-}
-
-VectorLayer landmark_layer(const MapLandmarks& landmarks) {
-  VectorLayer layer =
-      line_layer("landmarks", "Landmarks", "Landmarks of the onboard map, and what their detectors are worth.");
-  layer.shape = VectorShape::kPoint;
-  using Type = VectorType;
-  layer.columns = {{"class", Type::kText, "Class"},
-                   {"found", Type::kBoolean, "Found on the other date"},
-                   {"length_m", Type::kReal, "Length [m]"},
-                   {"ambiguity", Type::kReal, "Others expected near it"},
-                   {"p_detect", Type::kReal, "P(detect) of its class"},
-                   {"false_alarms_per_km2", Type::kReal, "False alarms of its class [1/km²]"},
-                   {"sigma_m", Type::kReal, "σ of its class, each axis [m]"}};
-  layer.qml = qgis_point_style(kLandmarkColor, 3);
-  for (const MapLandmark& landmark : landmarks.landmarks) {
-    const MapDetector& detector = landmarks.detectors[landmark.detector];
-    VectorFeature feature;
-    feature.points = {{landmark.place.lon_deg, landmark.place.lat_deg}};
-    feature.values = {valid_utf8(detector.detector.class_name),
-                      landmark.found,
-                      number_value(landmark.length_m),
-                      number_value(landmark.ambiguity),
-                      number_value(detector.p_detect),
-                      number_value(detector.false_alarms_per_km2),
-                      number_value(detector.sigma_m)};
-    feature.title = valid_utf8(detector.detector.class_name);
-    feature.note = landmark.found ? "found on the other date" : "not found on the other date";
-    layer.features.push_back(std::move(feature));
   }
   return layer;
 }

@@ -13,6 +13,7 @@
 #include <opencv2/core.hpp>
 
 #include "pilotage/base/angle.h"
+#include "pilotage/base/statistics.h"
 #include "pilotage/match/match_confidence.h"
 
 namespace pilotage {
@@ -234,17 +235,11 @@ std::size_t most_in_line(const LandmarkSearch& search, const std::vector<std::si
   return most;
 }
 
-/// −ln P(M ≥ missed) where each of the groups is missed with its chance: a Poisson binomial.
+/// −ln P(M ≥ missed) where each of the groups is missed with its chance.
 double evidence_of_missing(const std::vector<double>& p_missed, std::size_t missed) {
   if (missed == 0) return 0;
-  std::vector<double> chance{1};  // of 0, 1, 2 … missed
-  for (const double p : p_missed) {
-    chance.push_back(0);
-    for (std::size_t k = chance.size() - 1; k > 0; --k) chance[k] = chance[k] * (1 - p) + chance[k - 1] * p;
-    chance[0] *= 1 - p;
-  }
-  double tail = 0;
-  for (std::size_t k = missed; k < chance.size(); ++k) tail += chance[k];
+  const std::vector<double> chance = poisson_binomial(p_missed);
+  const double tail = std::accumulate(chance.begin() + static_cast<std::ptrdiff_t>(missed), chance.end(), 0.0);
   return -std::log(std::clamp(tail, 1e-30, 1.0));
 }
 
@@ -262,6 +257,10 @@ double expected_by_chance(const LandmarkSearch& search) {
 
 double landmark_tolerance_m(const MapDetector& detector, double gsd_m) {
   return kToleranceSigmas * std::hypot(detector.sigma_m, std::max(kPlaceSigma_m, gsd_m));
+}
+
+double looked_at_half_side_m(const MapDetector& detector, double length_m) {
+  return 0.5 * detector.detector.context * length_m;
 }
 
 double p_seen_on_frame(const MapDetector& detector) {
@@ -313,9 +312,9 @@ std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const Mat
       near.stretch = std::isfinite(near.height_m) ? local.relief.stretch_of_height(near.height_m)
                                                   : local.relief.stretch_at(near.map_px);
     }
-    const LandmarkDetector& detector = stored->detectors[landmark.detector].detector;
     near.length_m = landmark.length_m;
-    near.half_side_px = 0.5 * detector.context * landmark.length_m / rectified.gsd_m;
+    near.half_side_px =
+        looked_at_half_side_m(stored->detectors[landmark.detector], landmark.length_m) / rectified.gsd_m;
     near.found = landmark.found;
     search.near.push_back(near);
     if (search.near.size() > kMaxNearLandmarks) return std::nullopt;

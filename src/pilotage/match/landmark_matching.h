@@ -55,6 +55,9 @@ struct LandmarkPair {
 /// How far a sighting may lie from its landmark: three σ of it and of the place.
 double landmark_tolerance_m(const MapDetector& detector, double gsd_m);
 
+/// Half the side of the square about a landmark of this length that the detector looks at.
+double looked_at_half_side_m(const MapDetector& detector, double length_m);
+
 /// P that a landmark of this class, found on the other date, is seen on a frame that shows it whole, at least.
 double p_seen_on_frame(const MapDetector& detector);
 

@@ -73,7 +73,7 @@ MapLandmarks read_planned_landmarks(const Ground& ground, const std::string& pat
     if (elevation) landmark.ground_height_m = elevation->amsl_m(landmark.place);
     landmarks.landmarks.push_back(landmark);
   }
-  if (landmarks.landmarks.empty()) throw DataError(path + ": none of its landmarks lies on the planned ground");
+  if (landmarks.landmarks.empty()) throw DataError(path + ": none of its landmarks lies on the ground of a tile");
   return landmarks;
 }
 

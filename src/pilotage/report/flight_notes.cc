@@ -159,18 +159,16 @@ std::string reach_text(JsonObject& margin, const char* key) {
   return "from " + format_fixed(reach_m[0], 0) + " to " + format_fixed(reach_m[1], 0) + " m";
 }
 
-std::string table_html(const NoteTable& table) {
-  std::string html = "  <h3>" + html_escape(table.title) +
-                     "</h3>\n  <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" +
-                     html_escape(table.title) + "\"><table class=\"wide cards\"><thead><tr>";
-  for (const std::string& column : table.columns) html += "<th scope=\"col\">" + html_escape(column) + "</th>";
-  html += "</tr></thead><tbody>\n";
+std::string note_table_html(const NoteTable& table) {
+  std::vector<std::string> heads;
+  for (const std::string& column : table.columns) heads.push_back(html_escape(column));
+  std::string rows;
   for (const std::vector<std::string>& row : table.rows) {
-    html += "<tr>" + heading_html(row.front());
-    for (std::size_t i = 1; i < row.size(); ++i) html += cell_html(table.columns[i], row[i]);
-    html += "</tr>\n";
+    rows += "<tr>" + heading_html(row.front());
+    for (std::size_t i = 1; i < row.size(); ++i) rows += cell_html(table.columns[i], row[i]);
+    rows += "</tr>\n";
   }
-  return html + "</tbody></table></div>\n";
+  return "  <h3>" + html_escape(table.title) + "</h3>\n" + table_html(table.title, heads, rows);
 }
 
 }  // namespace
@@ -228,7 +226,7 @@ std::string replay_html(const ReplayNote& note) {
   std::string html = "<section aria-labelledby=\"replay-heading\">\n  <h2 id=\"replay-heading\">Flown " +
                      kind_mark(NumberKind::kMeasured) + "</h2>\n";
   for (const std::string& sentence : note.sentences) html += "  <p>" + html_escape(sentence) + "</p>\n";
-  for (const NoteTable& table : note.tables) html += table_html(table);
+  for (const NoteTable& table : note.tables) html += note_table_html(table);
   if (!note.notes.empty())
     html += "  <h3>What was lost, left out or assumed</h3>\n  <ul>\n" + list_html(note.notes) + "  </ul>\n";
   return html + "</section>\n";

@@ -272,17 +272,18 @@ std::string imagery_age_html(const std::optional<ImageryAge>& age) {
       "<section aria-labelledby=\"age-heading\">\n  <h2 id=\"age-heading\">Age of the imagery, and its light</h2>\n";
   for (const std::string& sentence : imagery_age_sentences(*age)) html += "  <p>" + html_escape(sentence) + "</p>\n";
   if (age->hours.empty()) return html + "</section>\n";
-  html +=
-      "  <details><summary>Sun and shadows by the hour</summary>\n  <div class=\"scroll\" tabindex=\"0\" "
-      "role=\"region\" aria-label=\"Table of the sun by the hour\"><table><thead><tr><th scope=\"col\">UTC</th><th "
-      "scope=\"col\">Sun's height</th><th scope=\"col\">Azimuth</th><th scope=\"col\">Shadows of 10 m end off by"
-      "</th></tr></thead><tbody>\n";
+  std::string rows;
   for (const FlightSun& at : age->hours) {
-    html += "<tr><th scope=\"row\">" + clock_text(at.time) + "</th><td>" + number_text(at.sun.elevation_deg, 0) +
-            "°</td><td>" + number_text(at.sun.azimuth_deg, 0) + "°</td><td>" +
-            (shift_is_known(at) ? error_text(at.shadow_shift_m) : "–") + "</td></tr>\n";
+    rows += "<tr>" + heading_html(clock_text(at.time)) +
+            cell_html("Sun's height", number_text(at.sun.elevation_deg, 0) + "°") +
+            cell_html("Azimuth", number_text(at.sun.azimuth_deg, 0) + "°") +
+            cell_html("Shadows of 10 m end off by", shift_is_known(at) ? error_text(at.shadow_shift_m) : "–") +
+            "</tr>\n";
   }
-  return html + "</tbody></table></div></details>\n</section>\n";
+  return html + "  <details><summary>Sun and shadows by the hour</summary>\n" +
+         table_html("Table of the sun by the hour", {"UTC", "Sun's height", "Azimuth", "Shadows of 10 m end off by"},
+                    rows) +
+         "</details>\n</section>\n";
 }
 
 Json imagery_age_json(const ImageryAge& age) {

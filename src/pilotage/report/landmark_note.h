@@ -8,10 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/mission/mission.h"
-
-namespace pilotage {
-struct MapLandmarks;
-}  // namespace pilotage
+#include "pilotage/report/landmark_classes.h"
 
 #pragma GCC visibility push(default)
 
@@ -19,32 +16,19 @@ namespace pilotage {
 
 /// What landmarks promise along the route. Modelled, not measured; the verdict does not count it.
 struct LandmarkNote {
-  struct Class {
-    std::string name;
-    std::int64_t landmarks = 0;  ///< On the planned ground.
-    double p_detect = 0;         ///< As MapDetector has them, and the next two.
-    double false_alarms_per_km2 = 0;
-    double sigma_m = 0;
-  };
   struct Leg {
     std::int64_t landmarks = 0;  ///< That a frame from its line shows whole.
     double p_fix = 0;            ///< P of a fix by landmarks alone, where it is largest.
     double distance_m = std::numeric_limits<double>::quiet_NaN();  ///< Where, along the route; NaN where it is 0.
     bool gains = false;  ///< p_fix is kLeastLandmarkGain at least, and more than P of a fix by features.
   };
-  std::vector<Class> classes;
+  std::vector<LandmarkClass> classes;
   std::vector<double> p_fix;  ///< Of a frame about the middle of each tile of the ground, by landmarks alone.
   std::vector<Leg> legs;      ///< Of the route, in its order.
 };
 
-/// What is worth saying.
-inline constexpr double kLeastLandmarkGain = 0.5;
-
-/// P of a fix by landmarks alone of a frame about the middle of each tile, whatever its heading: the frame shows the
-/// circle within the tile, a landmark that was found on the other date is seen with p_seen_on_frame() when all that its
-/// detector looks at lies in the circle, false alarms come as often as on the other date, and the search is as wide as
-/// the mission's limit. P is the chance that the groups that are seen reach the evidence that MatchOptions ask for.
-/// `p_fix_by_features` of each leg; landmarks off the planned ground do not count.
+/// landmark_prospects() of the mission's tiles, searched as wide as its limit, and of its legs. `p_fix_by_features` of
+/// each leg; landmarks off the planned ground do not count.
 LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks,
                            const std::vector<double>& p_fix_by_features);
 

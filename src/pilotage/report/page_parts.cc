@@ -58,6 +58,13 @@ std::string heading_html(const std::string& text) {
   return "<th scope=\"row\">" + html_escape(text) + "</th>";
 }
 
+std::string table_html(const std::string& label, const std::vector<std::string>& heads, const std::string& rows) {
+  std::string html = "  <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + html_escape(label) +
+                     "\"><table class=\"wide cards\"><thead><tr>";
+  for (const std::string& head : heads) html += "<th scope=\"col\">" + head + "</th>";
+  return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
+}
+
 std::string badge_html(std::string_view status) {
   return "<span class=\"badge " + std::string(status) + "\">" + std::string(status) + "</span>";
 }

@@ -22,6 +22,9 @@ std::string cell_html(const std::string& text);
 std::string cell_html(const std::string& label, const std::string& text);
 std::string heading_html(const std::string& text);  ///< Of a row.
 
+/// A table that scrolls where it is too wide. `label` says what it is of; heads are markup, rows are rows.
+std::string table_html(const std::string& label, const std::vector<std::string>& heads, const std::string& rows);
+
 std::string badge_html(std::string_view status);
 std::string badge_cell_html(std::string_view status);
 /// Rows: what, value, status, threshold, advice; a star behind what decides.

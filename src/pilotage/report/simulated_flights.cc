@@ -43,13 +43,6 @@ std::string metres_or_dash(double length_m) {
   return std::isnan(length_m) ? "–" : format_fixed(length_m, 1) + " m";
 }
 
-std::string table_html(const std::string& what, const std::vector<std::string>& heads, const std::string& rows) {
-  std::string html = "  <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + html_escape(what) +
-                     "\"><table class=\"wide cards\"><thead><tr>";
-  for (const std::string& head : heads) html += "<th scope=\"col\">" + head + "</th>";
-  return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
-}
-
 std::string share_cell(const std::string& label, const Share& share) {
   return cell_html(label, share_text(share));
 }

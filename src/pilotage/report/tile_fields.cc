@@ -65,6 +65,19 @@ std::vector<TileField> make_tile_fields() {
   return fields;
 }
 
+/// What of these is said of ground that nobody flies over.
+std::vector<TileField> of_ground(const std::vector<TileField>& fields) {
+  std::vector<TileField> kept;
+  for (const TileField& field : fields) {
+    if (field.name == "selected") {
+      kept.push_back({"class", "Class", "", Type::kText, class_name});
+    } else if (field.name != "reason" && field.name != "route_distance_m" && field.name != "route_offset_m") {
+      kept.push_back(field);
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 double rounded(double value, int digits) {
@@ -96,19 +109,10 @@ const std::vector<TileField>& tile_fields(bool landmarks) {
   return landmarks ? with_landmarks : fields;
 }
 
-const std::vector<TileField>& ground_tile_fields() {
-  static const std::vector<TileField> fields = [] {
-    std::vector<TileField> of_ground;
-    for (const TileField& field : tile_fields()) {
-      if (field.name == "selected") {
-        of_ground.push_back({"class", "Class", "", Type::kText, class_name});
-      } else if (field.name != "reason" && field.name != "route_distance_m" && field.name != "route_offset_m") {
-        of_ground.push_back(field);
-      }
-    }
-    return of_ground;
-  }();
-  return fields;
+const std::vector<TileField>& ground_tile_fields(bool landmarks) {
+  static const std::vector<TileField> fields = of_ground(tile_fields());
+  static const std::vector<TileField> with_landmarks = of_ground(tile_fields(true));
+  return landmarks ? with_landmarks : fields;
 }
 
 }  // namespace pilotage

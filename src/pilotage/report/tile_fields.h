@@ -32,6 +32,6 @@ struct TileField {
 const std::vector<TileField>& tile_fields(bool landmarks = false);
 
 /// The same of ground that nobody flies over: its class (tile_class.h) instead of what a selection and a route say.
-const std::vector<TileField>& ground_tile_fields();
+const std::vector<TileField>& ground_tile_fields(bool landmarks = false);
 
 }  // namespace pilotage

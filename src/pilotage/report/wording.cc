@@ -60,6 +60,15 @@ std::string bytes_text(double bytes) {
   return format_fixed(bytes / (1024.0 * 1024), 1) + " MiB";
 }
 
+std::string count_text(std::int64_t count, const std::string& one, const std::string& many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  if (words.size() < 2) return join(words, "");
+  return join({words.begin(), words.end() - 1}, ", ") + " and " + words.back();
+}
+
 std::string number_text(double number, int decimals) {
   return std::isfinite(number) ? format_fixed(number, decimals) : "–";
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace pilotage {
 
@@ -23,6 +25,12 @@ std::string percent_text(double fraction);
 
 /// "1.4 MiB", "812 bytes".
 std::string bytes_text(double bytes);
+
+/// "1 landmark", "76 landmarks".
+std::string count_text(std::int64_t count, const std::string& one, const std::string& many);
+
+/// "2", "2 and 4", "2, 4 and 5".
+std::string listed(const std::vector<std::string>& words);
 
 /// `number` with `decimals` digits, "–" when it is not finite.
 std::string number_text(double number, int decimals);

@@ -20,6 +20,7 @@
 #include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/ground/tile_table.h"
+#include "pilotage/mission/planned_landmarks.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/plan_report.h"
@@ -109,6 +110,7 @@ std::vector<InputFile> survey_inputs(const SurveyInput& input, const SurveyOptio
   if (!options.elevation.empty()) files.push_back(input_dataset("elevation", options.elevation, ""));
   if (!options.camera.file.empty()) files.push_back(input_file("camera", options.camera.file, ""));
   if (!options.score.model.empty()) files.push_back(input_file("model", options.score.model, ""));
+  if (!options.landmarks.empty()) files.push_back(input_file("landmarks", options.landmarks, ""));
   return files;
 }
 
@@ -136,6 +138,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   input.second_dates = inspect_second_dates(options, input.area.warnings, planning);  // fails now, not after hours
   Ground& ground = input.area.ground;
   cut_all_tiles(ground, run.threads);
+  if (!options.landmarks.empty()) input.landmarks = read_planned_landmarks(ground, options.landmarks);
 
   const StagingFolder staging(run.output_folder);
   SurveyResult result;
@@ -153,8 +156,8 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   }
   input.scores = std::move(scored.scores);
   if (const std::int64_t partly = drop_tiles_without_ground(ground, input.scores); partly > 0) {
-    input.area.notes.push_back(std::to_string(partly) + (partly == 1 ? " tile" : " tiles") +
-                               " with ground in less than " + percent_text(options.score.min_valid_fraction) +
+    input.area.notes.push_back(count_text(partly, "tile", "tiles") + " with ground in less than " +
+                               percent_text(options.score.min_valid_fraction) +
                                " of each, at edges or holes of the imagery, are not judged and no part of the area");
   }
   warn_of_missing_heights(ground, input.scores, input.area.warnings);
@@ -196,6 +199,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   result.detail = survey.detail;
   result.assumptions = survey.assumptions;
   result.not_looked_at = survey.not_looked_at;
+  if (survey.landmarks) result.landmarks = survey.landmarks->said;
   result.tiles = all.tiles.all();
   result.tile_m = level.matrix.tile_size_px * level.gsd_m;
   result.stride_m = level.matrix.stride_px * level.gsd_m;

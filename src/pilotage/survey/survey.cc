@@ -14,6 +14,8 @@
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/display_plane.h"
+#include "pilotage/report/landmark_prospects.h"
+#include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/wording.h"
 
@@ -108,6 +110,39 @@ std::vector<ReportTile> tiles_of(const SurveyInput& input) {
   return tiles;
 }
 
+// Tells the tiles what landmarks promise there, and says it of the area.
+SurveyLandmarks add_landmarks(const SurveyInput& input, Survey& survey) {
+  SurveyLandmarks found;
+  found.landmarks = *input.landmarks;
+  found.classes = landmark_classes(found.landmarks);
+  const std::vector<LandmarkProspect> prospects =
+      landmark_prospects(input.area.ground, found.landmarks, input.area.camera, input.area.search_radius_m);
+  for (std::size_t i = 0; i < prospects.size(); ++i) {
+    ReportTile& tile = survey.tiles[i];
+    const double p = tile.p_landmark_fix = prospects[i].p_fix;
+    if (p > (found.strongest ? survey.tiles[*found.strongest].p_landmark_fix : 0)) found.strongest = i;
+    if (p < kLeastLandmarkGain) continue;
+    ++found.likely_tiles;
+    found.gaining_tiles += tile.score.p_correct_fix >= p ? 0 : 1;
+  }
+  const AreaStatistics& all = survey.statistics;
+  const auto area = [&](std::int64_t tiles) { return area_text(all.area_km2 * all.share(tiles)); };
+  found.said = landmarks_phrase(found.classes) + ": ";
+  if (found.likely_tiles == 0) {
+    found.said += "nowhere may a fix by landmarks alone be expected";
+  } else {
+    found.said += "a fix by landmarks alone may be expected over " + percent_text(all.share(found.likely_tiles)) +
+                  " of the area (" + area(found.likely_tiles) + "), " +
+                  (found.gaining_tiles == 0 ? "nowhere" : "over " + area(found.gaining_tiles) + " of it") +
+                  " likelier than one by features";
+  }
+  if (found.strongest) {
+    const ReportTile& tile = survey.tiles[*found.strongest];
+    found.said += "; P is " + landmark_p_text(tile.p_landmark_fix) + " at best, at " + lat_lon(tile.tile.center);
+  }
+  return found;
+}
+
 std::vector<std::pair<std::string, std::string>> title_block_of(const SurveyedGround& area) {
   std::vector<std::pair<std::string, std::string>> block;
   if (const auto made = source_date()) block.emplace_back("Made", format_utc_time(*made));
@@ -197,6 +232,7 @@ Survey make_survey(const SurveyInput& input) {
 
   for (const Measure* measure : heat_maps()) survey.measures.push_back(measure_scale(*measure, input.scores));
   survey.tiles = tiles_of(input);
+  if (input.landmarks) survey.landmarks = add_landmarks(input, survey);
   const Measure& judged_by = survey.measures.front().measure;
   for (std::size_t i = 0; i < survey.tiles.size(); ++i) {
     const auto value = [&](std::size_t tile) { return judged_by.get(survey.tiles[tile].score); };

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +11,8 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "pilotage/mapdb/map_landmarks.h"
+#include "pilotage/report/landmark_classes.h"
 #include "pilotage/report/report.h"
 #include "pilotage/survey/plan_survey.h"
 #include "pilotage/survey/square_kilometres.h"
@@ -25,6 +29,7 @@ struct SurveyInput {
   std::vector<TileScores> scores;  ///< Of the ground's tiles, in their order.
   FlyingMatcher matcher = FlyingMatcher::kFeatures;
   std::string model;  ///< File of the parameters of P(correct fix); "" for those that come with the program.
+  std::optional<MapLandmarks> landmarks;  ///< On its tiles (mission/planned_landmarks.h).
   std::vector<ImageryDataset> second_dates;
   std::string second_date_assumption;  ///< What was taken for granted of it; "" without one.
   Raster imagery;                      ///< As ReportInput has them, and the next two.
@@ -33,6 +38,16 @@ struct SurveyInput {
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
   std::vector<InputFile> inputs;
   std::string software_version;
+};
+
+/// What landmarks promise over the area. Modelled; the headline and the classes of ground do not count it.
+struct SurveyLandmarks {
+  MapLandmarks landmarks;
+  std::vector<LandmarkClass> classes;
+  std::int64_t likely_tiles = 0;         ///< P of a fix by landmarks alone is kLeastLandmarkGain at least.
+  std::int64_t gaining_tiles = 0;        ///< Of these, those where it is more than P(correct fix), as a leg gains.
+  std::optional<std::size_t> strongest;  ///< Tile where it is highest; nothing where it is 0 everywhere.
+  std::string said;                      ///< All of this, as a sentence.
 };
 
 struct Survey {
@@ -52,6 +67,7 @@ struct Survey {
   double farthest_from_go_m = 0;  ///< square_kilometres.h.
   std::vector<SquareKilometre> squares;
 
+  std::optional<SurveyLandmarks> landmarks;
   std::vector<MeasureScale> measures;
   std::vector<ReportTile> tiles;  ///< Without what a flight would say of them. Ascending tile_id.
   SurveyedGround area;            ///< Its ground without tiles.

@@ -97,6 +97,24 @@ std::string extremes_html(const Survey& survey) {
          place("weakest", *survey.weakest) + "</p>";
 }
 
+std::string landmarks_html(const Survey& survey) {
+  if (!survey.landmarks) return "";
+  const SurveyLandmarks& found = *survey.landmarks;
+  std::string html =
+      "<section aria-labelledby=\"landmarks-heading\">\n  <h2 id=\"landmarks-heading\">Fixes by landmarks</h2>\n  <p>" +
+      html_escape(found.said) + ".";
+  if (found.strongest) {
+    const std::string id = std::to_string(survey.tiles[*found.strongest].tile.tile_id);
+    html += " <button type=\"button\" class=\"show-tile\" data-tile=\"" + std::to_string(*found.strongest) +
+            "\" aria-label=\"Show tile " + id + " on the map\">Show</button>";
+  }
+  return html + "</p>\n  <p>" +
+         html_escape(landmark_assumption(
+             "the headline or the classes of ground",
+             "reaches " + number_text(survey.area.search_radius_m, 0) + " m along each axis, as for features")) +
+         "</p>\n" + landmark_classes_html(found.classes) + "</section>\n";
+}
+
 std::string squares_note(const Survey& survey) {
   std::string note =
       "E and N are the kilometres of its lower left corner in the grid's CRS. A tile counts where its centre lies, "
@@ -170,6 +188,7 @@ std::string survey_html(const Survey& survey) {
        {"extremes", extremes_html(survey)},
        {"squares", squares_html(survey)},
        {"squares_note", html_escape(squares_note(survey))},
+       {"landmarks", landmarks_html(survey)},
        {"imagery", imagery_html(survey.area.ground.imagery.datasets) + imagery_html(survey.second_dates)},
        {"inputs", inputs_html(survey.inputs)},
        {"grid", survey_grid_html(survey)},

@@ -53,6 +53,14 @@ Json squares_json(const Survey& survey) {
   return json;
 }
 
+Json landmarks_json(const Survey& survey) {
+  const SurveyLandmarks& found = *survey.landmarks;
+  const auto share = [&](std::int64_t tiles) { return survey_number(survey.statistics.share(tiles)); };
+  return {{"classes", landmark_classes_json(found.classes)}, {"likely_tiles", found.likely_tiles},
+          {"likely_share", share(found.likely_tiles)},       {"gaining_tiles", found.gaining_tiles},
+          {"gaining_share", share(found.gaining_tiles)},     {"said", found.said}};
+}
+
 Json camera_json_of(const SurveyedGround& area) {
   Json json = {{"name", area.camera_name}};
   for (const auto& [key, value] : camera_to_text(area.camera)) {
@@ -71,38 +79,40 @@ std::string number_cell(double value) {
 
 Json survey_json(const Survey& survey) {
   const SurveyedGround& area = survey.area;
-  return {{"format", "pilotage-survey"},
-          {"format_version", kSurveyFormatVersion},
-          {"software_version", survey.software_version},
-          {"title", survey.title},
-          {"headline", survey.headline},
-          {"detail", survey.detail},
-          {"assumptions", survey.assumptions},
-          {"not_looked_at", survey.not_looked_at},
-          {"classes", tile_classes_meaning()},
-          {"area", statistics_json(survey.statistics)},
-          {"farthest_from_go_m", survey_number(survey.farthest_from_go_m)},
-          {"squares", squares_json(survey)},
-          {"camera", camera_json_of(area)},
-          {"agl_m", survey_number(area.agl_m)},
-          {"footprint_width_m", survey_number(area.footprint_width_m)},
-          {"footprint_height_m", survey_number(area.footprint_height_m)},
-          {"search_radius_m", survey_number(area.search_radius_m)},
-          {"matcher", flying_matcher_name(survey.matcher)},
-          {"model", survey.model},
-          {"measures", measures_json(survey.measures)},
-          {"grid",
-           {{"crs", area.ground.crs.name()},
-            {"max_scale_distortion", survey_number(area.ground.max_scale_distortion)},
-            {"levels", levels_json(area.ground.levels)}}},
-          {"imagery", imagery_json(area.ground.imagery.datasets)},
-          {"second_dates", imagery_json(survey.second_dates)},
-          {"elevation", name_as_utf8(area.ground.elevation)},
-          {"inputs", inputs_json(survey.inputs)},
-          {"parameters", survey.parameters},
-          {"warnings", survey.warnings},
-          {"notes", survey.notes},
-          {"tiles", tiles_json(ground_tile_fields(), survey.tiles)}};
+  Json json = {{"format", "pilotage-survey"},
+               {"format_version", kSurveyFormatVersion},
+               {"software_version", survey.software_version},
+               {"title", survey.title},
+               {"headline", survey.headline},
+               {"detail", survey.detail},
+               {"assumptions", survey.assumptions},
+               {"not_looked_at", survey.not_looked_at},
+               {"classes", tile_classes_meaning()},
+               {"area", statistics_json(survey.statistics)},
+               {"farthest_from_go_m", survey_number(survey.farthest_from_go_m)},
+               {"squares", squares_json(survey)},
+               {"camera", camera_json_of(area)},
+               {"agl_m", survey_number(area.agl_m)},
+               {"footprint_width_m", survey_number(area.footprint_width_m)},
+               {"footprint_height_m", survey_number(area.footprint_height_m)},
+               {"search_radius_m", survey_number(area.search_radius_m)},
+               {"matcher", flying_matcher_name(survey.matcher)},
+               {"model", survey.model},
+               {"measures", measures_json(survey.measures)},
+               {"grid",
+                {{"crs", area.ground.crs.name()},
+                 {"max_scale_distortion", survey_number(area.ground.max_scale_distortion)},
+                 {"levels", levels_json(area.ground.levels)}}},
+               {"imagery", imagery_json(area.ground.imagery.datasets)},
+               {"second_dates", imagery_json(survey.second_dates)},
+               {"elevation", name_as_utf8(area.ground.elevation)},
+               {"inputs", inputs_json(survey.inputs)},
+               {"parameters", survey.parameters},
+               {"warnings", survey.warnings},
+               {"notes", survey.notes}};
+  if (survey.landmarks) json["landmarks"] = landmarks_json(survey);
+  json["tiles"] = tiles_json(ground_tile_fields(survey.landmarks.has_value()), survey.tiles);
+  return json;
 }
 
 std::string squares_csv(const Survey& survey) {

@@ -76,7 +76,9 @@ VectorLayer survey_table(const Survey& survey) {
 std::vector<VectorLayer> drawn(const Survey& survey, const ScoreTable& table) {
   std::vector<VectorLayer> layers = {
       decision_layer(table.ground, survey.tiles), square_layer(survey, table.ground.crs),
-      tile_layer(table.ground, survey.tiles, ground_tile_fields(), shown_scale(survey.measures))};
+      tile_layer(table.ground, survey.tiles, ground_tile_fields(survey.landmarks.has_value()),
+                 shown_scale(survey.measures))};
+  if (survey.landmarks) layers.push_back(landmark_layer(survey.landmarks->landmarks));
   for (VectorLayer& layer : layers) {
     std::vector<std::pair<std::string, std::string>> titles;
     for (const VectorColumn& column : layer.columns) titles.emplace_back(column.name, column.title);

@@ -24,6 +24,7 @@ struct SurveyOptions {
   std::optional<double> gsd_m;
   double tile_overlap = 0.5;
   std::string crs;
+  std::string landmarks;
   ImageryOptions imagery_options;
   ScoreOptions score;
   std::string title;
@@ -42,6 +43,8 @@ struct SurveyOptions {
     fields.field("tile_overlap", self.tile_overlap, "Share of its side that a tile has in common with the next one.",
                  Range{0, 0.95});
     fields.field("crs", self.crs, "CRS of the grid, projected in metres; chosen if not given.");
+    fields.path("landmarks", self.landmarks,
+                "Also show where landmarks promise a fix: a file of landmark-score --for-map.");
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("score", self.score, "How tiles are scored.", FlagPrefix::kNone);
     fields.field("title", self.title, "Title of the page; the imagery's name if not given.");

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "pilotage/camera/camera.h"
+#include "pilotage/ground/ground.h"
+#include "pilotage/mapdb/map_landmarks.h"
+
+namespace pilotage {
+
+/// What landmarks promise to a frame about the middle of a tile, whatever its heading.
+struct LandmarkProspect {
+  std::vector<std::size_t> shown;  ///< Indices of MapLandmarks::landmarks, ascending: some frame shows them whole.
+  double p_fix = 0;                ///< P of a fix by landmarks alone, the mean over eight headings.
+};
+
+/// Of each tile of the ground. The frame is the rectangle of the tile's area with the sides' ratio of the camera's
+/// footprint in level flight; a landmark that was found on the other date is seen with p_seen_on_frame() when all that
+/// its detector looks at lies in it, false alarms come as often as on the other date, and the frame's place is known to
+/// within `search_radius_m` along each axis. P is the chance that the groups that are seen reach the evidence that
+/// MatchOptions ask for. Modelled; held against frames of made-up countries (docs/methods/landmarks.md).
+std::vector<LandmarkProspect> landmark_prospects(const Ground& ground, const MapLandmarks& landmarks,
+                                                 const Camera& camera, double search_radius_m);
+
+}  // namespace pilotage
