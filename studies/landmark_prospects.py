@@ -2,10 +2,12 @@
 
 landmark_prospects.py BIN_FOLDER WORK_FOLDER [FRAMES]
 
-Detectors learn on one made-up country; what they are worth, the landmarks of the map and the frames come from others.
-There the map has hardly any features (20 for each million pixels), so that a fix is one by landmarks; frames of the second
-date, 400 m wide, are looked for within 90 m, three sigma of the prior, as the survey takes it. P of a frame is that of
-the tile whose centre is nearest to its place."""
+Detectors learn on one made-up country; what they are worth, the landmarks of the map and the frames come from others: P(detect)
+and what was found from the very second date that the frames show, turned, tilted and in another size. The map has hardly
+any features (20 for each million pixels), so that a fix is one by landmarks, which a run without them shows; frames 400 m
+wide are looked for within 90 m, three sigma of the prior, as the survey takes it. P of a frame is that of the tile whose
+centre is nearest to its place. Frames over ground that the map does not hold (no_map) or farther than 60 m from any tile's
+centre are left out and counted."""
 
 import csv
 import json
@@ -92,6 +94,10 @@ def tried(bin_folder, work, model, seed, frames):
     run(program, "prepare", mission, "--outputs", "json", "--overwrite", "-q", "-o", made)
     run(program, "build", made / "plan.json", "--table", made / "tiles.csv", "--selection", made / "selection.json", "--landmarks", of_map,
         "--features-per-mpx", "20", "--overwrite", "-q", "-o", few)
+    run(program, "match", few, "--frames", place / "frames/frames.csv", "--camera", camera, "--no-landmarks", "--overwrite", "-q", "-o",
+        place / "without.csv")
+    with open(place / "without.csv", newline="", encoding="utf-8") as fixes:
+        print("without landmarks:", sum(fix["status"] == "fix" for fix in csv.DictReader(fixes)), "fixes")
     run(program, "match", few, "--frames", place / "frames/frames.csv", "--camera", camera,
         "--overwrite", "-q", "-o", place / "fixes.csv")
     tiles = tiles_of(place / "survey/survey.json")
@@ -111,15 +117,18 @@ def main(bin_folder, work, frames):
     all_tried = []
     for seed in COUNTRIES:
         of_country = list(tried(bin_folder, work, model, seed, frames))
-        print(f"country {seed}: {len(of_country)} frames, mean P {sum(p for p, _, _ in of_country) / len(of_country):.3f}, right "
+        print(f"country {seed}: {len(of_country)} of {frames} frames, mean P {sum(p for p, _, _ in of_country) / len(of_country):.3f}, right "
               f"{sum(right for _, _, right in of_country)}, wrong {sum(fix and not right for _, fix, right in of_country)}", flush=True)
-        all_tried += of_country
+        all_tried.append(of_country)
     for low, high in zip(EDGES, EDGES[1:]):
-        inside = [one for one in all_tried if low <= one[0] < high]
-        if inside:
-            right, mean_p = sum(one[2] for one in inside), sum(one[0] for one in inside) / len(inside)
-            print(f"P {low:.2f} to {min(high, 1):.2f}: {len(inside)} frames, mean P {mean_p:.3f}, right {right} "
-                  f"({right / len(inside):.3f} ± {1.96 * math.sqrt(max(right, 1) * max(len(inside) - right, 1) / len(inside) ** 3):.3f})")
+        inside = [[one for one in country if low <= one[0] < high] for country in all_tried]
+        count = sum(map(len, inside))
+        if count:
+            mean_p = sum(one[0] for country in inside for one in country) / count
+            shares = [sum(one[2] for one in country) / len(country) for country in inside if country]
+            right = sum(one[2] for country in inside for one in country)
+            print(f"P {low:.2f} to {min(high, 1):.2f}: {count} frames, mean P {mean_p:.3f}, right {right / count:.3f}, by country "
+                  f"{min(shares):.3f} to {max(shares):.3f}")
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ Command make_survey_command() {
     CommandResult result;
     result.text = done.headline + "\n" + done.detail + "\nassumes: " + join(done.assumptions, "; ") +
                   "\nnot looked at: " + done.not_looked_at + "\n" +
-                  (done.landmarks.empty() ? "" : "landmarks (modelled, not counted above): " + done.landmarks + "\n") +
+                  (done.landmarks.empty() ? "" : "landmarks: " + done.landmarks + "\n" + done.landmarks_assume + "\n") +
                   std::to_string(done.tiles) + " tiles of " + format_fixed(done.tile_m, 0) + " m, one every " +
                   format_fixed(done.stride_m, 0) + " m; " + std::to_string(done.squares) +
                   (done.squares == 1 ? " square" : " squares") + " of the kilometre grid\nreport: " + page + "\n";
@@ -58,7 +58,8 @@ Command make_survey_command() {
                    {"go_share", json_number(done.go_share)},
                    {"marginal_share", json_number(done.marginal_share)},
                    {"no_go_share", json_number(done.no_go_share)}};
-    if (!done.landmarks.empty()) result.json["landmarks"] = done.landmarks;
+    if (!done.landmarks.empty())
+      result.json["landmarks"] = {{"said", done.landmarks}, {"assumes", done.landmarks_assume}};
     result.warnings = done.warnings;
     return result;
   });

@@ -169,6 +169,16 @@ TEST(LandmarkMatching, WhatStandsTogetherIsOneGroupOfAnyClass) {
   EXPECT_EQ(independent_groups(search, {}), 0U);
 }
 
+TEST(LandmarkMatching, WhatHangsTogetherWithItsClassOverALongWayIsACrowd) {
+  std::vector<NearLandmark> landmarks;
+  for (int i = 0; i < 5; ++i) landmarks.push_back({0, {35.0 * i, 0}});  // 140 px: more than three steps of 40
+  for (int i = 0; i < 4; ++i) landmarks.push_back({1, {35.0 * i, 10}});
+  landmarks.push_back({0, {70, 300}});
+  EXPECT_EQ(in_crowds(40, landmarks),
+            (std::vector<bool>{true, true, true, true, true, false, false, false, false, false}));
+  EXPECT_EQ(in_crowds(40, {}), std::vector<bool>{});
+}
+
 TEST(LandmarkMatching, RowsAndGridsSayLittle) {
   const auto groups_of = [](const std::vector<Vector2d>& places_px) {
     LandmarkSearch search;
@@ -501,6 +511,28 @@ void expect_fixes_by_landmarks(const ShotMap& map, int shots, int least) {
 
 TEST(LandmarkMatching, GroundWithoutFeaturesIsFoundByItsLandmarks) {
   expect_fixes_by_landmarks(disc_map(1), 20, 6);
+}
+
+// Roofs all over, none of which is seen, neither link the discs to one group nor speak against the place.
+TEST(LandmarkMatching, ACrowdOfAnotherClassTakesNothingFromThem) {
+  ShotMap map = disc_map(1);
+  testing::TexturedGround ground = map.ground;
+  MapDetector roofs = ground.landmarks->detectors.front();
+  roofs.detector.class_name = "roof";
+  roofs.detector.threshold = 1000;
+  ground.landmarks->detectors.push_back(roofs);
+  for (int east = -5; east <= 5; ++east) {
+    for (int north = -5; north <= 5; ++north) {
+      MapLandmark roof = ground.landmarks->landmarks.front();
+      roof.id = std::ssize(ground.landmarks->landmarks);
+      roof.detector = 1;
+      roof.place = map.place(25 * east, 25 * north);
+      ground.landmarks->landmarks.push_back(roof);
+    }
+  }
+  FeatureOptions hardly_any;
+  hardly_any.features_per_mpx = 40;
+  expect_fixes_by_landmarks(ShotMap(ground, hardly_any), 20, 6);
 }
 
 TEST(LandmarkMatching, OverReliefToo) {

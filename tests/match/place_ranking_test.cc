@@ -6,6 +6,9 @@
 #include "match/placed_scene.h"
 #include <gtest/gtest.h>
 
+#include "pilotage/base/nan.h"
+#include "pilotage/base/random.h"
+#include "pilotage/match/landmark_matching.h"
 #include "pilotage/match/match_confidence.h"
 
 namespace pilotage {
@@ -60,6 +63,64 @@ TEST(RankPlaces, APlaceWithinTheLeastDistanceIsNoRival) {
   ASSERT_TRUE(all_one.has_value());
   EXPECT_EQ(all_one->rival_evidence, 0);
   EXPECT_EQ(all_one->best.evidence, near->best.evidence);
+}
+
+/// Ten landmarks on the ground of the scene, each by itself and seen `off_px` to the right of where the features have
+/// it.
+LandmarkSearch landmarks_of(const testing::PlacedScene& scene, double off_px, double half_side_px) {
+  LandmarkSearch search;
+  Random random(3);
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Vector2d from_pivot(random.uniform(-70, 70), random.uniform(-55, 55));
+    NearLandmark near;
+    near.map_px = scene.truth.map_from_frame(from_pivot);
+    near.height_m = kNaN;
+    near.half_side_px = half_side_px;
+    near.group = static_cast<std::size_t>(i);
+    search.near.push_back(near);
+    search.sightings.push_back({0, from_pivot + Eigen::Vector2d(off_px, 0)});
+  }
+  search.sigma_m = {0.3};
+  search.p_detect = {0.8};
+  search.tolerance_px = {3};
+  search.landmarks_in_px2 = {11.0 / (400 * 400)};
+  search.looked_at_px = {Eigen::AlignedBox2d(Eigen::Vector2d(-75, -60), Eigen::Vector2d(75, 60))};
+  search.turns_and_scales = turns_and_scales(search, scene.space);
+  return search;
+}
+
+TEST(RankPlaces, FeaturesThatLieOnNoLandmarkAddToWhatLandmarksSay) {
+  const auto scene = make_placed_scene({{210, 190}, 0.01, 1.01});
+  const auto best_with = [&](double half_side_px) {
+    return rank_places(scene.frame, scene.map, scene.space, std::nullopt, landmarks_of(scene, 0, half_side_px), 0.5)
+        ->best;
+  };
+  const RankedPlace apart = best_with(1);
+  const RankedPlace covered = best_with(500);
+  EXPECT_GE(apart.landmarks.groups, 7U);
+  EXPECT_EQ(apart.of_features, covered.of_features);
+  const double alone = evidence_of_landmarks(0, landmarks_of(scene, 0, 1), apart.landmarks);
+  EXPECT_GT(alone, 5);
+  EXPECT_NEAR(covered.evidence, std::max(covered.of_features, alone), 1e-9) << "no feature lies beside a landmark";
+  EXPECT_GT(apart.evidence, alone + 0.8 * apart.of_features) << "nearly all do";
+  EXPECT_LE(apart.evidence, alone + apart.of_features);
+}
+
+TEST(RankPlaces, ThePlaceAsFeaturesHaveItIsKeptBesideThatOfLandmarks) {
+  const auto scene = make_placed_scene({{210, 190}, 0.01, 1.01});
+  const auto plain = rank_places(scene.frame, scene.map, scene.space, std::nullopt, std::nullopt, 0.5);
+  // 10 px are 5 m, no place of its own: features and landmarks cannot both be right.
+  const auto places = rank_places(scene.frame, scene.map, scene.space, std::nullopt, landmarks_of(scene, 10, 1), 0.5);
+  ASSERT_TRUE(places && places->next_there);
+  const auto off_px = [&](const RankedPlace& place) {
+    return (place.match.placement.center_px - scene.truth.center_px).norm();
+  };
+  const RankedPlace& of_landmarks = places->best.by_landmarks ? places->best : *places->next_there;
+  const RankedPlace& of_features = places->best.by_landmarks ? *places->next_there : places->best;
+  EXPECT_NEAR(off_px(of_landmarks), 10, 2);
+  EXPECT_LT(off_px(of_features), 1);
+  EXPECT_NEAR(of_features.of_features, plain->best.of_features, 1e-9);
+  EXPECT_LT(places->rival_evidence, of_features.evidence / 2) << "neither is the other's rival";
 }
 
 TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {

@@ -1,5 +1,6 @@
 #include "pilotage/report/landmark_note.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/nan.h"
+#include "pilotage/base/random.h"
 #include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/raster/gdal_crs.h"
 
@@ -35,6 +37,9 @@ Mission mission_over(int tiles) {
   level.matrix.grid_height_px = 600;
   mission.ground.levels.push_back(level);
   mission.flight.max_error_m = 40;
+  mission.flight.camera.width_px = mission.flight.camera.height_px = 600;  // 300 m wide from the level's middle
+  mission.flight.camera.fx_px = mission.flight.camera.fy_px = 500;
+  mission.flight.camera.cx_px = mission.flight.camera.cy_px = 300;
   for (int i = 0; i < tiles; ++i) {
     GroundTile tile;
     tile.tile_id = i;
@@ -82,11 +87,16 @@ void add_ring(MapLandmarks& landmarks, int tile, int count, double radius_m = 10
   }
 }
 
+/// With every tile stored.
+LandmarkNote note_of(const Mission& mission, const MapLandmarks& landmarks, const std::vector<double>& p_by_features) {
+  return landmark_note(mission, landmarks, std::vector<bool>(mission.ground.tiles.size(), true), p_by_features);
+}
+
 TEST(LandmarkNote, PIsThatEnoughGroupsAreSeen) {
   MapLandmarks landmarks = one_class(1, 0);
   add_ring(landmarks, 0, 6);
   add_ring(landmarks, 1, 2);
-  const LandmarkNote note = landmark_note(mission_over(3), landmarks, {0.1, 0.1, 0.1});
+  const LandmarkNote note = note_of(mission_over(3), landmarks, {0.1, 0.1, 0.1});
   // Six groups, each seen with 0.8: P of five at least is 0.655, of four at least 0.901.
   const double five = 6 * std::pow(0.8, 5) * 0.2 + std::pow(0.8, 6);
   const double four = five + 15 * std::pow(0.8, 4) * 0.04;
@@ -108,7 +118,7 @@ TEST(LandmarkNote, WorseDetectorsAndWiderLimitsPromiseLess) {
     add_ring(landmarks, 0, 6);
     Mission mission = mission_over(1);
     mission.flight.max_error_m = limit_m;
-    return landmark_note(mission, landmarks, {0}).p_fix[0];
+    return note_of(mission, landmarks, {0}).p_fix[0];
   };
   const double best = p_of(1, 0, 40);
   EXPECT_GT(best, 0.6);
@@ -122,10 +132,10 @@ TEST(LandmarkNote, WhatIsNotShownWholeOrWasNotFoundOrStandsTogetherDoesNotCount)
     MapLandmarks landmarks = one_class(1, 0);
     add_ring(landmarks, 0, 6, radius_m);
     change(landmarks);
-    return landmark_note(mission_over(1), landmarks, {0});
+    return note_of(mission_over(1), landmarks, {0});
   };
   const auto as_it_is = [](MapLandmarks&) {};
-  EXPECT_GT(p_of(as_it_is, 129).p_fix[0], 0.6) << "20 m of the detector's square lie within 150 m, at any heading";
+  EXPECT_GT(p_of(as_it_is, 121).p_fix[0], 0.6) << "the detector's square lies within, at any heading";
   EXPECT_LT(p_of(as_it_is, 175).p_fix[0], 0.3) << "only corners show them";
   EXPECT_EQ(p_of(as_it_is, 200).legs[0].landmarks, 0) << "beyond the corners";
   EXPECT_EQ(p_of(as_it_is, 40).p_fix[0], 0) << "40 m apart: one group";
@@ -135,10 +145,79 @@ TEST(LandmarkNote, WhatIsNotShownWholeOrWasNotFoundOrStandsTogetherDoesNotCount)
             0);
 }
 
+TEST(LandmarkNote, AnOblongFrameShowsMoreAlongItsLongSide) {
+  MapLandmarks landmarks = one_class(1, 0);
+  add_ring(landmarks, 0, 6, 175);  // beyond the square's sides
+  Mission mission = mission_over(1);
+  const double square = note_of(mission, landmarks, {0}).p_fix[0];
+  mission.flight.camera.width_px = 1000;  // 500 by 300 m
+  const LandmarkNote oblong = note_of(mission, landmarks, {0});
+  EXPECT_GE(oblong.legs[0].landmarks, 6);
+  EXPECT_GT(oblong.p_fix[0], square);
+  EXPECT_LT(oblong.p_fix[0], 0.7) << "not at every heading";
+  mission.flight.camera.height_px = 1000;
+  EXPECT_GT(note_of(mission, landmarks, {0}).p_fix[0], 0.65);
+}
+
+TEST(LandmarkNote, MoreLandmarksPromiseNoLess) {
+  MapLandmarks landmarks = one_class(0.9, 0);
+  Mission mission = mission_over(1);
+  mission.flight.camera.width_px = mission.flight.camera.height_px = 3000;  // 1,500 m wide
+  const CrsTransform transform(mission.ground.crs);
+  Random random(5);
+  std::vector<Vector2d> places_m;
+  double before = 0;
+  for (const std::size_t count : {5U, 10U, 20U, 40U}) {
+    while (places_m.size() < count) {
+      const Vector2d place_m(random.uniform(-500, 500), random.uniform(-500, 500));
+      const bool beside = std::any_of(places_m.begin(), places_m.end(),
+                                      [&](const Vector2d& other_m) { return (other_m - place_m).norm() < 65; });
+      if (beside) continue;
+      places_m.push_back(place_m);
+      MapLandmark landmark;
+      landmark.id = std::ssize(landmarks.landmarks);
+      landmark.place = *transform.geodetic_from_map(mission.ground.tiles[0].bounds.center_m() + place_m);
+      landmark.length_m = 20;
+      landmark.found = true;
+      landmarks.landmarks.push_back(landmark);
+    }
+    const double p = note_of(mission, landmarks, {0}).p_fix[0];
+    EXPECT_GE(p, before) << count;
+    before = p;
+  }
+  EXPECT_GT(before, 0.99) << "more groups than are told apart";
+}
+
+TEST(LandmarkNote, OnlyWhereAStoredTileIsShown) {
+  MapLandmarks landmarks = one_class(1, 0);
+  for (const int tile : {0, 2}) add_ring(landmarks, tile, 6);
+  Mission mission = mission_over(3);
+  const LandmarkNote note = landmark_note(mission, landmarks, {false, false, true}, {0.1, 0.1, kNaN});
+  EXPECT_EQ(note.p_fix[0], 0) << "the matcher has nothing to begin with";
+  EXPECT_GT(note.p_fix[2], 0.6);
+  EXPECT_FALSE(note.legs[0].gains);
+  EXPECT_FALSE(note.legs[2].gains) << "over what is not known";
+  mission.ground.tiles[2].bounds.min_x_m -= kTileSide_m + 10;  // a stored tile overlaps the first
+  EXPECT_GT(landmark_note(mission, landmarks, {false, false, true}, {0.1, 0.1, 0.1}).p_fix[0], 0.6);
+}
+
+TEST(LandmarkNote, PixelsThatTheDetectorWasNotTriedOnDoNotCount) {
+  MapLandmarks landmarks = one_class(1, 0);
+  add_ring(landmarks, 0, 6);
+  Mission mission = mission_over(1);
+  EXPECT_THAT(note_of(mission, landmarks, {0}).assumes, ::testing::Not(HasSubstr("Not counted")));
+  mission.flight.camera.width_px = mission.flight.camera.height_px = 300;  // pixels of 1 m, the detector's are 0.5
+  mission.flight.camera.fx_px = mission.flight.camera.fy_px = 250;
+  mission.flight.camera.cx_px = mission.flight.camera.cy_px = 150;
+  const LandmarkNote note = note_of(mission, landmarks, {0});
+  EXPECT_EQ(note.p_fix[0], 0);
+  EXPECT_THAT(note.assumes, HasSubstr("Not counted: tank, for the camera's pixels"));
+}
+
 TEST(LandmarkNote, SaysWhichLegsGainAndWhatItAssumes) {
   MapLandmarks landmarks = one_class(1, 0);
   for (const int tile : {0, 1, 2}) add_ring(landmarks, tile, 6);
-  const LandmarkNote note = landmark_note(mission_over(4), landmarks, {0.2, 0.999, 0.3, 0.2});
+  const LandmarkNote note = note_of(mission_over(4), landmarks, {0.2, 0.999, 0.3, 0.2});
   EXPECT_THAT(landmark_sentences(note), ElementsAre(HasSubstr("18 landmarks of 1 class (tank): legs 1 (P 0."),
                                                     HasSubstr("Modelled, not measured")));
   EXPECT_THAT(landmark_sentences(note)[0], HasSubstr("and 3 (P 0."));
@@ -148,7 +227,7 @@ TEST(LandmarkNote, SaysWhichLegsGainAndWhatItAssumes) {
   EXPECT_EQ(json["legs"][0]["leg"], 1);
   EXPECT_TRUE(json["legs"][3]["distance_m"].is_null());
   EXPECT_THAT(landmark_html(note), HasSubstr("<td data-label=\"Landmarks shown\">6</td>"));
-  const LandmarkNote none = landmark_note(mission_over(4), landmarks, {0.99, 0.99, 0.99, 0.2});
+  const LandmarkNote none = note_of(mission_over(4), landmarks, {0.99, 0.99, 0.99, 0.2});
   EXPECT_THAT(landmark_sentences(none)[0], HasSubstr("no leg gains a fix"));
 }
 

@@ -35,7 +35,7 @@ TEST(ReportJson, SaysWhatLandmarksPromise) {
   Report report = make_report(short_scene());
   EXPECT_FALSE(report_json(report).contains("landmarks"));
   const std::size_t columns = report_json(report)["tiles"]["columns"].size();
-  report.landmarks = LandmarkNote{{{"tank", 7, 0.95, 0.2, 0.3}}, {}, {{3, 0.7, 120, true}, {0, 0, kNaN, false}}};
+  report.landmarks = LandmarkNote{{{"tank", 7, 0.95, 0.2, 0.3}}, {}, {{3, 0.7, 120, true}, {0, 0, kNaN, false}}, "all"};
   for (ReportTile& tile : report.tiles) tile.p_landmark_fix = 0.25;
   const auto json = report_json(report);
   EXPECT_EQ(violation(json), "");

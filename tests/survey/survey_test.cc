@@ -128,7 +128,10 @@ MapLandmarks ring_of_tanks(const Ground& ground) {
 TEST(Survey, SaysWhereLandmarksPromiseAFixAndCountsThemInNothing) {
   SurveyInput input = ten_tiles(3);
   const Survey without = make_survey(input);
-  input.area.ground.levels.front().gsd_m = 1.8;  // tiles 360 m wide, 180 m apart
+  input.area.ground.levels.front().gsd_m = 1.8;              // tiles 360 m wide, 180 m apart
+  input.area.camera.fx_px = input.area.camera.fy_px = 1333;  // as frames
+  input.area.camera.cx_px = 2000;
+  input.area.camera.cy_px = 1500;
   input.area.ground.levels.front().matrix.map_from_pixel = GeoTransform::north_up(500010, 5'000'900, 1.8);
   input.area.ground.tiles.clear();
   cut_all_tiles(input.area.ground, 1);
@@ -138,12 +141,12 @@ TEST(Survey, SaysWhereLandmarksPromiseAFixAndCountsThemInNothing) {
   EXPECT_EQ(survey.landmarks->strongest, 4U);
   EXPECT_GT(survey.tiles[4].p_landmark_fix, kLeastLandmarkGain);
   EXPECT_EQ(survey.tiles[9].p_landmark_fix, 0);
-  EXPECT_GE(survey.landmarks->likely_tiles, 1);
-  EXPECT_GE(survey.landmarks->gaining_tiles, 1) << "features find nothing there";
-  EXPECT_LT(survey.landmarks->gaining_tiles, 10);
-  EXPECT_THAT(survey.landmarks->said,
-              ::testing::StartsWith("8 landmarks of 1 class (tank): a fix by landmarks alone may be "
-                                    "expected over "));
+  EXPECT_EQ(survey.landmarks->likely_tiles, 1);
+  EXPECT_EQ(survey.landmarks->gaining_tiles, 1) << "features find nothing there";
+  EXPECT_THAT(
+      survey.landmarks->said,
+      ::testing::StartsWith("8 landmarks of 1 class (tank): a fix by landmarks alone may be expected over 10 % of the "
+                            "area (0.03 km²), over 0.03 km² of it likelier than one by features; P is 0."));
   EXPECT_EQ(survey.go_share, without.go_share);
   const nlohmann::ordered_json json = survey_json(survey);
   EXPECT_EQ(json["landmarks"]["likely_tiles"], survey.landmarks->likely_tiles);
@@ -151,6 +154,14 @@ TEST(Survey, SaysWhereLandmarksPromiseAFixAndCountsThemInNothing) {
   EXPECT_THAT(survey_html(survey), ::testing::HasSubstr("not counted in the headline or the classes of ground"));
   EXPECT_FALSE(survey_json(without).contains("landmarks"));
   EXPECT_THAT(survey_html(without), ::testing::Not(::testing::HasSubstr("Fixes by landmarks")));
+
+  SurveyInput unknown = input;
+  for (TileScores& tile : unknown.scores) tile.p_correct_fix = kNaN;
+  EXPECT_EQ(make_survey(unknown).landmarks->gaining_tiles, 0);
+  EXPECT_THAT(make_survey(unknown).landmarks->said, ::testing::Not(::testing::HasSubstr("likelier")));
+  unknown = input;
+  unknown.matcher = FlyingMatcher::kFeaturesAndChips;
+  EXPECT_THAT(make_survey(unknown).landmarks->said, ::testing::HasSubstr("likelier than one by features and chips"));
 
   input.landmarks->landmarks.resize(2);
   const Survey two = make_survey(input);

@@ -192,7 +192,7 @@ VectorLayer landmark_layer(const MapLandmarks& landmarks) {
   VectorLayer layer;
   layer.name = "landmarks";
   layer.title = "Landmarks";
-  layer.description = "Landmarks of the onboard map, and what their detectors are worth.";
+  layer.description = "Landmarks that the onboard map may hold, and what their detectors are worth.";
   layer.shape = VectorShape::kPoint;
   layer.crs = Crs::wgs84();
   using Type = VectorType;

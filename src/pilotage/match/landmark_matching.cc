@@ -21,8 +21,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Largest side of a frame that is looked at, in pixels of a detector.
-constexpr int kMaxSidePx = 1536;
 /// Of a place that features refined, and of what is left of the frame's pose there: with a sighting's own error it
 /// makes the tolerance, at this many of them.
 constexpr double kPlaceSigma_m = 1;
@@ -34,8 +32,8 @@ constexpr double kPoseSigmas = 2.5;
 /// Of a class on a frame: the strongest.
 constexpr std::size_t kMaxSightings = 64;
 constexpr double kLandmarkNoisePx = 1;
-/// More say no more: the evidence of so many is beyond any rate that is asked for.
-constexpr std::size_t kMostGroups = 16;
+/// Landmarks of a class that hang together over more than so many steps are a crowd.
+constexpr double kCrowdLinks = 3;
 /// A frame is worse than the imagery of the other date, on which P(detect) was measured: this part of it is counted on.
 /// Modelled, not measured.
 constexpr double kDetectedOnFrames = 0.8;
@@ -125,7 +123,7 @@ Looked look(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
             const LandmarkDetector& detector, const Checkpoint& checkpoint) {
   RectifyOptions rectify;
   rectify.gsd_m = detector.gsd_m;
-  rectify.max_size_px = kMaxSidePx;
+  rectify.max_size_px = kMaxLookedAtPx;
   RectifiedFrame laid =
       ortho_rectify(frame, camera, attitude_on_grid(prior.attitude, rectified.grid), prior.height_agl_m, rectify);
   Looked looked;
@@ -253,6 +251,34 @@ double expected_by_chance(const LandmarkSearch& search) {
   return mean;
 }
 
+/// Numbers of groups, from 0: landmarks of one hang together in steps of at most `link_px` between those that `may`.
+template <class MayLink>
+std::vector<std::size_t> hanging_together(double link_px, const std::vector<NearLandmark>& landmarks,
+                                          const MayLink& may, const Checkpoint& checkpoint) {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> group_of(landmarks.size(), kNone);
+  std::size_t groups = 0;
+  std::vector<std::size_t> to_visit;
+  for (std::size_t first = 0; first < landmarks.size(); ++first) {
+    if (group_of[first] != kNone) continue;
+    group_of[first] = groups;
+    to_visit.push_back(first);
+    while (!to_visit.empty()) {
+      pass(checkpoint);
+      const NearLandmark& here = landmarks[to_visit.back()];
+      to_visit.pop_back();
+      for (std::size_t i = first; i < landmarks.size(); ++i) {
+        if (group_of[i] != kNone || !((landmarks[i].map_px - here.map_px).norm() <= link_px)) continue;
+        if (!may(landmarks[i], here)) continue;
+        group_of[i] = groups;
+        to_visit.push_back(i);
+      }
+    }
+    ++groups;
+  }
+  return group_of;
+}
+
 }  // namespace
 
 double landmark_tolerance_m(const MapDetector& detector, double gsd_m) {
@@ -300,28 +326,34 @@ std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const Mat
   LandmarkSearch search;
   // A circle about the window's middle that holds whatever a frame at any of its places shows.
   const double reach_px = std::numbers::sqrt2 * space.half_width_px + 1.2 * described.radius_px;
-  std::vector<double> counts(detectors, 0);
+  std::vector<NearLandmark> near;
   for (const MapLandmark& landmark : stored->landmarks) {
-    NearLandmark near;
-    near.detector = landmark.detector;
-    near.map_px = rectified.grid.px_from_geodetic(landmark.place) - local.reference_px;
-    if (!((near.map_px - space.center_px).norm() <= reach_px)) continue;
-    near.height_m = landmark.ground_height_m;
+    NearLandmark one;
+    one.detector = landmark.detector;
+    one.map_px = rectified.grid.px_from_geodetic(landmark.place) - local.reference_px;
+    if (!((one.map_px - space.center_px).norm() <= reach_px)) continue;
+    one.height_m = landmark.ground_height_m;
     const bool has_relief = local.relief.ground.known();
     if (has_relief) {
-      near.stretch = std::isfinite(near.height_m) ? local.relief.stretch_of_height(near.height_m)
-                                                  : local.relief.stretch_at(near.map_px);
+      one.stretch = std::isfinite(one.height_m) ? local.relief.stretch_of_height(one.height_m)
+                                                : local.relief.stretch_at(one.map_px);
     }
-    near.length_m = landmark.length_m;
-    near.half_side_px =
-        looked_at_half_side_m(stored->detectors[landmark.detector], landmark.length_m) / rectified.gsd_m;
-    near.found = landmark.found;
-    search.near.push_back(near);
-    if (search.near.size() > kMaxNearLandmarks) return std::nullopt;
-    counts[near.detector] += 1;
+    one.length_m = landmark.length_m;
+    one.half_side_px = looked_at_half_side_m(stored->detectors[landmark.detector], landmark.length_m) / rectified.gsd_m;
+    one.found = landmark.found;
+    near.push_back(one);
+    if (near.size() > kMaxNearLandmarks) return std::nullopt;
+  }
+  std::vector<double> counts(detectors, 0);
+  const double link_px = kLandmarkGroup_m / rectified.gsd_m;
+  const std::vector<bool> crowded = in_crowds(link_px, near, checkpoint);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (crowded[i]) continue;
+    search.near.push_back(near[i]);
+    counts[near[i].detector] += 1;
   }
   if (search.near.empty()) return std::nullopt;
-  group_landmarks(kLandmarkGroup_m / rectified.gsd_m, search.near, checkpoint);
+  group_landmarks(link_px, search.near, checkpoint);
   search.landmarks_in_px2 = landmark_densities(search.near, detectors, reach_px, described.radius_px, checkpoint);
   for (std::size_t i = 0; i < detectors; ++i) {
     const MapDetector& one = stored->detectors[i];
@@ -361,7 +393,7 @@ double turns_and_scales(const LandmarkSearch& search, const SearchSpace& space) 
 double landmark_search_bytes(const MapReader& map, const MatchOptions& options) {
   if (!options.landmarks || !map.has_landmarks()) return 0;
   // Pictures, and histograms of 18 and cells of 31 numbers and their margins, of cells of four pixels at the least.
-  const double pixels = double{kMaxSidePx} * kMaxSidePx;
+  const double pixels = double{kMaxLookedAtPx} * kMaxLookedAtPx;
   return pixels * (6 + 1.3 * 4.0 * (18 + kFhogPlanes + 4) / 16);
 }
 
@@ -371,26 +403,19 @@ std::vector<LandmarkPair> pair_landmarks(const PivotedFrame& frame, const Landma
 }
 
 void group_landmarks(double link_px, std::vector<NearLandmark>& landmarks, const Checkpoint& checkpoint) {
-  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  for (NearLandmark& landmark : landmarks) landmark.group = kNone;
-  std::size_t groups = 0;
-  std::vector<std::size_t> to_visit;
-  for (std::size_t first = 0; first < landmarks.size(); ++first) {
-    if (landmarks[first].group != kNone) continue;
-    landmarks[first].group = groups;
-    to_visit.push_back(first);
-    while (!to_visit.empty()) {
-      pass(checkpoint);
-      const Vector2d here = landmarks[to_visit.back()].map_px;
-      to_visit.pop_back();
-      for (std::size_t i = first; i < landmarks.size(); ++i) {
-        if (landmarks[i].group != kNone || !((landmarks[i].map_px - here).norm() <= link_px)) continue;
-        landmarks[i].group = groups;
-        to_visit.push_back(i);
-      }
-    }
-    ++groups;
-  }
+  const auto any = [](const NearLandmark&, const NearLandmark&) { return true; };
+  const std::vector<std::size_t> groups = hanging_together(link_px, landmarks, any, checkpoint);
+  for (std::size_t i = 0; i < landmarks.size(); ++i) landmarks[i].group = groups[i];
+}
+
+std::vector<bool> in_crowds(double link_px, const std::vector<NearLandmark>& landmarks, const Checkpoint& checkpoint) {
+  const auto same_class = [](const NearLandmark& a, const NearLandmark& b) { return a.detector == b.detector; };
+  const std::vector<std::size_t> groups = hanging_together(link_px, landmarks, same_class, checkpoint);
+  std::vector<Eigen::AlignedBox2d> extents(landmarks.size());
+  for (std::size_t i = 0; i < landmarks.size(); ++i) extents[groups[i]].extend(landmarks[i].map_px);
+  std::vector<bool> crowded;
+  for (const std::size_t group : groups) crowded.push_back(extents[group].diagonal().norm() > kCrowdLinks * link_px);
+  return crowded;
 }
 
 std::size_t independent_groups(const LandmarkSearch& search, const std::vector<LandmarkPair>& pairs) {

@@ -66,6 +66,12 @@ double p_seen_on_frame(const MapDetector& detector);
 /// place is right, however many of its landmarks agree.
 void group_landmarks(double link_px, std::vector<NearLandmark>& landmarks, const Checkpoint& checkpoint = {});
 
+/// Which landmarks stand in a crowd: hang together with others of their class over more than three such steps, as roofs
+/// of a town do. There is always one under a sighting; they say nothing of a place, and what stands among them should
+/// not be taken for one of them.
+std::vector<bool> in_crowds(double link_px, const std::vector<NearLandmark>& landmarks,
+                            const Checkpoint& checkpoint = {});
+
 /// How dense landmarks of each detector are: in the circle of `reach_px`, or about each other within `radius_px` of a
 /// frame, whichever is more: a place that has one under a sighting is where landmarks are. One more is counted than
 /// there are: of few, chance may have put some more elsewhere.
@@ -133,6 +139,10 @@ double evidence_of_landmarks(double chips_against, const LandmarkSearch& search,
 inline constexpr std::size_t kLeastLandmarks = 3;
 /// How far off landmarks are taken to be independent of each other.
 inline constexpr double kLandmarkGroup_m = 60;
+/// More say no more: the evidence of so many is beyond any rate that is asked for.
+inline constexpr std::size_t kMostGroups = 16;
+/// Side of what is looked at of a frame, about its middle, in pixels of the detector.
+inline constexpr int kMaxLookedAtPx = 1536;
 /// Of a window: more are no landmarks.
 inline constexpr std::size_t kMaxNearLandmarks = 1000;
 

@@ -234,6 +234,14 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   // Over relief more scales are tried than the rate of false fixes was measured with: as many times as often.
   const double scales = std::max(1.0, space.scale_sigma / options.height_sigma_fraction);
   auto refined = refine_best(rectified, described, local, prior, options, landmarks, places->best);
+  if (places->next_there && places->next_there->evidence > places->best.evidence) {
+    // Landmarks that made it the best do not agree with its pose: what else speaks for this place is asked.
+    auto again = refine_best(rectified, described, local, prior, options, landmarks, *places->next_there);
+    if (again && places->next_there->evidence > places->best.evidence) {
+      refined = std::move(again);
+      places->best = *places->next_there;
+    }
+  }
   describe_ranking(*places, rectified.half_width_px, searches * scales, stats);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   add_map_error(refined->fix, options.map_sigma_m ? *options.map_sigma_m

@@ -158,11 +158,15 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
     ranked.push_back(rank_place(match, frame, map, chips, landmarks, checkpoint));
   }
   RankedPlaces places;
-  places.best = *std::max_element(ranked.begin(), ranked.end(),
-                                  [](const RankedPlace& a, const RankedPlace& b) { return a.evidence < b.evidence; });
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const RankedPlace& a, const RankedPlace& b) { return a.evidence > b.evidence; });
+  places.best = ranked.front();
   for (const RankedPlace& place : ranked) {
     const double distance_px = (place.match.placement.center_px - places.best.match.placement.center_px).norm();
-    if (distance_px <= min_distance_px) continue;
+    if (distance_px <= min_distance_px) {
+      if (&place != &ranked.front() && !places.next_there) places.next_there = place;
+      continue;
+    }
     places.rival_evidence = std::max(places.rival_evidence, place.evidence);
     places.rival_ncc = std::max(places.rival_ncc, place.ncc);
   }

@@ -62,6 +62,7 @@ struct RankedPlace {
 /// The best place, and the evidence of the best elsewhere.
 struct RankedPlaces {
   RankedPlace best;
+  std::optional<RankedPlace> next_there;  ///< The next best that is no rival: the best place as something else has it.
   double rival_evidence = 0;
   double rival_ncc = 0;
 };

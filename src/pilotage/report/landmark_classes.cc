@@ -6,6 +6,7 @@
 #include "pilotage/base/utf8.h"
 #include "pilotage/base/variant_json.h"
 #include "pilotage/mapdb/map_landmarks.h"
+#include "pilotage/match/match.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/report/wording.h"
@@ -35,16 +36,27 @@ std::string landmarks_phrase(const std::vector<LandmarkClass>& classes) {
          " (" + listed(names) + ")";
 }
 
-std::string landmark_assumption(const std::string& answer, const std::string& search) {
-  return "Modelled, not measured, and not counted in " + answer +
-         ": a landmark that was found on the other date is seen "
-         "on a frame that shows it whole with four fifths of P(detect), false alarms come as often as there, and the "
-         "search " +
-         search + ".";
+std::string landmark_assumption(const std::string& answer, const std::string& place, const std::string& stored,
+                                const std::vector<std::string>& unresolved) {
+  const MatchOptions options;
+  std::string text =
+      "Modelled, not measured, and not counted in " + answer +
+      ": a landmark that was found on the other date is seen on a frame that shows it whole with four fifths of "
+      "P(detect), false alarms come as often as there; in level flight a frame's place is known " +
+      place + ", its heading with a σ of " + format_number(options.yaw_sigma_deg) + "°, its tilt of " +
+      format_number(options.attitude_sigma_deg) + "° and its height of " +
+      format_number(100 * options.height_sigma_fraction) +
+      " %. Not modelled: another place with landmarks in the same array, and relief. " + stored;
+  if (!unresolved.empty()) {
+    text += " Not counted: " + listed(unresolved) +
+            ", for the camera's pixels are more than 1.6 times as wide as those of the detector, which was not tried.";
+  }
+  return text;
 }
 
 std::string landmark_p_text(double p) {
-  return format_fixed(std::floor(p * 100) / 100, 2);
+  if (p > 0 && p < 0.01) return "below 0.01";
+  return format_fixed(std::floor(p * 100 + 1e-9) / 100, 2);
 }
 
 std::string landmark_classes_html(const std::vector<LandmarkClass>& classes) {

@@ -32,11 +32,13 @@ std::vector<LandmarkClass> landmark_classes(const MapLandmarks& landmarks);
 /// "76 landmarks of 3 classes (ring, roundabout and tank)".
 std::string landmarks_phrase(const std::vector<LandmarkClass>& classes);
 
-/// What P of a fix by landmarks takes for granted, as a sentence: it is not counted in "the verdict", and the search
-/// "is as wide as the limit".
-std::string landmark_assumption(const std::string& answer, const std::string& search);
+/// What P of a fix by landmarks (landmark_prospects.h) takes for granted: it is not counted in "the verdict", a frame's
+/// place is known "as the limit allows"; `stored` says what the map is taken to store. `unresolved`: classes that are
+/// not counted.
+std::string landmark_assumption(const std::string& answer, const std::string& place, const std::string& stored,
+                                const std::vector<std::string>& unresolved);
 
-/// "0.97": rounded down.
+/// "0.97": rounded down; "below 0.01" of what is more than 0.
 std::string landmark_p_text(double p);
 
 /// A table to unfold.

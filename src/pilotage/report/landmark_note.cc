@@ -16,13 +16,35 @@ namespace pilotage {
 
 using Json = nlohmann::ordered_json;
 
-LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks,
+namespace {
+
+/// Whether a frame about the middle of the tile shows ground of a stored one: elsewhere the matcher has nothing to
+/// begin with.
+bool shows_stored_ground(const std::vector<GroundTile>& tiles, const std::vector<bool>& stored, std::size_t index) {
+  if (stored[index]) return true;
+  const Bounds& here = tiles[index].bounds;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const Bounds& other = tiles[i].bounds;
+    if (stored[i] && other.min_x_m < here.max_x_m && other.max_x_m > here.min_x_m && other.min_y_m < here.max_y_m &&
+        other.max_y_m > here.min_y_m) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks, const std::vector<bool>& stored,
                            const std::vector<double>& p_fix_by_features) {
   const std::vector<LandmarkProspect> prospects =
       landmark_prospects(mission.ground, landmarks, mission.flight.camera, mission.flight.max_error_m);
   LandmarkNote note;
   note.legs.resize(p_fix_by_features.size());
-  for (const LandmarkProspect& tile : prospects) note.p_fix.push_back(tile.p_fix);
+  for (std::size_t i = 0; i < prospects.size(); ++i) {
+    const bool can_match = prospects[i].p_fix > 0 && shows_stored_ground(mission.ground.tiles, stored, i);
+    note.p_fix.push_back(can_match ? prospects[i].p_fix : 0);
+  }
   std::vector<std::set<std::size_t>> of_leg(note.legs.size());
   for (const FlightSample& sample : mission.flight.samples) {
     const auto tile = tile_under(mission, sample);
@@ -36,9 +58,12 @@ LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks
   for (std::size_t i = 0; i < note.legs.size(); ++i) {
     LandmarkNote::Leg& leg = note.legs[i];
     leg.landmarks = std::ssize(of_leg[i]);
-    leg.gains = leg.p_fix >= kLeastLandmarkGain && !(p_fix_by_features[i] >= leg.p_fix);
+    leg.gains = leg.p_fix >= kLeastLandmarkGain && leg.p_fix > p_fix_by_features[i];
   }
   note.classes = landmark_classes(landmarks);
+  note.assumes = landmark_assumption("the verdict", "as the limit allows",
+                                     "Where a frame shows nothing of a stored tile P is 0: nothing is matched there.",
+                                     unresolved_classes(mission.ground, landmarks, mission.flight.camera));
   return note;
 }
 
@@ -56,7 +81,7 @@ std::vector<std::string> landmark_sentences(const LandmarkNote& note) {
   } else {
     first += "legs " + listed(gaining) + " gain a fix by landmarks alone.";
   }
-  return {first, landmark_assumption("the verdict", "is as wide as the limit")};
+  return {first, note.assumes};
 }
 
 std::string landmark_html(const LandmarkNote& note) {
@@ -77,7 +102,7 @@ std::string landmark_html(const LandmarkNote& note) {
 
 Json landmark_json(const LandmarkNote& note) {
   const auto number = [](double value) { return variant_to_json(number_value(value)); };
-  Json json = {{"classes", landmark_classes_json(note.classes)}, {"legs", Json::array()}};
+  Json json = {{"classes", landmark_classes_json(note.classes)}, {"legs", Json::array()}, {"assumes", note.assumes}};
   for (std::size_t i = 0; i < note.legs.size(); ++i) {
     const LandmarkNote::Leg& leg = note.legs[i];
     json["legs"].push_back({{"leg", i + 1},

@@ -11,6 +11,7 @@
 
 #include "pilotage/base/angle.h"
 #include "pilotage/base/statistics.h"
+#include "pilotage/base/utf8.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/match/landmark_matching.h"
 #include "pilotage/match/match.h"
@@ -22,6 +23,8 @@ namespace {
 
 using Eigen::Vector2d;
 
+/// Pixels of a camera up to so many of the detector's: coarser ones were not tried.
+constexpr double kCoarsestOfDetector = 1.6;
 constexpr int kHeadings = 8;           // over half a turn: turned by the other half a frame shows the same
 constexpr long kMostFalseAlarms = 64;  // that are thought of on a frame: with so many no place stands out
 
@@ -57,33 +60,44 @@ class LandmarksOnGrid {
   std::vector<One> from_left_;
 };
 
+/// The middle of the heights above ground that a level is for.
+double flown_agl_m(const GridLevel& level) {
+  return (level.min_agl_m + level.max_agl_m) / 2;
+}
+
+/// Whether the detector sees its landmarks on pixels of the camera from there.
+bool is_resolved(const MapDetector& detector, const Camera& camera, double agl_m) {
+  const GroundSampleDistance pixel = gsd_m(camera, agl_m);
+  return std::max(pixel.across_m, pixel.along_m) <= kCoarsestOfDetector * detector.detector.gsd_m;
+}
+
 /// A frame about the middle of a tile, and the search around it.
 struct Frame {
   Vector2d middle_m{0, 0};
-  Vector2d half_m{0, 0};    // of its sides
-  double half_width_m = 0;  // of the search
+  Vector2d half_m{0, 0};     // of its sides
+  double search_half_m = 0;  // of the search
   double gsd_m = 0;
 
   double radius_m() const { return half_m.norm(); }
   /// Landmarks that a frame of the search may show.
-  double reach_m() const { return std::numbers::sqrt2 * half_width_m + 1.2 * radius_m(); }
+  double reach_m() const { return std::numbers::sqrt2 * search_half_m + 1.2 * radius_m(); }
 };
 
 Frame frame_over(const Ground& ground, const GroundTile& tile, const Camera& camera, double search_radius_m,
                  const MatchOptions& options) {
   const GridLevel& level = ground.level_of(tile);
-  const Footprint shape = footprint(camera, Attitude{}, level.max_agl_m);
-  const double stretch = shape.across_m > 0 && shape.along_m > 0 ? std::sqrt(shape.across_m / shape.along_m) : 1;
-  const double half_side_m = std::min(tile.bounds.width_m(), tile.bounds.height_m()) / 2;
+  const double agl_m = flown_agl_m(level);
+  const Footprint shape = footprint(camera, Attitude{}, agl_m);
   Frame frame;
   frame.middle_m = tile.bounds.center_m();
-  frame.half_m = {half_side_m * stretch, half_side_m / stretch};
-  frame.half_width_m = search_radius_m + 2 * level.max_agl_m * std::tan(options.attitude_sigma_deg * kRadPerDeg);
+  frame.half_m = Vector2d(tile.bounds.width_m(), tile.bounds.height_m()) / 2;
+  if (shape.across_m > 0 && shape.along_m > 0) frame.half_m = Vector2d(shape.across_m, shape.along_m) / 2;
+  frame.search_half_m = search_radius_m + 2 * agl_m * std::tan(options.attitude_sigma_deg * kRadPerDeg);
   frame.gsd_m = level.gsd_m;
   return frame;
 }
 
-/// Landmarks around a frame.
+/// Landmarks around a frame that stand in no crowd and whose detector sees with the camera's pixels.
 struct NearFrame {
   std::vector<NearLandmark> near;    // from the frame's middle, grouped
   std::vector<std::size_t> numbers;  // indices of MapLandmarks::landmarks
@@ -91,37 +105,54 @@ struct NearFrame {
   std::vector<bool> has_class;       // by detector
 };
 
-NearFrame look_around(const Frame& frame, const MapLandmarks& landmarks, const LandmarksOnGrid& on_grid) {
+NearFrame look_around(const Frame& frame, const MapLandmarks& landmarks, const LandmarksOnGrid& on_grid,
+                      const std::vector<bool>& resolved) {
   NearFrame around;
   around.has_class.resize(landmarks.detectors.size(), false);
+  std::vector<NearLandmark> all;
+  std::vector<std::size_t> numbers;
   for (const LandmarksOnGrid::One& one : on_grid.within(frame.middle_m, frame.reach_m())) {
     const MapLandmark& landmark = landmarks.landmarks[one.index];
     const MapDetector& detector = landmarks.detectors[landmark.detector];
+    if (!resolved[landmark.detector]) continue;
     NearLandmark near;
     near.detector = landmark.detector;
     near.map_px = (one.point_m - frame.middle_m) / frame.gsd_m;
     near.half_side_px = looked_at_half_side_m(detector, landmark.length_m) / frame.gsd_m;
     near.found = landmark.found;
-    around.near.push_back(near);
-    around.numbers.push_back(one.index);
-    around.has_class[near.detector] = true;
+    all.push_back(near);
+    numbers.push_back(one.index);
   }
-  if (around.near.empty() || around.near.size() > kMaxNearLandmarks) return {};
-  group_landmarks(kLandmarkGroup_m / frame.gsd_m, around.near);
+  if (all.size() > kMaxNearLandmarks) return {};
+  const double link_px = kLandmarkGroup_m / frame.gsd_m;
+  const std::vector<bool> crowded = in_crowds(link_px, all);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (crowded[i]) continue;
+    around.near.push_back(all[i]);
+    around.numbers.push_back(numbers[i]);
+    around.has_class[all[i].detector] = true;
+  }
+  if (around.near.size() < kLeastLandmarks) return around;
+  group_landmarks(link_px, around.near);
   around.in_px2 = landmark_densities(around.near, landmarks.detectors.size(), frame.reach_m() / frame.gsd_m,
                                      frame.radius_m() / frame.gsd_m);
   return around;
 }
 
-/// Which of them a frame that is turned clockwise by so much shows whole, and that were found on the other date.
-std::vector<std::size_t> shown_by(const Frame& frame, double heading_rad, const NearFrame& around) {
+/// Which of them a frame at this heading shows whole and the detector looks at, and that were found on the other date.
+/// The square that it looks at is north up, as the frame is laid.
+std::vector<std::size_t> shown_by(const Frame& frame, double heading_rad, const NearFrame& around,
+                                  const MapLandmarks& landmarks) {
   const Eigen::Rotation2Dd to_frame(heading_rad);
+  const double of_square = std::abs(std::cos(heading_rad)) + std::abs(std::sin(heading_rad));
   std::vector<std::size_t> shown;
   for (std::size_t i = 0; i < around.near.size(); ++i) {
     const NearLandmark& one = around.near[i];
     const Vector2d off_m = (to_frame * one.map_px).cwiseAbs() * frame.gsd_m;
     const double half_side_m = one.half_side_px * frame.gsd_m;
-    if (one.found && ((off_m.array() + half_side_m) <= frame.half_m.array()).all()) shown.push_back(i);
+    const double looked_at_m = kMaxLookedAtPx / 2.0 * landmarks.detectors[one.detector].detector.gsd_m;
+    if (!one.found || one.map_px.cwiseAbs().maxCoeff() * frame.gsd_m + half_side_m > looked_at_m) continue;
+    if (((off_m.array() + half_side_m * of_square) <= frame.half_m.array()).all()) shown.push_back(i);
   }
   return shown;
 }
@@ -129,7 +160,7 @@ std::vector<std::size_t> shown_by(const Frame& frame, double heading_rad, const 
 /// The chance that so many groups are seen that their evidence, less what the others say by not being seen, is
 /// enough. Of all, `alike` say nothing of their own, and these are taken to be among those that are seen.
 double p_of_fix(const LandmarkSearch& search, const std::vector<double>& p_seen, std::size_t alike,
-                double half_width_px, double max_false_fix_rate) {
+                double search_half_px, double max_false_fix_rate) {
   const std::vector<double> p_count = poisson_binomial(p_seen);
   double p_fix = 0;
   double p_so_few = 0;  // so many, or fewer, are seen: what the missing ones say
@@ -137,8 +168,9 @@ double p_of_fix(const LandmarkSearch& search, const std::vector<double>& p_seen,
     p_so_few += p_count[k];
     const bool all_seen = k + 1 == p_count.size();
     const double against = all_seen ? 0 : -std::log(std::clamp(p_so_few, 1e-30, 1.0));
-    const double evidence = landmark_evidence(search, k - std::min(k, alike)) - against;
-    if (false_fix_rate(evidence, half_width_px) <= max_false_fix_rate) p_fix += p_count[k];
+    const std::size_t groups = std::min(k - std::min(k, alike), kMostGroups);
+    const double evidence = landmark_evidence(search, groups) - against;
+    if (false_fix_rate(evidence, search_half_px) <= max_false_fix_rate) p_fix += p_count[k];
   }
   return std::min(1.0, p_fix);
 }
@@ -166,22 +198,24 @@ double p_fix_by(const std::vector<std::size_t>& shown, const Frame& frame, const
     const long false_alarms = std::min(std::lround(detector.false_alarms_per_km2 * frame_km2), kMostFalseAlarms);
     search.sightings.insert(search.sightings.end(), static_cast<std::size_t>(false_alarms), {i, {0, 0}});
   }
-  const double half_width_px = frame.half_width_m / frame.gsd_m;
+  const double search_half_px = frame.search_half_m / frame.gsd_m;
   search.turns_and_scales = turns_and_scales(
-      search, {{0, 0}, half_width_px, options.yaw_sigma_deg * kRadPerDeg, options.height_sigma_fraction});
-  const std::size_t alike = p_unseen.size() - std::min(p_unseen.size(), independent_groups(search, pairs));
+      search, {{0, 0}, search_half_px, options.yaw_sigma_deg * kRadPerDeg, options.height_sigma_fraction});
+  // More than so many are not told apart: then those that were looked at stand for all.
+  const std::size_t looked_at = std::min(p_unseen.size(), kMostGroups);
+  const std::size_t alike = looked_at - std::min(looked_at, independent_groups(search, pairs));
   std::vector<double> p_seen;
   for (const auto& [group, p] : p_unseen) p_seen.push_back(1 - p);
-  return p_of_fix(search, p_seen, alike, half_width_px, options.max_false_fix_rate);
+  return p_of_fix(search, p_seen, alike, search_half_px, options.max_false_fix_rate);
 }
 
 LandmarkProspect prospect_of(const Frame& frame, const MapLandmarks& landmarks, const LandmarksOnGrid& on_grid,
-                             const MatchOptions& options) {
+                             const std::vector<bool>& resolved, const MatchOptions& options) {
   LandmarkProspect prospect;
-  const NearFrame around = look_around(frame, landmarks, on_grid);
+  const NearFrame around = look_around(frame, landmarks, on_grid, resolved);
   std::set<std::size_t> shown_at_all;
   for (int i = 0; i < kHeadings && !around.near.empty(); ++i) {
-    const std::vector<std::size_t> shown = shown_by(frame, i * std::numbers::pi / kHeadings, around);
+    const std::vector<std::size_t> shown = shown_by(frame, i * std::numbers::pi / kHeadings, around, landmarks);
     for (const std::size_t one : shown) shown_at_all.insert(around.numbers[one]);
     prospect.p_fix += p_fix_by(shown, frame, around, landmarks, options) / kHeadings;
   }
@@ -195,12 +229,31 @@ std::vector<LandmarkProspect> landmark_prospects(const Ground& ground, const Map
                                                  const Camera& camera, double search_radius_m) {
   const MatchOptions options;
   const LandmarksOnGrid on_grid(ground.crs, landmarks);
+  std::vector<std::vector<bool>> resolved;  // by level, then by detector
+  for (const GridLevel& level : ground.levels) {
+    resolved.emplace_back();
+    for (const MapDetector& detector : landmarks.detectors) {
+      resolved.back().push_back(is_resolved(detector, camera, flown_agl_m(level)));
+    }
+  }
   std::vector<LandmarkProspect> prospects;
   for (const GroundTile& tile : ground.tiles) {
-    prospects.push_back(
-        prospect_of(frame_over(ground, tile, camera, search_radius_m, options), landmarks, on_grid, options));
+    const Frame frame = frame_over(ground, tile, camera, search_radius_m, options);
+    const auto level = static_cast<std::size_t>(&ground.level_of(tile) - ground.levels.data());
+    prospects.push_back(prospect_of(frame, landmarks, on_grid, resolved[level], options));
   }
   return prospects;
+}
+
+std::vector<std::string> unresolved_classes(const Ground& ground, const MapLandmarks& landmarks, const Camera& camera) {
+  std::vector<std::string> names;
+  for (const MapDetector& detector : landmarks.detectors) {
+    const bool everywhere = std::all_of(ground.levels.begin(), ground.levels.end(), [&](const GridLevel& level) {
+      return is_resolved(detector, camera, flown_agl_m(level));
+    });
+    if (!everywhere) names.push_back(valid_utf8(detector.detector.class_name));
+  }
+  return names;
 }
 
 }  // namespace pilotage

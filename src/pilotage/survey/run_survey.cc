@@ -138,7 +138,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   input.second_dates = inspect_second_dates(options, input.area.warnings, planning);  // fails now, not after hours
   Ground& ground = input.area.ground;
   cut_all_tiles(ground, run.threads);
-  if (!options.landmarks.empty()) input.landmarks = read_planned_landmarks(ground, options.landmarks);
+  if (!options.landmarks.empty()) input.landmarks = read_planned_landmarks(ground, options.landmarks);  // fails now
 
   const StagingFolder staging(run.output_folder);
   SurveyResult result;
@@ -160,6 +160,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
                                percent_text(options.score.min_valid_fraction) +
                                " of each, at edges or holes of the imagery, are not judged and no part of the area");
   }
+  if (!options.landmarks.empty()) input.landmarks = read_planned_landmarks(ground, options.landmarks);
   warn_of_missing_heights(ground, input.scores, input.area.warnings);
 
   report_progress(scoring, "writing scores", 0, 0);
@@ -199,7 +200,10 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   result.detail = survey.detail;
   result.assumptions = survey.assumptions;
   result.not_looked_at = survey.not_looked_at;
-  if (survey.landmarks) result.landmarks = survey.landmarks->said;
+  if (survey.landmarks) {
+    result.landmarks = survey.landmarks->said;
+    result.landmarks_assume = survey.landmarks->assumes;
+  }
   result.tiles = all.tiles.all();
   result.tile_m = level.matrix.tile_size_px * level.gsd_m;
   result.stride_m = level.matrix.stride_px * level.gsd_m;

@@ -27,6 +27,7 @@ struct SurveyResult {
   std::vector<std::string> assumptions;
   std::string not_looked_at;
   std::string landmarks;  ///< What landmarks promise, "" without; modelled and not counted.
+  std::string landmarks_assume;
   std::int64_t tiles = 0;
   double tile_m = 0;    ///< Side of a tile.
   double stride_m = 0;  ///< From one to the next.

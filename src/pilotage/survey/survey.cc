@@ -123,7 +123,7 @@ SurveyLandmarks add_landmarks(const SurveyInput& input, Survey& survey) {
     if (p > (found.strongest ? survey.tiles[*found.strongest].p_landmark_fix : 0)) found.strongest = i;
     if (p < kLeastLandmarkGain) continue;
     ++found.likely_tiles;
-    found.gaining_tiles += tile.score.p_correct_fix >= p ? 0 : 1;
+    found.gaining_tiles += p > tile.score.p_correct_fix ? 1 : 0;
   }
   const AreaStatistics& all = survey.statistics;
   const auto area = [&](std::int64_t tiles) { return area_text(all.area_km2 * all.share(tiles)); };
@@ -132,14 +132,22 @@ SurveyLandmarks add_landmarks(const SurveyInput& input, Survey& survey) {
     found.said += "nowhere may a fix by landmarks alone be expected";
   } else {
     found.said += "a fix by landmarks alone may be expected over " + percent_text(all.share(found.likely_tiles)) +
-                  " of the area (" + area(found.likely_tiles) + "), " +
-                  (found.gaining_tiles == 0 ? "nowhere" : "over " + area(found.gaining_tiles) + " of it") +
-                  " likelier than one by features";
+                  " of the area (" + area(found.likely_tiles) + ")";
+    if (!std::isnan(all.median_p_correct_fix)) {
+      found.said +=
+          std::string(", ") + (found.gaining_tiles == 0 ? "nowhere" : "over " + area(found.gaining_tiles) + " of it") +
+          " likelier than one " + (input.matcher == FlyingMatcher::kFeatures ? "by features" : "by features and chips");
+    }
   }
   if (found.strongest) {
     const ReportTile& tile = survey.tiles[*found.strongest];
     found.said += "; P is " + landmark_p_text(tile.p_landmark_fix) + " at best, at " + lat_lon(tile.tile.center);
   }
+  found.assumes = landmark_assumption(
+      "the headline or the classes of ground",
+      "to within " + number_text(input.area.search_radius_m, 0) + " m along each axis",
+      "The map is taken to store a tile that the frame shows: where it stores none, nothing is matched.",
+      unresolved_classes(input.area.ground, found.landmarks, input.area.camera));
   return found;
 }
 

@@ -45,9 +45,10 @@ struct SurveyLandmarks {
   MapLandmarks landmarks;
   std::vector<LandmarkClass> classes;
   std::int64_t likely_tiles = 0;         ///< P of a fix by landmarks alone is kLeastLandmarkGain at least.
-  std::int64_t gaining_tiles = 0;        ///< Of these, those where it is more than P(correct fix), as a leg gains.
+  std::int64_t gaining_tiles = 0;        ///< Of these, those where it is more than P(correct fix), where that is known.
   std::optional<std::size_t> strongest;  ///< Tile where it is highest; nothing where it is 0 everywhere.
   std::string said;                      ///< All of this, as a sentence.
+  std::string assumes;                   ///< landmark_assumption().
 };
 
 struct Survey {

@@ -108,11 +108,8 @@ std::string landmarks_html(const Survey& survey) {
     html += " <button type=\"button\" class=\"show-tile\" data-tile=\"" + std::to_string(*found.strongest) +
             "\" aria-label=\"Show tile " + id + " on the map\">Show</button>";
   }
-  return html + "</p>\n  <p>" +
-         html_escape(landmark_assumption(
-             "the headline or the classes of ground",
-             "reaches " + number_text(survey.area.search_radius_m, 0) + " m along each axis, as for features")) +
-         "</p>\n" + landmark_classes_html(found.classes) + "</section>\n";
+  return html + "</p>\n  <p>" + html_escape(found.assumes) + "</p>\n" + landmark_classes_html(found.classes) +
+         "</section>\n";
 }
 
 std::string squares_note(const Survey& survey) {

@@ -56,9 +56,13 @@ Json squares_json(const Survey& survey) {
 Json landmarks_json(const Survey& survey) {
   const SurveyLandmarks& found = *survey.landmarks;
   const auto share = [&](std::int64_t tiles) { return survey_number(survey.statistics.share(tiles)); };
-  return {{"classes", landmark_classes_json(found.classes)}, {"likely_tiles", found.likely_tiles},
-          {"likely_share", share(found.likely_tiles)},       {"gaining_tiles", found.gaining_tiles},
-          {"gaining_share", share(found.gaining_tiles)},     {"said", found.said}};
+  return {{"classes", landmark_classes_json(found.classes)},
+          {"likely_tiles", found.likely_tiles},
+          {"likely_share", share(found.likely_tiles)},
+          {"gaining_tiles", found.gaining_tiles},
+          {"gaining_share", share(found.gaining_tiles)},
+          {"said", found.said},
+          {"assumes", found.assumes}};
 }
 
 Json camera_json_of(const SurveyedGround& area) {

@@ -62,13 +62,17 @@ VectorLayer square_layer(const Survey& survey, const Crs& crs) {
 }
 
 VectorLayer survey_table(const Survey& survey) {
-  return key_value_layer("survey", "Survey", "What the survey says of the area, and what that rests on.",
-                         {{"title", survey.title},
-                          {"software_version", survey.software_version},
-                          {"headline", survey.headline},
-                          {"detail", survey.detail},
-                          {"assumptions", join(survey.assumptions, "; ")},
-                          {"not_looked_at", survey.not_looked_at}},
+  std::vector<std::pair<std::string, std::string>> rows = {{"title", survey.title},
+                                                           {"software_version", survey.software_version},
+                                                           {"headline", survey.headline},
+                                                           {"detail", survey.detail},
+                                                           {"assumptions", join(survey.assumptions, "; ")},
+                                                           {"not_looked_at", survey.not_looked_at}};
+  if (survey.landmarks) {
+    rows.emplace_back("landmarks", survey.landmarks->said);
+    rows.emplace_back("landmarks_assume", survey.landmarks->assumes);
+  }
+  return key_value_layer("survey", "Survey", "What the survey says of the area, and what that rests on.", rows,
                          survey.inputs);
 }
 
