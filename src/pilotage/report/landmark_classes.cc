@@ -12,8 +12,11 @@
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
+namespace {
 
 using Json = nlohmann::ordered_json;
+
+}  // namespace
 
 std::vector<LandmarkClass> landmark_classes(const MapLandmarks& landmarks) {
   std::vector<LandmarkClass> classes;

@@ -13,10 +13,9 @@
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
+namespace {
 
 using Json = nlohmann::ordered_json;
-
-namespace {
 
 /// Whether a frame about the middle of the tile shows ground of a stored one: elsewhere the matcher has nothing to
 /// begin with.
