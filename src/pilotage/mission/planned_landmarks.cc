@@ -21,8 +21,7 @@ class PlannedGround {
  public:
   explicit PlannedGround(const std::vector<GroundTile>& tiles) {
     for (const GroundTile& tile : tiles) {
-      side_m_ =
-          std::max({side_m_, tile.bounds.max_x_m - tile.bounds.min_x_m, tile.bounds.max_y_m - tile.bounds.min_y_m});
+      side_m_ = std::max({side_m_, tile.bounds.width_m(), tile.bounds.height_m()});
     }
     for (const GroundTile& tile : tiles) by_cell_[cell({tile.bounds.min_x_m, tile.bounds.min_y_m})].push_back(&tile);
   }
@@ -56,24 +55,28 @@ class PlannedGround {
 
 }  // namespace
 
-MapLandmarks read_planned_landmarks(const Ground& ground, const std::string& path) {
-  const MapLandmarks read = read_map_landmarks(path);
+MapLandmarks landmarks_on_tiles(const Ground& ground, const MapLandmarks& all, const std::string& path) {
   const CrsTransform transform(ground.crs);
   const PlannedGround planned(ground.tiles);
-  std::optional<Elevation> elevation;
-  if (!ground.elevation.empty()) elevation.emplace(ground.elevation);
   MapLandmarks landmarks;
-  std::map<std::size_t, std::size_t> numbers;  // of detectors in the file, in the map
-  for (MapLandmark landmark : read.landmarks) {
+  std::map<std::size_t, std::size_t> numbers;  // of detectors among all, among these
+  for (MapLandmark landmark : all.landmarks) {
     const auto point_m = transform.map_from_geodetic(landmark.place);
     if (!point_m || !planned.has(*point_m)) continue;
     const auto [number, first] = numbers.emplace(landmark.detector, landmarks.detectors.size());
-    if (first) landmarks.detectors.push_back(read.detectors[landmark.detector]);
+    if (first) landmarks.detectors.push_back(all.detectors[landmark.detector]);
     landmark.detector = number->second;
-    if (elevation) landmark.ground_height_m = elevation->amsl_m(landmark.place);
     landmarks.landmarks.push_back(landmark);
   }
   if (landmarks.landmarks.empty()) throw DataError(path + ": none of its landmarks lies on the ground of a tile");
+  return landmarks;
+}
+
+MapLandmarks read_planned_landmarks(const Ground& ground, const std::string& path) {
+  MapLandmarks landmarks = landmarks_on_tiles(ground, read_map_landmarks(path), path);
+  if (ground.elevation.empty()) return landmarks;
+  Elevation elevation(ground.elevation);
+  for (MapLandmark& landmark : landmarks.landmarks) landmark.ground_height_m = elevation.amsl_m(landmark.place);
   return landmarks;
 }
 

@@ -7,6 +7,7 @@
 #include "pilotage/base/variant_json.h"
 #include "pilotage/mapdb/map_landmarks.h"
 #include "pilotage/match/match.h"
+#include "pilotage/report/landmark_prospects.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/report/wording.h"
@@ -51,8 +52,8 @@ std::string landmark_assumption(const std::string& answer, const std::string& pl
       format_number(100 * options.height_sigma_fraction) +
       " %. Not modelled: another place with landmarks in the same array, and relief. " + stored;
   if (!unresolved.empty()) {
-    text += " Not counted: " + listed(unresolved) +
-            ", for the camera's pixels are more than 1.6 times as wide as those of the detector, which was not tried.";
+    text += " Not counted: " + listed(unresolved) + ", for the camera's pixels are more than " +
+            format_number(kCoarsestOfDetector) + " times as wide as those of the detector, which was not tried.";
   }
   return text;
 }

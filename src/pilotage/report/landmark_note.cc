@@ -21,13 +21,8 @@ using Json = nlohmann::ordered_json;
 /// begin with.
 bool shows_stored_ground(const std::vector<GroundTile>& tiles, const std::vector<bool>& stored, std::size_t index) {
   if (stored[index]) return true;
-  const Bounds& here = tiles[index].bounds;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const Bounds& other = tiles[i].bounds;
-    if (stored[i] && other.min_x_m < here.max_x_m && other.max_x_m > here.min_x_m && other.min_y_m < here.max_y_m &&
-        other.max_y_m > here.min_y_m) {
-      return true;
-    }
+    if (stored[i] && tiles[i].bounds.intersects(tiles[index].bounds)) return true;
   }
   return false;
 }

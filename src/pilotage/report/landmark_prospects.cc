@@ -23,8 +23,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Pixels of a camera up to so many of the detector's: coarser ones were not tried.
-constexpr double kCoarsestOfDetector = 1.6;
 constexpr int kHeadings = 8;           // over half a turn: turned by the other half a frame shows the same
 constexpr long kMostFalseAlarms = 64;  // that are thought of on a frame: with so many no place stands out
 

@@ -27,8 +27,10 @@ struct LandmarkProspect {
 std::vector<LandmarkProspect> landmark_prospects(const Ground& ground, const MapLandmarks& landmarks,
                                                  const Camera& camera, double search_radius_m);
 
-/// Classes that landmark_prospects() does not count on some level: the camera's pixels are more than 1.6 times as wide
-/// as their detector's there, which was not tried.
+/// Pixels of a camera may be so many times as wide as those of a detector: coarser ones were not tried.
+inline constexpr double kCoarsestOfDetector = 1.6;
+
+/// Classes that landmark_prospects() does not count on some level, for the camera's pixels are coarser there.
 std::vector<std::string> unresolved_classes(const Ground& ground, const MapLandmarks& landmarks, const Camera& camera);
 
 }  // namespace pilotage

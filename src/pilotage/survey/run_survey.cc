@@ -160,7 +160,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
                                percent_text(options.score.min_valid_fraction) +
                                " of each, at edges or holes of the imagery, are not judged and no part of the area");
   }
-  if (!options.landmarks.empty()) input.landmarks = read_planned_landmarks(ground, options.landmarks);
+  if (input.landmarks) input.landmarks = landmarks_on_tiles(ground, *input.landmarks, options.landmarks);
   warn_of_missing_heights(ground, input.scores, input.area.warnings);
 
   report_progress(scoring, "writing scores", 0, 0);
