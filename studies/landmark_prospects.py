@@ -1,13 +1,14 @@
 """Holds P of a fix by landmarks alone, which survey and report show, against frames.
 
-landmark_prospects.py BIN_FOLDER WORK_FOLDER [FRAMES]
+landmark_prospects.py BIN_FOLDER WORK_FOLDER [FRAMES [one-tile]]
 
 Detectors learn on one made-up country; what they are worth, the landmarks of the map and the frames come from others: P(detect)
 and what was found from the very second date that the frames show, turned, tilted and in another size. The map has hardly
 any features (20 for each million pixels), so that a fix is one by landmarks, which a run without them shows; frames 400 m
 wide are looked for within 90 m, three sigma of the prior, as the survey takes it. P of a frame is that of the tile whose
 centre is nearest to its place. Frames over ground that the map does not hold (no_map) or farther than 60 m from any tile's
-centre are left out and counted."""
+centre are left out and counted. With one-tile the map stores the first tile of the selection alone: what its landmarks are
+worth over ground that is not stored. Frames of other ground, of the next country with these priors, are matched, too."""
 
 import csv
 import json
@@ -75,7 +76,34 @@ def distance_m(lon_deg, lat_deg, tile):
     return math.hypot((lon_deg - tile[0]) * math.cos(math.radians(lat_deg)), lat_deg - tile[1]) * METRES_PER_DEG
 
 
-def tried(bin_folder, work, model, seed, frames):
+def keep_one_tile(selection):
+    chosen = json.loads(selection.read_text(encoding="utf-8"))
+    chosen["tile_ids"] = chosen["tile_ids"][:1]
+    selection.write_text(json.dumps(chosen), encoding="utf-8")
+
+
+def fixes_elsewhere(bin_folder, work, seed):
+    """Of frames of the next country with the priors of this one's: how many, and how many give a fix."""
+    place, other = work / f"country_{seed}", work / f"country_{COUNTRIES[(COUNTRIES.index(seed) + 1) % len(COUNTRIES)]}"
+    if not (other / "frames/frames.csv").exists():
+        return 0, 0
+    with open(place / "frames/frames.csv", newline="", encoding="utf-8") as own, \
+            open(other / "frames/frames.csv", newline="", encoding="utf-8") as theirs:
+        claims = [{key: prior[key] for key in ("prior_lon_deg", "prior_lat_deg", "prior_sigma_m")} for prior in csv.DictReader(own)]
+        rows = [row | claim for row, claim in zip(csv.DictReader(theirs), claims)]
+    claimed = other / "frames/claimed.csv"
+    with open(claimed, "w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    run(bin_folder / "pilotage", "match", place / "few_features.gpkg", "--frames", claimed, "--camera", other / "frames/camera.yaml",
+        "--overwrite", "-q", "-o", place / "elsewhere.csv")
+    with open(place / "elsewhere.csv", newline="", encoding="utf-8") as fixes:
+        statuses = [fix["status"] for fix in csv.DictReader(fixes)]
+    return sum(status != "no_map" for status in statuses), statuses.count("fix")
+
+
+def tried(bin_folder, work, model, seed, frames, one_tile):
     """Of each frame over the map: P, and whether its fix is right; None without one."""
     place, program = country(bin_folder, work, seed), bin_folder / "pilotage"
     of_map, camera = place / "map_landmarks.json", place / "frames/camera.yaml"
@@ -92,6 +120,8 @@ def tried(bin_folder, work, model, seed, frames):
         "speed_mps": 18, "max_error_m": 60, "agl_m": AGL_M}), encoding="utf-8")
     made, few = place / "mission", place / "few_features.gpkg"
     run(program, "prepare", mission, "--outputs", "json", "--overwrite", "-q", "-o", made)
+    if one_tile:
+        keep_one_tile(made / "selection.json")
     run(program, "build", made / "plan.json", "--table", made / "tiles.csv", "--selection", made / "selection.json", "--landmarks", of_map,
         "--features-per-mpx", "20", "--overwrite", "-q", "-o", few)
     run(program, "match", few, "--frames", place / "frames/frames.csv", "--camera", camera, "--no-landmarks", "--overwrite", "-q", "-o",
@@ -111,15 +141,17 @@ def tried(bin_folder, work, model, seed, frames):
             yield tile[2], fix["status"] == "fix", fix["status"] == "fix" and float(fix["center_error_m"]) <= RIGHT_M
 
 
-def main(bin_folder, work, frames):
+def main(bin_folder, work, frames, one_tile):
     work.mkdir(parents=True, exist_ok=True)
     model = learn(bin_folder, work)
     all_tried = []
     for seed in COUNTRIES:
-        of_country = list(tried(bin_folder, work, model, seed, frames))
+        of_country = list(tried(bin_folder, work, model, seed, frames, one_tile))
         print(f"country {seed}: {len(of_country)} of {frames} frames, mean P {sum(p for p, _, _ in of_country) / len(of_country):.3f}, right "
               f"{sum(right for _, _, right in of_country)}, wrong {sum(fix and not right for _, fix, right in of_country)}", flush=True)
         all_tried.append(of_country)
+    elsewhere = [fixes_elsewhere(bin_folder, work, seed) for seed in COUNTRIES]
+    print(f"of other ground: {sum(fixes for _, fixes in elsewhere)} fixes of {sum(of for of, _ in elsewhere)} frames")
     for low, high in zip(EDGES, EDGES[1:]):
         inside = [[one for one in country if low <= one[0] < high] for country in all_tried]
         count = sum(map(len, inside))
@@ -132,6 +164,6 @@ def main(bin_folder, work, frames):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4):
+    if len(sys.argv) not in (3, 4, 5) or sys.argv[4:] not in ([], ["one-tile"]):
         sys.exit(__doc__)
-    main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), int(sys.argv[3]) if len(sys.argv) == 4 else 500)
+    main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), int(sys.argv[3]) if len(sys.argv) > 3 else 500, len(sys.argv) == 5)

@@ -96,6 +96,21 @@ TEST(LocalGridTest, WhereTheMapHasNoTileThereIsNone) {
   EXPECT_THROW(local_grid(*open.reader, level, {16, 91}, 400), UsageError);
 }
 
+TEST(LocalGridTest, WhereThereIsNoTileItIsNorthUpWithTheLevelsPixels) {
+  MapLevel level;
+  level.gsd_m = 0.7;
+  const GeodeticPoint about{115.9, -31.9};
+  const LocalGrid grid = plain_grid(level, about);
+  EXPECT_NEAR(grid.gsd_m(), 0.7, 1e-12);
+  EXPECT_NEAR(grid.convergence_deg(), 0, 1e-12);
+  EXPECT_NEAR(grid.px_from_geodetic(about).norm(), 0, 1e-6);
+  const GeodeticPoint there = LocalFrame(about).geodetic_from_enu({70, 140, 0});
+  const Eigen::Vector2d there_px = grid.px_from_geodetic(there);
+  EXPECT_NEAR(there_px.x(), 100, 1e-3);
+  EXPECT_NEAR(there_px.y(), -200, 1e-3);
+  EXPECT_NEAR(grid.geodetic_from_px(there_px).lat_deg, there.lat_deg, 1e-9);
+}
+
 TEST(LevelForHeight, TheBandThatHoldsItElseTheNearest) {
   testing::SmallMapOptions options;
   options.levels = 3;

@@ -447,7 +447,7 @@ std::vector<double> numbers_of(const MatchResult& result) {
   const Fix& fix = *result.candidate;
   for (const double value : {fix.position.lon_deg, fix.position.lat_deg, fix.center.lon_deg, fix.center.lat_deg,
                              fix.yaw_deg, fix.pitch_deg, fix.roll_deg, fix.height_agl_m, fix.yaw_sigma_deg,
-                             fix.height_sigma_m, fix.scale, static_cast<double>(fix.tile_id)}) {
+                             fix.height_sigma_m, fix.scale, static_cast<double>(fix.tile_id.value_or(-1))}) {
     all.push_back(value);
   }
   for (int i = 0; i < 4; ++i) all.push_back(fix.covariance_en_m2(i));

@@ -29,7 +29,7 @@ constexpr double kAgl_m = 120;
 
 TEST(ReliefOf, DoesNothingWhereNoHeightIsKnown) {
   LocalMap map = map_of([](const Eigen::Vector2d&) { return kNaN; });
-  map.relief = relief_of(map, {}, {{0, 0}, 20, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{0, 0}, 20, kAgl_m});
   EXPECT_FALSE(map.relief.ground.known());
   EXPECT_TRUE(map.relief.stretch.empty());
   EXPECT_EQ(map.relief.scale_sigma, 0);
@@ -38,7 +38,7 @@ TEST(ReliefOf, DoesNothingWhereNoHeightIsKnown) {
 
 TEST(ReliefOf, StretchesWhatLiesBelowTheNadirAndShrinksWhatLiesAbove) {
   LocalMap map = map_of([](const Eigen::Vector2d& at) { return 50 + 0.1 * at.x(); });
-  map.relief = relief_of(map, {}, {{100, 0}, 20, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{100, 0}, 20, kAgl_m});
   for (std::size_t i = 0; i < map.features.size(); ++i) {
     const double rise_m = 0.1 * (static_cast<double>(map.features.features[i].x_px) - 100);
     EXPECT_NEAR(map.stretch_of(i), 1 - rise_m / kAgl_m, 1e-3);
@@ -47,25 +47,25 @@ TEST(ReliefOf, StretchesWhatLiesBelowTheNadirAndShrinksWhatLiesAbove) {
 
 TEST(ReliefOf, LevelGroundLeavesTheScaleToTheAltimeter) {
   LocalMap map = map_of([](const Eigen::Vector2d&) { return 50; });
-  map.relief = relief_of(map, {}, {{0, 0}, 200, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{0, 0}, 200, kAgl_m});
   EXPECT_NEAR(map.relief.scale_sigma, 0, 1e-5);
 }
 
 TEST(ReliefOf, TheScaleIsAsUnsureAsTheHeightWhereTheAircraftMayBe) {
   LocalMap map = map_of([](const Eigen::Vector2d& at) { return 0.2 * at.x(); });
-  map.relief = relief_of(map, {}, {{0, 0}, 30, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{0, 0}, 30, kAgl_m});
   EXPECT_NEAR(map.relief.scale_sigma, 0.2 * 30 / kAgl_m, 0.1 * 0.2 * 30 / kAgl_m);
 }
 
 TEST(ReliefOf, NoScaleIsSearchedThatNoPlacementMayHave) {
   LocalMap map = map_of([](const Eigen::Vector2d& at) { return 2 * at.x(); });
-  map.relief = relief_of(map, {}, {{0, 0}, 100, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{0, 0}, 100, kAgl_m});
   EXPECT_EQ(map.relief.scale_sigma, 0.25) << "two of them are half the scale";
 }
 
 TEST(ReliefOf, AFeatureWithoutAHeightHasThatOfTheGroundAround) {
   LocalMap map = map_of([](const Eigen::Vector2d& at) { return at.x() > 0 && at.x() < 15 ? kNaN : 0.2 * at.x(); });
-  map.relief = relief_of(map, {}, {{-100, 0}, 20, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{-100, 0}, 20, kAgl_m});
   for (std::size_t i = 0; i < map.features.size(); ++i) {
     if (std::isfinite(map.ground_height_m[i])) continue;
     const double rise_m = 0.2 * (static_cast<double>(map.features.features[i].x_px) + 100);
@@ -79,14 +79,25 @@ TEST(ReliefOf, TheGroundBelowCountsWhereTheWindowDoesNotShowIt) {
   LocalMap below = map_of(step, {0, 0});
   for (Feature& feature : below.features.features) feature.x_px += 50;  // of another reference
   below.reference_px = {-50, 0};
-  ahead.relief = relief_of(ahead, below, {{0, 0}, 20, kAgl_m});
+  ahead.relief = relief_of(ahead, below, {}, {{0, 0}, 20, kAgl_m});
   EXPECT_NEAR(ahead.relief.ground.height_m({0, 0}), 0, 1);
   EXPECT_NEAR(ahead.stretch_of(0), 0.75, 0.01);
 }
 
+TEST(ReliefOf, LandmarksSayHowHighTheGroundIsWhereNoFeatureDoes) {
+  LocalMap none;
+  const std::vector<SpotHeight> landmarks{{{0, 0}, 50}, {{400, 0}, 90}, {{0, 400}, 50}, {{200, 200}, kNaN}};
+  none.relief = relief_of(none, {}, landmarks, {{0, 0}, 20, kAgl_m});
+  ASSERT_TRUE(none.relief.ground.known());
+  EXPECT_NEAR(none.relief.below_m, 50, 1);
+  EXPECT_NEAR(none.relief.ground.height_m({200, 0}), 70, 2) << "between them as a plane";
+  EXPECT_NEAR(none.relief.stretch_at({400, 0}), 1 - 40 / kAgl_m, 0.01);
+  EXPECT_GT(none.relief.scale_sigma, 0);
+}
+
 TEST(ReliefOf, GroundAsHighAsTheCameraStaysInBounds) {
   LocalMap map = map_of([](const Eigen::Vector2d& at) { return 2 * at.x(); });
-  map.relief = relief_of(map, {}, {{0, 0}, 20, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{0, 0}, 20, kAgl_m});
   for (std::size_t i = 0; i < map.features.size(); ++i) {
     EXPECT_GE(map.stretch_of(i), 0.29);
     EXPECT_LE(map.stretch_of(i), 3);
@@ -100,7 +111,7 @@ double gray_at(const Eigen::Vector2d& place_px) {
 
 TEST(LaidOverRelief, ShowsTheGroundWhereItIs) {
   LocalMap map = map_of([](const Eigen::Vector2d& at) { return 10 * std::sin(at.x() / 60); });
-  map.relief = relief_of(map, {}, {{0, 0}, 20, kAgl_m});
+  map.relief = relief_of(map, {}, {}, {{0, 0}, 20, kAgl_m});
   const Eigen::Vector2d nadir_px(40, -30);
   for (const double px_per_pixel : {1.0, 2.0}) {
     RectifiedFrame level;

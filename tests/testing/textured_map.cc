@@ -139,7 +139,8 @@ void write_textured_map(const std::filesystem::path& path, const TexturedGround&
   const int size_px = static_cast<int>(ground.gray.width_px);
   const FeatureSet all = extract_features_of_map(ground.gray, {{0, 0, size_px, size_px}}, options, 1);
   std::vector<MapTile> tiles;
-  for (int id = 0; id < ground.tiles * ground.tiles; ++id) {
+  const int stored = ground.only_first_tile ? 1 : ground.tiles * ground.tiles;
+  for (int id = 0; id < stored; ++id) {
     tiles.push_back(tile_of(matrix, id % ground.tiles, id / ground.tiles, ground.tiles, ground.crs));
     writer.add_tile(tiles.back(),
                     ground.map_sigma_m ? std::vector<MapValue>{*ground.map_sigma_m} : std::vector<MapValue>{});

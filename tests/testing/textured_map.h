@@ -32,6 +32,7 @@ struct TexturedGround {
   std::optional<double> elevation_sigma_m;  ///< What the map says of its heights.
   std::optional<double> map_sigma_m;        ///< What it says of its own error.
   std::optional<MapLandmarks> landmarks;    ///< What it holds of them.
+  bool only_first_tile = false;             ///< The map stores the tile in the north-west alone.
 };
 
 TexturedGround make_textured_ground(int tiles = 3);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pilotage/base/csv.h"
+#include "pilotage/base/nan.h"
 
 namespace pilotage {
 namespace {
@@ -69,7 +70,7 @@ std::vector<FixColumn> fix_columns(bool timings) {
   list.of_fix("height_agl_m", [](const Fix& fix) { return fix.height_agl_m; });
   list.of_fix("height_sigma_m", [](const Fix& fix) { return fix.height_sigma_m; });
   list.of_fix("scale", [](const Fix& fix) { return fix.scale; });
-  list.of_fix("tile_id", [](const Fix& fix) { return fix.tile_id; });
+  list.of_fix("tile_id", [](const Fix& fix) { return fix.tile_id ? static_cast<double>(*fix.tile_id) : kNaN; });
   list.of_fix("map_sigma_m", [](const Fix& fix) { return fix.map_sigma_m; });
   list.of_stats("level", [](const MatchStats& stats) { return stats.level; });
   list.of_stats("gsd_m", [](const MatchStats& stats) { return stats.gsd_m; });

@@ -36,7 +36,7 @@ Json fix_json(const std::optional<Fix>& fix, const std::optional<FixError>& erro
   json["height_agl_m"] = json_number(fix->height_agl_m);
   json["height_sigma_m"] = json_number(fix->height_sigma_m);
   json["scale"] = json_number(fix->scale);
-  json["tile_id"] = fix->tile_id;
+  json["tile_id"] = fix->tile_id ? Json(*fix->tile_id) : Json();
   if (!error) return json;
   json["error_m"] = json_number(error->error_m);
   json["error_east_m"] = json_number(error->east_m);
@@ -72,7 +72,8 @@ std::string fix_text(const Fix& fix) {
          ", sigma east " + format_fixed(std::sqrt(c(0, 0)), 2) + " m, north " + format_fixed(std::sqrt(c(1, 1)), 2) +
          " m\ncentre of the image: lon " + format_fixed(fix.center.lon_deg, 7) + ", lat " +
          format_fixed(fix.center.lat_deg, 7) + "\nyaw " + format_fixed(fix.yaw_deg, 2) + " deg, height " +
-         format_fixed(fix.height_agl_m, 1) + " m above ground, tile " + std::to_string(fix.tile_id) + "\n";
+         format_fixed(fix.height_agl_m, 1) + " m above ground, " +
+         (fix.tile_id ? "tile " + std::to_string(*fix.tile_id) : "no tile stored there") + "\n";
 }
 
 }  // namespace

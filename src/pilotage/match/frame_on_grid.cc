@@ -9,6 +9,7 @@
 
 #include "pilotage/camera/projection.h"
 #include "pilotage/match/frame_grid.h"
+#include "pilotage/match/landmark_matching.h"
 
 namespace pilotage {
 namespace {
@@ -27,6 +28,13 @@ std::optional<MatchStatus> refusal_of(RectifyStatus status) {
     default:
       return MatchStatus::kBadFrame;
   }
+}
+
+/// Whether a frame may show a landmark of the map, wherever it looks.
+bool has_landmarks_about(GeodeticPoint point, double half_width_m, const LocalGrid& grid, MapReader& map,
+                         const MatchOptions& options) {
+  const double reach_px = landmark_reach_px(half_width_m / grid.gsd_m(), kMaxRectifiedSidePx);
+  return !landmarks_near(map, options, grid, {0, 0}, grid.px_from_geodetic(point), reach_px).empty();
 }
 
 }  // namespace
@@ -51,20 +59,20 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
   const double half_width_m = search_half_width_m(prior, options);
   const double reach_m = std::min(half_width_m * std::numbers::sqrt2 + rectified.level->max_tile_radius_m, 1e5);
   const auto grid = local_grid(map, *rectified.level, prior.position, reach_m);
-  if (!grid) {
+  rectified.grid = grid ? *grid : plain_grid(*rectified.level, prior.position);
+  if (!grid && !has_landmarks_about(prior.position, half_width_m, rectified.grid, map, options)) {
     rectified.refusal = MatchStatus::kNoMap;
     return rectified;
   }
-  rectified.grid = *grid;
-  rectified.gsd_m = grid->gsd_m();
+  rectified.gsd_m = rectified.grid.gsd_m();
   rectified.half_width_px = half_width_m / rectified.gsd_m;
   if (rectified.half_width_px > kMaxHalfWidthPx) {
     rectified.refusal = MatchStatus::kTooUncertain;
     return rectified;
   }
-  rectified.prior_px = grid->px_from_geodetic(prior.position);
+  rectified.prior_px = rectified.grid.px_from_geodetic(prior.position);
 
-  const Attitude on_grid = attitude_on_grid(prior.attitude, *grid);
+  const Attitude on_grid = attitude_on_grid(prior.attitude, rectified.grid);
   RectifyOptions rectify;
   rectify.gsd_m = rectified.gsd_m;
   rectify.max_size_px = kMaxRectifiedSidePx;

@@ -315,34 +315,44 @@ std::vector<double> landmark_densities(const std::vector<NearLandmark>& landmark
   return densities;
 }
 
-std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
-                                                 MapReader& map, const MatchOptions& options,
-                                                 const FrameOnGrid& rectified, const PivotedFrame& described,
-                                                 const LocalMap& local, const SearchSpace& space,
-                                                 const Checkpoint& checkpoint) {
-  if (!options.landmarks || !map.has_landmarks()) return std::nullopt;
+double landmark_reach_px(double half_width_px, double frame_radius_px) {
+  return std::numbers::sqrt2 * half_width_px + 1.2 * frame_radius_px;
+}
+
+std::vector<NearLandmark> landmarks_near(MapReader& map, const MatchOptions& options, const LocalGrid& grid,
+                                         const Vector2d& reference_px, const Vector2d& center_px, double reach_px) {
+  if (!options.landmarks || !map.has_landmarks()) return {};
   const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
-  const std::size_t detectors = stored->detectors.size();
-  LandmarkSearch search;
-  // A circle about the window's middle that holds whatever a frame at any of its places shows.
-  const double reach_px = std::numbers::sqrt2 * space.half_width_px + 1.2 * described.radius_px;
   std::vector<NearLandmark> near;
   for (const MapLandmark& landmark : stored->landmarks) {
     NearLandmark one;
     one.detector = landmark.detector;
-    one.map_px = rectified.grid.px_from_geodetic(landmark.place) - local.reference_px;
-    if (!((one.map_px - space.center_px).norm() <= reach_px)) continue;
+    one.map_px = grid.px_from_geodetic(landmark.place) - reference_px;
+    if (!((one.map_px - center_px).norm() <= reach_px)) continue;
     one.height_m = landmark.ground_height_m;
-    const bool has_relief = local.relief.ground.known();
-    if (has_relief) {
-      one.stretch = std::isfinite(one.height_m) ? local.relief.stretch_of_height(one.height_m)
-                                                : local.relief.stretch_at(one.map_px);
-    }
     one.length_m = landmark.length_m;
-    one.half_side_px = looked_at_half_side_m(stored->detectors[landmark.detector], landmark.length_m) / rectified.gsd_m;
+    one.half_side_px = looked_at_half_side_m(stored->detectors[landmark.detector], landmark.length_m) / grid.gsd_m();
     one.found = landmark.found;
     near.push_back(one);
-    if (near.size() > kMaxNearLandmarks) return std::nullopt;
+    if (near.size() > kMaxNearLandmarks) return {};
+  }
+  return near;
+}
+
+std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
+                                                 MapReader& map, const FrameOnGrid& rectified,
+                                                 const PivotedFrame& described, const LocalMap& local,
+                                                 const SearchSpace& space, std::vector<NearLandmark> near,
+                                                 const Checkpoint& checkpoint) {
+  if (near.empty()) return std::nullopt;
+  const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
+  const std::size_t detectors = stored->detectors.size();
+  LandmarkSearch search;
+  const double reach_px = landmark_reach_px(space.half_width_px, described.radius_px);
+  for (NearLandmark& one : near) {
+    if (!local.relief.ground.known()) break;
+    one.stretch = std::isfinite(one.height_m) ? local.relief.stretch_of_height(one.height_m)
+                                              : local.relief.stretch_at(one.map_px);
   }
   std::vector<double> counts(detectors, 0);
   const double link_px = kLandmarkGroup_m / rectified.gsd_m;

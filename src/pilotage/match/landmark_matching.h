@@ -78,13 +78,22 @@ std::vector<bool> in_crowds(double link_px, const std::vector<NearLandmark>& lan
 std::vector<double> landmark_densities(const std::vector<NearLandmark>& landmarks, std::size_t detectors,
                                        double reach_px, double radius_px, const Checkpoint& checkpoint = {});
 
+/// How far from a window's middle a frame at any of its places may show something.
+double landmark_reach_px(double half_width_px, double frame_radius_px);
+
+/// Landmarks of the map in the circle of `reach_px` about `center_px`; none where they are not wanted, or are more than
+/// kMaxNearLandmarks. Places are pixels of the level from `reference_px`, the centre's, too; each stretch is 1, each
+/// group 0. Throws DataError when the map is damaged.
+std::vector<NearLandmark> landmarks_near(MapReader& map, const MatchOptions& options, const LocalGrid& grid,
+                                         const Eigen::Vector2d& reference_px, const Eigen::Vector2d& center_px,
+                                         double reach_px);
+
 /// Lays the frame north up at the pixels of each detector that has landmarks in the window, and looks for them. Nothing
-/// when they are not wanted, the map has none here or more than kMaxNearLandmarks, or none is seen. Throws DataError
-/// when the map is damaged.
+/// when there are none `near`, or none is seen. Throws DataError when the map is damaged.
 std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
-                                                 MapReader& map, const MatchOptions& options,
-                                                 const FrameOnGrid& rectified, const PivotedFrame& described,
-                                                 const LocalMap& local, const SearchSpace& space,
+                                                 MapReader& map, const FrameOnGrid& rectified,
+                                                 const PivotedFrame& described, const LocalMap& local,
+                                                 const SearchSpace& space, std::vector<NearLandmark> near,
                                                  const Checkpoint& checkpoint = {});
 
 /// Bytes that look_for_landmarks takes at most at a time; 0 when it has nothing to do.

@@ -66,12 +66,21 @@ std::optional<LocalGrid> local_grid(MapReader& map, const MapLevel& level, Geode
   return grid;
 }
 
+LocalGrid plain_grid(const MapLevel& level, GeodeticPoint point) {
+  LocalGrid grid;
+  grid.frame = LocalFrame(point);
+  grid.enu_from_px << level.gsd_m, 0, 0, -level.gsd_m;
+  return grid;
+}
+
 LocalMap read_local_map(MapReader& map, const MapLevel& level, const LocalGrid& grid, const Eigen::Vector2d& center_px,
                         double half_width_px, std::size_t max_features, const Checkpoint& checkpoint) {
   LocalMap local;
   local.level = level.matrix.level;
   local.grid = grid;
   local.features_per_mpx = map.features().features_per_mpx;
+  local.features.pattern = map.features().pattern;
+  local.features.descriptor_bytes = map.features().descriptor_bits / 8;
   local.reference_px = {std::floor(center_px.x()), std::floor(center_px.y())};
   const double radius_m = half_width_px * std::numbers::sqrt2 * grid.gsd_m();
   bool first = true;

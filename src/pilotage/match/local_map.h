@@ -53,6 +53,9 @@ const MapLevel* level_for_height(const MapReader& map, double height_agl_m);
 /// the map is damaged, UsageError when the point is not on Earth.
 std::optional<LocalGrid> local_grid(MapReader& map, const MapLevel& level, GeodeticPoint point, double radius_m);
 
+/// A grid where a level has no tile: north up about `point`, with the level's own pixels. Exact on the tangent plane.
+LocalGrid plain_grid(const MapLevel& level, GeodeticPoint point);
+
 /// The features of `level` in the square of half side `half_width_px` about `center_px`; reading ends with the tile
 /// that makes them more than `max_features`. Throws DataError when the map is damaged here or its tiles differ in
 /// descriptor length.

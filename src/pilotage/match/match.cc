@@ -143,8 +143,8 @@ constexpr double kUnknownHeightSigma_m = 1;
 
 /// The relief of the window, and of the ground under the aircraft where the window does not show it: an oblique view.
 Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrior& prior, double window_px,
-                   std::size_t max_features, const LocalMap& local, const MatchOptions& options,
-                   const Checkpoint& checkpoint) {
+                   std::size_t max_features, const LocalMap& local, const std::vector<NearLandmark>& landmarks,
+                   const MatchOptions& options, const Checkpoint& checkpoint) {
   constexpr double kAboutNadirPx = 64;
   const double sigma_px = largest_sigma_m(prior.covariance_en_m2) / rectified.gsd_m;
   LocalMap below;
@@ -154,7 +154,14 @@ Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrio
                            std::min(rectified.half_width_px, 2 * sigma_px) + kAboutNadirPx,
                            max_features - local.features.size(), checkpoint);
   }
-  Relief relief = relief_of(local, below, {rectified.prior_px - local.reference_px, sigma_px, prior.height_agl_m});
+  const Eigen::Vector2d center_px = rectified.prior_px + rectified.px_from_m(rectified.pivot_m) - local.reference_px;
+  std::vector<SpotHeight> spots;
+  for (const NearLandmark& one : landmarks) {
+    const bool inside = (one.map_px - center_px).cwiseAbs().maxCoeff() <= window_px;
+    if (inside) spots.push_back({one.map_px, one.height_m});
+  }
+  Relief relief =
+      relief_of(local, below, spots, {rectified.prior_px - local.reference_px, sigma_px, prior.height_agl_m});
   if (relief.ground.known()) {
     relief.height_sigma_m = options.elevation_sigma_m.value_or(map.elevation_sigma_m().value_or(kUnknownHeightSigma_m));
   }
@@ -178,6 +185,13 @@ std::optional<RefinedFix> refine_best(const FrameOnGrid& rectified, const Pivote
   if (!best.by_landmarks || best.evidence > best.of_features || best.of_features <= 0) return refined;
   best.by_landmarks = false;
   return refine_fix(rectified, described, local, prior, options, best.match);
+}
+
+/// Of where the map lies at a fix; where no tile says it, of the tile that lies worst.
+double map_sigma_m(MapReader& map, const Fix& fix, const MatchOptions& options) {
+  if (options.map_sigma_m) return *options.map_sigma_m;
+  const auto said_m = fix.tile_id ? map.map_sigma_m(*fix.tile_id) : map.largest_map_sigma_m();
+  return said_m.value_or(kUnknownMapSigma_m);
 }
 
 /// A search about one heading, which is known well enough for upright descriptors. `searches`: how many such are made.
@@ -212,15 +226,18 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
                                   static_cast<std::size_t>(max_features), checkpoint);
   stats.frame_features = static_cast<int>(described.grid.points.size());
   stats.map_features = static_cast<int>(local.features.size());
-  if (local.features.size() == 0) return refused(MatchStatus::kNoMap, stats);
+  std::vector<NearLandmark> near =
+      landmarks_near(map, options, rectified.grid, local.reference_px, center_px - local.reference_px,
+                     landmark_reach_px(rectified.half_width_px, described.radius_px));
+  if (local.features.size() == 0 && near.empty()) return refused(MatchStatus::kNoMap, stats);
   if (local.features.descriptor_bytes * 8 != features.descriptor_bits) {
     return refused(MatchStatus::kMapUnreadable, stats);
   }
-  local.relief =
-      read_relief(map, rectified, prior, window_px, static_cast<std::size_t>(max_features), local, options, checkpoint);
+  local.relief = read_relief(map, rectified, prior, window_px, static_cast<std::size_t>(max_features), local, near,
+                             options, checkpoint);
   const SearchSpace space = search_space(rectified, local, options);
   const auto landmarks =
-      look_for_landmarks(frame, prior, camera, map, options, rectified, described, local, space, checkpoint);
+      look_for_landmarks(frame, prior, camera, map, rectified, described, local, space, std::move(near), checkpoint);
   stats.landmarks_seen = landmarks ? static_cast<int>(landmarks->sightings.size()) : 0;
   if (has_few_features(described, local) && stats.landmarks_seen < static_cast<int>(kLeastLandmarks)) {
     return refused(MatchStatus::kTooFewFeatures, stats);
@@ -244,8 +261,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   }
   describe_ranking(*places, rectified.half_width_px, searches * scales, stats);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
-  add_map_error(refined->fix, options.map_sigma_m ? *options.map_sigma_m
-                                                  : map.map_sigma_m(refined->fix.tile_id).value_or(kUnknownMapSigma_m));
+  add_map_error(refined->fix, map_sigma_m(map, refined->fix, options));
   stats.inliers = refined->pose.inliers;
   stats.residual_m = refined->pose.residual_m;
   const bool outside_gate = is_outside_gate(refined->fix, prior, options);

@@ -61,8 +61,8 @@ double rise_of_ray(const FrameOnGrid& rectified, const GroundHeights& ground, co
 }
 
 /// The tile of the feature nearest to the principal point's place.
-std::int64_t tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
-  std::size_t nearest = 0;
+std::optional<std::int64_t> tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
+  std::optional<std::int64_t> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < map.features.size(); ++i) {
     const Feature& feature = map.features.features[i];
@@ -70,10 +70,10 @@ std::int64_t tile_at(const LocalMap& map, const Eigen::Vector2d& center_px) {
         (Eigen::Vector2d(static_cast<double>(feature.x_px), static_cast<double>(feature.y_px)) - center_px).norm();
     if (distance < least) {
       least = distance;
-      nearest = i;
+      nearest = map.tile_ids[i];
     }
   }
-  return map.tile_ids[nearest];
+  return nearest;
 }
 
 /// How sure the prior pose is, on the grid.

@@ -26,12 +26,15 @@ struct GroundPoints {
   std::vector<Eigen::Vector2d> places_px;
   std::vector<double> heights_m;
 
+  void add(const Eigen::Vector2d& place_px, double height_m) {
+    if (!std::isfinite(height_m)) return;
+    places_px.push_back(place_px);
+    heights_m.push_back(height_m);
+  }
+
   void add(const LocalMap& map, const Eigen::Vector2d& shift_px) {
     for (std::size_t i = 0; i < map.features.size(); ++i) {
-      const auto height_m = static_cast<double>(map.ground_height_m[i]);
-      if (!std::isfinite(height_m)) continue;
-      places_px.push_back(place_of(map.features.features[i]) + shift_px);
-      heights_m.push_back(height_m);
+      add(place_of(map.features.features[i]) + shift_px, static_cast<double>(map.ground_height_m[i]));
     }
   }
 };
@@ -87,12 +90,14 @@ double Relief::stretch_at(const Eigen::Vector2d& place_px) const {
   return ground.known() ? stretch_of_height(ground.height_m(place_px)) : 1;
 }
 
-Relief relief_of(const LocalMap& map, const LocalMap& below, const PriorNadir& nadir) {
+Relief relief_of(const LocalMap& map, const LocalMap& below, const std::vector<SpotHeight>& landmarks,
+                 const PriorNadir& nadir) {
   Relief relief;
   relief.height_agl_m = nadir.height_agl_m;
   GroundPoints points;
   points.add(map, Eigen::Vector2d::Zero());
   points.add(below, below.reference_px - map.reference_px);
+  for (const SpotHeight& spot : landmarks) points.add(spot.place_px, spot.height_m);
   if (points.places_px.empty()) return relief;
   relief.ground = GroundHeights(points.places_px, points.heights_m);
   relief.below_m = relief.ground.height_m(nadir.place_px);

@@ -41,9 +41,16 @@ struct PriorNadir {
   double height_agl_m = 1;
 };
 
+/// A height of the ground at a place.
+struct SpotHeight {
+  Eigen::Vector2d place_px{0, 0};  ///< Relative to LocalMap::reference_px.
+  double height_m = 0;             ///< NaN where unknown.
+};
+
 /// From the heights of the features of `map` and of `below`, the ground about the nadir where the window does not show
-/// it (else empty; of any reference_px). Level where no height is known.
-Relief relief_of(const LocalMap& map, const LocalMap& below, const PriorNadir& nadir);
+/// it (else empty; of any reference_px), and those of landmarks. Level where no height is known.
+Relief relief_of(const LocalMap& map, const LocalMap& below, const std::vector<SpotHeight>& landmarks,
+                 const PriorNadir& nadir);
 
 /// A frame that was laid on level ground, laid on the ground of a place instead: `nadir_px` is the place of its nadir,
 /// `px_per_pixel` the pixels of the level along a side of its own. Unchanged where no height is known.

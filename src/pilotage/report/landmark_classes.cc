@@ -40,7 +40,7 @@ std::string landmarks_phrase(const std::vector<LandmarkClass>& classes) {
          " (" + listed(names) + ")";
 }
 
-std::string landmark_assumption(const std::string& answer, const std::string& place, const std::string& stored,
+std::string landmark_assumption(const std::string& answer, const std::string& place,
                                 const std::vector<std::string>& unresolved) {
   const MatchOptions options;
   std::string text =
@@ -50,7 +50,7 @@ std::string landmark_assumption(const std::string& answer, const std::string& pl
       place + ", its heading with a σ of " + format_number(options.yaw_sigma_deg) + "°, its tilt of " +
       format_number(options.attitude_sigma_deg) + "° and its height of " +
       format_number(100 * options.height_sigma_fraction) +
-      " %. Not modelled: another place with landmarks in the same array, and relief. " + stored;
+      " %. Not modelled: another place with landmarks in the same array, and relief.";
   if (!unresolved.empty()) {
     text += " Not counted: " + listed(unresolved) + ", for the camera's pixels are more than " +
             format_number(kCoarsestOfDetector) + " times as wide as those of the detector, which was not tried.";

@@ -33,9 +33,8 @@ std::vector<LandmarkClass> landmark_classes(const MapLandmarks& landmarks);
 std::string landmarks_phrase(const std::vector<LandmarkClass>& classes);
 
 /// What P of a fix by landmarks (landmark_prospects.h) takes for granted: it is not counted in "the verdict", a frame's
-/// place is known "as the limit allows"; `stored` says what the map is taken to store. `unresolved`: classes that are
-/// not counted.
-std::string landmark_assumption(const std::string& answer, const std::string& place, const std::string& stored,
+/// place is known "as the limit allows". `unresolved`: classes that are not counted.
+std::string landmark_assumption(const std::string& answer, const std::string& place,
                                 const std::vector<std::string>& unresolved);
 
 /// "0.97": rounded down; "below 0.01" of what is more than 0.

@@ -17,28 +17,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Whether a frame about the middle of the tile shows ground of a stored one: elsewhere the matcher has nothing to
-/// begin with.
-bool shows_stored_ground(const std::vector<GroundTile>& tiles, const std::vector<bool>& stored, std::size_t index) {
-  if (stored[index]) return true;
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    if (stored[i] && tiles[i].bounds.intersects(tiles[index].bounds)) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
-LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks, const std::vector<bool>& stored,
+LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks,
                            const std::vector<double>& p_fix_by_features) {
   const std::vector<LandmarkProspect> prospects =
       landmark_prospects(mission.ground, landmarks, mission.flight.camera, mission.flight.max_error_m);
   LandmarkNote note;
   note.legs.resize(p_fix_by_features.size());
-  for (std::size_t i = 0; i < prospects.size(); ++i) {
-    const bool can_match = prospects[i].p_fix > 0 && shows_stored_ground(mission.ground.tiles, stored, i);
-    note.p_fix.push_back(can_match ? prospects[i].p_fix : 0);
-  }
+  for (const LandmarkProspect& prospect : prospects) note.p_fix.push_back(prospect.p_fix);
   std::vector<std::set<std::size_t>> of_leg(note.legs.size());
   for (const FlightSample& sample : mission.flight.samples) {
     const auto tile = tile_under(mission, sample);
@@ -56,7 +43,6 @@ LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks
   }
   note.classes = landmark_classes(landmarks);
   note.assumes = landmark_assumption("the verdict", "as the limit allows",
-                                     "Where a frame shows nothing of a stored tile P is 0: nothing is matched there.",
                                      unresolved_classes(mission.ground, landmarks, mission.flight.camera));
   return note;
 }

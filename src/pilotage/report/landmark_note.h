@@ -28,10 +28,10 @@ struct LandmarkNote {
   std::string assumes;        ///< landmark_assumption().
 };
 
-/// landmark_prospects() of the mission's tiles, searched as wide as its limit, and of its legs; 0 where a frame shows
-/// nothing of a `stored` tile. `p_fix_by_features` of each leg, NaN where not known: nothing is gained over that.
-/// Landmarks off the planned ground do not count.
-LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks, const std::vector<bool>& stored,
+/// landmark_prospects() of the mission's tiles, stored or not, searched as wide as its limit, and of its legs.
+/// `p_fix_by_features` of each leg, NaN where not known: nothing is gained over that. Landmarks off the planned ground
+/// do not count.
+LandmarkNote landmark_note(const Mission& mission, const MapLandmarks& landmarks,
                            const std::vector<double>& p_fix_by_features);
 
 /// "76 landmarks of 3 classes (ring, roundabout and tank): legs 2 and 4 gain a fix by landmarks …", and what is

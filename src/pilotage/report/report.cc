@@ -224,9 +224,7 @@ InertialReach inertial_reach(const ReportInput& input) {
 void add_landmarks(const Mission& mission, const MapLandmarks& landmarks, Report& report) {
   std::vector<double> p_fix;
   for (const ReportLeg& leg : report.legs) p_fix.push_back(leg.status.p_fix);
-  std::vector<bool> stored;
-  for (const ReportTile& tile : report.tiles) stored.push_back(tile.selected);
-  report.landmarks = landmark_note(mission, landmarks, stored, p_fix);
+  report.landmarks = landmark_note(mission, landmarks, p_fix);
   for (std::size_t i = 0; i < report.tiles.size(); ++i) report.tiles[i].p_landmark_fix = report.landmarks->p_fix[i];
 }
 

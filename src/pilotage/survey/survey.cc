@@ -143,11 +143,9 @@ SurveyLandmarks add_landmarks(const SurveyInput& input, Survey& survey) {
     const ReportTile& tile = survey.tiles[*found.strongest];
     found.said += "; P is " + landmark_p_text(tile.p_landmark_fix) + " at best, at " + lat_lon(tile.tile.center);
   }
-  found.assumes = landmark_assumption(
-      "the headline or the classes of ground",
-      "to within " + number_text(input.area.search_radius_m, 0) + " m along each axis",
-      "The map is taken to store a tile that the frame shows: where it stores none, nothing is matched.",
-      unresolved_classes(input.area.ground, found.landmarks, input.area.camera));
+  found.assumes = landmark_assumption("the headline or the classes of ground",
+                                      "to within " + number_text(input.area.search_radius_m, 0) + " m along each axis",
+                                      unresolved_classes(input.area.ground, found.landmarks, input.area.camera));
   return found;
 }
 
