@@ -111,7 +111,7 @@ def main(program, data, how_many=20, flights=1000, rendered=0):
             print(f"planned P inside the interval, {what}: {count} of {how_many}")
     print(f"mean of drawn less planned: {sum(differences) / how_many:+.3f}")
     if rendered:
-        print(f"rendered: {rendered_right} right fixes of {rendered_tries} tries over stored tiles")
+        print(f"rendered: {rendered_right} right fixes of {rendered_tries} tries less those over ground not stored that gave none")
 
 
 if __name__ == "__main__":

@@ -86,13 +86,30 @@ TEST(ReliefOf, TheGroundBelowCountsWhereTheWindowDoesNotShowIt) {
 
 TEST(ReliefOf, LandmarksSayHowHighTheGroundIsWhereNoFeatureDoes) {
   LocalMap none;
-  const std::vector<SpotHeight> landmarks{{{0, 0}, 50}, {{400, 0}, 90}, {{0, 400}, 50}, {{200, 200}, kNaN}};
+  const std::vector<SpotHeight> landmarks{{{0, 0}, 50}, {{1000, 0}, 90}, {{0, 1000}, 50}, {{500, 500}, kNaN}};
   none.relief = relief_of(none, {}, landmarks, {{0, 0}, 20, kAgl_m});
   ASSERT_TRUE(none.relief.ground.known());
+  EXPECT_TRUE(none.relief.is_sparse);
   EXPECT_NEAR(none.relief.below_m, 50, 1);
-  EXPECT_NEAR(none.relief.ground.height_m({200, 0}), 70, 2) << "between them as a plane";
-  EXPECT_NEAR(none.relief.stretch_at({400, 0}), 1 - 40 / kAgl_m, 0.01);
+  EXPECT_NEAR(none.relief.ground.height_m({500, 0}), 70, 3) << "between them as a plane";
+  EXPECT_NEAR(none.relief.stretch_at({1000, 0}), 1 - 40 / kAgl_m, 0.01);
   EXPECT_GT(none.relief.scale_sigma, 0);
+}
+
+TEST(ReliefOf, LandmarksInARowSayNothingOfWhatLiesBeside) {
+  LocalMap none;
+  const std::vector<SpotHeight> landmarks{{{0, 0}, 50}, {{203, 200}, 58}, {{400, 400}, 50}};
+  none.relief = relief_of(none, {}, landmarks, {{200, 200}, 20, kAgl_m});
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0, 400), Eigen::Vector2d(400, 0)}) {
+    EXPECT_NEAR(none.relief.ground.height_m(corner), 53, 6);
+  }
+}
+
+TEST(ReliefOf, LandmarksSayNothingWhereFeaturesDo) {
+  LocalMap map = map_of([](const Eigen::Vector2d&) { return 50; });
+  map.relief = relief_of(map, {}, {{{0, 0}, 90}}, {{0, 0}, 20, kAgl_m});
+  EXPECT_FALSE(map.relief.is_sparse);
+  EXPECT_NEAR(map.relief.below_m, 50, 0.01);
 }
 
 TEST(ReliefOf, GroundAsHighAsTheCameraStaysInBounds) {

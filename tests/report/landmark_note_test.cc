@@ -87,16 +87,11 @@ void add_ring(MapLandmarks& landmarks, int tile, int count, double radius_m = 10
   }
 }
 
-/// With every tile stored.
-LandmarkNote note_of(const Mission& mission, const MapLandmarks& landmarks, const std::vector<double>& p_by_features) {
-  return landmark_note(mission, landmarks, p_by_features);
-}
-
 TEST(LandmarkNote, PIsThatEnoughGroupsAreSeen) {
   MapLandmarks landmarks = one_class(1, 0);
   add_ring(landmarks, 0, 6);
   add_ring(landmarks, 1, 2);
-  const LandmarkNote note = note_of(mission_over(3), landmarks, {0.1, 0.1, 0.1});
+  const LandmarkNote note = landmark_note(mission_over(3), landmarks, {0.1, 0.1, 0.1});
   // Six groups, each seen with 0.8: P of five at least is 0.655, of four at least 0.901.
   const double five = 6 * std::pow(0.8, 5) * 0.2 + std::pow(0.8, 6);
   const double four = five + 15 * std::pow(0.8, 4) * 0.04;
@@ -118,7 +113,7 @@ TEST(LandmarkNote, WorseDetectorsAndWiderLimitsPromiseLess) {
     add_ring(landmarks, 0, 6);
     Mission mission = mission_over(1);
     mission.flight.max_error_m = limit_m;
-    return note_of(mission, landmarks, {0}).p_fix[0];
+    return landmark_note(mission, landmarks, {0}).p_fix[0];
   };
   const double best = p_of(1, 0, 40);
   EXPECT_GT(best, 0.6);
@@ -132,7 +127,7 @@ TEST(LandmarkNote, WhatIsNotShownWholeOrWasNotFoundOrStandsTogetherDoesNotCount)
     MapLandmarks landmarks = one_class(1, 0);
     add_ring(landmarks, 0, 6, radius_m);
     change(landmarks);
-    return note_of(mission_over(1), landmarks, {0});
+    return landmark_note(mission_over(1), landmarks, {0});
   };
   const auto as_it_is = [](MapLandmarks&) {};
   EXPECT_GT(p_of(as_it_is, 121).p_fix[0], 0.6) << "the detector's square lies within, at any heading";
@@ -149,14 +144,14 @@ TEST(LandmarkNote, AnOblongFrameShowsMoreAlongItsLongSide) {
   MapLandmarks landmarks = one_class(1, 0);
   add_ring(landmarks, 0, 6, 175);  // beyond the square's sides
   Mission mission = mission_over(1);
-  const double square = note_of(mission, landmarks, {0}).p_fix[0];
+  const double square = landmark_note(mission, landmarks, {0}).p_fix[0];
   mission.flight.camera.width_px = 1000;  // 500 by 300 m
-  const LandmarkNote oblong = note_of(mission, landmarks, {0});
+  const LandmarkNote oblong = landmark_note(mission, landmarks, {0});
   EXPECT_GE(oblong.legs[0].landmarks, 6);
   EXPECT_GT(oblong.p_fix[0], square);
   EXPECT_LT(oblong.p_fix[0], 0.7) << "not at every heading";
   mission.flight.camera.height_px = 1000;
-  EXPECT_GT(note_of(mission, landmarks, {0}).p_fix[0], 0.65);
+  EXPECT_GT(landmark_note(mission, landmarks, {0}).p_fix[0], 0.65);
 }
 
 TEST(LandmarkNote, MoreLandmarksPromiseNoLess) {
@@ -181,7 +176,7 @@ TEST(LandmarkNote, MoreLandmarksPromiseNoLess) {
       landmark.found = true;
       landmarks.landmarks.push_back(landmark);
     }
-    const double p = note_of(mission, landmarks, {0}).p_fix[0];
+    const double p = landmark_note(mission, landmarks, {0}).p_fix[0];
     EXPECT_GE(p, before) << count;
     before = p;
   }
@@ -191,7 +186,7 @@ TEST(LandmarkNote, MoreLandmarksPromiseNoLess) {
 TEST(LandmarkNote, NothingIsGainedOverWhatIsNotKnown) {
   MapLandmarks landmarks = one_class(1, 0);
   for (const int tile : {0, 2}) add_ring(landmarks, tile, 6);
-  const LandmarkNote note = note_of(mission_over(3), landmarks, {0.1, 0.1, kNaN});
+  const LandmarkNote note = landmark_note(mission_over(3), landmarks, {0.1, 0.1, kNaN});
   EXPECT_GT(note.p_fix[0], 0.6);
   EXPECT_TRUE(note.legs[0].gains);
   EXPECT_GT(note.p_fix[2], 0.6);
@@ -202,11 +197,11 @@ TEST(LandmarkNote, PixelsThatTheDetectorWasNotTriedOnDoNotCount) {
   MapLandmarks landmarks = one_class(1, 0);
   add_ring(landmarks, 0, 6);
   Mission mission = mission_over(1);
-  EXPECT_THAT(note_of(mission, landmarks, {0}).assumes, ::testing::Not(HasSubstr("Not counted")));
+  EXPECT_THAT(landmark_note(mission, landmarks, {0}).assumes, ::testing::Not(HasSubstr("Not counted")));
   mission.flight.camera.width_px = mission.flight.camera.height_px = 300;  // pixels of 1 m, the detector's are 0.5
   mission.flight.camera.fx_px = mission.flight.camera.fy_px = 250;
   mission.flight.camera.cx_px = mission.flight.camera.cy_px = 150;
-  const LandmarkNote note = note_of(mission, landmarks, {0});
+  const LandmarkNote note = landmark_note(mission, landmarks, {0});
   EXPECT_EQ(note.p_fix[0], 0);
   EXPECT_THAT(note.assumes, HasSubstr("Not counted: tank, for the camera's pixels"));
 }
@@ -214,7 +209,7 @@ TEST(LandmarkNote, PixelsThatTheDetectorWasNotTriedOnDoNotCount) {
 TEST(LandmarkNote, SaysWhichLegsGainAndWhatItAssumes) {
   MapLandmarks landmarks = one_class(1, 0);
   for (const int tile : {0, 1, 2}) add_ring(landmarks, tile, 6);
-  const LandmarkNote note = note_of(mission_over(4), landmarks, {0.2, 0.999, 0.3, 0.2});
+  const LandmarkNote note = landmark_note(mission_over(4), landmarks, {0.2, 0.999, 0.3, 0.2});
   EXPECT_THAT(landmark_sentences(note), ElementsAre(HasSubstr("18 landmarks of 1 class (tank): legs 1 (P 0."),
                                                     HasSubstr("Modelled, not measured")));
   EXPECT_THAT(landmark_sentences(note)[0], HasSubstr("and 3 (P 0."));
@@ -224,7 +219,7 @@ TEST(LandmarkNote, SaysWhichLegsGainAndWhatItAssumes) {
   EXPECT_EQ(json["legs"][0]["leg"], 1);
   EXPECT_TRUE(json["legs"][3]["distance_m"].is_null());
   EXPECT_THAT(landmark_html(note), HasSubstr("<td data-label=\"Landmarks shown\">6</td>"));
-  const LandmarkNote none = note_of(mission_over(4), landmarks, {0.99, 0.99, 0.99, 0.2});
+  const LandmarkNote none = landmark_note(mission_over(4), landmarks, {0.99, 0.99, 0.99, 0.2});
   EXPECT_THAT(landmark_sentences(none)[0], HasSubstr("no leg gains a fix"));
 }
 

@@ -73,7 +73,7 @@ std::string fix_text(const Fix& fix) {
          " m\ncentre of the image: lon " + format_fixed(fix.center.lon_deg, 7) + ", lat " +
          format_fixed(fix.center.lat_deg, 7) + "\nyaw " + format_fixed(fix.yaw_deg, 2) + " deg, height " +
          format_fixed(fix.height_agl_m, 1) + " m above ground, " +
-         (fix.tile_id ? "tile " + std::to_string(*fix.tile_id) : "no tile stored there") + "\n";
+         (fix.tile_id ? "tile " + std::to_string(*fix.tile_id) : "no tile") + "\n";
 }
 
 }  // namespace

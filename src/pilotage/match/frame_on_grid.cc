@@ -30,13 +30,6 @@ std::optional<MatchStatus> refusal_of(RectifyStatus status) {
   }
 }
 
-/// Whether a frame may show a landmark of the map, wherever it looks.
-bool has_landmarks_about(GeodeticPoint point, double half_width_m, const LocalGrid& grid, MapReader& map,
-                         const MatchOptions& options) {
-  const double reach_px = landmark_reach_px(half_width_m / grid.gsd_m(), kMaxRectifiedSidePx);
-  return !landmarks_near(map, options, grid, {0, 0}, grid.px_from_geodetic(point), reach_px).empty();
-}
-
 }  // namespace
 
 double search_half_width_m(const MatchPrior& prior, const MatchOptions& options) {
@@ -49,7 +42,7 @@ Attitude attitude_on_grid(const Attitude& attitude, const LocalGrid& grid) {
 }
 
 FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                          const MatchOptions& options) {
+                          const MatchOptions& options, const Checkpoint& checkpoint) {
   FrameOnGrid rectified;
   rectified.level = level_for_height(map, prior.height_agl_m);
   if (rectified.level == nullptr) {
@@ -60,7 +53,9 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
   const double reach_m = std::min(half_width_m * std::numbers::sqrt2 + rectified.level->max_tile_radius_m, 1e5);
   const auto grid = local_grid(map, *rectified.level, prior.position, reach_m);
   rectified.grid = grid ? *grid : plain_grid(*rectified.level, prior.position);
-  if (!grid && !has_landmarks_about(prior.position, half_width_m, rectified.grid, map, options)) {
+  // Of a frame as wide as any; of one that looks far ahead the landmarks there are not asked for.
+  const double landmarks_m = landmark_reach_px(half_width_m, kMaxRectifiedSidePx * rectified.level->gsd_m);
+  if (!grid && !has_landmark_within(map, options, prior.position, landmarks_m, checkpoint)) {
     rectified.refusal = MatchStatus::kNoMap;
     return rectified;
   }

@@ -46,11 +46,11 @@ double search_half_width_m(const MatchPrior& prior, const MatchOptions& options)
 /// The attitude against the grid's up instead of true north.
 Attitude attitude_on_grid(const Attitude& attitude, const LocalGrid& grid);
 
-/// Rectifies `frame` onto the grid of the level that serves its height, or onto plain_grid() where landmarks lie about
-/// the prior and no tile. The refusal says why it cannot be: the map has nothing here, the window is larger than
+/// Rectifies `frame` onto the grid of the level that serves its height, or onto plain_grid() where a landmark lies
+/// about the prior and no tile. The refusal says why it cannot be: the map has nothing here, the window is larger than
 /// kMaxHalfWidthPx, or the frame cannot be rectified. Throws DataError when the map is damaged.
 FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                          const MatchOptions& options);
+                          const MatchOptions& options, const Checkpoint& checkpoint = {});
 
 /// The frame described everywhere, to be turned about the ground under the principal point.
 PivotedFrame describe(const FrameOnGrid& rectified, const FeatureOptions& options, const Checkpoint& checkpoint = {});

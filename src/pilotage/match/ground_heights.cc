@@ -19,7 +19,7 @@ constexpr float kLeastWeight = 1e-4F;
 
 /// Height at `origin_px` and slopes, by least squares; level where points do not say.
 Eigen::Vector3d fit_plane(const std::vector<Eigen::Vector2d>& places_px, const std::vector<double>& heights_m,
-                          const Eigen::Vector2d& origin_px) {
+                          const Eigen::Vector2d& origin_px, double level_px) {
   Eigen::Vector2d middle_px(0, 0);
   double mean_m = 0;
   for (std::size_t i = 0; i < places_px.size(); ++i) {
@@ -29,8 +29,8 @@ Eigen::Vector3d fit_plane(const std::vector<Eigen::Vector2d>& places_px, const s
   const auto count = static_cast<double>(places_px.size());
   middle_px /= count;
   mean_m /= count;
-  // One square pixel for each point: nothing beside what a window of features spans, and enough for points on a line.
-  Eigen::Matrix2d normal = count * Eigen::Matrix2d::Identity();
+  // A pixel of each feature is nothing beside what a window of them spans, and enough for points on a line.
+  Eigen::Matrix2d normal = count * level_px * level_px * Eigen::Matrix2d::Identity();
   Eigen::Vector2d right(0, 0);
   for (std::size_t i = 0; i < places_px.size(); ++i) {
     const Eigen::Vector2d off = places_px[i] - middle_px;
@@ -43,7 +43,8 @@ Eigen::Vector3d fit_plane(const std::vector<Eigen::Vector2d>& places_px, const s
 
 }  // namespace
 
-GroundHeights::GroundHeights(const std::vector<Eigen::Vector2d>& places_px, const std::vector<double>& heights_m) {
+GroundHeights::GroundHeights(const std::vector<Eigen::Vector2d>& places_px, const std::vector<double>& heights_m,
+                             double level_px) {
   std::vector<Eigen::Vector2d> at_px;
   std::vector<double> high_m;
   for (std::size_t i = 0; i < places_px.size(); ++i) {
@@ -57,7 +58,7 @@ GroundHeights::GroundHeights(const std::vector<Eigen::Vector2d>& places_px, cons
     low_px_ = low_px_.cwiseMin(place);
     high_px_ = high_px_.cwiseMax(place);
   }
-  plane_ = fit_plane(at_px, high_m, low_px_);
+  plane_ = fit_plane(at_px, high_m, low_px_, level_px);
   columns_ = static_cast<int>((high_px_.x() - low_px_.x()) / kHeightCellPx) + 1;
   rows_ = static_cast<int>((high_px_.y() - low_px_.y()) / kHeightCellPx) + 1;
   cells_m_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0.0F);

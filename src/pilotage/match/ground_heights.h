@@ -13,8 +13,10 @@ namespace pilotage {
 class GroundHeights {
  public:
   GroundHeights() = default;
-  /// Positions in pixels, heights in metres, one for each; heights that are NaN are left out.
-  GroundHeights(const std::vector<Eigen::Vector2d>& places_px, const std::vector<double>& heights_m);
+  /// Positions in pixels, heights in metres, one for each; heights that are NaN are left out. Slopes of the plane are
+  /// held level as by one more point for each, `level_px` off.
+  GroundHeights(const std::vector<Eigen::Vector2d>& places_px, const std::vector<double>& heights_m,
+                double level_px = 1);
 
   bool known() const { return columns_ > 0; }
   /// Metres; NaN unless known(). Beyond the points it is the height at the nearest place of their bounding box: a slope

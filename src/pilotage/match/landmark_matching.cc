@@ -38,6 +38,14 @@ constexpr double kCrowdLinks = 3;
 /// Modelled, not measured.
 constexpr double kDetectedOnFrames = 0.8;
 
+/// East and north of a place; nothing of the other side of the Earth, which lies below.
+std::optional<Vector2d> enu_on_this_side(const LocalFrame& frame, GeodeticPoint place) {
+  constexpr double kFarBelow_m = 1e5;  // a thousand kilometres off
+  const Eigen::Vector3d enu_m = frame.enu_from_geodetic(place);
+  if (!(enu_m.z() > -kFarBelow_m)) return std::nullopt;
+  return Vector2d(enu_m.head<2>());
+}
+
 /// Where a sighting lies from the pivot when it is that landmark: on ground as high as the landmark's.
 Vector2d on_ground_of(const PivotedFrame& frame, const LandmarkSighting& sighting, const NearLandmark& landmark) {
   return frame.stretched(sighting.from_pivot_px, landmark.stretch);
@@ -320,14 +328,18 @@ double landmark_reach_px(double half_width_px, double frame_radius_px) {
 }
 
 std::vector<NearLandmark> landmarks_near(MapReader& map, const MatchOptions& options, const LocalGrid& grid,
-                                         const Vector2d& reference_px, const Vector2d& center_px, double reach_px) {
+                                         const Vector2d& reference_px, const Vector2d& center_px, double reach_px,
+                                         const Checkpoint& checkpoint) {
   if (!options.landmarks || !map.has_landmarks()) return {};
   const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
   std::vector<NearLandmark> near;
   for (const MapLandmark& landmark : stored->landmarks) {
+    pass(checkpoint);
+    const auto enu_m = enu_on_this_side(grid.frame, landmark.place);
+    if (!enu_m) continue;
     NearLandmark one;
     one.detector = landmark.detector;
-    one.map_px = grid.px_from_geodetic(landmark.place) - reference_px;
+    one.map_px = grid.px_from_enu(*enu_m) - reference_px;
     if (!((one.map_px - center_px).norm() <= reach_px)) continue;
     one.height_m = landmark.ground_height_m;
     one.length_m = landmark.length_m;
@@ -337,6 +349,18 @@ std::vector<NearLandmark> landmarks_near(MapReader& map, const MatchOptions& opt
     if (near.size() > kMaxNearLandmarks) return {};
   }
   return near;
+}
+
+bool has_landmark_within(MapReader& map, const MatchOptions& options, GeodeticPoint point, double radius_m,
+                         const Checkpoint& checkpoint) {
+  if (!options.landmarks || !map.has_landmarks()) return false;
+  const LocalFrame frame(point);
+  const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
+  return std::any_of(stored->landmarks.begin(), stored->landmarks.end(), [&](const MapLandmark& landmark) {
+    pass(checkpoint);
+    const auto enu_m = enu_on_this_side(frame, landmark.place);
+    return enu_m && enu_m->norm() <= radius_m;
+  });
 }
 
 std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,

@@ -82,11 +82,15 @@ std::vector<double> landmark_densities(const std::vector<NearLandmark>& landmark
 double landmark_reach_px(double half_width_px, double frame_radius_px);
 
 /// Landmarks of the map in the circle of `reach_px` about `center_px`; none where they are not wanted, or are more than
-/// kMaxNearLandmarks. Places are pixels of the level from `reference_px`, the centre's, too; each stretch is 1, each
+/// kMaxNearLandmarks. Places are pixels of the grid from `reference_px`, the centre's, too; each stretch is 1, each
 /// group 0. Throws DataError when the map is damaged.
 std::vector<NearLandmark> landmarks_near(MapReader& map, const MatchOptions& options, const LocalGrid& grid,
                                          const Eigen::Vector2d& reference_px, const Eigen::Vector2d& center_px,
-                                         double reach_px);
+                                         double reach_px, const Checkpoint& checkpoint = {});
+
+/// Whether the map has a landmark, of those wanted, that is no farther from `point`.
+bool has_landmark_within(MapReader& map, const MatchOptions& options, GeodeticPoint point, double radius_m,
+                         const Checkpoint& checkpoint = {});
 
 /// Lays the frame north up at the pixels of each detector that has landmarks in the window, and looks for them. Nothing
 /// when there are none `near`, or none is seen. Throws DataError when the map is damaged.

@@ -31,8 +31,12 @@ double LocalGrid::convergence_deg() const {
   return std::atan2(up.x(), up.y()) * 180 / std::numbers::pi;
 }
 
+Eigen::Vector2d LocalGrid::px_from_enu(const Eigen::Vector2d& enu_m) const {
+  return origin_px + enu_from_px.inverse() * enu_m;
+}
+
 Eigen::Vector2d LocalGrid::px_from_geodetic(const GeodeticPoint& point) const {
-  return origin_px + enu_from_px.inverse() * frame.enu_from_geodetic(point).head<2>();
+  return px_from_enu(frame.enu_from_geodetic(point).head<2>());
 }
 
 GeodeticPoint LocalGrid::geodetic_from_px(const Eigen::Vector2d& position_px) const {
@@ -68,6 +72,7 @@ std::optional<LocalGrid> local_grid(MapReader& map, const MapLevel& level, Geode
 
 LocalGrid plain_grid(const MapLevel& level, GeodeticPoint point) {
   LocalGrid grid;
+  grid.is_of_level = false;
   grid.frame = LocalFrame(point);
   grid.enu_from_px << level.gsd_m, 0, 0, -level.gsd_m;
   return grid;
@@ -82,6 +87,7 @@ LocalMap read_local_map(MapReader& map, const MapLevel& level, const LocalGrid& 
   local.features.pattern = map.features().pattern;
   local.features.descriptor_bytes = map.features().descriptor_bits / 8;
   local.reference_px = {std::floor(center_px.x()), std::floor(center_px.y())};
+  if (!grid.is_of_level) return local;
   const double radius_m = half_width_px * std::numbers::sqrt2 * grid.gsd_m();
   bool first = true;
   for (const NearTile& near : map.tiles_near(grid.geodetic_from_px(center_px), std::min(radius_m, 1e5), local.level)) {

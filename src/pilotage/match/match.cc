@@ -164,6 +164,7 @@ Relief read_relief(MapReader& map, const FrameOnGrid& rectified, const MatchPrio
       relief_of(local, below, spots, {rectified.prior_px - local.reference_px, sigma_px, prior.height_agl_m});
   if (relief.ground.known()) {
     relief.height_sigma_m = options.elevation_sigma_m.value_or(map.elevation_sigma_m().value_or(kUnknownHeightSigma_m));
+    if (relief.is_sparse) relief.height_sigma_m = std::hypot(relief.height_sigma_m, kSparseHeightSigma_m);
   }
   return relief;
 }
@@ -187,11 +188,12 @@ std::optional<RefinedFix> refine_best(const FrameOnGrid& rectified, const Pivote
   return refine_fix(rectified, described, local, prior, options, best.match);
 }
 
-/// Of where the map lies at a fix; where no tile says it, of the tile that lies worst.
+/// Of where the map lies at a fix. Where no tile says it, of the tile that lies worst, and at least what is taken of
+/// maps that do not say.
 double map_sigma_m(MapReader& map, const Fix& fix, const MatchOptions& options) {
   if (options.map_sigma_m) return *options.map_sigma_m;
-  const auto said_m = fix.tile_id ? map.map_sigma_m(*fix.tile_id) : map.largest_map_sigma_m();
-  return said_m.value_or(kUnknownMapSigma_m);
+  if (fix.tile_id) return map.map_sigma_m(*fix.tile_id).value_or(kUnknownMapSigma_m);
+  return std::max(map.largest_map_sigma_m().value_or(0), kUnknownMapSigma_m);
 }
 
 /// A search about one heading, which is known well enough for upright descriptors. `searches`: how many such are made.
@@ -201,7 +203,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   MatchStats stats;
   MemoryLeft memory(options);
   if (!memory.take(bytes_to_rectify(frame))) return refused(MatchStatus::kTooUncertain, stats);
-  const FrameOnGrid rectified = rectify_frame(frame, prior, camera, map, options);
+  const FrameOnGrid rectified = rectify_frame(frame, prior, camera, map, options, checkpoint);
   stats.search_half_width_m = search_half_width_m(prior, options);
   if (rectified.level != nullptr) stats.level = rectified.level->matrix.level;
   stats.gsd_m = rectified.gsd_m;
@@ -228,7 +230,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   stats.map_features = static_cast<int>(local.features.size());
   std::vector<NearLandmark> near =
       landmarks_near(map, options, rectified.grid, local.reference_px, center_px - local.reference_px,
-                     landmark_reach_px(rectified.half_width_px, described.radius_px));
+                     landmark_reach_px(rectified.half_width_px, described.radius_px), checkpoint);
   if (local.features.size() == 0 && near.empty()) return refused(MatchStatus::kNoMap, stats);
   if (local.features.descriptor_bytes * 8 != features.descriptor_bits) {
     return refused(MatchStatus::kMapUnreadable, stats);
@@ -240,7 +242,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
       look_for_landmarks(frame, prior, camera, map, rectified, described, local, space, std::move(near), checkpoint);
   stats.landmarks_seen = landmarks ? static_cast<int>(landmarks->sightings.size()) : 0;
   if (has_few_features(described, local) && stats.landmarks_seen < static_cast<int>(kLeastLandmarks)) {
-    return refused(MatchStatus::kTooFewFeatures, stats);
+    return refused(local.features.size() == 0 ? MatchStatus::kNoMap : MatchStatus::kTooFewFeatures, stats);
   }
   if (stats.map_features > max_features || search_bins(described, space) > kMaxSearchBins) {
     return refused(MatchStatus::kTooUncertain, stats);

@@ -90,7 +90,7 @@ enum class MatchStatus {
   kBadOptions,      ///< An option is outside its range.
   kTooUncertain,    ///< To search the prior's window takes more memory or work than is allowed.
   kOutOfTime,       ///< The deadline passed.
-  kNoMap,           ///< The map has neither features nor landmarks within the search window.
+  kNoMap,           ///< The map has no feature within the search window, and fewer than three landmarks are seen.
   kMapUnreadable,   ///< The map's file is damaged here.
   kNoGround,        ///< The frame shows no ground: it looks at the sky.
   kTooFewFeatures,  ///< Frame or map has too little texture.
@@ -119,9 +119,12 @@ struct Fix {
   double yaw_sigma_deg = 0;
   double height_agl_m = 0;
   double height_sigma_m = 0;
-  double scale = 1;        ///< height_agl_m over the prior's.
-  double map_sigma_m = 0;  ///< Of the map's own georeference there, each axis; part of both covariances.
-  /// The map's tile under the principal point, or the nearest; none where no feature is stored: a fix by landmarks.
+  double scale = 1;  ///< height_agl_m over the prior's.
+  /// Of the map's own georeference, each axis; part of both covariances. Of the tile, without one of the tile that lies
+  /// worst, then at least 1.
+  double map_sigma_m = 0;
+  /// The map's tile under the principal point, or the nearest; none where no feature is stored within the window: a fix
+  /// by landmarks.
   std::optional<std::int64_t> tile_id;
 };
 

@@ -55,7 +55,7 @@ std::string_view match_status_text(MatchStatus status) {
     case MatchStatus::kOutOfTime:
       return "the deadline passed before there was an answer";
     case MatchStatus::kNoMap:
-      return "the map holds nothing within the search window";
+      return "the map holds no feature within the search window, and too few of its landmarks are seen";
     case MatchStatus::kMapUnreadable:
       return "the map is damaged here";
     case MatchStatus::kNoGround:

@@ -15,8 +15,8 @@ constexpr int kChipScales = 3;  // likewise
 /// Windows to each side that are searched on every pixel of the chips: some 150 m. Wider ones from coarse to fine.
 constexpr double kFineHalfWidthPx = 128;
 
-bool chips_are_wanted(const MapReader& map, const MatchOptions& options) {
-  return options.chips && map.has_chips();
+bool chips_are_wanted(const MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified) {
+  return options.chips && map.has_chips() && rectified.grid.is_of_level;
 }
 
 /// Half side of the square of chips that the frame may show, in pixels of the level.
@@ -76,7 +76,7 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
                                             MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
                                             const PivotedFrame& described, const LocalMap& local,
                                             const Checkpoint& checkpoint) {
-  if (!chips_are_wanted(map, options)) return std::nullopt;
+  if (!chips_are_wanted(map, options, rectified)) return std::nullopt;
   ChipComparison chips;
   chips.reference_px = local.reference_px;
   chips.pivot_from_nadir_px = rectified.px_from_m(rectified.pivot_m);
@@ -108,7 +108,7 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
 
 double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
                              const PivotedFrame& described) {
-  if (!chips_are_wanted(map, options)) return 0;
+  if (!chips_are_wanted(map, options, rectified)) return 0;
   const double reach_px = chip_reach_px(rectified, described);
   const int factor = chip_factor(map, rectified.level->matrix.level, rectified.prior_px, reach_px);
   if (factor == 0) return 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -39,6 +40,11 @@ struct GroundPoints {
   }
 };
 
+/// How far points must lie apart to tell a slope: of features hardly at all; a few places in a row say nothing of what
+/// lies beside them.
+constexpr double kLevelFeatures_px = 1;
+constexpr double kLevelSparse_px = 30;
+
 /// Root mean square of the heights over `below_m`, weighted by how likely the aircraft is above them; where it is above
 /// none of them, of all.
 double height_spread_m(const GroundPoints& points, const PriorNadir& nadir, double below_m) {
@@ -56,6 +62,18 @@ double height_spread_m(const GroundPoints& points, const PriorNadir& nadir, doub
   constexpr double kOneFeature = 1;
   if (weights >= kOneFeature) return std::sqrt(weighted_m2 / weights);
   return std::sqrt(sum_m2 / static_cast<double>(points.places_px.size()));
+}
+
+/// The same of a ground that is known at few places: as it is taken to be, and what is not known of it.
+double sparse_spread_m(const GroundHeights& ground, const PriorNadir& nadir, double below_m) {
+  constexpr int kAround = 8;
+  double sum_m2 = kSparseHeightSigma_m * kSparseHeightSigma_m;
+  for (int i = 0; i < kAround; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kAround;
+    const Eigen::Vector2d off_px = nadir.sigma_px * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    sum_m2 += std::pow(ground.height_m(nadir.place_px + off_px) - below_m, 2) / kAround;
+  }
+  return std::sqrt(sum_m2);
 }
 
 /// For every pixel of a frame that lies on the ground, the pixel of the level frame that shows it: OpenCV's positions.
@@ -97,11 +115,17 @@ Relief relief_of(const LocalMap& map, const LocalMap& below, const std::vector<S
   GroundPoints points;
   points.add(map, Eigen::Vector2d::Zero());
   points.add(below, below.reference_px - map.reference_px);
-  for (const SpotHeight& spot : landmarks) points.add(spot.place_px, spot.height_m);
+  relief.is_sparse = points.places_px.size() < kFewHeights;
+  if (relief.is_sparse) {
+    for (const SpotHeight& spot : landmarks) points.add(spot.place_px, spot.height_m);
+  }
   if (points.places_px.empty()) return relief;
-  relief.ground = GroundHeights(points.places_px, points.heights_m);
+  relief.ground =
+      GroundHeights(points.places_px, points.heights_m, relief.is_sparse ? kLevelSparse_px : kLevelFeatures_px);
   relief.below_m = relief.ground.height_m(nadir.place_px);
-  relief.scale_sigma = std::min(height_spread_m(points, nadir, relief.below_m) / nadir.height_agl_m, kMostReliefSigma);
+  const double spread_m = relief.is_sparse ? sparse_spread_m(relief.ground, nadir, relief.below_m)
+                                           : height_spread_m(points, nadir, relief.below_m);
+  relief.scale_sigma = std::min(spread_m / nadir.height_agl_m, kMostReliefSigma);
   for (std::size_t i = 0; i < map.features.size(); ++i) {
     const auto own_m = static_cast<double>(map.ground_height_m[i]);
     const double stretch =

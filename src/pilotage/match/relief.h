@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,7 @@ struct LocalMap;
 struct Relief {
   GroundHeights ground;        ///< Places are pixels of the level relative to LocalMap::reference_px.
   double height_sigma_m = 0;   ///< Of those heights; 0 where none is known.
+  bool is_sparse = false;      ///< Known at fewer than kFewHeights places: what lies between is not.
   double below_m = 0;          ///< z₀.
   double height_agl_m = 1;     ///< h.
   std::vector<float> stretch;  ///< Of each feature of the map; empty, as for level ground: 1 everywhere.
@@ -41,6 +43,10 @@ struct PriorNadir {
   double height_agl_m = 1;
 };
 
+inline constexpr std::size_t kFewHeights = 20;
+/// Of ground between places where its height is known that are fewer. Assumed, not measured.
+inline constexpr double kSparseHeightSigma_m = 3;
+
 /// A height of the ground at a place.
 struct SpotHeight {
   Eigen::Vector2d place_px{0, 0};  ///< Relative to LocalMap::reference_px.
@@ -48,7 +54,8 @@ struct SpotHeight {
 };
 
 /// From the heights of the features of `map` and of `below`, the ground about the nadir where the window does not show
-/// it (else empty; of any reference_px), and those of landmarks. Level where no height is known.
+/// it (else empty; of any reference_px). Where these are fewer than kFewHeights, from those of landmarks, too. Level
+/// where no height is known.
 Relief relief_of(const LocalMap& map, const LocalMap& below, const std::vector<SpotHeight>& landmarks,
                  const PriorNadir& nadir);
 
