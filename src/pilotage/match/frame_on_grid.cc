@@ -54,7 +54,7 @@ FrameOnGrid rectify_frame(const cv::Mat& frame, const MatchPrior& prior, const C
   const auto grid = local_grid(map, *rectified.level, prior.position, reach_m);
   rectified.grid = grid ? *grid : plain_grid(*rectified.level, prior.position);
   // Of a frame as wide as any; of one that looks far ahead the landmarks there are not asked for.
-  const double landmarks_m = landmark_reach_px(half_width_m, kMaxRectifiedSidePx * rectified.level->gsd_m);
+  const double landmarks_m = landmark_reach(half_width_m, kMaxRectifiedSidePx * rectified.level->gsd_m);
   if (!grid && !has_landmark_within(map, options, prior.position, landmarks_m, checkpoint)) {
     rectified.refusal = MatchStatus::kNoMap;
     return rectified;

@@ -38,6 +38,10 @@ constexpr double kCrowdLinks = 3;
 /// Modelled, not measured.
 constexpr double kDetectedOnFrames = 0.8;
 
+bool are_wanted(const MapReader& map, const MatchOptions& options) {
+  return options.landmarks && map.has_landmarks();
+}
+
 /// East and north of a place; nothing of the other side of the Earth, which lies below.
 std::optional<Vector2d> enu_on_this_side(const LocalFrame& frame, GeodeticPoint place) {
   constexpr double kFarBelow_m = 1e5;  // a thousand kilometres off
@@ -323,14 +327,14 @@ std::vector<double> landmark_densities(const std::vector<NearLandmark>& landmark
   return densities;
 }
 
-double landmark_reach_px(double half_width_px, double frame_radius_px) {
-  return std::numbers::sqrt2 * half_width_px + 1.2 * frame_radius_px;
+double landmark_reach(double half_width, double frame_radius) {
+  return std::numbers::sqrt2 * half_width + 1.2 * frame_radius;
 }
 
 std::vector<NearLandmark> landmarks_near(MapReader& map, const MatchOptions& options, const LocalGrid& grid,
                                          const Vector2d& reference_px, const Vector2d& center_px, double reach_px,
                                          const Checkpoint& checkpoint) {
-  if (!options.landmarks || !map.has_landmarks()) return {};
+  if (!are_wanted(map, options)) return {};
   const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
   std::vector<NearLandmark> near;
   for (const MapLandmark& landmark : stored->landmarks) {
@@ -353,7 +357,7 @@ std::vector<NearLandmark> landmarks_near(MapReader& map, const MatchOptions& opt
 
 bool has_landmark_within(MapReader& map, const MatchOptions& options, GeodeticPoint point, double radius_m,
                          const Checkpoint& checkpoint) {
-  if (!options.landmarks || !map.has_landmarks()) return false;
+  if (!are_wanted(map, options)) return false;
   const LocalFrame frame(point);
   const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
   return std::any_of(stored->landmarks.begin(), stored->landmarks.end(), [&](const MapLandmark& landmark) {
@@ -372,7 +376,7 @@ std::optional<LandmarkSearch> look_for_landmarks(const cv::Mat& frame, const Mat
   const std::shared_ptr<const MapLandmarks> stored = map.landmarks();
   const std::size_t detectors = stored->detectors.size();
   LandmarkSearch search;
-  const double reach_px = landmark_reach_px(space.half_width_px, described.radius_px);
+  const double reach_px = landmark_reach(space.half_width_px, described.radius_px);
   for (NearLandmark& one : near) {
     if (!local.relief.ground.known()) break;
     one.stretch = std::isfinite(one.height_m) ? local.relief.stretch_of_height(one.height_m)
@@ -425,7 +429,7 @@ double turns_and_scales(const LandmarkSearch& search, const SearchSpace& space) 
 }
 
 double landmark_search_bytes(const MapReader& map, const MatchOptions& options) {
-  if (!options.landmarks || !map.has_landmarks()) return 0;
+  if (!are_wanted(map, options)) return 0;
   // Pictures, and histograms of 18 and cells of 31 numbers and their margins, of cells of four pixels at the least.
   const double pixels = double{kMaxLookedAtPx} * kMaxLookedAtPx;
   return pixels * (6 + 1.3 * 4.0 * (18 + kFhogPlanes + 4) / 16);

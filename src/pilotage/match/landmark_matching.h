@@ -78,8 +78,8 @@ std::vector<bool> in_crowds(double link_px, const std::vector<NearLandmark>& lan
 std::vector<double> landmark_densities(const std::vector<NearLandmark>& landmarks, std::size_t detectors,
                                        double reach_px, double radius_px, const Checkpoint& checkpoint = {});
 
-/// How far from a window's middle a frame at any of its places may show something.
-double landmark_reach_px(double half_width_px, double frame_radius_px);
+/// How far from a window's middle a frame at any of its places may show something, in the unit of both.
+double landmark_reach(double half_width, double frame_radius);
 
 /// Landmarks of the map in the circle of `reach_px` about `center_px`; none where they are not wanted, or are more than
 /// kMaxNearLandmarks. Places are pixels of the grid from `reference_px`, the centre's, too; each stretch is 1, each

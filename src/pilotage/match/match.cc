@@ -230,7 +230,7 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   stats.map_features = static_cast<int>(local.features.size());
   std::vector<NearLandmark> near =
       landmarks_near(map, options, rectified.grid, local.reference_px, center_px - local.reference_px,
-                     landmark_reach_px(rectified.half_width_px, described.radius_px), checkpoint);
+                     landmark_reach(rectified.half_width_px, described.radius_px), checkpoint);
   if (local.features.size() == 0 && near.empty()) return refused(MatchStatus::kNoMap, stats);
   if (local.features.descriptor_bytes * 8 != features.descriptor_bits) {
     return refused(MatchStatus::kMapUnreadable, stats);

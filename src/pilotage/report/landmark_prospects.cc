@@ -78,7 +78,7 @@ struct Frame {
 
   double radius_m() const { return half_m.norm(); }
   /// Landmarks that a frame of the search may show.
-  double reach_m() const { return std::numbers::sqrt2 * search_half_m + 1.2 * radius_m(); }
+  double reach_m() const { return landmark_reach(search_half_m, radius_m()); }
 };
 
 Frame frame_over(const Ground& ground, const GroundTile& tile, const Camera& camera, double search_radius_m,
