@@ -73,6 +73,7 @@ TEST(ImageryAge, SaysWhenShadowsDifferMost) {
   const std::string html = imagery_age_html(age);
   EXPECT_THAT(html, HasSubstr("ortho.tif, of 2024-03-20T09:07:24Z: 24 months old, 0 months apart in season"));
   EXPECT_THAT(html, HasSubstr("<th scope=\"row\">17:00</th>"));
+  EXPECT_THAT(html, HasSubstr("P(correct fix) does not count age and season"));
 }
 
 TEST(ImageryAge, AnHourThatIsNotKnownIsTakenForNoonAndSaidSo) {
@@ -120,6 +121,19 @@ TEST(ImageryAge, AFlightByNightIsNoGo) {
   EXPECT_THAT(night.verdict_text, HasSubstr("below the horizon"));
 }
 
+TEST(ImageryAge, OfImageryWithoutAFlightIsToldAlike) {
+  const auto phrase = [](const std::string& acquired, const std::string& flight_time) {
+    return imagery_age_phrase(
+        imagery_age(over_imagery_of(acquired, "").ground.imagery.datasets, {10, 50}, flight_time));
+  };
+  EXPECT_EQ(phrase("2024-03-20", "2026-07-01"),
+            "imagery 27 months old, 3 months apart in season, which P(correct fix) does not count");
+  EXPECT_EQ(phrase("2026-09-20", "2026-07-01"),
+            "imagery 3 months younger than the flight, which P(correct fix) does not count");
+  EXPECT_EQ(phrase("", "2026-07-01"), "imagery of unknown age, which P(correct fix) does not count");
+  EXPECT_THROW(phrase("2024-03-20", "tomorrow"), UsageError);
+}
+
 TEST(ImageryAge, CloudsAreSaidBesideTheVerdict) {
   Mission mission = over_imagery_of("2025-04-01", "2026-03-20");
   mission.flight.ground_hidden = GroundHidden{0.35, "clouds.csv"};
@@ -127,8 +141,10 @@ TEST(ImageryAge, CloudsAreSaidBesideTheVerdict) {
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[1].value, "35 % of the time, by clouds.csv");
   EXPECT_EQ(rows[1].status, QualityStatus::kMarginal);
-  EXPECT_THAT(assumptions_line(mission, {}),
-              HasSubstr(", imagery 12 months old, ground in sight (it is hidden 35 % of the time)"));
+  EXPECT_THAT(
+      assumptions_line(mission, {}),
+      HasSubstr(", imagery 12 months old, 0 months apart in season, which P(correct fix) does not count, ground in "
+                "sight (it is hidden 35 % of the time)"));
   mission.flight.ground_hidden->fraction = 0.1;
   EXPECT_EQ(imagery_age_rows(mission)[1].status, QualityStatus::kGood);
 }

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdio>
 
+#include "pilotage/base/error.h"
+
 namespace pilotage {
 namespace {
 
@@ -63,6 +65,12 @@ std::optional<UtcDate> parse_utc_date(std::string_view text) {
   constexpr std::chrono::year kFirstPhotograph(1826);
   if (!date.ok() || date.year() < kFirstPhotograph) return std::nullopt;
   return UtcDate{std::chrono::sys_days(date), false};
+}
+
+UtcDate utc_date_of_option(std::string_view option, std::string_view text) {
+  if (const auto date = parse_utc_date(text)) return *date;
+  throw UsageError(std::string(option) + " = \"" + std::string(text) +
+                   "\" is no day as 2023-06-14 and no moment in UTC as 2023-06-14T10:30:00Z");
 }
 
 }  // namespace pilotage

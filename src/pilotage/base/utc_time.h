@@ -29,6 +29,9 @@ struct UtcDate {
 /// text.
 std::optional<UtcDate> parse_utc_date(std::string_view text);
 
+/// The same of an option; throws UsageError that names it when it is none.
+UtcDate utc_date_of_option(std::string_view option, std::string_view text);
+
 }  // namespace pilotage
 
 #pragma GCC visibility pop

@@ -7,6 +7,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/base/utc_time.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/mission_crs.h"
 
@@ -121,6 +122,19 @@ RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const R
   std::vector<ImageryInfo> infos;
   for (const std::string& dataset : datasets) infos.push_back(inspect_imagery(dataset, options.imagery, progress));
   return {ground_of_inspected(infos, options), imagery_warnings(infos, 0)};
+}
+
+void set_imagery_dates(const std::optional<std::vector<std::string>>& dates, std::vector<ImageryDataset>& datasets) {
+  if (!dates) return;
+  if (dates->size() != 1 && dates->size() != datasets.size()) {
+    throw UsageError("imagery_date has " + std::to_string(dates->size()) + " dates for " +
+                     std::to_string(datasets.size()) + " rasters; give one for all or one for each");
+  }
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
+    const std::string& date = (*dates)[dates->size() == 1 ? 0 : i];
+    static_cast<void>(utc_date_of_option("imagery_date", date));
+    datasets[i].acquired = date;
+  }
 }
 
 Ground ground_of_inspected(const std::vector<ImageryInfo>& infos, const RasterGridOptions& options) {

@@ -54,6 +54,10 @@ RasterGround ground_of_rasters(const std::vector<std::string>& datasets, const R
 /// The ground alone, of rasters that were inspected with options.imagery; nothing is opened. Throws likewise.
 Ground ground_of_inspected(const std::vector<ImageryInfo>& infos, const RasterGridOptions& options);
 
+/// Dates as a planner states them, one for all rasters or one for each, in place of what these say; nothing happens
+/// without. Throws UsageError when they are as many as neither, or one is no date.
+void set_imagery_dates(const std::optional<std::vector<std::string>>& dates, std::vector<ImageryDataset>& datasets);
+
 /// Gives a ground of one level tiles of its matrix, `indices` (ascending) or all of them; tile_id = row · matrix_width
 /// + column. Throws DataError, before memory is taken, when these are more than kMostTiles.
 void cut_tiles(Ground& ground, std::span<const std::int64_t> indices, int threads = 0);

@@ -14,6 +14,7 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/base/variant_json.h"
+#include "pilotage/report/page_parts.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/report/title_block.h"
 #include "pilotage/report/wording.h"
@@ -94,9 +95,18 @@ std::string months_text(double months) {
   return format_fixed(whole, 0) + (whole == 1 ? " month" : " months");
 }
 
-std::string age_text(const DatasetAge& imagery) {
-  if (imagery.age_months < 0) return months_text(-imagery.age_months) + " younger than the flight";
-  return months_text(imagery.age_months) + " old, " + months_text(imagery.season_months) + " apart in season";
+std::string age_text(double age_months, double season_months) {
+  if (age_months < 0) return months_text(-age_months) + " younger than the flight";
+  return months_text(age_months) + " old, " + months_text(season_months) + " apart in season";
+}
+
+/// Of the rasters whose date is known, that whose season is farthest from the flight's.
+double farthest_season_months(const ImageryAge& age) {
+  double season_months = 0;
+  for (const DatasetAge& next : age.datasets) {
+    if (!next.acquired.empty()) season_months = std::max(season_months, next.season_months);
+  }
+  return season_months;
 }
 
 std::string sun_text(const SunPosition& sun) {
@@ -123,12 +133,9 @@ QualityRow age_row(const ImageryAge& age) {
   }
   const bool known = std::none_of(age.datasets.begin(), age.datasets.end(),
                                   [](const DatasetAge& next) { return next.acquired.empty(); });
-  double season_months = 0;
-  for (const DatasetAge& next : age.datasets) {
-    if (!next.acquired.empty()) season_months = std::max(season_months, next.season_months);
-  }
+  const double season_months = farthest_season_months(age);
   row.number = first->age_months;
-  row.value = age_text(*first);
+  row.value = age_text(first->age_months, first->season_months);
   if (age.datasets.size() > 1) {
     row.value = "oldest: " + row.value + "; season apart up to " + months_text(season_months);
   }
@@ -187,11 +194,7 @@ std::optional<ImageryAge> imagery_age(const Mission& mission) {
   const auto middle = std::find_if(flight.samples.begin(), flight.samples.end() - 1,
                                    [&](const FlightSample& sample) { return sample.distance_m >= middle_m; });
   const double time_s = flight_time_s(flight.samples);
-  ImageryAge age;
-  age.flight_time = flight.flight_time;
-  for (const ImageryDataset& imagery : mission.ground.imagery.datasets) {
-    age.datasets.push_back(dataset_age(imagery, middle->point, begins->time));
-  }
+  ImageryAge age = imagery_age(mission.ground.imagery.datasets, middle->point, flight.flight_time);
   const auto day = std::chrono::floor<std::chrono::days>(begins->time);
   if (begins->has_clock) {
     const auto half_s = static_cast<std::int64_t>(std::isfinite(time_s) ? std::llround(time_s / 2) : 0);
@@ -201,6 +204,15 @@ std::optional<ImageryAge> imagery_age(const Mission& mission) {
     const FlightSun at = flight_sun(age, middle->point, day + std::chrono::hours(hour));
     if (casts_shadows(at.sun)) age.hours.push_back(at);
   }
+  return age;
+}
+
+ImageryAge imagery_age(const std::vector<ImageryDataset>& imagery, GeodeticPoint place,
+                       const std::string& flight_time) {
+  ImageryAge age;
+  age.flight_time = flight_time;
+  const UtcDate begins = utc_date_of_option("flight_time", flight_time);
+  for (const ImageryDataset& dataset : imagery) age.datasets.push_back(dataset_age(dataset, place, begins.time));
   return age;
 }
 
@@ -219,10 +231,12 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
       sentences.push_back(imagery.dataset + ": when it was taken is not known.");
       continue;
     }
-    sentences.push_back(imagery.dataset + ", of " + imagery.acquired + ": " + age_text(imagery) + "; the sun stood " +
+    sentences.push_back(imagery.dataset + ", of " + imagery.acquired + ": " +
+                        age_text(imagery.age_months, imagery.season_months) + "; the sun stood " +
                         sun_text(*imagery.sun) +
                         (imagery.hour_known ? "." : ", if it was taken at noon: its hour is not known."));
   }
+  sentences.push_back("P(correct fix) does not count age and season: " + imagery_age_measured() + ".");
   if (age.flight) {
     std::string text = "Half-way through the flight, at " + clock_text(age.flight->time) + " UTC, it stands " +
                        sun_text(age.flight->sun);
@@ -245,12 +259,22 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
   return sentences;
 }
 
+std::string imagery_age_phrase(const ImageryAge& age) {
+  const std::string imagery = age.datasets.size() > 1 ? "the oldest imagery " : "imagery ";
+  const DatasetAge* first = oldest(age);
+  if (first == nullptr) return "imagery of unknown age, which P(correct fix) does not count";
+  return imagery + age_text(first->age_months, farthest_season_months(age)) + ", which P(correct fix) does not count";
+}
+
+std::string imagery_age_measured() {
+  return "of frames over a building site, where P is 0.31, 41 % were found 2 months after the imagery, 20 % after 9 "
+         "months and 16 % after 22";
+}
+
 std::string imagery_age_assumptions(const Mission& mission) {
   const auto age = imagery_age(mission);
   if (!age) return "";
-  const DatasetAge* first = oldest(*age);
-  std::string text = first == nullptr ? ", imagery of unknown age"
-                                      : ", imagery " + months_text(std::max(0.0, first->age_months)) + " old";
+  std::string text = ", " + imagery_age_phrase(*age);
   if (const auto& hidden = mission.flight.ground_hidden) {
     text += ", ground in sight (it is hidden " + percent_text(hidden->fraction) + " of the time)";
   }

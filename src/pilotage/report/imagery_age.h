@@ -50,14 +50,25 @@ struct ImageryAge {
 /// Nothing without a time of the flight. Throws DataError when that is none, or the flight has no sample.
 std::optional<ImageryAge> imagery_age(const Mission& mission);
 
+/// The same of imagery over a place, without a flight: nothing of the sun on that day. `flight_time` must be one that
+/// parse_utc_date() takes.
+ImageryAge imagery_age(const std::vector<ImageryDataset>& imagery, GeodeticPoint place, const std::string& flight_time);
+
 /// The raster that is the oldest when it is flown over; nullptr when no date is known.
 const DatasetAge* oldest(const ImageryAge& age);
 
 /// What a planner should know of it, sentence by sentence; the last says when the shadows differ least and most.
 std::vector<std::string> imagery_age_sentences(const ImageryAge& age);
 
-/// ", imagery 35 months old, ground hidden 35 % of the time (clouds.csv)" for the line of assumptions; "" without a
-/// time of the flight.
+/// "imagery 35 months old, 1 month apart in season, which P(correct fix) does not count": of several the oldest, and
+/// the season that is farthest off.
+std::string imagery_age_phrase(const ImageryAge& age);
+
+/// What age did where it was measured (docs/methods/matchability.md): a part of a sentence.
+std::string imagery_age_measured();
+
+/// ", ", imagery_age_phrase() and how often the ground is hidden, for the line of assumptions; "" without a time of
+/// the flight.
 std::string imagery_age_assumptions(const Mission& mission);
 
 /// Rows for age and season, for the sun where the hour is known (it decides), and for clouds where a table was given.

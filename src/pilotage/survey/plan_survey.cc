@@ -6,6 +6,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/text.h"
+#include "pilotage/base/utc_time.h"
 #include "pilotage/camera/camera_products.h"
 #include "pilotage/camera/projection.h"
 #include "pilotage/ground/ground_of_rasters.h"
@@ -98,6 +99,11 @@ SurveyedGround plan_survey(const std::vector<std::string>& imagery, const Survey
   grid.gsd_m = working.gsd_m;
   grid.crs = options.crs;
   area.ground = ground_of_inspected(infos, grid);
+  set_imagery_dates(options.imagery_date, area.ground.imagery.datasets);
+  if (!options.flight_time.empty()) {
+    static_cast<void>(utc_date_of_option("flight_time", options.flight_time));
+    area.flight_time = options.flight_time;
+  }
   area.ground.elevation = options.elevation;
   GridLevel& level = area.ground.levels.front();
   level.min_agl_m = level.max_agl_m = area.agl_m;

@@ -14,6 +14,7 @@
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/display_plane.h"
+#include "pilotage/report/imagery_age.h"
 #include "pilotage/report/landmark_prospects.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
@@ -65,6 +66,15 @@ std::string model_phrase(const SurveyInput& input, bool known) {
                                 : ": beyond what was tested");
 }
 
+/// ", on 2026-11-27 imagery 35 months old …"; "" where the planner did not say when it is flown.
+std::string age_phrase(const SurveyInput& input) {
+  const SurveyedGround& area = input.area;
+  if (area.flight_time.empty()) return "";
+  const GeodeticPoint middle = area.ground.tiles[area.ground.tiles.size() / 2].center;
+  const ImageryAge age = imagery_age(area.ground.imagery.datasets, middle, area.flight_time);
+  return "; on " + area.flight_time + " " + imagery_age_phrase(age) + " (" + imagery_age_measured() + ")";
+}
+
 std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {
   const SurveyedGround& area = input.area;
   std::vector<std::string> phrases = {camera_phrase(area)};
@@ -72,7 +82,7 @@ std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {
                                                               : "matched by features and chips");
   phrases.push_back("a frame's place is known to within " + number_text(area.search_radius_m, 0) +
                     " m along each axis" + (area.search_radius_assumed ? " (default)" : ""));
-  phrases.push_back("imagery: " + dates_of(area.ground.imagery.datasets) +
+  phrases.push_back("imagery: " + dates_of(area.ground.imagery.datasets) + age_phrase(input) +
                     (input.second_dates.empty() ? "; no second date, so what seasons and years change is not measured"
                                                 : "; second date: " + dates_of(input.second_dates) +
                                                       ", which is shown beside P and is no part of it"));

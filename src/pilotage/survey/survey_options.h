@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pilotage/base/options.h"
 #include "pilotage/camera/camera_options.h"
@@ -25,6 +26,8 @@ struct SurveyOptions {
   double tile_overlap = 0.5;
   std::string crs;
   std::string landmarks;
+  std::optional<std::vector<std::string>> imagery_date;
+  std::string flight_time;
   ImageryOptions imagery_options;
   ScoreOptions score;
   std::string title;
@@ -45,6 +48,13 @@ struct SurveyOptions {
     fields.field("crs", self.crs, "CRS of the grid, projected in metres; chosen if not given.");
     fields.path("landmarks", self.landmarks,
                 "Also show where landmarks promise a fix: a file of landmark-score --for-map.");
+    fields.field(
+        "imagery_date", self.imagery_date,
+        "Date of the imagery in UTC, as 2023-06-14 or 2023-06-14T10:30:00Z: one for all, or one for each; that "
+        "of its metadata if not given.");
+    fields.field(
+        "flight_time", self.flight_time,
+        "When it is flown, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: how old the imagery is then is said.");
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("score", self.score, "How tiles are scored.", FlagPrefix::kNone);
     fields.field("title", self.title, "Title of the page; the imagery's name if not given.");

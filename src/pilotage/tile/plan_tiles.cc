@@ -18,6 +18,7 @@
 #include "pilotage/base/utf8.h"
 #include "pilotage/camera/camera_products.h"
 #include "pilotage/camera/projection.h"
+#include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
 #include "pilotage/ins/ins_products.h"
@@ -350,24 +351,13 @@ void warn_of_mistakes(const std::vector<ImageryInfo>& infos, Mission& mission) {
   }
 }
 
-void check_date(const std::string& option, const std::string& text) {
-  if (parse_utc_date(text)) return;
-  throw UsageError(option + " = \"" + text + "\" is no day as 2023-06-14 and no moment in UTC as 2023-06-14T10:30:00Z");
-}
-
 void add_imagery(Mission& mission, const TileOptions& options, const std::vector<ImageryInfo>& infos) {
-  const std::vector<std::string> dates = options.imagery_date.value_or(std::vector<std::string>());
-  if (options.imagery_date && dates.size() != 1 && dates.size() != infos.size()) {
-    throw UsageError("imagery_date has " + std::to_string(dates.size()) + " dates for " + std::to_string(infos.size()) +
-                     " rasters; give one for all or one for each");
+  std::vector<ImageryDataset>& datasets = mission.ground.imagery.datasets;
+  for (const ImageryInfo& info : infos) {
+    datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), info.acquired,
+                        info.width_px, info.height_px, info.map_sigma});
   }
-  for (const std::string& date : dates) check_date("imagery_date", date);
-  for (std::size_t i = 0; i < infos.size(); ++i) {
-    const ImageryInfo& info = infos[i];
-    const std::string& acquired = dates.empty() ? info.acquired : dates[dates.size() == 1 ? 0 : i];
-    mission.ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
-                                               acquired, info.width_px, info.height_px, info.map_sigma});
-  }
+  set_imagery_dates(options.imagery_date, datasets);
 }
 
 // When it is flown, and how often the ground can be seen then.
@@ -379,10 +369,10 @@ void add_flight_time(const TileOptions& options, Flight& flight) {
     }
     return;
   }
-  check_date("flight_time", options.flight_time);
+  const UtcDate begins = utc_date_of_option("flight_time", options.flight_time);
   flight.flight_time = options.flight_time;
   if (options.clouds.empty()) return;
-  const double fraction = hidden_fraction(options.clouds, *parse_utc_date(options.flight_time));
+  const double fraction = hidden_fraction(options.clouds, begins);
   flight.ground_hidden = GroundHidden{fraction, options.clouds};
 }
 
