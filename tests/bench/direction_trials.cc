@@ -20,7 +20,6 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/direction_search.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -28,6 +27,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/random.h"
 #include "pilotage/match/chip_search.h"
+#include "pilotage/match/direction_search.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 
@@ -41,7 +41,7 @@ constexpr double kPrior_px = 46;
 constexpr int kBeyond_px = 150 + kWindow_px;
 constexpr int kFactor = 2;  // pixels along a side of one of the chips'
 constexpr int kChipSide = 32;
-constexpr double kExclusion_px = 10;  // of the chips
+constexpr double kExclusion_px = 20;
 
 struct Settings {
   std::vector<std::string> rasters;  // map, frames
@@ -186,7 +186,7 @@ void try_window(const RectifiedFrame& frame, const ChipMosaic& mosaic, const Vec
     if (!surface) return directions.add(!truth_px, 0, false);
     const auto places = direction_places(*surface, 1, kExclusion_px);
     if (places.empty()) return directions.add(!truth_px, 0, false);
-    directions.add(!truth_px, surface->at(places.front()), is_right(mosaic.level_from_mosaic(places.front())));
+    directions.add(!truth_px, places.front().agreement, is_right(places.front().nadir_px));
   });
   time_of(contrast, [&] {
     const ChipMatch match = search_chips(frame, mosaic, window_px, kWindow_px, chip_hypotheses(2, 3, 0.045, 3));

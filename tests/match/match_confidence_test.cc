@@ -82,6 +82,37 @@ TEST(PlaceEvidence, NoCorrelationSpeaksAgainstAPlace) {
   EXPECT_EQ(evidence_of(18, 100, 0.2, 400), 0) << "never below 0";
 }
 
+/// Of 400 pixels of chips and nothing else.
+double evidence_of_chips(double correlation, double agreement, double reach = 29) {
+  PlaceEvidence evidence;
+  evidence.ncc = correlation / 20;
+  evidence.compared_px = 400;
+  evidence.agreement = agreement;
+  evidence.agreement_reach = reach;
+  return chip_evidence(evidence);
+}
+
+TEST(ChipEvidence, IsThatOfGrayValuesOrOfDirectionsWhicheverIsMore) {
+  const double of_directions = (6 - 3.15) / 0.57;
+  EXPECT_NEAR(evidence_of_chips(6, 6), of_directions - std::log(2), 1e-12);
+  EXPECT_NEAR(evidence_of_chips(9, 6), of_directions - std::log(2), 1e-12) << "both are of one picture: no sum";
+  EXPECT_NEAR(evidence_of_chips(12, 6), (12 - 7.9) / 0.55 - std::log(2), 1e-12);
+  EXPECT_NEAR(evidence_of_chips(12, 2), (12 - 7.9) / 0.55, 1e-12) << "as without directions";
+  EXPECT_EQ(evidence_of_chips(6, 3.2), 0) << "never below what nothing says";
+}
+
+TEST(ChipEvidence, SpeaksAgainstAPlaceWhereBothDo) {
+  EXPECT_EQ(evidence_of_chips(4, 3), -4);
+  EXPECT_EQ(evidence_of_chips(4, 3.2), 0) << "directions that agree say that it need not be";
+  EXPECT_GT(evidence_of_chips(4, 5), 2);
+}
+
+TEST(ChipEvidence, OfAWiderWindowAnAgreementSaysLess) {
+  EXPECT_EQ(evidence_of_chips(6, 6, 3), evidence_of_chips(6, 6, 29)) << "narrower ones were not measured";
+  EXPECT_NEAR(evidence_of_chips(6, 6, 58), evidence_of_chips(6, 6, 29) - 2 * std::log(2), 1e-12);
+  EXPECT_EQ(evidence_of_chips(6, 6, 300), evidence_of_chips(6, 6, 79)) << "beyond, false_fix_rate() counts the places";
+}
+
 TEST(PlaceEvidence, ACorrelationWithoutPixelsIsNone) {
   EXPECT_EQ(evidence_of(40, 100, 0.99, 0), evidence_of(40, 100));
 }

@@ -85,6 +85,7 @@ std::vector<FixColumn> fix_columns(bool timings) {
   list.of_stats("ncc", [](const MatchStats& stats) { return stats.ncc; });
   list.of_stats("ncc_rival", [](const MatchStats& stats) { return stats.ncc_rival; });
   list.of_stats("chip_pixels", [](const MatchStats& stats) { return stats.chip_pixels; });
+  list.of_stats("agreement", [](const MatchStats& stats) { return stats.agreement; });
   list.of_stats("confidence", [](const MatchStats& stats) { return stats.confidence; });
   list.of_stats("search_half_width_m", [](const MatchStats& stats) { return stats.search_half_width_m; });
   list.of_stats("landmarks_seen", [](const MatchStats& stats) { return stats.landmarks_seen; });

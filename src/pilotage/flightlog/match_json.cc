@@ -59,6 +59,7 @@ Json stats_json(const MatchStats& stats) {
           {"ncc", json_number(stats.ncc)},
           {"ncc_rival", json_number(stats.ncc_rival)},
           {"chip_pixels", stats.chip_pixels},
+          {"agreement", json_number(stats.agreement)},
           {"confidence", json_number(stats.confidence)},
           {"search_half_width_m", json_number(stats.search_half_width_m)},
           {"landmarks_seen", stats.landmarks_seen},

@@ -10,6 +10,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/match/local_contrast.h"
+#include "pilotage/match/reduced_picture.h"
 #include "pilotage/vision/masked_correlation.h"
 
 namespace pilotage {
@@ -295,24 +296,12 @@ ChipMatch compare(const Templates& templates, const ChipMosaic& mosaic, const cv
   return match;
 }
 
-/// Half as many pixels in each direction: means, and what is valid in all four.
-cv::Mat halved(const cv::Mat& pixels) {
-  const cv::Size half(pixels.cols / 2, pixels.rows / 2);
-  cv::Mat result;
-  cv::resize(pixels(cv::Rect({0, 0}, half * 2)), result, half, 0, 0, cv::INTER_AREA);
-  return result;
-}
-
-cv::Mat halved_mask(const cv::Mat& valid) {
-  return halved(valid) == 255;
-}
-
 /// The highest correlation of any template at every second position along rows and columns, at half the resolution.
 cv::Mat coarse_surface(const Templates& templates, const ChipMosaic& mosaic, const cv::Range& cols,
                        const cv::Range& rows, const ChipSearchOptions& options, const Checkpoint& checkpoint) {
-  const cv::Mat mask = halved_mask(templates.mask);
+  const cv::Mat mask = reduced_mask(templates.mask, 2);
   std::vector<cv::Mat> halves;
-  for (const cv::Mat& pixels : templates.pixels) halves.push_back(halved(pixels));
+  for (const cv::Mat& pixels : templates.pixels) halves.push_back(reduced_picture(pixels, 2));
   const double needed_px = 4 * options.min_overlap * cv::countNonZero(mask);
   cv::Mat highest((rows.size() + 1) / 2, (cols.size() + 1) / 2, CV_32F, cv::Scalar(MaskedCorrelation::kNotCompared));
   for (const Block& block_rows : blocks_of({0, highest.rows})) {
@@ -324,9 +313,9 @@ cv::Mat coarse_surface(const Templates& templates, const ChipMosaic& mosaic, con
       if (on_mosaic.empty() || cv::countNonZero(mosaic.valid(on_mosaic)) < needed_px) continue;
       pass(checkpoint);
       const Region region = cut_region(mosaic, rect, options.contrast_sigma_px);
-      const cv::Mat pixels = halved(region.pixels);
-      const MaskedCorrelation correlation(mask, pixels, halved_mask(region.valid), options.min_overlap, kFlatVariance,
-                                          opencv_sums_of_products(mask.size(), pixels.size()));
+      const cv::Mat pixels = reduced_picture(region.pixels, 2);
+      const MaskedCorrelation correlation(mask, pixels, reduced_mask(region.valid, 2), options.min_overlap,
+                                          kFlatVariance, opencv_sums_of_products(mask.size(), pixels.size()));
       cv::Mat here = highest(own);
       for (const cv::Mat& half : halves) {
         pass(checkpoint);

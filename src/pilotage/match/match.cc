@@ -74,6 +74,7 @@ void describe_ranking(const RankedPlaces& places, double half_width_px, double s
   stats.ncc = best.ncc;
   stats.ncc_rival = places.rival_ncc;
   stats.chip_pixels = best.compared_px;
+  stats.agreement = best.agreement;
   stats.landmarks_expected = static_cast<int>(best.landmarks.expected);
   stats.landmarks_matched = static_cast<int>(best.landmarks.pairs.size());
   stats.confidence = 1 - std::min(1.0, searches * false_fix_rate(best.evidence, half_width_px));

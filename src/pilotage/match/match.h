@@ -143,6 +143,7 @@ struct MatchStats {
   double ncc = 0;         ///< Normalised correlation with the map's chips, when they were used; else 0.
   double ncc_rival = 0;
   int chip_pixels = 0;             ///< Pixels of chips behind ncc; 0 when they were not used.
+  double agreement = 0;            ///< Of the directions of edges with the chips', σ above other places; 0 likewise.
   double confidence = 0;           ///< 1 − the rate at which frames of other ground reach this evidence, 0 … 1.
   double search_half_width_m = 0;  ///< Of the square that was searched.
   int landmarks_seen = 0;          ///< What the map's detectors found on the frame.

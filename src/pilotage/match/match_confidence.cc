@@ -65,17 +65,34 @@ constexpr Tail kCorrelationTail{7.9, 0.55};
 constexpr double kNoCorrelation = 5;
 constexpr double kAgainst = 4;
 
-}  // namespace
-
 double correlation_evidence(double ncc, double compared_px) {
-  if (!(compared_px > 0)) return 0;
   const double correlation = ncc * std::sqrt(compared_px);
   return correlation < kNoCorrelation ? -kAgainst : kCorrelationTail.exceedance(correlation);
 }
 
+/// Of the agreement of directions in windows of kFittedReach positions to each side. Wider ones have as many times more
+/// places that may deceive, up to kWidestReach, from where false_fix_rate() counts them.
+constexpr Tail kAgreementTail{3.15, 0.57};
+constexpr double kFittedReach = 29;
+constexpr double kWidestReach = 79;
+
+double agreement_evidence(double agreement, double reach) {
+  const double windows = std::pow(std::clamp(reach, kFittedReach, kWidestReach) / kFittedReach, 2);
+  return std::max(0.0, kAgreementTail.exceedance(agreement) - std::log(windows));
+}
+
+}  // namespace
+
+double chip_evidence(const PlaceEvidence& evidence) {
+  if (!(evidence.compared_px > 0)) return 0;
+  const double of_gray = correlation_evidence(evidence.ncc, evidence.compared_px);
+  const double of_directions = agreement_evidence(evidence.agreement, evidence.agreement_reach);
+  if (of_directions <= 0) return of_gray;
+  return std::max(0.0, std::max(of_gray, of_directions) - std::log(2.0));
+}
+
 double place_evidence(const PlaceEvidence& evidence) {
-  return std::max(0.0, support_tail(evidence).exceedance(evidence.support) +
-                           correlation_evidence(evidence.ncc, evidence.compared_px));
+  return std::max(0.0, support_tail(evidence).exceedance(evidence.support) + chip_evidence(evidence));
 }
 
 double least_lead(double evidence, double rival_evidence) {

@@ -40,7 +40,7 @@ double evidence_beside_landmarks(const RankedPlace& place, const PivotedFrame& d
   const auto beside = std::ssize(supporters) - std::count_if(supporters.begin(), supporters.end(), on_landmark);
   const double share = static_cast<double>(beside) / static_cast<double>(supporters.size());
   return place_evidence(
-      {share * place.match.evidence(), place.match.expected, descriptor_of(map.features), map.features_per_mpx, 0, 0});
+      {share * place.match.evidence(), place.match.expected, descriptor_of(map.features), map.features_per_mpx});
 }
 
 RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, const LocalMap& map,
@@ -55,14 +55,22 @@ RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, 
     const ChipMatch there = confirm_chip_match(frame, chips->mosaic, here, kChipReachPx);
     place.ncc = there.found ? there.ncc : 0;
     place.compared_px = there.found ? there.pixels : 0;
+    if (chips->directions) place.agreement = chips->directions->at(here.nadir_px);
   }
-  place.evidence = place_evidence({match.evidence(), match.expected, descriptor_of(map.features), map.features_per_mpx,
-                                   place.ncc, static_cast<double>(place.compared_px)});
+  const PlaceEvidence seen{match.evidence(),
+                           match.expected,
+                           descriptor_of(map.features),
+                           map.features_per_mpx,
+                           place.ncc,
+                           static_cast<double>(place.compared_px),
+                           place.agreement,
+                           chips && chips->directions ? chips->directions->reach() : 0};
+  place.evidence = place_evidence(seen);
   if (has_few_features(described, map)) place.evidence = 0;
   place.of_features = place.evidence;
   if (!landmarks) return place;
   place.landmarks = view_landmarks(described, *landmarks, match.placement, checkpoint);
-  const double chips_against = std::max(0.0, -correlation_evidence(place.ncc, place.compared_px));
+  const double chips_against = std::max(0.0, -chip_evidence(seen));
   const double alone = evidence_of_landmarks(chips_against, *landmarks, place.landmarks);
   if (alone <= 0) return place;
   place.by_landmarks = alone > place.of_features;
@@ -103,6 +111,9 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
     chips.best = search_chips_coarsely(searched, chips.mosaic, rectified.prior_px, rectified.half_width_px, coarse,
                                        hypotheses, {}, checkpoint);
   }
+  const double turn_deg = 1.5 * options.yaw_sigma_deg;
+  chips.directions = search_directions(searched, chips.mosaic, rectified.prior_px, rectified.half_width_px,
+                                       {-turn_deg, 0, turn_deg}, checkpoint);
   return chips;
 }
 
@@ -117,7 +128,8 @@ double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const 
   const cv::Size frame = rectified.frame.gray.size();
   return 2 * mosaic_side_px * mosaic_side_px + 2 * relief_frame_bytes(std::max(frame.width, frame.height)) +
          chip_search_bytes(std::max(frame.width, frame.height), rectified.half_width_px / factor,
-                           static_cast<std::size_t>(kChipTurns) * kChipScales);
+                           static_cast<std::size_t>(kChipTurns) * kChipScales) +
+         direction_search_bytes(std::max(frame.width, frame.height), rectified.half_width_px / factor);
 }
 
 bool has_few_features(const PivotedFrame& frame, const LocalMap& map) {
@@ -139,6 +151,12 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   const double min_distance_px = std::max(kMinRivalDistance_m / gsd_m, kPeakSeparationPx);
   if (chips && chips->best.found) {
     matches.push_back(match_guided(frame, map, space, {chips->placement(chips->best), 0}));
+  }
+  if (chips && chips->directions) {
+    for (const DirectionPlace& place : direction_places(*chips->directions, kDirectionPlaces, min_distance_px)) {
+      pass(checkpoint);
+      matches.push_back(match_guided(frame, map, space, {chips->placement(place), 0}));
+    }
   }
   if (landmarks) {
     for (const Placement& place :

@@ -6,6 +6,7 @@
 
 #include "pilotage/match/chip_mosaic.h"
 #include "pilotage/match/chip_search.h"
+#include "pilotage/match/direction_search.h"
 #include "pilotage/match/frame_on_grid.h"
 #include "pilotage/match/guided_matching.h"
 #include "pilotage/match/landmark_matching.h"
@@ -17,15 +18,13 @@ struct ChipComparison {
   RectifiedFrame frame;  ///< On level ground.
   ChipMosaic mosaic;
   ChipMatch best;
+  std::optional<DirectionSurface> directions;
   Eigen::Vector2d pivot_from_nadir_px{0, 0};  ///< In pixels of the level.
   Eigen::Vector2d reference_px{0, 0};         ///< LocalMap::reference_px.
 
   /// A place of the nadir as a placement of the pivot, and back.
-  Placement placement(const ChipMatch& match) const {
-    Placement turned{{0, 0}, match.yaw_deg * kRadPerDeg, match.scale};
-    turned.center_px = match.nadir_px - reference_px + turned.map_from_frame(pivot_from_nadir_px);
-    return turned;
-  }
+  Placement placement(const ChipMatch& match) const { return placement(match.nadir_px, match.yaw_deg, match.scale); }
+  Placement placement(const DirectionPlace& place) const { return placement(place.nadir_px, place.turn_deg, 1); }
   ChipMatch match_at(const Placement& placement) const {
     ChipMatch match = best;
     match.found = true;
@@ -33,6 +32,13 @@ struct ChipComparison {
     match.scale = placement.scale;
     match.nadir_px = reference_px + placement.map_from_frame(-pivot_from_nadir_px);
     return match;
+  }
+
+ private:
+  Placement placement(const Eigen::Vector2d& nadir_px, double yaw_deg, double scale) const {
+    Placement turned{{0, 0}, yaw_deg * kRadPerDeg, scale};
+    turned.center_px = nadir_px - reference_px + turned.map_from_frame(pivot_from_nadir_px);
+    return turned;
   }
 };
 
@@ -52,7 +58,8 @@ double chip_comparison_bytes(MapReader& map, const MatchOptions& options, const 
 struct RankedPlace {
   GuidedMatch match;
   double ncc = 0;
-  int compared_px = 0;  ///< Pixels of chips behind it.
+  int compared_px = 0;   ///< Pixels of chips behind it.
+  double agreement = 0;  ///< Of the directions of edges.
   LandmarkView landmarks;
   bool by_landmarks = false;  ///< Landmarks alone say more for it than features and chips.
   double of_features = 0;     ///< Evidence of features and chips.
@@ -70,10 +77,10 @@ struct RankedPlaces {
 /// Whether frame or map have fewer than kMinFeatures: then landmarks alone may speak for a place.
 bool has_few_features(const PivotedFrame& frame, const LocalMap& map);
 
-/// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them, the chips'
-/// own best place and those of the landmarks are held against the chips and the landmarks and ranked by their evidence:
-/// place_evidence(), or evidence_of_landmarks() and what features that lie on none of these landmarks say, whichever is
-/// more. Nothing when nothing has votes.
+/// Candidates by votes, each looked at again where its features should be; the kRankedPlaces best of them, those that
+/// chips and landmarks have as their own best are held against the chips and the landmarks and ranked by their
+/// evidence: place_evidence(), or evidence_of_landmarks() and what features that lie on none of these landmarks say,
+/// whichever is more. Nothing when nothing has votes.
 std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMap& map, const SearchSpace& space,
                                         const std::optional<ChipComparison>& chips,
                                         const std::optional<LandmarkSearch>& landmarks, double gsd_m,
@@ -85,6 +92,7 @@ inline constexpr std::size_t kRankedPlaces = 8;
 /// Of frame and map: what fewer say was never measured, and is no evidence.
 inline constexpr std::size_t kMinFeatures = 20;
 inline constexpr std::size_t kLandmarkPlaces = 4;
+inline constexpr std::size_t kDirectionPlaces = 3;
 /// What lies nearer to a place is the same place once more.
 inline constexpr double kMinRivalDistance_m = 12;
 

@@ -5,6 +5,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "pilotage/vision/picture_spectra.h"
+
 namespace pilotage {
 namespace {
 
@@ -27,19 +29,12 @@ cv::Mat centred(const cv::Mat& pixels, const cv::Mat& valid) {
 }  // namespace
 
 SumsOfProducts opencv_sums_of_products(const cv::Size& template_size, const cv::Size& region_size) {
-  const cv::Size fft_size(cv::getOptimalDFTSize(region_size.width), cv::getOptimalDFTSize(region_size.height));
+  const PictureSpectra spectra(region_size);
   const cv::Size size(region_size.width - template_size.width + 1, region_size.height - template_size.height + 1);
-  const auto spectrum = [fft_size](const cv::Mat& pixels) {
-    cv::Mat padded = cv::Mat::zeros(fft_size, CV_32F);
-    pixels.copyTo(padded(cv::Rect({0, 0}, pixels.size())));
-    cv::dft(padded, padded, 0, pixels.rows);
-    return padded;
-  };
+  const auto spectrum = [spectra](const cv::Mat& pixels) { return spectra.spectrum(pixels); };
   const auto correlate = [size](const cv::Mat& template_spectrum, const cv::Mat& region_spectrum) {
-    cv::Mat product;
-    cv::mulSpectrums(region_spectrum, template_spectrum, product, 0, true);
-    cv::dft(product, product, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT, size.height);
-    return product(cv::Rect({0, 0}, size));
+    cv::Mat product = PictureSpectra::product(region_spectrum, template_spectrum);
+    return PictureSpectra::pixels(product, cv::Rect({0, 0}, size));
   };
   return {spectrum, correlate};
 }

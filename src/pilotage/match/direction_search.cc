@@ -1,0 +1,426 @@
+#include "pilotage/match/direction_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "pilotage/base/angle.h"
+#include "pilotage/match/reduced_picture.h"
+#include "pilotage/vision/picture_spectra.h"
+
+namespace pilotage {
+namespace {
+
+constexpr double kGradientSigmaPx = 0.6;
+constexpr double kCellSigmaPx = 0.7;
+constexpr int kSurroundingsBoxPx = 15;  // twice: as wide as a Gaussian of 6 px
+/// Of the terms of a direction's series, as eight bins have them that share linearly what lies between them.
+constexpr std::array<float, 3> kTermWeights{0.950F, 0.811F, 0.614F};
+constexpr double kFaintGradient = 1;  // gray values per pixel: of so much a vector has half its length
+constexpr std::array<double, 2> kContrastSigmasPx{1.5, 4};
+constexpr double kContrastWeight = 0.35;  // beside directions
+constexpr double kFaintContrastVariance = 4;
+constexpr double kMostDeviation = 3;
+/// What is not compared beside what is not valid: to there smoothing and slopes carry it.
+constexpr int kBesideInvalidPx = 3;
+constexpr int kPartsAlong = 3;
+constexpr double kLeastOverlap = 0.5;
+constexpr double kLeastOfPart = 0.3;  // of its pixels
+constexpr int kLeastPartPixels = 16;
+/// Of the mean energy of the chips under a part: with less it is divided by this.
+constexpr double kLeastEnergy = 0.1;
+/// A part may lie beside its place: by one pixel, by two, at so many standard deviations.
+constexpr std::array<double, 2> kMoveCosts{0.25, 0.7};
+constexpr double kLeastHalfWidthPx = 29;
+/// Farther no turn may take a part: a frame that is seen from far aside is not turned about its nadir point in parts.
+constexpr int kMostMovePx = 32;
+constexpr double kMostOffPx = 1e6;
+
+cv::Mat as_weight(const cv::Mat& valid) {
+  cv::Mat weight;
+  cv::Mat(valid != 0).convertTo(weight, CV_32F, 1.0 / 255);
+  return weight;
+}
+
+cv::Mat smoothed(const cv::Mat& pixels, double sigma_px) {
+  cv::Mat result;
+  cv::GaussianBlur(pixels, result, {}, sigma_px, sigma_px);
+  return result;
+}
+
+/// Each pixel's gradient as cosine and sine of once, twice and three times its direction, times its size.
+std::vector<cv::Mat> gradient_terms(const cv::Mat& gray) {
+  const cv::Mat values = smoothed(gray, kGradientSigmaPx);
+  cv::Mat right;
+  cv::Mat down;
+  cv::Sobel(values, right, CV_32F, 1, 0, 3, 1.0 / 8);
+  cv::Sobel(values, down, CV_32F, 0, 1, 3, 1.0 / 8);
+  std::vector<cv::Mat> terms;
+  for (std::size_t i = 0; i < 2 * kTermWeights.size(); ++i) terms.emplace_back(gray.size(), CV_32F);
+  for (int y = 0; y < gray.rows; ++y) {
+    for (int x = 0; x < gray.cols; ++x) {
+      const float gx = right.at<float>(y, x);
+      const float gy = down.at<float>(y, x);
+      const float size = std::sqrt(gx * gx + gy * gy);
+      const float c = size > 0 ? gx / size : 0;
+      const float s = size > 0 ? gy / size : 0;
+      float cosine = gx;
+      float sine = gy;
+      for (std::size_t i = 0; i < kTermWeights.size(); ++i) {
+        terms[2 * i].at<float>(y, x) = kTermWeights[i] * cosine;
+        terms[2 * i + 1].at<float>(y, x) = kTermWeights[i] * sine;
+        const float next = cosine * c - sine * s;
+        sine = cosine * s + sine * c;
+        cosine = next;
+      }
+    }
+  }
+  return terms;
+}
+
+cv::Mat contrast(const cv::Mat& gray, double sigma_px) {
+  const cv::Mat off = gray - smoothed(gray, sigma_px);
+  cv::Mat spread = smoothed(off.mul(off), sigma_px) + kFaintContrastVariance;
+  cv::sqrt(spread, spread);
+  cv::Mat result = off / spread;
+  result = kContrastWeight * cv::min(cv::max(result, -kMostDeviation), kMostDeviation);
+  return result;
+}
+
+/// The mean over each pixel's surroundings.
+cv::Mat surroundings(const cv::Mat& pixels) {
+  const cv::Size box(kSurroundingsBoxPx, kSurroundingsBoxPx);
+  cv::Mat result;
+  cv::blur(pixels, result, box);
+  cv::blur(result, result, box);
+  return result;
+}
+
+/// A rectangle of a picture that may reach beyond it, where all is 0.
+cv::Mat cut(const cv::Mat& picture, const cv::Rect& rect) {
+  cv::Mat part = cv::Mat::zeros(rect.size(), CV_32F);
+  const cv::Rect inside = rect & cv::Rect({0, 0}, picture.size());
+  if (!inside.empty()) picture(inside).copyTo(part(inside - rect.tl()));
+  return part;
+}
+
+/// Sums over the rectangle of this size at every position at which it lies inside.
+cv::Mat box_sums(const cv::Mat& pixels, const cv::Size& size) {
+  cv::Mat sums;
+  cv::boxFilter(pixels, sums, CV_32F, size, {0, 0}, false, cv::BORDER_CONSTANT);
+  return sums(cv::Rect(0, 0, pixels.cols - size.width + 1, pixels.rows - size.height + 1));
+}
+
+/// The most that a part has within each distance, less what that costs.
+void allow_moves(cv::Mat& surface, double spread) {
+  const cv::Mat still = surface.clone();
+  for (std::size_t i = 0; i < kMoveCosts.size(); ++i) {
+    const int side = 2 * static_cast<int>(i) + 3;
+    cv::Mat moved;
+    cv::dilate(still, moved, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+    cv::max(surface, moved - kMoveCosts[i] * spread, surface);
+  }
+}
+
+double spread_of(const cv::Mat& surface, double& mean) {
+  cv::Scalar means;
+  cv::Scalar spreads;
+  cv::meanStdDev(surface, means, spreads);
+  mean = means[0];
+  return spreads[0];
+}
+
+/// Frame or chips at the resolution at which they are compared.
+struct Picture {
+  cv::Mat gray;
+  cv::Mat valid;
+};
+
+Picture reduced(const cv::Mat& gray, const cv::Mat& valid, int reduction) {
+  if (reduction == 1) return {gray, valid};
+  return {reduced_picture(gray, reduction), reduced_mask(valid, reduction)};
+}
+
+/// How much coarser than the chips a frame is compared.
+int reduction_for(double frame_side_px, double half_width_px) {
+  int reduction = 1;
+  while (frame_side_px > kMostDirectionSide * reduction || half_width_px > kMostDirectionReach * reduction) {
+    reduction *= 2;
+  }
+  return reduction;
+}
+
+bool is_large_enough(const RectifiedFrame& frame, int reduction) {
+  return cv::countNonZero(frame.valid) >= static_cast<double>(kLeastDirectionPixels) * reduction * reduction;
+}
+
+int smallest_side(const cv::Mat& picture) {
+  return std::min(picture.cols, picture.rows);
+}
+
+std::vector<cv::Rect> parts_of(const cv::Mat& valid) {
+  const cv::Rect used = cv::boundingRect(valid);
+  std::vector<cv::Rect> parts;
+  for (int row = 0; row < kPartsAlong; ++row) {
+    for (int column = 0; column < kPartsAlong; ++column) {
+      const cv::Point from(used.x + used.width * column / kPartsAlong, used.y + used.height * row / kPartsAlong);
+      const cv::Point to(used.x + used.width * (column + 1) / kPartsAlong,
+                         used.y + used.height * (row + 1) / kPartsAlong);
+      const cv::Rect part(from, to);
+      if (part.empty()) continue;
+      const int pixels = cv::countNonZero(valid(part));
+      if (pixels >= std::max<double>(kLeastPartPixels, kLeastOfPart * part.area())) parts.push_back(part);
+    }
+  }
+  return parts;
+}
+
+/// How far each part lies from where it is drawn when the frame is turned about its nadir point.
+std::vector<cv::Point> moves_of(const std::vector<cv::Rect>& parts, const Eigen::Vector2d& nadir_px, double turn_deg) {
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(turn_deg * kRadPerDeg).toRotationMatrix();
+  std::vector<cv::Point> moves;
+  for (const cv::Rect& part : parts) {
+    const Eigen::Vector2d arm = Eigen::Vector2d(part.x + part.width / 2.0, part.y + part.height / 2.0) - nadir_px;
+    const Eigen::Vector2d move = (turn * arm - arm).cwiseMax(-kMostMovePx).cwiseMin(kMostMovePx);
+    moves.emplace_back(static_cast<int>(std::lround(move.x())), static_cast<int>(std::lround(move.y())));
+  }
+  return moves;
+}
+
+/// Frame or chips as they are compared.
+struct Compared {
+  std::vector<cv::Mat> field;
+  cv::Mat energy;  // squared length
+  cv::Mat valid;
+  cv::Mat weight;  // 0 or 1
+};
+
+Compared compared(const Picture& picture) {
+  Compared result{direction_field(picture.gray, picture.valid), cv::Mat::zeros(picture.gray.size(), CV_32F),
+                  picture.valid, as_weight(picture.valid)};
+  for (const cv::Mat& plane : result.field) result.energy += plane.mul(plane);
+  return result;
+}
+
+/// One part of the frame held against the chips at all positions.
+struct PartSurface {
+  cv::Mat agreement;  // in its own spread; empty where it agrees with all alike
+  cv::Mat shared_px;  // with the chips
+};
+
+/// `first`: of the chips under the part's first pixel at the first position.
+PartSurface search_part(const Compared& frame, const cv::Rect& part, const Compared& chips, const cv::Point& first,
+                        const cv::Size& positions) {
+  const cv::Rect region(first, cv::Size(positions.width - 1 + part.width, positions.height - 1 + part.height));
+  const PictureSpectra spectra(region.size());
+  const cv::Mat valid = frame.valid(part);
+  cv::Mat sum;
+  for (std::size_t i = 0; i < frame.field.size(); ++i) {
+    const cv::Mat plane = frame.field[i](part);
+    const cv::Mat centred = (plane - cv::mean(plane, valid)).mul(frame.weight(part));
+    const cv::Mat product =
+        PictureSpectra::product(spectra.spectrum(cut(chips.field[i], region)), spectra.spectrum(centred));
+    sum = sum.empty() ? product : cv::Mat(sum + product);
+  }
+  PartSurface surface;
+  surface.shared_px =
+      box_sums(cut(chips.weight, region), part.size()) * (cv::countNonZero(valid) / static_cast<double>(part.area()));
+  cv::Mat length = box_sums(cut(chips.energy, region), part.size());
+  length = cv::max(length, std::max(1e-6, kLeastEnergy * cv::mean(length)[0]));
+  cv::sqrt(length, length);
+  cv::Mat agreement = PictureSpectra::pixels(sum, cv::Rect({0, 0}, positions)) / length;
+  double mean = 0;
+  allow_moves(agreement, spread_of(agreement, mean));
+  const double spread = spread_of(agreement, mean);
+  if (spread > 1e-6) surface.agreement = (agreement - mean) / spread;
+  return surface;
+}
+
+/// Of what was compared; nothing when nothing was.
+std::optional<float> median_of(const cv::Mat& agreement) {
+  std::vector<float> values;
+  for (int row = 0; row < agreement.rows; ++row) {
+    const auto* const numbers = agreement.ptr<float>(row);
+    std::copy_if(numbers, numbers + agreement.cols, std::back_inserter(values),
+                 [](float value) { return value > DirectionSurface::kNotCompared; });
+  }
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool is_usable(const RectifiedFrame& frame) {
+  return frame.status == RectifyStatus::kOk && frame.gray.type() == CV_8UC1 && !frame.gray.empty() &&
+         frame.valid.type() == CV_8UC1 && frame.valid.size() == frame.gray.size() && frame.gsd_m > 0 &&
+         std::max(frame.gray.cols, frame.gray.rows) <= kMaxMosaicSidePx &&
+         frame.pixel_from_ground({0, 0}).cwiseAbs().maxCoeff() < kMostOffPx;
+}
+
+bool is_usable(const ChipMosaic& mosaic) {
+  return mosaic.gray.type() == CV_8UC1 && !mosaic.gray.empty() && mosaic.valid.type() == CV_8UC1 &&
+         mosaic.valid.size() == mosaic.gray.size() && mosaic.factor >= 1;
+}
+
+bool are_usable(const std::vector<double>& turns_deg) {
+  return !turns_deg.empty() && turns_deg.size() <= 255 &&
+         std::all_of(turns_deg.begin(), turns_deg.end(), [](double turn_deg) { return std::isfinite(turn_deg); });
+}
+
+/// For each turn the agreement of all parts that say something, the best of them and which it was. `margin`: of the
+/// parts' surfaces beyond the positions.
+void best_of_turns(const std::vector<cv::Mat>& parts, const std::vector<std::vector<cv::Point>>& moves, int margin,
+                   DirectionSurface& surface) {
+  const auto count = std::count_if(parts.begin(), parts.end(), [](const cv::Mat& part) { return !part.empty(); });
+  const double root = std::sqrt(static_cast<double>(count));
+  for (std::size_t turn = 0; turn < moves.size(); ++turn) {
+    cv::Mat total = cv::Mat::zeros(surface.agreement.size(), CV_32F);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const cv::Rect here(moves[turn][i] + cv::Point(margin, margin), total.size());
+      if (!parts[i].empty()) total += parts[i](here);
+    }
+    total /= root;
+    const cv::Mat better = total > surface.agreement;
+    total.copyTo(surface.agreement, better);
+    surface.turn.setTo(static_cast<double>(turn), better);
+  }
+}
+
+}  // namespace
+
+std::vector<cv::Mat> direction_field(const cv::Mat& gray, const cv::Mat& valid) {
+  cv::Mat values;
+  gray.convertTo(values, CV_32F);
+  values.setTo(cv::mean(gray, valid), valid == 0);
+  std::vector<cv::Mat> field = gradient_terms(values);
+  cv::Mat length = cv::Mat::zeros(gray.size(), CV_32F);
+  for (cv::Mat& plane : field) {
+    plane = smoothed(plane, kCellSigmaPx);
+    length += plane.mul(plane);
+  }
+  cv::sqrt(length, length);
+  length += kFaintGradient;
+  for (cv::Mat& plane : field) plane /= length;
+  for (const double sigma_px : kContrastSigmasPx) field.push_back(contrast(values, sigma_px));
+  cv::Mat inside;
+  const int side = 2 * kBesideInvalidPx + 1;
+  cv::erode(valid, inside, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  const cv::Mat outside = inside == 0;
+  for (cv::Mat& plane : field) {
+    plane -= surroundings(plane);
+    plane.setTo(0, outside);
+  }
+  return field;
+}
+
+std::optional<DirectionSurface> search_directions(const RectifiedFrame& frame, const ChipMosaic& mosaic,
+                                                  const Eigen::Vector2d& center_px, double half_width_px,
+                                                  const std::vector<double>& turns_deg, const Checkpoint& checkpoint) {
+  if (!is_usable(frame) || !is_usable(mosaic) || !are_usable(turns_deg)) return std::nullopt;
+  if (!center_px.allFinite() || !(half_width_px >= 0 && half_width_px < kMostOffPx)) return std::nullopt;
+  const int reduction = reduction_for(std::max(frame.gray.cols, frame.gray.rows), half_width_px / mosaic.factor);
+  if (!is_large_enough(frame, reduction) || smallest_side(mosaic.gray) < reduction) return std::nullopt;
+  const Eigen::Vector2d center = mosaic.mosaic_from_level(center_px) / reduction;
+  const double own = std::ceil(half_width_px / (mosaic.factor * reduction));
+  const double half = std::max(own, kLeastHalfWidthPx);
+  if (!(center.cwiseAbs().maxCoeff() < kMostOffPx) || half > kMaxMosaicSidePx) return std::nullopt;
+  const Picture picture = reduced(frame.gray, frame.valid, reduction);
+  const Eigen::Vector2d nadir_px = frame.pixel_from_ground({0, 0}) / reduction;
+  const std::vector<cv::Rect> parts = parts_of(picture.valid);
+  if (std::ssize(parts) < kPartsAlong) return std::nullopt;
+  std::vector<std::vector<cv::Point>> moves;
+  int margin = 0;
+  for (const double turn_deg : turns_deg) {
+    moves.push_back(moves_of(parts, nadir_px, turn_deg));
+    for (const cv::Point& move : moves.back()) margin = std::max({margin, std::abs(move.x), std::abs(move.y)});
+  }
+  const cv::Point first(static_cast<int>(std::floor(center.x() - half)),
+                        static_cast<int>(std::floor(center.y() - half)));
+  const int side = 2 * static_cast<int>(half) + 1;
+  const cv::Size positions(side, side);
+  const cv::Size grown(side + 2 * margin, side + 2 * margin);
+  const cv::Point nadir(static_cast<int>(std::lround(nadir_px.x())), static_cast<int>(std::lround(nadir_px.y())));
+  pass(checkpoint);
+  const Compared chips = compared(reduced(mosaic.gray, mosaic.valid, reduction));
+  pass(checkpoint);
+  const Compared seen = compared(picture);
+  std::vector<cv::Mat> surfaces;
+  cv::Mat shared_px = cv::Mat::zeros(positions, CV_32F);
+  for (const cv::Rect& part : parts) {
+    pass(checkpoint);
+    const PartSurface found =
+        search_part(seen, part, chips, first - nadir + part.tl() - cv::Point(margin, margin), grown);
+    surfaces.push_back(found.agreement);
+    shared_px += found.shared_px(cv::Rect(cv::Point(margin, margin), positions));
+  }
+  if (std::count_if(surfaces.begin(), surfaces.end(), [](const cv::Mat& one) { return !one.empty(); }) < kPartsAlong) {
+    return std::nullopt;
+  }
+  DirectionSurface surface;
+  surface.turns_deg = turns_deg;
+  surface.agreement = cv::Mat(positions, CV_32F, cv::Scalar(DirectionSurface::kNotCompared));
+  surface.turn = cv::Mat::zeros(positions, CV_8UC1);
+  best_of_turns(surfaces, moves, margin, surface);
+  double known_px = 0;
+  for (const cv::Rect& part : parts) known_px += cv::countNonZero(picture.valid(part));
+  surface.agreement.setTo(DirectionSurface::kNotCompared, shared_px < kLeastOverlap * known_px);
+  const auto median = median_of(surface.agreement);
+  if (!median) return std::nullopt;
+  cv::subtract(surface.agreement, *median, surface.agreement, surface.agreement > DirectionSurface::kNotCompared);
+  // What was looked at for the spread alone is no place.
+  const int beside = static_cast<int>(half - own);
+  const cv::Rect window(beside, beside, side - 2 * beside, side - 2 * beside);
+  surface.agreement = surface.agreement(window).clone();
+  surface.turn = surface.turn(window).clone();
+  const Eigen::Vector2d rounded(nadir_px.x() - nadir.x, nadir_px.y() - nadir.y);
+  surface.step_px = mosaic.factor * reduction;
+  surface.first_px =
+      mosaic.level_from_mosaic(reduction * (Eigen::Vector2d(first.x + window.x, first.y + window.y) + rounded));
+  return surface;
+}
+
+double DirectionSurface::at(const Eigen::Vector2d& nadir_px) const {
+  const Eigen::Vector2d place = (nadir_px - first_px) / step_px;
+  if (!(place.cwiseAbs().maxCoeff() < kMostOffPx)) return 0;
+  const cv::Point middle(static_cast<int>(std::lround(place.x())), static_cast<int>(std::lround(place.y())));
+  const cv::Rect around = cv::Rect(middle.x - 1, middle.y - 1, 3, 3) & cv::Rect({0, 0}, agreement.size());
+  if (around.empty()) return 0;
+  double most = 0;
+  cv::minMaxLoc(agreement(around), nullptr, &most);
+  return std::max(0.0, most);
+}
+
+std::vector<DirectionPlace> direction_places(const DirectionSurface& surface, std::size_t count, double exclusion_px) {
+  cv::Mat left = surface.agreement.clone();
+  const int reach = static_cast<int>(std::floor(std::clamp(exclusion_px / surface.step_px, 0.0, kMostOffPx)));
+  std::vector<DirectionPlace> places;
+  while (places.size() < count) {
+    double most = 0;
+    cv::Point at;
+    cv::minMaxLoc(left, nullptr, &most, nullptr, &at);
+    if (most <= 0) break;
+    places.push_back({surface.first_px + surface.step_px * Eigen::Vector2d(at.x, at.y),
+                      surface.turns_deg[surface.turn.at<std::uint8_t>(at)], most});
+    const cv::Rect around(at.x - reach, at.y - reach, 2 * reach + 1, 2 * reach + 1);
+    left(around & cv::Rect({0, 0}, left.size())).setTo(DirectionSurface::kNotCompared);
+  }
+  return places;
+}
+
+double direction_search_bytes(double frame_side_px, double half_width_px) {
+  const double side_px = std::min<double>(frame_side_px, kMostDirectionSide);
+  const double reach = std::clamp<double>(half_width_px + 1, kLeastHalfWidthPx, kMostDirectionReach + 1);
+  const double positions = 2 * (reach + kMostMovePx) + 1;
+  const double region = 1.1 * (positions + side_px) + 16;
+  constexpr double kRegionPlanes = 24;    // of floats: field, its copies while it is made, spectra, sums
+  constexpr double kPositionPlanes = 16;  // one of each part, and what is made of them
+  return 4 * (kRegionPlanes * region * region + kPositionPlanes * positions * positions);
+}
+
+}  // namespace pilotage
