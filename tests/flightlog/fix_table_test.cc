@@ -35,7 +35,8 @@ TEST(FixTable, ColumnsAreThePromisedOnes) {
             "center_lat_deg,center_east_sigma_m,center_north_sigma_m,center_covariance_en_m2,yaw_deg,yaw_sigma_deg,"
             "pitch_deg,roll_deg,height_agl_m,height_sigma_m,scale,tile_id,map_sigma_m,level,gsd_m,frame_features,map_"
             "features,"
-            "support,expected_features,vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,chip_pixels,agreement,confidence,"
+            "support,expected_features,vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,chip_pixels,agreement,"
+            "confidence,"
             "search_half_width_m,landmarks_seen,landmarks_expected,landmarks_matched,confirmed,"
             "error_m,error_east_m,error_north_m,nees,center_error_m,center_nees,candidate_error_m,candidate_center_"
             "error_m,milliseconds\n");
