@@ -97,7 +97,8 @@ TEST(ChipEvidence, IsThatOfGrayValuesOrOfDirectionsWhicheverIsMore) {
   EXPECT_NEAR(evidence_of_chips(6, 6), of_directions - std::log(2), 1e-12);
   EXPECT_NEAR(evidence_of_chips(9, 6), of_directions - std::log(2), 1e-12) << "both are of one picture: no sum";
   EXPECT_NEAR(evidence_of_chips(12, 6), (12 - 7.9) / 0.55 - std::log(2), 1e-12);
-  EXPECT_NEAR(evidence_of_chips(12, 2), (12 - 7.9) / 0.55, 1e-12) << "as without directions";
+  EXPECT_NEAR(evidence_of_chips(12, 2), (12 - 7.9) / 0.55 - std::log(2), 1e-12) << "asked all the same";
+  EXPECT_NEAR(evidence_of_chips(12, 0, 0), (12 - 7.9) / 0.55, 1e-12) << "not asked";
   EXPECT_EQ(evidence_of_chips(6, 3.2), 0) << "never below what nothing says";
 }
 

@@ -38,8 +38,12 @@ constexpr double kLeastEnergy = 0.1;
 /// A part may lie beside its place: by one pixel, by two, at so many standard deviations.
 constexpr std::array<double, 2> kMoveCosts{0.25, 0.7};
 constexpr double kLeastHalfWidthPx = 29;
+/// Of positions at which a part lies on chips: fewer do not say what its spread is.
+constexpr int kLeastPositions = 400;
 /// Farther no turn may take a part: a frame that is seen from far aside is not turned about its nadir point in parts.
 constexpr int kMostMovePx = 32;
+/// What smoothing sees of the chips beside what is compared.
+constexpr int kSeenBesidePx = 48;
 constexpr double kMostOffPx = 1e6;
 
 cv::Mat as_weight(const cv::Mat& valid) {
@@ -128,10 +132,10 @@ void allow_moves(cv::Mat& surface, double spread) {
   }
 }
 
-double spread_of(const cv::Mat& surface, double& mean) {
+double spread_of(const cv::Mat& surface, const cv::Mat& compared, double& mean) {
   cv::Scalar means;
   cv::Scalar spreads;
-  cv::meanStdDev(surface, means, spreads);
+  cv::meanStdDev(surface, means, spreads, compared);
   mean = means[0];
   return spreads[0];
 }
@@ -156,10 +160,6 @@ int reduction_for(double frame_side_px, double half_width_px) {
   return reduction;
 }
 
-bool is_large_enough(const RectifiedFrame& frame, int reduction) {
-  return cv::countNonZero(frame.valid) >= static_cast<double>(kLeastDirectionPixels) * reduction * reduction;
-}
-
 int smallest_side(const cv::Mat& picture) {
   return std::min(picture.cols, picture.rows);
 }
@@ -181,13 +181,16 @@ std::vector<cv::Rect> parts_of(const cv::Mat& valid) {
   return parts;
 }
 
-/// How far each part lies from where it is drawn when the frame is turned about its nadir point.
-std::vector<cv::Point> moves_of(const std::vector<cv::Rect>& parts, const Eigen::Vector2d& nadir_px, double turn_deg) {
+/// How far each part lies from where it is drawn when the frame is turned about its nadir point; nothing where that is
+/// farther than kMostMovePx.
+std::optional<std::vector<cv::Point>> moves_of(const std::vector<cv::Rect>& parts, const Eigen::Vector2d& nadir_px,
+                                               double turn_deg) {
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(turn_deg * kRadPerDeg).toRotationMatrix();
   std::vector<cv::Point> moves;
   for (const cv::Rect& part : parts) {
     const Eigen::Vector2d arm = Eigen::Vector2d(part.x + part.width / 2.0, part.y + part.height / 2.0) - nadir_px;
-    const Eigen::Vector2d move = (turn * arm - arm).cwiseMax(-kMostMovePx).cwiseMin(kMostMovePx);
+    const Eigen::Vector2d move = turn * arm - arm;
+    if (!(move.cwiseAbs().maxCoeff() < kMostMovePx)) return std::nullopt;
     moves.emplace_back(static_cast<int>(std::lround(move.x())), static_cast<int>(std::lround(move.y())));
   }
   return moves;
@@ -210,7 +213,7 @@ Compared compared(const Picture& picture) {
 
 /// One part of the frame held against the chips at all positions.
 struct PartSurface {
-  cv::Mat agreement;  // in its own spread; empty where it agrees with all alike
+  cv::Mat agreement;  // in its own spread, 0 where it is not compared; empty where it agrees with all alike
   cv::Mat shared_px;  // with the chips
 };
 
@@ -229,16 +232,21 @@ PartSurface search_part(const Compared& frame, const cv::Rect& part, const Compa
     sum = sum.empty() ? product : cv::Mat(sum + product);
   }
   PartSurface surface;
-  surface.shared_px =
-      box_sums(cut(chips.weight, region), part.size()) * (cv::countNonZero(valid) / static_cast<double>(part.area()));
+  const double known_px = cv::countNonZero(valid);
+  surface.shared_px = box_sums(cut(chips.weight, region), part.size()) * (known_px / part.area());
+  // Where there are no chips all is 0, which says nothing of what it is elsewhere.
+  const cv::Mat compared = surface.shared_px >= kLeastOverlap * known_px;
+  if (cv::countNonZero(compared) < kLeastPositions) return surface;
   cv::Mat length = box_sums(cut(chips.energy, region), part.size());
-  length = cv::max(length, std::max(1e-6, kLeastEnergy * cv::mean(length)[0]));
+  length = cv::max(length, std::max(1e-6, kLeastEnergy * cv::mean(length, compared)[0]));
   cv::sqrt(length, length);
   cv::Mat agreement = PictureSpectra::pixels(sum, cv::Rect({0, 0}, positions)) / length;
   double mean = 0;
-  allow_moves(agreement, spread_of(agreement, mean));
-  const double spread = spread_of(agreement, mean);
-  if (spread > 1e-6) surface.agreement = (agreement - mean) / spread;
+  allow_moves(agreement, spread_of(agreement, compared, mean));
+  const double spread = spread_of(agreement, compared, mean);
+  if (spread <= 1e-6) return surface;
+  surface.agreement = (agreement - mean) / spread;
+  surface.agreement.setTo(0, ~compared);
   return surface;
 }
 
@@ -260,6 +268,7 @@ bool is_usable(const RectifiedFrame& frame) {
   return frame.status == RectifyStatus::kOk && frame.gray.type() == CV_8UC1 && !frame.gray.empty() &&
          frame.valid.type() == CV_8UC1 && frame.valid.size() == frame.gray.size() && frame.gsd_m > 0 &&
          std::max(frame.gray.cols, frame.gray.rows) <= kMaxMosaicSidePx &&
+         frame.pixel_from_ground({0, 0}).allFinite() &&
          frame.pixel_from_ground({0, 0}).cwiseAbs().maxCoeff() < kMostOffPx;
 }
 
@@ -325,7 +334,7 @@ std::optional<DirectionSurface> search_directions(const RectifiedFrame& frame, c
   if (!is_usable(frame) || !is_usable(mosaic) || !are_usable(turns_deg)) return std::nullopt;
   if (!center_px.allFinite() || !(half_width_px >= 0 && half_width_px < kMostOffPx)) return std::nullopt;
   const int reduction = reduction_for(std::max(frame.gray.cols, frame.gray.rows), half_width_px / mosaic.factor);
-  if (!is_large_enough(frame, reduction) || smallest_side(mosaic.gray) < reduction) return std::nullopt;
+  if (std::min(smallest_side(frame.gray), smallest_side(mosaic.gray)) < reduction) return std::nullopt;
   const Eigen::Vector2d center = mosaic.mosaic_from_level(center_px) / reduction;
   const double own = std::ceil(half_width_px / (mosaic.factor * reduction));
   const double half = std::max(own, kLeastHalfWidthPx);
@@ -333,21 +342,35 @@ std::optional<DirectionSurface> search_directions(const RectifiedFrame& frame, c
   const Picture picture = reduced(frame.gray, frame.valid, reduction);
   const Eigen::Vector2d nadir_px = frame.pixel_from_ground({0, 0}) / reduction;
   const std::vector<cv::Rect> parts = parts_of(picture.valid);
-  if (std::ssize(parts) < kPartsAlong) return std::nullopt;
+  if (std::ssize(parts) < kPartsAlong || cv::countNonZero(picture.valid) < kLeastDirectionPixels) return std::nullopt;
+  DirectionSurface surface;
   std::vector<std::vector<cv::Point>> moves;
   int margin = 0;
   for (const double turn_deg : turns_deg) {
-    moves.push_back(moves_of(parts, nadir_px, turn_deg));
-    for (const cv::Point& move : moves.back()) margin = std::max({margin, std::abs(move.x), std::abs(move.y)});
+    const auto of_turn = moves_of(parts, nadir_px, turn_deg);
+    if (!of_turn) continue;
+    surface.turns_deg.push_back(turn_deg);
+    moves.push_back(*of_turn);
+    for (const cv::Point& move : *of_turn) margin = std::max({margin, std::abs(move.x), std::abs(move.y)});
   }
-  const cv::Point first(static_cast<int>(std::floor(center.x() - half)),
-                        static_cast<int>(std::floor(center.y() - half)));
+  if (moves.empty()) return std::nullopt;
+  const cv::Point first(static_cast<int>(std::lround(center.x() - half)),
+                        static_cast<int>(std::lround(center.y() - half)));
   const int side = 2 * static_cast<int>(half) + 1;
   const cv::Size positions(side, side);
   const cv::Size grown(side + 2 * margin, side + 2 * margin);
   const cv::Point nadir(static_cast<int>(std::lround(nadir_px.x())), static_cast<int>(std::lround(nadir_px.y())));
+  // Of the chips what the parts can lie on: memory does not grow with the mosaic.
+  const cv::Rect used = cv::boundingRect(picture.valid);
+  const int beside_px = margin + kSeenBesidePx;
+  const cv::Rect on_chips =
+      cv::Rect(first - nadir + used.tl() - cv::Point(beside_px, beside_px),
+               cv::Size(side - 1 + used.width + 2 * beside_px, side - 1 + used.height + 2 * beside_px)) &
+      cv::Rect(0, 0, mosaic.gray.cols / reduction, mosaic.gray.rows / reduction);
+  if (on_chips.empty()) return std::nullopt;
+  const cv::Rect on_mosaic(on_chips.tl() * reduction, on_chips.size() * reduction);
   pass(checkpoint);
-  const Compared chips = compared(reduced(mosaic.gray, mosaic.valid, reduction));
+  const Compared chips = compared(reduced(mosaic.gray(on_mosaic), mosaic.valid(on_mosaic), reduction));
   pass(checkpoint);
   const Compared seen = compared(picture);
   std::vector<cv::Mat> surfaces;
@@ -355,15 +378,13 @@ std::optional<DirectionSurface> search_directions(const RectifiedFrame& frame, c
   for (const cv::Rect& part : parts) {
     pass(checkpoint);
     const PartSurface found =
-        search_part(seen, part, chips, first - nadir + part.tl() - cv::Point(margin, margin), grown);
+        search_part(seen, part, chips, first - nadir + part.tl() - cv::Point(margin, margin) - on_chips.tl(), grown);
     surfaces.push_back(found.agreement);
     shared_px += found.shared_px(cv::Rect(cv::Point(margin, margin), positions));
   }
   if (std::count_if(surfaces.begin(), surfaces.end(), [](const cv::Mat& one) { return !one.empty(); }) < kPartsAlong) {
     return std::nullopt;
   }
-  DirectionSurface surface;
-  surface.turns_deg = turns_deg;
   surface.agreement = cv::Mat(positions, CV_32F, cv::Scalar(DirectionSurface::kNotCompared));
   surface.turn = cv::Mat::zeros(positions, CV_8UC1);
   best_of_turns(surfaces, moves, margin, surface);
@@ -387,7 +408,7 @@ std::optional<DirectionSurface> search_directions(const RectifiedFrame& frame, c
 
 double DirectionSurface::at(const Eigen::Vector2d& nadir_px) const {
   const Eigen::Vector2d place = (nadir_px - first_px) / step_px;
-  if (!(place.cwiseAbs().maxCoeff() < kMostOffPx)) return 0;
+  if (!place.allFinite() || !(place.cwiseAbs().maxCoeff() < kMostOffPx)) return 0;
   const cv::Point middle(static_cast<int>(std::lround(place.x())), static_cast<int>(std::lround(place.y())));
   const cv::Rect around = cv::Rect(middle.x - 1, middle.y - 1, 3, 3) & cv::Rect({0, 0}, agreement.size());
   if (around.empty()) return 0;
@@ -417,7 +438,7 @@ double direction_search_bytes(double frame_side_px, double half_width_px) {
   const double side_px = std::min<double>(frame_side_px, kMostDirectionSide);
   const double reach = std::clamp<double>(half_width_px + 1, kLeastHalfWidthPx, kMostDirectionReach + 1);
   const double positions = 2 * (reach + kMostMovePx) + 1;
-  const double region = 1.1 * (positions + side_px) + 16;
+  const double region = 1.1 * (positions + side_px + 2 * kSeenBesidePx) + 16;
   constexpr double kRegionPlanes = 24;    // of floats: field, its copies while it is made, spectra, sums
   constexpr double kPositionPlanes = 16;  // one of each part, and what is made of them
   return 4 * (kRegionPlanes * region * region + kPositionPlanes * positions * positions);

@@ -36,7 +36,7 @@ struct DirectionSurface {
   /// the frame shares too few pixels with the chips.
   cv::Mat agreement;
   cv::Mat turn;                    ///< CV_8UC1: of turns_deg that of the agreement.
-  std::vector<double> turns_deg;   ///< That were compared.
+  std::vector<double> turns_deg;   ///< That were compared: of those asked for all that take no part too far.
   Eigen::Vector2d first_px{0, 0};  ///< The position of its first pixel, in pixels of the level.
   double step_px = 1;              ///< From one of its pixels to the next, likewise.
 
@@ -52,11 +52,11 @@ struct DirectionSurface {
 
 /// The frame is cut into 3 × 3 parts. Each is correlated with the chips over all that is compared, its surface may move
 /// by two pixels at a price, and is divided by its own spread over the window, so that no road or roof rules; their sum
-/// is N(0, 1) where nothing fits. For each turn, in degrees clockwise, the parts stand where it takes them, but are not
-/// turned themselves; the best counts. A frame or a window that is larger than
-/// kMostDirectionSide or kMostDirectionReach is compared at half the resolution of the chips, a quarter, and so on.
-/// `center_px` and `half_width_px`, in pixels of the level, are those of search_chips(); the spread is that of 29
-/// pixels to each side at least.
+/// is N(0, 1) where nothing fits. Positions at which a part lies on no chips do not count. For each turn, in degrees
+/// clockwise, the parts stand where it takes them, but are not turned themselves; the best counts. A frame or a window
+/// that is larger than kMostDirectionSide or kMostDirectionReach is compared at half the resolution of the chips, a
+/// quarter, and so on. `center_px` and `half_width_px`, in pixels of the level, are those of search_chips(); the spread
+/// is that of 29 pixels to each side at least.
 ///
 /// Never throws but std::bad_alloc and what `checkpoint` throws. Nothing where frame, mosaic or numbers are not usable
 /// (search_chips), at no turn or more than 255, where no three parts show ground, or where less than

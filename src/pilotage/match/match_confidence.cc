@@ -86,8 +86,9 @@ double agreement_evidence(double agreement, double reach) {
 double chip_evidence(const PlaceEvidence& evidence) {
   if (!(evidence.compared_px > 0)) return 0;
   const double of_gray = correlation_evidence(evidence.ncc, evidence.compared_px);
+  if (!(evidence.agreement_reach > 0)) return of_gray;
   const double of_directions = agreement_evidence(evidence.agreement, evidence.agreement_reach);
-  if (of_directions <= 0) return of_gray;
+  if (of_gray < 0 && of_directions <= 0) return of_gray;
   return std::max(0.0, std::max(of_gray, of_directions) - std::log(2.0));
 }
 

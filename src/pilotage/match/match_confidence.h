@@ -13,7 +13,7 @@ struct PlaceEvidence {
   double ncc = 0;                    ///< Correlation with the map's chips there.
   double compared_px = 0;            ///< Pixels of the chips that were compared; 0 without chips.
   double agreement = 0;              ///< DirectionSurface::at() there; 0 where directions were not compared.
-  double agreement_reach = 0;        ///< DirectionSurface::reach().
+  double agreement_reach = 0;        ///< DirectionSurface::reach(); 0 likewise.
 };
 
 /// What the map's chips say for a place, as place_evidence(): the correlation, or the directions of edges if these say

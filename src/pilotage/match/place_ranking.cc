@@ -1,9 +1,11 @@
 #include "pilotage/match/place_ranking.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
+#include "pilotage/base/angle.h"
 #include "pilotage/match/match_confidence.h"
 
 namespace pilotage {
@@ -55,7 +57,7 @@ RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, 
     const ChipMatch there = confirm_chip_match(frame, chips->mosaic, here, kChipReachPx);
     place.ncc = there.found ? there.ncc : 0;
     place.compared_px = there.found ? there.pixels : 0;
-    if (chips->directions) place.agreement = chips->directions->at(here.nadir_px);
+    if (chips->directions) place.agreement = chips->agreement_at(match.placement);
   }
   const PlaceEvidence seen{match.evidence(),
                            match.expected,
@@ -79,6 +81,18 @@ RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, 
 }
 
 }  // namespace
+
+double ChipComparison::agreement_at(const Placement& placement) const {
+  if (!directions || directions->turns_deg.empty()) return 0;
+  const double yaw_deg = placement.yaw_rad / kRadPerDeg;
+  const double turn_deg =
+      *std::min_element(directions->turns_deg.begin(), directions->turns_deg.end(),
+                        [&](double a, double b) { return std::abs(a - yaw_deg) < std::abs(b - yaw_deg); });
+  Placement as_compared = placement;
+  as_compared.yaw_rad = turn_deg * kRadPerDeg;
+  as_compared.scale = 1;
+  return directions->at(reference_px + as_compared.map_from_frame(-pivot_from_nadir_px));
+}
 
 std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                             MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,

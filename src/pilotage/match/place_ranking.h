@@ -33,6 +33,9 @@ struct ChipComparison {
     match.nadir_px = reference_px + placement.map_from_frame(-pivot_from_nadir_px);
     return match;
   }
+  /// Of directions, which were compared: at the nadir that the turn that is nearest to a placement's gives it, as the
+  /// frame was not scaled. 0 where they were not.
+  double agreement_at(const Placement& placement) const;
 
  private:
   Placement placement(const Eigen::Vector2d& nadir_px, double yaw_deg, double scale) const {
