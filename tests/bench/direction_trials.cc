@@ -1,5 +1,5 @@
-// How often the directions of edges find a frame of another date on chips, beside the correlation of local contrast
-// that flies. docs/decisions/directions.md has the results.
+// How often the directions of edges alone find a frame of another date on chips, and how often the correlation of local
+// contrast alone does. docs/decisions/directions.md has the results.
 //
 //   bench_direction_trials MAP FRAMES [--side-px 84] [--trials 60] [--tolerance-px 5] [--seed 1]
 //
@@ -28,6 +28,7 @@
 #include "pilotage/base/random.h"
 #include "pilotage/match/chip_search.h"
 #include "pilotage/match/direction_search.h"
+#include "pilotage/match/reduced_picture.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
 
@@ -75,13 +76,6 @@ bool is_known(const Pair& pair, const cv::Rect& rect, double share) {
          cv::countNonZero(pair.known(rect)) >= share * rect.area();
 }
 
-cv::Mat halved(const cv::Mat& picture) {
-  cv::Mat result;
-  cv::resize(picture(cv::Rect(0, 0, picture.cols / 2 * 2, picture.rows / 2 * 2)), result,
-             {picture.cols / 2, picture.rows / 2}, 0, 0, cv::INTER_AREA);
-  return result;
-}
-
 /// As chips hold it.
 cv::Mat in_steps_of_gray(cv::Mat picture) {
   for (int y = 0; y < picture.rows; y += kChipSide) {
@@ -101,8 +95,8 @@ cv::Mat in_steps_of_gray(cv::Mat picture) {
 
 ChipMosaic window_of(const Pair& pair, const cv::Rect& rect) {
   ChipMosaic mosaic;
-  mosaic.gray = in_steps_of_gray(halved(pair.map(rect).clone()));
-  mosaic.valid = halved(pair.known(rect)) > 250;
+  mosaic.gray = in_steps_of_gray(reduced_picture(pair.map(rect), kFactor));
+  mosaic.valid = reduced_picture(pair.known(rect), kFactor) > 250;
   mosaic.first_col_px = rect.x;
   mosaic.first_row_px = rect.y;
   mosaic.factor = kFactor;
@@ -126,7 +120,7 @@ RectifiedFrame frame_of(const Pair& pair, const Vector2d& center_px, int side_px
   }
   RectifiedFrame frame;
   frame.status = RectifyStatus::kOk;
-  frame.gray = halved(gray);
+  frame.gray = reduced_picture(gray, kFactor);
   frame.valid = cv::Mat(frame.gray.size(), CV_8UC1, cv::Scalar(255));
   frame.gsd_m = 1;
   frame.origin_m = {-frame.gray.cols / 2.0, frame.gray.rows / 2.0};

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/match/highest_places.h"
 #include "pilotage/match/local_contrast.h"
 #include "pilotage/match/reduced_picture.h"
 #include "pilotage/vision/masked_correlation.h"
@@ -95,21 +96,9 @@ Warped warp(const RectifiedFrame& frame, const cv::Mat& pixels, const ChipHypoth
   return result;
 }
 
-bool usable(const RectifiedFrame& frame) {
-  return frame.status == RectifyStatus::kOk && frame.gray.type() == CV_8UC1 && !frame.gray.empty() &&
-         frame.valid.type() == CV_8UC1 && frame.valid.size() == frame.gray.size() && frame.gsd_m > 0 &&
-         std::max(frame.gray.cols, frame.gray.rows) <= kMaxMosaicSidePx &&
-         nadir_of(frame).cwiseAbs().maxCoeff() < kMaxPositionPx / 4;
-}
-
 bool usable(const ChipSearchOptions& options) {
   return options.contrast_sigma_px >= 0 && options.contrast_sigma_px <= 100 && options.min_overlap >= 0 &&
          options.exclusion_px >= 0 && options.exclusion_px <= kMaxMosaicSidePx;
-}
-
-bool usable(const ChipMosaic& mosaic) {
-  return mosaic.gray.type() == CV_8UC1 && !mosaic.gray.empty() && mosaic.valid.type() == CV_8UC1 &&
-         mosaic.valid.size() == mosaic.gray.size() && mosaic.factor >= 1;
 }
 
 bool usable(const ChipHypothesis& hypothesis) {
@@ -326,28 +315,24 @@ cv::Mat coarse_surface(const Templates& templates, const ChipMosaic& mosaic, con
   return highest;
 }
 
-/// The `count` highest places of a surface that are farther apart than `exclusion` along a row or a column, the highest
-/// first. What is around them is overwritten.
-std::vector<cv::Point> highest_places(cv::Mat& surface, std::size_t count, int exclusion) {
-  std::vector<cv::Point> places;
-  while (places.size() < count) {
-    double highest = 0;
-    cv::Point at;
-    cv::minMaxLoc(surface, nullptr, &highest, nullptr, &at);
-    if (highest <= 0) break;
-    places.push_back(at);
-    const cv::Rect around(at.x - exclusion, at.y - exclusion, 2 * exclusion + 1, 2 * exclusion + 1);
-    surface(around & cv::Rect({0, 0}, surface.size())).setTo(MaskedCorrelation::kNotCompared);
-  }
-  return places;
-}
-
 bool usable(const std::vector<ChipHypothesis>& hypotheses) {
   return !hypotheses.empty() &&
          std::all_of(hypotheses.begin(), hypotheses.end(), [](const auto& h) { return usable(h); });
 }
 
 }  // namespace
+
+bool can_be_compared(const RectifiedFrame& frame) {
+  return frame.status == RectifyStatus::kOk && frame.gray.type() == CV_8UC1 && !frame.gray.empty() &&
+         frame.valid.type() == CV_8UC1 && frame.valid.size() == frame.gray.size() && frame.gsd_m > 0 &&
+         std::max(frame.gray.cols, frame.gray.rows) <= kMaxMosaicSidePx && nadir_of(frame).allFinite() &&
+         nadir_of(frame).cwiseAbs().maxCoeff() < kMaxPositionPx / 4;
+}
+
+bool can_be_compared(const ChipMosaic& mosaic) {
+  return mosaic.gray.type() == CV_8UC1 && !mosaic.gray.empty() && mosaic.valid.type() == CV_8UC1 &&
+         mosaic.valid.size() == mosaic.gray.size() && mosaic.factor >= 1;
+}
 
 std::vector<ChipHypothesis> chip_hypotheses(double yaw_deg, int yaw_steps, double scale, int scale_steps) {
   if (yaw_steps < 1 || yaw_steps > 101 || scale_steps < 1 || scale_steps > 101) {
@@ -367,8 +352,8 @@ std::vector<ChipHypothesis> chip_hypotheses(double yaw_deg, int yaw_steps, doubl
 ChipMatch search_chips(const RectifiedFrame& frame, const ChipMosaic& mosaic, const Eigen::Vector2d& center_px,
                        double half_width_px, const std::vector<ChipHypothesis>& hypotheses,
                        const ChipSearchOptions& options, const Checkpoint& checkpoint) {
-  if (!usable(options) || !usable(frame) || !usable(mosaic) || !usable(hypotheses) || !center_px.allFinite() ||
-      !(half_width_px >= 0)) {
+  if (!usable(options) || !can_be_compared(frame) || !can_be_compared(mosaic) || !usable(hypotheses) ||
+      !center_px.allFinite() || !(half_width_px >= 0)) {
     return {};
   }
   const auto templates = make_templates(frame, hypotheses, Eigen::Vector2d::Zero(), options.contrast_sigma_px);
@@ -387,8 +372,8 @@ ChipMatch search_chips_coarsely(const RectifiedFrame& frame, const ChipMosaic& m
                                 double half_width_px, const std::vector<ChipHypothesis>& coarse_hypotheses,
                                 const std::vector<ChipHypothesis>& hypotheses, const ChipSearchOptions& options,
                                 const Checkpoint& checkpoint) {
-  if (!usable(options) || !usable(frame) || !usable(mosaic) || !usable(hypotheses) || !usable(coarse_hypotheses) ||
-      !center_px.allFinite() || !(half_width_px >= 0)) {
+  if (!usable(options) || !can_be_compared(frame) || !can_be_compared(mosaic) || !usable(hypotheses) ||
+      !usable(coarse_hypotheses) || !center_px.allFinite() || !(half_width_px >= 0)) {
     return {};
   }
   const Eigen::Vector2d center = mosaic.mosaic_from_level(center_px);
@@ -397,7 +382,7 @@ ChipMatch search_chips_coarsely(const RectifiedFrame& frame, const ChipMosaic& m
   if (!coarse || !fine || std::min(coarse->canvas.width, coarse->canvas.height) < 2) return {};
   const auto [cols, rows] = positions(center, half_width_px / mosaic.factor, coarse->canvas, mosaic);
   if (cols.empty() || rows.empty()) return {};
-  cv::Mat surface = coarse_surface(*coarse, mosaic, cols, rows, options, checkpoint);
+  const cv::Mat surface = coarse_surface(*coarse, mosaic, cols, rows, options, checkpoint);
   ChipMatch best;
   double rival_ncc = 0;
   const int exclusion = static_cast<int>(std::ceil(options.exclusion_px / 2));
@@ -431,7 +416,8 @@ ChipMatch confirm_chip_match(const RectifiedFrame& frame, const ChipMosaic& mosa
   ChipMatch match = candidate;
   match.found = false;
   const ChipHypothesis hypothesis{candidate.yaw_deg, candidate.scale};
-  if (!usable(options) || !usable(frame) || !usable(mosaic) || !usable(hypothesis) || reach_px < 0) return match;
+  if (!usable(options) || !can_be_compared(frame) || !can_be_compared(mosaic) || !usable(hypothesis) || reach_px < 0)
+    return match;
   const Eigen::Vector2d at = mosaic.mosaic_from_level(candidate.nadir_px);
   if (!(at.cwiseAbs().maxCoeff() < kMaxPositionPx)) return match;
   const Eigen::Vector2d whole = at.array().floor();

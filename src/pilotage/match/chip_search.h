@@ -28,6 +28,10 @@ struct ChipHypothesis {
 /// the middle). Throws UsageError unless the steps are in [1, 101].
 std::vector<ChipHypothesis> chip_hypotheses(double yaw_deg, int yaw_steps, double scale, int scale_steps);
 
+/// Whether a frame and a mosaic are what their types say, and not too large. All searches on chips ask this first.
+bool can_be_compared(const RectifiedFrame& frame);
+bool can_be_compared(const ChipMosaic& mosaic);
+
 struct ChipSearchOptions {
   /// Frame and mosaic are compared after local_contrast() with this Gaussian, in pixels of the mosaic; 0 compares gray
   /// values as they are.

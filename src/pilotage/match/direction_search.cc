@@ -11,7 +11,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/angle.h"
+#include "pilotage/match/chip_search.h"
+#include "pilotage/match/highest_places.h"
+#include "pilotage/match/local_contrast.h"
 #include "pilotage/match/reduced_picture.h"
+#include "pilotage/vision/mask_weight.h"
 #include "pilotage/vision/picture_spectra.h"
 
 namespace pilotage {
@@ -25,8 +29,6 @@ constexpr std::array<float, 3> kTermWeights{0.950F, 0.811F, 0.614F};
 constexpr double kFaintGradient = 1;  // gray values per pixel: of so much a vector has half its length
 constexpr std::array<double, 2> kContrastSigmasPx{1.5, 4};
 constexpr double kContrastWeight = 0.35;  // beside directions
-constexpr double kFaintContrastVariance = 4;
-constexpr double kMostDeviation = 3;
 /// What is not compared beside what is not valid: to there smoothing and slopes carry it.
 constexpr int kBesideInvalidPx = 3;
 constexpr int kPartsAlong = 3;
@@ -45,12 +47,6 @@ constexpr int kMostMovePx = 32;
 /// What smoothing sees of the chips beside what is compared.
 constexpr int kSeenBesidePx = 48;
 constexpr double kMostOffPx = 1e6;
-
-cv::Mat as_weight(const cv::Mat& valid) {
-  cv::Mat weight;
-  cv::Mat(valid != 0).convertTo(weight, CV_32F, 1.0 / 255);
-  return weight;
-}
 
 cv::Mat smoothed(const cv::Mat& pixels, double sigma_px) {
   cv::Mat result;
@@ -90,10 +86,10 @@ std::vector<cv::Mat> gradient_terms(const cv::Mat& gray) {
 
 cv::Mat contrast(const cv::Mat& gray, double sigma_px) {
   const cv::Mat off = gray - smoothed(gray, sigma_px);
-  cv::Mat spread = smoothed(off.mul(off), sigma_px) + kFaintContrastVariance;
+  cv::Mat spread = smoothed(off.mul(off), sigma_px) + kFaintVariance;
   cv::sqrt(spread, spread);
   cv::Mat result = off / spread;
-  result = kContrastWeight * cv::min(cv::max(result, -kMostDeviation), kMostDeviation);
+  result = kContrastWeight * cv::min(cv::max(result, -kMostContrast), kMostContrast);
   return result;
 }
 
@@ -196,6 +192,27 @@ std::optional<std::vector<cv::Point>> moves_of(const std::vector<cv::Rect>& part
   return moves;
 }
 
+/// The turns that take no part too far, and where each takes the parts.
+struct Turns {
+  std::vector<double> turns_deg;
+  std::vector<std::vector<cv::Point>> moves;
+  int farthest_px = 0;  // of all moves, along an axis
+};
+
+Turns turns_of(const std::vector<cv::Rect>& parts, const Eigen::Vector2d& nadir_px,
+               const std::vector<double>& turns_deg) {
+  Turns turns;
+  for (const double turn_deg : turns_deg) {
+    const auto moves = moves_of(parts, nadir_px, turn_deg);
+    if (!moves) continue;
+    turns.turns_deg.push_back(turn_deg);
+    turns.moves.push_back(*moves);
+    for (const cv::Point& move : *moves)
+      turns.farthest_px = std::max({turns.farthest_px, std::abs(move.x), std::abs(move.y)});
+  }
+  return turns;
+}
+
 /// Frame or chips as they are compared.
 struct Compared {
   std::vector<cv::Mat> field;
@@ -206,7 +223,7 @@ struct Compared {
 
 Compared compared(const Picture& picture) {
   Compared result{direction_field(picture.gray, picture.valid), cv::Mat::zeros(picture.gray.size(), CV_32F),
-                  picture.valid, as_weight(picture.valid)};
+                  picture.valid, mask_weight(picture.valid)};
   for (const cv::Mat& plane : result.field) result.energy += plane.mul(plane);
   return result;
 }
@@ -264,34 +281,20 @@ std::optional<float> median_of(const cv::Mat& agreement) {
   return *middle;
 }
 
-bool is_usable(const RectifiedFrame& frame) {
-  return frame.status == RectifyStatus::kOk && frame.gray.type() == CV_8UC1 && !frame.gray.empty() &&
-         frame.valid.type() == CV_8UC1 && frame.valid.size() == frame.gray.size() && frame.gsd_m > 0 &&
-         std::max(frame.gray.cols, frame.gray.rows) <= kMaxMosaicSidePx &&
-         frame.pixel_from_ground({0, 0}).allFinite() &&
-         frame.pixel_from_ground({0, 0}).cwiseAbs().maxCoeff() < kMostOffPx;
-}
-
-bool is_usable(const ChipMosaic& mosaic) {
-  return mosaic.gray.type() == CV_8UC1 && !mosaic.gray.empty() && mosaic.valid.type() == CV_8UC1 &&
-         mosaic.valid.size() == mosaic.gray.size() && mosaic.factor >= 1;
-}
-
 bool are_usable(const std::vector<double>& turns_deg) {
   return !turns_deg.empty() && turns_deg.size() <= 255 &&
          std::all_of(turns_deg.begin(), turns_deg.end(), [](double turn_deg) { return std::isfinite(turn_deg); });
 }
 
-/// For each turn the agreement of all parts that say something, the best of them and which it was. `margin`: of the
-/// parts' surfaces beyond the positions.
-void best_of_turns(const std::vector<cv::Mat>& parts, const std::vector<std::vector<cv::Point>>& moves, int margin,
-                   DirectionSurface& surface) {
+/// For each turn the agreement of all parts that say something, the best of them and which it was. The parts' surfaces
+/// reach beyond the positions by the farthest move.
+void best_of_turns(const std::vector<cv::Mat>& parts, const Turns& turns, DirectionSurface& surface) {
   const auto count = std::count_if(parts.begin(), parts.end(), [](const cv::Mat& part) { return !part.empty(); });
   const double root = std::sqrt(static_cast<double>(count));
-  for (std::size_t turn = 0; turn < moves.size(); ++turn) {
+  for (std::size_t turn = 0; turn < turns.moves.size(); ++turn) {
     cv::Mat total = cv::Mat::zeros(surface.agreement.size(), CV_32F);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const cv::Rect here(moves[turn][i] + cv::Point(margin, margin), total.size());
+      const cv::Rect here(turns.moves[turn][i] + cv::Point(turns.farthest_px, turns.farthest_px), total.size());
       if (!parts[i].empty()) total += parts[i](here);
     }
     total /= root;
@@ -331,29 +334,22 @@ std::vector<cv::Mat> direction_field(const cv::Mat& gray, const cv::Mat& valid) 
 std::optional<DirectionSurface> search_directions(const RectifiedFrame& frame, const ChipMosaic& mosaic,
                                                   const Eigen::Vector2d& center_px, double half_width_px,
                                                   const std::vector<double>& turns_deg, const Checkpoint& checkpoint) {
-  if (!is_usable(frame) || !is_usable(mosaic) || !are_usable(turns_deg)) return std::nullopt;
+  if (!can_be_compared(frame) || !can_be_compared(mosaic) || !are_usable(turns_deg)) return std::nullopt;
   if (!center_px.allFinite() || !(half_width_px >= 0 && half_width_px < kMostOffPx)) return std::nullopt;
   const int reduction = reduction_for(std::max(frame.gray.cols, frame.gray.rows), half_width_px / mosaic.factor);
   if (std::min(smallest_side(frame.gray), smallest_side(mosaic.gray)) < reduction) return std::nullopt;
   const Eigen::Vector2d center = mosaic.mosaic_from_level(center_px) / reduction;
   const double own = std::ceil(half_width_px / (mosaic.factor * reduction));
   const double half = std::max(own, kLeastHalfWidthPx);
-  if (!(center.cwiseAbs().maxCoeff() < kMostOffPx) || half > kMaxMosaicSidePx) return std::nullopt;
+  if (!(center.cwiseAbs().maxCoeff() < kMostOffPx)) return std::nullopt;
+  if (!(frame.pixel_from_ground({0, 0}).cwiseAbs().maxCoeff() < kMostOffPx)) return std::nullopt;
   const Picture picture = reduced(frame.gray, frame.valid, reduction);
   const Eigen::Vector2d nadir_px = frame.pixel_from_ground({0, 0}) / reduction;
   const std::vector<cv::Rect> parts = parts_of(picture.valid);
   if (std::ssize(parts) < kPartsAlong || cv::countNonZero(picture.valid) < kLeastDirectionPixels) return std::nullopt;
-  DirectionSurface surface;
-  std::vector<std::vector<cv::Point>> moves;
-  int margin = 0;
-  for (const double turn_deg : turns_deg) {
-    const auto of_turn = moves_of(parts, nadir_px, turn_deg);
-    if (!of_turn) continue;
-    surface.turns_deg.push_back(turn_deg);
-    moves.push_back(*of_turn);
-    for (const cv::Point& move : *of_turn) margin = std::max({margin, std::abs(move.x), std::abs(move.y)});
-  }
-  if (moves.empty()) return std::nullopt;
+  const Turns turns = turns_of(parts, nadir_px, turns_deg);
+  if (turns.moves.empty()) return std::nullopt;
+  const int margin = turns.farthest_px;
   const cv::Point first(static_cast<int>(std::lround(center.x() - half)),
                         static_cast<int>(std::lround(center.y() - half)));
   const int side = 2 * static_cast<int>(half) + 1;
@@ -385,9 +381,11 @@ std::optional<DirectionSurface> search_directions(const RectifiedFrame& frame, c
   if (std::count_if(surfaces.begin(), surfaces.end(), [](const cv::Mat& one) { return !one.empty(); }) < kPartsAlong) {
     return std::nullopt;
   }
+  DirectionSurface surface;
+  surface.turns_deg = turns.turns_deg;
   surface.agreement = cv::Mat(positions, CV_32F, cv::Scalar(DirectionSurface::kNotCompared));
   surface.turn = cv::Mat::zeros(positions, CV_8UC1);
-  best_of_turns(surfaces, moves, margin, surface);
+  best_of_turns(surfaces, turns, surface);
   double known_px = 0;
   for (const cv::Rect& part : parts) known_px += cv::countNonZero(picture.valid(part));
   surface.agreement.setTo(DirectionSurface::kNotCompared, shared_px < kLeastOverlap * known_px);
@@ -418,18 +416,11 @@ double DirectionSurface::at(const Eigen::Vector2d& nadir_px) const {
 }
 
 std::vector<DirectionPlace> direction_places(const DirectionSurface& surface, std::size_t count, double exclusion_px) {
-  cv::Mat left = surface.agreement.clone();
-  const int reach = static_cast<int>(std::floor(std::clamp(exclusion_px / surface.step_px, 0.0, kMostOffPx)));
+  const int exclusion = static_cast<int>(std::floor(std::clamp(exclusion_px / surface.step_px, 0.0, kMostOffPx)));
   std::vector<DirectionPlace> places;
-  while (places.size() < count) {
-    double most = 0;
-    cv::Point at;
-    cv::minMaxLoc(left, nullptr, &most, nullptr, &at);
-    if (most <= 0) break;
+  for (const cv::Point& at : highest_places(surface.agreement, count, exclusion)) {
     places.push_back({surface.first_px + surface.step_px * Eigen::Vector2d(at.x, at.y),
-                      surface.turns_deg[surface.turn.at<std::uint8_t>(at)], most});
-    const cv::Rect around(at.x - reach, at.y - reach, 2 * reach + 1, 2 * reach + 1);
-    left(around & cv::Rect({0, 0}, left.size())).setTo(DirectionSurface::kNotCompared);
+                      surface.turns_deg[surface.turn.at<std::uint8_t>(at)], surface.agreement.at<float>(at)});
   }
   return places;
 }

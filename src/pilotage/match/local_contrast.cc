@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pilotage/vision/mask_weight.h"
+
 namespace pilotage {
 
 cv::Mat local_contrast(const cv::Mat& gray, const cv::Mat& valid, double sigma_px) {
@@ -13,8 +15,7 @@ cv::Mat local_contrast(const cv::Mat& gray, const cv::Mat& valid, double sigma_p
     cv::GaussianBlur(pixels, result, {}, sigma_px, sigma_px, cv::BORDER_CONSTANT);
     return result;
   };
-  cv::Mat weight;
-  cv::Mat(valid != 0).convertTo(weight, CV_32F, 1.0 / 255);
+  const cv::Mat weight = mask_weight(valid);
   cv::Mat values;
   gray.convertTo(values, CV_32F);
   values = values.mul(weight);

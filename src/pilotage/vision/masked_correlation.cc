@@ -5,18 +5,13 @@
 
 #include <opencv2/core.hpp>
 
+#include "pilotage/vision/mask_weight.h"
 #include "pilotage/vision/picture_spectra.h"
 
 namespace pilotage {
 namespace {
 
 constexpr double kFlatShare = 1e-5;
-
-cv::Mat zero_or_one(const cv::Mat& valid) {
-  cv::Mat result;
-  cv::Mat(valid != 0).convertTo(result, CV_32F, 1.0 / 255);
-  return result;
-}
 
 /// Pixels less their mean where valid, 0 elsewhere: the small sums lose less to rounding.
 cv::Mat centred(const cv::Mat& pixels, const cv::Mat& valid) {
@@ -43,7 +38,7 @@ MaskedCorrelation::MaskedCorrelation(const cv::Mat& mask, const cv::Mat& region,
                                      double min_overlap, double flat_variance, const SumsOfProducts& sums)
     : sums_(sums),
       size_(region.cols - mask.cols + 1, region.rows - mask.rows + 1),
-      mask_(zero_or_one(mask)),
+      mask_(mask_weight(mask)),
       needed_(std::max(2.0, min_overlap * cv::countNonZero(mask))),
       flat_variance_(flat_variance),
       whole_(cv::countNonZero(region_valid) == static_cast<int>(region_valid.total())) {
@@ -53,7 +48,7 @@ MaskedCorrelation::MaskedCorrelation(const cv::Mat& mask, const cv::Mat& region,
   if (whole_) {
     counts_ = cv::Mat(size_, CV_32F, cv::Scalar(cv::countNonZero(mask)));
   } else {
-    region_mask_spectrum_ = sums_.spectrum(zero_or_one(region_valid));
+    region_mask_spectrum_ = sums_.spectrum(mask_weight(region_valid));
     counts_ = sums_.correlate(mask_spectrum, region_mask_spectrum_);
     for (auto it = counts_.begin<float>(); it != counts_.end<float>(); ++it) *it = std::round(*it);
   }
