@@ -147,6 +147,46 @@ TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {
   EXPECT_GT(with->best.evidence, without->best.evidence);
 }
 
+TEST(NearRival, IsAPlaceNearlyAsGoodWhereChipsDecide) {
+  RankedPlace best;
+  best.chips_decide = true;
+  best.evidence = best.of_features = 9;
+  RankedPlace near = best;
+  near.evidence = 6.5;
+  near.match.placement.center_px = {3.5, 0};
+  EXPECT_TRUE(is_near_rival(best, near));
+  near.match.placement.center_px = {2.5, 0};
+  EXPECT_FALSE(is_near_rival(best, near)) << "the same place";
+  near.match.placement.center_px = {3.5, 0};
+  near.evidence = 5.9;
+  EXPECT_FALSE(is_near_rival(best, near)) << "far behind";
+  near.evidence = 6.5;
+  best.chips_decide = false;
+  EXPECT_FALSE(is_near_rival(best, near)) << "features alone do";
+  best.chips_decide = true;
+  best.of_features = 5;
+  EXPECT_FALSE(is_near_rival(best, near)) << "landmarks decide";
+}
+
+TEST(CompareChips, DecideWhereFeaturesSayTooLittle) {
+  const FlownFrame flown;
+  MapReader map = MapReader::open_unverified(flown.path);
+  const FrameOnGrid rectified = flown.rectify(map);
+  const PivotedFrame described = describe(rectified, {});
+  const LocalMap local = flown.local_map(map, rectified, described);
+  auto chips =
+      compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
+  ASSERT_TRUE(chips.has_value());
+  EXPECT_NEAR(chips->enough_evidence, std::log(1000), 1e-9) << "one false fix in a thousand is allowed";
+  const SearchSpace space = search_space(rectified, local, flown.options);
+  const auto decide = [&] {
+    return rank_places(described, local, space, chips, std::nullopt, rectified.gsd_m)->best.chips_decide;
+  };
+  EXPECT_FALSE(decide());
+  chips->enough_evidence = 1e6;
+  EXPECT_TRUE(decide());
+}
+
 TEST(CompareChips, OnlyWhereWanted) {
   FlownFrame flown;
   MapReader map = MapReader::open_unverified(flown.path);

@@ -20,7 +20,7 @@ struct Placed {
     place = rank_places(described, local, search_space(rectified, local, flown.options), std::nullopt, std::nullopt,
                         rectified.gsd_m)
                 .value()
-                .best.match;
+                .best;
   }
   std::optional<RefinedFix> refine(const FlownFrame& flown) const {
     return refine_fix(rectified, described, local, flown.prior, flown.options, place);
@@ -30,7 +30,7 @@ struct Placed {
   FrameOnGrid rectified;
   PivotedFrame described;
   LocalMap local;
-  GuidedMatch place;
+  RankedPlace place;
 };
 
 TEST(RefineFix, IsThePlaceOfTheAircraft) {
@@ -64,8 +64,31 @@ TEST(RefineFix, TheMapsOwnErrorIsInTheCovariance) {
 TEST(RefineFix, NothingWithoutSupporters) {
   const FlownFrame flown;
   Placed placed(flown);
-  placed.place.placement.center_px += Eigen::Vector2d(5000, 5000);
+  placed.place.match.placement.center_px += Eigen::Vector2d(5000, 5000);
   EXPECT_FALSE(placed.refine(flown).has_value());
+}
+
+TEST(RefineFix, WhereChipsDecideIsAsUncertainAsChancePairsMakeIt) {
+  const FlownFrame flown;
+  Placed placed(flown);
+  const auto alone = placed.refine(flown);
+  const double support = placed.place.match.evidence();
+  const auto sigma_m = [&](double chance_share) {
+    placed.place.chips_decide = true;
+    placed.place.chance_support = chance_share * support;
+    const auto refined = placed.refine(flown);
+    return refined ? std::sqrt(refined->fix.center_covariance_en_m2(0, 0)) : 0;
+  };
+  ASSERT_TRUE(alone.has_value());
+  const double of_residuals_m = std::sqrt(alone->fix.center_covariance_en_m2(0, 0));
+  EXPECT_NEAR(sigma_m(0), of_residuals_m, 1e-9);
+  const double of_half_m = sigma_m(0.5);  // twice as far off, but for what attitude and prior have in it
+  EXPECT_GT(of_half_m, 1.5 * of_residuals_m);
+  EXPECT_LE(of_half_m, 2 * of_residuals_m);
+  EXPECT_NEAR(sigma_m(1), of_half_m, 1e-9) << "twice at most";
+  EXPECT_TRUE(std::isfinite(sigma_m(1.5)));
+  placed.place.chips_decide = false;
+  EXPECT_EQ(std::sqrt(placed.refine(flown)->fix.center_covariance_en_m2(0, 0)), of_residuals_m);
 }
 
 /// One fix after another against the gates of a prior of 10 m.

@@ -176,7 +176,7 @@ std::optional<RefinedFix> refine_best(const FrameOnGrid& rectified, const Pivote
                                       const LocalMap& local, const MatchPrior& prior, const MatchOptions& options,
                                       const std::optional<LandmarkSearch>& landmarks, RankedPlace& best) {
   if (!landmarks || best.evidence <= best.of_features) {
-    return refine_fix(rectified, described, local, prior, options, best.match);
+    return refine_fix(rectified, described, local, prior, options, best);
   }
   auto refined = best.by_landmarks
                      ? refine_fix_by_landmarks(rectified, described, local, prior, options, *landmarks, best)
@@ -186,7 +186,7 @@ std::optional<RefinedFix> refine_best(const FrameOnGrid& rectified, const Pivote
   best.evidence = std::max(best.of_features, best.evidence - lost);
   if (!best.by_landmarks || best.evidence > best.of_features || best.of_features <= 0) return refined;
   best.by_landmarks = false;
-  return refine_fix(rectified, described, local, prior, options, best.match);
+  return refine_fix(rectified, described, local, prior, options, best);
 }
 
 /// Of where the map lies at a fix. Where no tile says it, of the tile that lies worst, and at least what is taken of

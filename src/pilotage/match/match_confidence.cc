@@ -83,6 +83,14 @@ double agreement_evidence(double agreement, double reach) {
 
 }  // namespace
 
+double support_evidence(const PlaceEvidence& evidence) {
+  return support_tail(evidence).exceedance(evidence.support);
+}
+
+double chance_support(const PlaceEvidence& evidence) {
+  return support_tail(evidence).onset;
+}
+
 double chip_evidence(const PlaceEvidence& evidence) {
   if (!(evidence.compared_px > 0)) return 0;
   const double of_gray = correlation_evidence(evidence.ncc, evidence.compared_px);
@@ -93,7 +101,7 @@ double chip_evidence(const PlaceEvidence& evidence) {
 }
 
 double place_evidence(const PlaceEvidence& evidence) {
-  return std::max(0.0, support_tail(evidence).exceedance(evidence.support) + chip_evidence(evidence));
+  return std::max(0.0, support_evidence(evidence) + chip_evidence(evidence));
 }
 
 double least_lead(double evidence, double rival_evidence) {

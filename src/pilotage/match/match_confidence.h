@@ -16,6 +16,12 @@ struct PlaceEvidence {
   double agreement_reach = 0;        ///< DirectionSurface::reach(); 0 likewise.
 };
 
+/// What the support says alone: place_evidence() without chips. At least 0.
+double support_evidence(const PlaceEvidence& evidence);
+
+/// The support, of as many expected features, that the best place of frames of other ground has: what chance gives.
+double chance_support(const PlaceEvidence& evidence);
+
 /// What the map's chips say for a place, as place_evidence(): the correlation, or the directions of edges if these say
 /// more, less ln 2 for having asked both. Negative where both speak against it. 0 without chips.
 double chip_evidence(const PlaceEvidence& evidence);

@@ -68,6 +68,8 @@ RankedPlace rank_place(const GuidedMatch& match, const PivotedFrame& described, 
                            place.agreement,
                            chips && chips->directions ? chips->directions->reach() : 0};
   place.evidence = place_evidence(seen);
+  place.chips_decide = chips && support_evidence(seen) < chips->enough_evidence;
+  place.chance_support = chance_support(seen);
   if (has_few_features(described, map)) place.evidence = 0;
   place.of_features = place.evidence;
   if (!landmarks) return place;
@@ -94,6 +96,12 @@ double ChipComparison::agreement_at(const Placement& placement) const {
   return directions->at(reference_px + as_compared.map_from_frame(-pivot_from_nadir_px));
 }
 
+bool is_near_rival(const RankedPlace& best, const RankedPlace& place) {
+  const double distance_px = (place.match.placement.center_px - best.match.placement.center_px).norm();
+  return best.chips_decide && best.evidence <= best.of_features && distance_px > kSamePlacePx &&
+         best.evidence - place.evidence < least_lead(0, 0);
+}
+
 std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera,
                                             MapReader& map, const MatchOptions& options, const FrameOnGrid& rectified,
                                             const PivotedFrame& described, const LocalMap& local,
@@ -101,6 +109,7 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
   if (!chips_are_wanted(map, options, rectified)) return std::nullopt;
   ChipComparison chips;
   chips.reference_px = local.reference_px;
+  chips.enough_evidence = -std::log(options.max_false_fix_rate);
   chips.pivot_from_nadir_px = rectified.px_from_m(rectified.pivot_m);
   chips.mosaic = read_chip_mosaic(map, rectified.level->matrix.level, rectified.prior_px,
                                   chip_reach_px(rectified, described), checkpoint);
@@ -195,7 +204,7 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   places.best = ranked.front();
   for (const RankedPlace& place : ranked) {
     const double distance_px = (place.match.placement.center_px - places.best.match.placement.center_px).norm();
-    if (distance_px <= min_distance_px) {
+    if (distance_px <= min_distance_px && !is_near_rival(places.best, place)) {
       if (&place != &ranked.front() && !places.next_there) places.next_there = place;
       continue;
     }

@@ -21,6 +21,8 @@ struct ChipComparison {
   std::optional<DirectionSurface> directions;
   Eigen::Vector2d pivot_from_nadir_px{0, 0};  ///< In pixels of the level.
   Eigen::Vector2d reference_px{0, 0};         ///< LocalMap::reference_px.
+  /// Evidence of features that would do for a fix without chips, MatchOptions::max_false_fix_rate.
+  double enough_evidence = 0;
 
   /// A place of the nadir as a placement of the pivot, and back.
   Placement placement(const ChipMatch& match) const { return placement(match.nadir_px, match.yaw_deg, match.scale); }
@@ -66,10 +68,16 @@ struct RankedPlace {
   LandmarkView landmarks;
   bool by_landmarks = false;  ///< Landmarks alone say more for it than features and chips.
   double of_features = 0;     ///< Evidence of features and chips.
+  bool chips_decide = false;  ///< Features alone say too little, ChipComparison::enough_evidence.
+  double chance_support = 0;  ///< chance_support() there.
   double evidence = 0;        ///< Of all.
 };
 
-/// The best place, and the evidence of the best elsewhere.
+/// Whether a place nearer to the best than kMinRivalDistance_m is a rival all the same: chips decide for the best, and
+/// kSamePlacePx on there is one nearly as good. Edges that lie in a line agree along it.
+bool is_near_rival(const RankedPlace& best, const RankedPlace& place);
+
+/// The best place, and the evidence of the best elsewhere: kMinRivalDistance_m away, or is_near_rival().
 struct RankedPlaces {
   RankedPlace best;
   std::optional<RankedPlace> next_there;  ///< The next best that is no rival: the best place as something else has it.
@@ -98,5 +106,6 @@ inline constexpr std::size_t kLandmarkPlaces = 4;
 inline constexpr std::size_t kDirectionPlaces = 3;
 /// What lies nearer to a place is the same place once more.
 inline constexpr double kMinRivalDistance_m = 12;
+inline constexpr double kSamePlacePx = 3;
 
 }  // namespace pilotage

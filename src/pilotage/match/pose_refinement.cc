@@ -172,7 +172,7 @@ StateMatrix shared_errors(const std::vector<GroundCell>& cells, const Eigen::Vec
   const auto likeness = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, double length_m) {
     return std::exp(-(a - b).squaredNorm() / (2 * length_m * length_m));
   };
-  const double lean_m2 = prior.lean_sigma_m * prior.lean_sigma_m;
+  const double lean_m2 = std::pow(prior.pair_error_factor * prior.lean_sigma_m, 2);
   const double height_m2 = prior.height_sigma_m * prior.height_sigma_m;
   sum += height_m2 * at_nadir * at_nadir.transpose();
   for (const GroundCell& a : cells) {
@@ -201,8 +201,9 @@ StateMatrix frame_covariance(const std::vector<GroundPair>& pairs, const State& 
   of_prior.diagonal() = inverse_sigmas(prior).cwiseAbs2();
   const StateMatrix gain = (inliers.information + of_prior).inverse();
   const double pairs_per_independent_pair = prior.pair_sigma_m ? 1 : kPairsPerIndependentPair;
-  const StateMatrix error = pairs_per_independent_pair * kCauchyVariance * inliers.information +
-                            shared_errors(inliers.cells, state.head<2>(), prior) + of_prior;
+  const double noise_factor = pairs_per_independent_pair * kCauchyVariance * std::pow(prior.pair_error_factor, 2);
+  const StateMatrix error =
+      noise_factor * inliers.information + shared_errors(inliers.cells, state.head<2>(), prior) + of_prior;
   const StateMatrix covariance = gain * error * gain;
   return (covariance + covariance.transpose()) / 2;
 }

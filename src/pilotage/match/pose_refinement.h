@@ -31,6 +31,9 @@ struct PosePrior {
   double lean_sigma_m = 0;    ///< Of what neighbouring pairs are off by together, along each axis:
   double lean_length_m = 1;   ///< its likeness falls as a Gaussian of this. kLeanSigma_px, kLeanLength_px.
   double height_sigma_m = 0;  ///< Of the heights behind GroundPair::rise_m.
+  /// How many times as far pairs, and what they share, are off as they would be if each was the ground's: chance pairs
+  /// fit any pose.
+  double pair_error_factor = 1;
   /// Of what pairs are off by, each by itself, along each axis, where that is known: then nothing is estimated from the
   /// residuals, all pairs are independent, and two are enough.
   std::optional<double> pair_sigma_m{};
@@ -62,7 +65,8 @@ struct PoseCorrection {
 /// The covariance of that is S⁻¹ E S⁻¹, with the solver's information S and the covariance E of what it was given: the
 /// noise of the pairs, of which only one in kPairsPerIndependentPair is independent, for patches overlap; errors of the
 /// map's points that neighbours share, for ground looks otherwise in patches on another day (PosePrior::lean_sigma_m
-/// along each axis, falling as a Gaussian of lean_length_m); errors of the map's heights likewise
+/// along each axis, falling as a Gaussian of lean_length_m), both times PosePrior::pair_error_factor; errors of the
+/// map's heights likewise
 /// (PosePrior::height_sigma_m, kHeightErrorLength_m); and the prior. Residuals do not show what is shared: tilt follows
 /// it (docs/methods/match.md). Then the prior position is joined with what the frame says, each by its covariance, so
 /// without_prior() gets back the latter. Not converged with fewer than four pairs (two with a

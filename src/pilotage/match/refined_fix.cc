@@ -14,6 +14,7 @@ namespace pilotage {
 namespace {
 
 constexpr double kGateSigmas = 4;
+constexpr double kMostPairErrorFactor = 2;
 /// Of a pair, the least that is believed.
 constexpr double kLeastNoise_px = 0.3;
 /// Of a pose by features, where landmarks are held against it.
@@ -58,6 +59,15 @@ double rise_of_ray(const FrameOnGrid& rectified, const GroundHeights& ground, co
     rise = rise_m(ground, met_px, rectified.px_from_m(pose.position_m));
   }
   return rise;
+}
+
+/// PosePrior::pair_error_factor: all support over what chance does not give. Where features alone make the fix, its
+/// error is that of the residuals (docs/methods/match.md).
+double pair_error_factor(const RankedPlace& place) {
+  if (!place.chips_decide) return 1;
+  const double support = place.match.evidence();
+  return support > 0 ? std::min(support / std::max(support - place.chance_support, 1e-9), kMostPairErrorFactor)
+                     : kMostPairErrorFactor;
 }
 
 /// The tile of the feature nearest to the principal point's place.
@@ -163,14 +173,16 @@ std::size_t agreeing_groups(const FrameOnGrid& rectified, const PivotedFrame& fr
 }  // namespace
 
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
-                                     const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place) {
-  const auto pairs = supporting_pairs(frame, map, place.placement);
+                                     const MatchPrior& prior, const MatchOptions& options, const RankedPlace& place) {
+  const Placement& placement = place.match.placement;
+  const auto pairs = supporting_pairs(frame, map, placement);
   PosePrior sigmas = pose_prior(rectified, map, prior, options);
   sigmas.lean_sigma_m = kLeanSigma_px * rectified.gsd_m;
   sigmas.lean_length_m = kLeanLength_px * rectified.gsd_m;
-  const Eigen::Vector2d nadir_px = place.placement.map_from_frame(frame.nadir_px - frame.pivot_px);
+  sigmas.pair_error_factor = pair_error_factor(place);
+  const Eigen::Vector2d nadir_px = placement.map_from_frame(frame.nadir_px - frame.pivot_px);
   const auto on_ground = ground_pairs(rectified, frame, map, prior, pairs, nadir_px);
-  return refined_by(on_ground, sigmas, rectified, frame, map, prior, place.placement);
+  return refined_by(on_ground, sigmas, rectified, frame, map, prior, placement);
 }
 
 std::optional<RefinedFix> refine_fix_by_landmarks(const FrameOnGrid& rectified, const PivotedFrame& frame,
@@ -203,7 +215,7 @@ std::optional<RefinedFix> refine_fix_beside_landmarks(const FrameOnGrid& rectifi
                                                       const LocalMap& map, const MatchPrior& prior,
                                                       const MatchOptions& options, const LandmarkSearch& landmarks,
                                                       const RankedPlace& place) {
-  auto refined = refine_fix(rectified, frame, map, prior, options, place.match);
+  auto refined = refine_fix(rectified, frame, map, prior, options, place);
   if (!refined) return std::nullopt;
   refined->landmark_groups = agreeing_groups(rectified, frame, map, prior, landmarks, place, refined->pose,
                                              std::max(kFeaturePoseSigma_m, rectified.gsd_m));

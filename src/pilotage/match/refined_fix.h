@@ -17,11 +17,12 @@ struct RefinedFix {
   std::size_t landmark_groups = 0;  ///< independent_groups() that agree with the pose.
 };
 
-/// Refines the pose from the supporters of `place`. Heights of the map's ground count against that straight below the
-/// aircraft there (Relief::ground), as the height of `prior` does. Nothing when the pose does not converge.
-/// Without the map's own error: add_map_error().
+/// Refines the pose from the supporters of `place`. Where chips decide, of these as many as chance gives fit any pose,
+/// and the others are believed the less. Heights of the map's ground count against that straight below the aircraft
+/// there (Relief::ground), as the height of `prior` does. Nothing when the pose does not converge. Without the map's
+/// own error: add_map_error().
 std::optional<RefinedFix> refine_fix(const FrameOnGrid& rectified, const PivotedFrame& frame, const LocalMap& map,
-                                     const MatchPrior& prior, const MatchOptions& options, const GuidedMatch& place);
+                                     const MatchPrior& prior, const MatchOptions& options, const RankedPlace& place);
 
 /// The same from the landmarks of `place`: each as far off as was measured on another date, no less than of a frame's
 /// pixels can be told, and all together by what objects lean away from the nadir.
