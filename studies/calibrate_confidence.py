@@ -1,7 +1,8 @@
 """How much evidence frames find where they show other ground: what the constants of match_confidence.cc rest on.
 
 calibrate_confidence.py PILOTAGE CUT_FLIGHT_FRAMES --work DIR [--frames 60] [--footprint-m 154,80,260]
-                        [--features-per-mpx 20000] [--no-chips] [--threads 2]
+                        [--features-per-mpx 20000] [--no-chips | --only-chips]
+                        [--seed 5] [--threads 2]
 
 Not a test: it measures, and prints tables as Markdown. PILOTAGE_DATA names the folder of real imagery. Port and Moscow
 take no part: they evaluate what is calibrated here.
@@ -106,7 +107,7 @@ def measure(pilotage, tool, rasters, footprint_m, options):
     maps, folders, rows = {}, {}, {}
     for place in PLACES:
         try:
-            folder = cut(tool, rasters[place][1], work / f"{place}_{footprint_m:g}", frames=frames, seed=5,
+            folder = cut(tool, rasters[place][1], work / f"{place}_{footprint_m:g}", frames=frames, seed=options.seed,
                          footprint_m=footprint_m)
         except Failed as failure:
             print(f"{footprint_m:g} m: {place} left out: {str(failure).strip().splitlines()[-1]}\n")
@@ -249,6 +250,8 @@ def command_line():
     parser.add_argument("--features-per-mpx", type=float, default=20000, help="of the maps")
     parser.add_argument("--no-chips", dest="chips", action="store_const", const=(False,), default=(True, False),
                         help="features alone, not with chips as well")
+    parser.add_argument("--only-chips", dest="chips", action="store_const", const=(True,), help="nor features alone")
+    parser.add_argument("--seed", type=int, default=5, help="of the frames")
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
     data = pathlib.Path(os.environ.get("PILOTAGE_DATA", ""))

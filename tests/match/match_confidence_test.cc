@@ -13,6 +13,12 @@ double evidence_of(double support, int expected, double ncc = 0, double compared
   return place_evidence({support, expected, kOrb, 20'000, ncc, compared_px});
 }
 
+TEST(LeastEvidence, IsWhereTheRateIsAsAskedFor) {
+  for (const double half_width_px : {50.0, 158.0, 600.0}) {
+    EXPECT_NEAR(false_fix_rate(least_evidence(0.001, half_width_px), half_width_px), 0.001, 1e-12) << half_width_px;
+  }
+}
+
 TEST(PlaceEvidence, OfSupportIsTheFittedTail) {
   // 100 features expected: onset 9 + 0.88 · 10 = 17.8, scale 3.08 + 0.098 · 10 = 4.06.
   EXPECT_NEAR(evidence_of(17.8 + 4.06 * 10, 100), 10, 1e-12);

@@ -177,11 +177,11 @@ TEST(CompareChips, DecideWhereFeaturesSayTooLittle) {
   auto chips =
       compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
   ASSERT_TRUE(chips.has_value());
-  EXPECT_NEAR(chips->enough_evidence, std::log(1000), 1e-9) << "one false fix in a thousand is allowed";
   const SearchSpace space = search_space(rectified, local, flown.options);
   const auto decide = [&] {
     return rank_places(described, local, space, chips, std::nullopt, rectified.gsd_m)->best.chips_decide;
   };
+  chips->enough_evidence = least_evidence(flown.options.max_false_fix_rate, rectified.half_width_px);
   EXPECT_FALSE(decide());
   chips->enough_evidence = 1e6;
   EXPECT_TRUE(decide());

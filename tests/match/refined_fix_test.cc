@@ -86,7 +86,7 @@ TEST(RefineFix, WhereChipsDecideIsAsUncertainAsChancePairsMakeIt) {
   EXPECT_GT(of_half_m, 1.5 * of_residuals_m);
   EXPECT_LE(of_half_m, 2 * of_residuals_m);
   EXPECT_NEAR(sigma_m(1), of_half_m, 1e-9) << "twice at most";
-  EXPECT_TRUE(std::isfinite(sigma_m(1.5)));
+  EXPECT_NEAR(sigma_m(1.5), of_half_m, 1e-9) << "fewer than chance gives";
   placed.place.chips_decide = false;
   EXPECT_EQ(std::sqrt(placed.refine(flown)->fix.center_covariance_en_m2(0, 0)), of_residuals_m);
 }

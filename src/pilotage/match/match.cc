@@ -248,11 +248,12 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   if (stats.map_features > max_features || search_bins(described, space) > kMaxSearchBins) {
     return refused(MatchStatus::kTooUncertain, stats);
   }
-  const auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local, checkpoint);
+  // Over relief more scales are tried than the rate of false fixes was measured with: as many times as often.
+  const double tried = searches * std::max(1.0, space.scale_sigma / options.height_sigma_fraction);
+  auto chips = compare_chips(frame, prior, camera, map, options, rectified, described, local, checkpoint);
+  if (chips) chips->enough_evidence = least_evidence(options.max_false_fix_rate / tried, rectified.half_width_px);
   auto places = rank_places(described, local, space, chips, landmarks, rectified.gsd_m, checkpoint);
   if (!places) return refused(MatchStatus::kInconsistent, stats);
-  // Over relief more scales are tried than the rate of false fixes was measured with: as many times as often.
-  const double scales = std::max(1.0, space.scale_sigma / options.height_sigma_fraction);
   auto refined = refine_best(rectified, described, local, prior, options, landmarks, places->best);
   if (places->next_there && places->next_there->evidence > places->best.evidence) {
     // Landmarks that made it the best do not agree with its pose: what else speaks for this place is asked.
@@ -262,7 +263,10 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
       places->best = *places->next_there;
     }
   }
-  describe_ranking(*places, rectified.half_width_px, searches * scales, stats);
+  if (places->nearby && is_near_rival(places->best, *places->nearby)) {
+    places->rival_evidence = std::max(places->rival_evidence, places->nearby->evidence);
+  }
+  describe_ranking(*places, rectified.half_width_px, tried, stats);
   if (!refined) return refused(MatchStatus::kInconsistent, stats);
   add_map_error(refined->fix, map_sigma_m(map, refined->fix, options));
   stats.inliers = refined->pose.inliers;

@@ -137,8 +137,9 @@ struct MatchStats {
   double support = 0;         ///< GuidedMatch::evidence() of the best place: what features say for it.
   int expected_features = 0;  ///< Features of the map that the frame should show there.
   double vote_peak = 0;  ///< Evidence for the best place: place_evidence(), −ln of the rate of such evidence elsewhere.
-  double vote_rival = 0;  ///< The same for the best place elsewhere.
-  int inliers = 0;        ///< Pairs of features that agree with the refined pose.
+  double vote_rival =
+      0;            ///< The same for the best place elsewhere, 12 m away or a rival nearby (MatchStatus::kAmbiguous).
+  int inliers = 0;  ///< Pairs of features that agree with the refined pose.
   double residual_m = 0;  ///< Their root mean square, along one axis.
   double ncc = 0;         ///< Normalised correlation with the map's chips, when they were used; else 0.
   double ncc_rival = 0;

@@ -81,6 +81,11 @@ double agreement_evidence(double agreement, double reach) {
   return std::max(0.0, kAgreementTail.exceedance(agreement) - std::log(windows));
 }
 
+/// How many of those of which the rates were found a search square holds.
+double calibrated_windows(double half_width_px) {
+  return std::max(1.0, std::pow(half_width_px / kCalibratedHalfWidthPx, 2));
+}
+
 }  // namespace
 
 double support_evidence(const PlaceEvidence& evidence) {
@@ -112,8 +117,11 @@ double least_lead(double evidence, double rival_evidence) {
 }
 
 double false_fix_rate(double evidence, double half_width_px) {
-  const double windows = std::max(1.0, std::pow(half_width_px / kCalibratedHalfWidthPx, 2));
-  return std::min(1.0, windows * std::exp(-evidence));
+  return std::min(1.0, calibrated_windows(half_width_px) * std::exp(-evidence));
+}
+
+double least_evidence(double rate, double half_width_px) {
+  return std::log(calibrated_windows(half_width_px) / rate);
 }
 
 }  // namespace pilotage

@@ -38,6 +38,9 @@ double place_evidence(const PlaceEvidence& evidence);
 /// and the same wrong place, so their sum needs no correction for being two.
 double false_fix_rate(double evidence, double half_width_px);
 
+/// The evidence at which false_fix_rate() is `rate`.
+double least_evidence(double rate, double half_width_px);
+
 /// By how much a place must be ahead of the best place elsewhere: 3, and as much again as that has, up to 8, and a
 /// fifth of its own evidence. A rival with evidence that other ground hardly ever reaches says that this ground
 /// deceives more than that of which the rates were found: rows of trees do (docs/methods/match-confidence.md).

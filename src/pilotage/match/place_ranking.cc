@@ -109,7 +109,6 @@ std::optional<ChipComparison> compare_chips(const cv::Mat& frame, const MatchPri
   if (!chips_are_wanted(map, options, rectified)) return std::nullopt;
   ChipComparison chips;
   chips.reference_px = local.reference_px;
-  chips.enough_evidence = -std::log(options.max_false_fix_rate);
   chips.pivot_from_nadir_px = rectified.px_from_m(rectified.pivot_m);
   chips.mosaic = read_chip_mosaic(map, rectified.level->matrix.level, rectified.prior_px,
                                   chip_reach_px(rectified, described), checkpoint);
@@ -204,8 +203,10 @@ std::optional<RankedPlaces> rank_places(const PivotedFrame& frame, const LocalMa
   places.best = ranked.front();
   for (const RankedPlace& place : ranked) {
     const double distance_px = (place.match.placement.center_px - places.best.match.placement.center_px).norm();
-    if (distance_px <= min_distance_px && !is_near_rival(places.best, place)) {
+    if (distance_px <= min_distance_px) {
       if (&place != &ranked.front() && !places.next_there) places.next_there = place;
+      const bool is_other = chips && distance_px > kSamePlacePx * chips->mosaic.factor;
+      if (is_other && !places.nearby) places.nearby = place;
       continue;
     }
     places.rival_evidence = std::max(places.rival_evidence, place.evidence);

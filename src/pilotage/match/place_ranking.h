@@ -21,7 +21,7 @@ struct ChipComparison {
   std::optional<DirectionSurface> directions;
   Eigen::Vector2d pivot_from_nadir_px{0, 0};  ///< In pixels of the level.
   Eigen::Vector2d reference_px{0, 0};         ///< LocalMap::reference_px.
-  /// Evidence of features that would do for a fix without chips, MatchOptions::max_false_fix_rate.
+  /// Evidence of features that would do for a fix without chips: the caller's.
   double enough_evidence = 0;
 
   /// A place of the nadir as a placement of the pivot, and back.
@@ -73,14 +73,16 @@ struct RankedPlace {
   double evidence = 0;        ///< Of all.
 };
 
-/// Whether a place nearer to the best than kMinRivalDistance_m is a rival all the same: chips decide for the best, and
-/// kSamePlacePx on there is one nearly as good. Edges that lie in a line agree along it.
+/// Whether another place nearer to the best than kMinRivalDistance_m is a rival all the same: chips decide for the
+/// best, and it is nearly as good. Edges that lie in a line agree along it.
 bool is_near_rival(const RankedPlace& best, const RankedPlace& place);
 
-/// The best place, and the evidence of the best elsewhere: kMinRivalDistance_m away, or is_near_rival().
+/// The best place, and the evidence of the best elsewhere: kMinRivalDistance_m away.
 struct RankedPlaces {
   RankedPlace best;
   std::optional<RankedPlace> next_there;  ///< The next best that is no rival: the best place as something else has it.
+  /// The best beside it that is not the same one, kSamePlacePx away in pixels of the chips. Only with chips.
+  std::optional<RankedPlace> nearby;
   double rival_evidence = 0;
   double rival_ncc = 0;
 };
