@@ -1,4 +1,4 @@
-# cmake -DSOURCE=. -DBUILD=build/dev -DVERSION=0.1.0 -P cmake/ApiDocs.cmake
+# cmake -DSOURCE=. -DBUILD=build/dev -DVERSION=0.2.0 -P cmake/ApiDocs.cmake
 # Doxygen over pilotage/onboard.h, pilotage/prep.h and every header they include: pages in BUILD/api/html. A warning is
 # an error.
 cmake_minimum_required(VERSION 3.25)

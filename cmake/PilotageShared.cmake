@@ -16,6 +16,8 @@ function(pilotage_add_shared name)
   if(NOT PILOTAGE_SANITIZE)
     target_link_options(${target} PRIVATE LINKER:-z,defs) # a symbol that is nowhere is found here and not by the user
   endif()
+  target_link_options(${target} PRIVATE LINKER:--version-script=${PROJECT_SOURCE_DIR}/cmake/exported_names.map)
+  set_target_properties(${target} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/exported_names.map)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} INTERFACE Eigen3::Eigen opencv_core) # in the headers

@@ -1,5 +1,6 @@
 #include "version.h"
 
+#include "pilotage_revision.h"
 #include <opencv2/core/utility.hpp>
 #include <sqlite3.h>
 
@@ -13,8 +14,8 @@ std::string version_line() {
 }
 
 std::string version_text() {
-  return version_line() + "\nGDAL " + gdal_version() + "\nOpenCV " + cv::getVersionString() + "\nSQLite " +
-         sqlite3_libversion() + "\n";
+  return version_line() + "\nrevision " + PILOTAGE_REVISION + "\nbuild " + PILOTAGE_BUILD + "\nGDAL " + gdal_version() +
+         "\nOpenCV " + cv::getVersionString() + "\nSQLite " + sqlite3_libversion() + "\n";
 }
 
 }  // namespace pilotage

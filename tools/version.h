@@ -4,10 +4,10 @@
 
 namespace pilotage {
 
-/// "pilotage 0.1.0"
+/// "pilotage 0.2.0"
 std::string version_line();
 
-/// version_line() and, on the following lines, the libraries in use.
+/// version_line() and, on the following lines, the commit, how it was compiled and the libraries in use.
 std::string version_text();
 
 }  // namespace pilotage

@@ -1,5 +1,5 @@
 # Installs the build tree twice into INSTALLED, whole and the component onboard alone, and looks at what is there. The
-# tests of what a library user does work with these two. Input: SOURCE, BUILD, INSTALLED, VERSION.
+# tests of what a library user does work with these two. Input: SOURCE, BUILD, INSTALLED, VERSION, CXX, SANITIZE.
 cmake_minimum_required(VERSION 3.25)
 include(${SOURCE}/cmake/HeadersOf.cmake)
 set(HEADER_FOLDERS ${SOURCE}/src ${BUILD}/include)
@@ -55,9 +55,45 @@ run(version ${INSTALLED}/everything/bin/pilotage --version)
 if(NOT version MATCHES "^pilotage ${VERSION}\n")
   message(FATAL_ERROR "the installed program calls itself ${version}")
 endif()
-foreach(file man/man1/pilotage.1 man/man1/pilotage-score.1 bash-completion/completions/pilotage
+foreach(file pilotage/sample/mission.json pilotage/sample/ortho.tif pilotage/sample/frames/frames.csv pilotage/schemas/README.md man/man1/pilotage.1 man/man1/pilotage-score.1 bash-completion/completions/pilotage
         zsh/site-functions/_pilotage fish/vendor_completions.d/pilotage.fish)
   if(NOT EXISTS ${INSTALLED}/everything/share/${file})
     message(FATAL_ERROR "share/${file} is not installed")
   endif()
 endforeach()
+
+set(sanitize "")
+if(SANITIZE)
+  set(sanitize -fsanitize=${SANITIZE})
+endif()
+# pkg-config finds both, where they are installed now, and a program is built with what it says.
+foreach(component onboard prep)
+  run(flags ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${INSTALLED}/everything/lib/pkgconfig pkg-config --cflags --libs pilotage-${component})
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  if(NOT "-lpilotage_${component}" IN_LIST flags)
+    message(FATAL_ERROR "pkg-config pilotage-${component}: ${flags}")
+  endif()
+  set(program ${INSTALLED}/use_${component})
+  run(output ${CXX} -std=c++20 ${SOURCE}/tests/accept/find_package/use_${component}.cc -o ${program} ${sanitize} ${flags})
+  run(output ${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${INSTALLED}/everything/lib ${program} ${SOURCE}/tests/fuzz/corpus/map/two_levels
+      ${SOURCE}/README.md)
+endforeach()
+
+# One who may not write there is told so before anything is written. Root may write everywhere, and is somebody else for this.
+execute_process(COMMAND id -u OUTPUT_VARIABLE user OUTPUT_STRIP_TRAILING_WHITESPACE)
+set(as_user "")
+if(user EQUAL 0)
+  set(as_user setpriv --reuid=65534 --regid=65534 --clear-groups)
+endif()
+file(MAKE_DIRECTORY ${INSTALLED}/locked)
+file(CHMOD ${INSTALLED}/locked PERMISSIONS OWNER_READ OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+execute_process(COMMAND ${as_user} test -r ${BUILD}/cmake_install.cmake RESULT_VARIABLE result)
+if(result EQUAL 0)
+  execute_process(COMMAND ${as_user} ${CMAKE_COMMAND} --install ${BUILD} --prefix ${INSTALLED}/locked/here
+                  RESULT_VARIABLE result ERROR_VARIABLE error OUTPUT_QUIET)
+  if(result EQUAL 0 OR NOT error MATCHES "You may not write to ${INSTALLED}/locked\\. .*--prefix ~/\\.local")
+    message(FATAL_ERROR "installing where one may not write: ${result}, ${error}")
+  endif()
+else()
+  message("nobody may not read ${BUILD}: what one is told who may not write there was not looked at")
+endif()

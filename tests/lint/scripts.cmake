@@ -1,6 +1,6 @@
 # Scripts parse, stop at the first error, and can be run.
 include(${CMAKE_CURRENT_LIST_DIR}/lint.cmake)
-foreach(script tools/demo tools/test tools/install-packages tools/try-bare tools/endure tools/regenerate-schemas tools/slurm/submit
+foreach(script tools/demo tools/test tools/install-packages tools/package tools/try-bare tools/endure tools/regenerate-schemas tools/slurm/submit
         tools/slurm/score.sbatch tools/slurm/merge.sbatch tools/slurm/submit-capture tools/slurm/capture.sbatch .ci/run)
   if(NOT EXISTS ${SOURCE}/${script})
     problem("${script}: does not exist")

@@ -15,7 +15,7 @@ namespace pilotage {
 struct ComparisonSource {
   std::vector<std::string> reference;
   std::string frames;            ///< frames.csv.
-  std::string software_version;  ///< "pilotage 0.1.0".
+  std::string software_version;  ///< "pilotage 0.2.0".
   CompareOptions options;
   std::uint64_t seed = 1;
 };
