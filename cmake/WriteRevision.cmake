@@ -9,12 +9,14 @@ if(archived MATCHES "^([0-9a-f]+) ([0-9-]+)$")
   string(SUBSTRING ${CMAKE_MATCH_1} 0 12 revision)
   string(APPEND revision " of ${CMAKE_MATCH_2}")
 else()
-  set(git git -C ${SOURCE})
-  execute_process(COMMAND ${git} log -1 --abbrev=12 "--format=%h of %cs" RESULT_VARIABLE result OUTPUT_VARIABLE commit
+  # A copy of the sources inside of another repository is not of that one's commit: the prefix is empty at the top of one's own.
+  set(git git --no-optional-locks -C ${SOURCE})
+  execute_process(COMMAND ${git} rev-parse --show-prefix RESULT_VARIABLE result OUTPUT_VARIABLE prefix OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  execute_process(COMMAND ${git} log -1 --no-show-signature --abbrev=12 "--format=%h of %cs" RESULT_VARIABLE unknown OUTPUT_VARIABLE commit
                   OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-  if(result EQUAL 0)
+  execute_process(COMMAND ${git} status --porcelain --untracked-files=no RESULT_VARIABLE untold OUTPUT_VARIABLE changes ERROR_QUIET)
+  if(result EQUAL 0 AND prefix STREQUAL "" AND unknown EQUAL 0 AND untold EQUAL 0)
     set(revision ${commit})
-    execute_process(COMMAND ${git} status --porcelain OUTPUT_VARIABLE changes ERROR_QUIET)
     if(NOT changes STREQUAL "")
       string(APPEND revision ", with changes")
     endif()

@@ -91,6 +91,7 @@ execute_process(COMMAND ${as_user} test -r ${BUILD}/cmake_install.cmake RESULT_V
 if(result EQUAL 0)
   execute_process(COMMAND ${as_user} ${CMAKE_COMMAND} --install ${BUILD} --prefix ${INSTALLED}/locked/here
                   RESULT_VARIABLE result ERROR_VARIABLE error OUTPUT_QUIET)
+  string(REGEX REPLACE "[ \n]+" " " error "${error}")  # CMake breaks lines
   if(result EQUAL 0 OR NOT error MATCHES "You may not write to ${INSTALLED}/locked\\. .*--prefix ~/\\.local")
     message(FATAL_ERROR "installing where one may not write: ${result}, ${error}")
   endif()
