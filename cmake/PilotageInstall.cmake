@@ -7,11 +7,8 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pilotage)
 
 # Before anything is written: one who may not write there is told where to.
 install(CODE "
-  cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_PREFIX NORMALIZE OUTPUT_VARIABLE folder)
-  if(DEFINED ENV{DESTDIR})
-    cmake_path(SET folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
-    cmake_path(ABSOLUTE_PATH folder NORMALIZE)
-  endif()
+  set(folder \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
+  cmake_path(ABSOLUTE_PATH folder NORMALIZE)
   while(NOT EXISTS \"\${folder}\")
     cmake_path(GET folder PARENT_PATH folder)
   endwhile()

@@ -123,23 +123,34 @@ TEST(RankPlaces, ThePlaceAsFeaturesHaveItIsKeptBesideThatOfLandmarks) {
   EXPECT_LT(places->rival_evidence, of_features.evidence / 2) << "neither is the other's rival";
 }
 
-TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {
-  const FlownFrame flown;
+/// A frame on a map with chips, up to where these are compared.
+struct ComparedFrame {
+  FlownFrame flown;
   MapReader map = MapReader::open_unverified(flown.path);
-  const FrameOnGrid rectified = flown.rectify(map);
-  const PivotedFrame described = describe(rectified, {});
-  const LocalMap local = flown.local_map(map, rectified, described);
-  const auto chips =
-      compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
+  FrameOnGrid rectified = flown.rectify(map);
+  PivotedFrame described = describe(rectified, {});
+  LocalMap local = flown.local_map(map, rectified, described);
+  SearchSpace space = search_space(rectified, local, flown.options);
+
+  std::optional<ChipComparison> compare() {
+    return compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
+  }
+  std::optional<RankedPlaces> rank(const std::optional<ChipComparison>& chips) const {
+    return rank_places(described, local, space, chips, std::nullopt, rectified.gsd_m);
+  }
+};
+
+TEST(CompareChips, FindsTheFrameAndSpeaksForItsPlace) {
+  ComparedFrame frame;
+  const auto chips = frame.compare();
   ASSERT_TRUE(chips.has_value());
   ASSERT_TRUE(chips->best.found);
   const Eigen::Vector2d truth_px =
-      rectified.grid.px_from_geodetic(flown.place(FlownFrame::kEast_m, FlownFrame::kNorth_m));
+      frame.rectified.grid.px_from_geodetic(frame.flown.place(FlownFrame::kEast_m, FlownFrame::kNorth_m));
   EXPECT_LT((chips->best.nadir_px - truth_px).norm(), 3);
 
-  const SearchSpace space = search_space(rectified, local, flown.options);
-  const auto with = rank_places(described, local, space, chips, std::nullopt, rectified.gsd_m);
-  const auto without = rank_places(described, local, space, std::nullopt, std::nullopt, rectified.gsd_m);
+  const auto with = frame.rank(chips);
+  const auto without = frame.rank(std::nullopt);
   ASSERT_TRUE(with.has_value());
   ASSERT_TRUE(without.has_value());
   EXPECT_GT(with->best.compared_px, 1000);
@@ -169,36 +180,21 @@ TEST(NearRival, IsAPlaceNearlyAsGoodWhereChipsDecide) {
 }
 
 TEST(CompareChips, DecideWhereFeaturesSayTooLittle) {
-  const FlownFrame flown;
-  MapReader map = MapReader::open_unverified(flown.path);
-  const FrameOnGrid rectified = flown.rectify(map);
-  const PivotedFrame described = describe(rectified, {});
-  const LocalMap local = flown.local_map(map, rectified, described);
-  auto chips =
-      compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
+  ComparedFrame frame;
+  auto chips = frame.compare();
   ASSERT_TRUE(chips.has_value());
-  const SearchSpace space = search_space(rectified, local, flown.options);
-  const auto decide = [&] {
-    return rank_places(described, local, space, chips, std::nullopt, rectified.gsd_m)->best.chips_decide;
-  };
-  chips->enough_evidence = least_evidence(flown.options.max_false_fix_rate, rectified.half_width_px);
+  const auto decide = [&] { return frame.rank(chips)->best.chips_decide; };
+  chips->enough_evidence = least_evidence(frame.flown.options.max_false_fix_rate, frame.rectified.half_width_px);
   EXPECT_FALSE(decide());
   chips->enough_evidence = 1e6;
   EXPECT_TRUE(decide());
 }
 
 TEST(CompareChips, OnlyWhereWanted) {
-  FlownFrame flown;
-  MapReader map = MapReader::open_unverified(flown.path);
-  const FrameOnGrid rectified = flown.rectify(map);
-  const PivotedFrame described = describe(rectified, {});
-  const LocalMap local = flown.local_map(map, rectified, described);
-  const auto compare = [&] {
-    return compare_chips(flown.gray, flown.prior, flown.ground.camera, map, flown.options, rectified, described, local);
-  };
-  ASSERT_TRUE(compare().has_value());
-  flown.options.chips = false;
-  EXPECT_FALSE(compare().has_value());
+  ComparedFrame frame;
+  ASSERT_TRUE(frame.compare().has_value());
+  frame.flown.options.chips = false;
+  EXPECT_FALSE(frame.compare().has_value());
 }
 
 }  // namespace

@@ -66,8 +66,8 @@ double rise_of_ray(const FrameOnGrid& rectified, const GroundHeights& ground, co
 double pair_error_factor(const RankedPlace& place) {
   if (!place.chips_decide) return 1;
   const double support = place.match.evidence();
-  return support > 0 ? std::min(support / std::max(support - place.chance_support, 1e-9), kMostPairErrorFactor)
-                     : kMostPairErrorFactor;
+  const double beyond_chance = support - place.chance_support;
+  return kMostPairErrorFactor * beyond_chance > support ? support / beyond_chance : kMostPairErrorFactor;
 }
 
 /// The tile of the feature nearest to the principal point's place.
