@@ -88,6 +88,10 @@ if(TARGET pilotage_prep)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/bash-completion ${PROJECT_BINARY_DIR}/share/zsh
           ${PROJECT_BINARY_DIR}/share/fish DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT prep)
   install(DIRECTORY schemas DESTINATION ${CMAKE_INSTALL_DATADIR}/pilotage COMPONENT prep OPTIONAL)
+  if(TARGET pilotage_python)
+    install(FILES ${PILOTAGE_PYTHON_FILES} DESTINATION ${PILOTAGE_PYTHON_INSTALL_DIR}/pilotage COMPONENT prep)
+    install(TARGETS pilotage_python_onboard DESTINATION ${PILOTAGE_PYTHON_INSTALL_DIR}/pilotage COMPONENT prep)
+  endif()
   # The sample mission as a user has it: without the sources that it is computed from.
   install(DIRECTORY maps/sample DESTINATION ${CMAKE_INSTALL_DATADIR}/pilotage COMPONENT prep
           PATTERN "*.cc" EXCLUDE PATTERN country EXCLUDE PATTERN ".*" EXCLUDE)

@@ -2,19 +2,21 @@
 #include <filesystem>
 
 #include "commands.h"
+#include "describe_commands.h"
 #include "manual.h"
 #include "version.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
 
-enum class ManualFormat { kMan, kMarkdown };
+enum class ManualFormat { kMan, kMarkdown, kJson };
 EnumNames<ManualFormat> enum_names(ManualFormat) {
-  return {{ManualFormat::kMan, "man"}, {ManualFormat::kMarkdown, "markdown"}};
+  return {{ManualFormat::kMan, "man"}, {ManualFormat::kMarkdown, "markdown"}, {ManualFormat::kJson, "json"}};
 }
 
 struct ManualOptions {
@@ -22,8 +24,10 @@ struct ManualOptions {
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
-    fields.field("format", self.format,
-                 "A page for man, or only the tables of a command's options as docs/commands has them.");
+    fields.field(
+        "format", self.format,
+        "A page for man; only the tables of a command's options as docs/commands has them; or all commands and "
+        "what they take, for programs.");
   }
 };
 
@@ -54,16 +58,26 @@ CommandResult write_pages(const Invocation& invocation) {
   return result;
 }
 
+std::string page_text(ManualFormat format, const std::string& word, const std::vector<Command>& commands) {
+  switch (format) {
+    case ManualFormat::kJson:
+      if (!word.empty()) throw UsageError("COMMAND does not go with --format json, which has all of them");
+      return json_text(describe_commands(commands), 2);
+    case ManualFormat::kMarkdown:
+      if (word.empty()) throw UsageError("COMMAND is missing: only a command has options");
+      return option_tables(find(commands, word));
+    case ManualFormat::kMan:
+      break;
+  }
+  return word.empty() ? manual_of_program(commands, version_line()).text
+                      : manual_of_command(find(commands, word), version_line()).text;
+}
+
 CommandResult print_page(const ManualOptions& options, const Invocation& invocation) {
-  const std::vector<Command>& commands = *invocation.commands;
   const std::string word = invocation.inputs.empty() ? "" : invocation.inputs.front();
-  const bool markdown = options.format == ManualFormat::kMarkdown;
-  if (markdown && word.empty()) throw UsageError("COMMAND is missing: only a command has options");
   CommandResult result;
-  result.text = markdown       ? option_tables(find(commands, word))
-                : word.empty() ? manual_of_program(commands, version_line()).text
-                               : manual_of_command(find(commands, word), version_line()).text;
-  result.json = {{"format", markdown ? "markdown" : "man"}, {"page", result.text}};
+  result.text = page_text(options.format, word, *invocation.commands);
+  result.json = {{"format", options_detail::enum_to_name(options.format)}, {"page", result.text}};
   return result;
 }
 

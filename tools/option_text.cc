@@ -17,13 +17,6 @@ constexpr std::pair<const char*, const char*> kUnits[] = {
     {"_px", "pixels"}, {"_mm", "mm"},       {"_km", "km"},    {"_m", "m"},         {"_s", "s"},
     {"_hz", "Hz"},     {"_bytes", "bytes"}, {"_bits", "bits"}};
 
-std::string unit_of(const std::string& path) {
-  for (const auto& [suffix, unit] : kUnits) {
-    if (path.ends_with(suffix)) return unit;
-  }
-  return "";
-}
-
 /// "100000" and "0.0001" where the shortest text would be "1e+05" and "1e-04".
 std::string plain_number(double number) {
   std::string text = format_number(number);
@@ -71,20 +64,13 @@ std::string default_of(const OptionField& field) {
 
 std::vector<std::string> limits_of(const OptionField& field) {
   std::vector<std::string> limits;
-  const bool numeric =
-      field.type == OptionType::kInteger || field.type == OptionType::kNumber || field.type == OptionType::kNumberList;
-  if (const std::string unit = unit_of(field.path); numeric && !unit.empty()) limits.push_back(unit);
+  if (const std::string unit = unit_of(field); !unit.empty()) limits.push_back(unit);
   if (field.range) limits.push_back(range_text(*field.range));
   if (!field.choices.empty()) limits.push_back(join(field.choices, " | "));
   if (field.is_path && field.type == OptionType::kStringList) limits.emplace_back("may be repeated");
   const std::string default_text = default_of(field);
   if (field.type != OptionType::kBool && !default_text.empty()) limits.push_back("default " + default_text);
   return limits;
-}
-
-std::string parent_of(const std::string& path) {
-  const auto dot = path.rfind('.');
-  return dot == std::string::npos ? "" : path.substr(0, dot);
 }
 
 // "--flag value" as one piece, so that a broken line keeps them together.
@@ -105,6 +91,21 @@ std::vector<std::string> pieces_of(const std::string& line) {
 
 }  // namespace
 
+std::string unit_of(const OptionField& field) {
+  const bool numeric =
+      field.type == OptionType::kInteger || field.type == OptionType::kNumber || field.type == OptionType::kNumberList;
+  if (!numeric) return "";
+  for (const auto& [suffix, unit] : kUnits) {
+    if (field.path.ends_with(suffix)) return unit;
+  }
+  return "";
+}
+
+std::string group_of(const OptionField& field) {
+  const auto dot = field.path.rfind('.');
+  return dot == std::string::npos ? "" : field.path.substr(0, dot);
+}
+
 OptionEntry describe_option(const OptionField& field) {
   const bool on_by_default = field.type == OptionType::kBool && field.default_value == OptionValue(true);
   const std::string letter = short_flag(field.flag);
@@ -117,7 +118,7 @@ std::vector<OptionSection> describe_options(const OptionList& list) {
   const auto add_section = [&](const std::string& heading, const std::string& group) {
     OptionSection section{heading.ends_with('.') ? heading.substr(0, heading.size() - 1) : heading, {}};
     for (const OptionField& field : list.fields) {
-      if (!field.flag.empty() && parent_of(field.path) == group) section.entries.push_back(describe_option(field));
+      if (!field.flag.empty() && group_of(field) == group) section.entries.push_back(describe_option(field));
     }
     if (!section.entries.empty()) sections.push_back(std::move(section));
   };

@@ -29,6 +29,12 @@ struct OptionSection {
 
 OptionEntry describe_option(const OptionField& field);
 
+/// "m/s" of a number whose name says so; "" of others.
+std::string unit_of(const OptionField& field);
+
+/// The group that a field stands in: "camera" of "camera.hfov_deg", "" of "stride_px".
+std::string group_of(const OptionField& field);
+
 /// Sections in the order of description; those without options of their own are left out.
 std::vector<OptionSection> describe_options(const OptionList& list);
 
