@@ -5,24 +5,15 @@ function for each command, whose keyword arguments, types and docstring are thos
 the arguments of matching, which the extension module takes by the same description, stand where it has @MATCH_OPTIONS@."""
 
 import json
-import keyword
-import re
+import pathlib
 import sys
 import textwrap
 
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "pilotage"))  # not the package, which is being made
+from described import inputs_of, kind_of, python_name, sections_of, spec_of
+
 WIDTH = 138
-# What only a terminal needs; `progress` is a callback here.
-OF_THE_TERMINAL = {"print_config", "print_schema", "json", "quiet", "progress"}
 TYPES = {"boolean": "bool", "integer": "int", "number": "float", "numbers": "float | Sequence[float]"}
-
-
-def python_name(text):
-    name = re.sub("[^a-z0-9]+", "_", text.lower()).strip("_")
-    return name + "_" if keyword.iskeyword(name) else name
-
-
-def kind_of(option):
-    return {"text": "path", "texts": "paths"}.get(option["type"], option["type"]) if option["path"] else option["type"]
 
 
 def type_of(option):
@@ -49,25 +40,6 @@ def limits_of(option):
     return f" [{'; '.join(limits)}]" if limits else ""
 
 
-def inputs_of(command):
-    """Name, whether it takes several, and whether it must be given, of each positional argument."""
-    inputs = command["inputs"]
-    if inputs["max"] == 0:
-        return []
-    words = inputs["name"].split()
-    result = []
-    for i, word in enumerate(words):
-        last = i == len(words) - 1
-        many = last and (inputs["max"] is None or inputs["max"] > len(words))
-        result.append((python_name(word), many, i < inputs["min"]))
-    return result
-
-
-def options_of(command):
-    return [(section["heading"], [option for option in section["options"] if option["name"] not in OF_THE_TERMINAL])
-            for section in command["sections"]]
-
-
 def wrapped(text, indent, hanging=4):
     return textwrap.wrap(text, WIDTH, initial_indent=" " * indent, subsequent_indent=" " * (indent + hanging), break_long_words=False,
                          break_on_hyphens=False)
@@ -85,7 +57,7 @@ def docstring_of(command):
     for i, (name, _, _) in enumerate(inputs_of(command)):
         more = " Or the options of a mission file as a dict." if command["inputs"]["is_config"] else ""
         lines += wrapped(f"{name}: {command['inputs']['help']}{more}" if i == 0 else f"{name}: As above.", 8)
-    for heading, options in options_of(command):
+    for heading, options in sections_of(command):
         if heading and options:
             lines += ["", *wrapped(heading, 8)]
         for option in options:
@@ -107,12 +79,12 @@ def docstring_of(command):
 
 def function_of(command):
     arguments = []
-    for name, many, required in inputs_of(command):
-        kind = "Path | Mapping[str, Any]" if command["inputs"]["is_config"] else "Path | Sequence[Path]" if many else "Path"
+    for name, several, required in inputs_of(command):
+        kind = "Path | Mapping[str, Any]" if command["inputs"]["is_config"] else "Path | Sequence[Path]" if several else "Path"
         arguments.append(f"{name}: {kind}" + ("" if required else " | None = None"))
     arguments.append("*")
     later = []
-    for _, options in options_of(command):
+    for _, options in sections_of(command):
         for option in options:
             name = python_argument(option)
             if name == "output" and command["output"]["required"]:
@@ -123,12 +95,8 @@ def function_of(command):
                 later.append(f"{name}: {type_of(option)} | None = None")
     arguments += later + ["progress: Progress | None = None"]
     name = python_name(command["word"])
-    spec = {"word": command["word"], "is_config": command["inputs"]["is_config"],
-            "inputs": [(argument, many) for argument, many, _ in inputs_of(command)],
-            "options": {python_argument(option): (option["flag"][2:], kind_of(option))
-                        for _, options in options_of(command) for option in options}}
     text = "\n\ndef " + name + "(\n" + "".join(f"    {argument},\n" for argument in arguments) + ") -> Result:\n"
-    return text + docstring_of(command) + f"    return run_command(_COMMANDS[{name!r}], locals(), VERSION)\n", (name, spec)
+    return text + docstring_of(command) + f"    return run_command(_COMMANDS[{name!r}], locals(), VERSION)\n", (name, spec_of(command))
 
 
 def commands_module(description):
@@ -154,7 +122,7 @@ def commands_module(description):
 def match_options(description):
     """The arguments of matching, and what they mean."""
     command = next(command for command in description["commands"] if command["word"] == "match")
-    options = [option for _, section in options_of(command) for option in section if option["name"].startswith("match.")]
+    options = [option for _, section in sections_of(command) for option in section if option["name"].startswith("match.")]
     return [(option["name"].removeprefix("match."), option) for option in options]
 
 

@@ -3,6 +3,7 @@
 
 check_in_qgis.py FOLDER [PICTURES]: with PICTURES, a folder, also draws them there, to be looked at.
 """
+import math
 import os
 import sys
 
@@ -30,9 +31,20 @@ def vector_layer(file, name, labels):
     return layer
 
 
+def range_of_ground(file):
+    """What colours span: from the 2nd to the 98th percentile (nearest rank) of P(correct fix)."""
+    tiles = QgsVectorLayer(f"{file}|layername=tiles", "tiles", "ogr")
+    values = sorted(value for value in (feature["p_correct_fix"] for feature in tiles.getFeatures()) if isinstance(value, float))
+    low, high = (values[max(math.ceil(share * len(values)), 1) - 1] for share in (0.02, 0.98))
+    check("the ground spans a tenth, else its colours would be wider", high - low >= 0.1, True)
+    return low, high
+
+
 def tile_layer(file, more_labels):
-    classes = [f"P(correct fix) {low:.2f} – {low + 0.2:.2f}" for low in (0, 0.2, 0.4, 0.6, 0.8)]
-    tiles = vector_layer(file, "tiles", classes + ["P(correct fix): not known"] + more_labels)
+    low, high = range_of_ground(file)
+    edges = [f"{low + (high - low) * i / 5:.2f}" for i in range(1, 5)]
+    classes = [f"below {edges[0]}", *(f"{a} – {b}" for a, b in zip(edges, edges[1:])), f"from {edges[-1]}"]
+    tiles = vector_layer(file, "tiles", [f"P(correct fix) {text}" for text in classes] + ["P(correct fix): not known"] + more_labels)
     names = [field.name() for field in tiles.fields()]
     check("alias", tiles.attributeAlias(names.index("p_correct_fix")), "P(correct fix)")
     check("alias with unit", tiles.attributeAlias(names.index("relief_m")), "Highest minus lowest ground [m]")
@@ -57,19 +69,20 @@ def survey_vectors(file):
     return [vector_layer(file, "squares", [""]), tile_layer(file, []), vector_layer(file, "decision", CLASSES)]
 
 
-def heat_map(folder, name):
+def heat_map(folder, name, spanned):
     layer = QgsRasterLayer(f"{folder}/{name}", name)
     check(f"{name} opens", layer.isValid(), True)
     renderer = layer.renderer()
     check(f"{name}: renderer", renderer.type(), "singlebandpseudocolor")
     check(f"{name}: band", layer.bandName(renderer.band()).split(": ")[1], "p_correct_fix")
-    check(f"{name}: range", (renderer.classificationMin(), renderer.classificationMax()), (0.0, 1.0))
+    drawn = renderer.classificationMin(), renderer.classificationMax()
+    check(f"{name}: range", [round(value, 4) for value in drawn], [round(value, 4) for value in spanned])
     shader = renderer.shader().rasterShaderFunction()
     items = shader.colorRampItemList()
     check(f"{name}: colours", (len(items), items[0].color.name(), items[-1].color.name()), (33, "#f4f1ea", "#003262"))
     check(f"{name}: interpolated", shader.colorRampType(), shader.Interpolated)
     check(f"{name}: colour ramp", shader.sourceColorRamp().color1().name(), "#f4f1ea")
-    check(f"{name}: legend", shader.legendSettings().maximumLabel(), "1.00 P(correct fix)")
+    check(f"{name}: legend", shader.legendSettings().maximumLabel(), f"{spanned[1]:.2f} P(correct fix)")
     return layer
 
 
@@ -98,14 +111,14 @@ def picture(layers):
 
 
 def check_drawn(decision):
-    """At the middle of each tile the map shows the colour of its class. Of tiles of one level, which do not lie over each other."""
+    """Within each area the map shows the colour of its class. Of tiles of one level, which do not lie over each other."""
     image, extent = picture([decision])
     symbols = {rule.label(): rule.symbol() for rule in decision.renderer().rootRule().children()}
     check("decision: colours of classes", sorted(symbols), sorted(CLASSES))
     per_pixel = max(extent.width() / image.width(), extent.height() / image.height())
     seen = {name: 0 for name in CLASSES}
     for feature in decision.getFeatures():
-        middle = feature.geometry().centroid().asPoint()
+        middle = feature.geometry().poleOfInaccessibility(1)[0].asPoint()
         x = round(image.width() / 2 + (middle.x() - extent.center().x()) / per_pixel)
         y = round(image.height() / 2 - (middle.y() - extent.center().y()) / per_pixel)
         symbol = symbols[feature["class"]]
@@ -127,13 +140,13 @@ def main():
     is_survey = os.path.exists(f"{folder}/survey.gpkg")
     stem = "survey" if is_survey else "report"
     layers = (survey_vectors if is_survey else report_vectors)(f"{folder}/{stem}.gpkg")
-    heat = heat_map(folder, f"{stem}_scores.tif")
+    heat = heat_map(folder, f"{stem}_scores.tif", range_of_ground(f"{folder}/{stem}.gpkg"))
     classes = class_raster(folder, f"{stem}_classes.tif")
     seen = check_drawn(layers[-1]) if is_survey else None
     if len(sys.argv) > 2:
         for name, shown in (("layers", layers), ("decision", layers[-1:]), ("heat", layers[:-2] + [heat]), ("classes", [classes])):
             picture(shown)[0].save(f"{sys.argv[2]}/{stem}_{name}.png")
-    print("\n".join(problems[:20]) or f"checked in QGIS {Qgis.QGIS_VERSION}" + (f": tiles drawn in the colour of their class: {seen}" if seen else ""), flush=True)
+    print("\n".join(problems[:20]) or f"checked in QGIS {Qgis.QGIS_VERSION}" + (f": areas drawn in the colour of their class: {seen}" if seen else ""), flush=True)
     os._exit(1 if problems else 0)  # QGIS and Python do not always agree on who goes first
 
 

@@ -32,13 +32,15 @@ class Result(dict):
         self.command = command
 
 
-def find_program(version):
-    """The program: PILOTAGE_PROGRAM, or `pilotage` on the PATH. Throws DataError where it is missing or of another version."""
+def find_program(version=None):
+    """The program: PILOTAGE_PROGRAM, or `pilotage` on the PATH. Throws DataError where it is missing, or of another version than `version`."""
     named = os.environ.get("PILOTAGE_PROGRAM")
     program = shutil.which(named or "pilotage")
     if program is None:
         raise DataError(f"{named}: is no program (PILOTAGE_PROGRAM)" if named else
                         "the program pilotage is not on the PATH; install it, or name it in PILOTAGE_PROGRAM")
+    if version is None:
+        return program
     if program not in _checked:
         told = subprocess.run([program, "--version"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
         _checked[program] = told.stdout.split("\n", 1)[0]
@@ -101,11 +103,11 @@ def _flags(name, flag, kind, value):
 
 def _command_line(spec, given):
     """The words after the program's name, and what stands on its standard input: the name of the argument, and its text."""
-    words = [spec["word"], "--json", "--progress=" + ("none" if given["progress"] is None else "json")]
+    words = [spec["word"], "--json", "--progress=" + ("none" if given.get("progress") is None else "json")]
     standard_input = ("", "")
     inputs = []
     for name, many in spec["inputs"]:
-        value = given[name]
+        value = given.get(name)
         if value is None:
             continue
         if spec["is_config"] and isinstance(value, collections.abc.Mapping):
@@ -114,7 +116,7 @@ def _command_line(spec, given):
         else:
             inputs += _items(name, value, _path) if many else [_path(name, value)]
     for name, (flag, kind) in spec["options"].items():
-        value = given[name]
+        value = given.get(name)
         if value is None:
             continue
         if name == "config" and isinstance(value, collections.abc.Mapping):
@@ -159,8 +161,8 @@ def _follow(process, progress):
     return "".join(said)
 
 
-def run_command(spec, given, version):
-    """Runs a command as `spec` (write_commands.py) describes it, with the arguments of its function. Ctrl-C ends it."""
+def run_command(spec, given, version=None):
+    """Runs a command as `spec` (described.py) has it, with the arguments of its function by name; None is not given. Ctrl-C ends it."""
     words, standard_input = _command_line(spec, given)
     command = [find_program(version), *words]
     with tempfile.TemporaryFile("w+", encoding="utf-8") as answer, tempfile.TemporaryFile("w+", encoding="utf-8") as config:
@@ -170,7 +172,7 @@ def run_command(spec, given, version):
         with subprocess.Popen(command, stdin=config, stdout=answer, stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="replace",
                               start_new_session=True) as process:
             try:
-                said = _follow(process, given["progress"])
+                said = _follow(process, given.get("progress"))
                 code = process.wait()
             except BaseException:
                 _end(process)
