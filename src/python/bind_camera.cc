@@ -33,14 +33,12 @@ Camera make_camera(int width_px, int height_px, double fx_px, double fy_px, doub
   return camera;
 }
 
-std::string camera_repr(const Camera& camera) {
+/// As it is made.
+std::string camera_repr(const py::object& self) {
   std::string text;
-  for (const auto& [key, value] : camera_to_text(camera)) {
-    const bool quoted = key == "distortion_model";
-    text += (text.empty() ? "" : ", ") + key + "=" +
-            (quoted                ? "'" + value + "'"
-             : key == "distortion" ? "'" + value + "'"
-                                   : value);
+  for (const char* name : {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion_model",
+                           "distortion", "mount_yaw_deg", "mount_pitch_deg", "mount_roll_deg"}) {
+    text += (text.empty() ? "" : ", ") + std::string(name) + "=" + std::string(py::repr(self.attr(name)));
   }
   return "Camera(" + text + ")";
 }

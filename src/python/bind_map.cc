@@ -9,7 +9,6 @@
 #include "onboard_module.h"
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
@@ -123,7 +122,7 @@ std::optional<int> level_of(MapReader& reader, std::int64_t tile_id, std::option
 }
 
 std::optional<StoredDescriptors> descriptors_of(SharedMap& map, std::int64_t tile_id, std::optional<int> level) {
-  return with_reader(map, [&](MapReader& reader) -> std::optional<StoredDescriptors> {
+  return map.use([&](MapReader& reader) -> std::optional<StoredDescriptors> {
     const std::optional<int> at = level_of(reader, tile_id, level);
     const MapLevel* const found = at ? reader.find_level(*at) : nullptr;
     if (found == nullptr) return std::nullopt;
@@ -134,7 +133,7 @@ std::optional<StoredDescriptors> descriptors_of(SharedMap& map, std::int64_t til
 }
 
 std::optional<StoredChip> chip_of(SharedMap& map, std::int64_t tile_id, std::optional<int> level) {
-  return with_reader(map, [&](MapReader& reader) -> std::optional<StoredChip> {
+  return map.use([&](MapReader& reader) -> std::optional<StoredChip> {
     const std::optional<int> at = level_of(reader, tile_id, level);
     std::shared_ptr<const DecodedChip> chip = at ? reader.decoded_chip(tile_id, *at) : nullptr;
     if (!chip) return std::nullopt;
@@ -143,7 +142,7 @@ std::optional<StoredChip> chip_of(SharedMap& map, std::int64_t tile_id, std::opt
 }
 
 py::array_t<TileRecord> tiles(SharedMap& map, std::optional<int> level) {
-  const std::vector<MapTile> found = with_reader(map, [&](MapReader& reader) { return reader.tiles(level); });
+  const std::vector<MapTile> found = map.use([&](MapReader& reader) { return reader.tiles(level); });
   std::vector<TileRecord> records;
   for (const MapTile& tile : found) records.push_back(record_of<TileRecord>(tile));
   return py::array_t<TileRecord>(static_cast<py::ssize_t>(records.size()), records.data());
@@ -151,7 +150,7 @@ py::array_t<TileRecord> tiles(SharedMap& map, std::optional<int> level) {
 
 py::array_t<NearTileRecord> near(SharedMap& map, double lon_deg, double lat_deg, double radius_m,
                                  std::optional<int> level) {
-  const std::vector<NearTile> found = with_reader(map, [&](MapReader& reader) {
+  const std::vector<NearTile> found = map.use([&](MapReader& reader) {
     return reader.tiles_near(GeodeticPoint{lon_deg, lat_deg}, radius_m, level);
   });
   std::vector<NearTileRecord> records;
@@ -175,18 +174,18 @@ py::object object_of(const MapValue& value) {
 }
 
 py::dict tile_values(SharedMap& map, std::int64_t tile_id) {
-  const auto values = with_reader(map, [&](MapReader& reader) { return reader.tile_values(tile_id); });
+  const auto values = map.use([&](MapReader& reader) { return reader.tile_values(tile_id); });
   if (!values) throw UsageError("tile_id = " + std::to_string(tile_id) + ": the map has no such tile");
   py::dict result;
   for (std::size_t i = 0; i < values->size(); ++i) {
-    result[py::str(map.reader.tile_columns()[i].name)] = object_of((*values)[i]);
+    result[py::str(map.reader().tile_columns()[i].name)] = object_of((*values)[i]);
   }
   return result;
 }
 
 py::list levels(const SharedMap& map) {
   py::list result;
-  for (const MapLevel& level : map.reader.levels()) {
+  for (const MapLevel& level : map.reader().levels()) {
     py::dict item;
     item["level"] = level.matrix.level;
     item["gsd_m"] = level.gsd_m;
@@ -200,7 +199,7 @@ py::list levels(const SharedMap& map) {
 }
 
 py::dict info(const SharedMap& map) {
-  const MapInfo& said = map.reader.info();
+  const MapInfo& said = map.reader().info();
   py::dict result;
   result["schema_version"] = said.schema_version;
   result["crs"] = said.crs.name;
@@ -213,7 +212,7 @@ py::dict info(const SharedMap& map) {
 }
 
 py::dict purpose(const SharedMap& map) {
-  const MapPurpose& said = map.reader.purpose();
+  const MapPurpose& said = map.reader().purpose();
   py::dict result;
   result["mission_name"] = said.mission_name;
   result["map_version"] = said.map_version;
@@ -230,15 +229,30 @@ void check_purpose_of(SharedMap& map, const std::optional<std::string>& mission_
     required.now = parse_utc_time(*now);
     if (!required.now) throw UsageError("now = \"" + *now + "\" is no moment in UTC, as 2027-01-01T00:00:00Z");
   }
-  with_reader(map, [&](MapReader& reader) { check_purpose(reader, required); });
+  map.use([&](MapReader& reader) { check_purpose(reader, required); });
 }
 
-std::shared_ptr<SharedMap> open_map(const std::filesystem::path& path,
-                                    const std::optional<std::vector<std::string>>& trusted_keys,
-                                    std::size_t cache_bytes) {
+/// One key or several, each as its text or as the file that holds it.
+std::vector<std::string> keys_of(const py::object& given) {
+  const py::object fsdecode = py::module_::import("os").attr("fsdecode");
+  const bool alone = py::isinstance<py::str>(given) || py::hasattr(given, "__fspath__");
+  std::vector<std::string> keys;
+  for (const py::handle key : alone ? py::object(py::make_tuple(given)) : given) {
+    keys.push_back(fsdecode(key).cast<std::string>());
+  }
+  if (keys.empty()) throw UsageError("trusted_keys is empty; None opens a map that nobody vouches for");
+  return keys;
+}
+
+std::shared_ptr<SharedMap> open_map(const py::object& path, const py::object& trusted_keys, std::size_t cache_bytes) {
+  const std::string file = py::bytes(py::module_::import("os").attr("fsencode")(path));
+  if (trusted_keys.is_none()) {
+    const py::gil_scoped_release released;
+    return std::make_shared<SharedMap>(MapReader::open_unverified(file, cache_bytes));
+  }
+  const std::vector<std::string> keys = keys_of(trusted_keys);
   const py::gil_scoped_release released;
-  return std::make_shared<SharedMap>(trusted_keys ? MapReader::open(path, *trusted_keys, cache_bytes)
-                                                  : MapReader::open_unverified(path, cache_bytes));
+  return std::make_shared<SharedMap>(MapReader::open(file, keys, cache_bytes));
 }
 
 }  // namespace
@@ -292,7 +306,7 @@ void bind_map(py::module_& module) {
            "nobody says who wrote it: for the ground. `cache_bytes` bounds the memory for decoded tiles.\n\n"
            "Throws IntegrityError for a wrong signature, DataError for a file that is no map, UsageError for a key "
            "that is none.")
-      .def_property_readonly("name", [](const SharedMap& map) { return map.reader.name(); })
+      .def_property_readonly("name", [](const SharedMap& map) { return python_text(map.reader().name()); })
       .def_property_readonly("info", &info,
                              "dict: schema_version, crs, crs_authority, crs_wkt, and the entries of map_info.")
       .def_property_readonly("purpose", &purpose,
@@ -300,13 +314,13 @@ void bind_map(py::module_& module) {
       .def_property_readonly("levels", &levels,
                              "A dict for each level: gsd_m, tile_size_px, stride_px, min_agl_m, max_agl_m.")
       .def_property_readonly(
-          "camera", [](const SharedMap& map) { return map.reader.camera(); },
+          "camera", [](const SharedMap& map) { return map.reader().camera(); },
           "The Camera that the map was prepared for; None where it does not say.")
       .def_property_readonly(
-          "elevation_sigma_m", [](const SharedMap& map) { return map.reader.elevation_sigma_m(); },
+          "elevation_sigma_m", [](const SharedMap& map) { return map.reader().elevation_sigma_m(); },
           "Standard deviation of the ground's heights; None where it does not say.")
-      .def_property_readonly("has_chips", [](const SharedMap& map) { return map.reader.has_chips(); })
-      .def_property_readonly("has_landmarks", [](const SharedMap& map) { return map.reader.has_landmarks(); })
+      .def_property_readonly("has_chips", [](const SharedMap& map) { return map.reader().has_chips(); })
+      .def_property_readonly("has_landmarks", [](const SharedMap& map) { return map.reader().has_landmarks(); })
       .def("tiles", &tiles, py::arg("level") = py::none(),
            "The tiles by ascending number, as a structured array: tile_id, level, column, row, min_x_m … max_y_m (the "
            "footprint in the\n"
@@ -314,7 +328,7 @@ void bind_map(py::module_& module) {
       .def("near", &near, py::arg("lon_deg"), py::arg("lat_deg"), py::arg("radius_m"), py::arg("level") = py::none(),
            "Tiles whose footprint comes within `radius_m` of a point on the ground, nearest first: as tiles(), with "
            "distance_m.\n\n"
-           "Throws UsageError unless the point is on Earth and radius_m in [0, 100000].")
+           "Throws UsageError for a latitude beyond the poles, and unless radius_m is in [0, 100000].")
       .def("tile_values", &tile_values, py::arg("tile_id"),
            "dict: what the stages said of a tile (schemas/tiles-csv.md); None where nothing is known. Throws "
            "UsageError for no tile.")
@@ -327,7 +341,7 @@ void bind_map(py::module_& module) {
            "Throws IntegrityError when the map is not for this mission, is older than this version, was prepared for "
            "another camera, or\n"
            "has expired `now` (2027-01-01T00:00:00Z), or does not say what one of these asks for.")
-      .def("__repr__", [](const SharedMap& map) { return "Map('" + map.reader.name() + "')"; });
+      .def("__repr__", [](const SharedMap& map) { return python_text("Map('" + map.reader().name() + "')"); });
 }
 
 }  // namespace pilotage::python

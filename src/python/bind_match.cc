@@ -9,6 +9,7 @@
 #include <pybind11/stl.h>
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/text.h"
 #include "pilotage/geo/position_covariance.h"
 #include "pilotage/match/match.h"
 
@@ -25,6 +26,7 @@ MatchPrior make_prior(double lon_deg, double lat_deg, double height_agl_m, std::
   if (sigma_m.has_value() == covariance_en_m2.has_value()) {
     throw UsageError("sigma_m or covariance_en_m2, one of the two, says how sure the position is");
   }
+  if (sigma_m && *sigma_m < 0) throw UsageError("sigma_m = " + format_number(*sigma_m) + " is below 0");
   Eigen::Matrix2d covariance_m2;
   if (sigma_m) {
     covariance_m2 = isotropic_covariance_m2(*sigma_m);
@@ -59,7 +61,7 @@ cv::Mat pixels_of_frame(const py::array& frame) {
 
 /// The map's camera for a frame of this size. A frame of another shape gets it as it is, for match() to refuse.
 Camera own_camera(const SharedMap& map, const cv::Mat& frame) {
-  const std::optional<Camera>& camera = map.reader.camera();
+  const std::optional<Camera>& camera = map.reader().camera();
   if (!camera) throw UsageError("camera: the map names none; give one");
   if (frame.empty()) return *camera;
   try {
@@ -85,7 +87,7 @@ MatchResult match_frame(SharedMap& map, const py::array& frame, const MatchPrior
     asked = std::chrono::steady_clock::now();
     return PyErr_CheckSignals() == 0;
   };
-  return with_reader(map, [&](MapReader& reader) { return match(pixels, prior, lens, reader, options, go_on); });
+  return map.use([&](MapReader& reader) { return match(pixels, prior, lens, reader, options, go_on); });
 }
 
 /// Reads the attributes that `names` lists, for tables.

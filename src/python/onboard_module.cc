@@ -3,6 +3,8 @@
 #include <exception>
 #include <utility>
 
+#include <unistd.h>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/base/text.h"
@@ -14,9 +16,9 @@ namespace pilotage::python {
 namespace {
 
 OptionValue value_of(const std::string& name, const OptionField& field, const py::handle& value) {
-  if (value.is_none()) return std::monostate{};
   const std::string type = py::str(py::type::of(value).attr("__name__"));
-  const bool is_bool = py::isinstance<py::bool_>(value) || type == "bool_";  // numpy's
+  const std::string module = py::str(py::type::of(value).attr("__module__"));
+  const bool is_bool = py::isinstance<py::bool_>(value) || (module == "numpy" && (type == "bool_" || type == "bool"));
   switch (field.type) {
     case OptionType::kBool:
       if (is_bool) return value.cast<bool>();
@@ -44,10 +46,29 @@ std::string limits_of(const OptionField& field) {
 
 }  // namespace
 
+SharedMap::SharedMap(MapReader opened) : reader_(std::move(opened)), process_(getpid()) {}
+
+void SharedMap::refuse_use() const {
+  if (getpid() != process_) {
+    throw UsageError(reader_.name() + ": was opened before this process was forked; open it again");
+  }
+  if (owner_ == std::this_thread::get_id()) {
+    throw UsageError(reader_.name() +
+                     ": is being matched by this thread, and a handler of a signal may not use it meanwhile");
+  }
+}
+
+py::str python_text(const std::string& text) {
+  PyObject* const decoded = PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape");
+  if (decoded == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(decoded);
+}
+
 void set_options(const OptionList& options, const py::kwargs& values, const std::string& function) {
   for (const auto& [key, value] : values) {
     const auto name = key.cast<std::string>();
     const OptionField* const field = options.find(name);
+    if (value.is_none() && field != nullptr) continue;  // not given
     if (field == nullptr) throw py::type_error(function + "() got an unexpected keyword argument '" + name + "'");
     field->set(value_of(name, *field, value));
   }
@@ -72,7 +93,7 @@ PYBIND11_MODULE(_onboard, module) {
   static const py::object* errors = new py::object(py::module_::import("pilotage.errors"));
   py::register_exception_translator([](std::exception_ptr thrown) {
     const auto raise = [](const char* kind, const std::exception& error) {
-      PyErr_SetString(errors->attr(kind).ptr(), error.what());
+      PyErr_SetObject(errors->attr(kind).ptr(), python::python_text(error.what()).ptr());
     };
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));

@@ -1,32 +1,59 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 
 #include <pybind11/pybind11.h>
+#include <sys/types.h>
 
 #include "pilotage/base/options.h"
 #include "pilotage/mapdb/map_reader.h"
 
 namespace pilotage::python {
 
-/// A MapReader for any number of Python's threads, one at a time. The interpreter's lock is let go before `mutex` is
-/// taken, and taken again after `mutex` is let go: a thread that waits for one never holds the other.
-struct SharedMap {
-  explicit SharedMap(MapReader opened) : reader(std::move(opened)) {}
+/// A MapReader for any number of Python's threads, one at a time.
+class SharedMap {
+ public:
+  explicit SharedMap(MapReader opened);
 
-  MapReader reader;
-  std::mutex mutex;
+  /// For what never changes: info, levels, camera.
+  const MapReader& reader() const { return reader_; }
+
+  /// Calls `work` with the reader, without the interpreter's lock, which is let go before the map's own is taken.
+  /// `work` may take it back for a while, as matching does to have Python's handlers of signals run: they find the map
+  /// in use, which is a UsageError, and so does a process that was forked from the one that opened it.
+  template <class Work>
+  auto use(const Work& work) {
+    refuse_use();
+    const pybind11::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    const Owner owner(owner_);
+    return work(reader_);
+  }
+
+ private:
+  struct Owner {
+    explicit Owner(std::atomic<std::thread::id>& of) : owner(of) { owner = std::this_thread::get_id(); }
+    ~Owner() { owner = std::thread::id{}; }
+    Owner(const Owner&) = delete;
+    Owner& operator=(const Owner&) = delete;
+
+    std::atomic<std::thread::id>& owner;
+  };
+
+  void refuse_use() const;
+
+  MapReader reader_;
+  std::mutex mutex_;
+  std::atomic<std::thread::id> owner_{};
+  pid_t process_;
 };
 
-/// Calls `work` with the reader, without the interpreter's lock: it must not touch anything of Python's.
-template <class Work>
-auto with_reader(SharedMap& map, const Work& work) {
-  const pybind11::gil_scoped_release released;
-  const std::lock_guard lock(map.mutex);
-  return work(map.reader);
-}
+/// A text of the library's as Python has it; bytes that are no UTF-8, of the names of files, as os.fsdecode has them.
+pybind11::str python_text(const std::string& text);
 
 /// Takes the values of keyword arguments into described options. Throws TypeError for a name that is none of them or a
 /// value of another type, UsageError for one that is not allowed.

@@ -10,7 +10,7 @@ import sys
 import textwrap
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "pilotage"))  # not the package, which is being made
-from described import inputs_of, kind_of, python_name, sections_of, spec_of
+from described import in_words_of_python, inputs_of, kind_of, python_name, sections_of, spec_of
 
 WIDTH = 138
 TYPES = {"boolean": "bool", "integer": "int", "number": "float", "numbers": "float | Sequence[float]"}
@@ -50,22 +50,23 @@ def python_argument(option):
 
 
 def docstring_of(command):
+    spec = spec_of(command)
     lines = wrapped(f'r"""{command["summary"]}.', 4, 0) + [""]
     lines += wrapped(f"`{command['usage']}`: what is not given is as the program has it. Returns what `--json` prints, as schemas/results/"
                      f"{command['word']}.json says; docs/commands/{command['word']}.md has the rest.", 4, 0)
     lines += ["", "    Args:"]
     for i, (name, _, _) in enumerate(inputs_of(command)):
         more = " Or the options of a mission file as a dict." if command["inputs"]["is_config"] else ""
-        lines += wrapped(f"{name}: {command['inputs']['help']}{more}" if i == 0 else f"{name}: As above.", 8)
+        lines += wrapped(f"{name}: {in_words_of_python(command['inputs']['help'], spec)}{more}" if i == 0 else f"{name}: As above.", 8)
     for heading, options in sections_of(command):
         if heading and options:
-            lines += ["", *wrapped(heading, 8)]
+            lines += ["", *wrapped(in_words_of_python(heading, spec), 8)]
         for option in options:
             if option["name"] == "output" and command["output"]["kind"] != "none":
                 option = {**option, "help": command["output"]["help"], "default": ""}
             elif option["name"] == "config":
                 option = {**option, "help": "Options from a JSON file, or as a dict; arguments win over it."}
-            lines += wrapped(f"{python_argument(option)}: {option['help']}{limits_of(option)}", 8)
+            lines += wrapped(f"{python_argument(option)}: {in_words_of_python(option['help'], spec)}{limits_of(option)}", 8)
     lines += wrapped("progress: Called with what is done, how much of it, and how much there is in all (0: not known), by the calling "
                      "thread, some times a second. What returns False ends the work (Interrupted).", 8)
     lines += ["", "    Raises:"]

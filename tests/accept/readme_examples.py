@@ -1,4 +1,4 @@
-"""The examples of README.md, docs/examples/onboard/README.md and docs/tutorial.md, as printed, in their order, and then once more.
+"""The examples of README.md, docs/stages.md, docs/examples/onboard/README.md and docs/tutorial.md, as printed, in their order, and then once more.
 
 readme_examples.py PILOTAGE SOURCE_FOLDER BUILD_FOLDER [--once]
 
@@ -14,7 +14,7 @@ import sys
 from acceptance import SKIP, check, main
 from page_examples import blocks, examples_in, run_example
 
-PAGES = ("README.md", "docs/examples/onboard/README.md", "docs/tutorial.md")
+PAGES = ("README.md", "docs/stages.md", "docs/examples/onboard/README.md", "docs/tutorial.md")
 
 
 def checkout_of(source, build, work):

@@ -4,6 +4,7 @@ import inspect
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import time
 import unittest
 import warnings
 
+import numpy
 import pilotage
 from given import MAP, InAFolder, write_gray_frames
 
@@ -32,7 +34,10 @@ class Arguments(unittest.TestCase):
             for section in command["sections"]:
                 for option in section["options"]:
                     if option["flag"] in flags and option["name"] not in ("output", "config"):
-                        self.assertIn(option["help"].split()[0], function.__doc__)
+                        word = option["help"].replace("Exit", "Throw").split()[0]
+                        self.assertRegex(function.__doc__, rf"(?m)^ +{option['flag'][2:].replace('-', '_')}_?: {re.escape(word)}")
+            typed = re.findall("--[a-z][a-z0-9-]*|Exit with", re.sub("`[^`]*`", "", function.__doc__))  # back quotes: for the command line
+            self.assertEqual([word for word in typed if word in {*flags, "Exit with"}], [], command["word"])
 
     def test_of_the_terminal_are_none_of_python(self):
         for name in ("print_config", "print_schema", "json", "quiet"):
@@ -72,6 +77,21 @@ class Results(InAFolder):
         self.assertEqual(built["tiles"], selection["selected_tiles"])
         self.assertEqual(len(pilotage.Map("map.gpkg").tiles()), built["tiles"])
         self.assertTrue(pilotage.verify("map.gpkg")["intact"])
+
+    def test_a_dict_may_hold_paths_and_numpys_numbers(self):
+        pilotage.tile("tile.json", output="a.json", agl_m=80)
+        pilotage.tile({**self.mission, "agl_m": numpy.float32(80), "imagery": [pathlib.Path("ortho.tif")], "max_error_m": numpy.int64(20)},
+                      output="b.json")
+        self.assertEqual(pathlib.Path("a.json").read_bytes(), pathlib.Path("b.json").read_bytes())
+        with self.assertRaisesRegex(pilotage.UsageError, "mission holds what JSON cannot"):
+            pilotage.tile({**self.mission, "agl_m": float("nan")}, output="c.json")
+        with self.assertRaisesRegex(TypeError, "mission holds a set"):
+            pilotage.tile({**self.mission, "imagery": {"ortho.tif"}}, output="c.json")
+
+    def test_numpys_numbers_are_numbers(self):
+        pilotage.tile("tile.json", output="a.json", agl_m=numpy.float32(80), overwrite=numpy.True_)
+        pilotage.tile("tile.json", output="b.json", agl_m=80)
+        self.assertEqual(pathlib.Path("a.json").read_bytes(), pathlib.Path("b.json").read_bytes())
 
     def test_list_of_rasters_and_one_alone(self):
         options = {"tile_size_px": 128, "stride_px": 128, "measures": "gray_variance"}
@@ -131,11 +151,18 @@ class Errors(InAFolder):
                 (lambda: pilotage.score("ortho.tif", output="s.tif", tile_size_px="64"), "tile_size_px must be an integer, not str"),
                 (lambda: pilotage.tile("tile.json", output="p.json", agl_m="60"), "agl_m must be a number, not str"),
                 (lambda: pilotage.tile("tile.json", output="p.json", agl_m=True), "agl_m must be a number, not bool"),
+                (lambda: pilotage.tile("tile.json", output="p.json", agl_m=numpy.True_), "agl_m must be a number, not bool"),
+                (lambda: pilotage.tile("tile.json", output="p.json", progress=True), "progress must be a function"),
                 (lambda: pilotage.tile("tile.json", output="p.json", overwrite=1), "overwrite must be True or False, not int"),
                 (lambda: pilotage.tile("tile.json", output=3), "output must be a path, not int"),
                 (lambda: pilotage.tile("tile.json", output="p.json", tile_sise_px=3), "unexpected keyword argument 'tile_sise_px'"),
                 (lambda: pilotage.tile("tile.json"), "missing 1 required keyword-only argument: 'output'")):
             self.expect(TypeError, pattern, call)
+
+    def test_nothing_in_a_list_is_no_choice(self):
+        for call in (lambda: pilotage.tile("tile.json", output="p.json", imagery=[]), lambda: pilotage.tile("tile.json", output="p.json", imagery=[""]),
+                     lambda: pilotage.score("ortho.tif", output="s.tif", measures=[])):
+            self.expect(pilotage.UsageError, "^(imagery|measures) (is empty|holds an empty text); leave it out", call)
 
     def test_standard_streams_are_refused(self):
         self.expect(pilotage.UsageError, "standard input and output are for the command line", lambda: pilotage.tile("-", output="plan.json"))
@@ -159,6 +186,9 @@ class Errors(InAFolder):
         self.addCleanup(os.environ.__setitem__, "PILOTAGE_PROGRAM", PROGRAM)
         self.expect(pilotage.DataError, r'other: is "pilotage 0\.0\.1", but this module is of pilotage ',
                     lambda: pilotage.tile("tile.json", output="plan.json"))
+        other.unlink()
+        other.symlink_to(PROGRAM)  # the right one is installed
+        pilotage.tile("tile.json", output="plan.json")
         os.environ["PILOTAGE_PROGRAM"] = "no_such_program"
         self.expect(pilotage.DataError, "no_such_program: is no program", lambda: pilotage.tile("tile.json", output="plan.json"))
 
@@ -190,6 +220,50 @@ class Progress(InAFolder):
         with self.assertRaises(pilotage.Interrupted):
             pilotage.prepare("mission.json", output="out", progress=lambda what, done, total: "score" not in what)
         self.assertEqual([path for path in sorted(self.folder.rglob("*")) if path not in before and path.is_file()], [])
+
+    def test_numpys_false_ends_it_too(self):
+        with self.assertRaises(pilotage.Interrupted):
+            pilotage.prepare("mission.json", output="out", progress=lambda what, done, total: numpy.bool_(False))
+
+    def test_a_slow_callback_is_told_the_latest(self):
+        said = []
+
+        def progress(what, done, total):
+            said.append(what)
+            time.sleep(0.5)
+
+        began = time.monotonic()
+        pilotage.prepare("mission.json", output="out", flights=0, progress=progress)
+        slow = time.monotonic() - began
+        self.assertLess(len(said), 12)
+        self.assertLess(0.5 * len(said) - slow, 1)
+
+    def test_a_process_that_is_killed_leaves_no_program(self):
+        script = "import pilotage\npilotage.prepare('mission.json', output='orphaned', flights=1000000, threads=1)\n"
+
+        def running():
+            return [path.parent.name for path in pathlib.Path("/proc").glob("[0-9]*/cmdline") if b"orphaned" in self.read(path)
+                    and pathlib.Path(path.parent, "cwd").resolve() == self.folder.resolve()]
+
+        process = subprocess.Popen([sys.executable, "-B", "-c", script])
+        self.wait_for(lambda: len(running()) == 2)
+        time.sleep(3)  # flying
+        process.kill()
+        process.wait()
+        self.wait_for(lambda: not running())
+        self.assertFalse(pathlib.Path("orphaned").exists())
+
+    def read(self, path):
+        try:
+            return path.read_bytes()
+        except OSError:
+            return b""
+
+    def wait_for(self, condition):
+        until = time.monotonic() + 20
+        while not condition():
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.1)
 
     def test_what_the_callback_throws_comes_out(self):
         def progress(what, done, total):

@@ -3,8 +3,12 @@
 import ast
 import gc
 import inspect
+import os
 import pathlib
+import shutil
+import signal
 import subprocess
+import tempfile
 import threading
 import unittest
 
@@ -87,6 +91,26 @@ class Maps(unittest.TestCase):
         with self.assertRaisesRegex(pilotage.UsageError, "now = \"tomorrow\""):
             self.map.check_purpose(now="tomorrow")
 
+    def test_names_may_be_any_bytes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            name = os.fsencode(folder) + b"/\xfe.gpkg"
+            shutil.copyfile(MAP, name)
+            map = pilotage.Map(name)
+            self.assertEqual(os.fsencode(map.name), name)
+            self.assertEqual(len(map.tiles()), len(self.map.tiles()))
+            with self.assertRaises(pilotage.DataError):
+                pilotage.Map(name + b"x")
+
+    def test_of_another_process_are_refused(self):
+        child = os.fork()
+        if child == 0:
+            try:
+                self.map.tiles()
+            except pilotage.UsageError as error:
+                os._exit(0 if "forked" in str(error) else 2)
+            os._exit(1)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+
     def test_files_that_are_none(self):
         with self.assertRaisesRegex(pilotage.DataError, "not a map database"):
             pilotage.Map(__file__)
@@ -100,8 +124,12 @@ class Signed(InAFolder):
             subprocess.run(["minisign", "-G", "-W", "-p", f"{name}.pub", "-s", f"{name}.sec"], check=True, stdout=subprocess.DEVNULL)
         pilotage.prepare("mission.json", output="out", flights=0, outputs="json", sign_key="ours.sec")
         self.assertEqual(len(pilotage.Map("out/map.gpkg", trusted_keys=["ours.pub"]).tiles()), len(pilotage.Map("out/map.gpkg").tiles()))
+        for keys in ("ours.pub", pathlib.Path("ours.pub"), ["others.pub", pathlib.Path("ours.pub")]):
+            pilotage.Map("out/map.gpkg", trusted_keys=keys)
         with self.assertRaises(pilotage.IntegrityError):
             pilotage.Map("out/map.gpkg", trusted_keys=["others.pub"])
+        with self.assertRaisesRegex(pilotage.UsageError, "trusted_keys is empty"):
+            pilotage.Map("out/map.gpkg", trusted_keys=[])
 
 
 class Chips(InAFolder):
@@ -180,6 +208,21 @@ class Matching(InAFolder):
         for name in ("search_sigmas", "max_false_fix_rate", "landmarks"):
             self.assertIn(f"{name}: ", pilotage.Map.match.__doc__)
 
+    def test_none_is_not_given(self):
+        map, prior = pilotage.Map(MAP), prior_of(self.rows[0])
+        self.assertEqual(map.match(self.frames[0], prior, chips=None).stats.to_dict(), map.match(self.frames[0], prior).stats.to_dict())
+
+    def test_handlers_of_signals_find_the_map_in_use(self):
+        map, row = pilotage.Map(MAP), self.rows[0]
+        prior = pilotage.Prior(lon_deg=row["prior_lon_deg"], lat_deg=row["prior_lat_deg"], sigma_m=100, height_agl_m=row["height_agl_m"])
+        before = signal.signal(signal.SIGALRM, lambda number, frame: map.tiles())
+        self.addCleanup(signal.signal, signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with self.assertRaisesRegex(pilotage.UsageError, "is being matched by this thread"):
+            for _ in range(20):
+                map.match(self.frames[0], prior, search_sigmas=10)
+        self.assertGreater(len(map.tiles()), 0)
+
     def test_a_wider_prior_by_its_covariance(self):
         row = self.rows[0]
         prior = pilotage.Prior(lon_deg=row["prior_lon_deg"], lat_deg=row["prior_lat_deg"], covariance_en_m2=[[100, 0], [0, 100]],
@@ -188,6 +231,8 @@ class Matching(InAFolder):
         self.assertEqual(map.match(self.frames[0], prior).stats.to_dict(), map.match(self.frames[0], prior_of(row)).stats.to_dict())
         with self.assertRaisesRegex(pilotage.UsageError, "one of the two"):
             pilotage.Prior(lon_deg=0, lat_deg=0, height_agl_m=60)
+        with self.assertRaisesRegex(pilotage.UsageError, "sigma_m = -1 is below 0"):
+            pilotage.Prior(lon_deg=0, lat_deg=0, height_agl_m=60, sigma_m=-1)
         with self.assertRaisesRegex(pilotage.UsageError, "no 2 x 2 matrix"):
             pilotage.Prior(lon_deg=0, lat_deg=0, height_agl_m=60, covariance_en_m2=[1, 2, 3])
 
@@ -212,6 +257,9 @@ class Cameras(unittest.TestCase):
         camera = pilotage.Camera(width_px=640, height_px=480, fx_px=500, fy_px=500, cx_px=320, cy_px=240)
         self.assertEqual(camera, camera.for_size(640, 480))
         self.assertEqual(camera.for_size(320, 240).fx_px, 250)
+        lens = pilotage.Camera(width_px=640, height_px=480, fx_px=500.5, fy_px=500, cx_px=320, cy_px=240, distortion_model="fisheye",
+                               distortion=[0.1, -0.02], mount_pitch_deg=30)
+        self.assertEqual(eval(repr(lens), {"Camera": pilotage.Camera}), lens)
         with self.assertRaisesRegex(pilotage.UsageError, "fx"):
             pilotage.Camera(width_px=640, height_px=480, fx_px=-1, fy_px=500, cx_px=320, cy_px=240)
         with self.assertRaisesRegex(pilotage.UsageError, "pinhole"):

@@ -28,6 +28,13 @@ class Tables(unittest.TestCase):
         self.assertEqual(table.dtype["id"], numpy.float64)
         self.assertTrue(numpy.isnan(table["none"]).all())
 
+    def test_digits_that_are_no_number_stay_as_they_are(self):
+        table = self.read("\ufeffname,code,big,share\n007,1_000,123456789012345678901,1e-05\n012,2_000,1,-0.5\n")
+        self.assertEqual(list(table["name"]), ["007", "012"])
+        self.assertEqual(list(table["code"]), ["1_000", "2_000"])
+        self.assertEqual(table["big"][0], 123456789012345678901.0)
+        self.assertEqual(list(table["share"]), [1e-05, -0.5])
+
     def test_no_rows(self):
         self.assertEqual(len(self.read("id,share\n")), 0)
 

@@ -40,3 +40,11 @@ def spec_of(command):
             "inputs": [(name, several) for name, several, _ in inputs_of(command)],
             "options": {python_name(option["flag"]): (option["flag"][2:], kind_of(option))
                         for _, options in sections_of(command) for option in options}}
+
+
+def in_words_of_python(text, spec):
+    """Flags are named as they are given here: --agl-m is agl_m; what ends the program with 3 is thrown."""
+    names = {f"--{flag}": f"{name}=True" if kind == "boolean" else name for name, (flag, kind) in spec["options"].items()}
+    names.update({f"--no-{flag}": f"{name}=False" for name, (flag, kind) in spec["options"].items() if kind == "boolean"})
+    text = re.sub("--[a-z0-9-]*[a-z0-9]", lambda found: names.get(found[0], found[0]), text)
+    return text.replace("Exit with 3", "Throw GateNotMet")

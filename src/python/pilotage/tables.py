@@ -2,23 +2,25 @@
 
 import csv
 import os
+import re
 
 import numpy
 
 from .errors import DataError
 
 
+# "007" and "1_000" are texts.
+_INTEGER = re.compile("-?(0|[1-9][0-9]{0,17})")
+_NUMBER = re.compile("|[+-]?(0|[1-9][0-9]*)([.][0-9]*)?(e[+-]?[0-9]+)?|[+-]?[.][0-9]+(e[+-]?[0-9]+)?|nan|-?inf", re.IGNORECASE)
+
+
 def _column(cells):
     """Integers where every cell is one, else floats with NaN for empty cells, else text."""
-    if cells and all(cells):
-        try:
-            return numpy.array([int(cell) for cell in cells], dtype=numpy.int64)
-        except (ValueError, OverflowError):
-            pass
-    try:
-        return numpy.array([float(cell) if cell else numpy.nan for cell in cells], dtype=numpy.float64)
-    except ValueError:
-        return numpy.array(cells, dtype=numpy.str_)
+    if cells and all(_INTEGER.fullmatch(cell) for cell in cells):
+        return numpy.array([int(cell) for cell in cells], dtype=numpy.int64)
+    if all(_NUMBER.fullmatch(cell) for cell in cells):
+        return numpy.array([float(cell or "nan") for cell in cells], dtype=numpy.float64)
+    return numpy.array(cells, dtype=numpy.str_)
 
 
 def read_table(path):
@@ -29,7 +31,7 @@ def read_table(path):
     """
     name = os.fsdecode(path)
     try:
-        with open(path, newline="", encoding="utf-8") as file:
+        with open(path, newline="", encoding="utf-8-sig") as file:
             header, *rows = csv.reader(file)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise DataError(f"{name}: cannot be read as a table: {error}") from error
