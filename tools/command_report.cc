@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -54,7 +55,7 @@ struct ReportCommandOptions {
     fields.path(
         "simulation", self.simulation,
         "Also show, and judge by, simulated flights: simulation.json of simulate or prepare, of these files; two "
-        "of them where fixes of the one are drawn and of the other by frames.");
+        "of them where fixes of the one are drawn and of the other by frames. Of prepare's folder its own is taken.");
     fields.path("envelope", self.envelope,
                 "Also show how far the flight may leave its plan: envelope.json of envelope.");
     fields.path("replay", self.replay,
@@ -88,7 +89,47 @@ void check_outputs(const OutputPlace& place, const std::vector<std::string>& nam
   for (const NamedFile& output : outputs) const OutputFile refused(output.path, invocation.overwrite);
 }
 
-ReportInput read_report_input(const ReportCommandOptions& options, const StageFiles& files,
+/// What the report is made of: files that are named, or those beside the plan in the folder that prepare wrote.
+struct ReportFiles {
+  std::string plan;
+  StageFileOptions names;
+  std::vector<std::string> simulations;
+  std::vector<std::string> warnings;
+};
+
+/// Whether a simulation flew these files.
+bool is_simulation_of(const std::string& file, const std::vector<InputFile>& of) {
+  const Simulation simulation = read_simulation(file);
+  return std::all_of(of.begin(), of.end(), [&](const InputFile& one) {
+    return std::any_of(simulation.inputs.begin(), simulation.inputs.end(), [&](const InputFile& simulated) {
+      return simulated.role == one.role && simulated.digest == one.digest;
+    });
+  });
+}
+
+ReportFiles files_of_report(const ReportCommandOptions& options, const std::string& given) {
+  const std::filesystem::path plan = plan_of(given);
+  ReportFiles files{plan.string(), options.files, options.simulation, {}};
+  const bool is_folder = plan != std::filesystem::path(given);
+  if (is_folder) files.names = stage_files_beside(plan, options.files);
+  std::error_code ignored;
+  const std::string beside = (plan.parent_path() / "simulation.json").string();
+  if (!files.simulations.empty() || files.names.table.empty() || files.names.selection.empty() ||
+      !std::filesystem::exists(beside, ignored)) {
+    return files;
+  }
+  const bool fits = is_simulation_of(beside, simulated_inputs(files.plan, files.names.table, files.names.selection));
+  if (fits && is_folder) {
+    files.simulations.push_back(beside);
+  } else if (fits) {
+    files.warnings.push_back(beside + " flew this plan and is not shown: give it as --simulation, or the folder");
+  } else if (is_folder) {
+    files.warnings.push_back(beside + " is of other files and not shown; run `pilotage simulate` again");
+  }
+  return files;
+}
+
+ReportInput read_report_input(const ReportCommandOptions& options, const ReportFiles& named, const StageFiles& files,
                               const Invocation& invocation) {
   ReportInput input =
       make_report_input(files.mission, files.scores, files.selection, input_files(files.mission), version_line());
@@ -101,9 +142,9 @@ ReportInput read_report_input(const ReportCommandOptions& options, const StageFi
     input.evaluation = read_evaluation_note(options.evaluation);
     input.inputs.push_back(input_file("evaluation", input.evaluation->file, ""));
   }
-  for (const std::string& file : options.simulation) {
+  for (const std::string& file : named.simulations) {
     add_simulation(input, read_simulation(file), file,
-                   simulated_inputs(invocation.inputs.front(), options.files.table, options.files.selection));
+                   simulated_inputs(named.plan, named.names.table, named.names.selection));
     input.inputs.push_back(input_file("simulation", file, ""));
   }
   if (!options.envelope.empty()) {
@@ -129,9 +170,10 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   }
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
-  const StageFiles files = read_stage_files(invocation.inputs.front(), options.files);
+  const ReportFiles named = files_of_report(options, invocation.inputs.front());
+  const StageFiles files = read_stage_files(named.plan, named.names);
   check_outputs(place, report_output_names(place.stem, options.outputs, files.mission.ground.levels, true), invocation);
-  const ReportInput input = read_report_input(options, files, invocation);
+  const ReportInput input = read_report_input(options, named, files, invocation);
   const Report report = make_report(input);
   std::optional<OutputFile> numbers;
   if (!options.report_json.empty()) {
@@ -165,6 +207,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
                  {"verdict", report.verdict_text},
                  {"assumptions", report.assumptions},
                  {"evidence", evidence}};
+  result.warnings = named.warnings;
   return result;
 }
 
@@ -199,14 +242,17 @@ Command make_report_command() {
   command.word = "report";
   command.group = CommandGroup::kStages;
   command.summary = "Heat maps and a go / no-go page to open offline";
-  command.examples = {{"From the files of the stages before.",
+  command.examples = {{"Once more of what prepare wrote.", "pilotage report out -o report.html"},
+                      {"From the files of the stages before.",
                        "pilotage report plan.json --table tiles.csv --selection selection.json -o report.html"},
                       {"For QGIS and Google Earth as well.",
                        "pilotage report plan.json --table tiles.csv --selection selection.json --outputs "
                        "html,cog,gpkg,kmz -o report.html"},
                       {"What changed between two plans.", "pilotage report --compare before/report.json report.json"}};
   command.inputs = {.name = "INPUT",
-                    .help = "The tile plan (plan.json); with --compare two reports (report.json).",
+                    .help =
+                        "The folder that prepare wrote, whose files are taken where none are named, or the tile "
+                        "plan (plan.json); with --compare two reports (report.json).",
                     .min = 1,
                     .max = 2};
   command.output = {.kind = OutputKind::kFile,

@@ -52,16 +52,29 @@ Names files_of_plan(const std::string& file) {
   return names;
 }
 
+/// Of the folder that prepare wrote: what its other files are made of. Those may be made again, in their place.
+Names files_of_prepare(const std::string& folder) {
+  Names names;
+  for (const char* name : {"plan.json", "tiles.csv", "selection.json", "map.gpkg"}) {
+    names.push_back((fs::path(folder) / name).string());
+  }
+  const Names behind = files_of_plan(names.front());
+  names.insert(names.end(), behind.begin(), behind.end());
+  return names;
+}
+
 /// What is read besides the input itself. An input that cannot be read leads nowhere: the command says what is wrong
 /// with it.
 Names files_behind(const NamedFile& input) {
   const std::string name = input.path.string();
   const std::size_t equals = name.find('=');  // of PLACE=FOLDER
   std::error_code ignored;
-  if (fs::is_directory(name, ignored)) return files_in(name);
+  const bool of_prepare = fs::exists(fs::path(name) / "plan.json", ignored);
+  if (!of_prepare && fs::is_directory(name, ignored)) return files_in(name);
   if (!fs::exists(name, ignored) && equals != std::string::npos) return files_in(name.substr(equals + 1));
   if (name.ends_with(".gpkg")) return {};  // leads nowhere; a map is opened by its own reader alone
   std::function<Names(const std::string&)> list = dataset_files;
+  if (of_prepare) list = files_of_prepare;
   if (name.ends_with(".json")) list = files_of_plan;
   if (input.flag.ends_with("frames")) list = frames_of;
   try {

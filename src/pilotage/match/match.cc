@@ -85,8 +85,12 @@ bool is_ambiguous(const MatchStats& stats) {
 }
 
 /// Why the best place is not accepted as a fix, or nothing.
-std::optional<MatchStatus> refusal_of_best(const MatchStats& stats, const MatchOptions& options, bool outside_gate) {
-  if (1 - stats.confidence > options.max_false_fix_rate) return MatchStatus::kInconsistent;
+std::optional<MatchStatus> refusal_of_best(const MatchStats& stats, const MatchOptions& options, bool near_rival,
+                                           bool outside_gate) {
+  // A weak place may be confirmed by a track (flightlog/frame_track.h), which cannot tell it from a rival nearby.
+  if (1 - stats.confidence > options.max_false_fix_rate) {
+    return near_rival ? MatchStatus::kAmbiguous : MatchStatus::kInconsistent;
+  }
   if (is_ambiguous(stats)) return MatchStatus::kAmbiguous;
   if (outside_gate) return MatchStatus::kOutsideGate;
   return std::nullopt;
@@ -263,7 +267,8 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
       places->best = *places->next_there;
     }
   }
-  if (places->nearby && is_near_rival(places->best, *places->nearby)) {
+  const bool near_rival = places->nearby && is_near_rival(places->best, *places->nearby);
+  if (near_rival) {
     places->rival_evidence = std::max(places->rival_evidence, places->nearby->evidence);
   }
   describe_ranking(*places, rectified.half_width_px, tried, stats);
@@ -272,7 +277,8 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   stats.inliers = refined->pose.inliers;
   stats.residual_m = refined->pose.residual_m;
   const bool outside_gate = is_outside_gate(refined->fix, prior, options);
-  if (const auto refusal = refusal_of_best(stats, options, outside_gate)) return {*refusal, {}, refined->fix, stats};
+  if (const auto refusal = refusal_of_best(stats, options, near_rival, outside_gate))
+    return {*refusal, {}, refined->fix, stats};
   return {MatchStatus::kFix, refined->fix, refined->fix, stats};
 }
 
