@@ -1,9 +1,11 @@
+#include "cli_options.h"
 #include "commands.h"
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/mission/plan_file.h"
+#include "pilotage/prepare/prepare.h"
 #include "pilotage/tile/plan_tiles.h"
 
 namespace pilotage {
@@ -17,8 +19,8 @@ Command make_tile_command() {
   command.inputs = {.name = "MISSION", .help = "Mission file: these options as JSON.", .max = 1, .is_config = true};
   command.output = {.kind = OutputKind::kFile, .help = "The tile plan (JSON).", .stream_name = "plan.json"};
   command.reads_rasters = true;
-  bind_options<TileOptions>(command, [](const TileOptions& options, const Invocation& invocation) {
-    const Mission mission = plan_tiles(options, invocation.progress);
+  bind_options<PrepareOptions>(command, [](const PrepareOptions& options, const Invocation& invocation) {
+    const Mission mission = plan_tiles(options.tile, invocation.progress);
     write_file(invocation.output, json_text(plan_to_json(mission)), invocation.overwrite);
     CommandResult result;
     result.text = std::to_string(mission.ground.tiles.size()) + " tiles in " +
@@ -42,6 +44,8 @@ Command make_tile_command() {
     result.warnings = mission.warnings;
     return result;
   });
+  // A mission file says what the later stages do, too.
+  take_flags_away(command.options, {"score", "select", "build", "purpose", "flights", "outputs"});
   return command;
 }
 

@@ -54,8 +54,8 @@ class Arguments(unittest.TestCase):
 
 class Results(InAFolder):
     def test_are_what_the_program_prints(self):
-        result = pilotage.tile("tile.json", output="plan.json")
-        printed = subprocess.run([PROGRAM, "tile", "tile.json", "--json", "-o", "typed.json"], check=True, capture_output=True).stdout
+        result = pilotage.tile("mission.json", output="plan.json")
+        printed = subprocess.run([PROGRAM, "tile", "mission.json", "--json", "-o", "typed.json"], check=True, capture_output=True).stdout
         expected = json.loads(printed)
         self.assertEqual({**result, "output": ""}, {**expected, "output": ""})
         self.assertEqual(pathlib.Path("plan.json").read_bytes(), pathlib.Path("typed.json").read_bytes())
@@ -63,14 +63,14 @@ class Results(InAFolder):
 
     def test_arguments_win_over_the_mission_file_and_a_dict_is_one(self):
         mission = self.mission
-        pilotage.tile("tile.json", output="a.json", agl_m=80, camera_hfov_deg=60.0)
+        pilotage.tile("mission.json", output="a.json", agl_m=80, camera_hfov_deg=60.0)
         pilotage.tile({**mission, "agl_m": 80, "camera": {**mission["camera"], "hfov_deg": 60}}, output=pathlib.Path("b.json"))
         self.assertEqual(pathlib.Path("a.json").read_bytes(), pathlib.Path("b.json").read_bytes())
-        pilotage.tile("tile.json", output="c.json")
+        pilotage.tile("mission.json", output="c.json")
         self.assertNotEqual(pathlib.Path("a.json").read_bytes(), pathlib.Path("c.json").read_bytes())
 
     def test_stages_follow_each_other(self):
-        pilotage.tile("tile.json", output="plan.json")
+        pilotage.tile("mission.json", output="plan.json")
         pilotage.score("plan.json", output="scores.tif", table="tiles.csv", measures=["gray_variance", "frieden_entropy"])
         selection = pilotage.select("plan.json", table="tiles.csv", output="selection.json")
         built = pilotage.build("plan.json", table="tiles.csv", selection="selection.json", output="map.gpkg")
@@ -79,7 +79,7 @@ class Results(InAFolder):
         self.assertTrue(pilotage.verify("map.gpkg")["intact"])
 
     def test_a_dict_may_hold_paths_and_numpys_numbers(self):
-        pilotage.tile("tile.json", output="a.json", agl_m=80)
+        pilotage.tile("mission.json", output="a.json", agl_m=80)
         pilotage.tile({**self.mission, "agl_m": numpy.float32(80), "imagery": [pathlib.Path("ortho.tif")], "max_error_m": numpy.int64(20)},
                       output="b.json")
         self.assertEqual(pathlib.Path("a.json").read_bytes(), pathlib.Path("b.json").read_bytes())
@@ -89,8 +89,8 @@ class Results(InAFolder):
             pilotage.tile({**self.mission, "imagery": {"ortho.tif"}}, output="c.json")
 
     def test_numpys_numbers_are_numbers(self):
-        pilotage.tile("tile.json", output="a.json", agl_m=numpy.float32(80), overwrite=numpy.True_)
-        pilotage.tile("tile.json", output="b.json", agl_m=80)
+        pilotage.tile("mission.json", output="a.json", agl_m=numpy.float32(80), overwrite=numpy.True_)
+        pilotage.tile("mission.json", output="b.json", agl_m=80)
         self.assertEqual(pathlib.Path("a.json").read_bytes(), pathlib.Path("b.json").read_bytes())
 
     def test_list_of_rasters_and_one_alone(self):
@@ -102,7 +102,7 @@ class Results(InAFolder):
     def test_warnings_are_pythons(self):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            pilotage.tile("tile.json", output="plan.json")
+            pilotage.tile("mission.json", output="plan.json")
             pilotage.score("plan.json", output="scores.tif", table="tiles.csv", measures="gray_variance")
             pilotage.select("plan.json", table="tiles.csv", output="selection.json")
             result = pilotage.build("plan.json", table="tiles.csv", selection="selection.json", second_epoch="ortho.tif", output="map.gpkg")
@@ -121,10 +121,10 @@ class Errors(InAFolder):
 
     def test_have_the_kinds_of_the_library(self):
         self.expect(pilotage.UsageError, r"^agl_m = -3 is outside \[1, 30000\]$",
-                    lambda: pilotage.tile("tile.json", output="plan.json", agl_m=-3))
+                    lambda: pilotage.tile("mission.json", output="plan.json", agl_m=-3))
         self.expect(pilotage.UsageError, r"^ins_grade = \"tactica\" is not one of: .*did you mean \"tactical\"",
-                    lambda: pilotage.tile("tile.json", output="plan.json", ins_grade="tactica"))
-        self.expect(pilotage.DataError, r"nowhere\.tif", lambda: pilotage.tile("tile.json", output="plan.json", imagery="nowhere.tif"))
+                    lambda: pilotage.tile("mission.json", output="plan.json", ins_grade="tactica"))
+        self.expect(pilotage.DataError, r"nowhere\.tif", lambda: pilotage.tile("mission.json", output="plan.json", imagery="nowhere.tif"))
         damaged = MAP.read_bytes()
         at = damaged.index(b"pilotage 0.")  # the tool's version, which the digest covers
         pathlib.Path("damaged.gpkg").write_bytes(damaged[:at] + b"P" + damaged[at + 1:])
@@ -143,31 +143,31 @@ class Errors(InAFolder):
     def test_say_what_python_should_give(self):
         pathlib.Path("plan.json").touch()
         self.expect(pilotage.DataError, r"plan\.json: exists already; give overwrite=True to replace it",
-                    lambda: pilotage.tile("tile.json", output="plan.json"))
+                    lambda: pilotage.tile("mission.json", output="plan.json"))
 
     def test_of_types_come_before_any_work(self):
         for call, pattern in (
                 (lambda: pilotage.score("ortho.tif", output="s.tif", tile_size_px=64.5), "tile_size_px must be an integer, not float"),
                 (lambda: pilotage.score("ortho.tif", output="s.tif", tile_size_px="64"), "tile_size_px must be an integer, not str"),
-                (lambda: pilotage.tile("tile.json", output="p.json", agl_m="60"), "agl_m must be a number, not str"),
-                (lambda: pilotage.tile("tile.json", output="p.json", agl_m=True), "agl_m must be a number, not bool"),
-                (lambda: pilotage.tile("tile.json", output="p.json", agl_m=numpy.True_), "agl_m must be a number, not bool"),
-                (lambda: pilotage.tile("tile.json", output="p.json", progress=True), "progress must be a function"),
-                (lambda: pilotage.tile("tile.json", output="p.json", overwrite=1), "overwrite must be True or False, not int"),
-                (lambda: pilotage.tile("tile.json", output=3), "output must be a path, not int"),
-                (lambda: pilotage.tile("tile.json", output="p.json", tile_sise_px=3), "unexpected keyword argument 'tile_sise_px'"),
-                (lambda: pilotage.tile("tile.json"), "missing 1 required keyword-only argument: 'output'")):
+                (lambda: pilotage.tile("mission.json", output="p.json", agl_m="60"), "agl_m must be a number, not str"),
+                (lambda: pilotage.tile("mission.json", output="p.json", agl_m=True), "agl_m must be a number, not bool"),
+                (lambda: pilotage.tile("mission.json", output="p.json", agl_m=numpy.True_), "agl_m must be a number, not bool"),
+                (lambda: pilotage.tile("mission.json", output="p.json", progress=True), "progress must be a function"),
+                (lambda: pilotage.tile("mission.json", output="p.json", overwrite=1), "overwrite must be True or False, not int"),
+                (lambda: pilotage.tile("mission.json", output=3), "output must be a path, not int"),
+                (lambda: pilotage.tile("mission.json", output="p.json", tile_sise_px=3), "unexpected keyword argument 'tile_sise_px'"),
+                (lambda: pilotage.tile("mission.json"), "missing 1 required keyword-only argument: 'output'")):
             self.expect(TypeError, pattern, call)
 
     def test_nothing_in_a_list_is_no_choice(self):
-        for call in (lambda: pilotage.tile("tile.json", output="p.json", imagery=[]), lambda: pilotage.tile("tile.json", output="p.json", imagery=[""]),
+        for call in (lambda: pilotage.tile("mission.json", output="p.json", imagery=[]), lambda: pilotage.tile("mission.json", output="p.json", imagery=[""]),
                      lambda: pilotage.score("ortho.tif", output="s.tif", measures=[])):
             self.expect(pilotage.UsageError, "^(imagery|measures) (is empty|holds an empty text); leave it out", call)
 
     def test_standard_streams_are_refused(self):
         self.expect(pilotage.UsageError, "standard input and output are for the command line", lambda: pilotage.tile("-", output="plan.json"))
         self.expect(pilotage.UsageError, "standard input and output are for the command line",
-                    lambda: pilotage.tile("tile.json", output="-"))
+                    lambda: pilotage.tile("mission.json", output="-"))
 
     def test_gate_keeps_the_result(self):
         write_gray_frames()
@@ -185,12 +185,12 @@ class Errors(InAFolder):
         os.environ["PILOTAGE_PROGRAM"] = str(other)
         self.addCleanup(os.environ.__setitem__, "PILOTAGE_PROGRAM", PROGRAM)
         self.expect(pilotage.DataError, r'other: is "pilotage 0\.0\.1", but this module is of pilotage ',
-                    lambda: pilotage.tile("tile.json", output="plan.json"))
+                    lambda: pilotage.tile("mission.json", output="plan.json"))
         other.unlink()
         other.symlink_to(PROGRAM)  # the right one is installed
-        pilotage.tile("tile.json", output="plan.json")
+        pilotage.tile("mission.json", output="plan.json")
         os.environ["PILOTAGE_PROGRAM"] = "no_such_program"
-        self.expect(pilotage.DataError, "no_such_program: is no program", lambda: pilotage.tile("tile.json", output="plan.json"))
+        self.expect(pilotage.DataError, "no_such_program: is no program", lambda: pilotage.tile("mission.json", output="plan.json"))
 
     def test_program_that_dies_is_told(self):
         other = self.folder / "other"
@@ -199,7 +199,7 @@ class Errors(InAFolder):
         os.environ["PILOTAGE_PROGRAM"] = str(other)
         self.addCleanup(os.environ.__setitem__, "PILOTAGE_PROGRAM", PROGRAM)
         self.expect(pilotage.InternalError, "pilotage tile was ended by signal 9: last words",
-                    lambda: pilotage.tile("tile.json", output="plan.json"))
+                    lambda: pilotage.tile("mission.json", output="plan.json"))
 
 
 class Progress(InAFolder):
@@ -283,7 +283,7 @@ class Progress(InAFolder):
         other = threading.Thread(target=count)
         other.start()
         try:
-            pilotage.tile("tile.json", output="plan.json")
+            pilotage.tile("mission.json", output="plan.json")
         finally:
             ended.set()
             other.join()

@@ -17,7 +17,7 @@ MAP = PREPARED / "map.gpkg"
 
 
 class InAFolder(unittest.TestCase):
-    """Each test in a folder of its own that holds the small mission: mission.json, and of it what `tile` takes, tile.json."""
+    """Each test in a folder of its own that holds the small mission."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -27,8 +27,6 @@ class InAFolder(unittest.TestCase):
         os.chdir(folder.name)
         self.folder = pathlib.Path(folder.name)
         self.mission = json.loads(pathlib.Path("mission.json").read_text(encoding="utf-8"))
-        del self.mission["select"]
-        pathlib.Path("tile.json").write_text(json.dumps(self.mission), encoding="utf-8")
 
 
 def write_gray_frames():
