@@ -20,3 +20,5 @@ html_show_sourcelink = False
 html_copy_source = False
 html_show_sphinx = False
 html_extra_path = ["start"]
+html_static_path = ["static"]
+html_css_files = ["site.css"]

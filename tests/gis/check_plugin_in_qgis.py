@@ -19,6 +19,7 @@ from qgis.core import (Qgis, QgsApplication, QgsProcessingContext, QgsProcessing
 import pilotage_processing
 
 problems = []
+OF_THE_RUN = {"overwrite", "threads", "seed", "allow_network", "allow_any_vrt"}
 
 
 def check(what, found, expected):
@@ -31,7 +32,7 @@ class Feedback(QgsProcessingFeedback):
 
     def __init__(self, cancel_at=None):
         super().__init__(False)
-        self.cancel_at, self.texts, self.shares, self.said = cancel_at, [], [], []
+        self.cancel_at, self.texts, self.shares, self.said, self.commands = cancel_at, [], [], [], []
         self.progressChanged.connect(self.shares.append)
 
     def setProgressText(self, text):
@@ -41,6 +42,9 @@ class Feedback(QgsProcessingFeedback):
 
     def pushInfo(self, info):
         self.said.append(info)
+
+    def pushCommandInfo(self, info):
+        self.commands.append(info)
 
     def pushWarning(self, warning):
         self.said.append(warning)
@@ -79,6 +83,13 @@ def check_parameters(provider):
     check("elevation", prepare.parameterDefinition("elevation").type(), "raster")
     check("imagery", prepare.parameterDefinition("imagery").type(), "multilayer")
     check("route", prepare.parameterDefinition("route").type(), "file")
+    check("nothing is set beside a mission file", [parameter.name() for parameter in prepare.parameterDefinitions()
+                                                   if parameter.defaultValue() is not None and parameter.name() not in OF_THE_RUN], [])
+    check("defaults are told", "Default: 3.0." in prepare.parameterDefinition("wind_sigma_mps").help(), True)
+    check("defaults are shown where there is no file", score.parameterDefinition("min_valid_fraction").defaultValue(), 0.5)
+    check("second date", prepare.parameterDefinition("second_epoch").type(), "multilayer")
+    check("table is an output", score.parameterDefinition("table").isDestination(), True)
+    check("of one machine", [name for name in ("shard", "shards", "plan_shards") if score.parameterDefinition(name)], [])
     check("no parameter of the terminal", [name for name in ("quiet", "print_config", "json") if prepare.parameterDefinition(name)], [])
     for algorithm in provider.algorithms():
         check(f"{algorithm.name()} has help", len(algorithm.shortHelpString()) > 500, True)
@@ -87,9 +98,12 @@ def check_parameters(provider):
 def check_score(provider):
     results, done, context, feedback = run(provider.algorithm("score"), {
         "raster": [f"{mission}/ortho.tif"], "tile_size_px": 128, "stride_px": 64, "measures": ["gray_variance", "frieden_entropy"],
-        "output": os.path.abspath("scores.tif")})
+        "seed": 1 << 40, "table": os.path.abspath("tiles.csv"), "output": os.path.abspath("scores.tif")})
     check("score", done, True)
     check("options are given", json.loads(results["result"])["output"], os.path.abspath("scores.tif"))
+    check("nothing is written beside the imagery", os.path.exists(f"{mission}/ortho.tif.aux.xml"), False)
+    check("the table", os.path.exists("tiles.csv"), True)
+    check("a seed of 40 bits", f"--seed={1 << 40}" in feedback.commands[0], True)
     layers = loaded(context, feedback)
     check("layers of score", list(layers), ["scores"])
     check("style of score", layers["scores"].renderer().type(), "singlebandpseudocolor")
@@ -121,15 +135,21 @@ def check_prepare(provider):
     check("verdict", results["headline"].split(":")[0], "NO-GO")
     check("verdict is an error", results["headline"] in feedback.said, True)
     check("map", os.path.exists("out/map.gpkg"), True)
+    check("only what is set is given", json.loads(results["result"])["selected_tiles"] > 0, True)
+    given = [said for said in feedback.commands if said.startswith("/") and " prepare " in said][0]
+    check("no default is given", [word for word in ("--wind-sigma-mps", "--measures", "--chips") if word in given], [])
+    results, done, _, feedback = run(provider.algorithm("prepare"), {
+        "mission": f"{mission}/mission.json", "chips": "yes", "sparse": "no", "wind_sigma_mps": 3, "flights": 0, "output": os.path.abspath("set")})
+    given = feedback.commands[0]
+    check("what is set to the default is given", [word for word in ("--wind-sigma-mps=3.0", "--chips=true", "--sparse=false") if word not in given], [])
     layers = loaded(context, feedback)
     check("scores come up", "scores" in layers, True)
     check("report comes up", "report: route" in layers, True)
     check("the onboard map does not", [name for name in layers if name.startswith("map")], [])
     os.makedirs("again")
     results, done, _, _ = run(provider.algorithm("report"), {
-        "input": os.path.abspath("out/plan.json"), "table": os.path.abspath("out/tiles.csv"), "selection": os.path.abspath("out/selection.json"),
-        "output": os.path.abspath("again/report.html")})
-    check("report", (done, os.path.exists("again/report.html")), (True, True))
+        "input": os.path.abspath("out"), "report_json": os.path.abspath("again/numbers.json"), "output": os.path.abspath("again/report")})
+    check("report", (done, os.path.exists("again/report.html"), os.path.exists("again/numbers.json")), (True, True, True))
     check("verdict of the report", results["headline"].split(":")[0], "NO-GO")
 
 
@@ -137,6 +157,9 @@ def check_refusals(provider):
     _, done, _, feedback = run(provider.algorithm("survey"), {"raster": [f"{mission}/ortho.tif"], "camera_hfov_deg": 73.7, "camera_width_px": 1000,
                                                              "camera_height_px": 562, "output": os.path.abspath("none")})
     check("survey without a height", (done, any("agl_m" in said for said in feedback.said)), (False, True))
+    _, done, _, feedback = run(provider.algorithm("score"), {"raster": [f"{mission}/ortho.tif"], "bands": "1, x",
+                                                             "output": os.path.abspath("none.tif")})
+    check("bands that are none", (done, any("is no list of numbers" in said for said in feedback.said)), (False, True))
     before = sorted(path for path in pathlib.Path(".").rglob("*") if path.is_file())
     _, _, context, feedback = run(provider.algorithm("prepare"), {"mission": f"{mission}/mission.json", "output": os.path.abspath("cancelled")},
                                   Feedback(cancel_at="score"))

@@ -4,20 +4,25 @@ import json
 import pathlib
 import shlex
 
-from qgis.core import (QgsProcessing, QgsProcessingAlgorithm, QgsProcessingContext, QgsProcessingException, QgsProcessingLayerPostProcessorInterface,
+from qgis.core import (QgsMapLayer, QgsProcessing, QgsProcessingAlgorithm, QgsProcessingContext, QgsProcessingException, QgsProcessingLayerPostProcessorInterface,
                        QgsProcessingOutputString, QgsProcessingParameterBoolean, QgsProcessingParameterDefinition, QgsProcessingParameterEnum,
                        QgsProcessingParameterFile, QgsProcessingParameterFileDestination, QgsProcessingParameterFolderDestination,
                        QgsProcessingParameterMultipleLayers, QgsProcessingParameterNumber, QgsProcessingParameterRasterLayer,
-                       QgsProcessingParameterString, QgsProviderRegistry, QgsRasterLayer, QgsVectorLayer)
+                       QgsProcessingParameterString, QgsProcessingUtils, QgsProviderRegistry, QgsRasterLayer, QgsVectorLayer)
 
 from .described import inputs_of, kind_of, python_name, sections_of, spec_of
 from .errors import GateNotMet, Interrupted
 from .program import run_command
 
-# Options whose paths are rasters of the project; other paths are files.
-RASTERS = {"elevation", "second_epoch"}
-LISTS_OF_RASTERS = {"imagery", "second_epoch"}
+# Options, by the last word of their name, whose paths are rasters of the project; other paths are files.
+RASTERS = {"elevation", "second_epoch", "imagery"}
+# Options that name further outputs, and those that are for other places than this: many machines, two reports.
+MORE_OUTPUTS = {"score": {"table", "second_epoch_output"}, "report": {"report_json", "pdf"}}
+LEFT_OUT = {"output", "config", "plan_shards", "shard", "shards", "compare"}
 OUTPUT_FILTERS = {"score": "GeoTIFF (*.tif)", "reroute": "Route (*.plan *.waypoints *.kml *.gpx *.geojson)", "report": "Page (*.html)"}
+OUTPUT_SUFFIXES = {"score": ".tif", "reroute": ".plan", "report": ".html"}
+OF_THE_RUN = {"overwrite", "threads", "seed", "allow_network", "allow_any_vrt"}  # no mission file says them
+YES_OR_NO = ["no", "yes"]
 PLAIN_SECTIONS = 3  # a command's own options, camera and inertial system of most; what follows is advanced
 
 
@@ -44,9 +49,19 @@ def label_of(option):
     return words[:1].upper() + words[1:]
 
 
-def parameter_of(option):
-    """A parameter for an option; what is not set is as the program has it."""
-    name, label, default, kind = python_name(option["flag"]), label_of(option), option["default"], kind_of(option)
+def help_of(option):
+    default = option["default"]
+    shown = ", ".join(map(str, default)) if isinstance(default, list) else default
+    return option["help"] + ("" if shown in (None, "", False) else f" Default: {shown}.")
+
+
+def parameter_of(option, with_file):
+    """A parameter for an option. Where a mission file may say the same (`with_file`), nothing is set until the user sets it, for a default that
+    is shown would be taken for what is done; elsewhere the program's default is shown."""
+    name, label, kind = python_name(option["flag"]), label_of(option), kind_of(option)
+    default = None if with_file else option["default"]
+    if kind == "boolean" and with_file:
+        return QgsProcessingParameterEnum(name, label, options=YES_OR_NO, defaultValue=None, optional=True, usesStaticStrings=True)
     if kind == "boolean":
         return QgsProcessingParameterBoolean(name, label, defaultValue=default)
     if "choices" in option:
@@ -59,14 +74,28 @@ def parameter_of(option):
         if "minimum" in option and option["maximum"] < 1e15:
             limits = {"minValue": option["minimum"], "maxValue": option["maximum"]}
         return QgsProcessingParameterNumber(name, label, type=whole, defaultValue=default, optional=True, **limits)
-    if kind == "paths" and option["name"] in LISTS_OF_RASTERS:
+    if kind == "paths" and is_raster(option):
         return QgsProcessingParameterMultipleLayers(name, label, layerType=QgsProcessing.TypeRaster, optional=True)
-    if kind == "path" and option["name"] in RASTERS:
+    if kind == "path" and is_raster(option):
         return QgsProcessingParameterRasterLayer(name, label, optional=True)
     if kind == "path":
         return QgsProcessingParameterFile(name, label, optional=True)
     return QgsProcessingParameterString(name, label, defaultValue=", ".join(map(str, default)) if isinstance(default, list) else default or None,
                                         optional=True)
+
+
+def is_raster(option):
+    return option["name"].rsplit(".", 1)[-1] in RASTERS
+
+
+def source_of(value, context):
+    """Of a layer, or of what names one: a layer of the project, else what GDAL opens, which is not opened here, for QGIS would write beside it."""
+    layer = value if isinstance(value, QgsMapLayer) else QgsProcessingUtils.mapLayerFromString(value, context, False)
+    if layer is None:
+        return value
+    if layer.dataProvider() is None or layer.dataProvider().name() != "gdal":
+        raise QgsProcessingException(f"{layer.name()}: is no raster that GDAL opens by its name; save it as GeoTIFF first")
+    return layer.source().split("|option:")[0]
 
 
 class CommandAlgorithm(QgsProcessingAlgorithm):
@@ -91,7 +120,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
         for heading, options in sections_of(self.command):
             if heading:
                 lines.append(f"<b>{heading}</b>")
-            lines += [f"<i>{label_of(option)}</i>: {option['help']}" for option in options if option["name"] not in ("output", "config")]
+            lines += [f"<i>{label_of(option)}</i>: {help_of(option)}" for option in options if option["name"] not in LEFT_OUT]
         return "<br/>".join(lines)
 
     def helpUrl(self):
@@ -104,13 +133,18 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
             elif several and name == "raster":
                 self.addParameter(QgsProcessingParameterMultipleLayers(name, "Imagery", layerType=QgsProcessing.TypeRaster))
             else:
-                self.addParameter(QgsProcessingParameterFile(name, "Tile plan (plan.json)", extension="json", optional=not required))
+                self.addParameter(QgsProcessingParameterFile(name, "Folder that prepare wrote", behavior=QgsProcessingParameterFile.Folder,
+                                                             optional=not required))
         for number, (_, options) in enumerate(sections_of(self.command)):
             for option in options:
-                if option["name"] in ("output", "config"):
+                if option["name"] in LEFT_OUT:
                     continue
-                parameter = parameter_of(option)
-                parameter.setHelp(option["help"])
+                if option["name"] in MORE_OUTPUTS.get(self.command["word"], ()):
+                    self.addParameter(QgsProcessingParameterFileDestination(python_name(option["flag"]), label_of(option), optional=True,
+                                                                            createByDefault=False))
+                    continue
+                parameter = parameter_of(option, self.command["inputs"]["is_config"] and option["name"] not in OF_THE_RUN)
+                parameter.setHelp(help_of(option))
                 if number >= PLAIN_SECTIONS:
                     parameter.setFlags(parameter.flags() | QgsProcessingParameterDefinition.FlagAdvanced)
                 self.addParameter(parameter)
@@ -122,35 +156,43 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
             self.addOutput(QgsProcessingOutputString(name, label))
 
     def _rasters(self, parameters, name, context):
-        return [layer.source() for layer in self.parameterAsLayerList(parameters, name, context)]
+        value = parameters.get(name) or []
+        return [source_of(item, context) for item in (value if isinstance(value, (list, tuple)) else [value])]
 
     def _value_of(self, option, parameters, context):
-        """As the program's options have it, or None where it is what the program takes anyway."""
-        name, kind, default = python_name(option["flag"]), kind_of(option), option["default"]
+        """As the program's options have it, or None where it is not set."""
+        name, kind = python_name(option["flag"]), kind_of(option)
         if parameters.get(name) is None:
             return None
+        if kind == "boolean" and isinstance(self.parameterDefinition(name), QgsProcessingParameterEnum):
+            value = self.parameterAsEnumString(parameters, name, context)
+            return value == "yes" if value else None
         if kind == "boolean":
             value = self.parameterAsBool(parameters, name, context)
         elif "choices" in option:
             several = option["type"] == "texts"
             value = self.parameterAsEnumStrings(parameters, name, context) if several else self.parameterAsEnumString(parameters, name, context)
         elif kind == "integer":
-            value = self.parameterAsInt(parameters, name, context)
+            value = int(self.parameterAsDouble(parameters, name, context))  # a seed may have more than 31 bits
         elif kind == "number":
             value = self.parameterAsDouble(parameters, name, context)
-        elif kind == "paths" and option["name"] in LISTS_OF_RASTERS:
+        elif kind == "paths" and is_raster(option):
             value = self._rasters(parameters, name, context)
-        elif kind == "path" and option["name"] in RASTERS:
-            layer = self.parameterAsRasterLayer(parameters, name, context)
-            value = layer.source() if layer is not None else ""
+        elif kind == "path" and is_raster(option):
+            value = (self._rasters(parameters, name, context) or [""])[0]
+        elif option["name"] in MORE_OUTPUTS.get(self.command["word"], ()):
+            value = self.parameterAsFileOutput(parameters, name, context)
         elif kind == "path":
             value = self.parameterAsFile(parameters, name, context)
         else:
             value = self.parameterAsString(parameters, name, context)
             if kind in ("texts", "numbers", "paths"):
                 value = [part.strip() for part in value.split(",") if part.strip()]
-                value = [float(part) for part in value] if kind == "numbers" else value
-        return None if value == default or value in ("", []) else value
+                try:
+                    value = [float(part) for part in value] if kind == "numbers" else value
+                except ValueError:
+                    raise QgsProcessingException(f"{label_of(option)}: \"{', '.join(value)}\" is no list of numbers, as 1, 2, 3") from None
+        return None if value in ("", []) else value
 
     def _arguments(self, parameters, context):
         given = {}
@@ -160,10 +202,13 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
             given[name] = value or None
         for _, options in sections_of(self.command):
             for option in options:
-                if option["name"] not in ("output", "config"):
+                if option["name"] not in LEFT_OUT:
                     given[python_name(option["flag"])] = self._value_of(option, parameters, context)
-        given["output"] = (self.parameterAsString(parameters, "output", context) if self.command["output"]["kind"] == "folder"
-                           else self.parameterAsFileOutput(parameters, "output", context))
+        if self.command["output"]["kind"] == "folder":
+            given["output"] = self.parameterAsString(parameters, "output", context)
+        else:
+            output = pathlib.Path(self.parameterAsFileOutput(parameters, "output", context))
+            given["output"] = str(output if output.suffix else output.with_suffix(OUTPUT_SUFFIXES[self.command["word"]]))
         return given
 
     def processAlgorithm(self, parameters, context, feedback):

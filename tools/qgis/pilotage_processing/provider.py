@@ -40,6 +40,7 @@ class Provider(QgsProcessingProvider):
 
     def unload(self):
         ProcessingConfig.removeSetting(PROGRAM)
+        os.environ[PROGRAM] = self._of_the_environment
 
     def loadAlgorithms(self):
         os.environ[PROGRAM] = ProcessingConfig.getSetting(PROGRAM) or self._of_the_environment
