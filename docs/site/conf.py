@@ -21,4 +21,5 @@ html_copy_source = False
 html_show_sphinx = False
 html_extra_path = ["start"]
 html_static_path = ["static"]
+templates_path = ["templates"]
 html_css_files = ["site.css"]

@@ -235,7 +235,8 @@ void check_purpose_of(SharedMap& map, const std::optional<std::string>& mission_
 /// One key or several, each as its text or as the file that holds it.
 std::vector<std::string> keys_of(const py::object& given) {
   const py::object fsdecode = py::module_::import("os").attr("fsdecode");
-  const bool alone = py::isinstance<py::str>(given) || py::hasattr(given, "__fspath__");
+  const bool alone =
+      py::isinstance<py::str>(given) || py::isinstance<py::bytes>(given) || py::hasattr(given, "__fspath__");
   std::vector<std::string> keys;
   for (const py::handle key : alone ? py::object(py::make_tuple(given)) : given) {
     keys.push_back(fsdecode(key).cast<std::string>());

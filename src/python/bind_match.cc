@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,7 +27,9 @@ MatchPrior make_prior(double lon_deg, double lat_deg, double height_agl_m, std::
   if (sigma_m.has_value() == covariance_en_m2.has_value()) {
     throw UsageError("sigma_m or covariance_en_m2, one of the two, says how sure the position is");
   }
-  if (sigma_m && *sigma_m < 0) throw UsageError("sigma_m = " + format_number(*sigma_m) + " is below 0");
+  if (sigma_m && !(*sigma_m >= 0 && std::isfinite(*sigma_m))) {
+    throw UsageError("sigma_m = " + format_number(*sigma_m) + " is no standard deviation: a finite number, 0 or above");
+  }
   Eigen::Matrix2d covariance_m2;
   if (sigma_m) {
     covariance_m2 = isotropic_covariance_m2(*sigma_m);

@@ -15,6 +15,7 @@ from processing.core.Processing import Processing
 from processing.core.ProcessingConfig import ProcessingConfig
 from qgis.core import (Qgis, QgsApplication, QgsProcessingContext, QgsProcessingFeedback, QgsProcessingParameterDefinition,
                        QgsProject, QgsRasterLayer)
+from qgis.PyQt.QtCore import QVariant
 
 import pilotage_processing
 
@@ -93,6 +94,7 @@ def check_parameters(provider):
     check("no parameter of the terminal", [name for name in ("quiet", "print_config", "json") if prepare.parameterDefinition(name)], [])
     for algorithm in provider.algorithms():
         check(f"{algorithm.name()} has help", len(algorithm.shortHelpString()) > 500, True)
+        check(f"{algorithm.name()}: not of a terminal", "Exit with" in algorithm.shortHelpString(), False)
 
 
 def check_score(provider):
@@ -108,6 +110,9 @@ def check_score(provider):
     check("layers of score", list(layers), ["scores"])
     check("style of score", layers["scores"].renderer().type(), "singlebandpseudocolor")
     check("bands of score", layers["scores"].bandCount(), 4)
+    _, done, _, other = run(provider.algorithm("score"), {"raster": [f"{mission}/ortho.tif"], "gsd_m": QVariant(QVariant.Double),
+                                                             "measures": ["gray_variance"], "output": os.path.abspath("null.tif")})
+    check("what is null is not set", (done, "gsd" in other.commands[0]), (True, False))
 
 
 def check_survey(provider):
@@ -125,6 +130,7 @@ def check_survey(provider):
     layers = loaded(context, feedback)
     for name in ("survey: tiles", "survey: decision", "survey: squares"):
         check(f"{name} has its style", layers[name].renderer().type() if name in layers else sorted(layers), "RuleRenderer")
+    check("tables do not", [name for name, layer in layers.items() if not layer.isSpatial()], [])
     check("heat maps come up", any(name.startswith("survey_") for name in layers), True)
 
 

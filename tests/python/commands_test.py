@@ -4,6 +4,7 @@ import inspect
 import json
 import os
 import pathlib
+import pickle
 import re
 import signal
 import subprocess
@@ -85,6 +86,8 @@ class Results(InAFolder):
         self.assertEqual(pathlib.Path("a.json").read_bytes(), pathlib.Path("b.json").read_bytes())
         with self.assertRaisesRegex(pilotage.UsageError, "mission holds what JSON cannot"):
             pilotage.tile({**self.mission, "agl_m": float("nan")}, output="c.json")
+        with self.assertRaisesRegex(pilotage.UsageError, "mission holds what JSON cannot"):
+            pilotage.tile({**self.mission, "imagery": [b"\xfe.tif"]}, output="c.json")
         with self.assertRaisesRegex(TypeError, "mission holds a set"):
             pilotage.tile({**self.mission, "imagery": {"ortho.tif"}}, output="c.json")
 
@@ -176,6 +179,9 @@ class Errors(InAFolder):
         with self.assertRaises(pilotage.GateNotMet) as caught:
             pilotage.match(MAP, frames="frames.csv", output="fixes.csv", require_fix=True)
         self.assertEqual(caught.exception.result["output"], "fixes.csv")
+        again = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual((str(again), again.result, again.result.command),
+                         (str(caught.exception), caught.exception.result, caught.exception.result.command))
         self.assertTrue(pathlib.Path("fixes.csv").exists())
 
     def test_program_of_another_version_is_refused(self):

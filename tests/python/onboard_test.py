@@ -124,7 +124,7 @@ class Signed(InAFolder):
             subprocess.run(["minisign", "-G", "-W", "-p", f"{name}.pub", "-s", f"{name}.sec"], check=True, stdout=subprocess.DEVNULL)
         pilotage.prepare("mission.json", output="out", flights=0, outputs="json", sign_key="ours.sec")
         self.assertEqual(len(pilotage.Map("out/map.gpkg", trusted_keys=["ours.pub"]).tiles()), len(pilotage.Map("out/map.gpkg").tiles()))
-        for keys in ("ours.pub", pathlib.Path("ours.pub"), ["others.pub", pathlib.Path("ours.pub")]):
+        for keys in ("ours.pub", b"ours.pub", pathlib.Path("ours.pub"), ["others.pub", pathlib.Path("ours.pub")]):
             pilotage.Map("out/map.gpkg", trusted_keys=keys)
         with self.assertRaises(pilotage.IntegrityError):
             pilotage.Map("out/map.gpkg", trusted_keys=["others.pub"])
@@ -231,7 +231,7 @@ class Matching(InAFolder):
         self.assertEqual(map.match(self.frames[0], prior).stats.to_dict(), map.match(self.frames[0], prior_of(row)).stats.to_dict())
         with self.assertRaisesRegex(pilotage.UsageError, "one of the two"):
             pilotage.Prior(lon_deg=0, lat_deg=0, height_agl_m=60)
-        with self.assertRaisesRegex(pilotage.UsageError, "sigma_m = -1 is below 0"):
+        with self.assertRaisesRegex(pilotage.UsageError, "sigma_m = -1 is no standard deviation"):
             pilotage.Prior(lon_deg=0, lat_deg=0, height_agl_m=60, sigma_m=-1)
         with self.assertRaisesRegex(pilotage.UsageError, "no 2 x 2 matrix"):
             pilotage.Prior(lon_deg=0, lat_deg=0, height_agl_m=60, covariance_en_m2=[1, 2, 3])

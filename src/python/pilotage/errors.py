@@ -31,6 +31,9 @@ class GateNotMet(Exception):
         super().__init__(message)
         self.result = result
 
+    def __reduce__(self):  # so that it comes back from another process
+        return type(self), (self.args[0], self.result)
+
 
 class TryAgain(Exception):
     """What is waited for is not there yet, as results of other machines: call again later. `result` says what is there."""
@@ -38,6 +41,9 @@ class TryAgain(Exception):
     def __init__(self, message, result):
         super().__init__(message)
         self.result = result
+
+    def __reduce__(self):
+        return type(self), (self.args[0], self.result)
 
 
 class PilotageWarning(UserWarning):

@@ -30,6 +30,9 @@ class Result(dict):
         super().__init__(values)
         self.command = command
 
+    def __reduce__(self):
+        return Result, (dict(self), self.command)
+
 
 def find_program(version=None):
     """The program: PILOTAGE_PROGRAM, or `pilotage` on the PATH. Throws DataError where it is missing, or of another version than `version`."""
@@ -105,7 +108,9 @@ def _json_text(name, mapping):
         raise TypeError(f"{name} holds a {type(value).__name__}: {value!r}")
 
     try:
-        return json.dumps(mapping, default=plain, allow_nan=False)
+        text = json.dumps(mapping, default=plain, allow_nan=False, ensure_ascii=False)
+        text.encode()  # names of files that are no UTF-8
+        return text
     except ValueError as error:
         raise UsageError(f"{name} holds what JSON cannot: {error}") from None
 

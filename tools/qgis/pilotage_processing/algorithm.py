@@ -9,8 +9,9 @@ from qgis.core import (QgsMapLayer, QgsProcessing, QgsProcessingAlgorithm, QgsPr
                        QgsProcessingParameterFile, QgsProcessingParameterFileDestination, QgsProcessingParameterFolderDestination,
                        QgsProcessingParameterMultipleLayers, QgsProcessingParameterNumber, QgsProcessingParameterRasterLayer,
                        QgsProcessingParameterString, QgsProcessingUtils, QgsProviderRegistry, QgsRasterLayer, QgsVectorLayer)
+from qgis.PyQt.QtCore import QVariant
 
-from .described import inputs_of, kind_of, python_name, sections_of, spec_of
+from .described import in_words_of_python, inputs_of, kind_of, python_name, sections_of, spec_of
 from .errors import GateNotMet, Interrupted
 from .program import run_command
 
@@ -18,7 +19,7 @@ from .program import run_command
 RASTERS = {"elevation", "second_epoch", "imagery"}
 # Options that name further outputs, and those that are for other places than this: many machines, two reports.
 MORE_OUTPUTS = {"score": {"table", "second_epoch_output"}, "report": {"report_json", "pdf"}}
-LEFT_OUT = {"output", "config", "plan_shards", "shard", "shards", "compare"}
+LEFT_OUT = {"output", "config", "plan_shards", "shard", "shards", "level", "compare"}
 OUTPUT_FILTERS = {"score": "GeoTIFF (*.tif)", "reroute": "Route (*.plan *.waypoints *.kml *.gpx *.geojson)", "report": "Page (*.html)"}
 OUTPUT_SUFFIXES = {"score": ".tif", "reroute": ".plan", "report": ".html"}
 OF_THE_RUN = {"overwrite", "threads", "seed", "allow_network", "allow_any_vrt"}  # no mission file says them
@@ -49,10 +50,10 @@ def label_of(option):
     return words[:1].upper() + words[1:]
 
 
-def help_of(option):
+def help_of(option, spec):
     default = option["default"]
     shown = ", ".join(map(str, default)) if isinstance(default, list) else default
-    return option["help"] + ("" if shown in (None, "", False) else f" Default: {shown}.")
+    return in_words_of_python(option["help"], spec) + (" Several are joined by semicolons." if kind_of(option) == "paths" else "") + ("" if shown in (None, "", False) else f" Default: {shown}.")
 
 
 def parameter_of(option, with_file):
@@ -120,7 +121,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
         for heading, options in sections_of(self.command):
             if heading:
                 lines.append(f"<b>{heading}</b>")
-            lines += [f"<i>{label_of(option)}</i>: {help_of(option)}" for option in options if option["name"] not in LEFT_OUT]
+            lines += [f"<i>{label_of(option)}</i>: {help_of(option, spec_of(self.command))}" for option in options if option["name"] not in LEFT_OUT]
         return "<br/>".join(lines)
 
     def helpUrl(self):
@@ -144,7 +145,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
                                                                             createByDefault=False))
                     continue
                 parameter = parameter_of(option, self.command["inputs"]["is_config"] and option["name"] not in OF_THE_RUN)
-                parameter.setHelp(help_of(option))
+                parameter.setHelp(help_of(option, spec_of(self.command)))
                 if number >= PLAIN_SECTIONS:
                     parameter.setFlags(parameter.flags() | QgsProcessingParameterDefinition.FlagAdvanced)
                 self.addParameter(parameter)
@@ -162,7 +163,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
     def _value_of(self, option, parameters, context):
         """As the program's options have it, or None where it is not set."""
         name, kind = python_name(option["flag"]), kind_of(option)
-        if parameters.get(name) is None:
+        if parameters.get(name) is None or (isinstance(parameters[name], QVariant) and parameters[name].isNull()):
             return None
         if kind == "boolean" and isinstance(self.parameterDefinition(name), QgsProcessingParameterEnum):
             value = self.parameterAsEnumString(parameters, name, context)
@@ -187,7 +188,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
         else:
             value = self.parameterAsString(parameters, name, context)
             if kind in ("texts", "numbers", "paths"):
-                value = [part.strip() for part in value.split(",") if part.strip()]
+                value = [part.strip() for part in value.split(";" if kind == "paths" else ",") if part.strip()]
                 try:
                     value = [float(part) for part in value] if kind == "numbers" else value
                 except ValueError:
@@ -238,7 +239,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
             raise QgsProcessingException(str(error)) from error
         feedback.pushCommandInfo(shlex.join(result.command))
         for warning in result.get("warnings", []):
-            feedback.pushWarning(warning)
+            feedback.pushWarning(in_words_of_python(warning, spec_of(self.command)))
         headline = result.get("verdict") or result.get("headline") or ""
         for said in (headline, result.get("detail"), result.get("assumptions"), result.get("evidence"), result.get("not_looked_at")):
             if said:
@@ -260,7 +261,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
                     self._load(QgsVectorLayer(found.uri(), f"{file.stem}: {found.name()}", "ogr"), context)
 
     def _load(self, layer, context):
-        if not layer.isValid():
+        if not layer.isValid() or not layer.isSpatial():  # tables of what stands in the log
             return
         context.temporaryLayerStore().addMapLayer(layer)
         details = QgsProcessingContext.LayerDetails(layer.name(), context.project(), layer.name())
