@@ -8,7 +8,6 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/progress.h"
 #include "pilotage/base/text.h"
-#include "pilotage/version.h"
 
 namespace py = pybind11;
 
@@ -68,9 +67,8 @@ void set_options(const OptionList& options, const py::kwargs& values, const std:
   for (const auto& [key, value] : values) {
     const auto name = key.cast<std::string>();
     const OptionField* const field = options.find(name);
-    if (value.is_none() && field != nullptr) continue;  // not given
     if (field == nullptr) throw py::type_error(function + "() got an unexpected keyword argument '" + name + "'");
-    field->set(value_of(name, *field, value));
+    if (!value.is_none()) field->set(value_of(name, *field, value));  // None: not given
   }
 }
 
@@ -87,7 +85,6 @@ std::string options_docstring(const OptionList& options) {
 PYBIND11_MODULE(_onboard, module) {
   using namespace pilotage;
   module.doc() = "What flies: maps, cameras and the matcher of pilotage/onboard.h.";
-  module.attr("VERSION") = PILOTAGE_VERSION;
 
   // The classes of pilotage/errors.py, one for each kind that the library throws. They live as long as the module does.
   static const py::object* errors = new py::object(py::module_::import("pilotage.errors"));

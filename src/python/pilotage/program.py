@@ -135,7 +135,7 @@ def _command_line(spec, given):
     words = [spec["word"], "--json", "--progress=json"]
     standard_input = ("", "")
     inputs = []
-    for name, many in spec["inputs"]:
+    for name, several in spec["inputs"]:
         value = given.get(name)
         if value is None:
             continue
@@ -143,7 +143,7 @@ def _command_line(spec, given):
             standard_input = (name, _json_text(name, value))
             inputs.append("-")
         else:
-            inputs += _items(name, value, _path) if many else [_path(name, value)]
+            inputs += _items(name, value, _path) if several else [_path(name, value)]
     for name, (flag, kind) in spec["options"].items():
         value = given.get(name)
         if value is None:

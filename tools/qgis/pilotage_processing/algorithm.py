@@ -11,7 +11,7 @@ from qgis.core import (QgsMapLayer, QgsProcessing, QgsProcessingAlgorithm, QgsPr
                        QgsProcessingParameterString, QgsProcessingUtils, QgsProviderRegistry, QgsRasterLayer, QgsVectorLayer)
 from qgis.PyQt.QtCore import QVariant
 
-from .described import in_words_of_python, inputs_of, kind_of, python_name, sections_of, spec_of
+from .described import in_words_of_python, inputs_of, kind_of, python_name, sections_of
 from .errors import GateNotMet, Interrupted
 from .program import run_command
 
@@ -50,10 +50,14 @@ def label_of(option):
     return words[:1].upper() + words[1:]
 
 
+def listed(default):
+    return ", ".join(map(str, default)) if isinstance(default, list) else default
+
+
 def help_of(option, spec):
-    default = option["default"]
-    shown = ", ".join(map(str, default)) if isinstance(default, list) else default
-    return in_words_of_python(option["help"], spec) + (" Several are joined by semicolons." if kind_of(option) == "paths" else "") + ("" if shown in (None, "", False) else f" Default: {shown}.")
+    several = " Several are joined by semicolons." if kind_of(option) == "paths" else ""
+    shown = listed(option["default"])
+    return in_words_of_python(option["help"], spec) + several + ("" if shown in (None, "", False) else f" Default: {shown}.")
 
 
 def parameter_of(option, with_file):
@@ -81,8 +85,7 @@ def parameter_of(option, with_file):
         return QgsProcessingParameterRasterLayer(name, label, optional=True)
     if kind == "path":
         return QgsProcessingParameterFile(name, label, optional=True)
-    return QgsProcessingParameterString(name, label, defaultValue=", ".join(map(str, default)) if isinstance(default, list) else default or None,
-                                        optional=True)
+    return QgsProcessingParameterString(name, label, defaultValue=listed(default) or None, optional=True)
 
 
 def is_raster(option):
@@ -100,12 +103,12 @@ def source_of(value, context):
 
 
 class CommandAlgorithm(QgsProcessingAlgorithm):
-    def __init__(self, command):
+    def __init__(self, command, spec):
         super().__init__()
-        self.command = command
+        self.command, self.spec = command, spec
 
     def createInstance(self):
-        return CommandAlgorithm(self.command)
+        return CommandAlgorithm(self.command, self.spec)
 
     def name(self):
         return self.command["word"].replace("-", "_")
@@ -121,11 +124,8 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
         for heading, options in sections_of(self.command):
             if heading:
                 lines.append(f"<b>{heading}</b>")
-            lines += [f"<i>{label_of(option)}</i>: {help_of(option, spec_of(self.command))}" for option in options if option["name"] not in LEFT_OUT]
+            lines += [f"<i>{label_of(option)}</i>: {help_of(option, self.spec)}" for option in options if option["name"] not in LEFT_OUT]
         return "<br/>".join(lines)
-
-    def helpUrl(self):
-        return ""
 
     def initAlgorithm(self, configuration=None):
         for name, several, required in inputs_of(self.command):
@@ -145,7 +145,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
                                                                             createByDefault=False))
                     continue
                 parameter = parameter_of(option, self.command["inputs"]["is_config"] and option["name"] not in OF_THE_RUN)
-                parameter.setHelp(help_of(option, spec_of(self.command)))
+                parameter.setHelp(help_of(option, self.spec))
                 if number >= PLAIN_SECTIONS:
                     parameter.setFlags(parameter.flags() | QgsProcessingParameterDefinition.FlagAdvanced)
                 self.addParameter(parameter)
@@ -229,7 +229,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
 
         given = self._arguments(parameters, context)
         try:
-            result = run_command(spec_of(self.command), {**given, "progress": progress})
+            result = run_command(self.spec, {**given, "progress": progress})
         except Interrupted:
             return {}
         except GateNotMet as unmet:
@@ -239,7 +239,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
             raise QgsProcessingException(str(error)) from error
         feedback.pushCommandInfo(shlex.join(result.command))
         for warning in result.get("warnings", []):
-            feedback.pushWarning(in_words_of_python(warning, spec_of(self.command)))
+            feedback.pushWarning(in_words_of_python(warning, self.spec))
         headline = result.get("verdict") or result.get("headline") or ""
         for said in (headline, result.get("detail"), result.get("assumptions"), result.get("evidence"), result.get("not_looked_at")):
             if said:

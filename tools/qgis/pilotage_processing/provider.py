@@ -10,6 +10,7 @@ from qgis.core import QgsMessageLog, QgsProcessingProvider, Qgis
 from qgis.PyQt.QtGui import QIcon
 
 from .algorithm import CommandAlgorithm
+from .described import spec_of
 from .errors import DataError
 from .program import find_program
 
@@ -52,4 +53,4 @@ class Provider(QgsProcessingProvider):
             QgsMessageLog.logMessage(f"no algorithms: {error}", self.name(), Qgis.Warning)
             return
         for word in COMMANDS:
-            self.addAlgorithm(CommandAlgorithm(commands[word]))
+            self.addAlgorithm(CommandAlgorithm(commands[word], spec_of(commands[word])))
