@@ -72,7 +72,7 @@ def test(pilotage, source, work, rest):
         pictures_are_drawn(page, work)
         for scheme in ("light", "dark"):
             page.prefer(scheme)
-            check(page.run("return document.documentElement.dataset.theme || 'light'") == scheme, f"the page is not {scheme}")
+            page.wait("return (document.documentElement.dataset.theme || 'light') === arguments[0]", f"a page that is {scheme}", scheme)
             page.full_screenshot(pictures / f"quality_{scheme}.png")
         page.prefer("light")
         page.resize(390, 844)
