@@ -32,6 +32,7 @@ struct ReportCommandOptions {
   StageFileOptions files;
   bool compare = false;
   std::vector<ReportOutput> outputs{ReportOutput::kHtml};
+  std::optional<Autopilot> autopilot;
   std::string report_json;
   std::string title;
   std::string evaluation;
@@ -48,6 +49,7 @@ struct ReportCommandOptions {
     StageFileOptions::describe(self.files, fields);
     fields.field("compare", self.compare, "Say what changed between two report.json; -o takes it as JSON.");
     fields.field("outputs", self.outputs, outputs_help());
+    fields.field("autopilot", self.autopilot, kAutopilotHelp);
     fields.path("report_json", self.report_json, "Also write the numbers as JSON here, wherever --outputs puts them.");
     fields.field("title", self.title, "Title of the page; the route's name if not given.");
     fields.path("evaluation", self.evaluation,
@@ -135,6 +137,7 @@ ReportInput read_report_input(const ReportCommandOptions& options, const ReportF
       make_report_input(files.mission, files.scores, files.selection, input_files(files.mission), version_line());
   if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, invocation.threads, invocation.progress);
   input.title = options.title;
+  input.autopilot = options.autopilot;
   if (georeference_disagreement(input)) {
     input.assumptions.emplace_back("what bringing the second date onto the imagery took for granted, `score` says");
   }
@@ -168,6 +171,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (prints && !asks_for(options.outputs, ReportOutput::kHtml)) {
     throw UsageError("--pdf prints the page: give html among --outputs");
   }
+  refuse_unnamed_autopilot(options.outputs, options.autopilot);
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const ReportFiles named = files_of_report(options, invocation.inputs.front());
@@ -208,6 +212,10 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
                  {"assumptions", report.assumptions},
                  {"evidence", evidence}};
   result.warnings = named.warnings;
+  if (report.autopilot) {
+    const std::vector<std::string> more = autopilot_warnings(report, *report.autopilot);
+    result.warnings.insert(result.warnings.end(), more.begin(), more.end());
+  }
   return result;
 }
 

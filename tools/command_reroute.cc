@@ -62,7 +62,7 @@ Command make_reroute_command() {
     if (!done.found_go) result.exit_code = kExitGateNotMet;
     return result;
   });
-  take_flags_away(command.options, {"outputs", "purpose"});  // of a mission file, for `prepare` alone
+  take_flags_away(command.options, {"outputs", "autopilot", "purpose"});  // of a mission file, for `prepare` alone
   return command;
 }
 

@@ -144,6 +144,18 @@ Endings write_dji(const OutputSource& source) {
   return {"_dji.kmz"};
 }
 
+/// The file ending by which ground stations know their autopilot's parameters.
+constexpr const char* kPx4Ending = "_autopilot.params";
+constexpr const char* kArdupilotEnding = "_autopilot.param";
+
+/// None where nobody said which autopilot it is.
+Endings write_autopilot(const OutputSource& source) {
+  if (!source.report.autopilot) return {};
+  const char* ending = is_px4(*source.report.autopilot) ? kPx4Ending : kArdupilotEnding;
+  write_file(source.path(ending), autopilot_parameters(source.report, *source.report.autopilot), true);
+  return {ending};
+}
+
 /// Whether the tiles lie on both sides of the antimeridian.
 bool over_antimeridian(const Ground& ground) {
   const auto [west, east] =
@@ -213,6 +225,11 @@ const std::vector<OutputFormat>& output_formats() {
       {ReportOutput::kRoute, "route", "KML with the plan's numbers", true,
        [](Levels, bool) { return Endings{"_route.kml"}; }, write_route},
       {ReportOutput::kDji, "dji", "DJI mission", false, [](Levels, bool) { return Endings{"_dji.kmz"}; }, write_dji},
+      {ReportOutput::kAutopilot, "autopilot", "its parameters, of --autopilot", false,
+       [](Levels, bool) {
+         return Endings{kPx4Ending, kArdupilotEnding};
+       },
+       write_autopilot},
       {ReportOutput::kGeojson, "geojson", "", true,
        [](Levels, bool) {
          return Endings{"_tiles.geojson", "_areas.geojson",  "_legs.geojson",
@@ -257,6 +274,13 @@ const std::string& outputs_help() {
 bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which) {
   return std::any_of(outputs.begin(), outputs.end(),
                      [&](ReportOutput output) { return output == which || output == ReportOutput::kAll; });
+}
+
+void refuse_unnamed_autopilot(const std::vector<ReportOutput>& outputs, const std::optional<Autopilot>& autopilot) {
+  const bool is_named = std::find(outputs.begin(), outputs.end(), ReportOutput::kAutopilot) != outputs.end();
+  if (!is_named || autopilot) return;
+  throw UsageError(
+      "--outputs autopilot: say which it is, --autopilot px4-multicopter, px4-fixed-wing, arducopter or arduplane");
 }
 
 std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,21 @@ namespace pilotage {
 
 /// Files in which a report can be handed on (docs/commands/report.md). A new one is a value here and a row of the table
 /// in report_outputs.cc.
-enum class ReportOutput { kHtml, kJson, kCog, kGpkg, kKmz, kKml, kRoute, kDji, kGeojson, kMbtiles, kStac, kAll };
+enum class ReportOutput {
+  kHtml,
+  kJson,
+  kCog,
+  kGpkg,
+  kKmz,
+  kKml,
+  kRoute,
+  kDji,
+  kAutopilot,
+  kGeojson,
+  kMbtiles,
+  kStac,
+  kAll
+};
 
 EnumNames<ReportOutput> enum_names(ReportOutput);
 
@@ -23,6 +38,10 @@ const std::string& outputs_help();
 
 /// Whether `outputs` ask for `which`, by name or as part of all.
 bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which);
+
+/// Throws UsageError where parameters for an autopilot are asked for by name and nobody says which it is: before the
+/// work.
+void refuse_unnamed_autopilot(const std::vector<ReportOutput>& outputs, const std::optional<Autopilot>& autopilot);
 
 /// The names of the files that `outputs` would write for a plan with these levels, without writing them; all of them
 /// begin with `stem`. `with_scores` says whether cog brings its own score raster, `<stem>_scores.tif`.

@@ -267,6 +267,9 @@ Report make_report(const ReportInput& input) {
   report.loss_anywhere = selection.loss_anywhere;
   report.inertial_reach = inertial_reach(input);
   report.fixes = fix_stretches(selection.error_profile);
+  report.fix_interval_s = selection.tries ? selection.tries->interval_s : 0;
+  report.fix_sigma_m = mission.flight.ins.fix_sigma_m;
+  report.autopilot = input.autopilot;
   report.error_profile = thin_profile(selection.error_profile, 2000);
 
   for (const Measure* measure : heat_maps()) report.measures.push_back(measure_scale(*measure, input.scores));
@@ -293,6 +296,9 @@ Report make_report(const ReportInput& input) {
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(mission.warnings);
   if (const std::string warning = disagreement_warning(input); !warning.empty()) report.warnings.push_back(warning);
+  if (report.autopilot) {
+    for (std::string& warning : autopilot_warnings(report, *report.autopilot)) report.warnings.push_back(warning);
+  }
   report.notes = valid_texts(mission.flight.route.notes);
   for (const auto* more : {&selection.notes, &input.assumptions}) {
     for (const std::string& text : *more) report.notes.push_back(valid_utf8(text));
