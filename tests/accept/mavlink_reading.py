@@ -25,7 +25,9 @@ MESSAGES = {
                          "float ymag, float zmag, float abs_pressure, float diff_pressure, float pressure_alt, float temperature, "
                          "uint16_t fields_updated | uint8_t id"),
     132: ("DISTANCE_SENSOR", "uint32_t time_boot_ms, uint16_t min_distance, uint16_t max_distance, uint16_t current_distance, "
-                             "uint8_t type, uint8_t id, uint8_t orientation, uint8_t covariance"),
+                             "uint8_t type, uint8_t id, uint8_t orientation, uint8_t covariance | float horizontal_fov, "
+                             "float vertical_fov, float[4] quaternion, uint8_t signal_quality"),
+    135: ("TERRAIN_CHECK", "int32_t lat, int32_t lon"),
     136: ("TERRAIN_REPORT", "int32_t lat, int32_t lon, float terrain_height, float current_height, uint16_t spacing, "
                             "uint16_t pending, uint16_t loaded"),
     232: ("GPS_INPUT", "uint64_t time_usec, uint32_t time_week_ms, int32_t lat, int32_t lon, float alt, float hdop, float vdop, "
@@ -38,7 +40,7 @@ MESSAGES = {
                                     "uint8_t source, uint8_t flags"),
 }
 CODES = {"uint64_t": "Q", "uint32_t": "I", "int32_t": "i", "uint16_t": "H", "int16_t": "h", "float": "f", "uint8_t": "B",
-         "char[50]": "50s"}
+         "float[4]": "16s", "char[50]": "50s"}
 
 
 def crc_x25(data, crc=0xFFFF):
@@ -75,7 +77,7 @@ NAMES = {number: [name for _, name in fields_of(number)[0]] for number in MESSAG
 
 def write_frame(number, sequence=0, system=1, component=1, version=2, **values):
     """Members that are not given are 0."""
-    payload = struct.pack(LAYOUTS[number], *(values.get(name, b"" if name == "text" else 0) for name in NAMES[number]))
+    payload = struct.pack(LAYOUTS[number], *(values.get(name, b"" if name in ("text", "quaternion") else 0) for name in NAMES[number]))
     if version == 1:
         counted = struct.calcsize("<" + "".join(CODES[kind] for kind, _ in fields_of(number)[0][:fields_of(number)[1]]))
         head = bytes([counted, sequence % 256, system, component, number])

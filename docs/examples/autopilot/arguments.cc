@@ -1,10 +1,12 @@
 #include "arguments.h"
 
 #include <charconv>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 
 const char* const kUsage =
     R"(usage: autopilot_example MAP.gpkg (--link LINK | --recording FLIGHT.tlog) --send MESSAGES
@@ -17,7 +19,7 @@ Pictures come through standard input: binary PGM, 8 bits, one behind the other.
   --send MESSAGES      gps_input, external_position_estimate, global_position_sensor; several with commas between
   --public-key KEY     whose signature of the map is trusted; --unverified: any map
   --record FILE        write what is heard and said (.tlog)
-  --system-id N        of the aircraft (1)
+  --system-id N        of the aircraft: whom it hears and speaks to (1)
   --component-id N     of this program (191)
   --sensor-id N        gps_id of GPS_INPUT, id of GLOBAL_POSITION_SENSOR (1)
   --rate-hz F          of GPS_INPUT, 5 to 20 (10)
@@ -25,9 +27,10 @@ Pictures come through standard input: binary PGM, 8 bits, one behind the other.
   --imu-rate-hz F      asked of the autopilot (100)
   --camera-latency-ms F  from exposure to a picture's first byte, where a picture does not say (50)
   --hold-back-ms F     how late a picture may come after its exposure (100)
+  --deadline-ms F      of the matching of a picture (1000)
   --ins-grade GRADE    consumer, industrial, tactical, navigation (consumer)
   --ground-amsl-m F    height of level ground, for want of a rangefinder and a terrain report
-  --start-sigma-m F    begin without GNSS: how far off the autopilot's position may be
+  --start-sigma-m F    begin without GNSS, once: how far off the autopilot's position may be
 )";
 
 namespace {
@@ -83,7 +86,11 @@ Arguments read_arguments(int argc, char** argv) {
   const auto number = [](auto& value, double least, double most, double unit = 1) {
     return [&value, least, most, unit](const std::string& name, const std::string& word) {
       using Value = std::remove_reference_t<decltype(value)>;
-      value = static_cast<Value>(number_of(name, word, least, most) * unit);
+      const double given = number_of(name, word, least, most);
+      if (std::is_integral_v<Value> && given != std::floor(given)) {
+        throw std::invalid_argument(name + " " + word + ": a whole number is wanted");
+      }
+      value = static_cast<Value>(given * unit);
     };
   };
   const std::map<std::string, Set> options = {
@@ -100,6 +107,7 @@ Arguments read_arguments(int argc, char** argv) {
       {"--imu-rate-hz", number(flight.imu_rate_hz, 10, 1000)},
       {"--camera-latency-ms", number(flight.camera_latency_s, 0, 1000, 1e-3)},
       {"--hold-back-ms", number(flight.hold_back_s, 0, 900, 1e-3)},
+      {"--deadline-ms", number(flight.deadline_ms, 1, 60000)},
       {"--ins-grade", [&](const std::string&, const std::string& word) { flight.ins_grade = grade_of(word); }},
       {"--ground-amsl-m", number(flight.ground_amsl_m, -500, 9000)},
       {"--start-sigma-m", number(flight.start_sigma_m, 0.01, 1000)},
@@ -126,6 +134,12 @@ Arguments read_arguments(int argc, char** argv) {
   }
   if (!flight.sends_gps_input && !flight.sends_external_position_estimate && !flight.sends_global_position_sensor) {
     throw std::invalid_argument("--send is missing");
+  }
+  if (flight.sends_global_position_sensor && flight.sensor_id == 0) {
+    throw std::invalid_argument("--sensor-id 0: to PX4 that is no source of global_position_sensor");
+  }
+  if (flight.hold_back_s <= flight.camera_latency_s) {
+    throw std::invalid_argument("--hold-back-ms must be above --camera-latency-ms, or every picture comes too late");
   }
   return arguments;
 }

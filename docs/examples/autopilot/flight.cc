@@ -3,18 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kSilence_s = 1;     // of the IMU, after which nobody knows what was flown
-constexpr double kStartAge_s = 0.3;  // of attitude and position from which a flight begins
+constexpr double kHole_s = 0.2;         // in the increments: a longer one is not flown as if nothing had changed
+constexpr double kSilence_s = 3;        // of the IMU, after which nobody knows where the aircraft went
+constexpr double kUnknown_mps2 = 5;     // acceleration that nobody measured: half a g
+constexpr double kSteady_radps = 0.17;  // ten degrees a second: an attitude 0.1 s old is a degree off
+constexpr double kAttitudeAge_s = 0.1;
+constexpr double kPositionAge_s = 0.3;
+constexpr double kGnssAge_s = 2;
 constexpr double kRangeAge_s = 1;
 constexpr double kTerrainAge_s = 3;
+constexpr double kTerrainReach_m = 200;  // of the place that a terrain report is of
+constexpr double kAlignEach_s = 1;
+constexpr double kHistory_s = 3;
 constexpr double kAssumedGnssSigma_m = 5;  // of a receiver that does not say
+constexpr double kGnssAgreement_m = 50;    // of the autopilot's position and its receiver's
 constexpr double kClockDrift = 1e-4;       // of two crystals
+constexpr double kClockStep_us = 1e6;      // more is another clock: the autopilot began anew
 constexpr std::int64_t kSecond_us = 1'000'000;
 
 // Places of members on the wire: by size, then in the order of the definition.
@@ -52,6 +64,9 @@ Eigen::Vector3d velocity_enu_mps(const mavlink::Message& position) {
 bool has_gnss_fix(const mavlink::Message& gnss) {
   return gnss.at<std::uint8_t>(28) >= 3;
 }
+pilotage::GeodeticPoint gnss_point(const mavlink::Message& gnss) {
+  return {gnss.at<std::int32_t>(12) / 1e7, gnss.at<std::int32_t>(8) / 1e7};
+}
 double gnss_sigma_m(const mavlink::Message& gnss) {
   const double said_m = gnss.at<std::uint32_t>(34) / 1e3;  // 0: the receiver does not say
   return said_m > 0 ? said_m : kAssumedGnssSigma_m;
@@ -63,10 +78,17 @@ std::string text_of(const char* format, double number) {
   return text;
 }
 
-/// East, north or up of a place, along Earth-fixed axes.
+/// Up at a place, along Earth-fixed axes.
 Eigen::Vector3d up_at(const pilotage::GeodeticPoint& point) {
   const double lon = point.lon_deg / kDegrees, lat = point.lat_deg / kDegrees;
   return {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
+}
+
+/// For some kilometres.
+double distance_m(const pilotage::GeodeticPoint& a, const pilotage::GeodeticPoint& b) {
+  constexpr double kRadius_m = 6371000;
+  const double east = pilotage::wrap_lon_deg(b.lon_deg - a.lon_deg) / kDegrees * std::cos(a.lat_deg / kDegrees);
+  return kRadius_m * std::hypot(east, (b.lat_deg - a.lat_deg) / kDegrees);
 }
 
 /// A point so many metres away: for some metres, not for kilometres.
@@ -92,6 +114,7 @@ Flight::Flight(const FlightOptions& options, std::optional<double> map_sigma_m, 
 // clocks' own, but for the shortest way.
 void Flight::set_clock(double stamp_s, std::int64_t now_us) {
   const double offset_us = static_cast<double>(now_us) - stamp_s * 1e6;
+  if (clock_offset_us_ && std::abs(offset_us - *clock_offset_us_) > kClockStep_us + (kSilence_s * 1e6)) begin_anew();
   if (!clock_offset_us_) {
     clock_offset_us_ = offset_us;
   } else {
@@ -105,41 +128,46 @@ double Flight::autopilot_time_s(std::int64_t time_us) const {
   return (static_cast<double>(time_us) - clock_offset_us_.value_or(0)) / 1e6;
 }
 
+/// Nothing that was heard by another clock counts.
+void Flight::begin_anew() {
+  clock_offset_us_.reset();
+  imu_.clear();
+  attitudes_.clear();
+  positions_.clear();
+  gnss_.reset();
+  range_.reset();
+  terrain_.reset();
+  lose();
+}
+
 // ---- What is heard ----
 void Flight::hear(const mavlink::Message& message, std::int64_t now_us) {
-  constexpr std::uint8_t kAutopilotComponent = 1;
-  if (message.component_id != kAutopilotComponent || (autopilot_ != 0 && message.system_id != autopilot_)) return;
-  if (message.id == mavlink::kHeartbeat) {
-    autopilot_ = message.system_id;
-    return;
-  }
-  if (autopilot_ == 0) return;
+  if (message.component_id != mavlink::kAutopilotComponent || message.system_id != sender_.system_id) return;
+  is_there_ = true;
+  heard_us_[message.id] = now_us;
+  const auto remember = [](std::deque<Timed>& history, Timed one) {
+    history.push_back(std::move(one));
+    while (history.front().time_s < history.back().time_s - kHistory_s) history.pop_front();
+  };
   switch (message.id) {
     case mavlink::kHighresImu:
       hear_imu(message, now_us);
       break;
     case mavlink::kAttitude:
-      attitude_ = Timed{stamp_s(message), message};
+      remember(attitudes_, {stamp_s(message), message});
       break;
     case mavlink::kGlobalPositionInt:
-      position_ = Timed{stamp_s(message), message};
+      remember(positions_, {stamp_s(message), message});
       break;
     case mavlink::kGpsRawInt:
       gnss_ = Timed{autopilot_time_s(now_us), message};
       break;
-    case mavlink::kDistanceSensor: {
-      constexpr std::uint8_t kDown = 25;  // MAV_SENSOR_ROTATION_PITCH_270
-      const double least_cm = message.at<std::uint16_t>(4), most_cm = message.at<std::uint16_t>(6);
-      const double range_cm = message.at<std::uint16_t>(8);
-      if (message.at<std::uint8_t>(12) != kDown || range_cm <= least_cm || range_cm >= most_cm || !attitude_) break;
-      const pilotage::Attitude attitude = attitude_deg(attitude_->message);
-      const double upright = std::cos(attitude.pitch_deg / kDegrees) * std::cos(attitude.roll_deg / kDegrees);
-      range_ = {stamp_s(message), range_cm / 100 * upright};
+    case mavlink::kDistanceSensor:
+      hear_range(message);
       break;
-    }
     case mavlink::kTerrainReport: {
       const bool is_known = message.at<std::uint16_t>(16) != 0;  // the spacing of its grid
-      if (is_known) terrain_ = {autopilot_time_s(now_us), message.at<float>(12)};
+      if (is_known) terrain_ = Timed{autopilot_time_s(now_us), message};
       break;
     }
     case mavlink::kCommandAck:
@@ -150,64 +178,132 @@ void Flight::hear(const mavlink::Message& message, std::int64_t now_us) {
   }
 }
 
+void Flight::hear_range(const mavlink::Message& message) {
+  constexpr std::uint8_t kDown = 25;    // MAV_SENSOR_ROTATION_PITCH_270
+  constexpr std::uint8_t kInvalid = 1;  // of signal_quality
+  const int least_cm = message.at<std::uint16_t>(4), most_cm = message.at<std::uint16_t>(6);
+  const int range_cm = message.at<std::uint16_t>(8);
+  if (message.at<std::uint8_t>(12) != kDown || message.at<std::uint8_t>(38) == kInvalid) return;
+  if (range_cm > least_cm && range_cm < most_cm) range_ = Timed{stamp_s(message), message};
+}
+
 void Flight::hear_acknowledgement(const mavlink::Message& message, std::int64_t now_us) {
   if (message.at<std::uint16_t>(0) != mavlink::kExternalPositionEstimate) return;
   const int result = message.at<std::uint8_t>(2);
   if (result == 0) return;
   ++rejected_commands_;
-  say(mavlink::kWarning, "autopilot refuses positions, MAV_RESULT " + std::to_string(result), now_us);
+  say(mavlink::kWarning, "43003 is refused, MAV_RESULT " + std::to_string(result), now_us);
 }
 
+/// Of the first IMU that is heard; of another when that one is silent.
 void Flight::hear_imu(const mavlink::Message& message, std::int64_t now_us) {
   const double time_s = stamp_s(message);
-  if (message.at<std::uint8_t>(62) != 0) return;  // one IMU, the first
+  const int id = message.at<std::uint8_t>(62);
+  if (imu_id_ >= 0 && id != imu_id_ && time_s - stamp_s_ < kHole_s) return;
+  imu_id_ = id;
   set_clock(time_s, now_us);
   if (!imu_.empty() && time_s <= imu_.back().time_s) return;
+  stamp_s_ = time_s;
   imu_.push_back({time_s, message});
 }
 
 // ---- Flying ----
-void Flight::try_to_start(double time_s, double pressure_altitude_m) {
-  const auto is_fresh = [&](const std::optional<Timed>& heard, double age_s) {
-    return heard && std::abs(time_s - heard->time_s) <= age_s;
+/// Whether the autopilot's position may be believed: a receiver is behind it, and says the same. Not after a fix by
+/// sight.
+bool Flight::may_align() const {
+  if (has_sighted_ || unanswered_ > 0) return false;
+  if (options_.start_sigma_m) return !filter_;
+  if (!gnss_ || std::abs(flown_s_ - gnss_->time_s) > kGnssAge_s || !has_gnss_fix(gnss_->message)) return false;
+  if (filter_ && flown_s_ - aligned_s_ < kAlignEach_s) return false;
+  return !positions_.empty() &&
+         distance_m(point_of(positions_.back().message), gnss_point(gnss_->message)) < kGnssAgreement_m;
+}
+
+/// The filter begins with what the autopilot believes at the time of this increment, unless the aircraft turns.
+void Flight::align(const mavlink::Message& imu) {
+  const auto latest = [this](const std::deque<Timed>& history, double age_s) -> const mavlink::Message* {
+    const auto after =
+        std::find_if(history.begin(), history.end(), [&](const Timed& one) { return one.time_s > flown_s_; });
+    if (after == history.begin() || flown_s_ - std::prev(after)->time_s > age_s) return nullptr;
+    return &std::prev(after)->message;
   };
-  if (!is_fresh(attitude_, kStartAge_s) || !is_fresh(position_, kStartAge_s)) return;
+  const mavlink::Message* attitude = latest(attitudes_, kAttitudeAge_s);
+  const mavlink::Message* position = latest(positions_, kPositionAge_s);
+  if (attitude == nullptr || position == nullptr || rate_radps(imu).norm() > kSteady_radps) return;
   pilotage::InsOptions ins;
   ins.grade = options_.ins_grade;
   pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
-  if (options_.start_sigma_m) {
-    model.start_sigma_m = *options_.start_sigma_m;
-  } else {
-    // The autopilot's position is believed while a receiver is behind it, and no better than that one says.
-    if (!is_fresh(gnss_, kTerrainAge_s) || !has_gnss_fix(gnss_->message)) return;
-    model.start_sigma_m = std::max(model.start_sigma_m, gnss_sigma_m(gnss_->message));
+  model.start_sigma_m =
+      options_.start_sigma_m.value_or(gnss_ ? std::max(model.start_sigma_m, gnss_sigma_m(gnss_->message)) : 0);
+  const Eigen::Vector3d velocity = velocity_enu_mps(*position);
+  const double ahead_s = flown_s_ - stamp_s(*position);
+  const pilotage::GeodeticPoint place = point_of(*position);
+  if (place.lon_deg == 0 && place.lat_deg == 0) return;  // what autopilots say that do not know
+  pressure_altitude_m_ = pressure_altitude_m(imu);
+  const double height_m = amsl_m(*position) + velocity.z() * ahead_s;
+  pressure_offset_m_ = pressure_altitude_m_ - height_m;
+  aligned_s_ = flown_s_;
+  start(model, moved(place, velocity.head<2>() * ahead_s), height_m, velocity, attitude_deg(*attitude));
+}
+
+/// Heights here are above mean sea level all along. That they are not above the ellipsoid turns 100 m into an error of
+/// gravity and curvature of 3 in 100,000.
+void Flight::start(const pilotage::InsErrorModel& model, const pilotage::GeodeticPoint& place, double height_m,
+                   const Eigen::Vector3d& velocity, const pilotage::Attitude& attitude) {
+  ++filters_;
+  unanswered_ = 0;
+  try {
+    filter_.emplace(model, navigation_, pilotage::inertial_state(flown_s_, place, height_m, velocity, attitude));
+  } catch (const pilotage::UsageError&) {  // numbers that are none
+    filter_.reset();
   }
-  const Eigen::Vector3d velocity = velocity_enu_mps(position_->message);
-  const double ahead_s = time_s - position_->time_s;
-  const pilotage::GeodeticPoint place = moved(point_of(position_->message), velocity.head<2>() * ahead_s);
-  const double height_m = amsl_m(position_->message) + velocity.z() * ahead_s;
-  pressure_offset_m_ = pressure_altitude_m - height_m;
-  // Heights here are above mean sea level all along. That they are not above the ellipsoid turns 100 m into an error of
-  // gravity and curvature of 3 in 100,000.
-  filter_.emplace(model, navigation_,
-                  pilotage::inertial_state(time_s, place, height_m, velocity, attitude_deg(attitude_->message)));
+}
+
+/// Increments are missing. It goes on where it was heading, with what it may have done meanwhile in its covariance, and
+/// the attitude that the autopilot kept.
+void Flight::restart_behind_gap(const mavlink::Message& imu, double gap_s) {
+  const pilotage::NavigationEstimate before = filter_->estimate();
+  const double velocity_sigma_mps = [&] {
+    constexpr int kAt = pilotage::NavigationErrors::kVelocity;
+    return std::sqrt(std::max(0.0, filter_->covariance().block<3, 3>(kAt, kAt).trace() / 3));
+  }();
+  if (gap_s > kSilence_s || attitudes_.empty() || std::abs(flown_s_ - attitudes_.back().time_s) > gap_s) return lose();
+  pilotage::InsOptions ins;
+  ins.grade = options_.ins_grade;
+  pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
+  model.start_sigma_m = pilotage::largest_sigma_m(before.covariance_en_m2) + velocity_sigma_mps * gap_s +
+                        kUnknown_mps2 * gap_s * gap_s / 2;
+  model.start_velocity_sigma_mps = velocity_sigma_mps + kUnknown_mps2 * gap_s;
+  // The attitude may be as much older or newer than this increment as the aircraft turns in a tenth of a second.
+  const double turned_rad = rate_radps(imu).norm() * kAttitudeAge_s;
+  model.start_tilt_sigma_rad += turned_rad;
+  model.start_heading_sigma_rad += turned_rad;
+  start(model, moved(before.position, before.velocity_enu_mps.head<2>() * gap_s),
+        before.height_m + before.velocity_enu_mps.z() * gap_s, before.velocity_enu_mps,
+        attitude_deg(attitudes_.back().message));
+}
+
+/// Where the aircraft is, is not known any more. Before the first fix by sight it may align again.
+void Flight::lose() {
+  if (filter_ && has_sighted_) is_lost_ = true;
+  filter_.reset();
 }
 
 void Flight::advance(const mavlink::Message& imu) {
-  const double time_s = stamp_s(imu);
-  const double dt_s = time_s - flown_s_;
-  flown_s_ = time_s;
-  if (!filter_) {
-    if (broken_) return;
-    if (has_pressure_altitude(imu)) try_to_start(time_s, pressure_altitude_m(imu));
-    return;
+  const double dt_s = stamp_s(imu) - flown_s_;
+  flown_s_ = stamp_s(imu);
+  if (is_lost_) return;
+  if (filter_ && dt_s > kHole_s) {
+    restart_behind_gap(imu, dt_s);
+  } else if (filter_ && !filter_->advance({dt_s, rate_radps(imu) * dt_s, acceleration_mps2(imu) * dt_s})) {
+    lose();
   }
-  if (dt_s > kSilence_s || !filter_->advance({dt_s, rate_radps(imu) * dt_s, acceleration_mps2(imu) * dt_s})) {
-    filter_.reset();
-    broken_ = true;
-    return;
-  }
-  if (has_pressure_altitude(imu)) filter_->take_height(pressure_altitude_m(imu) - pressure_offset_m_);
+  if (!has_pressure_altitude(imu)) return;
+  if (may_align()) align(imu);
+  // One reading of the barometer comes in several messages.
+  if (!filter_ || pressure_altitude_m(imu) == pressure_altitude_m_) return;
+  pressure_altitude_m_ = pressure_altitude_m(imu);
+  filter_->take_height(pressure_altitude_m_ - pressure_offset_m_);
 }
 
 void Flight::advance_to(double time_s) {
@@ -217,10 +313,35 @@ void Flight::advance_to(double time_s) {
   }
 }
 
+/// To a time between two increments, of the later of which a part is flown. False where that one is not there.
+bool Flight::advance_within(double time_s) {
+  advance_to(time_s);
+  const double dt_s = time_s - flown_s_;
+  if (!filter_ || dt_s < 0 || dt_s > kHole_s || imu_.empty()) return false;
+  const mavlink::Message& imu = imu_.front().message;
+  if (dt_s > 0 && !filter_->advance({dt_s, rate_radps(imu) * dt_s, acceleration_mps2(imu) * dt_s})) return false;
+  flown_s_ = time_s;
+  return true;
+}
+
 std::optional<double> Flight::height_agl_m() const {
-  if (flown_s_ - range_.time_s <= kRangeAge_s) return range_.agl_m;
-  if (flown_s_ - terrain_.time_s <= kTerrainAge_s) return terrain_.agl_m;
-  if (options_.ground_amsl_m) return filter_->estimate().height_m - *options_.ground_amsl_m;
+  const auto is_fresh = [this](const std::optional<Timed>& heard, double age_s) {
+    return heard && std::abs(flown_s_ - heard->time_s) <= age_s;
+  };
+  const pilotage::NavigationEstimate estimate = filter_->estimate();
+  if (is_fresh(range_, kRangeAge_s)) {
+    const double upright =
+        std::cos(estimate.attitude.pitch_deg / kDegrees) * std::cos(estimate.attitude.roll_deg / kDegrees);
+    return range_->message.at<std::uint16_t>(8) / 100.0 * upright;
+  }
+  // The ground at our own place: the autopilot's may be another.
+  if (is_fresh(terrain_, kTerrainAge_s)) {
+    const pilotage::GeodeticPoint place = {terrain_->message.at<std::int32_t>(4) / 1e7,
+                                           terrain_->message.at<std::int32_t>(0) / 1e7};
+    const double ground_amsl_m = terrain_->message.at<float>(8);
+    if (distance_m(place, estimate.position) < kTerrainReach_m) return estimate.height_m - ground_amsl_m;
+  }
+  if (options_.ground_amsl_m) return estimate.height_m - *options_.ground_amsl_m;
   return std::nullopt;
 }
 
@@ -230,33 +351,38 @@ double Flight::height_sigma_m() {
   return std::sqrt(std::max(0.0, up.dot(filter_->covariance().block<3, 3>(kAt, kAt) * up)));
 }
 
+/// As if the velocity had stayed the same from the state to that time; σ has what that may be wrong.
+Flight::Place Flight::place_at(double time_s) {
+  const pilotage::NavigationEstimate estimate = filter_->estimate();
+  const double ahead_s = time_s - estimate.time_s;
+  return {moved(estimate.position, estimate.velocity_enu_mps.head<2>() * ahead_s),
+          estimate.height_m + estimate.velocity_enu_mps.z() * ahead_s,
+          std::hypot(pilotage::largest_sigma_m(estimate.covariance_en_m2), kUnknown_mps2 * ahead_s * ahead_s / 2)};
+}
+
 // ---- Frames ----
 bool Flight::may_begin(std::int64_t exposure_us, std::int64_t now_us) const {
-  const bool is_flown_past = !imu_.empty() && imu_.back().time_s >= autopilot_time_s(exposure_us);
+  const bool is_flown_past = !imu_.empty() && imu_.back().time_s > autopilot_time_s(exposure_us);
   return is_flown_past || static_cast<double>(now_us - exposure_us) > options_.hold_back_s * 1e6;
 }
 
-std::optional<MatchTask> Flight::begin(std::int64_t exposure_us) {
-  const double exposure_s = autopilot_time_s(exposure_us);
-  advance_to(exposure_s);
-  if (!filter_) {
-    ++skipped_;
-    return std::nullopt;
-  }
-  // The state is that of the last increment before the exposure, and none of a later one.
-  const double behind_s = exposure_s - flown_s_;
-  if (behind_s < 0 || behind_s > options_.hold_back_s) {
-    ++late_;
+std::optional<MatchTask> Flight::begin(std::int64_t exposure_us, std::int64_t now_us) {
+  MatchTask task;
+  task.exposure_us = exposure_us;
+  task.exposure_s = autopilot_time_s(exposure_us);
+  const bool is_late = filter_ && task.exposure_s < flown_s_;
+  if (is_late) say(mavlink::kWarning, "pictures come late: --hold-back-ms", now_us);
+  if (is_late || !advance_within(task.exposure_s)) {
+    skip(is_late ? "late" : is_lost_ ? "lost" : filter_ ? "without the IMU" : "before navigation began");
     return std::nullopt;
   }
   const auto agl_m = height_agl_m();
   if (!agl_m) {
-    ++without_height_;
+    skip("without a height above ground");
     return std::nullopt;
   }
-  MatchTask task;
+  task.filter = filters_;
   task.frame = filter_->take_frame();
-  task.exposure_us = exposure_us;
   const auto prior = filter_->match_prior(task.frame, *agl_m);
   if (!prior) return std::nullopt;
   task.prior = *prior;
@@ -267,56 +393,70 @@ std::optional<MatchTask> Flight::begin(std::int64_t exposure_us) {
   task.options.yaw_sigma_deg = std::clamp(std::sqrt(yaw_rad2) * kDegrees, task.options.yaw_sigma_deg, 180.0);
   const double tilt_rad2 = (attitude_rad2.trace() - yaw_rad2) / 2;
   task.options.attitude_sigma_deg = std::clamp(std::sqrt(tilt_rad2) * kDegrees, task.options.attitude_sigma_deg, 20.0);
+  task.options.deadline_ms = options_.deadline_ms;
+  ++unanswered_;
   ++tried_;
   return task;
 }
 
+void Flight::drop(const MatchTask& task) {
+  if (task.filter == filters_) --unanswered_;
+  --tried_;
+  skip("for a later one");
+}
+
 void Flight::end(const MatchTask& task, const pilotage::MatchResult& result, std::int64_t now_us) {
-  if (!result.fix || !filter_) {
-    ++without_fix_[result.fix ? "no_imu" : std::string(match_status_name(result.status))];
-    if (options_.sends_global_position_sensor) send_fix(task, {}, now_us);
-    return;
+  const bool is_known = filter_ && task.filter == filters_;
+  if (is_known) --unanswered_;
+  if (!result.fix || !is_known) {
+    ++without_fix_[result.fix ? "of no use any more" : std::string(match_status_name(result.status))];
+    return send_fix(task, {}, now_us);
   }
   const pilotage::PositionMeasurement measured = pilotage::without_prior(*result.fix, task.prior);
   const pilotage::FixUpdate update = filter_->take_fix(task.frame, measured);
-  if (update.outcome != pilotage::FixOutcome::kTaken && update.outcome != pilotage::FixOutcome::kReset) {
+  if (update.outcome == pilotage::FixOutcome::kRefused) {
     ++refused_;
     say(mavlink::kWarning, text_of("fix refused, %.0f m off", update.innovation_m.norm()), now_us);
+  } else if (update.outcome != pilotage::FixOutcome::kTaken && update.outcome != pilotage::FixOutcome::kReset) {
+    ++without_fix_["of no use any more"];
+  } else {
+    ++taken_;
+    has_sighted_ = true;
+    // The autopilot has a filter of its own, which did not give the prior: it gets what the frame alone says.
+    pilotage::MatchResult alone = result;
+    alone.fix->position = measured.position;
+    alone.fix->covariance_en_m2 = measured.covariance_en_m2;
+    send_fix(task, alone, now_us);
+    say(mavlink::kNotice,
+        text_of("fix by sight, sigma %.1f m", pilotage::largest_sigma_m(filter_->estimate().covariance_en_m2)), now_us);
     return;
   }
-  ++taken_;
-  // The autopilot has a filter of its own, which did not give the prior: it gets what the frame alone says.
-  pilotage::MatchResult alone = result;
-  alone.fix->position = measured.position;
-  alone.fix->covariance_en_m2 = measured.covariance_en_m2;
-  send_fix(task, alone, now_us);
-  say(mavlink::kNotice,
-      text_of("position by sight, sigma %.1f m", pilotage::largest_sigma_m(filter_->estimate().covariance_en_m2)),
-      now_us);
+  send_fix(task, {}, now_us);
 }
 
 void Flight::send_fix(const MatchTask& task, const pilotage::MatchResult& fix, std::int64_t now_us) {
   if (options_.sends_global_position_sensor) {
     pilotage::FixAltitude altitude;
     if (fix.fix) {
-      altitude.amsl_m = filter_->estimate().height_m;
+      altitude.amsl_m = place_at(task.exposure_s).amsl_m;
       altitude.sigma_m = height_sigma_m();
     }
     pilotage::MavlinkSending sending;
-    sending.target_system = autopilot_;
+    sending.target_system = sender_.system_id;
     sending.sensor_id = static_cast<std::uint8_t>(options_.sensor_id);
     sending.exposure_time_us = static_cast<std::uint64_t>(task.exposure_us);
     sending.sending_time_us = static_cast<std::uint64_t>(now_us);
     send_(mavlink::global_position_sensor(sender_, pilotage::mavlink_global_position_sensor(fix, altitude, sending)));
   }
-  // Autopilots refuse it while they have positions of another kind.
+  // An autopilot puts itself where this says, so it gets all that is known, not one frame's share. Autopilots refuse it
+  // while they have positions of another kind.
   const bool is_wanted = !options_.sends_gps_input || gps_input_is_over_;
   if (options_.sends_external_position_estimate && fix.fix && is_wanted) {
-    constexpr std::uint8_t kAutopilotComponent = 1;
+    const Place place = place_at(task.exposure_s);
+    if (place.sigma_m > options_.max_sigma_m) return;
     send_(mavlink::external_position_estimate(
-        sender_, {autopilot_, kAutopilotComponent, static_cast<double>(now_us - started_us_) / 1e6,
-                  static_cast<double>(now_us - task.exposure_us) / 1e6,
-                  pilotage::largest_sigma_m(fix.fix->covariance_en_m2), fix.fix->position}));
+        sender_, {static_cast<double>(now_us - started_us_) / 1e6, static_cast<double>(now_us - task.exposure_us) / 1e6,
+                  place.sigma_m, place.position}));
   }
 }
 
@@ -327,28 +467,16 @@ void Flight::go_on(std::int64_t now_us) {
     send_(mavlink::heartbeat(sender_));
     next_heartbeat_us_ = now_us + kSecond_us;
   }
-  if (autopilot_ == 0) return;
-  if (now_us >= next_request_us_ && imu_.empty()) {
-    for (const auto& [id, rate_hz] :
-         std::vector<std::pair<std::uint32_t, double>>{{mavlink::kHighresImu, options_.imu_rate_hz},
-                                                       {mavlink::kAttitude, 20},
-                                                       {mavlink::kGlobalPositionInt, 10},
-                                                       {mavlink::kGpsRawInt, 2},
-                                                       {mavlink::kDistanceSensor, 10},
-                                                       {mavlink::kTerrainReport, 2}}) {
-      send_(mavlink::message_interval(sender_, autopilot_, id, rate_hz));
-    }
-    next_request_us_ = now_us + 5 * kSecond_us;
-  }
-  const bool was_broken = broken_, was_flying = filter_.has_value();
+  if (!is_there_) return;
+  ask_for_messages(now_us);
   advance_to(autopilot_time_s(now_us) - options_.hold_back_s);
   const double silent_s = autopilot_time_s(now_us) - options_.hold_back_s - flown_s_;
-  if (filter_ && silent_s > kSilence_s) {
-    filter_.reset();
-    broken_ = true;
+  if (filter_ && silent_s > kSilence_s) lose();
+  say_changes(now_us);
+  if (filter_ && now_us >= next_terrain_us_) {
+    send_(mavlink::terrain_check(sender_, filter_->estimate().position));
+    next_terrain_us_ = now_us + kSecond_us;
   }
-  if (broken_ && !was_broken) say(mavlink::kWarning, "no IMU for a second: start again with GNSS", now_us);
-  if (filter_ && !was_flying) say(mavlink::kNotice, "navigation by sight has begun", now_us);
   if (options_.sends_gps_input && now_us >= next_gps_input_us_) {
     send_gps_input(now_us);
     const auto period_us = static_cast<std::int64_t>(1e6 / options_.rate_hz);
@@ -356,19 +484,42 @@ void Flight::go_on(std::int64_t now_us) {
   }
 }
 
+/// Of what was not heard lately; at first of everything, for the rate.
+void Flight::ask_for_messages(std::int64_t now_us) {
+  if (now_us < next_request_us_) return;
+  const bool is_first = next_request_us_ == 0;
+  for (const auto& [id, rate_hz] :
+       std::vector<std::pair<std::uint32_t, double>>{{mavlink::kHighresImu, options_.imu_rate_hz},
+                                                     {mavlink::kAttitude, 20},
+                                                     {mavlink::kGlobalPositionInt, 10},
+                                                     {mavlink::kGpsRawInt, 2},
+                                                     {mavlink::kDistanceSensor, 10}}) {
+    const auto heard = heard_us_.find(id);
+    if (!is_first && heard != heard_us_.end() && now_us - heard->second < 2 * kSecond_us) continue;
+    send_(mavlink::message_interval(sender_, id, rate_hz));
+  }
+  next_request_us_ = now_us + 5 * kSecond_us;
+}
+
+void Flight::say_changes(std::int64_t now_us) {
+  if (is_lost_ && !said_lost_) say(mavlink::kWarning, "no IMU: where it is, is not known", now_us);
+  if (filter_ && !said_begun_) say(mavlink::kNotice, "navigation has begun", now_us);
+  said_lost_ = is_lost_;
+  said_begun_ = filter_.has_value();
+}
+
 void Flight::send_gps_input(std::int64_t now_us) {
   mavlink::GpsInput input;
   input.time_us = static_cast<std::uint64_t>(now_us);
   input.gps_id = static_cast<std::uint8_t>(options_.sensor_id);
   if (filter_) {
-    const pilotage::NavigationEstimate estimate = filter_->estimate();
-    const double ahead_s = autopilot_time_s(now_us) - estimate.time_s;
-    input.position = moved(estimate.position, estimate.velocity_enu_mps.head<2>() * ahead_s);
-    input.amsl_m = estimate.height_m + estimate.velocity_enu_mps.z() * ahead_s;
-    input.horizontal_sigma_m = pilotage::largest_sigma_m(estimate.covariance_en_m2);
+    const Place place = place_at(autopilot_time_s(now_us));
+    input.position = place.position;
+    input.amsl_m = place.amsl_m;
+    input.horizontal_sigma_m = place.sigma_m;
     input.vertical_sigma_m = height_sigma_m();
-    input.has_fix = input.horizontal_sigma_m <= options_.max_sigma_m && !gps_input_is_over_;
-    if (!input.has_fix) say(mavlink::kWarning, text_of("no position: sigma %.0f m", input.horizontal_sigma_m), now_us);
+    input.has_fix = place.sigma_m <= options_.max_sigma_m;
+    if (!input.has_fix) say(mavlink::kWarning, text_of("no position: sigma %.0f m", place.sigma_m), now_us);
   }
   if (gps_input_is_over(input.has_fix, now_us)) input.has_fix = false;
   send_(mavlink::gps_input(sender_, input));
@@ -382,16 +533,16 @@ bool Flight::gps_input_is_over(bool has_fix, std::int64_t now_us) {
     gps_input_is_over_ = true;
     say(mavlink::kWarning, "GPS_INPUT is over after 5 s without", now_us);
   }
-  if (has_fix && !gps_input_is_over_) gps_input_fix_us_ = now_us;
+  if (has_fix && has_sighted_ && !gps_input_is_over_) gps_input_fix_us_ = now_us;
   return gps_input_is_over_;
 }
 
-/// What is new at once, what was said last every ten seconds.
+/// At most every ten seconds the same, but for its numbers.
 void Flight::say(std::uint8_t severity, const std::string& text, std::int64_t now_us) {
   const std::string subject = text.substr(0, text.find_first_of("0123456789"));
-  if (subject == said_ && now_us < said_us_ + 10 * kSecond_us) return;
-  said_ = subject;
-  said_us_ = now_us;
+  const auto said = said_us_.find(subject);
+  if (said != said_us_.end() && now_us < said->second + 10 * kSecond_us) return;
+  said_us_[subject] = now_us;
   send_(mavlink::statustext(sender_, severity, "Pilotage: " + text));
 }
 
@@ -399,9 +550,7 @@ std::string Flight::summary() const {
   std::string text = std::to_string(tried_) + " frames tried, " + std::to_string(taken_) + " fixes taken, " +
                      std::to_string(refused_) + " refused by the filter";
   for (const auto& [status, count] : without_fix_) text += ", " + std::to_string(count) + " " + status;
-  if (skipped_ > 0) text += ", " + std::to_string(skipped_) + " skipped";
-  if (late_ > 0) text += ", " + std::to_string(late_) + " later than the hold-back";
-  if (without_height_ > 0) text += ", " + std::to_string(without_height_) + " without a height above ground";
+  for (const auto& [why, count] : skipped_) text += "; not tried: " + std::to_string(count) + " " + why;
   if (rejected_commands_ > 0) text += "; the autopilot refused " + std::to_string(rejected_commands_) + " positions";
   return text;
 }

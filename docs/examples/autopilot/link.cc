@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <map>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <termios.h>
 #include <unistd.h>
@@ -38,14 +40,16 @@ Link::Link(const std::string& name) {
   } else if (parts[0] == "udpin" && parts.size() == 2) {
     listen_udp(parts[1]);
   } else if (parts[0] == "serial" && parts.size() == 3) {
-    open_serial(parts[1], parts[2]);
+    device_ = parts[1];
+    baud_ = parts[2];
+    open_serial();
   } else {
     refuse(name, "a link is udp:HOST:PORT, udpin:PORT or serial:DEVICE:BAUD");
   }
 }
 
 Link::~Link() {
-  ::close(descriptor_);
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void Link::open_udp(const std::string& host, const std::string& port) {
@@ -67,26 +71,43 @@ void Link::listen_udp(const std::string& port) {
   descriptor_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(std::strtoul(port.c_str(), nullptr, 10)));
+  std::uint16_t number = 0;
+  const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (read.ec != std::errc{} || read.ptr != port.data() + port.size() || number == 0)
+    refuse("udpin:" + port, "no port");
+  address.sin_port = htons(number);
   if (descriptor_ < 0 || ::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     refuse("udpin:" + port, std::strerror(errno));
   }
 }
 
-void Link::open_serial(const std::string& device, const std::string& baud) {
-  const auto speed = kSpeeds.find(baud);
+void Link::open_serial() {
+  const auto speed = kSpeeds.find(baud_);
   if (speed == kSpeeds.end()) {
     std::string known;
     for (const auto& [name, _] : kSpeeds) known += " " + name;
-    refuse(device + ":" + baud, "no such baud rate; there are" + known);
+    refuse(device_ + ":" + baud_, "no such baud rate; there are" + known);
   }
-  descriptor_ = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  descriptor_ = ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   termios line{};
-  if (descriptor_ < 0 || ::tcgetattr(descriptor_, &line) != 0) refuse(device, std::strerror(errno));
+  if (descriptor_ < 0 || ::tcgetattr(descriptor_, &line) != 0) refuse(device_, std::strerror(errno));
   ::cfmakeraw(&line);
   line.c_cflag |= CLOCAL | CREAD;
   ::cfsetspeed(&line, speed->second);
-  if (::tcsetattr(descriptor_, TCSANOW, &line) != 0) refuse(device, std::strerror(errno));
+  if (::tcsetattr(descriptor_, TCSANOW, &line) != 0) refuse(device_, std::strerror(errno));
+}
+
+bool Link::mend() {
+  if (device_.empty()) return true;  // a network comes back by itself
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+  try {
+    open_serial();
+  } catch (const std::runtime_error&) {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+  }
+  return descriptor_ >= 0;
 }
 
 std::vector<std::uint8_t> Link::receive() {
@@ -107,7 +128,13 @@ std::vector<std::uint8_t> Link::receive() {
 
 void Link::send(std::span<const std::uint8_t> bytes) {
   if (!listens_) {
-    static_cast<void>(!::write(descriptor_, bytes.data(), bytes.size()));
+    // A serial line may take a part: the rest follows, unless the line stands.
+    constexpr int kPatience_ms = 20;
+    for (pollfd line{descriptor_, POLLOUT, 0}; !bytes.empty() && ::poll(&line, 1, kPatience_ms) > 0;) {
+      const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+      if (count <= 0) break;
+      bytes = bytes.subspan(static_cast<std::size_t>(count));
+    }
   } else if (!peer_.empty()) {
     static_cast<void>(::sendto(descriptor_, bytes.data(), bytes.size(), 0,
                                reinterpret_cast<const sockaddr*>(peer_.data()), static_cast<socklen_t>(peer_.size())));

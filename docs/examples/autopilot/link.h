@@ -18,14 +18,17 @@ class Link {
   int descriptor() const { return descriptor_; }
   /// What has come; empty where nothing has.
   std::vector<std::uint8_t> receive();
+  /// A serial line whose device went and may be back: tries to open it again. Whether it is open.
+  bool mend();
   /// Nobody who listens is no error: it may come later.
   void send(std::span<const std::uint8_t> bytes);
 
  private:
   void open_udp(const std::string& host, const std::string& port);
   void listen_udp(const std::string& port);
-  void open_serial(const std::string& device, const std::string& baud);
+  void open_serial();
 
+  std::string device_, baud_;  ///< Of a serial line.
   int descriptor_ = -1;
   bool listens_ = false;
   std::vector<std::uint8_t> peer_;  ///< Its address, where this side listens.

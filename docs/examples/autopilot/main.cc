@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -10,8 +11,10 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -30,9 +33,11 @@ namespace {
 
 std::atomic<bool> is_to_end = false;
 
+/// Since 1970, as this computer's clock had it when the program began: it does not step when that is set.
 std::int64_t now_us() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  using std::chrono::duration_cast, std::chrono::microseconds, std::chrono::steady_clock, std::chrono::system_clock;
+  static const auto since_1970 = system_clock::now().time_since_epoch() - steady_clock::now().time_since_epoch();
+  return duration_cast<microseconds>(steady_clock::now().time_since_epoch() + since_1970).count();
 }
 
 pilotage::MapReader open_map(const Arguments& arguments) {
@@ -50,8 +55,13 @@ class Matcher {
   explicit Matcher(pilotage::MapReader& map) : map_(map) {
     if (!map.camera()) throw std::runtime_error("the map does not say for which camera it was prepared");
   }
+  /// A picture of another shape than the camera's has a status, as match() gives it.
   pilotage::MatchResult operator()(const cv::Mat& frame, const MatchTask& task) const {
-    const pilotage::Camera camera = pilotage::camera_for_size("picture", *map_.camera(), frame.cols, frame.rows);
+    pilotage::Camera camera = *map_.camera();
+    try {
+      camera = pilotage::camera_for_size("picture", camera, frame.cols, frame.rows);
+    } catch (const pilotage::DataError&) {
+    }
     return pilotage::match(frame, task.prior, camera, map_, task.options);
   }
 
@@ -66,24 +76,26 @@ class Pictures {
 
   bool have_ended() const { return have_ended_; }
 
-  /// The next one, whose exposure is known then.
+  /// The next one. Of one that does not say when it was exposed, that is known by its first byte; not where `blocks`.
+  /// Throws std::runtime_error for what is no picture.
   std::optional<TimedFrame> next() {
     while (true) {
       auto frame = stream_.next();
       if (frame) {
-        if (!frame->exposure_us) frame->exposure_us = begun_us_ - latency_us_;
+        if (!frame->exposure_us && !blocks_) frame->exposure_us = begun_us_ - latency_us_;
         begun_us_ = now_us();  // of what has come with it already
         return frame;
       }
-      if (have_ended_ || !(blocks_ || has_come())) return std::nullopt;
+      if (have_ended_ || is_to_end || !(blocks_ || has_come())) return std::nullopt;
       std::array<std::uint8_t, 65536> bytes{};
       const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
       if (!stream_.within()) begun_us_ = now_us();
       if (count > 0) stream_.push(std::span(bytes).first(static_cast<std::size_t>(count)));
-      have_ended_ = count == 0;
+      have_ended_ = count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN);
       if (have_ended_ && stream_.within()) std::fprintf(stderr, "autopilot_example: the last picture is not whole\n");
     }
   }
+  void end() { have_ended_ = true; }
 
  private:
   static bool has_come() {
@@ -107,73 +119,152 @@ void say_latency(std::vector<std::int64_t> latencies_us) {
                static_cast<double>(latencies_us.back()) / 1e3);
 }
 
-/// In the air: until a signal ends it.
-void fly(const Arguments& arguments, Flight& flight, Link& link, RecordingWriter* record, const Matcher& match) {
+/// What is heard and said, as long as the disk takes it.
+class Record {
+ public:
+  explicit Record(const std::string& path) {
+    if (!path.empty()) writer_.emplace(path);
+  }
+  void operator()(std::int64_t time_us, std::span<const std::uint8_t> frame) {
+    try {
+      if (writer_) writer_->write(time_us, frame);
+    } catch (const std::runtime_error& error) {  // the aircraft flies on without
+      std::fprintf(stderr, "autopilot_example: %s\n", error.what());
+      writer_.reset();
+    }
+  }
+
+ private:
+  std::optional<RecordingWriter> writer_;
+};
+
+/// One frame in the matcher and one that waits for it. A later one takes the place of that: the filter remembers four.
+class FramesAtWork {
+ public:
+  FramesAtWork(Flight& flight, const Matcher& match) : flight_(flight), match_(match) {}
+
+  bool takes(std::int64_t exposure_us) const {
+    constexpr std::int64_t kApart_us = 200'000;
+    constexpr int kMost = 3;  // begun while one is in the matcher
+    return !waiting_ || (begun_meanwhile_ < kMost && exposure_us - waiting_->task.exposure_us >= kApart_us);
+  }
+
+  void take(const MatchTask& task, const cv::Mat& pixels) {
+    if (waiting_) flight_.drop(waiting_->task);
+    waiting_ = {task, pixels};
+    ++begun_meanwhile_;
+  }
+
+  void go_on() {
+    if (answer_.valid() && answer_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+      flight_.end(asked_, answer_.get(), now_us());
+      latencies_us_.push_back(now_us() - asked_.exposure_us);
+    }
+    if (!waiting_ || answer_.valid()) return;
+    asked_ = waiting_->task;
+    begun_meanwhile_ = 0;
+    answer_ = std::async(std::launch::async,
+                         [this, now = *std::exchange(waiting_, std::nullopt)] { return match_(now.pixels, now.task); });
+  }
+
+  std::vector<std::int64_t> latencies_us() const { return latencies_us_; }
+
+ private:
   struct Waiting {
     MatchTask task;
     cv::Mat pixels;
   };
+
+  Flight& flight_;
+  const Matcher& match_;
+  std::optional<Waiting> waiting_;
+  int begun_meanwhile_ = 0;
+  MatchTask asked_;
+  std::vector<std::int64_t> latencies_us_;
+  std::future<pilotage::MatchResult> answer_;  // last: its end is waited for while the others are there
+};
+
+/// The newest picture that has come; another that came meanwhile is skipped.
+void take_pictures(Pictures& pictures, std::optional<TimedFrame>& arrived, Flight& flight) {
+  try {
+    while (auto frame = pictures.next()) {
+      if (arrived) flight.skip("for a later one");
+      arrived = std::move(frame);
+    }
+  } catch (const std::runtime_error& error) {
+    std::fprintf(stderr, "autopilot_example: %s\n", error.what());
+    pictures.end();
+  }
+  if (pictures.have_ended()) flight.warn("no more pictures", now_us());
+}
+
+/// In the air: until a signal ends it.
+void fly(const Arguments& arguments, Flight& flight, Link& link, Record& record, const Matcher& match) {
   mavlink::Reader reader;
   Pictures pictures(false, arguments.flight.camera_latency_s);
   std::optional<TimedFrame> arrived;
-  std::optional<Waiting> waiting;
-  MatchTask asked;
-  std::future<pilotage::MatchResult> answer;
-  std::vector<std::int64_t> latencies_us;
+  FramesAtWork at_work(flight, match);
+  std::int64_t mend_us = 0;
   while (!is_to_end) {
     std::array<pollfd, 2> inputs = {{{link.descriptor(), POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}}};
-    ::poll(inputs.data(), pictures.have_ended() ? 1 : 2, 5);
+    constexpr int kWait_ms = 5;
+    ::poll(inputs.data(), pictures.have_ended() ? 1 : 2, kWait_ms);
+    if (link.descriptor() < 0 || (inputs[0].revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kWait_ms));
+      if (now_us() >= mend_us) {
+        mend_us = now_us() + 1'000'000;
+        if (!link.mend()) std::fprintf(stderr, "autopilot_example: the line is gone\n");
+      }
+    }
     for (auto bytes = link.receive(); !bytes.empty(); bytes = link.receive()) {
       reader.push(bytes);
       while (const auto message = reader.next()) {
-        const std::int64_t heard_us = now_us();
-        if (record != nullptr) record->write(heard_us, message->frame);
-        flight.hear(*message, heard_us);
+        record(now_us(), message->frame);
+        flight.hear(*message, now_us());
       }
     }
-    while (auto frame = pictures.next()) {
-      if (arrived) flight.skip_frame();
-      arrived = std::move(frame);
-    }
-    if (arrived && !waiting && flight.may_begin(*arrived->exposure_us, now_us())) {
-      if (const auto task = flight.begin(*arrived->exposure_us)) waiting = {*task, arrived->pixels};
+    if (!pictures.have_ended()) take_pictures(pictures, arrived, flight);
+    if (arrived && flight.may_begin(*arrived->exposure_us, now_us())) {
+      if (!at_work.takes(*arrived->exposure_us)) {
+        flight.skip("for a later one");
+      } else if (const auto task = flight.begin(*arrived->exposure_us, now_us())) {
+        at_work.take(*task, arrived->pixels);
+      }
       arrived.reset();
     }
-    if (answer.valid() && answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-      flight.end(asked, answer.get(), now_us());
-      latencies_us.push_back(now_us() - asked.exposure_us);
-    }
-    if (waiting && !answer.valid()) {
-      asked = waiting->task;
-      answer = std::async(std::launch::async, [&match, now = *std::exchange(waiting, std::nullopt)] {
-        return match(now.pixels, now.task);
-      });
-    }
+    at_work.go_on();
     flight.go_on(now_us());
   }
-  say_latency(std::move(latencies_us));
+  say_latency(at_work.latencies_us());
 }
 
 /// On the ground: a recorded flight again, every frame matched in no time.
-void fly_again(const Arguments& arguments, Flight& flight, std::int64_t& clock_us, RecordingWriter* record,
+void fly_again(const Arguments& arguments, Flight& flight, std::int64_t& clock_us, Record& record,
                const Matcher& match) {
   RecordingReader recording(arguments.recording);
   mavlink::Reader reader;
   Pictures pictures(true, 0);
-  std::optional<TimedFrame> frame = pictures.next();
+  const auto next_picture = [&pictures] {
+    auto frame = pictures.next();
+    if (frame && !frame->exposure_us) {
+      throw std::runtime_error("a picture has no \"# exposure_us N\" in its header: nobody knows when it was taken");
+    }
+    return frame;
+  };
+  std::optional<TimedFrame> frame = next_picture();
   while (const auto entry = recording.next()) {
     if (is_to_end) return;
     clock_us = entry->time_us;
     reader.push(entry->frame);
     while (const auto message = reader.next()) {
-      if (record != nullptr) record->write(clock_us, message->frame);
+      record(clock_us, message->frame);
       flight.hear(*message, clock_us);
     }
     while (frame && *frame->exposure_us <= clock_us && flight.may_begin(*frame->exposure_us, clock_us)) {
-      if (const auto task = flight.begin(*frame->exposure_us)) {
+      if (const auto task = flight.begin(*frame->exposure_us, clock_us)) {
         flight.end(*task, match(frame->pixels, *task), clock_us);
       }
-      frame = pictures.next();
+      frame = next_picture();
     }
     flight.go_on(clock_us);
   }
@@ -182,20 +273,19 @@ void fly_again(const Arguments& arguments, Flight& flight, std::int64_t& clock_u
 void run(const Arguments& arguments) {
   pilotage::MapReader map = open_map(arguments);
   const Matcher match(map);
-  std::unique_ptr<RecordingWriter> record;
-  if (!arguments.record.empty()) record = std::make_unique<RecordingWriter>(arguments.record);
+  Record record(arguments.record);
   std::unique_ptr<Link> link;
   if (!arguments.link.empty()) link = std::make_unique<Link>(arguments.link);
   std::int64_t recorded_us = 0;
   const auto send = [&](const mavlink::Bytes& frame) {
-    if (record) record->write(link ? now_us() : recorded_us, frame);
+    record(link ? now_us() : recorded_us, frame);
     if (link) link->send(frame);
   };
   Flight flight(arguments.flight, map.largest_map_sigma_m(), send);
   if (link) {
-    fly(arguments, flight, *link, record.get(), match);
+    fly(arguments, flight, *link, record, match);
   } else {
-    fly_again(arguments, flight, recorded_us, record.get(), match);
+    fly_again(arguments, flight, recorded_us, record, match);
   }
   std::fprintf(stderr, "autopilot_example: %s\n", flight.summary().c_str());
 }
@@ -207,10 +297,12 @@ int main(int argc, char** argv) {
     std::fputs(kUsage, stdout);
     return 0;
   }
-  const auto end = [](int) { is_to_end = true; };
-  std::signal(SIGINT, end);
-  std::signal(SIGTERM, end);
+  struct sigaction end = {};  // without SA_RESTART: a read that waits for pictures ends, too
+  end.sa_handler = [](int) { is_to_end = true; };
+  ::sigaction(SIGINT, &end, nullptr);
+  ::sigaction(SIGTERM, &end, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  cv::setNumThreads(1);  // the other cores have other work
   try {
     run(read_arguments(argc, argv));
     return 0;

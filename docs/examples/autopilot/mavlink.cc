@@ -134,7 +134,9 @@ Bytes heartbeat(Sender& sender) {
   constexpr std::uint8_t kMavlinkVersion = 3;
   Bytes payload;
   put(payload, 0, 4);
-  payload.insert(payload.end(), {kOnboardController, kNoAutopilot, 0, kActive, kMavlinkVersion});
+  for (const std::uint8_t byte : {kOnboardController, kNoAutopilot, std::uint8_t{0}, kActive, kMavlinkVersion}) {
+    payload.push_back(byte);
+  }
   return frame_of(sender, kHeartbeat, 50, payload);
 }
 
@@ -145,14 +147,20 @@ Bytes statustext(Sender& sender, std::uint8_t severity, const std::string& text)
   return frame_of(sender, kStatustext, 83, payload);
 }
 
-Bytes message_interval(Sender& sender, std::uint8_t target_system, std::uint32_t message_id, double rate_hz) {
+Bytes message_interval(Sender& sender, std::uint32_t message_id, double rate_hz) {
   constexpr std::uint16_t kSetMessageInterval = 511;
-  constexpr std::uint8_t kAutopilotComponent = 1;
   Bytes payload;
   put_floats(payload, {static_cast<double>(message_id), 1e6 / rate_hz, 0, 0, 0, 0, 0});
   put(payload, kSetMessageInterval, 2);
-  payload.insert(payload.end(), {target_system, kAutopilotComponent, 0});
+  payload.insert(payload.end(), {sender.system_id, kAutopilotComponent, 0});
   return frame_of(sender, kCommandLong, 152, payload);
+}
+
+Bytes terrain_check(Sender& sender, const pilotage::GeodeticPoint& place) {
+  Bytes payload;
+  put_degrees_e7(payload, place.lat_deg);
+  put_degrees_e7(payload, pilotage::wrap_lon_deg(place.lon_deg));
+  return frame_of(sender, kTerrainCheck, 203, payload);
 }
 
 Bytes gps_input(Sender& sender, const GpsInput& input) {
@@ -174,7 +182,7 @@ Bytes gps_input(Sender& sender, const GpsInput& input) {
 }
 
 Bytes external_position_estimate(Sender& sender, const ExternalPositionEstimate& estimate) {
-  constexpr double kWrap_s = 250;
+  constexpr double kWrap_s = 36000;  // 1 ms in 24 bits
   const double not_known = std::numeric_limits<double>::quiet_NaN();
   Bytes payload;
   put_floats(payload,
@@ -183,7 +191,7 @@ Bytes external_position_estimate(Sender& sender, const ExternalPositionEstimate&
   put_degrees_e7(payload, pilotage::wrap_lon_deg(estimate.position.lon_deg));
   put_floats(payload, {not_known});
   put(payload, kExternalPositionEstimate, 2);
-  payload.insert(payload.end(), {estimate.target_system, estimate.target_component, 0, 0, 0});  // MAV_FRAME_GLOBAL
+  payload.insert(payload.end(), {sender.system_id, kAutopilotComponent, 0, 0, 0});  // MAV_FRAME_GLOBAL
   return frame_of(sender, kCommandInt, 158, payload);
 }
 

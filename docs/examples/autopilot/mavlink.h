@@ -28,10 +28,14 @@ enum : std::uint32_t {
   kCommandAck = 77,
   kHighresImu = 105,
   kDistanceSensor = 132,
+  kTerrainCheck = 135,
   kTerrainReport = 136,
   kGpsInput = 232,
   kStatustext = 253,
 };
+
+/// MAV_COMP_ID_AUTOPILOT1
+constexpr std::uint8_t kAutopilotComponent = 1;
 
 /// A message whose checksum holds. The payload has the definition's whole length: zeros that were left out at its end,
 /// and members that an older sender does not know, are there.
@@ -65,7 +69,7 @@ class Reader {
 
 /// Who sends. The sequence counts all messages of a sender.
 struct Sender {
-  std::uint8_t system_id = 1;  ///< That of the aircraft.
+  std::uint8_t system_id = 1;  ///< That of the aircraft: whom it speaks to, too.
   std::uint8_t component_id = 191;
   std::uint8_t sequence = 0;
 };
@@ -78,7 +82,10 @@ enum : std::uint8_t { kWarning = 4, kNotice = 5 };
 Bytes statustext(Sender& sender, std::uint8_t severity, const std::string& text);
 
 /// MAV_CMD_SET_MESSAGE_INTERVAL: asks the autopilot for a message so often.
-Bytes message_interval(Sender& sender, std::uint8_t target_system, std::uint32_t message_id, double rate_hz);
+Bytes message_interval(Sender& sender, std::uint32_t message_id, double rate_hz);
+
+/// Asks for the height of the ground at a place (TERRAIN_REPORT).
+Bytes terrain_check(Sender& sender, const pilotage::GeodeticPoint& place);
 
 /// A position for an autopilot that is to take it for a GPS receiver's. There is no velocity in it: one made of the
 /// same positions would count them twice, and teach the autopilot a false wind. No time either, no dilution of
@@ -96,9 +103,8 @@ Bytes gps_input(Sender& sender, const GpsInput& input);
 
 /// MAV_CMD_EXTERNAL_POSITION_ESTIMATE (43003): where the aircraft was `processing_time_s` before the sending.
 struct ExternalPositionEstimate {
-  std::uint8_t target_system = 0;
-  std::uint8_t target_component = 0;
-  double sending_time_s = 0;  ///< By the sender's clock; it begins anew every 250 s on the wire, for want of digits.
+  double sending_time_s =
+      0;  ///< By the sender's clock; it begins anew every ten hours on the wire, for want of digits.
   double processing_time_s = 0;
   double sigma_m = 0;
   pilotage::GeodeticPoint position;

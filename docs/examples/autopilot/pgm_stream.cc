@@ -22,7 +22,8 @@ std::optional<std::int64_t> exposure_of(const std::string& comment) {
   std::int64_t number = 0;
   const char* end = comment.data() + comment.size();
   const auto read = std::from_chars(comment.data() + key.size(), end, number);
-  if (read.ec != std::errc{} || read.ptr != end) refuse();
+  constexpr std::int64_t kLatest_us = 4'102'444'800'000'000;  // 2100
+  if (read.ec != std::errc{} || read.ptr != end || number < 0 || number > kLatest_us) refuse();
   return number;
 }
 

@@ -37,4 +37,5 @@ class RecordingWriter {
  private:
   std::string path_;
   std::ofstream file_;
+  std::int64_t flushed_us_ = 0;
 };
