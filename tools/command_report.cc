@@ -16,6 +16,7 @@
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/mission/planned_landmarks.h"
 #include "pilotage/mission/simulation_file.h"
+#include "pilotage/report/autopilot_sheet.h"
 #include "pilotage/report/compare_reports.h"
 #include "pilotage/report/disagreement.h"
 #include "pilotage/report/evidence.h"
@@ -91,6 +92,19 @@ void check_outputs(const OutputPlace& place, const std::vector<std::string>& nam
   for (const NamedFile& output : outputs) const OutputFile refused(output.path, invocation.overwrite);
 }
 
+/// Parameters that an earlier report wrote for an autopilot of the other family.
+std::vector<std::string> of_another_autopilot(const OutputPlace& place, const std::vector<ReportOutput>& outputs,
+                                              const std::vector<std::string>& written) {
+  std::vector<std::string> others;
+  if (!asks_for(outputs, ReportOutput::kAutopilot)) return others;
+  for (const std::string& name : report_output_names(place.stem, {ReportOutput::kAutopilot}, {}, false)) {
+    std::error_code ignored;
+    const bool is_other = std::find(written.begin(), written.end(), name) == written.end();
+    if (is_other && std::filesystem::exists(place.folder / name, ignored)) others.push_back(name);
+  }
+  return others;
+}
+
 /// What the report is made of: files that are named, or those beside the plan in the folder that prepare wrote.
 struct ReportFiles {
   std::string plan;
@@ -137,7 +151,6 @@ ReportInput read_report_input(const ReportCommandOptions& options, const ReportF
       make_report_input(files.mission, files.scores, files.selection, input_files(files.mission), version_line());
   if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, invocation.threads, invocation.progress);
   input.title = options.title;
-  input.autopilot = options.autopilot;
   if (georeference_disagreement(input)) {
     input.assumptions.emplace_back("what bringing the second date onto the imagery took for granted, `score` says");
   }
@@ -171,11 +184,12 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   if (prints && !asks_for(options.outputs, ReportOutput::kHtml)) {
     throw UsageError("--pdf prints the page: give html among --outputs");
   }
-  refuse_unnamed_autopilot(options.outputs, options.autopilot);
   if (prints) find_browser(options.pdf_browser);  // fails now, not after the work
   const OutputPlace place = place_of(invocation.output);
   const ReportFiles named = files_of_report(options, invocation.inputs.front());
-  const StageFiles files = read_stage_files(named.plan, named.names);
+  StageFiles files = read_stage_files(named.plan, named.names);
+  if (options.autopilot) files.mission.flight.autopilot = options.autopilot;
+  refuse_unnamed_autopilot(options.outputs, files.mission.flight.autopilot);
   check_outputs(place, report_output_names(place.stem, options.outputs, files.mission.ground.levels, true), invocation);
   const ReportInput input = read_report_input(options, named, files, invocation);
   const Report report = make_report(input);
@@ -201,7 +215,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   std::vector<const OutputFile*> others;
   if (numbers) others.push_back(&*numbers);
   if (pdf) others.push_back(&*pdf);
-  staging.publish(written, {}, others);  // all appear, or none
+  staging.publish(written, of_another_autopilot(place, options.outputs, written), others);  // all appear, or none
   CommandResult result;
   const std::string evidence = evidence_line(report.quality);
   result.text = report.verdict_text + "\n" + report.assumptions + "\n" + evidence + "\n";
@@ -212,8 +226,8 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
                  {"assumptions", report.assumptions},
                  {"evidence", evidence}};
   result.warnings = named.warnings;
-  if (report.autopilot) {
-    const std::vector<std::string> more = autopilot_warnings(report, *report.autopilot);
+  if (const auto& autopilot = files.mission.flight.autopilot) {
+    const std::vector<std::string> more = autopilot_warnings(input, report, *autopilot);
     result.warnings.insert(result.warnings.end(), more.begin(), more.end());
   }
   return result;

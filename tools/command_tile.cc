@@ -45,7 +45,7 @@ Command make_tile_command() {
     return result;
   });
   // A mission file says what the later stages do, too.
-  take_flags_away(command.options, {"score", "select", "build", "purpose", "flights", "outputs", "autopilot"});
+  take_flags_away(command.options, {"score", "select", "build", "purpose", "flights", "outputs"});
   return command;
 }
 

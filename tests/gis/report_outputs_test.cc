@@ -66,7 +66,7 @@ TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
     vertex.amsl_m = 300;
     vertex.speed_mps = 15;
   }
-  input.autopilot = Autopilot::kArduplane;
+  input.mission.flight.autopilot = Autopilot::kArduplane;
   const std::vector<std::string> names = write_all(folder, input);
   const std::set<std::string> written(names.begin(), names.end());
   EXPECT_EQ(names_in(folder), written);

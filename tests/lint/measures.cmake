@@ -5,7 +5,7 @@ set(MOST_MODULES 4)
 
 # Modules that decide something by a measure, or show one by itself. They do not grow with a new one; a module that
 # copies measures from one place to another has no business here.
-set(judges reasons matchability_model read_evaluation select_tiles tile_class quality report report_html report_layers
+set(judges autopilot_sheet reasons matchability_model read_evaluation select_tiles tile_class quality report report_html report_layers
            strip_chart report_json compare_reports compare_reports_files selection selection_file ground_layers square_kilometres run_survey
            line_finder reroute_files what_if tile_chances evaluation predict_correct_fixes simulated_mission envelope predicted_tiles)
 # Modules in which the word is something else: a surface that is no tile's, a footprint's width, a frame's features.

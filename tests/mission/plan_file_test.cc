@@ -27,6 +27,17 @@ TEST(PlanFile, ReadsBackExactly) {
   EXPECT_EQ(plan_to_json(plan_from_json(json, "plan.json")).dump(), json.dump());
 }
 
+TEST(PlanFile, AnAutopilotIsAKnownOne) {
+  auto json = small_plan_json();
+  EXPECT_EQ(plan_from_json(json, "plan.json").flight.autopilot, std::nullopt);
+  json["autopilot"] = "arduplane";
+  const Mission mission = plan_from_json(json, "plan.json");
+  EXPECT_EQ(mission.flight.autopilot, Autopilot::kArduplane);
+  EXPECT_EQ(plan_to_json(mission)["autopilot"], "arduplane");
+  json["autopilot"] = "betaflight";
+  EXPECT_THROW(plan_from_json(json, "plan.json"), DataError);
+}
+
 TEST(PlanFile, RefusesEveryDamage) {
   testing::expect_every_damage_refused(
       small_plan_json(), [](const auto& json) { return plan_to_json(plan_from_json(json, "plan.json")); });

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "report/report_scene.h"
 #include <gmock/gmock.h>
@@ -12,21 +13,42 @@
 namespace pilotage {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using testing::report_with_gap;
 
-/// One gap of so many seconds, fixes tried each 2 s and always made elsewhere, GNSS lost at the first point.
-Report report_with_silence(double duration_s) {
-  Report report = report_with_gap(0.018);
-  report.gaps[0].gap.duration_s = duration_s;
-  report.fix_interval_s = 2;
-  report.fix_sigma_m = 2;
-  report.denied.clear();
-  for (ReportLeg& leg : report.legs) leg.status.p_fix = 0.99;
-  return report;
+/// A flight over matchable ground whose frames are always recognised, tried each 2 s, but for one gap of so many
+/// seconds; GNSS is lost at the first point.
+ReportInput input_with_gap(double gap_s) {
+  ReportInput input = testing::report_scene({.matchable_from = 0.3, .matchable_to = 0.9});
+  input.selection.tries.emplace().interval_s = 2;
+  input.mission.flight.denied = {};
+  input.mission.flight.ins.fix_sigma_m = 1.2;
+  input.mission.flight.conditions.map_sigma_m = 1.6;
+  double gap_m = 0;
+  const std::vector<ErrorSample>& profile = input.selection.error_profile;
+  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
+    if (!profile[i].matchable || !profile[i + 1].matchable) gap_m += profile[i + 1].distance_m - profile[i].distance_m;
+  }
+  for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = gap_m / gap_s;
+  for (ErrorSample& sample : input.selection.error_profile) sample.p_correct_fix = sample.matchable ? 0.99 : 0;
+  return input;
+}
+
+std::vector<std::string> warnings_of(const ReportInput& input, Autopilot autopilot) {
+  return autopilot_warnings(input, make_report(input), autopilot);
+}
+
+std::string parameters_of(const ReportInput& input, Autopilot autopilot) {
+  return autopilot_parameters(input, make_report(input), autopilot);
+}
+
+/// First and last place along the route without matchable ground.
+std::pair<double, double> gap_of(const ReportInput& input) {
+  const RouteGap& gap = input.selection.gaps.at(0);
+  return {gap.from_distance_m, gap.to_distance_m};
 }
 
 /// Lines of a parameter file that are no comments.
@@ -40,75 +62,95 @@ std::vector<std::string> set_lines(const std::string& text) {
 }
 
 TEST(AutopilotSheet, AGapCountsWithTheWaitForTheNextTry) {
-  EXPECT_THAT(autopilot_warnings(report_with_silence(2.9), Autopilot::kPx4Multicopter), IsEmpty());
-  EXPECT_THAT(autopilot_warnings(report_with_silence(3.1), Autopilot::kPx4Multicopter),
+  EXPECT_THAT(warnings_of(input_with_gap(2.9), Autopilot::kPx4Multicopter), IsEmpty());
+  EXPECT_THAT(warnings_of(input_with_gap(3.1), Autopilot::kPx4Multicopter),
               ElementsAre(HasSubstr("5 s after the last fix (EKF2_NOAID_TOUT, at most 10 s), and flies its failsafe: "
-                                    "one gap is longer, 5 s (1.1 km – 3.2 km, legs 2 to 4)")));
+                                    "one stretch is longer, 5 s (1.1 km – 3.2 km, legs 2 to 4)")));
 }
 
 TEST(AutopilotSheet, EachAutopilotHasItsOwnPatience) {
-  const Report report = report_with_silence(6);  // 8 s without a fix
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kPx4FixedWing),
-              ElementsAre(HasSubstr("unless it measures airspeed")));
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kArducopter), ElementsAre(HasSubstr("EKF failsafe")));
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kArduplane), IsEmpty()) << "10 s with airspeed";
-  EXPECT_THAT(autopilot_warnings(report_with_silence(9), Autopilot::kArduplane), ElementsAre(HasSubstr("11 s")));
+  const ReportInput input = input_with_gap(4.5);  // 6.5 s without a fix
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4FixedWing), ElementsAre(HasSubstr("unless it measures airspeed")));
+  EXPECT_THAT(warnings_of(input, Autopilot::kArducopter), IsEmpty());
+  EXPECT_THAT(warnings_of(input_with_gap(6), Autopilot::kArducopter), ElementsAre(HasSubstr("EKF failsafe")));
+  EXPECT_THAT(warnings_of(input_with_gap(6), Autopilot::kArduplane), ElementsAre(HasSubstr("(10 s with airspeed)")));
 }
 
 TEST(AutopilotSheet, WhereGnssIsThereIsNoSilence) {
-  Report report = report_with_silence(40);
-  const RouteGap& gap = report.gaps[0].gap;
-  report.denied = {{0, gap.from_distance_m}};
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kPx4Multicopter), IsEmpty());
-  const double middle_m = (gap.from_distance_m + gap.to_distance_m) / 2;
-  report.denied = {{0, middle_m}};
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kPx4Multicopter), ElementsAre(HasSubstr("longer, 22 s")));
-  report.loss_anywhere.emplace();
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kPx4Multicopter), ElementsAre(HasSubstr("longer, 42 s")))
+  ReportInput input = input_with_gap(40);
+  const auto [from_m, to_m] = gap_of(input);
+  input.mission.flight.denied.stretches = {{0, from_m}};
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), IsEmpty());
+  input.mission.flight.denied.stretches = {{0, (from_m + to_m) / 2}};
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), ElementsAre(HasSubstr("longer, 20 s")))
+      << "GNSS comes back: nobody waits for a try";
+  input.mission.flight.denied.stretches = {{(from_m + to_m) / 2, to_m + 100}};
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), ElementsAre(HasSubstr("longer, 22 s")));
+  input.mission.flight.denied = {};
+  input.mission.flight.denied.anywhere = true;
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), ElementsAre(HasSubstr("longer, 42 s")))
       << "it may be lost before the gap";
 }
 
 TEST(AutopilotSheet, TriesInARowWithoutAFixAreASilenceToo) {
-  Report report = report_with_silence(1);
-  ASSERT_THAT(autopilot_warnings(report, Autopilot::kPx4Multicopter), IsEmpty());
-  report.legs[1].status.p_fix = 0.78;  // three tries in 5 s: 1.06 %
-  report.legs[2].status.p_fix = 0.79;  // 0.93 %
-  report.legs[3].status.p_fix = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kPx4Multicopter),
-              ElementsAre(HasSubstr("3 tries in a row without a fix: more than 1 % of the times on leg 2 (modelled")));
-  report.denied = {{0, report.legs[1].from_distance_m}};
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kPx4Multicopter), IsEmpty());
+  ReportInput input = input_with_gap(1);
+  ASSERT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), IsEmpty());
+  const auto set_leg = [&](int leg, double p) {
+    for (std::size_t i = 0; i < input.mission.flight.samples.size(); ++i) {
+      ErrorSample& sample = input.selection.error_profile[i];
+      if (input.mission.flight.samples[i].leg == leg && sample.matchable) sample.p_correct_fix = p;
+    }
+  };
+  set_leg(0, 0.91);  // the tries after 2 and 4 s: 0.8 %
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), IsEmpty());
+  set_leg(0, 0.89);  // 1.2 %
+  EXPECT_THAT(
+      warnings_of(input, Autopilot::kPx4Multicopter),
+      ElementsAre(HasSubstr("2 tries in a row without a fix are as long, likelier than 1 % on leg 1 (modelled")));
+  set_leg(0, 0.79);  // ArduPilot waits for three: 0.9 %
+  EXPECT_THAT(warnings_of(input, Autopilot::kArduplane), IsEmpty());
+  set_leg(0, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), IsEmpty());
+  input.selection.tries->interval_s = 8;
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), ElementsAre(HasSubstr("fixes come every 8 s at most")));
 }
 
 TEST(AutopilotSheet, BeyondTheMessagesLargestSigmaNothingIsSent) {
-  Report report = report_with_silence(1);
-  report.sigma_multiple = 3;
-  report.gaps[0].gap.error_m = 299;
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kArduplane), IsEmpty());
-  report.gaps[0].gap.error_m = 303;
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kArduplane), ElementsAre(HasSubstr("101 m at the end of")));
-  EXPECT_THAT(autopilot_warnings(report, Autopilot::kPx4FixedWing), IsEmpty());
+  ReportInput input = input_with_gap(1);
+  const auto set_gap_error = [&](double error_m) {
+    for (ErrorSample& sample : input.selection.error_profile) sample.error_m = sample.matchable ? 10 : error_m;
+  };
+  input.selection.sigma_multiple = 3;
+  set_gap_error(299);
+  EXPECT_THAT(warnings_of(input, Autopilot::kArduplane), IsEmpty());
+  set_gap_error(303);
+  EXPECT_THAT(warnings_of(input, Autopilot::kArduplane),
+              ElementsAre(HasSubstr("it reaches 101 m (1.1 km – 3.2 km, legs 2 to 4)")));
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4FixedWing), IsEmpty());
 }
 
 TEST(AutopilotSheet, ParametersOfPx4AreLinesOfQgroundcontrol) {
-  Report report = report_with_silence(1);
-  report.max_error_m = 60;
-  report.sigma_multiple = 3;
-  EXPECT_THAT(set_lines(autopilot_parameters(report, Autopilot::kPx4Multicopter)),
-              ElementsAre("1\t1\tEKF2_AGP0_ID\t1\t6", "1\t1\tEKF2_AGP0_CTRL\t1\t6", "1\t1\tEKF2_AGP0_MODE\t0\t6",
-                          "1\t1\tEKF2_AGP0_NOISE\t2.00\t9", "1\t1\tCOM_POS_FS_EPH\t20.0\t9"));
-  report.denied = {{0, report.route_length_m}};
-  report.gaps[0].gap.duration_s = 9;
-  const auto lines = set_lines(autopilot_parameters(report, Autopilot::kPx4FixedWing));
-  EXPECT_THAT(lines, ElementsAre("1\t1\tEKF2_AGP0_ID\t1\t6", "1\t1\tEKF2_AGP0_CTRL\t1\t6", "1\t1\tEKF2_AGP0_MODE\t1\t6",
-                                 "1\t1\tEKF2_AGP0_NOISE\t2.00\t9", "1\t1\tEKF2_NOAID_TOUT\t10000000\t6"));
+  ReportInput input = input_with_gap(1);
+  input.selection.max_error_m = 60;
+  input.selection.sigma_multiple = 3;
+  EXPECT_THAT(
+      set_lines(parameters_of(input, Autopilot::kPx4Multicopter)),
+      ElementsAre("1\t1\tEKF2_AGP0_ID\t1\t6", "1\t1\tEKF2_AGP0_CTRL\t1\t6", "1\t1\tEKF2_HGT_REF\t0\t6",
+                  "1\t1\tEKF2_AGP0_MODE\t0\t6", "1\t1\tEKF2_AGP0_NOISE\t2.00\t9", "1\t1\tCOM_POS_FS_EPH\t8.0\t9"));
+  input = input_with_gap(9);
+  input.mission.flight.denied.stretches = {{0, gap_of(input).second + 100}};
+  const std::string text = parameters_of(input, Autopilot::kPx4FixedWing);
+  EXPECT_THAT(set_lines(text), Contains("1\t1\tEKF2_NOAID_TOUT\t10000000\t6"));
+  EXPECT_THAT(set_lines(text), Contains("1\t1\tEKF2_AGP0_MODE\t1\t6"));
+  EXPECT_THAT(text, HasSubstr("WARNING: not enough, one stretch is longer, 11 s")) << "than ten seconds, too";
+  EXPECT_THAT(parameters_of(input_with_gap(7), Autopilot::kPx4FixedWing), Not(HasSubstr("not enough")));
 }
 
 TEST(AutopilotSheet, ParametersOfArdupilotFuseNoVelocity) {
-  Report report = report_with_silence(60);
-  report.fix_sigma_m = 30;
+  ReportInput input = input_with_gap(60);
+  input.mission.flight.conditions.map_sigma_m = 30;
   for (const Autopilot autopilot : {Autopilot::kArducopter, Autopilot::kArduplane}) {
-    const std::string text = autopilot_parameters(report, autopilot);
+    const std::string text = parameters_of(input, autopilot);
     EXPECT_THAT(set_lines(text), ElementsAre("GPS2_TYPE,14", "GPS2_DELAY_MS,1", "EK3_SRC2_POSXY,3", "EK3_SRC2_VELXY,0",
                                              "EK3_SRC2_POSZ,1", "EK3_SRC2_VELZ,0", "EK3_SRC2_YAW,1",
                                              "EK3_SRC_OPTIONS,0", "EK3_GPS_CHECK,0", "EK3_POSNE_M_NSE,10.00"))
@@ -118,17 +160,17 @@ TEST(AutopilotSheet, ParametersOfArdupilotFuseNoVelocity) {
 }
 
 TEST(AutopilotSheet, ATitleBeginsNoParameter) {
-  Report report = report_with_silence(1);
-  report.title = "route\nFS_EKF_ACTION,0";
-  const std::string text = autopilot_parameters(report, Autopilot::kArduplane);
-  EXPECT_THAT(set_lines(text), Not(::testing::Contains(HasSubstr("FS_EKF"))));
+  ReportInput input = input_with_gap(1);
+  input.title = "route\nFS_EKF_ACTION,0";
+  const std::string text = parameters_of(input, Autopilot::kArduplane);
+  EXPECT_THAT(set_lines(text), Not(Contains(HasSubstr("FS_EKF"))));
   EXPECT_THAT(text, HasSubstr("route FS_EKF_ACTION,0"));
 }
 
 TEST(AutopilotSheet, AReportOfAnAutopilotWarns) {
-  ReportInput input = testing::report_scene({.matchable_from = 0.3, .matchable_to = 0.9});
+  ReportInput input = input_with_gap(40);
   const std::size_t before = make_report(input).warnings.size();
-  input.autopilot = Autopilot::kPx4Multicopter;
+  input.mission.flight.autopilot = Autopilot::kPx4Multicopter;
   const Report report = make_report(input);
   ASSERT_EQ(report.warnings.size(), before + 1);
   EXPECT_THAT(report.warnings.back(), HasSubstr("EKF2_NOAID_TOUT"));

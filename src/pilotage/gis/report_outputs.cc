@@ -13,6 +13,7 @@
 #include "pilotage/gis/score_files.h"
 #include "pilotage/gis/stac_item.h"
 #include "pilotage/mapdb/geopackage_rows.h"
+#include "pilotage/report/autopilot_sheet.h"
 #include "pilotage/route/dji_wpml_writer.h"
 
 namespace pilotage {
@@ -150,9 +151,10 @@ constexpr const char* kArdupilotEnding = "_autopilot.param";
 
 /// None where nobody said which autopilot it is.
 Endings write_autopilot(const OutputSource& source) {
-  if (!source.report.autopilot) return {};
-  const char* ending = is_px4(*source.report.autopilot) ? kPx4Ending : kArdupilotEnding;
-  write_file(source.path(ending), autopilot_parameters(source.report, *source.report.autopilot), true);
+  const auto& autopilot = source.input.mission.flight.autopilot;
+  if (!autopilot) return {};
+  const char* ending = is_px4(*autopilot) ? kPx4Ending : kArdupilotEnding;
+  write_file(source.path(ending), autopilot_parameters(source.input, source.report, *autopilot), true);
   return {ending};
 }
 

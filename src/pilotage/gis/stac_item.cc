@@ -23,7 +23,7 @@ struct FileKind {
   const char* role;
 };
 
-constexpr std::array<FileKind, 12> kFileKinds{
+constexpr std::array<FileKind, 14> kFileKinds{
     {{".html", "text/html", "overview"},
      {".json", "application/json", "metadata"},
      {".tif.aux.xml", "application/xml", "metadata"},
@@ -35,6 +35,8 @@ constexpr std::array<FileKind, 12> kFileKinds{
      {".kml", "application/vnd.google-earth.kml+xml", "visual"},
      {".geojson", "application/geo+json", "data"},
      {".csv", "text/csv", "data"},
+     {".param", "text/plain", "data"},
+     {".params", "text/plain", "data"},
      {".mbtiles", "application/vnd.sqlite3", "visual"}}};
 
 StacJson asset(const std::string& file) {

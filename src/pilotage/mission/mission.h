@@ -9,6 +9,7 @@
 #include "pilotage/camera/camera.h"
 #include "pilotage/ground/ground.h"
 #include "pilotage/ins/ins_options.h"
+#include "pilotage/mission/autopilot.h"
 #include "pilotage/mission/flight_conditions.h"
 #include "pilotage/route/route.h"
 
@@ -62,6 +63,7 @@ struct Flight {
   InsOptions ins;
   FlightConditions conditions;
   GnssDenial denied;
+  std::optional<Autopilot> autopilot;  ///< Nothing where the planner did not say.
   std::string flight_time;  ///< When it begins, as parse_utc_date() takes it; "" when the planner did not say.
   std::optional<GroundHidden> ground_hidden;
   double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.

@@ -181,6 +181,14 @@ void read_flight_time(JsonObject& json, Flight& flight) {
   }
 }
 
+Autopilot autopilot_from_json(JsonObject& json) {
+  const std::string name = json.text("autopilot");
+  for (const auto& known : enum_names(Autopilot{})) {
+    if (known.name == name) return known.value;
+  }
+  throw DataError(json.path("autopilot") + " = \"" + name + "\" is no autopilot that is known");
+}
+
 GroundHidden ground_hidden_from_json(JsonObject json) {
   const GroundHidden hidden{json.number("fraction"), bytes_of_name(json.text("file"))};
   if (!(hidden.fraction >= 0 && hidden.fraction <= 1)) {
@@ -252,6 +260,9 @@ Json plan_to_json(const Mission& mission) {
   if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
   if (!mission.flight.denied.from_start()) json["denied"] = denial_to_json(mission.flight.denied);
   if (!mission.flight.flight_time.empty()) json["flight_time"] = mission.flight.flight_time;
+  for (const auto& known : enum_names(Autopilot{})) {
+    if (known.value == mission.flight.autopilot) json["autopilot"] = std::string(known.name);
+  }
   if (const auto& hidden = mission.flight.ground_hidden) {
     json["ground_hidden"] = {{"fraction", hidden->fraction}, {"file", name_as_utf8(hidden->file)}};
   }
@@ -301,6 +312,7 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   if (object.has("flat_ground_amsl_m")) mission.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");
   if (object.has("denied")) mission.flight.denied = denial_from_json(object.object("denied"));
   if (object.has("flight_time")) read_flight_time(object, mission.flight);
+  if (object.has("autopilot")) mission.flight.autopilot = autopilot_from_json(object);
   if (object.has("ground_hidden"))
     mission.flight.ground_hidden = ground_hidden_from_json(object.object("ground_hidden"));
   mission.flight.min_agl_m = object.number("min_agl_m");

@@ -111,7 +111,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   if (options.build.keep_features != KeepFeatures::kAll && options.score.second_epoch.empty()) {
     throw UsageError("keep_features = stable needs a second date: give --second-epoch");
   }
-  refuse_unnamed_autopilot(options.outputs, options.autopilot);
+  refuse_unnamed_autopilot(options.outputs, options.tile.autopilot);
   refuse_existing(run.output_folder, run.overwrite);
   const MapPurpose purpose = make_purpose(options.purpose);
   constexpr int kParts = 6;
@@ -210,7 +210,6 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   if (!options.build.landmarks.empty())
     input.landmarks = std::make_shared<MapLandmarks>(read_planned_landmarks(mission.ground, options.build.landmarks));
   input.parameters = described(options);
-  input.autopilot = options.autopilot;
   input.title = purpose.mission_name.value_or("");
   input.inputs.push_back({"map", "map.gpkg", "", "blake2b-256:" + result.map.content_digest});
   Report report = make_report(input);

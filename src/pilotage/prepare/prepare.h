@@ -32,7 +32,6 @@ struct PrepareOptions {
   PurposeOptions purpose;
   std::int64_t flights = 2000;
   std::vector<ReportOutput> outputs{ReportOutput::kHtml, ReportOutput::kJson, ReportOutput::kCog, ReportOutput::kGpkg};
-  std::optional<Autopilot> autopilot;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -45,7 +44,6 @@ struct PrepareOptions {
                  "How many drawn flights the plan is flown by before it is judged (simulation.json); 0: none.",
                  Range{0, 1000000});
     fields.field("outputs", self.outputs, outputs_help());
-    fields.field("autopilot", self.autopilot, kAutopilotHelp);
   }
 };
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "pilotage/mission/flight_conditions.h"
+#include "pilotage/mission/gnss_availability.h"
 #include "pilotage/report/report.h"
 #include "pilotage/report/stretch_reasons.h"
 #include "pilotage/report/wording.h"
@@ -12,71 +15,97 @@ namespace {
 
 constexpr double kPx4NoAid_s = 5;  // EKF2_NOAID_TOUT by default
 constexpr double kPx4MostNoAid_s = 10;
-constexpr double kEkf3Retry_s = 7;               // posRetryTimeNoVel_ms
-constexpr double kEkf3RetryWithVelocity_s = 10;  // posRetryTimeUseVel_ms
-constexpr double kEkf3MostSigma_m = 100;         // of a position, which it takes larger ones for
+constexpr double kEkf3Retry_s = 7;        // posRetryTimeNoVel_ms
+constexpr double kEkf3MostSigma_m = 100;  // of a position: larger ones count as this
 constexpr double kRareMisses = 0.01;
 
-/// A stretch over which no fix is expected and GNSS is denied.
+/// A stretch without GNSS and without a try that may succeed.
 struct Silence {
-  const ReportGap* gap = nullptr;
-  double duration_s = 0;
-  double sigma_m = 0;  ///< At its end.
+  int leg = 0;
+  double from_distance_m = 0;
+  double to_distance_m = 0;
+  double duration_s = 0;  ///< With the wait for the first try behind it.
+  double sigma_m = 0;     ///< Largest on it.
 };
 
-/// The share of the stretch in which GNSS is denied.
-double denied_share(const Report& report, double from_m, double to_m) {
-  if (report.denied.empty() || report.loss_anywhere) return 1;
-  double denied_m = 0;
-  for (const DeniedStretch& stretch : report.denied) {
-    denied_m += std::max(0.0, std::min(to_m, stretch.to_distance_m) - std::max(from_m, stretch.from_distance_m));
-  }
-  return to_m > from_m ? denied_m / (to_m - from_m) : 0;
+double interval_s(const ReportInput& input) {
+  return input.selection.tries ? input.selection.tries->interval_s : 0;
+}
+
+/// Of each sample of the flight; empty where the selection is of other samples.
+std::vector<ErrorSample> profile_of(const ReportInput& input) {
+  const std::vector<ErrorSample>& profile = input.selection.error_profile;
+  return profile.size() == input.mission.flight.samples.size() ? profile : std::vector<ErrorSample>{};
 }
 
 /// Longest first.
-std::vector<Silence> silences(const Report& report) {
+std::vector<Silence> silences(const ReportInput& input) {
+  const std::vector<FlightSample>& samples = input.mission.flight.samples;
+  const std::vector<ErrorSample> profile = profile_of(input);
+  const GnssAvailability gnss = gnss_availability(input.mission.flight);
   std::vector<Silence> found;
-  for (const ReportGap& gap : report.gaps) {
-    const double share = denied_share(report, gap.gap.from_distance_m, gap.gap.to_distance_m);
-    if (share > 0) {
-      found.push_back({&gap, gap.gap.duration_s * share + report.fix_interval_s,
-                       gap.gap.error_m / std::max(1.0, report.sigma_multiple)});
+  bool open = false;
+  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
+    const bool is_silent = !gnss.over_step[i] && !(profile[i].matchable && profile[i + 1].matchable);
+    if (is_silent) {
+      if (!open) found.push_back({samples[i].leg, samples[i].distance_m, 0, 0, 0});
+      Silence& silence = found.back();
+      silence.to_distance_m = samples[i + 1].distance_m;
+      const double speed_mps = (samples[i].speed_mps + samples[i + 1].speed_mps) / 2;
+      silence.duration_s += (samples[i + 1].distance_m - samples[i].distance_m) / speed_mps;
+      silence.sigma_m = std::max(silence.sigma_m, profile[i + 1].error_m / input.selection.sigma_multiple);
+    } else if (open && !gnss.over_step[i]) {
+      found.back().duration_s += interval_s(input);
     }
+    open = is_silent;
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const Silence& a, const Silence& b) { return a.duration_s > b.duration_s; });
   return found;
 }
 
-/// "3 gaps are longer, the longest 37 s (1.5 km – 2.2 km, leg 5)"; "" where none is.
-std::string longer_than(const Report& report, double limit_s) {
-  const std::vector<Silence> found = silences(report);
-  const auto count =
-      std::count_if(found.begin(), found.end(), [&](const Silence& s) { return s.duration_s > limit_s; });
-  if (count == 0) return "";
-  const RouteGap& longest = found.front().gap->gap;
-  const std::string where = where_text(report, longest.from_distance_m, longest.to_distance_m, longest.leg);
-  const std::string length = number_text(found.front().duration_s, 0) + " s (" + where + ")";
-  return count == 1 ? "one gap is longer, " + length
-                    : std::to_string(count) + " gaps are longer, the longest " + length;
+std::string place_text(const Report& report, const Silence& silence) {
+  return where_text(report, silence.from_distance_m, silence.to_distance_m, silence.leg);
 }
 
-/// Legs on which so many tries in a row fail more often than rarely that the time passes; "" without any.
-std::string likely_misses(const Report& report, double limit_s) {
-  if (!(report.fix_interval_s > 0)) return "";
-  const double tries = std::ceil(limit_s / report.fix_interval_s);
+/// "3 stretches are longer, the longest 37 s (1.5 km – 2.2 km, leg 5)"; "" where none is.
+std::string longer_than(const ReportInput& input, const Report& report, double limit_s) {
+  const std::vector<Silence> found = silences(input);
+  const auto count =
+      std::count_if(found.begin(), found.end(), [&](const Silence& silence) { return silence.duration_s > limit_s; });
+  if (count == 0) return "";
+  const std::string length =
+      number_text(found.front().duration_s, 0) + " s (" + place_text(report, found.front()) + ")";
+  return count == 1 ? "one stretch is longer, " + length
+                    : std::to_string(count) + " stretches are longer, the longest " + length;
+}
+
+/// Legs over whose matchable ground, where GNSS is denied, so many tries in a row fail that the time passes, more often
+/// than rarely: the mean over the way. "" without any.
+std::string likely_misses(const ReportInput& input, double limit_s) {
+  if (!(interval_s(input) > 0)) return "";
+  if (interval_s(input) > limit_s) return "fixes come every " + number_text(interval_s(input), 0) + " s at most";
+  const int misses = static_cast<int>(std::floor(limit_s / interval_s(input)));
+  const std::vector<ErrorSample> profile = profile_of(input);
+  const std::vector<FlightSample>& samples = input.mission.flight.samples;
+  const GnssAvailability gnss = gnss_availability(input.mission.flight);
+  std::map<int, std::pair<double, double>> by_leg;  // way times chance, and way
+  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
+    if (gnss.over_step[i] || !profile[i].matchable || !std::isfinite(profile[i].p_correct_fix)) continue;
+    const double way_m = samples[i + 1].distance_m - samples[i].distance_m;
+    auto& [chance_m, all_m] = by_leg[samples[i].leg];
+    chance_m += way_m * std::pow(1 - profile[i].p_correct_fix, misses);
+    all_m += way_m;
+  }
   std::vector<std::string> legs;
-  for (std::size_t i = 0; i < report.legs.size(); ++i) {
-    const ReportLeg& leg = report.legs[i];
-    const double to_m = leg.from_distance_m + leg.status.length_m;
-    if (denied_share(report, leg.from_distance_m, to_m) <= 0 || !std::isfinite(leg.status.p_fix)) continue;
-    if (std::pow(1 - leg.status.p_fix, tries) > kRareMisses) legs.push_back(std::to_string(i + 1));
+  for (const auto& [leg, sums] : by_leg) {
+    if (sums.first > kRareMisses * sums.second) legs.push_back(std::to_string(leg + 1));
   }
   if (legs.empty()) return "";
-  return "so long a silence also comes of " + number_text(tries, 0) + " tries in a row without a fix: more than " +
-         number_text(kRareMisses * 100, 0) + " % of the times on " + (legs.size() == 1 ? "leg " : "legs ") +
-         listed(legs) + " (modelled, as if tries did not depend on each other)";
+  const std::string tries = misses == 1 ? "one try without a fix is as long"
+                                        : std::to_string(misses) + " tries in a row without a fix are as long";
+  return tries + ", likelier than " + number_text(kRareMisses * 100, 0) + " % on " +
+         (legs.size() == 1 ? "leg " : "legs ") + listed(legs) + " (modelled, as if tries did not depend on each other)";
 }
 
 /// What the autopilot does without positions, and after how long.
@@ -98,13 +127,14 @@ Patience patience_of(Autopilot autopilot) {
               "and descends"};
     case Autopilot::kArducopter:
       return {kEkf3Retry_s,
-              "ArduPilot gives up a position 7 s after the last one (10 s with a model of drag or optical flow) "
-              "and flies its EKF failsafe: between fixes it needs the onboard filter's positions (GPS_INPUT), fixes "
-              "alone do not do"};
+              "ArduPilot gives up a position 7 s after the last one (10 s with a model of drag or optical flow) and "
+              "flies its EKF failsafe. There it lives on the positions of the onboard filter (GPS_INPUT) alone; fixes "
+              "by themselves, or a program that stops, do not do"};
     case Autopilot::kArduplane:
-      return {kEkf3RetryWithVelocity_s,
-              "ArduPilot gives up a position 10 s after the last one (7 s without airspeed) and reckons on by the "
-              "wind: between fixes it needs the onboard filter's positions (GPS_INPUT), fixes alone do not do"};
+      return {kEkf3Retry_s,
+              "ArduPilot gives up a position 7 s after the last one (10 s with airspeed) and reckons on by the wind. "
+              "There it lives on the positions of the onboard filter (GPS_INPUT) alone; fixes by themselves, or a "
+              "program that stops, do not do"};
   }
   return {};
 }
@@ -123,27 +153,48 @@ struct Parameter {
   bool is_real = false;
 };
 
-std::vector<Parameter> px4_parameters(const Report& report, Autopilot autopilot) {
+/// Of a fix, as the plan takes it: each axis.
+double fix_sigma_m(const ReportInput& input) {
+  return make_error_model(input.mission.flight.ins, input.mission.flight.conditions).fixed_position_sigma_m();
+}
+
+/// Whether GNSS is had anywhere.
+bool has_gnss(const ReportInput& input) {
+  const std::vector<bool> had = gnss_availability(input.mission.flight).over_step;
+  return input.mission.flight.denied.anywhere || std::find(had.begin(), had.end(), true) != had.end();
+}
+
+std::vector<Parameter> px4_parameters(const ReportInput& input, const Report& report, Autopilot autopilot) {
+  const Parameter mode =
+      has_gnss(input)
+          ? Parameter{"EKF2_AGP0_MODE", "1", "GNSS is had on part of the way: fixes reset only what reckons."}
+          : Parameter{"EKF2_AGP0_MODE", "0", "No GNSS from the first point on: fixes may begin and reset."};
   std::vector<Parameter> parameters = {
       {"EKF2_AGP0_ID", "1", "The source's number: --sensor-id of the onboard program."},
-      {"EKF2_AGP0_CTRL", "1", "Its horizontal position is fused; heights are the barometer's."},
-      report.denied.empty()
-          ? Parameter{"EKF2_AGP0_MODE", "0", "No GNSS from the first point on: positions by sight may begin and reset."}
-          : Parameter{"EKF2_AGP0_MODE", "1",
-                      "GNSS is there on part of the way: positions by sight reset only what reckons."},
-      {"EKF2_AGP0_NOISE", number_text(report.fix_sigma_m, 2),
-       "m: no fix counts for better than the plan takes it for, whatever it says of itself.", true}};
-  if (!longer_than(report, kPx4NoAid_s).empty()) {
-    parameters.push_back({"EKF2_NOAID_TOUT", "10000000", "us: the longest that it takes. By default 5 s."});
+      {"EKF2_AGP0_CTRL", "1", "Its horizontal position is fused, no height."},
+      {"EKF2_HGT_REF", "0", "Heights are the barometer's, where GNSS may fail."},
+      mode,
+      {"EKF2_AGP0_NOISE", number_text(fix_sigma_m(input), 2),
+       "m: no fix counts for better than the plan takes it for (its own error and the map's).", true}};
+  if (!longer_than(input, report, kPx4NoAid_s).empty() || !likely_misses(input, kPx4NoAid_s).empty()) {
+    const std::string beyond = longer_than(input, report, kPx4MostNoAid_s);
+    parameters.push_back({"EKF2_NOAID_TOUT", "10000000",
+                          "us: the longest that it takes, 5 s by default." +
+                              (beyond.empty() ? "" : " WARNING: not enough, " + beyond + ".")});
   }
   if (autopilot == Autopilot::kPx4Multicopter) {
-    parameters.push_back({"COM_POS_FS_EPH", number_text(report.max_error_m / report.sigma_multiple, 1),
-                          "m: sigma at which the plan's limit is reached, in place of 5 m.", true});
+    constexpr double kHysteresis = 2.5, kMost_m = 400;
+    const double sigma_m =
+        std::min(kMost_m * kHysteresis, input.selection.max_error_m / input.selection.sigma_multiple);
+    parameters.push_back({"COM_POS_FS_EPH", number_text(sigma_m / kHysteresis, 1),
+                          "m: once the position was good PX4 waits for 2.5 times this, here a sigma of " +
+                              number_text(sigma_m, 1) + " m, which is the plan's limit.",
+                          true});
   }
   return parameters;
 }
 
-std::vector<Parameter> ardupilot_parameters(const Report& report) {
+std::vector<Parameter> ardupilot_parameters(const ReportInput& input) {
   return {
       {"GPS2_TYPE", "14", "The second receiver is MAVLink: the onboard program, --sensor-id 1. GPS_TYPE2 before 4.6."},
       {"GPS2_DELAY_MS", "1", "Its positions are of now; 0 would mean 100 ms. GPS_DELAY_MS2 before 4.6."},
@@ -155,8 +206,10 @@ std::vector<Parameter> ardupilot_parameters(const Report& report) {
       {"EK3_SRC_OPTIONS", "0", "Bit 0 would fuse the velocity of a set that is not chosen."},
       {"EK3_GPS_CHECK", "0",
        "Its checks ask for satellites, dilution of precision and 5 m. They fall away for the other receiver, too."},
-      {"EK3_POSNE_M_NSE", number_text(std::clamp(report.fix_sigma_m, 0.1, 10.0), 2),
-       "m: no position counts for better than the plan takes a fix for.", true}};
+      {"EK3_POSNE_M_NSE", number_text(std::clamp(fix_sigma_m(input), 0.1, 10.0), 2),
+       "m: no position counts for better than the plan takes a fix for (its own error and the map's), that of the "
+       "other receiver neither.",
+       true}};
 }
 
 /// What the planner has to decide, or to measure first.
@@ -165,18 +218,20 @@ std::vector<std::string> remarks(Autopilot autopilot) {
     return {
         "Not set here: EKF2_AGP0_DELAY, ms from exposure to answer, which the onboard program prints when it ends; "
         "EKF2_DELAY_MAX must not be less.",
+        "Not set here: EKF2_GPS_CTRL. A receiver that is deceived is fused as long as EKF2 believes it.",
+        "After 5 s without a fix PX4 counts the source as stopped, whatever EKF2_NOAID_TOUT says; the next fix "
+        "starts it again.",
         "Versions that know EKF2_AGP_CTRL instead of EKF2_AGP0_CTRL do not take these positions over MAVLink."};
   }
   std::vector<std::string> remarks = {
-      "Not set here: which receiver is taken. A set of sources says GPS, not which: with GPS_AUTO_SWITCH 1 the one "
-      "with the "
-      "better status, so a deceived one that has a fix stays in use.",
+      "Not set here: which receiver is taken. A set of sources says GPS, not which: with GPS_AUTO_SWITCH 1 it is the "
+      "one with the better status, so a deceived one that has a fix stays in use.",
       "Choose the second set (RC option 90, MAV_CMD_SET_EKF_SOURCE_SET) before GNSS is lost: where the first receiver "
       "fails under a set with velocity, the second's missing one counts as zero."};
   if (autopilot == Autopilot::kArduplane) {
-    remarks.push_back("AHRS_OPTIONS: set bit 0, or it falls back to DCM when EKF3 doubts.");
+    remarks.emplace_back("AHRS_OPTIONS: set bit 0, or it falls back to DCM when EKF3 doubts.");
   } else {
-    remarks.push_back(
+    remarks.emplace_back(
         "FS_DR_ENABLE acts as soon as EKF3 reckons without positions, FS_DR_TIMEOUT (30 s) later the EKF failsafe.");
   }
   return remarks;
@@ -202,27 +257,28 @@ bool is_px4(Autopilot autopilot) {
   return autopilot == Autopilot::kPx4Multicopter || autopilot == Autopilot::kPx4FixedWing;
 }
 
-std::vector<std::string> autopilot_warnings(const Report& report, Autopilot autopilot) {
+std::vector<std::string> autopilot_warnings(const ReportInput& input, const Report& report, Autopilot autopilot) {
   std::vector<std::string> warnings;
   const Patience patience = patience_of(autopilot);
-  const std::string gaps = longer_than(report, patience.limit_s);
-  const std::string misses = likely_misses(report, patience.limit_s);
-  if (!gaps.empty() || !misses.empty()) {
-    warnings.push_back(patience.text + ": " + gaps + (gaps.empty() || misses.empty() ? "" : "; ") + misses);
+  const std::string longer = longer_than(input, report, patience.limit_s);
+  const std::string misses = likely_misses(input, patience.limit_s);
+  if (!longer.empty() || !misses.empty()) {
+    warnings.push_back(patience.text + ": " + longer + (longer.empty() || misses.empty() ? "" : "; ") + misses);
   }
-  for (const Silence& silence : silences(report)) {
-    if (is_px4(autopilot) || !(silence.sigma_m > kEkf3MostSigma_m)) continue;
-    const RouteGap& gap = silence.gap->gap;
+  if (is_px4(autopilot)) return warnings;
+  const std::vector<Silence> found = silences(input);
+  const auto worst = std::max_element(found.begin(), found.end(),
+                                      [](const Silence& a, const Silence& b) { return a.sigma_m < b.sigma_m; });
+  if (worst != found.end() && worst->sigma_m > kEkf3MostSigma_m) {
     warnings.push_back(
-        "beyond a sigma of 100 m the onboard program has no fix in GPS_INPUT, and after 5 s so none any "
-        "more: " +
-        number_text(silence.sigma_m, 0) + " m at the end of " +
-        where_text(report, gap.from_distance_m, gap.to_distance_m, gap.leg));
+        "beyond a sigma of 100 m the onboard program has no fix in GPS_INPUT, and after 5 s so none any more: it "
+        "reaches " +
+        number_text(worst->sigma_m, 0) + " m (" + place_text(report, *worst) + ")");
   }
   return warnings;
 }
 
-std::string autopilot_parameters(const Report& report, Autopilot autopilot) {
+std::string autopilot_parameters(const ReportInput& input, const Report& report, Autopilot autopilot) {
   const bool px4 = is_px4(autopilot);
   std::string text = "# Parameters for " + autopilot_name(autopilot) + " with positions by sight (" +
                      (px4 ? "GLOBAL_POSITION_SENSOR" : "GPS_INPUT") + "): " + one_line(report.title) + "\n# " +
@@ -231,9 +287,9 @@ std::string autopilot_parameters(const Report& report, Autopilot autopilot) {
                      "an autopilot.\n";
   const auto comment = [&text](const std::string& line) { text += "# " + line + "\n"; };
   for (const std::string& remark : remarks(autopilot)) comment(remark);
-  for (const std::string& warning : autopilot_warnings(report, autopilot)) comment("WARNING: " + warning + ".");
+  for (const std::string& warning : autopilot_warnings(input, report, autopilot)) comment("WARNING: " + warning + ".");
   if (px4) comment("Vehicle-Id Component-Id Name Value Type");
-  for (const Parameter& parameter : px4 ? px4_parameters(report, autopilot) : ardupilot_parameters(report)) {
+  for (const Parameter& parameter : px4 ? px4_parameters(input, report, autopilot) : ardupilot_parameters(input)) {
     comment(parameter.why);
     text += px4 ? "1\t1\t" + parameter.name + "\t" + parameter.value + "\t" + (parameter.is_real ? "9" : "6") + "\n"
                 : parameter.name + "," + parameter.value + "\n";

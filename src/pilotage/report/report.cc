@@ -12,6 +12,7 @@
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
 #include "pilotage/matchability/reasons.h"
+#include "pilotage/report/autopilot_sheet.h"
 #include "pilotage/report/disagreement.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/error_profile.h"
@@ -267,9 +268,6 @@ Report make_report(const ReportInput& input) {
   report.loss_anywhere = selection.loss_anywhere;
   report.inertial_reach = inertial_reach(input);
   report.fixes = fix_stretches(selection.error_profile);
-  report.fix_interval_s = selection.tries ? selection.tries->interval_s : 0;
-  report.fix_sigma_m = mission.flight.ins.fix_sigma_m;
-  report.autopilot = input.autopilot;
   report.error_profile = thin_profile(selection.error_profile, 2000);
 
   for (const Measure* measure : heat_maps()) report.measures.push_back(measure_scale(*measure, input.scores));
@@ -296,8 +294,10 @@ Report make_report(const ReportInput& input) {
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(mission.warnings);
   if (const std::string warning = disagreement_warning(input); !warning.empty()) report.warnings.push_back(warning);
-  if (report.autopilot) {
-    for (std::string& warning : autopilot_warnings(report, *report.autopilot)) report.warnings.push_back(warning);
+  if (const auto& autopilot = mission.flight.autopilot) {
+    for (std::string& warning : autopilot_warnings(input, report, *autopilot)) {
+      report.warnings.push_back(std::move(warning));
+    }
   }
   report.notes = valid_texts(mission.flight.route.notes);
   for (const auto* more : {&selection.notes, &input.assumptions}) {

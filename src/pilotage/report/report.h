@@ -11,7 +11,6 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "pilotage/report/autopilot_sheet.h"
 #include "pilotage/report/height_profile.h"
 #include "pilotage/report/imagery_age.h"
 #include "pilotage/report/landmark_note.h"
@@ -125,9 +124,6 @@ struct Report {
   std::optional<LossAnywhere> loss_anywhere;    ///< As the selection's; `denied` begins at its worst point.
   InertialReach inertial_reach;                 ///< Not part of report.json.
   std::vector<FixStretch> fixes;
-  double fix_interval_s = 0;               ///< Between two tries. Not part of report.json. So the next two.
-  double fix_sigma_m = 0;                  ///< Of a fix, as the plan takes it.
-  std::optional<Autopilot> autopilot;      ///< As the input's.
   std::vector<ErrorSample> error_profile;  ///< Thinned to at most 2,000 samples; extremes are kept.
 
   std::vector<MeasureScale> measures;

@@ -16,7 +16,6 @@
 #include "pilotage/mission/selection.h"
 #include "pilotage/mission/simulation.h"
 #include "pilotage/raster/raster.h"
-#include "pilotage/report/autopilot_sheet.h"
 #include "pilotage/report/evaluation_note.h"
 #include "pilotage/report/flight_notes.h"
 #include "pilotage/report/seen_frames.h"
@@ -49,8 +48,6 @@ struct ReportInput {
   std::optional<ReplayNote> replay;          ///< What `replay` found of flights by it.
   /// Of the onboard map (mission/planned_landmarks.h); null where it has none.
   std::shared_ptr<const MapLandmarks> landmarks;
-
-  std::optional<Autopilot> autopilot;  ///< What the aircraft flies with; nothing where the planner did not say.
 
   /// Longitude and latitude of a point of the mission grid; NaN where it has none. A continuous function that can be
   /// inverted over the corridor. Called from one thread, some 10,000 times and four times per tile.

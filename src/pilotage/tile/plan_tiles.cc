@@ -486,6 +486,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   add_map_error(infos, mission);
   mission.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
   mission.flight.max_error_assumed = !options.max_error_m;
+  mission.flight.autopilot = options.autopilot;
   add_flight_time(options, mission.flight);
   mission.flight.min_agl_m = options.min_agl_m;
   mission.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(mission.flight.max_error_m);

@@ -7,6 +7,7 @@
 #include "pilotage/base/options.h"
 #include "pilotage/camera/camera_options.h"
 #include "pilotage/ins/ins_options.h"
+#include "pilotage/mission/autopilot.h"
 #include "pilotage/mission/flight_conditions.h"
 #include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/route/route_options.h"
@@ -32,6 +33,7 @@ struct TileOptions {
   std::optional<std::vector<std::string>> denied;
   std::optional<std::vector<std::string>> imagery_date;
   std::string flight_time;
+  std::optional<Autopilot> autopilot;
   std::string clouds;
   std::optional<double> max_error_m;
   std::string crs;
@@ -61,6 +63,7 @@ struct TileOptions {
         "flight_time", self.flight_time,
         "When the flight begins, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: for the age of the imagery and "
         "for the sun.");
+    fields.field("autopilot", self.autopilot, kAutopilotHelp);
     fields.path("clouds", self.clouds,
                 "Table (CSV) of how often cloud hides the ground: month, hour_utc (may be left out), hidden_fraction.");
     RouteOptions::describe(self.route_options, fields);
