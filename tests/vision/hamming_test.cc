@@ -81,7 +81,8 @@ class HammingPaths : public ::testing::TestWithParam<HammingPath> {
 };
 
 INSTANTIATE_TEST_SUITE_P(All, HammingPaths,
-                         ::testing::Values(HammingPath::kPortable, HammingPath::kAvx2, HammingPath::kAvx512),
+                         ::testing::Values(HammingPath::kPortable, HammingPath::kAvx2, HammingPath::kAvx512,
+                                           HammingPath::kNeon),
                          [](const auto& path) { return std::string(hamming_path_name(path.param)); });
 
 TEST_P(HammingPaths, EqualsBruteForce) {

@@ -39,6 +39,8 @@ Scan scan_of(HammingPath path) {
       return hamming_detail::scan_avx512;
     case HammingPath::kAvx2:
       return hamming_detail::scan_avx2;
+    case HammingPath::kNeon:
+      return hamming_detail::scan_neon;
     case HammingPath::kPortable:
       break;
   }
@@ -118,6 +120,8 @@ std::string_view hamming_path_name(HammingPath path) {
       return "avx2";
     case HammingPath::kAvx512:
       return "avx512";
+    case HammingPath::kNeon:
+      return "neon";
   }
   return "unknown";
 }
@@ -129,6 +133,8 @@ std::vector<HammingPath> hamming_paths() {
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vpopcntdq")) {
     paths.push_back(HammingPath::kAvx512);
   }
+#elif defined(__aarch64__)
+  paths.push_back(HammingPath::kNeon);
 #endif
   return paths;
 }

@@ -24,6 +24,7 @@ enum class HammingPath {
   kPortable,  ///< Any machine.
   kAvx2,      ///< x86-64 with AVX2: byte-wise table look-up.
   kAvx512,    ///< x86-64 with AVX-512 VPOPCNTDQ.
+  kNeon,      ///< 64-bit ARM: every one of them has it.
 };
 
 std::string_view hamming_path_name(HammingPath path);

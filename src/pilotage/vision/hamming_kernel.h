@@ -94,4 +94,8 @@ void scan_avx2(const std::uint64_t* blocks, int words, const std::uint64_t* quer
 void scan_avx512(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin, std::size_t end,
                  Nearest& nearest);
 
+/// Only where hamming_paths() has kNeon; on other processors it is scan_portable.
+void scan_neon(const std::uint64_t* blocks, int words, const std::uint64_t* query, std::size_t begin, std::size_t end,
+               Nearest& nearest);
+
 }  // namespace pilotage::hamming_detail
