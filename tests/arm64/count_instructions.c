@@ -1,6 +1,6 @@
-/* A plugin of QEMU that counts the instructions of a program: their number is written to stderr at its end. Debian has no
- * header for plugins; what is declared here is the interface of version 1 (qemu-plugin.h of QEMU 7.2).
- *   gcc -shared -fPIC -o count.so count_instructions.c && qemu-aarch64 -plugin ./count.so PROGRAM */
+/* A plugin of QEMU that counts the instructions of a program: their number is written to stderr at its end. Debian has
+ * no header for plugins; what is declared here is the interface of version 1 (qemu-plugin.h of QEMU 7.2). gcc -shared
+ * -fPIC -o count.so count_instructions.c && qemu-aarch64 -plugin ./count.so PROGRAM */
 #include <inttypes.h>
 #include <stdint.h>
 #include <stdio.h>

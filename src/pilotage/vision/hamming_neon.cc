@@ -44,7 +44,8 @@ void scan(const std::uint64_t* blocks, const std::uint64_t* query, std::size_t b
   uint64x2_t bound = vdupq_n_u64(nearest.bound());
   for (std::size_t slot = begin / kSlotsPerBlock * kSlotsPerBlock; slot < end; slot += kSlotsPerBlock) {
     const BlockDistances found = distances_of<kWords>(blocks + slot * kWords, query_words);
-    if (!any_at_most(found, bound)) [[likely]] continue;
+    if (!any_at_most(found, bound)) [[likely]]
+      continue;
     std::uint64_t distances[kSlotsPerBlock];
     for (std::size_t pair = 0; pair < found.size(); ++pair) vst1q_u64(distances + 2 * pair, found[pair]);
     unsigned mask = 0;
