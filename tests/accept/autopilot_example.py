@@ -90,7 +90,7 @@ class Told:
     failed, or lies."""
 
     def __init__(self, height="range", gnss_fix=3, h_acc_m=2, silent=(1e9, 1e9), leaves_truth_s=8, pitch_deg=0, roll_deg=0, climb_mps=0,
-                 gnss_until_s=1e9, stands_s=0, refuses=False, reboots_s=1e9, imu_id=0):
+                 gnss_until_s=1e9, refuses=False, reboots_s=1e9, imu_ids=(0, 0), deaf=(1e9, 1e9)):
         self.__dict__.update({name: value for name, value in locals().items() if name != "self"})
 
     def stamp_s(self, flown_s):
@@ -120,8 +120,8 @@ class Told:
         force, rate = truth.imu(noise, self.pitch_deg, self.roll_deg)
         if not self.silent[0] <= flown_s < self.silent[1]:
             yield 105, dict(time_usec=stamp_ms * 1000, xacc=force[0], yacc=force[1], zacc=force[2], xgyro=rate[0], ygyro=rate[1],
-                            zgyro=rate[2], pressure_alt=height_m + 37 + noise.gauss(0, 0.3), fields_updated=0xFFF, id=self.imu_id)
-        if step % 5 == 0:
+                            zgyro=rate[2], pressure_alt=height_m + 37 + noise.gauss(0, 0.3), fields_updated=0xFFF, id=self.imu_ids[flown_s >= self.reboots_s])
+        if step % 5 == 0 and not self.deaf[0] <= flown_s < self.deaf[1]:
             yield 30, dict(time_boot_ms=stamp_ms, **{name: math.radians(angle) for name, angle in (
                 ("yaw", truth.yaw_deg), ("pitch", self.pitch_deg), ("roll", self.roll_deg))})
         if step % 10 == 0:
@@ -275,11 +275,20 @@ def nothing_to_go_by(program):
 
 def waits_for_the_first_fix(program):
     """With GNSS and without pictures it stays with the autopilot, however long, also after that was switched off and on."""
-    said, _ = program.fly_recorded("--send", "gps_input", frames=[], leaves_truth_s=1e9, reboots_s=20, imu_id=2)
+    said, _ = program.fly_recorded("--send", "gps_input", frames=[], leaves_truth_s=1e9, reboots_s=20, imu_ids=(2, 1))
     later = [(flown_s, values) for flown_s, values in gps_inputs(said) if flown_s > 27]
     check(all(values["fix_type"] == 3 and values["horiz_accuracy"] < 5 for _, values in later), f"{later[0]} … {later[-1]}")
     check(max(check_gps_input(program.truth, flown_s, values)[0] for flown_s, values in later) < 3, "it does not follow the autopilot")
     check(not any("is over" in text for text in texts(said)), str(texts(said)))
+
+
+def does_not_begin_anew(program):
+    """GNSS is lost before the first fix by sight: after five seconds without a position that fix comes too late for GPS_INPUT."""
+    said, summary = program.fly_recorded("--send", "gps_input", "--max-sigma-m", "6", gnss_until_s=4, frames=range(12, FRAMES))
+    check("0 fixes taken" not in summary, summary)
+    gap = [flown_s for flown_s, values in gps_inputs(said) if flown_s > 4 and values["fix_type"] == 1]
+    check(gap and all(values["fix_type"] == 1 for flown_s, values in gps_inputs(said) if flown_s > gap[0]), f"again after {gap[:1]}")
+    check("Pilotage: GPS_INPUT is over after 5 s without" in texts(said), str(texts(said)))
 
 
 def reckons_tilted(program):
@@ -307,6 +316,12 @@ def bridges_a_hole(program):
     check(len(late) >= 14, f"{len(late)} fixes behind the hole; {summary}")
     check(all(values["fix_type"] == 3 for flown_s, values in gps_inputs(said) if flown_s > 1), "no fix at times")
 
+    # A shorter one, with an exposure in its middle; attitudes are missing, too, and come back later.
+    said, _ = program.fly_recorded("--send", "gps_input", silent=(13.8, 14.15), deaf=(13.8, 14.4), seconds=20, frames=[0, 1, 2, 3, 4])
+    before = max(values["horiz_accuracy"] for flown_s, values in gps_inputs(said) if 13 < flown_s < 13.8)
+    behind = [values["horiz_accuracy"] for flown_s, values in gps_inputs(said) if 14.6 < flown_s < 14.8]
+    check(min(behind) > before + 0.5, f"{before} m before, {behind} behind")
+
 
 def hears_refusals(program):
     said, summary = program.fly_recorded("--send", "external_position_estimate", refuses=True, frames=range(3), seconds=14)
@@ -318,7 +333,7 @@ def hears_refusals(program):
 def live(program, link, receive, send, seconds):
     """The flight in real time. Returns what was received as (number, members), the summary, and when the flight began."""
     process = subprocess.Popen([program.example, program.map_path, "--unverified", "--link", link, "--send",
-                                "gps_input,global_position_sensor", "--hold-back-ms", "500"], stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+                                "gps_input,global_position_sensor", "--hold-back-ms", "500", "--deadline-ms", "20000"], stdin=subprocess.PIPE, stderr=subprocess.PIPE)
     received, wrong, ended = [], [], threading.Event()
 
     def listen():
@@ -440,7 +455,7 @@ def test(pilotage, source, work, rest):
     with open(work / "frames/frames.csv", newline="") as stream:
         rows = [dict(row, file=work / "frames" / row["file"]) for row in csv.DictReader(stream)]
     program = Program(example, map_path, rows, Truth(rows), work)
-    for part in (wrong_arguments, whole_flight, camera_fails, nothing_to_go_by, waits_for_the_first_fix, reckons_tilted, bridges_a_hole, hears_refusals, over_udp, over_serial_line):
+    for part in (wrong_arguments, whole_flight, camera_fails, nothing_to_go_by, waits_for_the_first_fix, does_not_begin_anew, reckons_tilted, bridges_a_hole, hears_refusals, over_udp, over_serial_line):
         part(program)
 
 

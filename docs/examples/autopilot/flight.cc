@@ -22,6 +22,7 @@ constexpr double kRangeAge_s = 1;
 constexpr double kTerrainAge_s = 3;
 constexpr double kTerrainReach_m = 200;  // of the place that a terrain report is of
 constexpr double kAlignEach_s = 1;
+constexpr double kAlignAtLast_s = 5;
 constexpr double kHistory_s = 3;
 constexpr double kAssumedGnssSigma_m = 5;  // of a receiver that does not say
 constexpr double kGnssAgreement_m = 50;    // of the autopilot's position and its receiver's
@@ -137,6 +138,7 @@ void Flight::begin_anew() {
   gnss_.reset();
   range_.reset();
   terrain_.reset();
+  stamp_s_ = flown_stamp_s_ = -1e9;
   lose();
 }
 
@@ -167,7 +169,7 @@ void Flight::hear(const mavlink::Message& message, std::int64_t now_us) {
       break;
     case mavlink::kTerrainReport: {
       const bool is_known = message.at<std::uint16_t>(16) != 0;  // the spacing of its grid
-      if (is_known) terrain_ = Timed{autopilot_time_s(now_us), message};
+      if (is_known && is_of_own_place(message)) terrain_ = Timed{autopilot_time_s(now_us), message};
       break;
     }
     case mavlink::kCommandAck:
@@ -176,6 +178,12 @@ void Flight::hear(const mavlink::Message& message, std::int64_t now_us) {
     default:
       break;
   }
+}
+
+/// A terrain report may be of the autopilot's place, which may be another.
+bool Flight::is_of_own_place(const mavlink::Message& terrain) const {
+  const pilotage::GeodeticPoint place = {terrain.at<std::int32_t>(4) / 1e7, terrain.at<std::int32_t>(0) / 1e7};
+  return filter_ && distance_m(place, filter_->estimate().position) < kTerrainReach_m;
 }
 
 void Flight::hear_range(const mavlink::Message& message) {
@@ -199,10 +207,10 @@ void Flight::hear_acknowledgement(const mavlink::Message& message, std::int64_t 
 void Flight::hear_imu(const mavlink::Message& message, std::int64_t now_us) {
   const double time_s = stamp_s(message);
   const int id = message.at<std::uint8_t>(62);
-  if (imu_id_ >= 0 && id != imu_id_ && time_s - stamp_s_ < kHole_s) return;
+  if (imu_id_ >= 0 && id != imu_id_ && std::abs(time_s - stamp_s_) < kHole_s) return;
   imu_id_ = id;
   set_clock(time_s, now_us);
-  if (!imu_.empty() && time_s <= imu_.back().time_s) return;
+  if (time_s <= stamp_s_) return;
   stamp_s_ = time_s;
   imu_.push_back({time_s, message});
 }
@@ -211,12 +219,20 @@ void Flight::hear_imu(const mavlink::Message& message, std::int64_t now_us) {
 /// Whether the autopilot's position may be believed: a receiver is behind it, and says the same. Not after a fix by
 /// sight.
 bool Flight::may_align() const {
-  if (has_sighted_ || unanswered_ > 0) return false;
-  if (options_.start_sigma_m) return !filter_;
+  if (has_sighted_) return false;
+  if (options_.start_sigma_m) return !has_started_;
+  // A frame in the matcher would be lost, but there may always be one.
+  if (unanswered_ > 0 && flown_s_ - aligned_s_ < kAlignAtLast_s) return false;
   if (!gnss_ || std::abs(flown_s_ - gnss_->time_s) > kGnssAge_s || !has_gnss_fix(gnss_->message)) return false;
   if (filter_ && flown_s_ - aligned_s_ < kAlignEach_s) return false;
-  return !positions_.empty() &&
-         distance_m(point_of(positions_.back().message), gnss_point(gnss_->message)) < kGnssAgreement_m;
+  return !positions_.empty() && gnss_disagreement_m() < kGnssAgreement_m;
+}
+
+/// How far the autopilot's position is from its receiver's, beyond what it flew between the two.
+double Flight::gnss_disagreement_m() const {
+  const mavlink::Message& position = positions_.back().message;
+  const double flown_m = velocity_enu_mps(position).norm() * std::abs(positions_.back().time_s - gnss_->time_s);
+  return std::max(0.0, distance_m(point_of(position), gnss_point(gnss_->message)) - flown_m);
 }
 
 /// The filter begins with what the autopilot believes at the time of this increment, unless the aircraft turns.
@@ -234,7 +250,9 @@ void Flight::align(const mavlink::Message& imu) {
   ins.grade = options_.ins_grade;
   pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
   model.start_sigma_m =
-      options_.start_sigma_m.value_or(gnss_ ? std::max(model.start_sigma_m, gnss_sigma_m(gnss_->message)) : 0);
+      options_.start_sigma_m
+          ? *options_.start_sigma_m
+          : std::max(model.start_sigma_m, std::hypot(gnss_sigma_m(gnss_->message), gnss_disagreement_m()));
   const Eigen::Vector3d velocity = velocity_enu_mps(*position);
   const double ahead_s = flown_s_ - stamp_s(*position);
   const pilotage::GeodeticPoint place = point_of(*position);
@@ -243,6 +261,11 @@ void Flight::align(const mavlink::Message& imu) {
   const double height_m = amsl_m(*position) + velocity.z() * ahead_s;
   pressure_offset_m_ = pressure_altitude_m_ - height_m;
   aligned_s_ = flown_s_;
+  has_started_ = true;
+  if (!options_.start_sigma_m) {  // the autopilot has GNSS, and its velocity
+    gps_input_is_over_ = false;
+    gps_input_fix_us_ = 0;
+  }
   start(model, moved(place, velocity.head<2>() * ahead_s), height_m, velocity, attitude_deg(*attitude));
 }
 
@@ -252,6 +275,7 @@ void Flight::start(const pilotage::InsErrorModel& model, const pilotage::Geodeti
                    const Eigen::Vector3d& velocity, const pilotage::Attitude& attitude) {
   ++filters_;
   unanswered_ = 0;
+  hole_from_s_.reset();
   try {
     filter_.emplace(model, navigation_, pilotage::inertial_state(flown_s_, place, height_m, velocity, attitude));
   } catch (const pilotage::UsageError&) {  // numbers that are none
@@ -260,48 +284,57 @@ void Flight::start(const pilotage::InsErrorModel& model, const pilotage::Geodeti
 }
 
 /// Increments are missing. It goes on where it was heading, with what it may have done meanwhile in its covariance, and
-/// the attitude that the autopilot kept.
-void Flight::restart_behind_gap(const mavlink::Message& imu, double gap_s) {
+/// the attitude that the autopilot kept: as soon as one of this time has come.
+void Flight::go_on_behind_hole(const mavlink::Message& imu) {
+  const double hole_s = flown_s_ - *hole_from_s_;
+  if (hole_s > kSilence_s) return lose();
+  const auto nearest = std::min_element(attitudes_.begin(), attitudes_.end(), [this](const Timed& a, const Timed& b) {
+    return std::abs(a.time_s - flown_s_) < std::abs(b.time_s - flown_s_);
+  });
+  if (nearest == attitudes_.end() || std::abs(nearest->time_s - flown_s_) > kAttitudeAge_s) return;
   const pilotage::NavigationEstimate before = filter_->estimate();
-  const double velocity_sigma_mps = [&] {
-    constexpr int kAt = pilotage::NavigationErrors::kVelocity;
-    return std::sqrt(std::max(0.0, filter_->covariance().block<3, 3>(kAt, kAt).trace() / 3));
-  }();
-  if (gap_s > kSilence_s || attitudes_.empty() || std::abs(flown_s_ - attitudes_.back().time_s) > gap_s) return lose();
+  constexpr int kAt = pilotage::NavigationErrors::kVelocity;
+  // At least that of the worst direction.
+  const double velocity_sigma_mps = std::sqrt(std::max(0.0, filter_->covariance().block<3, 3>(kAt, kAt).trace()));
   pilotage::InsOptions ins;
   ins.grade = options_.ins_grade;
   pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
-  model.start_sigma_m = pilotage::largest_sigma_m(before.covariance_en_m2) + velocity_sigma_mps * gap_s +
-                        kUnknown_mps2 * gap_s * gap_s / 2;
-  model.start_velocity_sigma_mps = velocity_sigma_mps + kUnknown_mps2 * gap_s;
-  // The attitude may be as much older or newer than this increment as the aircraft turns in a tenth of a second.
+  model.start_sigma_m = pilotage::largest_sigma_m(before.covariance_en_m2) + velocity_sigma_mps * hole_s +
+                        kUnknown_mps2 * hole_s * hole_s / 2;
+  model.start_velocity_sigma_mps = velocity_sigma_mps + kUnknown_mps2 * hole_s;
+  // The attitude may be so much older or newer than this increment.
   const double turned_rad = rate_radps(imu).norm() * kAttitudeAge_s;
   model.start_tilt_sigma_rad += turned_rad;
   model.start_heading_sigma_rad += turned_rad;
-  start(model, moved(before.position, before.velocity_enu_mps.head<2>() * gap_s),
-        before.height_m + before.velocity_enu_mps.z() * gap_s, before.velocity_enu_mps,
-        attitude_deg(attitudes_.back().message));
+  start(model, moved(before.position, before.velocity_enu_mps.head<2>() * hole_s),
+        before.height_m + before.velocity_enu_mps.z() * hole_s, before.velocity_enu_mps,
+        attitude_deg(nearest->message));
 }
 
 /// Where the aircraft is, is not known any more. Before the first fix by sight it may align again.
 void Flight::lose() {
   if (filter_ && has_sighted_) is_lost_ = true;
   filter_.reset();
+  ++filters_;  // what the matcher still answers is nobody's
+  unanswered_ = 0;
 }
 
 void Flight::advance(const mavlink::Message& imu) {
-  const double dt_s = stamp_s(imu) - flown_s_;
-  flown_s_ = stamp_s(imu);
+  const double stamp = stamp_s(imu);
+  const bool is_hole = stamp - flown_stamp_s_ > kHole_s;
+  const double dt_s = stamp - flown_s_;
+  if (filter_ && is_hole && !hole_from_s_) hole_from_s_ = flown_s_;
+  flown_s_ = flown_stamp_s_ = stamp;
   if (is_lost_) return;
-  if (filter_ && dt_s > kHole_s) {
-    restart_behind_gap(imu, dt_s);
+  if (filter_ && hole_from_s_) {
+    go_on_behind_hole(imu);
   } else if (filter_ && !filter_->advance({dt_s, rate_radps(imu) * dt_s, acceleration_mps2(imu) * dt_s})) {
     lose();
   }
   if (!has_pressure_altitude(imu)) return;
   if (may_align()) align(imu);
   // One reading of the barometer comes in several messages.
-  if (!filter_ || pressure_altitude_m(imu) == pressure_altitude_m_) return;
+  if (!filter_ || hole_from_s_ || pressure_altitude_m(imu) == pressure_altitude_m_) return;
   pressure_altitude_m_ = pressure_altitude_m(imu);
   filter_->take_height(pressure_altitude_m_ - pressure_offset_m_);
 }
@@ -317,8 +350,9 @@ void Flight::advance_to(double time_s) {
 bool Flight::advance_within(double time_s) {
   advance_to(time_s);
   const double dt_s = time_s - flown_s_;
-  if (!filter_ || dt_s < 0 || dt_s > kHole_s || imu_.empty()) return false;
+  if (!filter_ || hole_from_s_ || dt_s < 0 || imu_.empty()) return false;
   const mavlink::Message& imu = imu_.front().message;
+  if (imu_.front().time_s - flown_stamp_s_ > kHole_s) return false;
   if (dt_s > 0 && !filter_->advance({dt_s, rate_radps(imu) * dt_s, acceleration_mps2(imu) * dt_s})) return false;
   flown_s_ = time_s;
   return true;
@@ -336,10 +370,8 @@ std::optional<double> Flight::height_agl_m() const {
   }
   // The ground at our own place: the autopilot's may be another.
   if (is_fresh(terrain_, kTerrainAge_s)) {
-    const pilotage::GeodeticPoint place = {terrain_->message.at<std::int32_t>(4) / 1e7,
-                                           terrain_->message.at<std::int32_t>(0) / 1e7};
     const double ground_amsl_m = terrain_->message.at<float>(8);
-    if (distance_m(place, estimate.position) < kTerrainReach_m) return estimate.height_m - ground_amsl_m;
+    if (is_of_own_place(terrain_->message)) return estimate.height_m - ground_amsl_m;
   }
   if (options_.ground_amsl_m) return estimate.height_m - *options_.ground_amsl_m;
   return std::nullopt;
@@ -533,7 +565,7 @@ bool Flight::gps_input_is_over(bool has_fix, std::int64_t now_us) {
     gps_input_is_over_ = true;
     say(mavlink::kWarning, "GPS_INPUT is over after 5 s without", now_us);
   }
-  if (has_fix && has_sighted_ && !gps_input_is_over_) gps_input_fix_us_ = now_us;
+  if (has_fix && !gps_input_is_over_) gps_input_fix_us_ = now_us;
   return gps_input_is_over_;
 }
 

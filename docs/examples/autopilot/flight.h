@@ -86,11 +86,13 @@ class Flight {
   void begin_anew();
   void hear_imu(const mavlink::Message& message, std::int64_t now_us);
   void hear_range(const mavlink::Message& message);
+  bool is_of_own_place(const mavlink::Message& terrain) const;
+  double gnss_disagreement_m() const;
   void hear_acknowledgement(const mavlink::Message& message, std::int64_t now_us);
   void ask_for_messages(std::int64_t now_us);
   bool may_align() const;
   void align(const mavlink::Message& imu);
-  void restart_behind_gap(const mavlink::Message& imu, double gap_s);
+  void go_on_behind_hole(const mavlink::Message& imu);
   void start(const pilotage::InsErrorModel& model, const pilotage::GeodeticPoint& place, double amsl_m,
              const Eigen::Vector3d& velocity_enu_mps, const pilotage::Attitude& attitude_deg);
   void advance(const mavlink::Message& imu);
@@ -131,7 +133,10 @@ class Flight {
   bool has_sighted_ = false;  ///< A fix was taken: from here on the autopilot's position does not count.
   double aligned_s_ = 0;
   double flown_s_ = 0;
-  std::int64_t gps_input_fix_us_ = 0;  ///< When it last had one, after a fix by sight; 0: never.
+  double flown_stamp_s_ = 0;           ///< Of the last increment that was flown as a whole.
+  std::optional<double> hole_from_s_;  ///< Increments are missing from here on, and no attitude has come since.
+  bool has_started_ = false;           ///< With start_sigma_m: once.
+  std::int64_t gps_input_fix_us_ = 0;  ///< When it last had one; 0: never, since GNSS was there.
   bool gps_input_is_over_ = false;
 
   std::int64_t next_heartbeat_us_ = 0, next_gps_input_us_ = 0, next_request_us_ = 0, next_terrain_us_ = 0;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <future>
 #include <memory>
@@ -33,11 +34,17 @@ namespace {
 
 std::atomic<bool> is_to_end = false;
 
-/// Since 1970, as this computer's clock had it when the program began: it does not step when that is set.
+std::int64_t microseconds_of(clockid_t clock) {
+  timespec time{};
+  ::clock_gettime(clock, &time);
+  return std::int64_t{time.tv_sec} * 1'000'000 + time.tv_nsec / 1000;
+}
+
+/// Since 1970, as this computer's clock had it when the program began: it neither steps nor changes its pace when that
+/// is set.
 std::int64_t now_us() {
-  using std::chrono::duration_cast, std::chrono::microseconds, std::chrono::steady_clock, std::chrono::system_clock;
-  static const auto since_1970 = system_clock::now().time_since_epoch() - steady_clock::now().time_since_epoch();
-  return duration_cast<microseconds>(steady_clock::now().time_since_epoch() + since_1970).count();
+  static const std::int64_t since_1970_us = microseconds_of(CLOCK_REALTIME) - microseconds_of(CLOCK_MONOTONIC_RAW);
+  return microseconds_of(CLOCK_MONOTONIC_RAW) + since_1970_us;
 }
 
 pilotage::MapReader open_map(const Arguments& arguments) {
@@ -82,7 +89,10 @@ class Pictures {
     while (true) {
       auto frame = stream_.next();
       if (frame) {
-        if (!frame->exposure_us && !blocks_) frame->exposure_us = begun_us_ - latency_us_;
+        if (!blocks_) {
+          const std::int64_t set_us = now_us() - microseconds_of(CLOCK_REALTIME);  // what that clock was set by
+          frame->exposure_us = frame->exposure_us ? *frame->exposure_us + set_us : begun_us_ - latency_us_;
+        }
         begun_us_ = now_us();  // of what has come with it already
         return frame;
       }
@@ -184,12 +194,18 @@ class FramesAtWork {
   std::future<pilotage::MatchResult> answer_;  // last: its end is waited for while the others are there
 };
 
-/// The newest picture that has come; another that came meanwhile is skipped.
+/// A picture that has come; those that come while it waits for the IMU are skipped, and those of the future.
 void take_pictures(Pictures& pictures, std::optional<TimedFrame>& arrived, Flight& flight) {
   try {
     while (auto frame = pictures.next()) {
-      if (arrived) flight.skip("for a later one");
-      arrived = std::move(frame);
+      if (*frame->exposure_us > now_us()) {
+        flight.skip("of the future");
+        flight.warn("pictures of the future", now_us());
+      } else if (arrived) {
+        flight.skip("while another waited");
+      } else {
+        arrived = std::move(frame);
+      }
     }
   } catch (const std::runtime_error& error) {
     std::fprintf(stderr, "autopilot_example: %s\n", error.what());
@@ -226,7 +242,7 @@ void fly(const Arguments& arguments, Flight& flight, Link& link, Record& record,
     if (!pictures.have_ended()) take_pictures(pictures, arrived, flight);
     if (arrived && flight.may_begin(*arrived->exposure_us, now_us())) {
       if (!at_work.takes(*arrived->exposure_us)) {
-        flight.skip("for a later one");
+        flight.skip("while another waited");
       } else if (const auto task = flight.begin(*arrived->exposure_us, now_us())) {
         at_work.take(*task, arrived->pixels);
       }
@@ -261,7 +277,8 @@ void fly_again(const Arguments& arguments, Flight& flight, std::int64_t& clock_u
       flight.hear(*message, clock_us);
     }
     while (frame && *frame->exposure_us <= clock_us && flight.may_begin(*frame->exposure_us, clock_us)) {
-      if (const auto task = flight.begin(*frame->exposure_us, clock_us)) {
+      if (auto task = flight.begin(*frame->exposure_us, clock_us)) {
+        task->options.deadline_ms.reset();  // of this computer's time
         flight.end(*task, match(frame->pixels, *task), clock_us);
       }
       frame = next_picture();

@@ -182,7 +182,7 @@ Bytes gps_input(Sender& sender, const GpsInput& input) {
 }
 
 Bytes external_position_estimate(Sender& sender, const ExternalPositionEstimate& estimate) {
-  constexpr double kWrap_s = 36000;  // 1 ms in 24 bits
+  constexpr double kWrap_s = 14400;  // 1 ms in 24 bits
   const double not_known = std::numeric_limits<double>::quiet_NaN();
   Bytes payload;
   put_floats(payload,

@@ -104,7 +104,7 @@ Bytes gps_input(Sender& sender, const GpsInput& input);
 /// MAV_CMD_EXTERNAL_POSITION_ESTIMATE (43003): where the aircraft was `processing_time_s` before the sending.
 struct ExternalPositionEstimate {
   double sending_time_s =
-      0;  ///< By the sender's clock; it begins anew every ten hours on the wire, for want of digits.
+      0;  ///< By the sender's clock; it begins anew every four hours on the wire, for want of digits.
   double processing_time_s = 0;
   double sigma_m = 0;
   pilotage::GeodeticPoint position;
