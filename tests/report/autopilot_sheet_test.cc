@@ -1,5 +1,7 @@
 #include "pilotage/report/autopilot_sheet.h"
 
+#include <cmath>
+#include <iomanip>
 #include <limits>
 #include <sstream>
 #include <utility>
@@ -28,11 +30,16 @@ ReportInput input_with_gap(double gap_s) {
   input.mission.flight.ins.fix_sigma_m = 1.2;
   input.mission.flight.conditions.map_sigma_m = 1.6;
   double gap_m = 0;
+  std::vector<FlightSample>& samples = input.mission.flight.samples;
+  for (FlightSample& sample : samples) sample.speed_mps = 20;
   const std::vector<ErrorSample>& profile = input.selection.error_profile;
+  std::vector<std::size_t> in_gap;
   for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
-    if (!profile[i].matchable || !profile[i + 1].matchable) gap_m += profile[i + 1].distance_m - profile[i].distance_m;
+    if (profile[i].matchable && profile[i + 1].matchable) continue;
+    gap_m += profile[i + 1].distance_m - profile[i].distance_m;
+    in_gap.insert(in_gap.end(), {i, i + 1});
   }
-  for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = gap_m / gap_s;
+  for (const std::size_t i : in_gap) samples[i].speed_mps = gap_m / gap_s;
   for (ErrorSample& sample : input.selection.error_profile) sample.p_correct_fix = sample.matchable ? 0.99 : 0;
   return input;
 }
@@ -101,18 +108,54 @@ TEST(AutopilotSheet, TriesInARowWithoutAFixAreASilenceToo) {
       if (input.mission.flight.samples[i].leg == leg && sample.matchable) sample.p_correct_fix = p;
     }
   };
-  set_leg(0, 0.91);  // the tries after 2 and 4 s: 0.8 %
-  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), IsEmpty());
-  set_leg(0, 0.89);  // 1.2 %
-  EXPECT_THAT(
-      warnings_of(input, Autopilot::kPx4Multicopter),
-      ElementsAre(HasSubstr("2 tries in a row without a fix are as long, likelier than 1 % on leg 1 (modelled")));
-  set_leg(0, 0.79);  // ArduPilot waits for three: 0.9 %
-  EXPECT_THAT(warnings_of(input, Autopilot::kArduplane), IsEmpty());
+  // The tries after 2 and 4 s fail: p (1 − p)² of those on the leg, each behind a fix.
+  for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = 20;
+  double leg_s = 0;
+  const std::vector<FlightSample>& samples = input.mission.flight.samples;
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    const std::vector<ErrorSample>& profile = input.selection.error_profile;
+    if (samples[i].leg == 0 && profile[i].matchable && profile[i + 1].matchable) {
+      leg_s += (samples[i + 1].distance_m - samples[i].distance_m) / 20;
+    }
+  }
+  const double p = 0.6;
+  const double expected = leg_s / 2 * p * (1 - p) * (1 - p);
+  ASSERT_GT(expected, 0.3);
+  for (ErrorSample& sample : input.selection.error_profile) sample.p_correct_fix = sample.matchable ? 1 : 0;
+  set_leg(0, p);
+  std::ostringstream times;
+  times << std::fixed << std::setprecision(1) << expected;
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter),
+              ElementsAre(HasSubstr("2 tries in a row without a fix are as long, expected " + times.str() +
+                                    " times on the flight, most on leg 1 (modelled")));
+  set_leg(0, 1);
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), ElementsAre(Not(HasSubstr("tries in a row"))))
+      << "the gap alone";
   set_leg(0, std::numeric_limits<double>::quiet_NaN());
-  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), IsEmpty());
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), ElementsAre(Not(HasSubstr("tries in a row"))));
   input.selection.tries->interval_s = 8;
   EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), ElementsAre(HasSubstr("fixes come every 8 s at most")));
+  input.mission.flight.denied.stretches = {{0, 60}};  // for three seconds
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4Multicopter), IsEmpty());
+}
+
+TEST(AutopilotSheet, GroundThatMayPassBetweenTwoTriesEndsNoSilence) {
+  ReportInput input = input_with_gap(40);
+  const auto set_island = [&](double seconds) {
+    const auto [from_m, to_m] = gap_of(input);
+    const double middle_m = (from_m + to_m) / 2, speed_mps = (to_m - from_m) / 40;
+    for (std::size_t i = 0; i < input.mission.flight.samples.size(); ++i) {
+      const double along_m = input.mission.flight.samples[i].distance_m;
+      if (along_m > from_m && along_m < to_m) {
+        input.selection.error_profile[i].matchable = std::abs(along_m - middle_m) < seconds / 2 * speed_mps;
+      }
+    }
+  };
+  set_island(1.5);
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4FixedWing), ElementsAre(HasSubstr("one stretch is longer, 42 s")));
+  set_island(6);
+  EXPECT_THAT(warnings_of(input, Autopilot::kPx4FixedWing),
+              ElementsAre(HasSubstr("2 stretches are longer, the longest 19 s")));
 }
 
 TEST(AutopilotSheet, BeyondTheMessagesLargestSigmaNothingIsSent) {

@@ -17,7 +17,7 @@ constexpr double kPx4NoAid_s = 5;  // EKF2_NOAID_TOUT by default
 constexpr double kPx4MostNoAid_s = 10;
 constexpr double kEkf3Retry_s = 7;        // posRetryTimeNoVel_ms
 constexpr double kEkf3MostSigma_m = 100;  // of a position: larger ones count as this
-constexpr double kRareMisses = 0.01;
+constexpr double kRareMisses = 0.01;      // on a flight
 
 /// A stretch without GNSS and without a try that may succeed.
 struct Silence {
@@ -32,33 +32,70 @@ double interval_s(const ReportInput& input) {
   return input.selection.tries ? input.selection.tries->interval_s : 0;
 }
 
-/// Of each sample of the flight; empty where the selection is of other samples.
-std::vector<ErrorSample> profile_of(const ReportInput& input) {
+/// From a sample of the flight to the next.
+struct Step {
+  const FlightSample* sample = nullptr;
+  double end_distance_m = 0;
+  double duration_s = 0;
+  double denied_s = 0;  ///< How long GNSS is away, all in all, where it is away here; else 0.
+  bool matchable = false;
+  double p_correct_fix = 0;
+  double sigma_m = 0;  ///< At its end.
+};
+
+/// Empty where the selection is of other samples than the flight's.
+std::vector<Step> steps_of(const ReportInput& input) {
+  const std::vector<FlightSample>& samples = input.mission.flight.samples;
   const std::vector<ErrorSample>& profile = input.selection.error_profile;
-  return profile.size() == input.mission.flight.samples.size() ? profile : std::vector<ErrorSample>{};
+  const GnssAvailability gnss = gnss_availability(input.mission.flight);
+  std::vector<Step> steps;
+  if (profile.size() != samples.size()) return steps;
+  std::size_t lost = 0;  // where GNSS was lost last
+  double denied_s = 0;
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    const double way_m = samples[i + 1].distance_m - samples[i].distance_m;
+    Step step;
+    step.sample = &samples[i];
+    step.end_distance_m = samples[i + 1].distance_m;
+    step.duration_s = 2 * way_m / (samples[i].speed_mps + samples[i + 1].speed_mps);
+    step.matchable = profile[i].matchable && profile[i + 1].matchable;
+    step.p_correct_fix = profile[i].p_correct_fix;
+    step.sigma_m = profile[i + 1].error_m / input.selection.sigma_multiple;
+    steps.push_back(step);
+    if (gnss.over_step[i]) {
+      denied_s = 0;
+      lost = i + 1;
+      continue;
+    }
+    denied_s += step.duration_s;
+    for (std::size_t k = lost; k <= i; ++k) steps[k].denied_s = denied_s;
+  }
+  return steps;
 }
 
-/// Longest first.
+/// Longest first. Matchable ground that is flown over in less than the time between two tries may see none: it ends no
+/// silence.
 std::vector<Silence> silences(const ReportInput& input) {
-  const std::vector<FlightSample>& samples = input.mission.flight.samples;
-  const std::vector<ErrorSample> profile = profile_of(input);
-  const GnssAvailability gnss = gnss_availability(input.mission.flight);
   std::vector<Silence> found;
   bool open = false;
-  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
-    const bool is_silent = !gnss.over_step[i] && !(profile[i].matchable && profile[i + 1].matchable);
-    if (is_silent) {
-      if (!open) found.push_back({samples[i].leg, samples[i].distance_m, 0, 0, 0});
+  double matchable_s = 0;  // flown since the last step that was silent
+  for (const Step& step : steps_of(input)) {
+    const bool is_denied = step.denied_s > 0;
+    if (is_denied && !step.matchable) {
+      if (!open) found.push_back({step.sample->leg, step.sample->distance_m, 0, 0, 0});
       Silence& silence = found.back();
-      silence.to_distance_m = samples[i + 1].distance_m;
-      const double speed_mps = (samples[i].speed_mps + samples[i + 1].speed_mps) / 2;
-      silence.duration_s += (samples[i + 1].distance_m - samples[i].distance_m) / speed_mps;
-      silence.sigma_m = std::max(silence.sigma_m, profile[i + 1].error_m / input.selection.sigma_multiple);
-    } else if (open && !gnss.over_step[i]) {
-      found.back().duration_s += interval_s(input);
+      silence.duration_s += step.duration_s + (open ? matchable_s : 0);
+      silence.to_distance_m = step.end_distance_m;
+      silence.sigma_m = std::max(silence.sigma_m, step.sigma_m);
+      open = true;
+      matchable_s = 0;
+    } else if (open) {
+      if (is_denied) matchable_s += step.duration_s;
+      open = is_denied && matchable_s < interval_s(input);
+      if (!open) found.back().duration_s += std::min(matchable_s, interval_s(input));
     }
-    open = is_silent;
   }
+  if (open) found.back().duration_s += matchable_s;
   std::stable_sort(found.begin(), found.end(),
                    [](const Silence& a, const Silence& b) { return a.duration_s > b.duration_s; });
   return found;
@@ -80,32 +117,30 @@ std::string longer_than(const ReportInput& input, const Report& report, double l
                     : std::to_string(count) + " stretches are longer, the longest " + length;
 }
 
-/// Legs over whose matchable ground, where GNSS is denied, so many tries in a row fail that the time passes, more often
-/// than rarely: the mean over the way. "" without any.
+/// How often on this flight, over matchable ground, so many tries in a row fail that the time passes, where GNSS is
+/// away for as long; "" where that is hardly ever.
 std::string likely_misses(const ReportInput& input, double limit_s) {
-  if (!(interval_s(input) > 0)) return "";
-  if (interval_s(input) > limit_s) return "fixes come every " + number_text(interval_s(input), 0) + " s at most";
-  const int misses = static_cast<int>(std::floor(limit_s / interval_s(input)));
-  const std::vector<ErrorSample> profile = profile_of(input);
-  const std::vector<FlightSample>& samples = input.mission.flight.samples;
-  const GnssAvailability gnss = gnss_availability(input.mission.flight);
-  std::map<int, std::pair<double, double>> by_leg;  // way times chance, and way
-  for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
-    if (gnss.over_step[i] || !profile[i].matchable || !std::isfinite(profile[i].p_correct_fix)) continue;
-    const double way_m = samples[i + 1].distance_m - samples[i].distance_m;
-    auto& [chance_m, all_m] = by_leg[samples[i].leg];
-    chance_m += way_m * std::pow(1 - profile[i].p_correct_fix, misses);
-    all_m += way_m;
+  const double between_s = interval_s(input);
+  if (!(between_s > 0)) return "";
+  const int misses = static_cast<int>(std::floor(limit_s / between_s));
+  std::map<int, double> by_leg;
+  double expected = 0;
+  for (const Step& step : steps_of(input)) {
+    if (step.denied_s <= limit_s || !step.matchable) continue;
+    if (misses == 0) return "fixes come every " + number_text(between_s, 0) + " s at most";
+    if (!std::isfinite(step.p_correct_fix)) continue;
+    // Each begins behind a fix.
+    const double begun = step.duration_s / between_s * step.p_correct_fix * std::pow(1 - step.p_correct_fix, misses);
+    by_leg[step.sample->leg] += begun;
+    expected += begun;
   }
-  std::vector<std::string> legs;
-  for (const auto& [leg, sums] : by_leg) {
-    if (sums.first > kRareMisses * sums.second) legs.push_back(std::to_string(leg + 1));
-  }
-  if (legs.empty()) return "";
-  const std::string tries = misses == 1 ? "one try without a fix is as long"
-                                        : std::to_string(misses) + " tries in a row without a fix are as long";
-  return tries + ", likelier than " + number_text(kRareMisses * 100, 0) + " % on " +
-         (legs.size() == 1 ? "leg " : "legs ") + listed(legs) + " (modelled, as if tries did not depend on each other)";
+  if (expected < kRareMisses) return "";
+  const auto most =
+      std::max_element(by_leg.begin(), by_leg.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return (misses == 1 ? "one try without a fix is as long"
+                      : std::to_string(misses) + " tries in a row without a fix are as long") +
+         ", expected " + number_text(expected, expected < 0.1 ? 2 : 1) + " times on the flight, most on leg " +
+         std::to_string(most->first + 1) + " (modelled, as if tries did not depend on each other)";
 }
 
 /// What the autopilot does without positions, and after how long.
@@ -186,7 +221,7 @@ std::vector<Parameter> px4_parameters(const ReportInput& input, const Report& re
     constexpr double kHysteresis = 2.5, kMost_m = 400;
     const double sigma_m =
         std::min(kMost_m * kHysteresis, input.selection.max_error_m / input.selection.sigma_multiple);
-    parameters.push_back({"COM_POS_FS_EPH", number_text(sigma_m / kHysteresis, 1),
+    parameters.push_back({"COM_POS_FS_EPH", number_text(std::max(0.1, sigma_m / kHysteresis), 1),
                           "m: once the position was good PX4 waits for 2.5 times this, here a sigma of " +
                               number_text(sigma_m, 1) + " m, which is the plan's limit.",
                           true});
