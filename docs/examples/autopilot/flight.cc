@@ -73,6 +73,12 @@ double gnss_sigma_m(const mavlink::Message& gnss) {
   return said_m > 0 ? said_m : kAssumedGnssSigma_m;
 }
 
+pilotage::InsErrorModel error_model(pilotage::InsGrade grade) {
+  pilotage::InsOptions ins;
+  ins.grade = grade;
+  return pilotage::make_ins_error_model(ins);
+}
+
 std::string text_of(const char* format, double number) {
   std::string text(60, '\0');
   text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), format, number)));
@@ -246,9 +252,7 @@ void Flight::align(const mavlink::Message& imu) {
   const mavlink::Message* attitude = latest(attitudes_, kAttitudeAge_s);
   const mavlink::Message* position = latest(positions_, kPositionAge_s);
   if (attitude == nullptr || position == nullptr || rate_radps(imu).norm() > kSteady_radps) return;
-  pilotage::InsOptions ins;
-  ins.grade = options_.ins_grade;
-  pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
+  pilotage::InsErrorModel model = error_model(options_.ins_grade);
   model.start_sigma_m =
       options_.start_sigma_m
           ? *options_.start_sigma_m
@@ -296,9 +300,7 @@ void Flight::go_on_behind_hole(const mavlink::Message& imu) {
   constexpr int kAt = pilotage::NavigationErrors::kVelocity;
   // At least that of the worst direction.
   const double velocity_sigma_mps = std::sqrt(std::max(0.0, filter_->covariance().block<3, 3>(kAt, kAt).trace()));
-  pilotage::InsOptions ins;
-  ins.grade = options_.ins_grade;
-  pilotage::InsErrorModel model = pilotage::make_ins_error_model(ins);
+  pilotage::InsErrorModel model = error_model(options_.ins_grade);
   model.start_sigma_m = pilotage::largest_sigma_m(before.covariance_en_m2) + velocity_sigma_mps * hole_s +
                         kUnknown_mps2 * hole_s * hole_s / 2;
   model.start_velocity_sigma_mps = velocity_sigma_mps + kUnknown_mps2 * hole_s;
