@@ -91,19 +91,19 @@ Eigen::Vector3d up_at(const pilotage::GeodeticPoint& point) {
   return {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
 }
 
+constexpr double kEarthRadius_m = 6371000;
+
 /// For some kilometres.
 double distance_m(const pilotage::GeodeticPoint& a, const pilotage::GeodeticPoint& b) {
-  constexpr double kRadius_m = 6371000;
   const double east = pilotage::wrap_lon_deg(b.lon_deg - a.lon_deg) / kDegrees * std::cos(a.lat_deg / kDegrees);
-  return kRadius_m * std::hypot(east, (b.lat_deg - a.lat_deg) / kDegrees);
+  return kEarthRadius_m * std::hypot(east, (b.lat_deg - a.lat_deg) / kDegrees);
 }
 
 /// A point so many metres away: for some metres, not for kilometres.
 pilotage::GeodeticPoint moved(const pilotage::GeodeticPoint& point, const Eigen::Vector2d& east_north_m) {
-  constexpr double kRadius_m = 6371000;
   return {pilotage::wrap_lon_deg(point.lon_deg +
-                                 east_north_m.x() / (kRadius_m * std::cos(point.lat_deg / kDegrees)) * kDegrees),
-          point.lat_deg + east_north_m.y() / kRadius_m * kDegrees};
+                                 east_north_m.x() / (kEarthRadius_m * std::cos(point.lat_deg / kDegrees)) * kDegrees),
+          point.lat_deg + east_north_m.y() / kEarthRadius_m * kDegrees};
 }
 
 }  // namespace

@@ -281,8 +281,13 @@ bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which) {
 void refuse_unnamed_autopilot(const std::vector<ReportOutput>& outputs, const std::optional<Autopilot>& autopilot) {
   const bool is_named = std::find(outputs.begin(), outputs.end(), ReportOutput::kAutopilot) != outputs.end();
   if (!is_named || autopilot) return;
-  throw UsageError(
-      "--outputs autopilot: say which it is, --autopilot px4-multicopter, px4-fixed-wing, arducopter or arduplane");
+  std::string names;
+  const auto known = enum_names(Autopilot{});
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (i > 0) names += i + 1 == known.size() ? " or " : ", ";
+    names += known[i].name;
+  }
+  throw UsageError("--outputs autopilot: say which it is, --autopilot " + names);
 }
 
 std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,

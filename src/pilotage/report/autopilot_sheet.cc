@@ -50,8 +50,6 @@ std::vector<Step> steps_of(const ReportInput& input) {
   const GnssAvailability gnss = gnss_availability(input.mission.flight);
   std::vector<Step> steps;
   if (profile.size() != samples.size()) return steps;
-  std::size_t lost = 0;  // where GNSS was lost last
-  double denied_s = 0;
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     const double way_m = samples[i + 1].distance_m - samples[i].distance_m;
     Step step;
@@ -62,13 +60,12 @@ std::vector<Step> steps_of(const ReportInput& input) {
     step.p_correct_fix = profile[i].p_correct_fix;
     step.sigma_m = profile[i + 1].error_m / input.selection.sigma_multiple;
     steps.push_back(step);
-    if (gnss.over_step[i]) {
-      denied_s = 0;
-      lost = i + 1;
-      continue;
-    }
-    denied_s += step.duration_s;
-    for (std::size_t k = lost; k <= i; ++k) steps[k].denied_s = denied_s;
+  }
+  for (std::size_t begin = 0; begin < steps.size(); ++begin) {
+    std::size_t end = begin;
+    double denied_s = 0;
+    for (; end < steps.size() && !gnss.over_step[end]; ++end) denied_s += steps[end].duration_s;
+    for (; begin < end; ++begin) steps[begin].denied_s = denied_s;
   }
   return steps;
 }
