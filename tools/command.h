@@ -19,7 +19,7 @@
 namespace pilotage {
 
 /// Where a command stands in the way of the data; `pilotage --help` lists the groups in this order.
-enum class CommandGroup { kPrepare, kStages, kInspect, kLandmarks, kHelp };
+enum class CommandGroup { kPrepare, kStages, kInspect, kTune, kLandmarks, kHelp };
 
 struct CommandExample {
   std::string what;  ///< One line: what it does.

@@ -8,10 +8,14 @@
 #include "stage_files.h"
 #include "version.h"
 
+#include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
 #include "pilotage/base/text.h"
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/build_map/purpose_options.h"
+#include "pilotage/mapdb/map_delta.h"
+#include "pilotage/mapdb/map_delta_writer.h"
+#include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mapdb/map_signing.h"
 #include "pilotage/mission/input_files.h"
@@ -27,6 +31,7 @@ struct BuildCommandOptions {
   RegistrationOptions registration;
   BuildOptions build;
   PurposeOptions purpose;
+  std::string update;
 
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
@@ -36,6 +41,8 @@ struct BuildCommandOptions {
     PurposeOptions::describe(self.purpose, fields);
     fields.path("second_epoch", self.second_epoch,
                 "Imagery of the same ground at another date, for keep_features; give what `score` was given.");
+    fields.path("update", self.update,
+                "The map that is there: also write what turns it into the new one (NEW.delta, for `pilotage update`).");
     fields.group("registration", self.registration, "How the second date is brought onto the reference.");
   }
 };
@@ -45,7 +52,7 @@ std::vector<InputFile> inputs_of(const Mission& mission, const BuildCommandOptio
   std::vector<InputFile> inputs = input_files(mission);
   for (const std::string& dataset : options.second_epoch) {
     const ImageryInfo info = inspect_imagery(dataset, second_date_options(mission.ground.imagery.options));
-    inputs.push_back(input_dataset("second_epoch", dataset, info.acquired));
+    inputs.push_back(input_dataset("second_epoch", dataset, info.acquired, info.licence));
   }
   if (!options.build.landmarks.empty()) inputs.push_back(input_file("landmarks", options.build.landmarks, ""));
   return inputs;
@@ -63,6 +70,46 @@ std::string landmarks_text(const BuildStats& stats) {
   if (stats.detectors == 0) return {};
   return std::to_string(stats.landmarks) + " landmarks of " + std::to_string(stats.detectors) +
          (stats.detectors == 1 ? " class\n" : " classes\n");
+}
+
+// Before the work: the map must be one, and the new one not older by its own word.
+void require_map_to_update(const std::string& path, const MapPurpose& purpose) {
+  need_file(path, "build` or `pilotage prepare");
+  static_cast<void>(difference_of_maps(path, path));  // whatever cannot be read of it is said now
+  const auto version = MapReader::open_unverified(path).purpose().map_version;
+  if (!version) return;
+  if (!purpose.map_version || *purpose.map_version <= *version) {
+    throw UsageError("--update: " + path + " is map version " + std::to_string(*version) +
+                     "; give a larger --map-version" +
+                     (purpose.map_version ? " than " + std::to_string(*purpose.map_version) : ""));
+  }
+}
+
+void sign_delta(const std::filesystem::path& delta, const std::filesystem::path& signature,
+                const std::string& secret_key, SignOptions sign) {
+  sign.signature_path = signature;
+  sign.chunk_list_path = std::nullopt;
+  sign.chunk_list_above_bytes = kNoChunkList;
+  sign_file(delta, secret_key, sign);
+}
+
+void add_update(const std::string& old_map, const std::filesystem::path& delta,
+                const std::optional<MapDifference>& difference, CommandResult& result) {
+  const auto bytes = std::filesystem::file_size(delta);
+  result.text += "delta: " + delta.string() + ", " + format_fixed(static_cast<double>(bytes) / 1e6, 2) + " MB from " +
+                 old_map + "; ";
+  result.json["delta"] = {{"output", delta.string()}, {"bytes", bytes}};
+  if (!difference) {
+    result.text += "the grid is another one, so no tile is the same\n";
+    return;
+  }
+  result.text += "tiles: " + std::to_string(difference->same) + " the same, " + std::to_string(difference->changed) +
+                 " changed, " + std::to_string(difference->added) + " new, " + std::to_string(difference->removed) +
+                 " gone\n";
+  result.json["delta"]["tiles"] = {{"same", difference->same},
+                                   {"changed", difference->changed},
+                                   {"added", difference->added},
+                                   {"removed", difference->removed}};
 }
 
 }  // namespace
@@ -83,15 +130,20 @@ Command make_build_command() {
       {"Without the features that another date contradicts.",
        "pilotage build plan.json --table tiles.csv --selection selection.json --second-epoch other.tif "
        "--keep-features stable -o map.gpkg"},
+      {"Also what turns the map that is there into the new one, for aircraft that have it.",
+       "pilotage build plan.json --table tiles.csv --selection selection.json --update map.gpkg --sign-key key.sec -o "
+       "new.gpkg"},
       {"With landmarks.",
        "pilotage build plan.json --table tiles.csv --selection selection.json --landmarks map_landmarks.json -o "
        "map.gpkg"}};
   command.inputs = {.name = "PLAN", .help = "The tile plan (plan.json).", .min = 1, .max = 1};
-  command.output = {.kind = OutputKind::kFile,
-                    .help = "The map database (GeoPackage).",
-                    .files = [](const std::string& output) -> std::vector<std::filesystem::path> {
-                      return {output, signature_path_of(output), chunk_list_path_of(output)};
-                    }};
+  command.output = {
+      .kind = OutputKind::kFile,
+      .help = "The map database (GeoPackage).",
+      .files = [](const std::string& output) -> std::vector<std::filesystem::path> {
+        const std::filesystem::path delta = map_delta_path_of(output);
+        return {output, signature_path_of(output), chunk_list_path_of(output), delta, signature_path_of(delta)};
+      }};
   command.reads_rasters = true;
   bind_options<BuildCommandOptions>(command, [](const BuildCommandOptions& options, const Invocation& invocation) {
     const std::optional<std::string>& sign_key = options.signing.sign_key;
@@ -103,6 +155,9 @@ Command make_build_command() {
     // of chunks.
     OutputFile signature(signature_path_of(invocation.output), invocation.overwrite);
     OutputFile chunk_list(chunk_list_path_of(invocation.output), invocation.overwrite);
+    OutputFile delta(map_delta_path_of(invocation.output), invocation.overwrite);
+    OutputFile delta_signature(signature_path_of(delta.destination()), invocation.overwrite);
+    if (!options.update.empty()) require_map_to_update(options.update, purpose);
     const BuildStats stats =
         build_map(map.temporary_path(), files.mission, files.scores, files.selection, inputs_of(files.mission, options),
                   version_line(), options.build, true, invocation.threads, invocation.progress,
@@ -112,6 +167,21 @@ Command make_build_command() {
     sign.signature_path = signature.temporary_path();
     sign.chunk_list_path = chunk_list.temporary_path();
     const bool has_list = sign_key && sign_file(map.temporary_path(), *sign_key, sign).chunk_list.has_value();
+    const bool updates = !options.update.empty();
+    if (updates) {
+      write_map_delta(delta.temporary_path(), options.update, map.temporary_path(),
+                      sign_key ? std::optional(signature.temporary_path()) : std::nullopt,
+                      has_list ? std::optional(chunk_list.temporary_path()) : std::nullopt, invocation.progress);
+      if (sign_key) sign_delta(delta.temporary_path(), delta_signature.temporary_path(), *sign_key, sign);
+    }
+    for (const auto& [output, is_written] :
+         {std::pair(&delta, updates), std::pair(&delta_signature, updates && sign_key.has_value())}) {
+      if (is_written) {
+        outputs.push_back(output);
+      } else {
+        stale.push_back(output->destination());
+      }
+    }
     if (has_list) {
       outputs.push_back(&chunk_list);
     } else {
@@ -123,6 +193,8 @@ Command make_build_command() {
       stale.push_back(signature.destination());
     }
     outputs.push_back(&map);  // last: where it stands, its signature does
+    const std::optional<MapDifference> difference =
+        updates ? difference_of_maps(options.update, map.temporary_path()) : std::nullopt;
     OutputFile::commit(outputs, stale);
     CommandResult result;
     result.text = std::to_string(stats.tiles) + " tiles, " + std::to_string(stats.descriptors) + " descriptors, " +
@@ -143,6 +215,7 @@ Command make_build_command() {
       result.text += "chunks: " + chunk_list.destination().string() + "\n";
       result.json["chunk_list"] = chunk_list.destination().string();
     }
+    if (updates) add_update(options.update, delta.destination(), difference, result);
     return result;
   });
   return command;

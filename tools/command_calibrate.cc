@@ -159,7 +159,7 @@ void add_fit_text(const MatcherModel& model, const std::vector<FitSet>& sets, Co
 Command make_calibrate_command() {
   Command command;
   command.word = "calibrate";
-  command.group = CommandGroup::kInspect;
+  command.group = CommandGroup::kTune;
   command.summary = "Fit P(correct fix) to evaluations of own imagery";
   command.examples = {{"Two places, judged at two sizes; the second place says how often fixes succeed.",
                        "pilotage calibrate north=north/64px north=north/96px south=south/64px south=south/96px "

@@ -44,7 +44,7 @@ void summarise_for_people(const Comparison& comparison, CommandResult& result) {
 Command make_compare_command() {
   Command command;
   command.word = "compare";
-  command.group = CommandGroup::kInspect;
+  command.group = CommandGroup::kTune;
   command.summary = "Compare ORB, BRIEF, SIFT and SURF on frames with truth";
   command.examples = {
       {"All methods on the frames of a flight.",

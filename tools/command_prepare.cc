@@ -59,10 +59,13 @@ Command make_prepare_command() {
                   " stored with " + std::to_string(done.map.descriptors) + " descriptors, " +
                   format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(done.map) +
                   kept_features_text(done.map);
+    if (asks_for(options.outputs, ReportOutput::kPack)) {
+      result.text += "field pack: " + folder + ", check it by `pilotage verify " + folder + "`\n";
+    }
     if (signing.sign_key) {
       result.text += "signed: " + signature_path_of(std::filesystem::path(folder) / "map.gpkg").string() + "\n";
     }
-    if (asks_for(options.outputs, ReportOutput::kHtml)) {
+    if (asks_for(outputs_of(options), ReportOutput::kHtml)) {
       result.text += "report: " + (std::filesystem::path(folder) / "report.html").string() + "\n";
     }
     result.json = {{"verdict", done.verdict},

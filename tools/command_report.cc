@@ -92,6 +92,12 @@ void check_outputs(const OutputPlace& place, const std::vector<std::string>& nam
   for (const NamedFile& output : outputs) const OutputFile refused(output.path, invocation.overwrite);
 }
 
+// A part of all outputs that is not missed; asked for by name it is.
+void refuse_pack(const std::vector<ReportOutput>& outputs) {
+  if (std::find(outputs.begin(), outputs.end(), ReportOutput::kPack) == outputs.end()) return;
+  throw UsageError("--outputs pack: a pack holds the map, too: `pilotage prepare --outputs pack` makes it");
+}
+
 /// Parameters that an earlier report wrote for an autopilot of the other family.
 std::vector<std::string> of_another_autopilot(const OutputPlace& place, const std::vector<ReportOutput>& outputs,
                                               const std::vector<std::string>& written) {
@@ -189,6 +195,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   const ReportFiles named = files_of_report(options, invocation.inputs.front());
   StageFiles files = read_stage_files(named.plan, named.names);
   if (options.autopilot) files.mission.flight.autopilot = options.autopilot;
+  refuse_pack(options.outputs);
   refuse_unnamed_autopilot(options.outputs, files.mission.flight.autopilot);
   check_outputs(place, report_output_names(place.stem, options.outputs, files.mission.ground.levels, true), invocation);
   const ReportInput input = read_report_input(options, named, files, invocation);
@@ -199,8 +206,8 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
     numbers->write(json_text(report_json(report)));
   }
   const StagingFolder staging(place.folder);
-  std::vector<std::string> written =
-      write_report_outputs(staging / "", place.stem, input, report, options.outputs, true, invocation.progress);
+  std::vector<std::string> written = write_report_outputs(staging / "", place.stem, input, report, options.outputs,
+                                                          true, invocation.threads, invocation.progress);
   for (std::string& name : written) {
     if (name == place.page || name != place.stem + ".html") continue;
     std::filesystem::rename(staging / name, staging / place.page);  // -o page.htm is meant as it stands
@@ -215,6 +222,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   std::vector<const OutputFile*> others;
   if (numbers) others.push_back(&*numbers);
   if (pdf) others.push_back(&*pdf);
+  const auto imagery_warning = missing_imagery_warning(options.outputs, written);
   staging.publish(written, of_another_autopilot(place, options.outputs, written), others);  // all appear, or none
   CommandResult result;
   const std::string evidence = evidence_line(report.quality);
@@ -226,6 +234,7 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
                  {"assumptions", report.assumptions},
                  {"evidence", evidence}};
   result.warnings = named.warnings;
+  if (imagery_warning) result.warnings.push_back(*imagery_warning);
   if (const auto& autopilot = files.mission.flight.autopilot) {
     const std::vector<std::string> more = autopilot_warnings(input, report, *autopilot);
     result.warnings.insert(result.warnings.end(), more.begin(), more.end());

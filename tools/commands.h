@@ -21,6 +21,7 @@ Command make_report_command();
 Command make_match_command();
 Command make_inspect_command();
 Command make_verify_command();
+Command make_update_command();
 Command make_audit_command();
 Command make_compare_command();
 Command make_calibrate_command();

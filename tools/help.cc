@@ -67,25 +67,20 @@ std::string short_words(const std::vector<std::string>& words) {
 std::string overview_help(const std::vector<Command>& commands) {
   // What the program is says its page: all commands must fit a screen.
   std::string text = "Usage: pilotage COMMAND [OPTIONS] INPUT... -o OUTPUT, COMMAND --help, --version\n";
-  std::vector<std::string> last_line;  // groups whose words say enough
+  std::vector<std::string> others;  // words that say enough, or that few look for
   for (const auto& [group, heading] : command_groups()) {
     std::string lines;
-    std::vector<std::string> words;
+    const bool is_listed = group < CommandGroup::kTune;
     for (const Command& command : commands) {
       if (command.group != group) continue;
-      words.push_back(command.word);
+      if (!is_listed) others.push_back(command.word);
       lines += "  " + command.word +
                std::string(std::max<std::size_t>(12, command.word.size() + 1) - command.word.size(), ' ') +
                command.summary + "\n";
     }
-    if (words.empty()) continue;
-    if (group == CommandGroup::kLandmarks || group == CommandGroup::kHelp) {
-      last_line.push_back(heading + ": " + short_words(words));
-    } else {
-      text += heading + ":\n" + lines;
-    }
+    if (is_listed && !lines.empty()) text += heading + ":\n" + lines;
   }
-  return last_line.empty() ? text : text + join(last_line, ". ") + "\n";
+  return others.empty() ? text : text + "Others: " + short_words(others) + "\n";
 }
 
 std::string command_help(const Command& command, const OptionList& common, bool all) {

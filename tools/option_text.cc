@@ -154,6 +154,7 @@ std::vector<std::pair<CommandGroup, std::string>> command_groups() {
   return {{CommandGroup::kPrepare, "Prepare a map"},
           {CommandGroup::kStages, "Stage by stage"},
           {CommandGroup::kInspect, "Look at files and flights"},
+          {CommandGroup::kTune, "Compare and tune"},
           {CommandGroup::kLandmarks, "Landmarks"},
           {CommandGroup::kHelp, "Set up"}};
 }

@@ -6,6 +6,8 @@
 #include "stage_files.h"
 
 #include "pilotage/base/error.h"
+#include "pilotage/base/read_file.h"
+#include "pilotage/mapdb/trusted_signature.h"
 
 namespace pilotage {
 namespace {
@@ -46,18 +48,47 @@ std::optional<UtcTime> judging_time(const TrustOptions& options) {
 
 }  // namespace
 
-std::optional<SignedInput> read_signed_input(const TrustOptions& options, const std::string& path) {
+TrustedKeys checked_keys_of(const TrustOptions& options) {
   check_trust_options(options);
-  need_file(path, "build` or `pilotage prepare");
-  const auto signature = options.signature ? std::optional<std::filesystem::path>(*options.signature) : std::nullopt;
-  if (!options.public_key.empty()) {
-    return SignedInput{read_signed_map(path, options.public_key, signature), std::nullopt};
-  }
-  if (options.key_list.empty()) return std::nullopt;
+  if (!options.public_key.empty() || options.key_list.empty()) return {options.public_key, std::nullopt};
   KeyList list = read_key_lists({options.key_list.begin(), options.key_list.end()}, options.root_key,
                                 {options.min_key_list_version, judging_time(options)});
-  SignedMap map = read_signed_map(path, list.trusted_keys(), signature);
-  return SignedInput{std::move(map), std::move(list)};
+  std::vector<std::string> keys = list.trusted_keys();
+  if (keys.empty()) throw IntegrityError(options.key_list.back() + ": names no signer, so nothing can be checked");
+  return {std::move(keys), std::move(list)};
+}
+
+SignedText read_signed_text(const TrustOptions& options, const std::filesystem::path& path, std::uintmax_t max_bytes) {
+  TrustedKeys trusted = checked_keys_of(options);
+  if (options.signature) throw UsageError("--signature is of a map; that of a pack stands in it");
+  SignedText signed_text{read_file(path, max_bytes), std::nullopt, std::nullopt};
+  if (trusted.keys.empty()) return signed_text;
+  const TrustedSignature signature = read_trusted_signature(signature_path_of(path), trusted.keys);
+  check_signed_bytes(path.string(), signed_text.text, signature);
+  signed_text.signature = SignatureInfo{signature.signature.trusted_comment, format_key_id(signature.signature.key_id),
+                                        signature.signature.prehashed};
+  signed_text.key_list = std::move(trusted.list);
+  return signed_text;
+}
+
+std::optional<SignedInput> read_signed_input(const TrustOptions& options, const std::string& path) {
+  TrustedKeys trusted = checked_keys_of(options);
+  need_file(path, "build` or `pilotage prepare");
+  const auto signature = options.signature ? std::optional<std::filesystem::path>(*options.signature) : std::nullopt;
+  if (trusted.keys.empty()) return std::nullopt;
+  return SignedInput{read_signed_map(path, trusted.keys, signature), std::move(trusted.list)};
+}
+
+void add_signature(const SignatureInfo& signature, const std::optional<KeyList>& key_list, CommandResult& result) {
+  result.text += "signed by key " + signature.key_id + ", " + signature.trusted_comment + "\n";
+  result.json["signature"] = {{"key_id", signature.key_id}, {"trusted_comment", signature.trusted_comment}};
+  if (!key_list) return;
+  const ListedKey* const signer = key_list->find_signer(signature.key_id);
+  if (signer == nullptr) return;  // cannot be: the list gave the keys
+  const std::string valid_until = format_utc_time(key_list->valid_until);
+  result.text += "trusted by key list version " + std::to_string(key_list->version) + ", valid until " + valid_until +
+                 ": " + signer->name + "\n";
+  result.json["key_list"] = {{"version", key_list->version}, {"valid_until", valid_until}, {"signer", signer->name}};
 }
 
 std::optional<std::string> expiry_warning(const MapReader& map, const TrustOptions& options) {

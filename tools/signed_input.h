@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "command.h"
 
 #include "pilotage/mapdb/key_list.h"
 #include "pilotage/mapdb/map_purpose.h"
@@ -57,6 +60,30 @@ struct SignedInput {
 /// The map at `path`, checked; nothing when neither key nor key list was given. Throws UsageError for options that are
 /// empty or need another, DataError when there is no map; as read_signed_map and read_key_lists.
 std::optional<SignedInput> read_signed_input(const TrustOptions& options, const std::string& path);
+
+/// The keys that are trusted, and the list that they stand in, if one was given; no key when nothing was.
+struct TrustedKeys {
+  std::vector<std::string> keys;
+  std::optional<KeyList> list;
+};
+
+/// What the options name. Throws UsageError for options that are empty or need another; as read_key_lists.
+TrustedKeys checked_keys_of(const TrustOptions& options);
+
+/// Says in text and JSON who signed, and where a key list was given, whom it knows the key for.
+void add_signature(const SignatureInfo& signature, const std::optional<KeyList>& key_list, CommandResult& result);
+
+/// A text whose signature was checked, if a key or a key list was given.
+struct SignedText {
+  std::string text;
+  std::optional<SignatureInfo> signature;
+  std::optional<KeyList> key_list;
+};
+
+/// The file at `path` and its signature beside it (.minisig). Throws UsageError as read_signed_input, and for
+/// --signature; IntegrityError when it is not what one of the keys signed; DataError when it cannot be read or has more
+/// than `max_bytes`.
+SignedText read_signed_text(const TrustOptions& options, const std::filesystem::path& path, std::uintmax_t max_bytes);
 
 /// Why the map would be refused without --allow-expired; nothing when it would not. Throws as requirements_of.
 std::optional<std::string> expiry_warning(const MapReader& map, const TrustOptions& options);

@@ -3,6 +3,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/camera/camera.h"
 #include "pilotage/mapdb/key_list.h"
+#include "pilotage/mapdb/map_delta.h"
 #include "pilotage/mapdb/map_purpose.h"
 #include "pilotage/mapdb/map_reader.h"
 #include "pilotage/match/confirmation.h"
@@ -43,6 +44,7 @@
 /// Order
 ///  1. MapReader::open() takes a map that a trusted key signed (read_key_lists(): who is trusted now),
 ///     MapReader::open_unverified() any file that was looked at on the ground (verify_map of pilotage/prep.h).
+///     update_map() makes a newer one out of it and a delta.
 ///     check_purpose(): is it for this mission, recent enough, and still valid? MapReader::info() is what it says of
 ///     itself, MapReader::levels() its scales.
 ///  2. Camera is the lens that took the frame. MapReader::camera() is the one the map was planned for; for frames of

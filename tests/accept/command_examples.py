@@ -13,7 +13,7 @@ import sys
 from acceptance import SKIP, Failed, check, main
 from page_examples import blocks, examples_in, run_example
 
-PAGES = ("tile", "score", "select", "build", "verify", "prepare", "inspect", "merge", "calibrate", "report", "match",
+PAGES = ("tile", "score", "select", "build", "prepare", "verify", "update", "inspect", "merge", "calibrate", "report", "match",
          "compare", "survey", "reroute", "simulate", "envelope", "replay", "capture", "audit", "landmark-label", "landmark-train",
          "landmark-score",
          "completion", "manual")

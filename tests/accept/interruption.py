@@ -60,6 +60,7 @@ def prepare_inputs(pilotage, sample, work):
     go("score", "plan.json", "-o", "scores.tif", "--table", "tiles.csv")
     go("select", "plan.json", "--table", "tiles.csv", "-o", "selection.json")
     go("build", "plan.json", "--table", "tiles.csv", "--selection", "selection.json", "--chips", "-o", "map.gpkg")
+    go("build", "plan.json", "--table", "tiles.csv", "--selection", "selection.json", "--update", "map.gpkg", "-o", "second.gpkg")
     coarse = ["ortho.tif", "--gsd-m", "0.6", "--tile-size-px", "128", "--search-radius-px", "64"]
     go("score", *coarse, "--stride-px", "16", "--measures", "gray_variance", "--shard", "1/1", "--shards", "parts")
     (work / "here").mkdir()
@@ -80,7 +81,8 @@ def commands(large_map):
         "select": ["select", "plan.json", "--table", "tiles.csv", "--advise", "-o", "new.json"],
         "build": ["build", *chosen, "--chips", "-o", "new.gpkg"],
         "report": ["report", *chosen, "--outputs", "html,json,gpkg,kmz", "-o", "new.html"],
-        "prepare": ["prepare", "mission.json", "-o", "new"],
+        "prepare": ["prepare", "mission.json", "--outputs", "pack", "-o", "new"],
+        "update": ["update", "map.gpkg", "second.gpkg.delta", "-o", "new.gpkg"],
         "survey": ["survey", "ortho.tif", "--elevation", "elevation.tif", "--camera-hfov-deg", "73.7", "--camera-width-px", "1000",
                    "--camera-height-px", "562", "--agl-m", "60", "-o", "new"],
         "reroute": ["reroute", "mission.json", "--max-error-m", "45", "-o", "new.plan"],

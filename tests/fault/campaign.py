@@ -82,7 +82,8 @@ def cases():
                 "--position-error-m", "10"]
     return (
         Case("prepare", [*prepare, "--speed-mps", "17"], [*prepare, "--sign-key", "key.sec", *fresh], "map.gpkg", 8),
-        Case("prepare_new_folder", None, ["prepare", "mission.json", "-q", "-o", "new"], "map.gpkg", 8),
+        Case("prepare_new_folder", None, ["prepare", "mission.json", "-q", "-o", "new", "--outputs", "pack", "--sign-key", "key.sec"],
+             "map.gpkg", 8),
         Case("tile", ["tile", "tile.json", "--tile-overlap", "0.4", "-o", "new/plan.json"],
              ["tile", "tile.json", "-o", "new/plan.json", *fresh], None),
         Case("score", ["score", "out/plan.json", "--measures", "uniqueness", "-o", "new/scores.tif", "--table", "new/tiles.csv"],
@@ -91,6 +92,8 @@ def cases():
              ["select", "out/plan.json", "--table", "out/tiles.csv", "-o", "new/selection.json", *fresh], None),
         Case("build", ["build", *STAGE, "--descriptor-bits", "128", "-o", "new/map.gpkg", "--sign-key", "key.sec"],
              ["build", *STAGE, "-o", "new/map.gpkg", "--sign-key", "key.sec", *fresh], "map.gpkg", 3),
+        Case("update", ["build", *STAGE, "-o", "new/map.gpkg", "--sign-key", "key.sec"],
+             ["update", "out/map.gpkg", "second.gpkg.delta", "-o", "new/map.gpkg", "--public-key", "key.pub", *fresh], "map.gpkg", 3),
         Case("report", ["report", *STAGE, "--title", "Earlier", "--outputs", "html,json,gpkg,cog", "-o", "new/report.html"],
              ["report", *STAGE, "--outputs", "html,json,gpkg,cog,kml", "-o", "new/report.html", *fresh], None, 5),
         Case("verify", None, ["verify", "out/map.gpkg", "--public-key", "key.pub"], None),
@@ -137,6 +140,8 @@ class Campaign:
         (home / "tile.json").write_text("".join(line for line in mission.splitlines(True) if '"select"' not in line))
         self.plain(home, ["prepare", "mission.json", "-q", "-o", "out"])
         self.plain(home, ["build", *STAGE, "-o", "out/map.gpkg", "--sign-key", "key.sec", "--overwrite"])
+        self.plain(home, ["build", *STAGE, "--descriptor-bits", "128", "--update", "out/map.gpkg", "-o", "second.gpkg", "--sign-key",
+                          "key.sec"])
         self.plain(home, ["match", "out/map.gpkg", *FRAME, "-o", "fix.csv"])
         coarse = ["score", "ortho.tif", "--tile-size-px", "48", "--search-radius-px", "32"]
         for name, stride_px in (("earlier_parts", "48"), ("parts", "32")):

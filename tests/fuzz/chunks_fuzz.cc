@@ -13,7 +13,7 @@ namespace pilotage {
 
 void fuzz_chunks(const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
-  const InputFile input(data, size, ".chunks");
+  const FuzzFile input(data, size, ".chunks");
   try {
     const ChunkedFile file(input.path(), "fuzz", bytes);
     for (std::uint64_t i = 0; i < chunk_count(file.size()); ++i) static_cast<void>(file.read_chunk(i));

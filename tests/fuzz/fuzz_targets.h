@@ -17,12 +17,14 @@ void fuzz_airsim_recording(const std::uint8_t* data, std::size_t size);
 void fuzz_camera(const std::uint8_t* data, std::size_t size);
 void fuzz_chunks(const std::uint8_t* data, std::size_t size);
 void fuzz_dataflash(const std::uint8_t* data, std::size_t size);
+void fuzz_delta(const std::uint8_t* data, std::size_t size);
 void fuzz_frames(const std::uint8_t* data, std::size_t size);
 void fuzz_key_list(const std::uint8_t* data, std::size_t size);
 void fuzz_map(const std::uint8_t* data, std::size_t size);
 void fuzz_match(const std::uint8_t* data, std::size_t size);
 void fuzz_model(const std::uint8_t* data, std::size_t size);
 void fuzz_options(const std::uint8_t* data, std::size_t size);
+void fuzz_pack(const std::uint8_t* data, std::size_t size);
 void fuzz_plan(const std::uint8_t* data, std::size_t size);
 void fuzz_route(const std::uint8_t* data, std::size_t size);
 void fuzz_selection(const std::uint8_t* data, std::size_t size);
@@ -45,10 +47,11 @@ struct FuzzTarget {
 inline constexpr FuzzTarget kFuzzTargets[] = {
     {"airsim", fuzz_airsim},       {"airsim_recording", fuzz_airsim_recording},
     {"camera", fuzz_camera},       {"chunks", fuzz_chunks},
-    {"dataflash", fuzz_dataflash}, {"frames", fuzz_frames},
-    {"key_list", fuzz_key_list},   {"map", fuzz_map, forge_map},
-    {"match", fuzz_match},         {"model", fuzz_model},
-    {"options", fuzz_options},     {"plan", fuzz_plan},
+    {"dataflash", fuzz_dataflash}, {"delta", fuzz_delta},
+    {"frames", fuzz_frames},       {"key_list", fuzz_key_list},
+    {"map", fuzz_map, forge_map},  {"match", fuzz_match},
+    {"model", fuzz_model},         {"options", fuzz_options},
+    {"pack", fuzz_pack},           {"plan", fuzz_plan},
     {"route", fuzz_route},         {"selection", fuzz_selection},
     {"shard", fuzz_shard},         {"signature", fuzz_signature},
     {"telemetry", fuzz_telemetry}, {"tiles", fuzz_tiles},

@@ -142,6 +142,11 @@ std::vector<Growing> tables_and_lists() {
                                        [](Json& element, int i) { element["distance_m"] = i; })},
       {"selection, tiles",
        long_list("selection/small_mission.json", "/tile_ids", [](Json& element, int i) { element = i; })},
+      {"pack, files", long_list("pack/two_files.json", "/files",
+                                [](Json& element, int i) {
+                                  if (i > 0) element["name"] = "file" + text(i);
+                                })},
+      {"pack, inputs", long_list("pack/two_files.json", "/inputs", leave)},
       {"chunks",
        [](int n) { return corpus("chunks/two_chunks.chunks") + std::string(static_cast<std::size_t>(n) * 32, 'x'); },
        250, false},  // by the size that it states

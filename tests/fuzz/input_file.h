@@ -13,21 +13,21 @@ namespace pilotage {
 
 /// The bytes of an input as a file, for readers that take a path: one per process, in memory where the system has
 /// /dev/shm; gone when the object dies.
-class InputFile {
+class FuzzFile {
  public:
-  InputFile(const std::uint8_t* data, std::size_t size, const std::string& suffix)
+  FuzzFile(const std::uint8_t* data, std::size_t size, const std::string& suffix)
       : path_(folder() / ("pilotage-fuzz-" + std::to_string(::getpid()) + suffix)) {
     std::ofstream file(path_, std::ios::binary | std::ios::trunc);
     file.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
     file.close();
     if (!file) std::abort();
   }
-  ~InputFile() {
+  ~FuzzFile() {
     std::error_code ignored;
     std::filesystem::remove(path_, ignored);
   }
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
+  FuzzFile(const FuzzFile&) = delete;
+  FuzzFile& operator=(const FuzzFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
 

@@ -18,13 +18,13 @@ template <class Read, class ToJson>
 void read_json_file_twice(const std::uint8_t* data, std::size_t size, const Read& read, const ToJson& to_json) {
   std::string text;
   try {
-    const InputFile file(data, size, ".json");
+    const FuzzFile file(data, size, ".json");
     text = to_json(read(file.path())).dump();
   } catch (const DataError&) {
     return;
   }
   // What was read is sound, so its own file must be: an error here ends the program.
-  const InputFile again(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), "-again.json");
+  const FuzzFile again(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), "-again.json");
   if (to_json(read(again.path())).dump() != text) std::abort();
 }
 

@@ -48,7 +48,7 @@ void ask(const Call& call) {
 }  // namespace
 
 void fuzz_map(const std::uint8_t* data, std::size_t size) {
-  const InputFile file(data, size, ".gpkg");
+  const FuzzFile file(data, size, ".gpkg");
   ask([&] { read_everything(file.path()); });
   ask([&] { static_cast<void>(inspect_map(file.path())); });
   ask([&] { static_cast<void>(verify_map(file.path())); });

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "raster/raster_maker.h"
+
 #include "pilotage/base/random.h"
 #include "pilotage/base/text.h"
 
@@ -40,6 +42,25 @@ ReportInput gis_scene(GeodeticPoint origin, bool two_levels) {
     leg.p_fix = 0.9;
   }
   return input;
+}
+
+ReportInput with_imagery(ReportInput scene, const std::filesystem::path& folder) {
+  constexpr double kPixel_m = 2;
+  Ground& ground = scene.mission.ground;
+  Bounds bounds;
+  for (const GroundTile& tile : ground.tiles) {
+    bounds.extend({tile.bounds.min_x_m, tile.bounds.min_y_m});
+    bounds.extend({tile.bounds.max_x_m, tile.bounds.max_y_m});
+  }
+  RasterSpec spec;
+  spec.bands = 3;
+  spec.width = static_cast<int>(bounds.width_m() / kPixel_m) + 1;
+  spec.height = static_cast<int>(bounds.height_m() / kPixel_m) + 1;
+  spec.srs = ground.crs.wkt();
+  spec.place = GeoTransform::north_up(bounds.min_x_m, bounds.max_y_m, kPixel_m);
+  ground.imagery.datasets.front().dataset = make_raster(folder / "valley.tif", spec);
+  ground.imagery.datasets.front().gsd_m = kPixel_m;
+  return scene;
 }
 
 }  // namespace pilotage::testing

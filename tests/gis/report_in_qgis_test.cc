@@ -20,7 +20,8 @@ TEST(ReportInQgisThorough, OpensStyled) {
     GTEST_SKIP() << "QGIS is not installed: apt-get install python3-qgis";
   }
   const testing::TemporaryFolder folder;
-  const ReportInput input = testing::gis_scene();
+  const testing::TemporaryFolder sources;
+  const ReportInput input = testing::with_imagery(testing::gis_scene(), sources.path());
   write_report_outputs(folder.path(), "report", input, make_report(input), {ReportOutput::kAll}, true);
   const auto outcome = testing::run_command("QT_QPA_PLATFORM=offscreen XDG_RUNTIME_DIR=" + folder.path().string() +
                                             " HOME=" + folder.path().string() + " timeout 120 /usr/bin/python3 " +

@@ -36,7 +36,9 @@ const std::vector<ReportOutput> kEverything = {ReportOutput::kAll};
 
 std::vector<std::string> write_all(const TemporaryFolder& folder, const ReportInput& input,
                                    const std::vector<ReportOutput>& outputs = kEverything) {
-  return write_report_outputs(folder.path(), "report", input, make_report(input), outputs, true);
+  const TemporaryFolder sources;
+  return write_report_outputs(folder.path(), "report", testing::with_imagery(input, sources.path()), make_report(input),
+                              outputs, true);
 }
 
 std::set<std::string> names_in(const TemporaryFolder& folder) {
@@ -74,7 +76,7 @@ TEST(ReportOutputs, WritesWhatItSaysAndNothingElse) {
   std::set<std::string> said(told.begin(), told.end());
   EXPECT_EQ(said.erase("report_autopilot.params"), 1u) << "of the other family";
   EXPECT_EQ(said, written);
-  EXPECT_EQ(written.size(), 28u);
+  EXPECT_EQ(written.size(), 30u);
   for (const std::string& name : names) EXPECT_TRUE(is_report_output("report", name)) << name;
   EXPECT_FALSE(is_report_output("report", "report.txt"));
   EXPECT_FALSE(is_report_output("report", "report_levels.tif"));
@@ -93,7 +95,7 @@ TEST(ReportOutputs, ARouteThatADjiMissionCannotHoldIsRefusedByName) {
 TEST(ReportOutputs, NoLayerOfDeniedStretchesWhereNothingSaysSo) {
   const TemporaryFolder folder;
   const std::vector<std::string> names = write_all(folder, testing::gis_scene());
-  EXPECT_EQ(names.size(), 25u);
+  EXPECT_EQ(names.size(), 27u);
   EXPECT_EQ(std::count(names.begin(), names.end(), "report_denied.geojson"), 0);
   EXPECT_TRUE(is_report_output("report", "report_denied.geojson")) << "one of an earlier run is taken away";
 }
@@ -212,7 +214,7 @@ TEST(ReportOutputs, InterruptedItStops) {
   const ReportInput input = testing::gis_scene();
   const auto stop = [](std::string_view, std::int64_t done, std::int64_t) { return done < 2; };
   EXPECT_THROW(
-      write_report_outputs(folder.path(), "report", input, make_report(input), kEverything, true, Progress(stop)),
+      write_report_outputs(folder.path(), "report", input, make_report(input), kEverything, true, 0, Progress(stop)),
       Interrupted);
 }
 

@@ -17,7 +17,7 @@ execute_process(COMMAND ${PILOTAGE} --help OUTPUT_VARIABLE overview)
 foreach(word IN LISTS words)
   string(REPLACE "-" "_" name ${word})
   string(REGEX REPLACE "^.*-" "" last ${word})  # the overview says a family once: "landmark label, train"
-  if(NOT main MATCHES "make_${name}_command\\(\\)" OR NOT overview MATCHES "(\n  |[:,] |: [a-z]+ )${last}[ ,.\n]")
+  if(NOT main MATCHES "make_${name}_command\\(\\)" OR NOT overview MATCHES "(\n  |[:,] |[:,] [a-z]+ )${last}[ ,.\n]")
     problem("${word}: not listed in tools/main.cc")
     continue()
   endif()

@@ -100,6 +100,19 @@ pilotage::MapReader open_map(const std::vector<std::string>& arguments) {
   return map;
 }
 
+// On the ground, when a delta has arrived: the new map beside the old one, which stays. Nothing is written unless delta
+// and map are signed by the key, and the map is of the same mission, valid now, and later than the one before.
+int update(const std::vector<std::string>& arguments) {
+  pilotage::MapUpdateOptions options;
+  options.overwrite = true;
+  if (arguments.size() == 5) options.trusted_keys = {arguments[4]};
+  options.required.now = std::chrono::floor<std::chrono::seconds>(Clock::now());
+  const pilotage::MapUpdate made = pilotage::update_map(arguments[1], arguments[2], arguments[3], options);
+  std::printf("%s: %llu bytes, %s\n", arguments[3].c_str(), static_cast<unsigned long long>(made.bytes),
+              made.signature ? ("signed by " + made.signature->key_id).c_str() : "whose it is was not checked");
+  return 0;
+}
+
 int run(const std::vector<std::string>& arguments) {
   std::array<double, 8> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = std::stod(arguments[i + 2]);
@@ -135,15 +148,17 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
-  if (arguments.size() < 10 || arguments.size() > 12) {
+  const bool updates = !arguments.empty() && arguments[0] == "--update";
+  if (updates ? arguments.size() < 4 || arguments.size() > 5 : arguments.size() < 10 || arguments.size() > 12) {
     std::fprintf(stderr,
                  "usage: %s MAP.gpkg FRAME.pgm LON_DEG LAT_DEG SIGMA_M HEIGHT_AGL_M YAW_DEG PITCH_DEG ROLL_DEG "
-                 "GROUND_ELLIPSOID_M|nan [PUBLIC_KEY | KEY_LIST ROOT_KEY]\n",
-                 argv[0]);
+                 "GROUND_ELLIPSOID_M|nan [PUBLIC_KEY | KEY_LIST ROOT_KEY]\n"
+                 "       %s --update OLD.gpkg NEW.gpkg.delta NEW.gpkg [PUBLIC_KEY]\n",
+                 argv[0], argv[0]);
     return 2;
   }
   try {
-    return run(arguments);
+    return updates ? update(arguments) : run(arguments);
   } catch (const std::exception& error) {  // a file that cannot be read, a number that is none
     std::fprintf(stderr, "onboard_example: %s\n", error.what());
     return 1;

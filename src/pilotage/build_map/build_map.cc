@@ -92,6 +92,8 @@ void write_flight(MapWriter& writer, const Mission& mission, const Selection& se
     writer.add_info(prefix + "name", file.name);
     writer.add_info(prefix + "date", file.date);
     writer.add_info(prefix + "digest", file.digest);
+    if (!file.licence.terms.empty()) writer.add_info(prefix + "licence", file.licence.terms);
+    if (!file.licence.attribution.empty()) writer.add_info(prefix + "attribution", file.licence.attribution);
   }
 }
 

@@ -152,6 +152,8 @@ VectorLayer key_value_layer(const std::string& name, const std::string& title, c
     add(prefix + "name", inputs[i].name);
     add(prefix + "date", inputs[i].date);
     add(prefix + "digest", inputs[i].digest);
+    if (!inputs[i].licence.terms.empty()) add(prefix + "licence", inputs[i].licence.terms);
+    if (!inputs[i].licence.attribution.empty()) add(prefix + "attribution", inputs[i].licence.attribution);
   }
   return layer;
 }

@@ -7,8 +7,12 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/markup.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
+#include "pilotage/gis/imagery_tiles.h"
 #include "pilotage/gis/kml_files.h"
+#include "pilotage/gis/pmtiles.h"
 #include "pilotage/gis/report_layers.h"
 #include "pilotage/gis/score_files.h"
 #include "pilotage/gis/stac_item.h"
@@ -36,6 +40,8 @@ struct OutputSource {
   const ReportLayers& layers;  ///< Empty when no format that is asked for draws layers.
   bool with_scores = false;
   const std::vector<ReportOutput>& outputs;
+  int threads = 0;
+  const Progress& progress;
   std::vector<std::string> written{};  ///< Names of the files that the formats before wrote.
 
   fs::path path(const std::string& ending) const { return folder / (stem + ending); }
@@ -190,6 +196,34 @@ Endings mbtiles_endings(const std::vector<GridLevel>& levels, bool /*with_scores
   return endings;
 }
 
+constexpr const char* kImageryMbtiles = "_imagery.mbtiles";
+constexpr const char* kImageryPmtiles = "_imagery.pmtiles";
+
+/// Who is to be named with the imagery, each once, and the licences: HTML, as web maps take it.
+std::string attribution_of(const Imagery& imagery) {
+  std::vector<std::string> texts;
+  for (const ImageryDataset& dataset : imagery.datasets) {
+    const std::string text = html_escape(licence_text(dataset.licence));
+    if (!text.empty() && std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(text);
+  }
+  return join(texts, " | ");
+}
+
+/// What a person sees on the way, in the field. None where the web's maps end, or no tile has imagery.
+Endings write_imagery(const OutputSource& source) {
+  const Ground& ground = source.input.mission.ground;
+  const std::vector<WebTile> tiles = imagery_tiles_of(ground);
+  if (tiles.empty()) return {};
+  const ImageryTilesText text{source.report.title, "The imagery that the map was made of, along the route",
+                              attribution_of(ground.imagery)};
+  if (!write_imagery_mbtiles(source.path(kImageryMbtiles), ground.imagery, tiles, text, true, source.threads,
+                             source.progress)) {
+    return {};
+  }
+  write_pmtiles(source.path(kImageryPmtiles), source.path(kImageryMbtiles), true);
+  return {kImageryMbtiles, kImageryPmtiles};
+}
+
 /// Last of all: its assets are the others, and the map database where it lies beside them.
 Endings write_stac(const OutputSource& source) {
   constexpr const char* kMap = "map.gpkg";
@@ -239,8 +273,15 @@ const std::vector<OutputFormat>& output_formats() {
        },
        write_geojsons},
       {ReportOutput::kMbtiles, "mbtiles", "heat map for web maps", false, mbtiles_endings, write_heat_maps},
+      {ReportOutput::kImagery, "imagery", "for ground stations", false,
+       [](Levels, bool) {
+         return Endings{kImageryMbtiles, kImageryPmtiles};
+       },
+       write_imagery},
       {ReportOutput::kStac, "stac", "item for a catalogue", false, [](Levels, bool) { return Endings{"_stac.json"}; },
-       write_stac}};
+       write_stac},
+      {ReportOutput::kPack, "pack", "signed folder for the field, of prepare", false,
+       [](Levels, bool) { return Endings{}; }, [](const OutputSource&) { return Endings{}; }}};
   return formats;
 }
 
@@ -274,8 +315,9 @@ const std::string& outputs_help() {
 }
 
 bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which) {
-  return std::any_of(outputs.begin(), outputs.end(),
-                     [&](ReportOutput output) { return output == which || output == ReportOutput::kAll; });
+  return std::any_of(outputs.begin(), outputs.end(), [&](ReportOutput output) {
+    return output == which || (output == ReportOutput::kAll && which != ReportOutput::kPack);
+  });
 }
 
 void refuse_unnamed_autopilot(const std::vector<ReportOutput>& outputs, const std::optional<Autopilot>& autopilot) {
@@ -288,6 +330,15 @@ void refuse_unnamed_autopilot(const std::vector<ReportOutput>& outputs, const st
     names += known[i].name;
   }
   throw UsageError("--outputs autopilot: say which it is, --autopilot " + names);
+}
+
+std::optional<std::string> missing_imagery_warning(const std::vector<ReportOutput>& outputs,
+                                                   const std::vector<std::string>& written) {
+  const bool is_there = std::any_of(written.begin(), written.end(),
+                                    [](const std::string& name) { return name.ends_with(kImageryMbtiles); });
+  if (is_there || !asks_for(outputs, ReportOutput::kImagery)) return std::nullopt;
+  return "no tiles of imagery are written: there is none over the plan's tiles, or they lie at the antimeridian or "
+         "beyond 85° of latitude, where EPSG:3857 ends";
 }
 
 std::vector<std::string> report_output_names(const std::string& stem, const std::vector<ReportOutput>& outputs,
@@ -309,13 +360,13 @@ bool is_report_output(const std::string& stem, const std::string& name) {
 
 std::vector<std::string> write_report_outputs(const fs::path& folder, const std::string& stem, const ReportInput& input,
                                               const Report& report, const std::vector<ReportOutput>& outputs,
-                                              bool with_scores, const Progress& progress) {
+                                              bool with_scores, int threads, const Progress& progress) {
   const std::vector<OutputFormat>& formats = output_formats();
   const bool draws_layers = std::any_of(formats.begin(), formats.end(), [&](const OutputFormat& format) {
     return format.draws_layers && asks_for(outputs, format.output);
   });
   const ReportLayers layers = draws_layers ? report_layers(input, report) : ReportLayers{};
-  OutputSource source{folder, stem, input, report, layers, with_scores, outputs};
+  OutputSource source{folder, stem, input, report, layers, with_scores, outputs, threads, progress};
   const auto steps = static_cast<std::int64_t>(formats.size());
   std::int64_t step = 0;
   for (const OutputFormat& format : formats) {

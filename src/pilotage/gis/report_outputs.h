@@ -27,7 +27,9 @@ enum class ReportOutput {
   kAutopilot,
   kGeojson,
   kMbtiles,
+  kImagery,
   kStac,
+  kPack,
   kAll
 };
 
@@ -36,7 +38,7 @@ EnumNames<ReportOutput> enum_names(ReportOutput);
 /// The help of an option that takes them: every name and what it is for.
 const std::string& outputs_help();
 
-/// Whether `outputs` ask for `which`, by name or as part of all.
+/// Whether `outputs` ask for `which`, by name or as part of all; a pack by name alone.
 bool asks_for(const std::vector<ReportOutput>& outputs, ReportOutput which);
 
 /// Throws UsageError where parameters for an autopilot are asked for by name and nobody says which it is: before the
@@ -56,7 +58,11 @@ bool is_report_output(const std::string& stem, const std::string& name);
 std::vector<std::string> write_report_outputs(const std::filesystem::path& folder, const std::string& stem,
                                               const ReportInput& input, const Report& report,
                                               const std::vector<ReportOutput>& outputs, bool with_scores,
-                                              const Progress& progress = {});
+                                              int threads = 0, const Progress& progress = {});
+
+/// Where imagery was asked for and is not among `written`: why. Nothing else.
+std::optional<std::string> missing_imagery_warning(const std::vector<ReportOutput>& outputs,
+                                                   const std::vector<std::string>& written);
 
 }  // namespace pilotage
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/json_object.h"
+#include "pilotage/base/text.h"
 #include "pilotage/geo/bounds.h"
 #include "pilotage/raster/gdal_vector.h"
 #include "pilotage/report/quality.h"
@@ -23,7 +25,7 @@ struct FileKind {
   const char* role;
 };
 
-constexpr std::array<FileKind, 14> kFileKinds{
+constexpr std::array<FileKind, 15> kFileKinds{
     {{".html", "text/html", "overview"},
      {".json", "application/json", "metadata"},
      {".tif.aux.xml", "application/xml", "metadata"},
@@ -37,7 +39,8 @@ constexpr std::array<FileKind, 14> kFileKinds{
      {".csv", "text/csv", "data"},
      {".param", "text/plain", "data"},
      {".params", "text/plain", "data"},
-     {".mbtiles", "application/vnd.sqlite3", "visual"}}};
+     {".mbtiles", "application/vnd.sqlite3", "visual"},
+     {".pmtiles", "application/vnd.pmtiles", "visual"}}};
 
 StacJson asset(const std::string& file) {
   StacJson json;
@@ -97,6 +100,34 @@ void add_times(const Imagery& imagery, StacJson& properties) {
   properties["end_datetime"] = last + "T23:59:59Z";
 }
 
+/// Letters, digits, "-", "." and "+", as licences are called in the list of SPDX.
+bool is_spdx_like(const std::string& terms) {
+  return std::all_of(terms.begin(), terms.end(), [](unsigned char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' || c == '.' ||
+           c == '+';
+  });
+}
+
+/// By its name, "proprietary" for one that has none there, "various" for several (STAC 1.0,
+/// item-spec/common-metadata.md, "Licensing"); nothing where a part says none. All words stand beside it.
+void add_licences(const Imagery& imagery, StacJson& properties) {
+  std::set<std::string> terms;
+  std::set<std::string> attributions;
+  for (const ImageryDataset& dataset : imagery.datasets) {
+    terms.insert(dataset.licence.terms);
+    if (!dataset.licence.attribution.empty()) attributions.insert(dataset.licence.attribution);
+  }
+  const bool all_known = !terms.empty() && terms.erase("") == 0;
+  if (all_known) {
+    properties["license"] = terms.size() > 1               ? "various"
+                            : is_spdx_like(*terms.begin()) ? *terms.begin()
+                                                           : "proprietary";
+  }
+  if (!terms.empty()) properties["pilotage:licence"] = join({terms.begin(), terms.end()}, "; ");
+  if (!attributions.empty())
+    properties["pilotage:attribution"] = join({attributions.begin(), attributions.end()}, "; ");
+}
+
 }  // namespace
 
 std::string stac_item(const ReportInput& input, const Report& report, const std::vector<std::string>& files) {
@@ -118,6 +149,7 @@ std::string stac_item(const ReportInput& input, const Report& report, const std:
   for (const InputFile& file : report.inputs) {
     if (file.role == "map" && !file.digest.empty()) properties["pilotage:map_digest"] = file.digest;
   }
+  add_licences(input.mission.ground.imagery, properties);
   item["links"] = StacJson::array();
   StacJson assets = StacJson::object();
   for (const std::string& file : files) assets[file] = asset(file);

@@ -49,6 +49,7 @@ struct ImageryDataset {
   int width_px = 0;
   int height_px = 0;
   std::string map_sigma = {};  ///< Raster of its own error (raster/map_sigma.h), "" when it names none.
+  Licence licence = {};
 };
 
 /// The reference imagery and how it is read.
@@ -73,6 +74,7 @@ struct Ground {
   std::optional<double> elevation_sigma_m;  ///< Standard deviation of its heights; nothing without one.
   std::string elevation_datum;              ///< What its heights were taken for (Elevation::vertical_datum);
   bool elevation_datum_assumed = false;     ///< it does not say so itself.
+  Licence elevation_licence;                ///< Of the elevation model.
   std::vector<GroundTile> tiles;            ///< Ascending tile_id.
 
   const GridLevel& level_of(const GroundTile& tile) const { return levels[static_cast<std::size_t>(tile.level)]; }

@@ -142,7 +142,7 @@ Ground ground_of_inspected(const std::vector<ImageryInfo>& infos, const RasterGr
   Ground ground;
   for (const ImageryInfo& info : infos) {
     ground.imagery.datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(),
-                                       info.acquired, info.width_px, info.height_px, info.map_sigma});
+                                       info.acquired, info.width_px, info.height_px, info.map_sigma, info.licence});
   }
   ground.imagery.options = options.imagery;
   ground.imagery.own_grid = infos.size() == 1 && !options.gsd_m && options.crs.empty();

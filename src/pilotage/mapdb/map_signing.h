@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -11,6 +12,9 @@ namespace pilotage {
 
 /// Maps of more bytes are signed with a list of their chunks, so that an aircraft need not read them whole.
 inline constexpr std::uintmax_t kChunkListAboveBytes = std::uintmax_t{64} << 20;
+
+/// For SignOptions::chunk_list_above_bytes: a file that is always read whole has no list.
+inline constexpr std::uintmax_t kNoChunkList = std::numeric_limits<std::uintmax_t>::max();
 
 struct SignOptions {
   /// Where the signature goes; by default beside the file, with ".minisig" appended.

@@ -17,13 +17,15 @@ struct InputFile {
   /// With its algorithm: "blake2b-256:…" of a file, "blake2b-256-of-list:…" of a dataset of several files; "" when it
   /// was not computed.
   std::string digest;
+  Licence licence = {};
 };
 
 /// One file with its digest. Throws as input_files.
 InputFile input_file(const std::string& role, const std::string& name, const std::string& date);
 
 /// A raster with the digest over all files that GDAL reads for it (raster/gdal_files.h). Throws as input_files.
-InputFile input_dataset(const std::string& role, const std::string& name, const std::string& date);
+InputFile input_dataset(const std::string& role, const std::string& name, const std::string& date,
+                        const Licence& licence = {});
 
 /// The files that went into a plan, with date and digest. Only files of this machine have a digest; what GDAL fetches
 /// from elsewhere has none. Throws DataError when a file cannot be read.

@@ -17,12 +17,14 @@
 #include "pilotage/ground/ground_imagery.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/ground/tile_table.h"
+#include "pilotage/mapdb/map_delta.h"
 #include "pilotage/mapdb/map_signature.h"
 #include "pilotage/mission/landmark_file.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/planned_landmarks.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/mission/simulation_file.h"
+#include "pilotage/pack/field_pack.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
 #include "pilotage/report/evidence.h"
@@ -47,9 +49,10 @@ constexpr const char* kPlan = "plan.json";
 constexpr const char* kTable = "tiles.csv";
 constexpr const char* kSelection = "selection.json";
 constexpr const char* kSimulation = "simulation.json";
-constexpr const char* kMap = "map.gpkg";
+constexpr const char* kMap = kPackMapName;
 constexpr const char* kDisagreement = "disagreement.tif";
-constexpr const char* kReport = "report";  // what the names of its files begin with
+constexpr const char* kPackRoute = "pack_route";  // with the ending of the file that the planner gave
+constexpr const char* kReport = "report";         // what the names of its files begin with
 
 }  // namespace
 
@@ -58,10 +61,13 @@ std::vector<std::string> earlier_outputs(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
+    const bool route_of_pack = name.starts_with(kPackRoute + std::string(".")) && entry.is_regular_file(error);
     const bool one_of_ours = name == kPlan || name == kTable || name == kSelection || name == kSimulation ||
                              name == kMap || name == signature_path_of(kMap) || name == chunk_list_path_of(kMap) ||
-                             name == kDisagreement || name == score_raster_name(0) || name == "scores.qml" ||
-                             is_report_output(kReport, name);
+                             name == kDisagreement || name == kPackManifestName ||
+                             name == signature_path_of(kPackManifestName) || route_of_pack ||
+                             name == map_delta_path_of(kMap) || name == signature_path_of(map_delta_path_of(kMap)) ||
+                             name == score_raster_name(0) || name == "scores.qml" || is_report_output(kReport, name);
     const bool further_level = name.starts_with("scores_level") && (name.ends_with(".tif") || name.ends_with(".qml"));
     if (one_of_ours || further_level) names.push_back(name);
   }
@@ -69,7 +75,54 @@ std::vector<std::string> earlier_outputs(const fs::path& folder) {
   return names;
 }
 
+std::vector<ReportOutput> outputs_of(const PrepareOptions& options) {
+  std::vector<ReportOutput> outputs = options.outputs;
+  if (!asks_for(outputs, ReportOutput::kPack)) return outputs;
+  for (const ReportOutput part : {ReportOutput::kHtml, ReportOutput::kImagery}) {
+    if (!asks_for(outputs, part)) outputs.push_back(part);
+  }
+  return outputs;
+}
+
 namespace {
+
+/// The route as its planner gave it, for the pack; its name, "" where it is no file.
+std::string copy_route(const fs::path& given, const StagingFolder& staging) {
+  std::error_code error;
+  if (!fs::is_regular_file(given, error)) return "";
+  const std::string name = kPackRoute + (given.has_extension() ? given.extension().string() : ".route");
+  write_file(staging / name, read_file(given), true);
+  return name;
+}
+
+/// What a pack should say and does not.
+std::vector<std::string> pack_warnings(const PackManifest& manifest, bool is_signed) {
+  std::vector<std::string> warnings;
+  if (!is_signed) warnings.emplace_back("the pack is not signed: who takes it cannot tell whose it is; --sign-key");
+  for (const InputFile& input : manifest.inputs) {
+    const bool is_shown = input.role == "imagery" || input.role == "elevation" || input.role == "second_epoch";
+    if (!is_shown || !input.licence.terms.empty()) continue;
+    const bool is_elevation = input.role == "elevation";
+    warnings.push_back(input.name + ": its licence is not known; " +
+                       (input.role == "second_epoch"
+                            ? std::string("its tag PILOTAGE_LICENCE says it")
+                            : std::string(is_elevation ? "--elevation-licence" : "--licence")));
+  }
+  return warnings;
+}
+
+/// The manifest of all files written so far, and its signature; their names.
+std::vector<std::string> write_manifest(const PackManifest& manifest, const PrepareRun& run,
+                                        const StagingFolder& staging) {
+  write_file(staging / kPackManifestName, pack_manifest_text(manifest), true);
+  if (!run.secret_key) return {kPackManifestName};
+  const std::string signature = signature_path_of(kPackManifestName).string();
+  SignOptions sign = run.sign;
+  sign.signature_path = staging / signature;
+  sign.chunk_list_above_bytes = kNoChunkList;
+  sign_file(staging / kPackManifestName, *run.secret_key, sign);
+  return {kPackManifestName, signature};
+}
 
 void refuse_existing(const fs::path& folder, bool overwrite) {
   if (overwrite) return;
@@ -108,6 +161,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   check_options(options);
   if (!options.build.landmarks.empty()) read_map_landmarks(options.build.landmarks);  // before hours of work
   const ScoreOptions score_options = score_options_of(options);
+  const std::vector<ReportOutput> outputs = outputs_of(options);
   if (options.build.keep_features != KeepFeatures::kAll && options.score.second_epoch.empty()) {
     throw UsageError("keep_features = stable needs a second date: give --second-epoch");
   }
@@ -133,6 +187,10 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     result.files.push_back(name);
     return staging / name;
   };
+  if (asks_for(outputs, ReportOutput::kPack)) {
+    const std::string route = copy_route(mission.flight.route_file, staging);
+    if (!route.empty()) result.files.push_back(route);
+  }
   write_file(publish_later(kPlan), json_text(plan_to_json(mission)), true);
 
   report_progress(scoring, "reading imagery", 0, 0);  // until there are tiles to count
@@ -154,7 +212,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     const fs::path path = publish_later(score_raster_name(level.matrix.level));
     write_score_raster(path, raster.bands, mission.ground.crs, raster.map_from_pixel, true, scoring);
     const auto shown = shown_measure(raster, scores);
-    if (shown && asks_for(options.outputs, ReportOutput::kCog)) {
+    if (shown && asks_for(outputs, ReportOutput::kCog)) {
       result.files.push_back(write_heat_style(path, *shown, true));
     }
   }
@@ -173,7 +231,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
 
   std::vector<InputFile> inputs = input_files(mission);  // hashed once, for map and report
   for (const ImageryInfo& info : second_dates) {
-    inputs.push_back(input_dataset("second_epoch", info.dataset, info.acquired));
+    inputs.push_back(input_dataset("second_epoch", info.dataset, info.acquired, info.licence));
   }
   if (!options.build.landmarks.empty()) inputs.push_back(input_file("landmarks", options.build.landmarks, ""));
   std::optional<SecondDate> second_date;
@@ -197,7 +255,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     open_second = [&](const GridLevel& level) { return open_second_date(*second_date, mission.ground, level); };
   }
   ReportInput input = make_report_input(mission, scores, selection, inputs, run.software_version);
-  if (asks_for(options.outputs, ReportOutput::kHtml)) add_pictures(input, run.threads, reporting, open_second);
+  if (asks_for(outputs, ReportOutput::kHtml)) add_pictures(input, run.threads, reporting, open_second);
   report_progress(reporting, "writing the report", 0, 0);
   if (simulation) {
     input.simulations.push_back(*std::move(simulation));
@@ -217,8 +275,24 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
     report.warnings.insert(report.warnings.end(), info.warnings.begin(), info.warnings.end());
   }
   const std::vector<std::string> written =
-      write_report_outputs(staging / "", kReport, input, report, options.outputs, false, reporting);
+      write_report_outputs(staging / "", kReport, input, report, outputs, false, run.threads, reporting);
   result.files.insert(result.files.end(), written.begin(), written.end());
+  std::vector<std::string> pack_notes;
+  if (asks_for(outputs, ReportOutput::kPack)) {
+    PackManifest manifest{run.software_version,
+                          report.title,
+                          report.verdict_text,
+                          report.assumptions,
+                          evidence_line(report.quality),
+                          purpose,
+                          result.map.content_digest,
+                          {},
+                          report.inputs};
+    for (const std::string& name : result.files) manifest.files.push_back(pack_file(staging / "", name));
+    const std::vector<std::string> of_pack = write_manifest(manifest, run, staging);
+    result.files.insert(result.files.end(), of_pack.begin(), of_pack.end());
+    pack_notes = pack_warnings(manifest, run.secret_key.has_value());
+  }
   std::vector<std::string> in_order = result.files;
   std::stable_partition(in_order.begin(), in_order.end(), [](const std::string& name) { return name != kMap; });
   staging.publish(in_order, earlier_outputs(run.output_folder));  // the map last: with it the output is whole
@@ -232,6 +306,8 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.within_limit = selection.within_limit;
   result.meets_gate = report.verdict != QualityStatus::kBad;
   result.warnings = report.warnings;
+  if (const auto warning = missing_imagery_warning(outputs, written)) result.warnings.push_back(*warning);
+  result.warnings.insert(result.warnings.end(), pack_notes.begin(), pack_notes.end());
   if (options.build.keep_features != KeepFeatures::kAll && score_options.measure(ScoreMeasure::kCorrectFix)) {
     result.warnings.emplace_back(
         "keep_features = stable: P(correct fix), the selection and the verdict are those of a map with all its "

@@ -54,7 +54,7 @@ struct PrepareRun {
   std::uint64_t seed = 1;
   int threads = 0;
   std::string software_version;
-  std::optional<std::filesystem::path> secret_key;  ///< The map is signed with it (mapdb/map_signing.h).
+  std::optional<std::filesystem::path> secret_key;  ///< Map and manifest are signed with it (mapdb/map_signing.h).
   SignOptions sign;                                 ///< With `secret_key`; its paths are the output folder's.
 };
 
@@ -76,6 +76,9 @@ struct PrepareResult {
 /// UsageError for a matcher that the map does not serve.
 ScoreOptions score_options_of(const PrepareOptions& options);
 
+/// The files that are written: those that are asked for, and those that a field pack is made of where one is.
+std::vector<ReportOutput> outputs_of(const PrepareOptions& options);
+
 /// Names of the outputs of an earlier run in a folder, sorted: what prepare() replaces there, and a signature and a
 /// list of chunks of the map.
 std::vector<std::string> earlier_outputs(const std::filesystem::path& folder);
@@ -90,10 +93,11 @@ std::optional<Simulation> fly_plan(const Mission& mission, const std::vector<Til
 /// (scores_level1.tif … for further levels; with their styles for QGIS when `outputs` ask for cog), disagreement.tif
 /// (with score.second_epoch), selection.json, simulation.json (of fly_plan), map.gpkg and the files of the report that
 /// `outputs` ask for, "report.html" and so on, and with a secret key map.gpkg.minisig and for a large map
-/// map.gpkg.chunks, into the output folder, which is made when it does not exist. All of them appear at the end, in
-/// place of those of an earlier run, the map last: at no moment an output of the one stands beside one of the other
-/// (base/output_file.h, replace_together). When anything fails, those of the earlier run stand there as before. Throws
-/// as the stages; DataError when an output exists and overwrite is not set.
+/// map.gpkg.chunks; with outputs that ask for a pack also the route as it was planned (pack_route with its ending), the
+/// manifest of all (pack/field_pack.h) and its signature; into the output folder, which is made when it does not exist.
+/// All of them appear at the end, in place of those of an earlier run, the map last: at no moment an output of the one
+/// stands beside one of the other (base/output_file.h, replace_together). When anything fails, those of the earlier run
+/// stand there as before. Throws as the stages; DataError when an output exists and overwrite is not set.
 PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, const Progress& progress = {});
 
 }  // namespace pilotage

@@ -22,6 +22,7 @@
 #include "pilotage/raster/gdal_control_points.h"
 #include "pilotage/raster/gdal_datum.h"
 #include "pilotage/raster/gdal_handle.h"
+#include "pilotage/raster/gdal_licence.h"
 #include "pilotage/raster/gdal_tile_folder.h"
 #include "pilotage/raster/map_sigma.h"
 
@@ -455,6 +456,7 @@ ImageryInfo inspect_imagery(const std::string& dataset, const ImageryOptions& op
   info.crs = find_crs(georeference.reference, dataset, options.imagery_crs, info.warnings);
   read_bands(*opened, options, info);
   info.acquired = find_acquisition_date(*file);
+  info.licence = find_licence(*file);
   const char* map_sigma = file->GetMetadataItem(kMapSigmaTag);
   if (map_sigma != nullptr) info.map_sigma = map_sigma_beside(*file, dataset, map_sigma);
   errors.require_whole(dataset);

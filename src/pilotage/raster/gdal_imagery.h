@@ -12,6 +12,7 @@
 #include "pilotage/geo/geo_transform.h"
 #include "pilotage/geo/geodetic_point.h"
 #include "pilotage/raster/gdal_crs.h"
+#include "pilotage/raster/licence.h"
 
 namespace pilotage {
 struct Collar;  // hidden
@@ -131,6 +132,7 @@ struct ImageryInfo {
   GeodeticPoint center;
   /// "YYYY-MM-DD", with the time as "YYYY-MM-DDThh:mm:ssZ" where the metadata tell it in UTC; "" when they say nothing.
   std::string acquired;
+  Licence licence;  ///< As its metadata say it (read_licence).
   /// Raster of its own error, where a tag names one (raster/map_sigma.h), whether it is there or not; else "".
   std::string map_sigma;
   double scale = 1;  ///< Value = stored · scale + offset, as the first used band states it; gray values leave it out.

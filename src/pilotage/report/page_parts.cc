@@ -110,8 +110,8 @@ std::string imagery_html(const std::vector<ImageryDataset>& imagery) {
 std::string inputs_html(const std::vector<InputFile>& inputs) {
   std::string html;
   for (const InputFile& file : inputs) {
-    html += "<tr>" + heading_html(file.role) + cell_html(file.name) + cell_html(file.date) + "<td class=\"digest\">" +
-            html_escape(file.digest) + "</td></tr>\n";
+    html += "<tr>" + heading_html(file.role) + cell_html(file.name) + cell_html(file.date) +
+            cell_html(licence_text(file.licence)) + "<td class=\"digest\">" + html_escape(file.digest) + "</td></tr>\n";
   }
   return html;
 }

@@ -35,7 +35,7 @@ std::string list_html(const std::vector<std::string>& texts);
 /// Labels and values of the title block.
 std::string title_block_html(const std::vector<std::pair<std::string, std::string>>& block);
 std::string imagery_html(const std::vector<ImageryDataset>& imagery);  ///< Rows: imagery, date, GSD, CRS, size.
-std::string inputs_html(const std::vector<InputFile>& inputs);         ///< Rows: input, name, date, digest.
+std::string inputs_html(const std::vector<InputFile>& inputs);         ///< Rows: input, name, date, licence, digest.
 /// Rows of all options; nested ones have dotted names, as in a configuration file.
 std::string parameters_html(const nlohmann::ordered_json& parameters);
 

@@ -288,8 +288,11 @@ Report make_report(const ReportInput& input) {
   }
   report.elevation = name_as_utf8(mission.ground.elevation);
   for (const InputFile& file : input.inputs) {
-    report.inputs.push_back(
-        {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
+    report.inputs.push_back({valid_utf8(file.role),
+                             valid_utf8(file.name),
+                             valid_utf8(file.date),
+                             valid_utf8(file.digest),
+                             {valid_utf8(file.licence.terms), valid_utf8(file.licence.attribution)}});
   }
   report.parameters = valid_utf8_json(input.parameters);
   report.warnings = valid_texts(mission.warnings);

@@ -171,6 +171,8 @@ void describe(Io& io, typename Io::template Ref<InputFile> file) {
   io.value("name", file.name);
   io.value("date", file.date);
   io.value("digest", file.digest);
+  io.any_text("licence", file.licence.terms);
+  io.any_text("attribution", file.licence.attribution);
 }
 
 template <class Io>

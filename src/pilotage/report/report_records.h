@@ -46,6 +46,10 @@ class Writer {
   void value(const char* key, const T& value) {
     json_[key] = value;
   }
+  /// A text that stands there only where it is not empty.
+  void any_text(const char* key, const std::string& value) {
+    if (!value.empty()) json_[key] = value;
+  }
   template <class Describe>
   void object(const char* key, Describe describe_members) {
     json_[key] = nlohmann::ordered_json::object();
@@ -115,6 +119,9 @@ class Reader {
   void value(const char* key, std::string& value) { value = object_.text(key); }
   void value(const char* key, std::vector<std::string>& value) { value = object_.texts(key); }
   void value(const char* key, nlohmann::ordered_json& value) { value = object_.value(key); }
+  void any_text(const char* key, std::string& value) {
+    if (object_.has(key)) value = object_.text(key);
+  }
   template <class Describe>
   void object(const char* key, Describe describe_members) {
     Reader members(object_.object(key));

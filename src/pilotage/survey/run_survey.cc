@@ -92,8 +92,8 @@ std::vector<ImageryDataset> inspect_second_dates(const SurveyOptions& options, s
   std::vector<ImageryDataset> dates;
   for (const std::string& dataset : options.score.second_epoch) {
     const ImageryInfo info = inspect_imagery(dataset, second_date_options(options.imagery_options), progress);
-    dates.push_back(
-        {dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), info.acquired, info.width_px, info.height_px});
+    dates.push_back({dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), info.acquired, info.width_px,
+                     info.height_px, "", info.licence});
     warnings.insert(warnings.end(), info.warnings.begin(), info.warnings.end());
   }
   return dates;
@@ -102,10 +102,10 @@ std::vector<ImageryDataset> inspect_second_dates(const SurveyOptions& options, s
 std::vector<InputFile> survey_inputs(const SurveyInput& input, const SurveyOptions& options) {
   std::vector<InputFile> files;
   for (const ImageryDataset& imagery : input.area.ground.imagery.datasets) {
-    files.push_back(input_dataset("imagery", imagery.dataset, imagery.acquired));
+    files.push_back(input_dataset("imagery", imagery.dataset, imagery.acquired, imagery.licence));
   }
   for (const ImageryDataset& imagery : input.second_dates) {
-    files.push_back(input_dataset("second_epoch", imagery.dataset, imagery.acquired));
+    files.push_back(input_dataset("second_epoch", imagery.dataset, imagery.acquired, imagery.licence));
   }
   if (!options.elevation.empty()) files.push_back(input_dataset("elevation", options.elevation, ""));
   if (!options.camera.file.empty()) files.push_back(input_file("camera", options.camera.file, ""));

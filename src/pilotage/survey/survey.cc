@@ -267,8 +267,11 @@ Survey make_survey(const SurveyInput& input) {
     }
   }
   for (const InputFile& file : input.inputs) {
-    survey.inputs.push_back(
-        {valid_utf8(file.role), valid_utf8(file.name), valid_utf8(file.date), valid_utf8(file.digest)});
+    survey.inputs.push_back({valid_utf8(file.role),
+                             valid_utf8(file.name),
+                             valid_utf8(file.date),
+                             valid_utf8(file.digest),
+                             {valid_utf8(file.licence.terms), valid_utf8(file.licence.attribution)}});
   }
   survey.parameters = valid_utf8_json(input.parameters);
   for (const std::string& text : input.area.warnings) survey.warnings.push_back(valid_utf8(text));

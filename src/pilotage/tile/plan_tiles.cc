@@ -71,12 +71,17 @@ double sigma_of_elevation_m(const Elevation& elevation) {
 std::shared_ptr<const Elevation> open_elevation(const TileOptions& options, Mission& mission) {
   Ground& ground = mission.ground;
   if (options.elevation.empty()) {
+    if (!options.elevation_licence.empty() || !options.elevation_attribution.empty()) {
+      throw UsageError("elevation_licence and elevation_attribution are of an elevation model, and none is given");
+    }
     if (options.elevation_sigma_m) throw UsageError("elevation_sigma_m is of an elevation model, and none is given");
     return nullptr;
   }
   auto model = std::make_shared<const Elevation>(options.elevation);
   ground.elevation = options.elevation;
   ground.elevation_sigma_m = options.elevation_sigma_m ? *options.elevation_sigma_m : sigma_of_elevation_m(*model);
+  ground.elevation_licence =
+      licence_or({options.elevation_licence, options.elevation_attribution}, read_licence(options.elevation));
   ground.elevation_datum = model->vertical_datum();
   ground.elevation_datum_assumed = model->datum_assumed();
   mission.notes.push_back("Heights of the ground: " + options.elevation + ", " + ground.elevation_datum);
@@ -355,7 +360,8 @@ void add_imagery(Mission& mission, const TileOptions& options, const std::vector
   std::vector<ImageryDataset>& datasets = mission.ground.imagery.datasets;
   for (const ImageryInfo& info : infos) {
     datasets.push_back({info.dataset, std::max(info.gsd_x_m, info.gsd_y_m), info.crs.name(), info.acquired,
-                        info.width_px, info.height_px, info.map_sigma});
+                        info.width_px, info.height_px, info.map_sigma,
+                        licence_or({options.licence, options.attribution}, info.licence)});
   }
   set_imagery_dates(options.imagery_date, datasets);
 }

@@ -32,6 +32,10 @@ struct TileOptions {
   FlightConditions conditions;
   std::optional<std::vector<std::string>> denied;
   std::optional<std::vector<std::string>> imagery_date;
+  std::string licence;
+  std::string attribution;
+  std::string elevation_licence;
+  std::string elevation_attribution;
   std::string flight_time;
   std::optional<Autopilot> autopilot;
   std::string clouds;
@@ -59,6 +63,15 @@ struct TileOptions {
         "imagery_date", self.imagery_date,
         "Date of the imagery in UTC, as 2023-06-14 or 2023-06-14T10:30:00Z: one for all, or one for each; that "
         "of its metadata if not given.");
+    fields.field(
+        "licence", self.licence,
+        "Licence of the imagery, as CC-BY-4.0 (SPDX) or in words, that stands in what is made of it; that of its "
+        "metadata if not given.");
+    fields.field("attribution", self.attribution, "Whom to name with the imagery; as its metadata say if not given.");
+    fields.field("elevation_licence", self.elevation_licence,
+                 "Licence of the elevation model; that of its metadata if not given.");
+    fields.field("elevation_attribution", self.elevation_attribution,
+                 "Whom to name with the elevation model; as its metadata say if not given.");
     fields.field(
         "flight_time", self.flight_time,
         "When the flight begins, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: for the age of the imagery and "
