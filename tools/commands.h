@@ -6,6 +6,7 @@ namespace pilotage {
 
 // Each in its own command_<word>.cc; main.cc lists them by the way of the data.
 Command make_capture_command();
+Command make_fetch_command();
 Command make_prepare_command();
 Command make_survey_command();
 Command make_reroute_command();

@@ -6,6 +6,7 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/capture/capture.h"
+#include "pilotage/fetch/fetch_imagery.h"
 #include "pilotage/gis/report_outputs.h"
 #include "pilotage/ground/ground_of_rasters.h"
 #include "pilotage/ground/measures.h"

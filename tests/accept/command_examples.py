@@ -15,7 +15,7 @@ from page_examples import blocks, examples_in, run_example
 
 PAGES = ("tile", "score", "select", "build", "prepare", "verify", "update", "inspect", "merge", "calibrate", "report", "match",
          "compare", "survey", "reroute", "simulate", "envelope", "replay", "capture", "audit", "landmark-label", "landmark-train",
-         "landmark-score",
+         "landmark-score", "fetch",
          "completion", "manual")
 NOT_RUN = "# not run: "
 EXIT_CODE = "echo $?"

@@ -54,6 +54,15 @@ constexpr const char* kDisagreement = "disagreement.tif";
 constexpr const char* kPackRoute = "pack_route";  // with the ending of the file that the planner gave
 constexpr const char* kReport = "report";         // what the names of its files begin with
 
+/// Of the endings that route files have.
+bool is_pack_route(const std::string& name) {
+  for (const char* ending : {".plan", ".mission", ".waypoints", ".txt", ".kml", ".kmz", ".wpml", ".csv", ".json",
+                             ".gpx", ".geojson", ".gpkg", ".route"}) {
+    if (name == kPackRoute + std::string(ending)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::string> earlier_outputs(const fs::path& folder) {
@@ -61,7 +70,7 @@ std::vector<std::string> earlier_outputs(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool route_of_pack = name.starts_with(kPackRoute + std::string(".")) && entry.is_regular_file(error);
+    const bool route_of_pack = is_pack_route(name) && entry.symlink_status(error).type() == fs::file_type::regular;
     const bool one_of_ours = name == kPlan || name == kTable || name == kSelection || name == kSimulation ||
                              name == kMap || name == signature_path_of(kMap) || name == chunk_list_path_of(kMap) ||
                              name == kDisagreement || name == kPackManifestName ||
@@ -90,9 +99,21 @@ namespace {
 std::string copy_route(const fs::path& given, const StagingFolder& staging) {
   std::error_code error;
   if (!fs::is_regular_file(given, error)) return "";
-  const std::string name = kPackRoute + (given.has_extension() ? given.extension().string() : ".route");
+  std::string name = kPackRoute + given.extension().string();
+  if (!is_pack_route(name)) name = kPackRoute + std::string(".route");
   write_file(staging / name, read_file(given), true);
   return name;
+}
+
+/// The route in the pack must be the one that was planned on, by the digest that stands among the inputs.
+void refuse_changed_route(const PackManifest& manifest) {
+  for (const PackFile& file : manifest.files) {
+    if (!is_pack_route(file.name)) continue;
+    for (const InputFile& input : manifest.inputs) {
+      if (input.role != "route" || input.digest == file.digest) continue;
+      throw DataError(input.name + ": has changed while the mission was prepared");
+    }
+  }
 }
 
 /// What a pack should say and does not.
@@ -289,6 +310,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
                           {},
                           report.inputs};
     for (const std::string& name : result.files) manifest.files.push_back(pack_file(staging / "", name));
+    refuse_changed_route(manifest);
     const std::vector<std::string> of_pack = write_manifest(manifest, run, staging);
     result.files.insert(result.files.end(), of_pack.begin(), of_pack.end());
     pack_notes = pack_warnings(manifest, run.secret_key.has_value());
