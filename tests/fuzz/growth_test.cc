@@ -147,6 +147,8 @@ std::vector<Growing> tables_and_lists() {
                                   if (i > 0) element["name"] = "file" + text(i);
                                 })},
       {"pack, inputs", long_list("pack/two_files.json", "/inputs", leave)},
+      {"delta", [](int n) { return corpus("delta/moved.delta") + std::string(static_cast<std::size_t>(n) * 32, 'x'); },
+       250, false},  // behind its end
       {"chunks",
        [](int n) { return corpus("chunks/two_chunks.chunks") + std::string(static_cast<std::size_t>(n) * 32, 'x'); },
        250, false},  // by the size that it states
