@@ -5,19 +5,16 @@
 
 #include "pilotage/base/text.h"
 #include "pilotage/fetch/fetch_imagery.h"
+#include "pilotage/mission/licence_json.h"
 
 namespace pilotage {
 namespace {
 
 nlohmann::ordered_json fetched_json(const FetchedFile& file) {
-  nlohmann::ordered_json json{{"name", file.name},
-                              {"item", file.asset.item},
-                              {"source", file.asset.dataset},
-                              {"acquired", file.asset.acquired},
-                              {"bytes", file.bytes},
-                              {"kept", file.kept}};
-  if (!file.asset.licence.terms.empty()) json["licence"] = file.asset.licence.terms;
-  if (!file.asset.licence.attribution.empty()) json["attribution"] = file.asset.licence.attribution;
+  nlohmann::ordered_json json{{"name", file.name},     {"item", file.asset.item},
+                              {"source", file.source}, {"acquired", file.asset.acquired},
+                              {"bytes", file.bytes},   {"kept", file.kept}};
+  add_licence(file.asset.licence, json);
   return json;
 }
 

@@ -26,6 +26,7 @@
 #include "pilotage/geo/bounds.h"
 #include "pilotage/geo/geodesic.h"
 #include "pilotage/geo/geodetic_point.h"
+#include "pilotage/mission/licence_json.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gdal_part.h"
 #include "pilotage/route/read_route.h"
@@ -122,14 +123,13 @@ FetchJson file_to_json(const FetchedFile& file) {
   FetchJson json{{"name", file.name},
                  {"item", file.asset.item},
                  {"asset", file.asset.key},
-                 {"source", public_name(file.asset.dataset)},
+                 {"source", file.source},
                  {"version", file.version},
                  {"window_px", {file.window.col, file.window.row, file.window.width, file.window.height}},
                  {"acquired", file.asset.acquired},
                  {"bytes", file.bytes},
                  {"digest", "blake2b-256:" + file.digest}};
-  if (!file.asset.licence.terms.empty()) json["licence"] = file.asset.licence.terms;
-  if (!file.asset.licence.attribution.empty()) json["attribution"] = file.asset.licence.attribution;
+  add_licence(file.asset.licence, json);
   return json;
 }
 
@@ -179,8 +179,9 @@ bool is_same(const FetchJson& earlier, const FetchedFile& file, const fs::path& 
          earlier["digest"] == "blake2b-256:" + file_digest(path);
 }
 
-std::vector<std::pair<std::string, std::string>> tags_of(const StacAsset& asset) {
-  std::vector<std::pair<std::string, std::string>> tags{{"PILOTAGE_SOURCE", public_name(asset.dataset)}};
+std::vector<std::pair<std::string, std::string>> tags_of(const FetchedFile& file) {
+  const StacAsset& asset = file.asset;
+  std::vector<std::pair<std::string, std::string>> tags{{"PILOTAGE_SOURCE", file.source}};
   if (!asset.acquired.empty()) tags.emplace_back("ACQUISITION_DATE", asset.acquired);
   if (!asset.licence.terms.empty()) tags.emplace_back(kLicenceTag, asset.licence.terms);
   if (!asset.licence.attribution.empty()) tags.emplace_back(kAttributionTag, asset.licence.attribution);
@@ -216,7 +217,7 @@ struct PlannedFile {
 /// Where its rows wait until all are there: another place for another raster, version or window.
 fs::path strips_of_file(const fs::path& folder, const FetchedFile& file) {
   const PixelWindow& window = file.window;
-  std::string key = public_name(file.asset.dataset) + "\n" + file.version;
+  std::string key = file.source + "\n" + file.version;
   for (const std::int64_t number : {window.col, window.row, std::int64_t{window.width}, std::int64_t{window.height}}) {
     key += "\n" + std::to_string(number);
   }
@@ -269,11 +270,12 @@ std::optional<PlannedFile> plan_file(const StacAsset& asset, const DegreeBounds&
   result.warnings.insert(result.warnings.end(), info.warnings.begin(), info.warnings.end());
   PlannedFile planned;
   planned.file.asset = asset;
+  planned.file.source = public_name(asset.dataset);
   if (asset.licence == Licence{}) planned.file.asset.licence = info.licence;
   if (asset.acquired.empty() && !asset.of_several_days) planned.file.asset.acquired = info.acquired;
   planned.file.version = dataset_version(asset.dataset);
   planned.file.window = *window;
-  planned.part = {asset.dataset, *window, info.map_from_pixel, info.crs, tags_of(planned.file.asset)};
+  planned.part = {asset.dataset, *window, info.map_from_pixel, info.crs, tags_of(planned.file)};
   return planned;
 }
 

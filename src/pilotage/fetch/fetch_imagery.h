@@ -40,6 +40,7 @@ struct FetchOptions {
 struct FetchedFile {
   std::string name;     ///< In the output folder.
   StacAsset asset;      ///< Where it came from.
+  std::string source;   ///< Its dataset without what an address says of who asks: query, name, password.
   std::string version;  ///< Of the raster there (dataset_version).
   PixelWindow window;   ///< Of its pixels.
   std::int64_t bytes = 0;

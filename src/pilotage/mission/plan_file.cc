@@ -12,6 +12,7 @@
 #include "pilotage/base/utc_time.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/camera/camera_json.h"
+#include "pilotage/mission/licence_json.h"
 #include "pilotage/raster/gdal_crs.h"
 #include "pilotage/route/route_json.h"
 
@@ -137,19 +138,6 @@ FlightSample sample_from_json(JsonObject json, const Mission& mission) {
   return sample;
 }
 
-/// What is not known does not stand there.
-void add_licence(const Licence& licence, const std::string& prefix, Json& json) {
-  if (!licence.terms.empty()) json[prefix + "licence"] = licence.terms;
-  if (!licence.attribution.empty()) json[prefix + "attribution"] = licence.attribution;
-}
-
-Licence licence_from_json(const std::string& prefix, JsonObject& object) {
-  Licence licence;
-  if (object.has(prefix + "licence")) licence.terms = object.text(prefix + "licence");
-  if (object.has(prefix + "attribution")) licence.attribution = object.text(prefix + "attribution");
-  return licence;
-}
-
 Json denial_to_json(const GnssDenial& denied) {
   if (denied.anywhere) return {{"anywhere", true}};
   Json json = {{"stretches", Json::array()}};
@@ -269,7 +257,7 @@ Json plan_to_json(const Mission& mission) {
     json["elevation_datum"] = mission.ground.elevation_datum;
     json["elevation_datum_assumed"] = mission.ground.elevation_datum_assumed;
   }
-  add_licence(mission.ground.elevation_licence, "elevation_", json);
+  add_licence(mission.ground.elevation_licence, json, "elevation_");
   if (mission.flight.max_error_assumed) json["max_error_assumed"] = true;
   if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
   if (!mission.flight.denied.from_start()) json["denied"] = denial_to_json(mission.flight.denied);
@@ -288,7 +276,7 @@ Json plan_to_json(const Mission& mission) {
                                {"width_px", image.width_px},
                                {"height_px", image.height_px}});
     if (!image.map_sigma.empty()) json["imagery"].back()["map_sigma"] = name_as_utf8(image.map_sigma);
-    add_licence(image.licence, "", json["imagery"].back());
+    add_licence(image.licence, json["imagery"].back());
   }
   for (const GridLevel& level : mission.ground.levels) json["levels"].push_back(matrix_to_json(level));
   for (const FlightSample& sample : mission.flight.samples) json["route_samples"].push_back(sample_to_json(sample));
@@ -317,7 +305,7 @@ Mission plan_from_json(const Json& json, const std::string& name) {
     mission.ground.elevation_datum = object.text("elevation_datum");
     mission.ground.elevation_datum_assumed = object.boolean("elevation_datum_assumed");
   }
-  mission.ground.elevation_licence = licence_from_json("elevation_", object);
+  mission.ground.elevation_licence = licence_from_json(object, "elevation_");
   mission.flight.route_file = bytes_of_name(object.text("route_file"));
   mission.ground.imagery.options = options_of<ImageryOptions>(object, "imagery_options");
   mission.flight.camera = camera_from_json(object.path("camera"), object.value("camera"));
@@ -342,7 +330,7 @@ Mission plan_from_json(const Json& json, const std::string& name) {
         {bytes_of_name(image.text("dataset")), image.number("gsd_m"), image.text("crs"), image.text("acquired"),
          image.small_integer("width_px", 1, std::numeric_limits<int>::max()),
          image.small_integer("height_px", 1, std::numeric_limits<int>::max()),
-         image.has("map_sigma") ? bytes_of_name(image.text("map_sigma")) : "", licence_from_json("", image)});
+         image.has("map_sigma") ? bytes_of_name(image.text("map_sigma")) : "", licence_from_json(image)});
     image.finish();
   }
   for (JsonObject& level : object.objects("levels")) {

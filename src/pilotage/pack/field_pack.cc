@@ -11,6 +11,7 @@
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/mapdb/map_signature.h"
+#include "pilotage/mission/licence_json.h"
 
 namespace pilotage {
 namespace {
@@ -61,9 +62,8 @@ PackFile file_from_json(JsonObject& object) {
 }
 
 InputFile input_from_json(JsonObject& object) {
-  InputFile file{object.text("role"), object.text("name"), object.text("date"), object.text("digest"), {}};
-  if (object.has("licence")) file.licence.terms = object.text("licence");
-  if (object.has("attribution")) file.licence.attribution = object.text("attribution");
+  InputFile file{object.text("role"), object.text("name"), object.text("date"), object.text("digest"),
+                 licence_from_json(object)};
   object.finish();
   return file;
 }
@@ -125,8 +125,7 @@ std::string pack_manifest_text(const PackManifest& manifest) {
   for (const InputFile& input : manifest.inputs) {
     PackJson& next = json["inputs"].emplace_back(
         PackJson{{"role", input.role}, {"name", input.name}, {"date", input.date}, {"digest", input.digest}});
-    if (!input.licence.terms.empty()) next["licence"] = input.licence.terms;
-    if (!input.licence.attribution.empty()) next["attribution"] = input.licence.attribution;
+    add_licence(input.licence, next);
   }
   return json_text(json);
 }
