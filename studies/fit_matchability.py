@@ -27,24 +27,33 @@ from osgeo import osr  # noqa: E402
 COARSE = ("beihai", "cupertino", "hongkong", "mumbai", "pisa", "saclay_e")
 FINE = ("levir_test_113_0256", "levir_test_7_0256_0512", "levir_train_36_0512_0512", "levir_train_386_0512_0768",
         "levir_train_412_0512_0768", "CS3", "OO1", "OO3", "OO4", "OO6")
+# Pairs of real/, by the name of their place: those of one site and other dates share its level. Pictures of the map and
+# of the flight; fixes within so many metres are correct, by what its README says of the truth.
+REAL = {"hathaway": (("hathaway/hathaway_1.png", "hathaway/hathaway_2.png", 3),
+                     ("hathaway/hathawaynorth_1.png", "hathaway/hathawaynorth_2.png", 3)),
+        "mexico4": (("mexico4/mexico4_1.png", "mexico4/mexico4_2.png", 6),),
+        "libya": (("libya/libya_1.png", "libya/libya_2.png", 6),),
+        "joplin": (("joplin/joplin_1.tif", "joplin/joplin_2.tif", 3),),
+        "p3": tuple(("p3/p3_2022-03-30.png", f"p3/p3_{later}.png", 3)
+                    for later in ("2022-05-31", "2022-12-14", "2024-02-01"))}
 # Inputs of P that are tried, the fewest first; that is taken unless another is better by more than chance (choose_terms).
-TERMS = ("map_features:3,relative_contrast:3", "map_features:3", "map_features:3,gray_contrast:3",
-         "map_features:3,gray_contrast:0.5", "map_features:3,vote_noise:3,relative_contrast:3")
+TERMS = ("map_features:3,fine_contrast:3", "map_features:3", "map_features:3,gray_contrast:3",
+         "map_features:3,gray_contrast:0.5", "map_features:3,vote_noise:3,fine_contrast:3")
 GSD_M = 0.6
 SEARCH_PX = 58  # 35 m
-SIZES_PX = {"coarse": (72, 84, 111), "fine": (72, 84, 111, 128), "port": (84, 111, 166, 222)}
-MEASURES = {"coarse": "correct_fix", "fine": "correct_fix",
+SIZES_PX = {"coarse": (72, 84, 111), "fine": (72, 84, 111, 128), "real": (84, 111, 140), "port": (84, 111, 166, 222)}
+MEASURES = {"coarse": "correct_fix", "fine": "correct_fix", "real": "correct_fix",
             "port": "gray_variance,frieden_entropy,uniqueness,degraded,correct_fix"}
-TILES = {"coarse": 60, "fine": 80, "port": 600}
+TILES = {"coarse": 60, "fine": 80, "real": 60, "port": 600}
 
 
-def as_raster(picture, path):
-    """A picture without a place as a raster of GSD_M per pixel."""
+def as_raster(picture, path, no_data="none"):
+    """A picture without a place as a raster of GSD_M per pixel; `no_data`: the value of what is no ground."""
     if not path.exists():
         source = gdal.Open(str(picture))
         east, north = GSD_M * source.RasterXSize, GSD_M * source.RasterYSize
         bands = [1, 2, 3] if source.RasterCount >= 3 else [1]
-        gdal.Translate(str(path), source, outputSRS="EPSG:32633", bandList=bands, noData="none",
+        gdal.Translate(str(path), source, outputSRS="EPSG:32633", bandList=bands, noData=no_data,
                        outputBounds=[500000, 5000000, 500000 + east, 5000000 - north])
     return path
 
@@ -100,32 +109,52 @@ def pair(data, work, place):
                  for date in (1, 2))
 
 
-def evaluate(options, work, place, size_px, chips, more=()):
-    """The folder of an evaluation."""
-    kind = "coarse" if place in COARSE else "fine" if place in FINE else "port"
-    folder = work / f"{place}_{size_px}{'_chips' if chips else ''}"
+def evaluate(options, folder, kind, rasters, size_px, chips, more=()):
+    """The folder of an evaluation; `rasters`: of the map and of the flight."""
+    folder = folder.with_name(folder.name + f"_{size_px}{'_chips' if chips else ''}")
     if not (folder / "evaluation.json").exists():
         folder.mkdir(exist_ok=True)
-        reference, other = pair(options.data, work, place)
-        # Corrects the truth where dates disagree; without the ties on shadows the port has fixes that pass for false.
-        register = () if kind == "coarse" else ("--second-epoch", other, "--registration-ties-shadows", "follow")
+        reference, other = rasters
         run(options.pilotage, "score", reference, "--gsd-m", GSD_M, "--tile-size-px", size_px, "--stride-px",
             max(8, size_px // 4), "--search-radius-px", SEARCH_PX, "--measures",
             MEASURES[kind], "--matcher",
             "features_and_chips" if chips else "features", "--evaluate", other, "--evaluate-max-tiles",
             TILES[kind], "--evaluate-resamples", 400 if kind == "port" else 0, *(("--evaluate-chips",) if chips else ()),
-            *register, *more, "--table", folder / "tiles.csv", "-o", folder / "scores.tif", "--overwrite", "-q")
+            *more, "--table", folder / "tiles.csv", "-o", folder / "scores.tif", "--overwrite", "-q")
     return folder
 
 
+def registered(other):
+    """Corrects the truth where dates disagree; without the ties on shadows the port has fixes that pass for false."""
+    return "--second-epoch", other, "--registration-ties-shadows", "follow"
+
+
+def fits(raster, size_px):
+    source = gdal.Open(str(raster))
+    return min(source.RasterXSize, source.RasterYSize) >= size_px + 2 * SEARCH_PX
+
+
 def all_folders(options, work):
+    """PLACE=FOLDER of each evaluation that the model is fitted to."""
     for place in COARSE + FINE:
-        for size_px in SIZES_PX["coarse" if place in COARSE else "fine"]:
-            source = gdal.Open(str(pair(options.data, work, place)[0]))
-            if min(source.RasterXSize, source.RasterYSize) < size_px + 2 * SEARCH_PX:
+        kind = "coarse" if place in COARSE else "fine"
+        rasters = pair(options.data, work, place)
+        for size_px in SIZES_PX[kind]:
+            if not fits(rasters[0], size_px):
                 continue
             for chips in (False, True):
-                yield f"{place}={evaluate(options, work, place, size_px, chips)}"
+                more = registered(rasters[1]) if kind == "fine" else ()
+                yield f"{place}={evaluate(options, work / place, kind, rasters, size_px, chips, more)}"
+    for place, pairs in REAL.items():
+        for *pictures, tolerance_m in pairs:
+            names = [pathlib.Path(picture).stem for picture in pictures]
+            rasters = [as_raster(options.data / "real" / picture, work / f"{name}.tif", 0)
+                       for name, picture in zip(names, pictures)]
+            for size_px in SIZES_PX["real"]:
+                for chips in (False, True):
+                    folder = evaluate(options, work / "_".join(names), "real", rasters, size_px, chips,
+                                      ("--evaluate-tolerance-m", tolerance_m))
+                    yield f"{place}={folder}"
 
 
 def tell(folder):
@@ -143,7 +172,8 @@ def tell(folder):
 
 def calibrated(options, folders, terms, model):
     """What `calibrate` says of the folders with these inputs, as JSON."""
-    return json.loads(run(options.pilotage, "calibrate", *folders, "--anchors", ",".join(FINE), "--terms", terms, "--date",
+    anchors = ",".join(FINE + tuple(REAL))
+    return json.loads(run(options.pilotage, "calibrate", *folders, "--anchors", anchors, "--terms", terms, "--date",
                           options.date, "-o", model, "--overwrite", "--json", "-q", streams="stdout"))
 
 
@@ -202,9 +232,11 @@ def command_line():
     said = calibrated(options, folders, terms, model)
     tell_places(said)
     print(json.dumps({matcher["matcher"]: matcher["level"] for matcher in said["model"]["matchers"]}, indent=1))
+    rasters = pair(options.data, options.work, "port")
     for chips in (False, True):
         for size_px in SIZES_PX["port"]:
-            tell(evaluate(options, options.work, "port", size_px, chips, ("--model", model)))
+            tell(evaluate(options, options.work / "port", "port", rasters, size_px, chips,
+                          (*registered(rasters[1]), "--model", model)))
 
 
 if __name__ == "__main__":

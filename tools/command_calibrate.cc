@@ -32,7 +32,7 @@ struct CalibrateOptions {
     fields.field(
         "terms", self.terms,
         "What P is made of, each as INPUT or INPUT:MOST with the standard deviations above its mean from which "
-        "on it promises no more. Default: map_features:3, relative_contrast:3.");
+        "on it promises no more. Default: map_features:3, fine_contrast:3.");
     fields.path(
         "adapt", self.adapt,
         "Fit nothing, but learn the level of this model (\"default\": the program's own) from what was found here.");

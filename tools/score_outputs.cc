@@ -15,6 +15,7 @@
 #include "pilotage/gis/qgis_style.h"
 #include "pilotage/gis/score_files.h"
 #include "pilotage/ground/ground_imagery.h"
+#include "pilotage/ground/imagery_months.h"
 #include "pilotage/ground/score_raster.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/registration/disagreement_raster.h"
@@ -203,6 +204,11 @@ void ScoreOutputs::add_evaluation(const ScoreTable& table, const GroundScores& s
   evaluation_->write(judged, evaluation, source);
   result.json["evaluation"] = evaluation_json(evaluation, source);
   result.text += evaluation_text(evaluation);
+  if (run_.options.score.model.empty() && imagery_months(run_.ground)) {
+    result.warnings.push_back(
+        "P(correct fix) is that of the flight on " + run_.ground.flight_time +
+        ", for the age that the imagery then has; what it is judged by was taken at another time");
+  }
   result.warnings.insert(result.warnings.end(), frames.warnings.begin(), frames.warnings.end());
   result.warnings.insert(result.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
 }

@@ -49,7 +49,7 @@ TEST(EvaluationFiles, CsvHasALineForEachOutcome) {
   EXPECT_THAT(
       csv, StartsWith("tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,"
                       "error_east_m,error_north_m,nadir_error_m,evidence,p_correct_fix,gray_variance,frieden_deficit,"
-                      "clean_peak_margin,degraded_peak_margin,map_features,vote_noise,relative_contrast\n"));
+                      "clean_peak_margin,degraded_peak_margin,map_features,vote_noise,fine_contrast\n"));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 82);
 }
 

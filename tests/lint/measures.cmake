@@ -15,6 +15,7 @@ set(others_half_width_px place_ranking displacement_voting frame_on_grid landmar
 set(others_map_features match match_json fix_table)
 set(others_ncc ties warp_problem chip_search match_confidence match_json place_ranking fix_table match)
 set(others_disagreement_m fit_warp score_outputs)
+set(others_level_tiles verdict) # of a selection
 
 file(READ ${SOURCE}/src/pilotage/ground/tile_scores.h text)
 string(REGEX MATCHALL "double [a-z_0-9]+ = std::numeric_limits" members "${text}")

@@ -10,11 +10,11 @@
 namespace pilotage {
 namespace {
 
-MatchabilityInputs drawn_inputs(double map_features, double gray_contrast, double relative_contrast) {
+MatchabilityInputs drawn_inputs(double map_features, double gray_contrast, double fine_contrast) {
   MatchabilityInputs inputs;
   inputs[ModelInput::kMapFeatures] = map_features;
   inputs[ModelInput::kGrayContrast] = gray_contrast;
-  inputs[ModelInput::kRelativeContrast] = relative_contrast;
+  inputs[ModelInput::kFineContrast] = fine_contrast;
   inputs[ModelInput::kVoteContrast] = 5;  // nothing repeats
   return inputs;
 }
@@ -34,7 +34,7 @@ FitSet drawn_set(const std::string& place, bool anchor, double level, double rel
 }
 
 const std::vector<TermChoice> kFree = {
-    {ModelInput::kMapFeatures, 10}, {ModelInput::kGrayContrast, 10}, {ModelInput::kRelativeContrast, 10}};
+    {ModelInput::kMapFeatures, 10}, {ModelInput::kGrayContrast, 10}, {ModelInput::kFineContrast, 10}};
 
 double slope_of(const MatcherModel& model, std::size_t term) {
   return model.terms[term].coefficient / model.terms[term].spread;

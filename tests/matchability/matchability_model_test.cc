@@ -19,16 +19,16 @@ MatcherModel simple_model() {
   model.matcher = FlyingMatcher::kFeaturesAndChips;
   model.terms = {{ModelInput::kMapFeatures, 1, 5, 0.5, 3},
                  {ModelInput::kGrayContrast, 0.75, -1, 0.25, 0.5},
-                 {ModelInput::kRelativeContrast, 0.5, 8, 1, 3}};
+                 {ModelInput::kFineContrast, 0.5, 8, 1, 3}};
   model.level = {0.25, 1.5, 1.2, 0.9, 2, 6, 0};
   return model;
 }
 
-MatchabilityInputs inputs_of(double map_features, double gray_contrast, double relative_contrast) {
+MatchabilityInputs inputs_of(double map_features, double gray_contrast, double fine_contrast) {
   MatchabilityInputs inputs;
   inputs[ModelInput::kMapFeatures] = map_features;
   inputs[ModelInput::kGrayContrast] = gray_contrast;
-  inputs[ModelInput::kRelativeContrast] = relative_contrast;
+  inputs[ModelInput::kFineContrast] = fine_contrast;
   return inputs;
 }
 
@@ -42,7 +42,7 @@ TileScores scored_tile() {
   score.frieden_deficit = 0.04;  // σ/mean = 0.2: a mean of 100
   score.map_features = 98;
   score.vote_noise = 0.7;
-  score.relative_contrast = 1.25;
+  score.fine_contrast = 1.25;
   return score;
 }
 
@@ -51,14 +51,14 @@ TEST(MatchabilityModel, InputsAreThoseOfTheDocumentation) {
   EXPECT_NEAR(inputs[ModelInput::kMapFeatures], std::log(100.0), 1e-12);
   EXPECT_NEAR(inputs[ModelInput::kVoteNoise], std::log(1.0), 1e-12);
   EXPECT_NEAR(inputs[ModelInput::kGrayContrast], std::log(0.21), 1e-12);
-  EXPECT_NEAR(inputs[ModelInput::kRelativeContrast], std::log(1.3), 1e-12);
+  EXPECT_NEAR(inputs[ModelInput::kFineContrast], std::log(1.3), 1e-12);
   EXPECT_NEAR(inputs[ModelInput::kVoteContrast], std::log(100.0), 1e-12);
 }
 
 TEST(MatchabilityModel, ContrastCountsAsUsualWhereNothingIsKnownOfTheImagery) {
   TileScores score = scored_tile();
-  score.relative_contrast = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NEAR(matchability_inputs(score)[ModelInput::kRelativeContrast], std::log(1.05), 1e-12);
+  score.fine_contrast = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NEAR(matchability_inputs(score)[ModelInput::kFineContrast], std::log(1.05), 1e-12);
 }
 
 TEST(MatchabilityModel, IsTheStatedFunctionOverTheLevel) {
@@ -140,7 +140,7 @@ TEST(MatchabilityModel, RefusesWhatIsNotItsFormat) {
   json["matchers"][0]["terms"][1]["input"] = "luck";
   EXPECT_THROW(matchability_model_from_json(json, "m"), DataError);
   json = matchability_model_to_json(model);
-  json["format_version"] = 3;
+  json["format_version"] = 4;
   EXPECT_THROW(matchability_model_from_json(json, "m"), DataError);
   json["format_version"] = 1;
   try {

@@ -46,7 +46,7 @@ TEST(Prepare, WritesAllFilesAndNothingElse) {
             (std::set<std::string>{"map.gpkg", "plan.json", "report.gpkg", "report.html", "report.json",
                                    "report_classes.qml", "report_classes.tif", "report_classes.tif.aux.xml",
                                    "scores.qml", "scores.tif", "selection.json", "simulation.json", "tiles.csv"}));
-  EXPECT_THAT(result.verdict, ::testing::StartsWith("MARGINAL: 93 of 100")) << "one date";
+  EXPECT_THAT(result.verdict, ::testing::StartsWith("MARGINAL: 92 of 100")) << "one date";
   EXPECT_THAT(result.evidence, ::testing::HasSubstr("of 2000 flights"));
   EXPECT_EQ(result.selected_tiles, result.map.tiles);
   EXPECT_EQ(result.matchable_fraction, 1);

@@ -24,7 +24,7 @@ Mission over_imagery_of(const std::string& acquired, const std::string& flight_t
   mission.ground.imagery.datasets.resize(1);
   mission.ground.imagery.datasets[0].dataset = "ortho.tif";
   mission.ground.imagery.datasets[0].acquired = acquired;
-  mission.flight.flight_time = flight_time;
+  mission.ground.flight_time = flight_time;
   mission.flight.samples.resize(3);
   for (std::size_t i = 0; i < 3; ++i) {
     mission.flight.samples[i].distance_m = 6000.0 * static_cast<double>(i);
@@ -73,7 +73,7 @@ TEST(ImageryAge, SaysWhenShadowsDifferMost) {
   const std::string html = imagery_age_html(age);
   EXPECT_THAT(html, HasSubstr("ortho.tif, of 2024-03-20T09:07:24Z: 24 months old, 0 months apart in season"));
   EXPECT_THAT(html, HasSubstr("<th scope=\"row\">17:00</th>"));
-  EXPECT_THAT(html, HasSubstr("P(correct fix) does not count age and season"));
+  EXPECT_THAT(html, HasSubstr("The default P(correct fix) counts the age"));
 }
 
 TEST(ImageryAge, AnHourThatIsNotKnownIsTakenForNoonAndSaidSo) {
@@ -111,7 +111,7 @@ TEST(ImageryAge, AFlightByNightIsNoGo) {
   const int noon_utc = 12 - static_cast<int>(std::lround(point.lon_deg / 15));
   const auto at = [&](int hour) {
     const int wrapped = (hour + 24) % 24;
-    input.mission.flight.flight_time =
+    input.mission.ground.flight_time =
         "2026-03-20T" + std::string(wrapped < 10 ? "0" : "") + std::to_string(wrapped) + ":00:00Z";
     return make_report(input);
   };
@@ -127,10 +127,16 @@ TEST(ImageryAge, OfImageryWithoutAFlightIsToldAlike) {
         imagery_age(over_imagery_of(acquired, "").ground.imagery.datasets, {10, 50}, flight_time));
   };
   EXPECT_EQ(phrase("2024-03-20", "2026-07-01"),
-            "imagery 27 months old, 3 months apart in season, which P(correct fix) does not count");
+            "imagery 27 months old, 3 months apart in season (the default P(correct fix) counts the age by a rule of "
+            "thumb, not "
+            "the season)");
   EXPECT_EQ(phrase("2026-09-20", "2026-07-01"),
-            "imagery 3 months younger than the flight, which P(correct fix) does not count");
+            "imagery 3 months younger than the flight (the default P(correct fix) counts the age by a rule of thumb, "
+            "not the season)");
   EXPECT_EQ(phrase("", "2026-07-01"), "imagery of unknown age, which P(correct fix) does not count");
+  ImageryAge half = imagery_age(over_imagery_of("2024-03-20", "2026-07-01")).value();
+  half.datasets.emplace_back().dataset = "other.tif";
+  EXPECT_THAT(imagery_age_phrase(half), HasSubstr("counts neither, as of some imagery the date is not known"));
   EXPECT_THROW(phrase("2024-03-20", "tomorrow"), UsageError);
 }
 
@@ -143,8 +149,10 @@ TEST(ImageryAge, CloudsAreSaidBesideTheVerdict) {
   EXPECT_EQ(rows[1].status, QualityStatus::kMarginal);
   EXPECT_THAT(
       assumptions_line(mission, {}),
-      HasSubstr(", imagery 12 months old, 0 months apart in season, which P(correct fix) does not count, ground in "
-                "sight (it is hidden 35 % of the time)"));
+      HasSubstr(
+          ", imagery 12 months old, 0 months apart in season (the default P(correct fix) counts the age by a rule of "
+          "thumb, not the season), ground in "
+          "sight (it is hidden 35 % of the time)"));
   mission.flight.ground_hidden->fraction = 0.1;
   EXPECT_EQ(imagery_age_rows(mission)[1].status, QualityStatus::kGood);
 }

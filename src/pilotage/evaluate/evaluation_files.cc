@@ -168,8 +168,7 @@ std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluati
       "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,error_east_m,error_"
       "north_m,nadir_error_m,evidence";
   std::vector<std::string> names = predictor_columns();
-  for (const char* input_of_model : {"map_features", "vote_noise", "relative_contrast"})
-    names.emplace_back(input_of_model);
+  for (const char* input_of_model : {"map_features", "vote_noise", "fine_contrast"}) names.emplace_back(input_of_model);
   for (const std::string& name : names) {
     columns.push_back(find_measure(name));
     text += "," + columns.back()->name;

@@ -58,7 +58,7 @@ EvaluatedSet read_evaluated_set(const std::filesystem::path& folder, const std::
     score.frieden_deficit = number_of(table, *cells, "frieden_deficit");
     score.map_features = number_of(table, *cells, "map_features");
     score.vote_noise = number_of(table, *cells, "vote_noise");
-    score.relative_contrast = number_of(table, *cells, "relative_contrast");
+    score.fine_contrast = number_of(table, *cells, "fine_contrast");
     if (std::isnan(score.map_features) || std::isnan(score.frieden_deficit)) {
       throw DataError(table.where() + "no map_features or no frieden_deficit; score with the measure correct_fix");
     }

@@ -75,7 +75,9 @@ struct Ground {
   std::string elevation_datum;              ///< What its heights were taken for (Elevation::vertical_datum);
   bool elevation_datum_assumed = false;     ///< it does not say so itself.
   Licence elevation_licence;                ///< Of the elevation model.
-  std::vector<GroundTile> tiles;            ///< Ascending tile_id.
+  /// When the flight over it begins, as parse_utc_date() takes it; "" when the planner did not say.
+  std::string flight_time;
+  std::vector<GroundTile> tiles;  ///< Ascending tile_id.
 
   const GridLevel& level_of(const GroundTile& tile) const { return levels[static_cast<std::size_t>(tile.level)]; }
   PixelWindow window_of(const GroundTile& tile) const { return level_of(tile).matrix.tile_window(tile.cell()); }

@@ -144,9 +144,9 @@ void add_features(std::vector<Measure>& list) {
                          {8, "", "features", "Features that the map would hold of the tile.", ColorMap::kCividis, 0}));
   list.push_back(of_tile("vote_noise", "", "standard deviation of the votes that they give to wrong places",
                          "Noise of wrong votes", Kind::kNumber, Group::kFeatures, &TileScores::vote_noise));
-  list.push_back(of_tile("relative_contrast", "", "gray contrast over the median of the imagery's ground",
-                         "Gray contrast over the imagery's usual", Kind::kNumber, Group::kFeatures,
-                         &TileScores::relative_contrast));
+  list.push_back(of_tile("fine_contrast", "", "contrast within some 15 px over the median of the imagery's ground",
+                         "Fine contrast over the imagery's usual", Kind::kNumber, Group::kFeatures,
+                         &TileScores::fine_contrast));
   list.push_back(of_tile(
       "p_correct_fix", "", "probability of a correct fix", "P(correct fix)", Kind::kShare, Group::kCorrectFix,
       &TileScores::p_correct_fix,

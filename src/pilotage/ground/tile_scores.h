@@ -59,8 +59,8 @@ struct TileScores {
   /// (docs/methods/matchability.md).
   double map_features = std::numeric_limits<double>::quiet_NaN();
   double vote_noise = std::numeric_limits<double>::quiet_NaN();
-  /// σ/f̄ of the tile's gray values over what ground of this imagery usually has (score/usual_contrast.h).
-  double relative_contrast = std::numeric_limits<double>::quiet_NaN();
+  /// The tile's fine contrast over what ground of this imagery usually has (matchability/fine_contrast.h).
+  double fine_contrast = std::numeric_limits<double>::quiet_NaN();
   /// What the ground is made of and which way its edges run (matchability/ground_cover.h).
   double vegetation_share = std::numeric_limits<double>::quiet_NaN();
   double water_share = std::numeric_limits<double>::quiet_NaN();

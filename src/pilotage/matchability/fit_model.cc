@@ -346,7 +346,7 @@ ModelTerm repetition_term() {
 }
 
 std::vector<TermChoice> default_terms() {
-  return {{ModelInput::kMapFeatures, 3}, {ModelInput::kRelativeContrast, 3}};
+  return {{ModelInput::kMapFeatures, 3}, {ModelInput::kFineContrast, 3}};
 }
 
 MatcherModel fit_matcher_model(FlyingMatcher matcher, const std::vector<FitSet>& sets,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <mutex>
 #include <numeric>
 #include <string>
@@ -12,12 +11,13 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/geo/tile_groups.h"
 #include "pilotage/raster/gray_stretch.h"
+#include "pilotage/raster/rectangle_sums.h"
 
 namespace pilotage {
 namespace {
 
-constexpr int kGroupSide_px = 1024;
 constexpr int kColorBox_px = 5;
 constexpr int kSmoothBox_px = 9;
 constexpr int kMajorityBox_px = 31;
@@ -28,30 +28,6 @@ static_assert(kHalo_px >= kGradientReach_px);
 /// Of a picture in gray stored as colours every pixel is neutral; lossy compression leaves some that are not.
 constexpr double kNeutralShare = 0.98;
 constexpr double kDarkOffset = 8;  // gray levels: what noise is to the darkest ground
-
-/// Sums over any rectangle.
-class RectangleSums {
- public:
-  explicit RectangleSums(const cv::Mat& values) {
-    cv::integral(values, sums_, values.depth() == CV_8U ? CV_32S : CV_64F);
-  }
-  double at(const cv::Rect& rect) const {
-    return value(rect.y, rect.x) - value(rect.y, rect.br().x) - value(rect.br().y, rect.x) +
-           value(rect.br().y, rect.br().x);
-  }
-
- private:
-  double value(int row, int col) const {
-    return sums_.depth() == CV_32S ? sums_.at<int>(row, col) : sums_.at<double>(row, col);
-  }
-  cv::Mat sums_;
-};
-
-cv::Mat box_sum(const cv::Mat& values, int side_px) {
-  cv::Mat sums;
-  cv::boxFilter(values, sums, CV_32S, {side_px, side_px}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  return sums;
-}
 
 /// 8 bits, all bands in one scale, so that their ratios stay; 0 where there is no ground.
 cv::Mat to_8bit(const Raster& raster, double white) {
@@ -207,33 +183,6 @@ class CoverSums {
   RectangleSums ground_, neutral_, green_, water_, gray_water_, xx_, xy_, yy_;
 };
 
-/// Tiles, by their indices in the result, that are measured on one window.
-struct TileGroup {
-  PixelWindow window;
-  std::vector<std::size_t> result_indices;
-};
-
-std::vector<TileGroup> make_groups(const TileMatrix& matrix, std::span<const std::int64_t> indices) {
-  const std::int64_t across = std::max(1, (kGroupSide_px - matrix.tile_size_px) / matrix.stride_px + 1);
-  std::map<std::pair<std::int64_t, std::int64_t>, TileGroup> groups;
-  for (std::size_t result_index = 0; result_index < indices.size(); ++result_index) {
-    const auto [column, row] = matrix.cell_of(indices[result_index]);
-    const PixelWindow reach = matrix.search_window(column, row, kHalo_px);
-    TileGroup& group = groups[{row / across, column / across}];
-    if (group.result_indices.empty()) group.window = reach;
-    const std::int64_t end_col = std::max(group.window.col + group.window.width, reach.col + reach.width);
-    const std::int64_t end_row = std::max(group.window.row + group.window.height, reach.row + reach.height);
-    group.window.col = std::min(group.window.col, reach.col);
-    group.window.row = std::min(group.window.row, reach.row);
-    group.window.width = static_cast<int>(end_col - group.window.col);
-    group.window.height = static_cast<int>(end_row - group.window.row);
-    group.result_indices.push_back(result_index);
-  }
-  std::vector<TileGroup> list;
-  for (auto& [key, group] : groups) list.push_back(std::move(group));
-  return list;
-}
-
 void check_request(const ColorSource& colors, const TileMatrix& matrix, std::span<const std::int64_t> indices) {
   if (matrix.grid_width_px != colors.width_px || matrix.grid_height_px != colors.height_px) {
     throw DataError("ground cover: the tile matrix is that of a grid of " + std::to_string(matrix.grid_width_px) +
@@ -259,7 +208,7 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
     std::iota(indices.begin(), indices.end(), 0);
   }
   const double white = colors.depth == CV_8U ? 255 : std::max(find_stretch(gray_source_of(colors)).high, 1e-300);
-  const std::vector<TileGroup> groups = make_groups(matrix, indices);
+  const std::vector<TileGroup> groups = group_tiles(matrix, indices, kHalo_px);
   std::vector<GroundCover> covers(indices.size());
   std::mutex progress_mutex;
   std::size_t done = 0;
@@ -274,9 +223,8 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
     const cv::Mat pixels = to_8bit(raster, white);
     const CoverSums sums(pixels, gray_from_colors(pixels), cv::Mat(raster.valid != 0) / 255);
     for (const std::size_t result_index : group.result_indices) {
-      const PixelWindow tile = matrix.tile_window(matrix.cell_of(indices[result_index]));
-      covers[result_index] = sums.of({static_cast<int>(tile.col - group.window.col),
-                                      static_cast<int>(tile.row - group.window.row), tile.width, tile.height});
+      const PixelWindow tile = group.place_of(matrix.tile_window(matrix.cell_of(indices[result_index])));
+      covers[result_index] = sums.of({static_cast<int>(tile.col), static_cast<int>(tile.row), tile.width, tile.height});
     }
     const std::lock_guard lock(progress_mutex);
     ++done;

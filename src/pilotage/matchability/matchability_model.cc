@@ -16,7 +16,7 @@
 namespace pilotage {
 namespace {
 
-constexpr int kFormatVersion = 2;
+constexpr int kFormatVersion = 3;
 
 constexpr int kSmallestTested_px = 72;
 constexpr int kLargestTested_px = 222;
@@ -85,8 +85,8 @@ PlaceLevel level_from_json(JsonObject json) {
 void refuse_older(JsonObject& file, const std::string& name) {
   if (file.integer("format_version", 0) >= kFormatVersion) return;
   throw DataError(name +
-                  ": is a model of a version whose P does not say how well the level of a place is known; fit it again "
-                  "with `pilotage calibrate` from its evaluations");
+                  ": is a model of a version whose P looks at other numbers of a tile; evaluate again (`pilotage score "
+                  "--evaluate`), and fit it to that with `pilotage calibrate`");
 }
 
 }  // namespace
@@ -101,12 +101,12 @@ std::string model_input_name(ModelInput input) {
 
 MatchabilityInputs matchability_inputs(const TileScores& score) {
   const double noise = std::isnan(score.vote_noise) ? 0 : score.vote_noise;
-  const double relative = std::isnan(score.relative_contrast) ? 1 : score.relative_contrast;
+  const double fine = std::isnan(score.fine_contrast) ? 1 : score.fine_contrast;
   MatchabilityInputs inputs;
   inputs[ModelInput::kMapFeatures] = std::log(score.map_features + 2);
   inputs[ModelInput::kVoteNoise] = std::log(noise + 0.3);
   inputs[ModelInput::kGrayContrast] = std::log(std::sqrt(std::max(score.frieden_deficit, 0.0)) + 0.01);
-  inputs[ModelInput::kRelativeContrast] = std::log(relative + 0.05);
+  inputs[ModelInput::kFineContrast] = std::log(fine + 0.05);
   inputs[ModelInput::kVoteContrast] = inputs[ModelInput::kMapFeatures] - inputs[ModelInput::kVoteNoise];
   return inputs;
 }

@@ -34,9 +34,9 @@ enum class ModelInput {
   kMapFeatures,   ///< ln(n + 2): n features of the map vote for the right place.
   kVoteNoise,     ///< ln(noise + 0.3) of their own votes for wrong ones.
   kGrayContrast,  ///< ln(σ/f̄ + 0.01) of the gray values.
-  /// ln of the same over what is usual on this imagery (TileScores::relative_contrast + 0.05): what haze, season and
-  /// shadows leave of the picture, without what a sensor and its processing do to all of it.
-  kRelativeContrast,
+  /// ln of TileScores::fine_contrast + 0.05: how clearly corners and edges stand out, without what a sensor and its
+  /// processing do to all of the imagery.
+  kFineContrast,
   kVoteContrast,  ///< kMapFeatures − kVoteNoise: how far the true peak can stand above the others.
 };
 inline constexpr std::size_t kModelInputs = 5;
@@ -45,7 +45,7 @@ inline EnumNames<ModelInput> enum_names(ModelInput) {
   return {{ModelInput::kMapFeatures, "map_features"},
           {ModelInput::kVoteNoise, "vote_noise"},
           {ModelInput::kGrayContrast, "gray_contrast"},
-          {ModelInput::kRelativeContrast, "relative_contrast"},
+          {ModelInput::kFineContrast, "fine_contrast"},
           {ModelInput::kVoteContrast, "vote_contrast"}};
 }
 
@@ -132,8 +132,8 @@ const MatchabilityModel& default_matchability_model();
 
 nlohmann::ordered_json matchability_model_to_json(const MatchabilityModel& model);
 
-/// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path; so does the format before the
-/// level had a spread, with what to do.
+/// Strict: a missing, unknown or wrong key throws DataError naming `name` and the path; so does an
+/// older format, with what to do.
 MatchabilityModel matchability_model_from_json(const nlohmann::ordered_json& json, const std::string& name);
 
 /// matchability_model_from_json of a file. Throws DataError.

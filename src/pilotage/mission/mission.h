@@ -64,7 +64,6 @@ struct Flight {
   FlightConditions conditions;
   GnssDenial denied;
   std::optional<Autopilot> autopilot;  ///< Nothing where the planner did not say.
-  std::string flight_time;  ///< When it begins, as parse_utc_date() takes it; "" when the planner did not say.
   std::optional<GroundHidden> ground_hidden;
   double max_error_m = 0;  ///< The position error (k·σ) that the mission allows.
   /// Height above sea level of the flat ground that is assumed where no elevation model is given; nothing where none

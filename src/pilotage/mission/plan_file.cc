@@ -175,11 +175,12 @@ GnssDenial denial_from_json(JsonObject json) {
   return denied;
 }
 
-void read_flight_time(JsonObject& json, Flight& flight) {
-  flight.flight_time = json.text("flight_time");
-  if (!parse_utc_date(flight.flight_time)) {
-    throw DataError(json.path("flight_time") + " = \"" + flight.flight_time + "\" is no day and no moment in UTC");
+std::string flight_time_from_json(JsonObject& json) {
+  std::string time = json.text("flight_time");
+  if (!parse_utc_date(time)) {
+    throw DataError(json.path("flight_time") + " = \"" + time + "\" is no day and no moment in UTC");
   }
+  return time;
 }
 
 Autopilot autopilot_from_json(JsonObject& json) {
@@ -261,7 +262,7 @@ Json plan_to_json(const Mission& mission) {
   if (mission.flight.max_error_assumed) json["max_error_assumed"] = true;
   if (mission.flight.flat_ground_amsl_m) json["flat_ground_amsl_m"] = *mission.flight.flat_ground_amsl_m;
   if (!mission.flight.denied.from_start()) json["denied"] = denial_to_json(mission.flight.denied);
-  if (!mission.flight.flight_time.empty()) json["flight_time"] = mission.flight.flight_time;
+  if (!mission.ground.flight_time.empty()) json["flight_time"] = mission.ground.flight_time;
   for (const auto& known : enum_names(Autopilot{})) {
     if (known.value == mission.flight.autopilot) json["autopilot"] = std::string(known.name);
   }
@@ -315,7 +316,7 @@ Mission plan_from_json(const Json& json, const std::string& name) {
   mission.flight.max_error_assumed = object.has("max_error_assumed") && object.boolean("max_error_assumed");
   if (object.has("flat_ground_amsl_m")) mission.flight.flat_ground_amsl_m = object.number("flat_ground_amsl_m");
   if (object.has("denied")) mission.flight.denied = denial_from_json(object.object("denied"));
-  if (object.has("flight_time")) read_flight_time(object, mission.flight);
+  if (object.has("flight_time")) mission.ground.flight_time = flight_time_from_json(object);
   if (object.has("autopilot")) mission.flight.autopilot = autopilot_from_json(object);
   if (object.has("ground_hidden"))
     mission.flight.ground_hidden = ground_hidden_from_json(object.object("ground_hidden"));

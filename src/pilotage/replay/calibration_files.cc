@@ -19,7 +19,7 @@ Outcome outcome_of_pass(const TilePass& pass) {
 std::vector<const Measure*> columns_of_evaluation() {
   std::vector<const Measure*> columns;
   std::vector<std::string> names = predictor_columns();
-  for (const char* input_of_model : {"map_features", "vote_noise", "relative_contrast"}) {
+  for (const char* input_of_model : {"map_features", "vote_noise", "fine_contrast"}) {
     names.emplace_back(input_of_model);
   }
   for (const std::string& name : names) columns.push_back(find_measure(name));

@@ -14,6 +14,8 @@
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
 #include "pilotage/base/variant_json.h"
+#include "pilotage/ground/imagery_months.h"
+#include "pilotage/matchability/level_at_age.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/tile_fields.h"
 #include "pilotage/report/title_block.h"
@@ -24,7 +26,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDaysPerMonth = 365.2425 / 12;
 constexpr double kShadowHeight_m = 10;
 // Rules of thumb, and said to be: no measurement stands behind them.
 constexpr double kAgeGood_months = 24;
@@ -58,17 +59,13 @@ UtcTime solar_noon(GeodeticPoint point, UtcTime day) {
   return noon;
 }
 
-double days_between(UtcTime from, UtcTime to) {
-  return static_cast<double>((to - from).count()) / 86400;
-}
-
 DatasetAge dataset_age(const ImageryDataset& imagery, GeodeticPoint point, UtcTime flight) {
   DatasetAge age;
   age.dataset = name_as_utf8(imagery.dataset);
   const auto acquired = parse_utc_date(imagery.acquired);
   if (!acquired) return age;  // a date that no calendar has is no date
   age.acquired = imagery.acquired;
-  age.age_months = days_between(acquired->time, flight) / kDaysPerMonth;
+  age.age_months = months_between(acquired->time, flight);
   age.season_months = std::abs(std::remainder(age.age_months, 12));
   age.hour_known = acquired->has_clock;
   age.sun = sun_position(point, acquired->has_clock ? acquired->time : solar_noon(point, acquired->time));
@@ -109,6 +106,17 @@ double farthest_season_months(const ImageryAge& age) {
   return season_months;
 }
 
+bool all_dated(const ImageryAge& age) {
+  return std::none_of(age.datasets.begin(), age.datasets.end(),
+                      [](const DatasetAge& next) { return next.acquired.empty(); });
+}
+
+/// What P(correct fix) makes of it: a clause that holds for any model.
+std::string counted_text(const ImageryAge& age) {
+  if (!all_dated(age)) return "P(correct fix) counts neither, as of some imagery the date is not known";
+  return "the default P(correct fix) counts the age by a rule of thumb, not the season";
+}
+
 std::string sun_text(const SunPosition& sun) {
   if (sun.elevation_deg < kSunset_deg) return format_fixed(-sun.elevation_deg, 0) + "° below the horizon";
   return format_fixed(sun.elevation_deg, 0) + "° high in " + format_fixed(sun.azimuth_deg, 0) + "°";
@@ -124,20 +132,19 @@ QualityRow age_row(const ImageryAge& age) {
   row.label = "Age of the imagery at the flight";
   row.unit = "months";
   row.threshold = "good up to 24 months and 2 months apart in season, marginal beyond (a rule of thumb, not measured)";
-  const DatasetAge* first = oldest(age);
+  const DatasetAge* first = farthest_in_time(age);
   if (first == nullptr) {
     row.value = "not known";
     row.status = QualityStatus::kMarginal;
     row.advice = "Say when the imagery was taken (--imagery-date).";
     return row;
   }
-  const bool known = std::none_of(age.datasets.begin(), age.datasets.end(),
-                                  [](const DatasetAge& next) { return next.acquired.empty(); });
+  const bool known = all_dated(age);
   const double season_months = farthest_season_months(age);
   row.number = first->age_months;
   row.value = age_text(first->age_months, first->season_months);
   if (age.datasets.size() > 1) {
-    row.value = "oldest: " + row.value + "; season apart up to " + months_text(season_months);
+    row.value = "farthest from the flight: " + row.value + "; season apart up to " + months_text(season_months);
   }
   if (!known) row.value += "; of some it is not known";
   if (known && std::abs(first->age_months) <= kAgeGood_months && season_months <= kSeasonGood_months) return row;
@@ -185,16 +192,16 @@ QualityRow hidden_row(const GroundHidden& hidden) {
 
 std::optional<ImageryAge> imagery_age(const Mission& mission) {
   const Flight& flight = mission.flight;
-  if (flight.flight_time.empty()) return std::nullopt;
-  const auto begins = parse_utc_date(flight.flight_time);
-  if (!begins)
-    throw DataError("the time of the flight, \"" + flight.flight_time + "\", is no day and no moment in UTC");
+  const std::string& flight_time = mission.ground.flight_time;
+  if (flight_time.empty()) return std::nullopt;
+  const auto begins = parse_utc_date(flight_time);
+  if (!begins) throw DataError("the time of the flight, \"" + flight_time + "\", is no day and no moment in UTC");
   if (flight.samples.empty()) throw DataError("the flight has no sample");
   const double middle_m = (flight.samples.front().distance_m + flight.samples.back().distance_m) / 2;
   const auto middle = std::find_if(flight.samples.begin(), flight.samples.end() - 1,
                                    [&](const FlightSample& sample) { return sample.distance_m >= middle_m; });
   const double time_s = flight_time_s(flight.samples);
-  ImageryAge age = imagery_age(mission.ground.imagery.datasets, middle->point, flight.flight_time);
+  ImageryAge age = imagery_age(mission.ground.imagery.datasets, middle->point, flight_time);
   const auto day = std::chrono::floor<std::chrono::days>(begins->time);
   if (begins->has_clock) {
     const auto half_s = static_cast<std::int64_t>(std::isfinite(time_s) ? std::llround(time_s / 2) : 0);
@@ -216,10 +223,11 @@ ImageryAge imagery_age(const std::vector<ImageryDataset>& imagery, GeodeticPoint
   return age;
 }
 
-const DatasetAge* oldest(const ImageryAge& age) {
+const DatasetAge* farthest_in_time(const ImageryAge& age) {
   const DatasetAge* found = nullptr;
   for (const DatasetAge& next : age.datasets) {
-    if (!next.acquired.empty() && (found == nullptr || next.age_months > found->age_months)) found = &next;
+    if (next.acquired.empty()) continue;
+    if (found == nullptr || std::abs(next.age_months) > std::abs(found->age_months)) found = &next;
   }
   return found;
 }
@@ -236,7 +244,11 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
                         sun_text(*imagery.sun) +
                         (imagery.hour_known ? "." : ", if it was taken at noon: its hour is not known."));
   }
-  sentences.push_back("P(correct fix) does not count age and season: " + imagery_age_measured() + ".");
+  sentences.push_back(
+      "The default P(correct fix) counts the age, where it is known of all imagery, by a rule reasoned from few places "
+      "(" +
+      level_per_age_text() +
+      "), and does not count the season; a model of one's own counts neither: " + imagery_age_measured() + ".");
   if (age.flight) {
     std::string text = "Half-way through the flight, at " + clock_text(age.flight->time) + " UTC, it stands " +
                        sun_text(age.flight->sun);
@@ -260,15 +272,16 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
 }
 
 std::string imagery_age_phrase(const ImageryAge& age) {
-  const std::string imagery = age.datasets.size() > 1 ? "the oldest imagery " : "imagery ";
-  const DatasetAge* first = oldest(age);
+  const std::string imagery = age.datasets.size() > 1 ? "imagery up to " : "imagery ";
+  const DatasetAge* first = farthest_in_time(age);
   if (first == nullptr) return "imagery of unknown age, which P(correct fix) does not count";
-  return imagery + age_text(first->age_months, farthest_season_months(age)) + ", which P(correct fix) does not count";
+  return imagery + age_text(first->age_months, farthest_season_months(age)) + " (" + counted_text(age) + ")";
 }
 
 std::string imagery_age_measured() {
-  return "of frames over a building site, where P is 0.31, 41 % were found 2 months after the imagery, 20 % after 9 "
-         "months and 16 % after 22";
+  return "of frames over a building site, where P without a date is 0.28, 41 % were found 2 months after the imagery, "
+         "20 % "
+         "after 9 months and 16 % after 22";
 }
 
 std::string imagery_age_assumptions(const Mission& mission) {

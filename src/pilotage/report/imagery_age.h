@@ -54,14 +54,14 @@ std::optional<ImageryAge> imagery_age(const Mission& mission);
 /// parse_utc_date() takes.
 ImageryAge imagery_age(const std::vector<ImageryDataset>& imagery, GeodeticPoint place, const std::string& flight_time);
 
-/// The raster that is the oldest when it is flown over; nullptr when no date is known.
-const DatasetAge* oldest(const ImageryAge& age);
+/// The raster whose date is farthest from the flight's, before or after it; nullptr when no date is known.
+const DatasetAge* farthest_in_time(const ImageryAge& age);
 
 /// What a planner should know of it, sentence by sentence; the last says when the shadows differ least and most.
 std::vector<std::string> imagery_age_sentences(const ImageryAge& age);
 
-/// "imagery 35 months old, 1 month apart in season, which P(correct fix) does not count": of several the oldest, and
-/// the season that is farthest off.
+/// "imagery 35 months old, 1 month apart in season (the default P(correct fix) counts the age by a rule of thumb, not
+/// the season)": of several the raster that is farthest from the flight, and the season that is farthest off.
 std::string imagery_age_phrase(const ImageryAge& age);
 
 /// What age did where it was measured (docs/methods/matchability.md): a part of a sentence.

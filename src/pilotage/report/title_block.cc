@@ -78,7 +78,7 @@ std::vector<std::pair<std::string, std::string>> title_block(const ReportInput& 
   const std::vector<FlightSample>& samples = mission.flight.samples;
   std::vector<std::pair<std::string, std::string>> block;
   if (const auto made = source_date()) block.emplace_back("Made", format_utc_time(*made));
-  if (!mission.flight.flight_time.empty()) block.emplace_back("Flight begins", mission.flight.flight_time + " (UTC)");
+  if (!mission.ground.flight_time.empty()) block.emplace_back("Flight begins", mission.ground.flight_time + " (UTC)");
   if (const double time_s = flight_time_s(samples); std::isfinite(time_s) && time_s > 0) {
     block.emplace_back("Flight time", duration_text(time_s) + ": length over speed, without wind, climbs and turns");
   }

@@ -12,11 +12,12 @@
 
 namespace pilotage {
 
-/// The parameters of P that the options ask for. Throws as read_matchability_model, and DataError when they have none
-/// for the matcher.
+/// The parameters of P that the options ask for, the default model for the age of the imagery where it is
+/// known. Throws as
+/// read_matchability_model, and DataError when they have none for the matcher.
 MatchabilityModel model_for(const ScoreOptions& options);
 
-/// Fills map_features, vote_noise, relative_contrast, p_correct_fix, level_sigma and level_tiles of scored tiles of
+/// Fills map_features, vote_noise, fine_contrast, p_correct_fix, level_sigma and level_tiles of scored tiles of
 /// `matrix`, whose statistics are there: scores[i] is of the tile with index tile_indices[i]. Flat tiles have P = 0;
 /// those with too little ground have none. Throws as count_self_votes.
 void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "pilotage/base/parallel.h"
+#include "pilotage/ground/imagery_months.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/score/add_ground_cover.h"
 
@@ -40,6 +41,8 @@ std::vector<TileScores> score_ground_tiles(const Ground& ground, const ScoreOpti
                                            const Progress& progress, const GroundImagery* imagery) {
   std::optional<GroundImagery> opened;
   if (imagery == nullptr) imagery = &opened.emplace(open_imagery(ground));
+  ScoreOptions of_flight = options;
+  of_flight.imagery_months = imagery_months(ground);
   std::vector<TileScores> scores;
   scores.reserve(ground.tiles.size());
   for (const GridLevel& level : ground.levels) {
@@ -48,7 +51,7 @@ std::vector<TileScores> score_ground_tiles(const Ground& ground, const ScoreOpti
     if (first == last) continue;
     const GrayAndColors& of_imagery = imagery->levels[static_cast<std::size_t>(level.matrix.level)];
     std::vector<TileScores> of_level =
-        score_level(ground, level, of_imagery, {first, last}, options, seed, threads, progress);
+        score_level(ground, level, of_imagery, {first, last}, of_flight, seed, threads, progress);
     std::move(of_level.begin(), of_level.end(), std::back_inserter(scores));
   }
   if (second_epoch == nullptr) return scores;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,7 +47,9 @@ struct ScoreOptions {
   int degraded_copies = 2;
   bool every_lag = false;
   DegradationOptions degradation;
-  FeatureOptions features;                ///< Of the map that will be built; no option of `score`, `prepare` sets it.
+  FeatureOptions features;  ///< Of the map that will be built; no option of `score`, `prepare` sets it.
+  /// Of the imagery at the flight (imagery_months); no option: score_ground takes it from the ground.
+  std::optional<double> imagery_months;
   std::vector<std::string> second_epoch;  ///< Not looked at by score_tiles: see score_second_epoch.h.
   RegistrationOptions registration;
 

@@ -102,7 +102,7 @@ SurveyedGround plan_survey(const std::vector<std::string>& imagery, const Survey
   set_imagery_dates(options.imagery_date, area.ground.imagery.datasets);
   if (!options.flight_time.empty()) {
     static_cast<void>(utc_date_of_option("flight_time", options.flight_time));
-    area.flight_time = options.flight_time;
+    area.ground.flight_time = options.flight_time;
   }
   area.ground.elevation = options.elevation;
   GridLevel& level = area.ground.levels.front();

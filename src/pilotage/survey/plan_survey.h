@@ -20,7 +20,6 @@ struct SurveyedGround {
   double footprint_height_m = 0;
   double search_radius_m = 0;
   bool search_radius_assumed = false;  ///< The planner named none.
-  std::string flight_time;             ///< As parse_utc_date() takes it; "" when the planner did not say.
   std::vector<std::string> warnings;   ///< What the planner should look at.
   std::vector<std::string> notes;      ///< What was chosen, and why.
 };

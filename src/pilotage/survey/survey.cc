@@ -69,10 +69,10 @@ std::string model_phrase(const SurveyInput& input, bool known) {
 /// ", on 2026-11-27 imagery 35 months old …"; "" where the planner did not say when it is flown.
 std::string age_phrase(const SurveyInput& input) {
   const SurveyedGround& area = input.area;
-  if (area.flight_time.empty()) return "";
+  if (area.ground.flight_time.empty()) return "";
   const GeodeticPoint middle = area.ground.tiles[area.ground.tiles.size() / 2].center;
-  const ImageryAge age = imagery_age(area.ground.imagery.datasets, middle, area.flight_time);
-  return "; on " + area.flight_time + " " + imagery_age_phrase(age) + " (" + imagery_age_measured() + ")";
+  const ImageryAge age = imagery_age(area.ground.imagery.datasets, middle, area.ground.flight_time);
+  return "; on " + area.ground.flight_time + " " + imagery_age_phrase(age) + "; " + imagery_age_measured();
 }
 
 std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {

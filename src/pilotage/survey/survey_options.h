@@ -54,7 +54,8 @@ struct SurveyOptions {
         "of its metadata if not given.");
     fields.field(
         "flight_time", self.flight_time,
-        "When it is flown, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: how old the imagery is then is said.");
+        "When it is flown, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: how old the imagery is then is said, "
+        "and P(correct fix) counts it.");
     ImageryOptions::describe(self.imagery_options, fields);
     fields.group("score", self.score, "How tiles are scored.", FlagPrefix::kNone);
     fields.field("title", self.title, "Title of the page; the imagery's name if not given.");

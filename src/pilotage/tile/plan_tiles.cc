@@ -367,7 +367,7 @@ void add_imagery(Mission& mission, const TileOptions& options, const std::vector
 }
 
 // When it is flown, and how often the ground can be seen then.
-void add_flight_time(const TileOptions& options, Flight& flight) {
+void add_flight_time(const TileOptions& options, Mission& mission) {
   if (options.flight_time.empty()) {
     if (!options.clouds.empty()) {
       throw UsageError("clouds = \"" + name_as_utf8(options.clouds) +
@@ -376,10 +376,10 @@ void add_flight_time(const TileOptions& options, Flight& flight) {
     return;
   }
   const UtcDate begins = utc_date_of_option("flight_time", options.flight_time);
-  flight.flight_time = options.flight_time;
+  mission.ground.flight_time = options.flight_time;
   if (options.clouds.empty()) return;
   const double fraction = hidden_fraction(options.clouds, begins);
-  flight.ground_hidden = GroundHidden{fraction, options.clouds};
+  mission.flight.ground_hidden = GroundHidden{fraction, options.clouds};
 }
 
 /// A map is wrong by what the ground control points that place it miss, and by what its change of datum is uncertain,
@@ -493,7 +493,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   mission.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
   mission.flight.max_error_assumed = !options.max_error_m;
   mission.flight.autopilot = options.autopilot;
-  add_flight_time(options, mission.flight);
+  add_flight_time(options, mission);
   mission.flight.min_agl_m = options.min_agl_m;
   mission.flight.corridor_half_width_m = options.corridor_half_width_m.value_or(mission.flight.max_error_m);
   assume_flat_ground(options.route_options, mission);

@@ -74,8 +74,8 @@ struct TileOptions {
                  "Whom to name with the elevation model; as its metadata say if not given.");
     fields.field(
         "flight_time", self.flight_time,
-        "When the flight begins, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: for the age of the imagery and "
-        "for the sun.");
+        "When the flight begins, in UTC, as 2026-06-01 or 2026-06-01T09:30:00Z: for the age of the imagery, which "
+        "P(correct fix) counts, and for the sun.");
     fields.field("autopilot", self.autopilot, kAutopilotHelp);
     fields.path("clouds", self.clouds,
                 "Table (CSV) of how often cloud hides the ground: month, hour_utc (may be left out), hidden_fraction.");

@@ -1,0 +1,31 @@
+#include "pilotage/geo/tile_groups.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace pilotage {
+
+std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std::int64_t> indices, int halo_px) {
+  constexpr int kGroupSide_px = 1024;
+  const std::int64_t across = std::max(1, (kGroupSide_px - matrix.tile_size_px) / matrix.stride_px + 1);
+  std::map<std::pair<std::int64_t, std::int64_t>, TileGroup> groups;
+  for (std::size_t result_index = 0; result_index < indices.size(); ++result_index) {
+    const auto [column, row] = matrix.cell_of(indices[result_index]);
+    const PixelWindow reach = matrix.search_window(column, row, halo_px);
+    TileGroup& group = groups[{row / across, column / across}];
+    if (group.result_indices.empty()) group.window = reach;
+    const std::int64_t end_col = std::max(group.window.col + group.window.width, reach.col + reach.width);
+    const std::int64_t end_row = std::max(group.window.row + group.window.height, reach.row + reach.height);
+    group.window.col = std::min(group.window.col, reach.col);
+    group.window.row = std::min(group.window.row, reach.row);
+    group.window.width = static_cast<int>(end_col - group.window.col);
+    group.window.height = static_cast<int>(end_row - group.window.row);
+    group.result_indices.push_back(result_index);
+  }
+  std::vector<TileGroup> list;
+  for (auto& [key, group] : groups) list.push_back(std::move(group));
+  return list;
+}
+
+}  // namespace pilotage

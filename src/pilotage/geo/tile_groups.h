@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pilotage/geo/tile_matrix.h"
+
+namespace pilotage {
+
+/// Neighbouring tiles that are read as one window, so that what overlapping tiles share is read once.
+struct TileGroup {
+  PixelWindow window;                       ///< The tiles and `halo_px` around them, as far as the grid reaches.
+  std::vector<std::size_t> result_indices;  ///< Of the tiles, in the list of indices that was given.
+
+  /// Where a tile of the group lies in its window.
+  PixelWindow place_of(const PixelWindow& tile) const {
+    return {tile.col - window.col, tile.row - window.row, tile.width, tile.height};
+  }
+};
+
+/// The tiles with the given indices (row · matrix_width + column) in groups whose windows, without the halo, are about
+/// 1,000 px wide and high, or as large as one tile. Which tiles share a group depends on their places alone.
+std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std::int64_t> indices, int halo_px);
+
+}  // namespace pilotage

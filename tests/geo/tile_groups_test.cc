@@ -1,0 +1,52 @@
+#include "pilotage/geo/tile_groups.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace pilotage {
+namespace {
+
+TileMatrix matrix_of(std::int64_t side_px, int tile_px, int stride_px) {
+  TileMatrix matrix;
+  matrix.grid_width_px = side_px;
+  matrix.grid_height_px = side_px;
+  matrix.tile_size_px = tile_px;
+  matrix.stride_px = stride_px;
+  return matrix;
+}
+
+bool holds(const PixelWindow& outer, const PixelWindow& inner) {
+  return inner.col >= outer.col && inner.row >= outer.row && inner.col + inner.width <= outer.col + outer.width &&
+         inner.row + inner.height <= outer.row + outer.height;
+}
+
+TEST(TileGroups, EachTileIsInOneGroupInsideItsWindow) {
+  for (const TileMatrix& matrix : {matrix_of(3000, 100, 70), matrix_of(5000, 2000, 500)}) {
+    std::vector<std::int64_t> indices(static_cast<std::size_t>(matrix.tile_count()));
+    std::iota(indices.begin(), indices.end(), 0);
+    std::vector<int> times(indices.size(), 0);
+    const std::vector<TileGroup> groups = group_tiles(matrix, indices, 7);
+    EXPECT_GT(groups.size(), 1U);
+    for (const TileGroup& group : groups) {
+      EXPECT_LE(group.window.width, std::max(1024, matrix.tile_size_px) + 14);
+      EXPECT_TRUE(
+          holds({0, 0, static_cast<int>(matrix.grid_width_px), static_cast<int>(matrix.grid_height_px)}, group.window));
+      for (const std::size_t index : group.result_indices) {
+        ++times[index];
+        const TileCell cell = matrix.cell_of(indices[index]);
+        EXPECT_TRUE(holds(group.window, matrix.search_window(cell, 7)));
+        const PixelWindow place = group.place_of(matrix.tile_window(cell));
+        EXPECT_EQ(place.col + group.window.col, matrix.tile_window(cell).col);
+        EXPECT_TRUE(holds({0, 0, group.window.width, group.window.height}, place));
+      }
+    }
+    EXPECT_EQ(times, std::vector<int>(indices.size(), 1));
+  }
+}
+
+}  // namespace
+}  // namespace pilotage
