@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
+#include "testing/matrix_over.h"
 #include <gtest/gtest.h>
 
 namespace pilotage {
 namespace {
 
 TileMatrix matrix_of(std::int64_t side_px, int tile_px, int stride_px) {
-  TileMatrix matrix;
-  matrix.grid_width_px = side_px;
-  matrix.grid_height_px = side_px;
-  matrix.tile_size_px = tile_px;
-  matrix.stride_px = stride_px;
-  return matrix;
+  GraySource source;
+  source.width_px = source.height_px = side_px;
+  return testing::matrix_over(source, tile_px, stride_px);
 }
 
 bool holds(const PixelWindow& outer, const PixelWindow& inner) {
@@ -26,8 +23,7 @@ bool holds(const PixelWindow& outer, const PixelWindow& inner) {
 
 TEST(TileGroups, EachTileIsInOneGroupInsideItsWindow) {
   for (const TileMatrix& matrix : {matrix_of(3000, 100, 70), matrix_of(5000, 2000, 500)}) {
-    std::vector<std::int64_t> indices(static_cast<std::size_t>(matrix.tile_count()));
-    std::iota(indices.begin(), indices.end(), 0);
+    const std::vector<std::int64_t> indices = testing::all_tiles(matrix);
     std::vector<int> times(indices.size(), 0);
     const std::vector<TileGroup> groups = group_tiles(matrix, indices, 7);
     EXPECT_GT(groups.size(), 1U);

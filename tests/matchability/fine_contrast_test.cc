@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
+#include "testing/matrix_over.h"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -61,28 +61,14 @@ double contrast_by_definition(const Raster& raster, const PixelWindow& tile) {
   return count == 0 ? std::nan("") : sum / count;
 }
 
-TileMatrix matrix_of(std::int64_t side_px, int tile_px, int stride_px) {
-  TileMatrix matrix;
-  matrix.grid_width_px = side_px;
-  matrix.grid_height_px = side_px;
-  matrix.tile_size_px = tile_px;
-  matrix.stride_px = stride_px;
-  return matrix;
-}
-
-std::vector<std::int64_t> all_of(const TileMatrix& matrix) {
-  std::vector<std::int64_t> indices(static_cast<std::size_t>(matrix.tile_count()));
-  std::iota(indices.begin(), indices.end(), 0);
-  return indices;
-}
-
 TEST(FineContrast, IsWhatItsDefinitionSays) {
   Raster raster = squares(60, 150);
   raster.valid(cv::Rect(0, 40, 70, 60)).setTo(0);
   raster.pixels(cv::Rect(0, 40, 70, 60)).setTo(255);  // what stands where there is no ground
-  const TileMatrix matrix = matrix_of(150, 50, 25);
-  const std::vector<std::int64_t> indices = all_of(matrix);
-  const auto contrasts = measure_fine_contrast(gray_source_from(raster), matrix, indices, 1);
+  const GraySource source = gray_source_from(raster);
+  const TileMatrix matrix = testing::matrix_over(source, 50, 25);
+  const std::vector<std::int64_t> indices = testing::all_tiles(matrix);
+  const auto contrasts = measure_fine_contrast(source, matrix, indices, 1);
   ASSERT_EQ(contrasts.size(), indices.size());
   int without_ground = 0;
   for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -99,8 +85,8 @@ TEST(FineContrast, IsWhatItsDefinitionSays) {
 
 TEST(FineContrast, DependsNeitherOnThreadsNorOnTheOtherTiles) {
   const GraySource source = gray_source_from(squares(60, 3000));  // several groups
-  const TileMatrix matrix = matrix_of(3000, 100, 70);
-  const std::vector<std::int64_t> indices = all_of(matrix);
+  const TileMatrix matrix = testing::matrix_over(source, 100, 70);
+  const std::vector<std::int64_t> indices = testing::all_tiles(matrix);
   const auto contrasts = measure_fine_contrast(source, matrix, indices, 1);
   EXPECT_EQ(measure_fine_contrast(source, matrix, indices, 3), contrasts);
   for (const std::int64_t index : {std::int64_t{0}, std::int64_t{700}, indices.back()}) {
@@ -112,7 +98,7 @@ TEST(FineContrast, DependsNeitherOnThreadsNorOnTheOtherTiles) {
 TEST(FineContrast, DoesNotSeeHowDarkAWoodIsBesideAField) {
   Raster raster = squares(20, 200);
   raster.pixels(cv::Rect(100, 0, 100, 200)) -= 60;
-  const TileMatrix matrix = matrix_of(200, 200, 200);
+  const TileMatrix matrix = testing::matrix_over(gray_source_from(raster), 200, 200);
   const std::int64_t only = 0;
   const double with_wood = measure_fine_contrast(gray_source_from(raster), matrix, {&only, 1}, 1)[0];
   const double without = measure_fine_contrast(gray_source_from(squares(20, 200)), matrix, {&only, 1}, 1)[0];
@@ -164,8 +150,12 @@ TEST(FineContrast, WantsEightBitsAndASide) {
   raster.pixels.convertTo(raster.pixels, CV_16U);
   EXPECT_THROW(usual_fine_contrast(gray_source_from(raster), 60), UsageError);
   const std::int64_t only = 0;
-  EXPECT_THROW(measure_fine_contrast(gray_source_from(raster), matrix_of(600, 60, 60), {&only, 1}), UsageError);
-  EXPECT_THROW(measure_fine_contrast(gray_source_from(squares(20)), matrix_of(500, 60, 60), {&only, 1}), DataError);
+  EXPECT_THROW(measure_fine_contrast(gray_source_from(raster), testing::matrix_over(gray_source_from(raster), 60, 60),
+                                     {&only, 1}),
+               UsageError);
+  EXPECT_THROW(measure_fine_contrast(gray_source_from(squares(20)),
+                                     testing::matrix_over(gray_source_from(squares(20, 500)), 60, 60), {&only, 1}),
+               DataError);
 }
 
 }  // namespace

@@ -158,6 +158,14 @@ std::vector<std::string> predictor_columns() {
   return names;
 }
 
+std::vector<const Measure*> columns_of_evaluation() {
+  std::vector<std::string> names = predictor_columns();
+  names.insert(names.end(), {"map_features", "vote_noise", "fine_contrast"});
+  std::vector<const Measure*> columns;
+  for (const std::string& name : names) columns.push_back(find_measure(name));
+  return columns;
+}
+
 std::vector<JudgedPrediction> predictions_of(const LevelScores& judged, const Evaluation& evaluation,
                                              const std::string& name) {
   const Measure* measure = find_measure(name);

@@ -12,6 +12,7 @@
 #include "pilotage/evaluate/evaluated_tiles.h"
 #include "pilotage/evaluate/tile_outcome.h"
 #include "pilotage/flightlog/flight_frames.h"
+#include "pilotage/ground/measures.h"
 #include "pilotage/matchability/quality_report.h"
 
 namespace pilotage {
@@ -46,6 +47,9 @@ QualityOptions quality_options(const EvaluateOptions& options, std::uint64_t see
 
 /// The columns of tiles.csv that are judged: p_correct_fix and the measures of the paper.
 std::vector<std::string> predictor_columns();
+
+/// The measures that stand in evaluation.csv: what is judged, and what P is made of.
+std::vector<const Measure*> columns_of_evaluation();
 
 /// A prediction of column `name` of tiles.csv for each outcome that is covered, in their order.
 std::vector<JudgedPrediction> predictions_of(const LevelScores& judged, const Evaluation& evaluation,

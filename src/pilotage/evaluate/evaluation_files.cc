@@ -163,16 +163,11 @@ std::string evaluation_text(const Evaluation& evaluation) {
 }
 
 std::string evaluation_csv(const LevelScores& judged, const Evaluation& evaluation) {
-  std::vector<const Measure*> columns;
+  const std::vector<const Measure*> columns = columns_of_evaluation();
   std::string text =
       "tile_id,level,column,row,center_lon_deg,center_lat_deg,block,frame,outcome,status,error_m,error_east_m,error_"
       "north_m,nadir_error_m,evidence";
-  std::vector<std::string> names = predictor_columns();
-  for (const char* input_of_model : {"map_features", "vote_noise", "fine_contrast"}) names.emplace_back(input_of_model);
-  for (const std::string& name : names) {
-    columns.push_back(find_measure(name));
-    text += "," + columns.back()->name;
-  }
+  for (const Measure* column : columns) text += "," + column->name;
   text += "\n";
   for (const TileOutcome& outcome : evaluation.outcomes) {
     const GroundTile& tile = judged.ground.tiles[outcome.tile];

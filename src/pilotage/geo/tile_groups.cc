@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <utility>
+
+#include "pilotage/base/parallel.h"
 
 namespace pilotage {
 
@@ -26,6 +29,20 @@ std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std
   std::vector<TileGroup> list;
   for (auto& [key, group] : groups) list.push_back(std::move(group));
   return list;
+}
+
+void for_each_group(const std::vector<TileGroup>& groups, std::string_view what, int threads, const Progress& progress,
+                    const std::function<void(const TileGroup&)>& body) {
+  std::mutex progress_mutex;
+  std::int64_t done = 0;
+  const auto report = [&] { report_progress(progress, what, done, static_cast<std::int64_t>(groups.size())); };
+  report();
+  parallel_for(groups.size(), threads, [&](std::size_t index, int) {
+    body(groups[index]);
+    const std::lock_guard lock(progress_mutex);
+    ++done;
+    report();
+  });
 }
 
 }  // namespace pilotage

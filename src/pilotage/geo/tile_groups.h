@@ -2,9 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
 
 namespace pilotage {
@@ -23,5 +26,10 @@ struct TileGroup {
 /// The tiles with the given indices (row · matrix_width + column) in groups whose windows, without the halo, are about
 /// 1,000 px wide and high, or as large as one tile. Which tiles share a group depends on their places alone.
 std::vector<TileGroup> group_tiles(const TileMatrix& matrix, std::span<const std::int64_t> indices, int halo_px);
+
+/// Calls `body` for each group on up to `threads` threads (0 = all cores) at a time, and counts groups as `what`.
+/// Throws what `body` throws; Interrupted.
+void for_each_group(const std::vector<TileGroup>& groups, std::string_view what, int threads, const Progress& progress,
+                    const std::function<void(const TileGroup&)>& body);
 
 }  // namespace pilotage

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <mutex>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -12,7 +11,6 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/nan.h"
-#include "pilotage/base/parallel.h"
 #include "pilotage/geo/tile_groups.h"
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/raster/gray_stretch.h"
@@ -116,25 +114,15 @@ std::vector<double> measure_fine_contrast(const GraySource& shown, const TileMat
   if (matrix.grid_width_px != shown.width_px || matrix.grid_height_px != shown.height_px) {
     throw DataError("fine contrast: the tile matrix is not that of the imagery's grid");
   }
-  const std::vector<TileGroup> groups = group_tiles(matrix, tile_indices, kReach_px);
   std::vector<double> contrasts(tile_indices.size(), kNaN);
-  std::mutex progress_mutex;
-  std::int64_t done = 0;
-  const auto report = [&] {
-    report_progress(progress, "fine contrast", done, static_cast<std::int64_t>(groups.size()));
-  };
-  report();
-  parallel_for(groups.size(), threads, [&](std::size_t index, int) {
-    const TileGroup& group = groups[index];
+  const std::vector<TileGroup> groups = group_tiles(matrix, tile_indices, kReach_px);
+  for_each_group(groups, "fine contrast", threads, progress, [&](const TileGroup& group) {
     const ContrastSums sums(shown.read(group.window));
     for (const std::size_t result_index : group.result_indices) {
       const PixelWindow tile = group.place_of(matrix.tile_window(matrix.cell_of(tile_indices[result_index])));
       contrasts[result_index] =
           sums.at({static_cast<int>(tile.col), static_cast<int>(tile.row), tile.width, tile.height});
     }
-    const std::lock_guard lock(progress_mutex);
-    ++done;
-    report();
   });
   return contrasts;
 }

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <string>
 
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/parallel.h"
 #include "pilotage/geo/tile_groups.h"
 #include "pilotage/raster/gray_stretch.h"
 #include "pilotage/raster/rectangle_sums.h"
@@ -208,17 +206,9 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
     std::iota(indices.begin(), indices.end(), 0);
   }
   const double white = colors.depth == CV_8U ? 255 : std::max(find_stretch(gray_source_of(colors)).high, 1e-300);
-  const std::vector<TileGroup> groups = group_tiles(matrix, indices, kHalo_px);
   std::vector<GroundCover> covers(indices.size());
-  std::mutex progress_mutex;
-  std::size_t done = 0;
-  const auto report = [&] {
-    report_progress(progress, "ground cover", static_cast<std::int64_t>(done),
-                    static_cast<std::int64_t>(groups.size()));
-  };
-  report();
-  parallel_for(groups.size(), threads, [&](std::size_t index, int) {
-    const TileGroup& group = groups[index];
+  const std::vector<TileGroup> groups = group_tiles(matrix, indices, kHalo_px);
+  for_each_group(groups, "ground cover", threads, progress, [&](const TileGroup& group) {
     const Raster raster = colors.read(group.window);
     const cv::Mat pixels = to_8bit(raster, white);
     const CoverSums sums(pixels, gray_from_colors(pixels), cv::Mat(raster.valid != 0) / 255);
@@ -226,9 +216,6 @@ std::vector<GroundCover> measure_ground_cover(const ColorSource& colors, const T
       const PixelWindow tile = group.place_of(matrix.tile_window(matrix.cell_of(indices[result_index])));
       covers[result_index] = sums.of({static_cast<int>(tile.col), static_cast<int>(tile.row), tile.width, tile.height});
     }
-    const std::lock_guard lock(progress_mutex);
-    ++done;
-    report();
   });
   return covers;
 }

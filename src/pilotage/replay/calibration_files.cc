@@ -15,17 +15,6 @@ Outcome outcome_of_pass(const TilePass& pass) {
   return pass.outcome == Outcome::kUnjudged ? Outcome::kCorrect : pass.outcome;
 }
 
-/// The measures that stand in evaluation.csv: what is judged, and what P is made of.
-std::vector<const Measure*> columns_of_evaluation() {
-  std::vector<const Measure*> columns;
-  std::vector<std::string> names = predictor_columns();
-  for (const char* input_of_model : {"map_features", "vote_noise", "fine_contrast"}) {
-    names.emplace_back(input_of_model);
-  }
-  for (const std::string& name : names) columns.push_back(find_measure(name));
-  return columns;
-}
-
 std::string row_of_pass(const TilePass& pass, const std::vector<const Measure*>& columns) {
   const MapTile& tile = pass.tile.tile;
   std::vector<std::string> cells{std::to_string(tile.tile_id),

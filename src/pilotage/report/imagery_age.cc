@@ -245,8 +245,8 @@ std::vector<std::string> imagery_age_sentences(const ImageryAge& age) {
                         (imagery.hour_known ? "." : ", if it was taken at noon: its hour is not known."));
   }
   sentences.push_back(
-      "The default P(correct fix) counts the age, where it is known of all imagery, by a rule reasoned from few places "
-      "(" +
+      "The default P(correct fix) counts the age, where it is known of all imagery, by a rule reasoned from few "
+      "places (" +
       level_per_age_text() +
       "), and does not count the season; a model of one's own counts neither: " + imagery_age_measured() + ".");
   if (age.flight) {
@@ -280,8 +280,7 @@ std::string imagery_age_phrase(const ImageryAge& age) {
 
 std::string imagery_age_measured() {
   return "of frames over a building site, where P without a date is 0.28, 41 % were found 2 months after the imagery, "
-         "20 % "
-         "after 9 months and 16 % after 22";
+         "20 % after 9 months and 16 % after 22";
 }
 
 std::string imagery_age_assumptions(const Mission& mission) {

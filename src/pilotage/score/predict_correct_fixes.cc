@@ -9,6 +9,7 @@
 #include "pilotage/raster/gray_stretch.h"
 
 namespace pilotage {
+
 MatchabilityModel model_for(const ScoreOptions& options) {
   MatchabilityModel model =
       options.model.empty() ? default_matchability_model() : read_matchability_model(options.model);
