@@ -55,10 +55,10 @@ Command make_prepare_command() {
     CommandResult result;
     const std::string folder = invocation.output;
     result.text = done.verdict + "\n" + done.assumptions + "\n" + done.evidence + "\n" +
-                  std::to_string(done.planned_tiles) + " tiles, " + std::to_string(done.selected_tiles) +
-                  " stored with " + std::to_string(done.map.descriptors) + " descriptors, " +
-                  format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" + bytes_per_tile_text(done.map) +
-                  kept_features_text(done.map);
+                  (done.holds.empty() ? "" : done.holds + "\n") + std::to_string(done.planned_tiles) + " tiles, " +
+                  std::to_string(done.selected_tiles) + " stored with " + std::to_string(done.map.descriptors) +
+                  " descriptors, " + format_fixed(static_cast<double>(done.map.bytes) / 1e6, 2) + " MB\n" +
+                  bytes_per_tile_text(done.map) + kept_features_text(done.map);
     if (asks_for(options.outputs, ReportOutput::kPack)) {
       result.text += "field pack: " + folder + ", check it by `pilotage verify " + folder + "`\n";
     }
@@ -80,6 +80,7 @@ Command make_prepare_command() {
                    {"map_digest", done.map.content_digest},
                    {"matchable_fraction", done.matchable_fraction},
                    {"within_limit", done.within_limit}};
+    if (!done.holds.empty()) result.json["holds"] = done.holds;
     add_bytes_per_tile(done.map, result.json);
     add_kept_features(done.map, result.json);
     result.warnings = done.warnings;

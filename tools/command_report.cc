@@ -227,12 +227,14 @@ CommandResult report_of_plan(const ReportCommandOptions& options, const Invocati
   CommandResult result;
   const std::string evidence = evidence_line(report.quality);
   result.text = report.verdict_text + "\n" + report.assumptions + "\n" + evidence + "\n";
+  if (report.ageing) result.text += report.ageing->sentence + "\n";
   if (options.require && report.verdict == QualityStatus::kBad) result.exit_code = kExitGateNotMet;
   result.json = {{"output", invocation.output},
                  {"files", written},
                  {"verdict", report.verdict_text},
                  {"assumptions", report.assumptions},
                  {"evidence", evidence}};
+  if (report.ageing) result.json["holds"] = report.ageing->sentence;
   result.warnings = named.warnings;
   if (imagery_warning) result.warnings.push_back(*imagery_warning);
   if (const auto& autopilot = files.mission.flight.autopilot) {

@@ -9,7 +9,9 @@
 #include "pilotage/build_map/build_map.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
+#include "pilotage/report/map_ageing.h"
 #include "pilotage/report/verdict.h"
+#include "pilotage/select/route_ageing.h"
 #include "pilotage/select/select_tiles.h"
 
 namespace pilotage {
@@ -71,9 +73,10 @@ Command make_select_command() {
   bind_options<SelectCommandOptions>(command, [](const SelectCommandOptions& options, const Invocation& invocation) {
     Mission mission = read_stage_plan(invocation.inputs.front());
     mission.flight.max_error_m = options.max_error_m.value_or(mission.flight.max_error_m);
-    const Selection selection =
-        select_tiles(mission, read_scores(options.table, mission.ground, invocation.inputs.front()),
-                     stored_size(options.build, mission.ground), options.select, invocation.threads);
+    const std::vector<TileScores> scores = read_scores(options.table, mission.ground, invocation.inputs.front());
+    Selection selection =
+        select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select, invocation.threads);
+    selection.ageing = age_route(mission, scores, selection, invocation.threads);
     write_file(invocation.output, json_text(selection_to_json(selection)), invocation.overwrite);
 
     CommandResult result;
@@ -83,6 +86,7 @@ Command make_select_command() {
     for (const RouteGap& gap : selection.gaps) result.text += describe_gap(gap);
     if (selection.probability) result.text += describe_probability(selection);
     result.text += assumptions_line(mission, selection) + "\n";
+    if (selection.ageing) result.text += ageing_sentence(mission, selection) + "\n";
     if (selection.loss_anywhere && !options.select.advise) result.text += selection.notes[1] + "\n";
     if (options.select.advise) {
       // The first note counts tiles.

@@ -24,6 +24,7 @@
 #include "pilotage/report/plan_report.h"
 #include "pilotage/report/report.h"
 #include "pilotage/score/score_ground.h"
+#include "pilotage/select/route_ageing.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/survey/run_survey.h"
 #include "pilotage/tile/plan_tiles.h"
@@ -53,7 +54,8 @@
 ///     ground_of_rasters() and cut_all_tiles() make a Ground.
 ///  2. score_ground(): Ground → GroundScores, the TileScores of every tile with the probability of a correct fix.
 ///     tile_table_to_csv(); tile_table_from_csv() and scores_of(). measures() lists what they hold.
-///  3. select_tiles(): Mission, its scores, stored_size() → Selection. read_selection(), selection_to_json().
+///  3. select_tiles(): Mission, its scores, stored_size() → Selection. age_route(): what becomes of it when the map is
+///     flown by later. read_selection(), selection_to_json().
 ///  4. build_map(): all of these and input_files() of the plan → map.gpkg.
 ///  5. make_report_input(), add_pictures(), make_report(), write_report_outputs(): all of these → the files of
 ///     the report. Without a route run_survey() says of an area where a camera could find its place.

@@ -8,11 +8,15 @@
 namespace pilotage {
 namespace {
 
-std::optional<double> months_of(const std::string& flight_time, std::initializer_list<std::string> acquired) {
+Ground ground_of(const std::string& flight_time, std::initializer_list<std::string> acquired) {
   Ground ground;
   ground.flight_time = flight_time;
   for (const std::string& date : acquired) ground.imagery.datasets.emplace_back().acquired = date;
-  return imagery_months(ground);
+  return ground;
+}
+
+std::optional<double> months_of(const std::string& flight_time, std::initializer_list<std::string> acquired) {
+  return imagery_months(ground_of(flight_time, acquired));
 }
 
 TEST(ImageryMonths, AreThoseOfTheRasterFarthestFromTheFlight) {
@@ -27,6 +31,24 @@ TEST(ImageryMonths, AreNotKnownWhereAnyDateIsMissing) {
   EXPECT_FALSE(months_of("2026-06-01", {"last summer"}));
   EXPECT_FALSE(months_of("", {"2025-06-01"}));
   EXPECT_FALSE(months_of("2026-06-01", {}));
+}
+
+TEST(ImageryMonths, GrowOnlyWhereTheOldestRasterIsTheFarthest) {
+  const auto growing = [](std::initializer_list<std::string> acquired) {
+    return growing_imagery_months(ground_of("2026-01-01", acquired));
+  };
+  EXPECT_NEAR(growing({"2025-01-01", "2025-10-01"}).value(), 12, 0.02);
+  EXPECT_NEAR(growing({"2025-01-01", "2026-06-01"}).value(), 12, 0.02);
+  EXPECT_FALSE(growing({"2025-10-01", "2026-12-01"})) << "a later flight is nearer to the second";
+  EXPECT_FALSE(growing({"2026-12-01"}));
+  EXPECT_FALSE(growing({"2025-01-01", ""}));
+  EXPECT_FALSE(growing({}));
+}
+
+TEST(ImageryMonths, AMomentSoManyMonthsLater) {
+  const UtcTime from = parse_utc_date("2026-03-01")->time;
+  EXPECT_EQ(format_utc_time(months_after(from, 12)), "2027-03-01T05:49:12Z");
+  EXPECT_NEAR(months_between(from, months_after(from, -7.25)), -7.25, 1e-6);
 }
 
 }  // namespace

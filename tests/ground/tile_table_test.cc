@@ -56,7 +56,7 @@ TEST(TileTable, ColumnsAreThePromisedOnes) {
       "degraded_half_width_px,degraded_expected_error_px,degraded_rival_dx_px,degraded_rival_dy_px,"
       "epoch_ncc,epoch_margin,epoch_survival,epoch_disagreement_m,"
       "vegetation_share,water_share,aperture,relief_m,map_features,vote_noise,fine_contrast,p_correct_fix,level_"
-      "sigma,level_tiles,"
+      "sigma,level_tiles,level_age_months,"
       "reasons\n");
   EXPECT_TRUE(tile_table_from_csv("t.csv", csv).empty());
 }

@@ -54,6 +54,22 @@ TEST(SelectionFile, ReadsBackExactly) {
   EXPECT_EQ(read.left_out->beyond_budget, (std::vector<std::int64_t>{1, 7}));
 }
 
+TEST(SelectionFile, HowItAgesReadsBackExactlyOrIsMissing) {
+  Selection selection = make_selection();
+  EXPECT_FALSE(selection_from_json(selection_to_json(selection), "selection.json").ageing);
+  selection.ageing = RouteAgeing{{{12.5, 0.9, {0.75, 0.95}}, {1.0 / 3 + 18, 0.875, {0.7, 0.9}}}, 21.5, {}};
+  auto json = selection_to_json(selection);
+  const Selection read = selection_from_json(json, "selection.json");
+  EXPECT_EQ(selection_to_json(read).dump(), json.dump());
+  EXPECT_EQ(read.ageing->ages[1].age_months, 1.0 / 3 + 18);
+  EXPECT_EQ(read.ageing->enough_up_to_months, 21.5);
+  EXPECT_FALSE(read.ageing->surely_up_to_months);
+  json["ageing"]["ages"][0]["age_months"] = 1e300;
+  EXPECT_THROW(selection_from_json(json, "selection.json"), DataError);
+  json["ageing"]["ages"].clear();
+  EXPECT_THROW(selection_from_json(json, "selection.json"), DataError);
+}
+
 TEST(SelectionFile, HowTriesAreMadeMayBeMissing) {
   Selection selection = make_selection();
   selection.tries->decorrelation_m.reset();

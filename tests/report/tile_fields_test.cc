@@ -21,21 +21,22 @@ TEST(TileFields, TheReportsOwnAndEveryMeasureOnce) {
       EXPECT_TRUE(measured.insert(field.name).second) << field.name;
     }
   }
-  EXPECT_THAT(own,
-              ::testing::ElementsAre("tile_id", "level", "column", "row", "selected", "status", "reason", "reasons",
-                                     "center_lon_deg", "center_lat_deg", "route_distance_m", "route_offset_m"));
+  EXPECT_THAT(own, ::testing::ElementsAre("tile_id", "level", "column", "row", "selected", "status", "reason",
+                                          "reasons", "half_found_until", "center_lon_deg", "center_lat_deg",
+                                          "route_distance_m", "route_offset_m"));
   EXPECT_EQ(measured.size(), measures().size() + 1);
 }
 
 TEST(TileFields, ValuesAreOfTheirType) {
   ReportTile tile;
+  tile.half_found_until = "2027-03-14";
   for (const Measure& measure : measures()) measure.set(tile.score, 0.25);
   for (const TileField& field : tile_fields()) {
     // NULL, boolean, integer, real, text: the order of VectorValue is that of VectorType after NULL.
     EXPECT_EQ(field.value(tile).index(), static_cast<std::size_t>(field.type) + 1) << field.name;
   }
   for (const TileField& field : tile_fields()) {
-    if (find_measure(field.name) != nullptr) {
+    if (find_measure(field.name) != nullptr || field.name == "half_found_until") {
       EXPECT_EQ(field.value(ReportTile{}), VectorValue()) << field.name << " of a tile that was not measured";
     }
   }

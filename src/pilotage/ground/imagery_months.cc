@@ -5,9 +5,28 @@
 
 namespace pilotage {
 
+namespace {
+
+constexpr double kSecondsPerMonth = 365.2425 / 12 * 86400;
+
+}  // namespace
+
 double months_between(UtcTime from, UtcTime to) {
-  constexpr double kSecondsPerMonth = 365.2425 / 12 * 86400;
   return static_cast<double>((to - from).count()) / kSecondsPerMonth;
+}
+
+UtcTime months_after(UtcTime time, double months) {
+  return time + std::chrono::seconds(std::llround(months * kSecondsPerMonth));
+}
+
+std::optional<UtcTime> oldest_imagery(const Ground& ground) {
+  std::optional<UtcTime> oldest;
+  for (const ImageryDataset& imagery : ground.imagery.datasets) {
+    const auto acquired = parse_utc_date(imagery.acquired);
+    if (!acquired) return std::nullopt;
+    oldest = std::min(oldest.value_or(acquired->time), acquired->time);
+  }
+  return oldest;
 }
 
 std::optional<double> imagery_months(const Ground& ground) {
@@ -20,6 +39,14 @@ std::optional<double> imagery_months(const Ground& ground) {
     months = std::max(months, std::abs(months_between(acquired->time, flight->time)));
   }
   return months;
+}
+
+std::optional<double> growing_imagery_months(const Ground& ground) {
+  const auto oldest = oldest_imagery(ground);
+  const auto farthest_months = imagery_months(ground);
+  if (!oldest || !farthest_months) return std::nullopt;
+  const double months = months_between(*oldest, parse_utc_date(ground.flight_time)->time);
+  return months >= *farthest_months ? std::optional(months) : std::nullopt;
 }
 
 }  // namespace pilotage

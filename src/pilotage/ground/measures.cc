@@ -160,6 +160,9 @@ void add_features(std::vector<Measure>& list) {
   list.push_back(of_tile("level_tiles", "", "tiles of this ground, judged on another date, that the level rests on",
                          "Tiles of this ground that the level rests on", Kind::kNumber, Group::kFeatures,
                          &TileScores::level_tiles));
+  list.push_back(of_tile("level_age_months", "months", "time between imagery and flight that P(correct fix) counts",
+                         "Age of the imagery that P counts", Kind::kNumber, Group::kFeatures,
+                         &TileScores::level_age_months));
 }
 
 std::vector<Measure> make_measures() {

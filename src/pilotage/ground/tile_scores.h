@@ -55,6 +55,9 @@ struct TileScores {
   double level_sigma = std::numeric_limits<double>::quiet_NaN();
   /// Tiles of this ground whose outcome on another date the level rests on (`calibrate --adapt`); 0: on other places.
   double level_tiles = std::numeric_limits<double>::quiet_NaN();
+  /// Months between imagery and flight that p_correct_fix counts (matchability/level_at_age.h); NaN where it counts
+  /// none: then it holds for no age more than for another.
+  double level_age_months = std::numeric_limits<double>::quiet_NaN();
   /// The map's features in the tile, and the noise of the votes that they must win against
   /// (docs/methods/matchability.md).
   double map_features = std::numeric_limits<double>::quiet_NaN();

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "pilotage/ground/tile_scores.h"
 #include "pilotage/matchability/matchability_model.h"
 
 // How the level of a place moves with the time between the imagery and the flight.
@@ -22,6 +25,30 @@ inline constexpr double kMostAge_months = 170;
 /// The default model for a flight so many months after its imagery, or before it: the mean of each level moves, and its
 /// sigma grows by what is not known of that. Not for a model of one's own: its level is that of its own dates.
 MatchabilityModel model_at_age(MatchabilityModel model, double age_months);
+
+/// How the level of the default model moves when the imagery is `to_months` old and not `from_months`, of which its
+/// sigma is `sigma`.
+struct LevelMove {
+  double mean_shift = 0;  ///< Logits, of every tile alike.
+  double sigma = 0;
+};
+LevelMove move_level(double sigma, double from_months, double to_months);
+
+/// Moves the P, level_sigma and level_age_months of a tile to another age; leaves one alone whose P counts none.
+void move_to_age(TileScores& score, double age_months);
+
+/// The age of the imagery that the P of tiles counts: that of those with `counts`. Nothing where the P of any of them
+/// counts none. Throws DataError when they count different ages: they were scored for different days.
+std::optional<double> counted_age_months(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
+
+/// The greatest age of the imagery at which P of a tile is one half or more, at least the age that it has now; nothing
+/// where P is less now, or says no age (TileScores::level_age_months). kMostAge_months or more: as far as anything is
+/// known. At one half what is not known of the level does not count: so it is the age that takes from the logit all it
+/// has.
+std::optional<double> half_found_up_to_months(const TileScores& score);
+
+/// Whether it still is, so many months later than now.
+bool is_half_found_later(const TileScores& score, double later_months);
 
 /// "0.4 ± 0.4 logits less for each factor e over 24 months": what the rule says.
 std::string level_per_age_text();

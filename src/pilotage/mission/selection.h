@@ -79,6 +79,23 @@ struct RouteProbability {
 /// tiles do not say.
 std::string rests_on_text(const RouteProbability& probability);
 
+/// What the flight's chances are over imagery of some age.
+struct ChancesAtAge {
+  double age_months = 0;  ///< Of the raster that is farthest from the flight.
+  double p_within_limit = 0;
+  ProbabilityInterval interval;  ///< As RouteProbability::interval.
+};
+
+/// How the chances fall when the same map is flown later, by what the default model takes from P for the age of
+/// imagery: a rule of thumb (matchability/level_at_age.h).
+struct RouteAgeing {
+  std::vector<ChancesAtAge> ages;  ///< Ascending; the first is the planned flight's.
+  /// The greatest age up to which P is what was asked for: from the planned flight's on, or of younger imagery where it
+  /// is less there. Nothing: at no age. kMostAge_months or more: as far as anything is known.
+  std::optional<double> enough_up_to_months;
+  std::optional<double> surely_up_to_months;  ///< The same of the lower end of the interval.
+};
+
 enum class AdviceSide { kNone, kLeft, kRight };
 
 /// What would make a leg good that is not: the nearest parallel line on which it is, else the best one.
@@ -134,6 +151,7 @@ struct Selection {
   bool matchability_judged = true;  ///< A stored tile has a P or a margin: false where nothing says that any is found.
   std::int64_t estimated_bytes = 0;
   std::optional<RouteProbability> probability;  ///< Nothing when no tile has a P.
+  std::optional<RouteAgeing> ageing;            ///< Where it was asked for and P counts the age of the imagery.
   std::optional<LossAnywhere> loss_anywhere;    ///< Where the plan says that GNSS may be lost anywhere.
   std::vector<LegAdvice> advice;                ///< One for each leg that is not good enough, when asked for.
   std::vector<std::string> notes;

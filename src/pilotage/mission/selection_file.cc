@@ -21,6 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kSelectionVersion = 3;
 constexpr int kMaxLeg = 1'000'000;
+constexpr double kMostImageryAge_months = 12 * 10'000;  // more than dates can be apart
 
 // The file counts legs from 1, as people do.
 int leg_index(JsonObject& object) {
@@ -39,6 +40,16 @@ AdviceSide side_of(const std::string& name, const std::string& path) {
   throw DataError(path + " = \"" + name + "\" is no side; allowed are none, left and right");
 }
 
+Json interval_to_json(const ProbabilityInterval& interval) {
+  return {{"low", interval.low}, {"high", interval.high}};
+}
+
+ProbabilityInterval interval_from_json(JsonObject object) {
+  const ProbabilityInterval interval{object.number("low"), object.number("high")};
+  object.finish();
+  return interval;
+}
+
 Json probability_to_json(const std::optional<RouteProbability>& probability) {
   if (!probability) return nullptr;
   Json json = {{"p_within_limit", probability->p_within_limit},
@@ -49,9 +60,7 @@ Json probability_to_json(const std::optional<RouteProbability>& probability) {
                {"interval", nullptr},
                {"level_tiles", json_number(probability->level_tiles)},
                {"rests_on", rests_on_text(*probability)}};
-  if (const auto& interval = probability->interval) {
-    json["interval"] = {{"low", interval->low}, {"high", interval->high}};
-  }
+  if (probability->interval) json["interval"] = interval_to_json(*probability->interval);
   if (const auto& worst = probability->worst) {
     json["worst"] = {{"leg", worst->leg + 1},
                      {"from_distance_m", worst->from_distance_m},
@@ -86,9 +95,7 @@ RouteProbability probability_from_json(JsonObject object) {
     worst.finish();
   }
   if (!object.value("interval").is_null()) {
-    JsonObject interval = object.object("interval");
-    probability.interval = ProbabilityInterval{interval.number("low"), interval.number("high")};
-    interval.finish();
+    probability.interval = interval_from_json(object.object("interval"));
   }
   probability.level_tiles = object.number_or_nan("level_tiles");
   object.text("rests_on");  // follows from the rest
@@ -106,6 +113,42 @@ Json loss_to_json(const LossAnywhere& loss) {
                               {"p_within_limit", json_number(point.p_within_limit)}});
   }
   return json;
+}
+
+Json ageing_to_json(const RouteAgeing& ageing) {
+  const auto months = [](const std::optional<double>& up_to) { return up_to ? Json(*up_to) : Json(); };
+  Json json = {{"enough_up_to_months", months(ageing.enough_up_to_months)},
+               {"surely_up_to_months", months(ageing.surely_up_to_months)},
+               {"ages", Json::array()}};
+  for (const ChancesAtAge& at : ageing.ages) {
+    json["ages"].push_back({{"age_months", at.age_months},
+                            {"p_within_limit", at.p_within_limit},
+                            {"interval", interval_to_json(at.interval)}});
+  }
+  return json;
+}
+
+RouteAgeing ageing_from_json(JsonObject object) {
+  const auto age_of = [](JsonObject& at, const char* key) {
+    const double age_months = at.number(key);
+    if (age_months >= 0 && age_months <= kMostImageryAge_months) return age_months;
+    throw DataError(at.path(key) + " = " + format_number(age_months) + " is no age of imagery");
+  };
+  const auto months = [&](const char* key) {
+    return object.value(key).is_null() ? std::nullopt : std::optional(age_of(object, key));
+  };
+  RouteAgeing ageing;
+  ageing.enough_up_to_months = months("enough_up_to_months");
+  ageing.surely_up_to_months = months("surely_up_to_months");
+  for (JsonObject& at : object.objects("ages")) {
+    const double age_months = age_of(at, "age_months");
+    const double p_within_limit = at.number("p_within_limit");
+    ageing.ages.push_back({age_months, p_within_limit, interval_from_json(at.object("interval"))});
+    at.finish();
+  }
+  if (ageing.ages.empty()) throw DataError(object.path("ages") + " is empty; the planned flight's is the first");
+  object.finish();
+  return ageing;
 }
 
 LossAnywhere loss_from_json(JsonObject object) {
@@ -170,6 +213,7 @@ Json selection_to_json(const Selection& selection) {
     json["tries"] = {{"interval_s", tries->interval_s}, {"false_fix_rate", tries->false_fix_rate}};
     if (tries->decorrelation_m) json["tries"]["decorrelation_m"] = *tries->decorrelation_m;
   }
+  if (selection.ageing) json["ageing"] = ageing_to_json(*selection.ageing);
   if (selection.loss_anywhere) json["loss_anywhere"] = loss_to_json(*selection.loss_anywhere);
   for (const LegAdvice& advice : selection.advice) {
     json["advice"].push_back({{"leg", advice.leg + 1},
@@ -223,6 +267,7 @@ Selection selection_from_json(const Json& json, const std::string& name) {
   if (!object.value("probability").is_null()) {
     selection.probability = probability_from_json(object.object("probability"));
   }
+  if (object.has("ageing")) selection.ageing = ageing_from_json(object.object("ageing"));
   if (object.has("loss_anywhere")) selection.loss_anywhere = loss_from_json(object.object("loss_anywhere"));
   for (JsonObject& advice : object.objects("advice")) {
     const int leg = leg_index(advice);

@@ -32,6 +32,7 @@
 #include "pilotage/report/report.h"
 #include "pilotage/score/score_ground.h"
 #include "pilotage/score/score_second_epoch.h"
+#include "pilotage/select/route_ageing.h"
 #include "pilotage/select/select_tiles.h"
 #include "pilotage/simulate/simulate_flights.h"
 #include "pilotage/tile/plan_tiles.h"
@@ -239,8 +240,9 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   }
 
   report_progress(selecting, "selecting", 0, 0);
-  const Selection selection =
+  Selection selection =
       select_tiles(mission, scores, stored_size(options.build, mission.ground), options.select, run.threads);
+  selection.ageing = age_route(mission, scores, selection, run.threads);
   write_file(publish_later(kSelection), json_text(selection_to_json(selection)), true);
 
   std::optional<Simulation> simulation = fly_plan(mission, scores, selection, options, run.seed, run.threads, flying);
@@ -322,6 +324,7 @@ PrepareResult prepare(const PrepareOptions& options, const PrepareRun& run, cons
   result.verdict = report.verdict_text;
   result.assumptions = report.assumptions;
   result.evidence = evidence_line(report.quality);
+  if (report.ageing) result.holds = report.ageing->sentence;
   result.planned_tiles = static_cast<std::int64_t>(mission.ground.tiles.size());
   result.selected_tiles = static_cast<std::int64_t>(selection.tile_ids.size());
   result.matchable_fraction = selection.matchable_fraction;

@@ -62,6 +62,7 @@ struct PrepareResult {
   std::string verdict;      ///< The report's first sentence.
   std::string assumptions;  ///< What it takes for granted, as the report says it.
   std::string evidence;     ///< What it rests on (report/evidence.h), in one line.
+  std::string holds;        ///< How long the map holds (report/map_ageing.h), a sentence; "" where nothing is known.
   BuildStats map;
   std::int64_t planned_tiles = 0;
   std::int64_t selected_tiles = 0;

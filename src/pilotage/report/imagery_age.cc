@@ -87,11 +87,6 @@ std::string clock_text(UtcTime time) {
   return format_utc_time(time).substr(11, 5);
 }
 
-std::string months_text(double months) {
-  const double whole = std::round(months);
-  return format_fixed(whole, 0) + (whole == 1 ? " month" : " months");
-}
-
 std::string age_text(double age_months, double season_months) {
   if (age_months < 0) return months_text(-age_months) + " younger than the flight";
   return months_text(age_months) + " old, " + months_text(season_months) + " apart in season";

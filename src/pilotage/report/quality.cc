@@ -8,6 +8,7 @@
 #include "pilotage/report/disagreement.h"
 #include "pilotage/report/evidence.h"
 #include "pilotage/report/imagery_age.h"
+#include "pilotage/report/map_ageing.h"
 #include "pilotage/report/simulated_flights.h"
 #include "pilotage/report/wording.h"
 
@@ -408,6 +409,7 @@ std::vector<QualityRow> quality_rows(const ReportInput& input) {
                                   distortion_row(input.mission),
                                   imagery_date_row(input.mission)};
   for (QualityRow& row : imagery_age_rows(input.mission)) rows.push_back(std::move(row));
+  if (auto row = ageing_row(input.mission, input.selection)) rows.push_back(*std::move(row));
   if (const auto found = georeference_disagreement(input)) {
     rows.insert(rows.begin() + 2, disagreement_row(*found, input.selection));
   }

@@ -8,6 +8,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/ground/imagery_months.h"
 #include "pilotage/ground/score_table.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/ins/ins_error_model.h"
@@ -127,9 +128,11 @@ std::vector<ReportTile> report_tiles(const ReportInput& input) {
     throw DataError("report: " + std::to_string(input.mission.flight.places.size()) + " places along the route, " +
                     std::to_string(ground.tiles.size()) + " tiles");
   }
+  const auto oldest = oldest_imagery(ground);
   std::vector<ReportTile> tiles;
   for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
-    tiles.push_back({ground.tiles[i], input.mission.flight.places[i], table.scores[i], false, "", ""});
+    tiles.push_back({ground.tiles[i], input.mission.flight.places[i], table.scores[i], false, "", "",
+                     half_found_until(oldest, table.scores[i])});
   }
   for (const std::int64_t tile_id : input.selection.tile_ids) {
     ReportTile& tile = tiles[tile_index(ground, tile_id, "report: the selection")];
@@ -312,6 +315,7 @@ Report make_report(const ReportInput& input) {
   report.replay = input.replay;
   for (Simulation& simulation : report.simulations) simulation.not_simulated = valid_texts(simulation.not_simulated);
   report.imagery_age = imagery_age(mission);
+  report.ageing = map_ageing(mission, selection, report.tiles);
   report.weak_places = weak_places(report, selection.advice);
   report.what_if = what_if_data(input, report.quality);
   report.seen = input.seen;

@@ -14,6 +14,7 @@
 #include "pilotage/report/height_profile.h"
 #include "pilotage/report/imagery_age.h"
 #include "pilotage/report/landmark_note.h"
+#include "pilotage/report/map_ageing.h"
 #include "pilotage/report/measure_scale.h"
 #include "pilotage/report/quality.h"
 #include "pilotage/report/report_input.h"
@@ -57,6 +58,7 @@ struct ReportTile {
   std::string reason;  ///< Why it is not selected, as one sentence; "" when it is.
   std::string
       reasons;  ///< Why it is not, or may not be, recognised (matchability/reasons.h); "" when nothing speaks so.
+  std::string half_found_until;                                      ///< half_found_until() of map_ageing.h.
   double p_landmark_fix = std::numeric_limits<double>::quiet_NaN();  ///< LandmarkNote::p_fix; NaN without landmarks.
 };
 
@@ -141,6 +143,7 @@ struct Report {
   std::string elevation;
   std::vector<InputFile> inputs;
   std::optional<ImageryAge> imagery_age;  ///< Where the planner said when the flight is.
+  std::optional<MapAgeing> ageing;        ///< Where P of the stored tiles counts the age of the imagery.
   std::optional<LandmarkNote> landmarks;  ///< Where the onboard map has some.
   nlohmann::ordered_json parameters;
   std::vector<std::string> warnings;

@@ -321,6 +321,7 @@ std::string report_html(const Report& report) {
        {"simulated", kind_mark(NumberKind::kSimulated)},
        {"modelled", kind_mark(NumberKind::kModelled)},
        {"evaluation", evaluation_html(report)},
+       {"ageing", ageing_html(report.ageing)},
        {"imagery_age", imagery_age_html(report.imagery_age)},
        {"landmarks", report.landmarks ? landmark_html(*report.landmarks) : ""},
        {"denied_key", denied_key_html(report)},

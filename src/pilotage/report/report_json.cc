@@ -230,6 +230,7 @@ void describe(Io& io, typename Io::template Ref<Report> report) {
   io.records("imagery", report.imagery);
   io.value("elevation", report.elevation);
   if (report.imagery_age) io.only_written("imagery_age", [&] { return imagery_age_json(*report.imagery_age); });
+  if (report.ageing) io.only_written("ageing", [&] { return ageing_json(*report.ageing); });
   if (report.landmarks) io.only_written("landmarks", [&] { return landmark_json(*report.landmarks); });
   io.records("inputs", report.inputs);
   io.value("parameters", report.parameters);

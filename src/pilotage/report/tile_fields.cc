@@ -41,6 +41,8 @@ std::vector<TileField> identity_fields() {
 std::vector<TileField> place_fields() {
   return {
       {"reasons", "What speaks against it", "", Type::kText, [](Tile t) { return t.reasons; }},
+      {"half_found_until", "Found at least every second time until", "", Type::kText,
+       [](Tile t) { return t.half_found_until.empty() ? VectorValue() : VectorValue(t.half_found_until); }},
       {"center_lon_deg", "Centre, longitude", "°", Type::kReal,
        [](Tile t) { return degrees_value(t.tile.center.lon_deg); }},
       {"center_lat_deg", "Centre, latitude", "°", Type::kReal,

@@ -64,6 +64,10 @@ std::string count_text(std::int64_t count, const std::string& one, const std::st
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+std::string months_text(double months) {
+  return count_text(std::llround(months), "month", "months");
+}
+
 std::string listed(const std::vector<std::string>& words) {
   if (words.size() < 2) return join(words, "");
   return join({words.begin(), words.end() - 1}, ", ") + " and " + words.back();

@@ -29,6 +29,9 @@ std::string bytes_text(double bytes);
 /// "1 landmark", "76 landmarks".
 std::string count_text(std::int64_t count, const std::string& one, const std::string& many);
 
+/// "21 months", "1 month": rounded to whole ones.
+std::string months_text(double months);
+
 /// "2", "2 and 4", "2, 4 and 5".
 std::string listed(const std::vector<std::string>& words);
 

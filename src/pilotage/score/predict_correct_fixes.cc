@@ -1,7 +1,9 @@
 #include "pilotage/score/predict_correct_fixes.h"
 
+#include <optional>
 #include <utility>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/matchability/fine_contrast.h"
 #include "pilotage/matchability/level_at_age.h"
 #include "pilotage/matchability/matchability_model.h"
@@ -10,12 +12,20 @@
 
 namespace pilotage {
 
+namespace {
+
+/// The age that P counts. A model of one's own rests on dates that differ as one's map and flights do.
+std::optional<double> counted_age_months(const ScoreOptions& options) {
+  return options.model.empty() ? options.imagery_months : std::nullopt;
+}
+
+}  // namespace
+
 MatchabilityModel model_for(const ScoreOptions& options) {
   MatchabilityModel model =
       options.model.empty() ? default_matchability_model() : read_matchability_model(options.model);
   model_of(model, options.matcher);
-  // A model of one's own rests on dates that differ as one's map and flights do.
-  if (options.model.empty() && options.imagery_months) model = model_at_age(std::move(model), *options.imagery_months);
+  if (const auto age_months = counted_age_months(options)) model = model_at_age(std::move(model), *age_months);
   return model;
 }
 
@@ -45,6 +55,7 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
     scored[i]->p_correct_fix = fix.p;
     scored[i]->level_sigma = fix.level_sigma;
     scored[i]->level_tiles = static_cast<double>(fix.level_tiles);
+    scored[i]->level_age_months = counted_age_months(options).value_or(kNaN);
   }
 }
 

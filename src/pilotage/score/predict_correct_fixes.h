@@ -12,14 +12,13 @@
 
 namespace pilotage {
 
-/// The parameters of P that the options ask for, the default model for the age of the imagery where it is
-/// known. Throws as
-/// read_matchability_model, and DataError when they have none for the matcher.
+/// The parameters of P that the options ask for, the default model for the age of the imagery where it is known. Throws
+/// as read_matchability_model, and DataError when they have none for the matcher.
 MatchabilityModel model_for(const ScoreOptions& options);
 
-/// Fills map_features, vote_noise, fine_contrast, p_correct_fix, level_sigma and level_tiles of scored tiles of
-/// `matrix`, whose statistics are there: scores[i] is of the tile with index tile_indices[i]. Flat tiles have P = 0;
-/// those with too little ground have none. Throws as count_self_votes.
+/// Fills map_features, vote_noise, fine_contrast, p_correct_fix, level_sigma, level_tiles and level_age_months of
+/// scored tiles of `matrix`, whose statistics are there: scores[i] is of the tile with index tile_indices[i]. Flat
+/// tiles have P = 0; those with too little ground have none. Throws as count_self_votes.
 void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
                            const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
                            std::vector<TileScores>& scores, int threads, const Progress& progress);

@@ -9,6 +9,7 @@
 
 #include "pilotage/base/nan.h"
 #include "pilotage/base/parallel.h"
+#include "pilotage/ground/place_level.h"
 #include "pilotage/ins/drift.h"
 #include "pilotage/mission/wind_cases.h"
 
@@ -315,6 +316,16 @@ RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChan
 RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances) {
   const LevelChances alone{1, chances};
   return predict_survival(path, {&alone, 1}, 1);
+}
+
+std::optional<ProbabilityInterval> interval_over_levels(const RouteSurvival& survival) {
+  if (survival.p_at_level.size() <= 1) return std::nullopt;
+  // More fixes should never make a flight worse, but branches are merged, so P at the higher level can come out a
+  // little smaller: the ends are sorted.
+  const auto [low, high] = std::minmax(survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]);
+  // Where only the worst levels lose the flight, they pull the mean below P at the lower end.
+  const double p = survival.p_within_limit.back();
+  return ProbabilityInterval{std::min(low, p), std::max(high, p)};
 }
 
 }  // namespace pilotage

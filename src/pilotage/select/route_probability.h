@@ -115,4 +115,7 @@ RouteSurvival predict_survival(const FlightPath& path, std::span<const LevelChan
                                double entries_below = 0);
 RouteSurvival predict_survival(const FlightPath& path, const RouteChances& chances);  ///< At a single level.
 
+/// RouteProbability::interval; nothing at a single level.
+std::optional<ProbabilityInterval> interval_over_levels(const RouteSurvival& survival);
+
 }  // namespace pilotage

@@ -143,14 +143,7 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
                                            expected.wrong,
                                            survival.worst,
                                            {}};
-  if (survival.p_at_level.size() > 1) {
-    // More fixes should never make a flight worse, but branches are merged, so P at the higher level can come out a
-    // little smaller: the ends are sorted.
-    const auto [low, high] = std::minmax(survival.p_at_level[kLevelLow], survival.p_at_level[kLevelHigh]);
-    // Where only the worst levels lose the flight, they pull the mean below P at the lower end.
-    const double p = selection.probability->p_within_limit;
-    selection.probability->interval = ProbabilityInterval{std::min(low, p), std::max(high, p)};
-  }
+  selection.probability->interval = interval_over_levels(survival);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     selection.error_profile[i].p_correct_fix = tiles[i] ? p_of_stored[*tiles[i]] : 0;
     selection.error_profile[i].p_within_limit = survival.p_within_limit[i];

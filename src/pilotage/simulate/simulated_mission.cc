@@ -8,15 +8,10 @@
 #include "pilotage/base/text.h"
 #include "pilotage/ground/place_level.h"
 #include "pilotage/ground/tile_chances.h"
+#include "pilotage/select/planned_flight.h"
 
 namespace pilotage {
 namespace {
-
-std::vector<bool> stored_tiles(const Mission& mission, const Selection& selection) {
-  std::vector<bool> stored(mission.ground.tiles.size(), false);
-  for (const std::int64_t id : selection.tile_ids) stored[tile_index(mission.ground, id, "selection")] = true;
-  return stored;
-}
 
 SimulatedMission::TileChance tile_chance(const TileScores& score, bool stored) {
   const double p = std::isnan(score.p_correct_fix) ? 1 : score.p_correct_fix;  // as the plan counts it
@@ -69,10 +64,7 @@ GnssAvailability availability(const Mission& mission, const Selection& selection
     }
     return gnss_lost_at(mission.flight, lost_m);
   }
-  if (selection.loss_anywhere) {
-    return gnss_lost_at(mission.flight, selection.loss_anywhere->points[selection.loss_anywhere->worst].distance_m);
-  }
-  return gnss_availability(mission.flight);
+  return planned_gnss(mission, selection);
 }
 
 FlightConditions conditions_flown(FlightConditions conditions, const SimulateOptions& options) {

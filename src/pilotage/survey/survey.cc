@@ -10,12 +10,15 @@
 #include "pilotage/base/source_date.h"
 #include "pilotage/base/text.h"
 #include "pilotage/base/utf8.h"
+#include "pilotage/ground/imagery_months.h"
+#include "pilotage/matchability/level_at_age.h"
 #include "pilotage/matchability/matchability_model.h"
 #include "pilotage/matchability/reasons.h"
 #include "pilotage/report/display.h"
 #include "pilotage/report/display_plane.h"
 #include "pilotage/report/imagery_age.h"
 #include "pilotage/report/landmark_prospects.h"
+#include "pilotage/report/map_ageing.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/wording.h"
@@ -91,6 +94,18 @@ std::vector<std::string> assumptions_of(const SurveyInput& input, bool known) {
   return phrases;
 }
 
+// "; go shrinks to 48 % a year later …": go is what is found at least every second time. "" where P counts no age,
+// and where later flights are nearer to the imagery.
+std::string later_phrase(const Survey& survey) {
+  const auto later = [&](double months) {
+    return std::count_if(survey.tiles.begin(), survey.tiles.end(),
+                         [&](const ReportTile& tile) { return is_half_found_later(tile.score, months); });
+  };
+  if (!growing_imagery_months(survey.area.ground) || later(0) == 0) return "";
+  const auto share = [&](double months) { return percent_text(survey.statistics.share(later(months))); };
+  return "; go is " + share(12) + " of the area a year later and " + share(24) + " two years later (" + kAgeRule + ")";
+}
+
 std::string detail_of(const Survey& survey) {
   const AreaStatistics& all = survey.statistics;
   const auto part = [&](const char* name, std::int64_t tiles) {
@@ -106,15 +121,16 @@ std::string detail_of(const Survey& survey) {
     text +=
         "; no place is farther than " + length_text(survey.farthest_from_go_m) + " from go ground, as the crow flies";
   }
-  return text;
+  return text + later_phrase(survey);
 }
 
 std::vector<ReportTile> tiles_of(const SurveyInput& input) {
   const Ground& ground = input.area.ground;
   const ReasonContext context = reason_context(ground.crs, ground.levels.front());
+  const auto oldest = oldest_imagery(ground);
   std::vector<ReportTile> tiles;
   for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
-    tiles.push_back({ground.tiles[i], {}, input.scores[i], false, "", ""});
+    tiles.push_back({ground.tiles[i], {}, input.scores[i], false, "", "", half_found_until(oldest, input.scores[i])});
     tiles.back().reasons = reasons_text(tile_reasons(input.scores[i], context));
   }
   return tiles;

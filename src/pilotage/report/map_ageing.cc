@@ -1,0 +1,203 @@
+#include "pilotage/report/map_ageing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "pilotage/base/error.h"
+#include "pilotage/base/markup.h"
+#include "pilotage/base/text.h"
+#include "pilotage/base/variant_json.h"
+#include "pilotage/ground/imagery_months.h"
+#include "pilotage/matchability/level_at_age.h"
+#include "pilotage/report/number_kind.h"
+#include "pilotage/report/page_parts.h"
+#include "pilotage/report/report.h"
+#include "pilotage/report/tile_fields.h"
+#include "pilotage/report/wording.h"
+
+namespace pilotage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kHoldsGood_months = 6;
+
+/// The day on which the oldest raster is so old.
+std::string day_at_age(UtcTime oldest, double age_months) {
+  return format_utc_time(months_after(oldest, age_months)).substr(0, 10);
+}
+
+/// The date of the oldest raster of a ground whose P counts its age.
+UtcTime dated_imagery(const Ground& ground) {
+  const auto oldest = oldest_imagery(ground);
+  if (!oldest) throw DataError("the selection counts the age of imagery, and the plan does not know all its dates");
+  return *oldest;
+}
+
+std::string month_of(const std::string& day) {
+  return day.substr(0, 7);
+}
+
+bool is_enough(const RouteProbability& route) {
+  return route.p_within_limit >= route.min_p_within_limit;
+}
+
+/// "until about 2027-03, when the imagery is 21 months old"
+std::string until_text(const Mission& mission, double up_to_months) {
+  if (up_to_months >= kMostAge_months) {
+    return "for as long as anything is known of, imagery " + months_text(kMostAge_months) + " old";
+  }
+  return "until about " + month_of(day_at_age(dated_imagery(mission.ground), up_to_months)) + ", when the imagery is " +
+         months_text(up_to_months) + " old";
+}
+
+std::string enough_text(const Mission& mission, const RouteProbability& route, const RouteAgeing& ageing) {
+  const std::string asked_for = " what was asked for (" + probability_text(route.min_p_within_limit) + ")";
+  const auto& up_to_months = ageing.enough_up_to_months;
+  if (is_enough(route)) return "P is at least" + asked_for + " " + until_text(mission, up_to_months.value_or(0));
+  if (!up_to_months) return "P is below" + asked_for + " with the stored tiles, however young the imagery";
+  return "P is below" + asked_for + " on the planned day; with imagery no older than " +
+         months_text(std::floor(*up_to_months)) + " the stored tiles would be enough";
+}
+
+std::string surely_text(const Mission& mission, const RouteProbability& route, const RouteAgeing& ageing) {
+  if (!is_enough(route)) return "";
+  const auto& up_to_months = ageing.surely_up_to_months;
+  return "; the lower end of its interval " +
+         (up_to_months ? until_text(mission, *up_to_months) : "is below it already");
+}
+
+}  // namespace
+
+std::string half_found_until(std::optional<UtcTime> oldest, const TileScores& score) {
+  const auto up_to_months = oldest ? half_found_up_to_months(score) : std::nullopt;
+  return up_to_months ? day_at_age(*oldest, *up_to_months) : "";
+}
+
+std::optional<MapAgeing> map_ageing(const Mission& mission, const Selection& selection,
+                                    const std::vector<ReportTile>& tiles) {
+  if (!selection.ageing || !selection.probability) return std::nullopt;
+  const UtcTime oldest = dated_imagery(mission.ground);
+  MapAgeing ageing;
+  ageing.sentence = ageing_sentence(mission, selection);
+  std::vector<std::pair<double, const ReportTile*>> half_found;
+  for (const ReportTile& tile : tiles) {
+    const bool is_below_route = tile.place.offset_m <= tile.tile.bounds.width_m() / 2;
+    const auto up_to_months = tile.selected && is_below_route ? half_found_up_to_months(tile.score) : std::nullopt;
+    if (up_to_months) half_found.emplace_back(*up_to_months, &tile);
+  }
+  std::sort(half_found.begin(), half_found.end(), [](const auto& a, const auto& b) {
+    return std::tuple(a.first, a.second->tile.tile_id) < std::tuple(b.first, b.second->tile.tile_id);
+  });
+  for (const ChancesAtAge& at : selection.ageing->ages) {
+    RouteProbability route = *selection.probability;
+    route.p_within_limit = at.p_within_limit;
+    route.interval = at.interval;
+    const double later_months = at.age_months - selection.ageing->ages.front().age_months;
+    const auto still = std::count_if(half_found.begin(), half_found.end(), [&](const auto& tile) {
+      return is_half_found_later(tile.second->score, later_months);
+    });
+    ageing.flights.push_back({day_at_age(oldest, at.age_months), at, judge_route(route), still});
+  }
+  const auto day = [&](const std::optional<double>& up_to_months) {
+    return up_to_months ? day_at_age(oldest, *up_to_months) : "";
+  };
+  ageing.enough_until = day(selection.ageing->enough_up_to_months);
+  ageing.surely_until = day(selection.ageing->surely_up_to_months);
+  for (const auto& [up_to_months, tile] : half_found) {
+    if (ageing.refresh.size() == kMostStaleTiles || up_to_months >= kMostAge_months) break;
+    ageing.refresh.push_back({tile->tile.tile_id, tile->tile.center, tile->half_found_until});
+  }
+  return ageing;
+}
+
+std::string ageing_sentence(const Mission& mission, const Selection& selection) {
+  if (!selection.ageing || !selection.probability) return "";
+  return enough_text(mission, *selection.probability, *selection.ageing) +
+         surely_text(mission, *selection.probability, *selection.ageing) + "; " + kAgeRule;
+}
+
+std::optional<QualityRow> ageing_row(const Mission& mission, const Selection& selection) {
+  if (!selection.ageing || !selection.probability) return std::nullopt;
+  const auto& up_to_months = selection.ageing->enough_up_to_months;
+  QualityRow row;
+  row.name = "map_holds";
+  row.label = "How long the map holds after the flight";
+  row.kind = NumberKind::kModelled;
+  row.unit = "months";
+  if (up_to_months) row.number = *up_to_months - selection.ageing->ages.front().age_months;
+  row.value = enough_text(mission, *selection.probability, *selection.ageing);
+  row.threshold = "good from " + months_text(kHoldsGood_months) + " on; " + kAgeRule;
+  const bool has_no_known_end = up_to_months && *up_to_months >= kMostAge_months;
+  if (has_no_known_end || row.number >= kHoldsGood_months) return row;
+  row.status = QualityStatus::kMarginal;
+  const bool age_is_all = is_enough(*selection.probability) || up_to_months;
+  row.advice = age_is_all ? "Have younger imagery for the flights after that, and prepare again."
+                          : "It is not the age of the imagery alone: see what speaks against the weakest places.";
+  return row;
+}
+
+std::string ageing_html(const std::optional<MapAgeing>& ageing) {
+  if (!ageing) return "";
+  std::string html =
+      "<section aria-labelledby=\"ageing-heading\">\n  <h2 id=\"ageing-heading\">How long this map holds " +
+      kind_mark(NumberKind::kModelled) + "</h2>\n  <p>" + html_escape(ageing->sentence) + ".</p>\n";
+  std::string rows;
+  for (const LaterFlight& flight : ageing->flights) {
+    const ChancesAtAge& at = flight.chances;
+    rows += "<tr>" + heading_html(flight.day) + cell_html("Imagery is then", months_text(at.age_months)) +
+            cell_html("P within the limit", probability_text(at.p_within_limit)) +
+            cell_html("80 % interval", probability_text(at.interval.low) + " … " + probability_text(at.interval.high)) +
+            cell_html("By P alone", std::string(verdict_name(flight.status))) +
+            cell_html("Stored tiles found at least every second time", std::to_string(flight.tiles_half_found)) +
+            "</tr>\n";
+  }
+  html += table_html("Table of later flights by this map",
+                     {"Flown on", "Imagery is then", "P within the limit", "80 % interval", "By P alone",
+                      "Stored tiles found at least every second time"},
+                     rows);
+  if (ageing->refresh.empty()) return html + "</section>\n";
+  std::vector<std::string> tiles;
+  for (const StaleTile& tile : ageing->refresh) {
+    tiles.push_back("tile " + std::to_string(tile.tile_id) + " at " + format_fixed(tile.center.lat_deg, 5) + "°, " +
+                    format_fixed(tile.center.lon_deg, 5) + "° (" + month_of(tile.half_found_until) + ")");
+  }
+  return html + "  <p>Under the route, the first to be found less often than every second time: " +
+         html_escape(join(tiles, ", ")) +
+         ". Look there first when you order new imagery. P counts the age of the oldest raster over all ground: it "
+         "rises "
+         "when that one is replaced.</p>\n</section>\n";
+}
+
+Json ageing_json(const MapAgeing& ageing) {
+  const auto number = [](double value) { return variant_to_json(number_value(value)); };
+  const auto degrees = [](double value) { return variant_to_json(degrees_value(value)); };
+  const auto day_json = [](const std::string& day) { return day.empty() ? Json() : Json(day); };
+  Json json = {{"sentence", ageing.sentence},
+               {"enough_until", day_json(ageing.enough_until)},
+               {"surely_until", day_json(ageing.surely_until)},
+               {"flights", Json::array()},
+               {"refresh", Json::array()}};
+  for (const LaterFlight& flight : ageing.flights) {
+    const ChancesAtAge& at = flight.chances;
+    json["flights"].push_back({{"day", flight.day},
+                               {"age_months", number(at.age_months)},
+                               {"p_within_limit", number(at.p_within_limit)},
+                               {"interval", {{"low", number(at.interval.low)}, {"high", number(at.interval.high)}}},
+                               {"status", status_name(flight.status)},
+                               {"tiles_half_found", flight.tiles_half_found}});
+  }
+  for (const StaleTile& tile : ageing.refresh) {
+    json["refresh"].push_back({{"tile_id", tile.tile_id},
+                               {"center_lon_deg", degrees(tile.center.lon_deg)},
+                               {"center_lat_deg", degrees(tile.center.lat_deg)},
+                               {"half_found_until", tile.half_found_until}});
+  }
+  return json;
+}
+
+}  // namespace pilotage
