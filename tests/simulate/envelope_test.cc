@@ -24,6 +24,7 @@ EnvelopeCell cell_of(EnvelopeFactor factor, double value, std::int64_t correct, 
   cell.frames = frames;
   cell.correct = correct;
   cell.wrong = wrong;
+  if (correct + wrong > 0) cell.largest_error_m = wrong > 0 ? 7.25 : 3.5;
   return cell;
 }
 
@@ -101,6 +102,9 @@ TEST(EnvelopeFile, SaysCellsMarginsAndWhatTheyRestOn) {
   const auto json = envelope_to_json(envelope);
   EXPECT_TRUE(json["cells"][0]["value"].is_null());
   EXPECT_EQ(json["cells"][0]["false"], 1);
+  EXPECT_EQ(json["cells"][0]["largest_error_m"], 7.25);
+  EXPECT_TRUE(json["cells"].back()["largest_error_m"].is_null());
+  EXPECT_THAT(text, HasSubstr("1 false of 40 frames, off by up to 7.2 m\n"));
   EXPECT_TRUE(json["cells"].back()["p_correct"].is_null());
   EXPECT_EQ(json["height_margins"][0]["surely_above_half_m"][1], 160);
   EXPECT_TRUE(json["height_margins"][1]["surely_above_half_m"].is_null());

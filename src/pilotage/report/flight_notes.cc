@@ -136,6 +136,12 @@ std::string factor_title(const std::string& factor, const std::string& world) {
   if (factor == "gsd_ratio") return "Frame's pixels, times the planned ones, in " + where;
   if (factor == "attitude_error_deg") return "Error of roll, pitch and yaw (°), in " + where;
   if (factor == "position_error_m") return "Error of the position told, each axis (m), in " + where;
+  if (factor == "fog_visibility_m") return "Fog, visibility (m), in " + where;
+  if (factor == "cloud_cover") return "Share of the frame behind clouds, in " + where;
+  if (factor == "dark_stops") return "Factors of two less light, in " + where;
+  if (factor == "motion_blur_px") return "Motion blur (px), in " + where;
+  if (factor == "lens_drops") return "Drops on the lens, in " + where;
+  if (factor == "jpeg_quality") return "Quality of JPEG, in " + where;
   return valid_utf8(factor) + ", in " + where;
 }
 
@@ -147,9 +153,12 @@ EnvelopeNote::Cell envelope_cell(JsonObject& json) {
   const double p = json.number_or_nan("p_correct");
   cell.shade = std::isnan(p) ? 0 : std::clamp(p, 0.0, 1.0);
   cell.p = std::isnan(p) ? "–" : format_fixed(p, 2);
-  cell.said = std::to_string(json.integer("correct", 0)) + " correct and " + std::to_string(json.integer("false", 0)) +
-              " false of " + std::to_string(frames) + " frames, " + format_fixed(json.number("p_correct_low"), 2) +
-              " to " + format_fixed(json.number("p_correct_high"), 2);
+  const std::int64_t wrong = json.integer("false", 0);
+  const bool says_error = wrong > 0 && json.has_value("largest_error_m");
+  cell.said = std::to_string(json.integer("correct", 0)) + " correct and " + std::to_string(wrong) + " false" +
+              (says_error ? " (off by up to " + error_text(json.number("largest_error_m")) + ")" : "") + " of " +
+              std::to_string(frames) + " frames, " + format_fixed(json.number("p_correct_low"), 2) + " to " +
+              format_fixed(json.number("p_correct_high"), 2);
   return cell;
 }
 

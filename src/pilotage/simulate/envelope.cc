@@ -15,6 +15,8 @@
 #include "pilotage/flightlog/frame_match.h"
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/select/fix_attempts.h"
+#include "pilotage/select/planned_flight.h"
+#include "pilotage/simulate/bad_frame.h"
 #include "pilotage/simulate/degraded_frame.h"
 #include "pilotage/simulate/rendered_fixes.h"
 #include "pilotage/simulate/rendered_world.h"
@@ -47,9 +49,35 @@ struct EnvelopeRun {
   }
 };
 
+/// Spoils a frame as the cell says (simulate/bad_frame.h); most cells spoil none.
+void spoil(const EnvelopeCell& cell, double height_agl_m, const Random& random, cv::Mat& gray) {
+  switch (cell.factor) {
+    case EnvelopeFactor::kFog:
+      return add_fog(gray, height_agl_m, cell.value, random);
+    case EnvelopeFactor::kClouds:
+      return add_clouds(gray, cell.value, random);
+    case EnvelopeFactor::kDark:
+      return take_in_the_dark(gray, cell.value, random);
+    case EnvelopeFactor::kMotionBlur:
+      return blur_by_motion(gray, {0, cell.value});
+    case EnvelopeFactor::kDrops:
+      return add_drops(gray, static_cast<int>(cell.value), random);
+    case EnvelopeFactor::kJpeg:
+      return compress(gray, static_cast<int>(cell.value));
+    default:
+      return;
+  }
+}
+
+/// What came of one place in one cell.
+struct PlaceOutcome {
+  Outcome outcome = Outcome::kNotTried;
+  double error_m = kNaN;  ///< Of a fix.
+};
+
 /// One place in one cell. Its random numbers are those of the place.
-Outcome outcome_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t number, const EnvelopePlace& place,
-                   EnvelopeWorker& worker) {
+PlaceOutcome outcome_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t number,
+                        const EnvelopePlace& place, EnvelopeWorker& worker) {
   const EnvelopeOptions& options = run.options;
   const FlightSample& sample = run.mission.flight.samples[place.sample];
   const auto varied = [&](EnvelopeFactor factor, double otherwise) {
@@ -78,12 +106,14 @@ Outcome outcome_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::size_t
   prior.attitude.roll_deg += error_deg * random.normal();
 
   RenderedFrame frame = camera->frame_at(pose);
-  if (frame.valid_fraction < kLeastOfFrame) return Outcome::kNotTried;
+  if (frame.valid_fraction < kLeastOfFrame) return {};
   if (run.worlds[cell.world].of_the_map) FrameDegrader(options.degradation, random.next()).apply(frame.gray);
+  spoil(cell, pose.height_agl_m, Random(derive_seed(run.seed + 1, number)), frame.gray);
   const MatchResult result = match(frame.gray, prior, camera->camera(), worker.map, options.match);
   require_frame_was_tried(result, worker.map.name());
-  if (!result.fix) return Outcome::kRefused;
-  return outcome_of_fix(error_of_fix(*result.fix, pose.position, FrameTruth::kNadir).error_m, options.correct_within_m);
+  if (!result.fix) return {Outcome::kRefused};
+  const double error_m = error_of_fix(*result.fix, pose.position, FrameTruth::kNadir).error_m;
+  return {outcome_of_fix(error_m, options.correct_within_m), error_m};
 }
 
 std::vector<EnvelopeCell> empty_cells(const EnvelopeOptions& options, std::size_t worlds) {
@@ -101,18 +131,25 @@ std::vector<EnvelopeCell> empty_cells(const EnvelopeOptions& options, std::size_
       add(EnvelopeFactor::kHeight, value, world);
     }
   }
-  for (const double value : envelope_values("heading_deg", options.heading_deg, {-360, 360})) {
-    add(EnvelopeFactor::kHeading, value, 0);
-  }
-  for (const double value : envelope_values("gsd_ratio", options.gsd_ratio, {0.1, 20})) {
-    add(EnvelopeFactor::kGsdRatio, value, 0);
-  }
-  for (const double value : envelope_values("attitude_error_deg", options.attitude_error_deg, {0, 45})) {
-    add(EnvelopeFactor::kAttitudeError, value, 0);
-  }
-  for (const double value : envelope_values("position_error_m", options.position_error_m, {0.1, 10000})) {
-    add(EnvelopeFactor::kPositionError, value, 0);
-  }
+  const auto add_all = [&](EnvelopeFactor factor, const std::string& text, Range range, bool whole = false) {
+    const std::string name(options_detail::enum_to_name(factor));
+    for (const double value : envelope_values(name, text, range)) {
+      if (whole && value != std::floor(value)) {
+        throw UsageError(name + " = \"" + text + "\": " + format_number(value) + " is no whole number");
+      }
+      add(factor, value, 0);
+    }
+  };
+  add_all(EnvelopeFactor::kHeading, options.heading_deg, {-360, 360});
+  add_all(EnvelopeFactor::kGsdRatio, options.gsd_ratio, {0.1, 20});
+  add_all(EnvelopeFactor::kAttitudeError, options.attitude_error_deg, {0, 45});
+  add_all(EnvelopeFactor::kPositionError, options.position_error_m, {0.1, 10000});
+  add_all(EnvelopeFactor::kFog, options.fog_visibility_m, {1, 1e6});
+  add_all(EnvelopeFactor::kClouds, options.cloud_cover, {0, 1});
+  add_all(EnvelopeFactor::kDark, options.dark_stops, {0, 20});
+  add_all(EnvelopeFactor::kMotionBlur, options.motion_blur_px, {0, 1000});
+  add_all(EnvelopeFactor::kDrops, options.lens_drops, {0, 10000}, true);
+  add_all(EnvelopeFactor::kJpeg, options.jpeg_quality, {1, 100}, true);
   return cells;
 }
 
@@ -126,8 +163,9 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
   }
 }
 
-void count(const std::vector<Outcome>& outcomes, EnvelopeCell& cell) {
-  for (const Outcome outcome : outcomes) {
+void count(const std::vector<PlaceOutcome>& outcomes, EnvelopeCell& cell) {
+  for (const auto& [outcome, error_m] : outcomes) {
+    cell.largest_error_m = std::fmax(cell.largest_error_m, error_m);
     if (outcome != Outcome::kNotTried) ++cell.frames;
     if (outcome == Outcome::kCorrect) ++cell.correct;
     if (outcome == Outcome::kFalse) ++cell.wrong;
@@ -198,8 +236,7 @@ std::vector<double> envelope_values(const std::string& name, const std::string& 
 
 std::vector<EnvelopePlace> envelope_places(const Mission& mission, const std::vector<TileScores>& scores,
                                            const Selection& selection, int count_wanted, std::uint64_t seed) {
-  std::vector<bool> stored(mission.ground.tiles.size(), false);
-  for (const std::int64_t id : selection.tile_ids) stored[tile_index(mission.ground, id, "selection")] = true;
+  const std::vector<bool> stored = stored_tiles(mission, selection);
   const double interval_s = selection.tries ? selection.tries->interval_s : 0;
   std::vector<EnvelopePlace> all;
   std::vector<bool> taken(stored.size(), false);
@@ -264,7 +301,8 @@ Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& sc
   rendered.frame_width_px = options.frame_width_px;
   EnvelopeRun run{mission, options, seed, {}, rendered_camera(mission, rendered)};
   for (const std::string& world : envelope.worlds) run.worlds.push_back(make_rendered_world(mission, world));
-  std::vector<std::vector<Outcome>> outcomes(envelope.cells.size(), std::vector<Outcome>(envelope.places.size()));
+  std::vector<std::vector<PlaceOutcome>> outcomes(envelope.cells.size(),
+                                                  std::vector<PlaceOutcome>(envelope.places.size()));
   std::vector<std::unique_ptr<EnvelopeWorker>> workers(static_cast<std::size_t>(thread_count(threads)));
   std::mutex reporting;
   std::int64_t done = 0;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,12 @@ struct EnvelopeOptions {
   std::string gsd_ratio = "0.5,0.7,1,1.4,2,3";
   std::string attitude_error_deg = "0,0.5,1,2,4";
   std::string position_error_m = "10,30,60,100,200,400";
+  std::string fog_visibility_m = "30,50,80,125,250,500,1000";
+  std::string cloud_cover = "0.2,0.4,0.6,0.8,0.9";
+  std::string dark_stops = "4,8,10,12,14";
+  std::string motion_blur_px = "4,8,16,32,64";
+  std::string lens_drops = "30,100,300,1000";
+  std::string jpeg_quality = "1,2,5,10,20";
   int frame_width_px = 640;
   double prior_sigma_m = 10;
   double tilt_sigma_deg = 2;
@@ -49,6 +56,15 @@ struct EnvelopeOptions {
     fields.field(
         "position_error_m", self.position_error_m,
         "Errors of the position that the matcher is told, on each axis, and its standard deviation; \"\": none.");
+    fields.field("fog_visibility_m", self.fog_visibility_m,
+                 "Fog between the ground and the aircraft: meteorological optical range; \"\": none.");
+    fields.field("cloud_cover", self.cloud_cover, "Share of the frame that clouds hide; \"\": none.");
+    fields.field("dark_stops", self.dark_stops,
+                 "Dusk: factors of two less light than a full exposure has; \"\": none.");
+    fields.field("motion_blur_px", self.motion_blur_px,
+                 "Motion of the ground across the frame while the shutter is open, pixels; \"\": none.");
+    fields.field("lens_drops", self.lens_drops, "Drops of rain on the lens; \"\": none.");
+    fields.field("jpeg_quality", self.jpeg_quality, "Frames that a link compresses: quality of JPEG; \"\": none.");
     fields.field("frame_width_px", self.frame_width_px,
                  "Frames are rendered so wide, or as wide as the mission's camera if that is less.", Range{16, 10000});
     fields.field("prior_sigma_m", self.prior_sigma_m,
@@ -71,14 +87,33 @@ struct EnvelopeOptions {
 /// for what is neither, for more than 1,000 numbers, and for numbers outside `range`.
 std::vector<double> envelope_values(const std::string& name, const std::string& text, Range range);
 
-enum class EnvelopeFactor { kPlanned, kHeight, kHeading, kGsdRatio, kAttitudeError, kPositionError };
+enum class EnvelopeFactor {
+  kPlanned,
+  kHeight,
+  kHeading,
+  kGsdRatio,
+  kAttitudeError,
+  kPositionError,
+  kFog,
+  kClouds,
+  kDark,
+  kMotionBlur,
+  kDrops,
+  kJpeg
+};
 inline EnumNames<EnvelopeFactor> enum_names(EnvelopeFactor) {
   return {{EnvelopeFactor::kPlanned, "planned"},
           {EnvelopeFactor::kHeight, "height_m"},
           {EnvelopeFactor::kHeading, "heading_deg"},
           {EnvelopeFactor::kGsdRatio, "gsd_ratio"},
           {EnvelopeFactor::kAttitudeError, "attitude_error_deg"},
-          {EnvelopeFactor::kPositionError, "position_error_m"}};
+          {EnvelopeFactor::kPositionError, "position_error_m"},
+          {EnvelopeFactor::kFog, "fog_visibility_m"},
+          {EnvelopeFactor::kClouds, "cloud_cover"},
+          {EnvelopeFactor::kDark, "dark_stops"},
+          {EnvelopeFactor::kMotionBlur, "motion_blur_px"},
+          {EnvelopeFactor::kDrops, "lens_drops"},
+          {EnvelopeFactor::kJpeg, "jpeg_quality"}};
 }
 
 /// One value of one factor in one world, at all places.
@@ -88,7 +123,8 @@ struct EnvelopeCell {
   std::size_t world = 0;    ///< Index into Envelope::worlds.
   std::int64_t frames = 0;  ///< Places where the world has imagery for a frame.
   std::int64_t correct = 0;
-  std::int64_t wrong = 0;  ///< False fixes.
+  std::int64_t wrong = 0;                                             ///< False fixes.
+  double largest_error_m = std::numeric_limits<double>::quiet_NaN();  ///< Of the fixes; NaN without one.
 
   Share correct_share() const { return {correct, frames}; }
   double p() const { return frames > 0 ? correct_share().value() : 0; }

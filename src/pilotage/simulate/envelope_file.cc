@@ -66,7 +66,8 @@ std::string cell_text(const EnvelopeCell& cell) {
   const Interval interval = cell.correct_share().interval();
   return "P(correct) " + probability_text(cell.p()) + " [" + probability_text(interval.low) + ", " +
          probability_text(interval.high) + "], " + std::to_string(cell.correct) + " correct and " +
-         std::to_string(cell.wrong) + " false of " + std::to_string(cell.frames) + " frames";
+         std::to_string(cell.wrong) + " false of " + std::to_string(cell.frames) + " frames" +
+         (cell.wrong > 0 ? ", off by up to " + format_fixed(cell.largest_error_m, 1) + " m" : "");
 }
 
 std::string drawn_row(const Envelope& envelope, const std::vector<const EnvelopeCell*>& row, double y) {
@@ -137,7 +138,8 @@ EnvelopeJson envelope_to_json(const Envelope& envelope) {
          {"p_correct_low", correct.low},
          {"p_correct_high", correct.high},
          {"false_share_low", wrong.low},
-         {"false_share_high", wrong.high}});
+         {"false_share_high", wrong.high},
+         {"largest_error_m", json_number(cell.largest_error_m)}});
   }
   for (const HeightMargin& margin : envelope.margins) {
     json["height_margins"].push_back({{"world", margin.world},
@@ -151,7 +153,7 @@ EnvelopeJson envelope_to_json(const Envelope& envelope) {
 std::string envelope_to_csv(const Envelope& envelope) {
   std::string text =
       "factor,value,world,frames,correct,false,p_correct,p_correct_low,p_correct_high,false_share_low,false_share_"
-      "high\n";
+      "high,largest_error_m\n";
   for (const EnvelopeCell& cell : envelope.cells) {
     text += factor_name(cell.factor) + "," +
             (cell.factor == EnvelopeFactor::kPlanned ? "" : format_number(cell.value)) + "," +
@@ -163,7 +165,7 @@ std::string envelope_to_csv(const Envelope& envelope) {
     for (const double bound : {correct.low, correct.high, wrong.low, wrong.high}) {
       text += "," + format_number(bound);
     }
-    text += "\n";
+    text += "," + (std::isnan(cell.largest_error_m) ? "" : format_number(cell.largest_error_m)) + "\n";
   }
   return text;
 }
