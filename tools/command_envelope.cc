@@ -35,12 +35,11 @@ Command make_envelope_command() {
   Command command;
   command.word = "envelope";
   command.group = CommandGroup::kPrepare;
-  command.summary = "How far height, heading, scale and attitude may be off the plan";
-  command.examples = {{"Against another date of the ground.",
-                       "pilotage envelope out --world later.tif --svg envelope.svg -o envelope.json"},
-                      {"Heights alone.",
-                       "pilotage envelope out --height-m 80:200:10 --heading-deg \"\" --gsd-ratio \"\" "
-                       "--attitude-error-deg \"\" -o envelope.json"}};
+  command.summary = "How far a flight may be off its plan, and how bad its frames";
+  command.examples = {
+      {"Against another date of the ground.",
+       "pilotage envelope out --world later.tif --svg envelope.svg -o envelope.json"},
+      {"Heights alone.", "pilotage envelope out --factors height_m --height-m 80:200:10 -o envelope.json"}};
   command.inputs = {.name = "PLAN",
                     .help =
                         "The folder that prepare wrote, or the tile plan (plan.json); scores, selection and map are "

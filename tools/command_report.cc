@@ -59,8 +59,9 @@ struct ReportCommandOptions {
         "simulation", self.simulation,
         "Also show, and judge by, simulated flights: simulation.json of simulate or prepare, of these files; two "
         "of them where fixes of the one are drawn and of the other by frames. Of prepare's folder its own is taken.");
-    fields.path("envelope", self.envelope,
-                "Also show how far the flight may leave its plan: envelope.json of envelope.");
+    fields.path(
+        "envelope", self.envelope,
+        "Also show how far the flight may leave its plan, and how bad its frames may be: envelope.json of envelope.");
     fields.path("replay", self.replay,
                 "Also show, and judge by, flights that were flown: replay.json of replay, with --plan.");
     fields.path("landmarks", self.landmarks,

@@ -78,9 +78,8 @@ def cases():
     capture = ["capture", "block.csv", "--camera-hfov-deg", "53.130102", "--camera-width-px", "300", "--camera-height-px", "200",
                "--align", "ortho.tif", "--log", "new/a.csv", "--camera-log", "new/c.yaml", "--quality", "new/q.html", "-o", "new/r.tif"]
     audit = ["audit", "part.tif", "ortho.tif", "-o", "new/s.svg", "--disagreement", "new/d.tif"]
-    envelope = ["--height-m", "60:90:30", "--heading-deg", "", "--gsd-ratio", "", "--attitude-error-deg", "2",
-                "--position-error-m", "10", "--fog-visibility-m", "", "--cloud-cover", "",
-                "--dark-stops", "", "--motion-blur-px", "", "--lens-drops", "", "--jpeg-quality", "20"]
+    envelope = ["--factors", "height_m,attitude_error_deg,jpeg_quality", "--height-m", "60:90:30", "--attitude-error-deg", "2",
+                "--jpeg-quality", "20"]
     return (
         Case("prepare", [*prepare, "--speed-mps", "17"], [*prepare, "--sign-key", "key.sec", *fresh], "map.gpkg", 8),
         Case("prepare_new_folder", None, ["prepare", "mission.json", "-q", "-o", "new", "--outputs", "pack", "--sign-key", "key.sec"],

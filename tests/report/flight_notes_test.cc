@@ -26,15 +26,19 @@ TEST(EnvelopeNote, IsAHeatMapOfNumbers) {
       {"factor": "height_m", "value": 60, "world": 0, "frames": 0, "correct": 0, "false": 0, "p_correct": null,
        "p_correct_low": 0, "p_correct_high": 1},
       {"factor": "height_m", "value": 80, "world": 0, "frames": 4, "correct": 4, "false": 0, "p_correct": 1,
-       "p_correct_low": 0.39, "p_correct_high": 1}],
+       "p_correct_low": 0.39, "p_correct_high": 1},
+      {"factor": "lens_drops", "value": 30, "world": 0, "frames": 4, "correct": 2, "false": 1, "p_correct": 0.5,
+       "p_correct_low": 0.06, "p_correct_high": 0.94, "largest_error_m": 22.4}],
     "height_margins": [{"world": 0, "planned_p_correct": 0.75, "surely_above_half_m": null,
                         "as_good_as_planned_m": [60, 140]}]})"));
-  ASSERT_EQ(note.rows.size(), 2U);
+  ASSERT_EQ(note.rows.size(), 3U);
   EXPECT_EQ(note.rows[1].cells.size(), 2U);
   EXPECT_EQ(note.rows[1].cells[0].p, "–");
   const std::string html = envelope_html(note);
   EXPECT_THAT(html, HasSubstr("rgba(0,114,178,0.562)\"><b>0.75</b>"));
   EXPECT_THAT(html, HasSubstr("3 correct and 1 false of 4 frames, 0.19 to 0.99"));
+  EXPECT_THAT(html, HasSubstr("Drops on the lens, in"));
+  EXPECT_THAT(html, HasSubstr("2 correct and 1 false (off by up to 22 m) of 4 frames, 0.06 to 0.94"));
   EXPECT_THAT(html, HasSubstr("&lt;b&gt;.tif"));
   EXPECT_THAT(html,
               HasSubstr("surely above 0.5 not even at the planned height, and at least nine tenths of the planned "

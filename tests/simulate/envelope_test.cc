@@ -109,6 +109,9 @@ TEST(EnvelopeFile, SaysCellsMarginsAndWhatTheyRestOn) {
   EXPECT_EQ(json["height_margins"][0]["surely_above_half_m"][1], 160);
   EXPECT_TRUE(json["height_margins"][1]["surely_above_half_m"].is_null());
   EXPECT_THAT(envelope_to_csv(envelope), HasSubstr("height_m,140,\"later, \"\"b\"\".tif\",40,0,0,0,0,"));
+  EXPECT_THAT(envelope_to_csv(envelope), HasSubstr("false_share_high,largest_error_m\n"));
+  EXPECT_THAT(envelope_to_csv(envelope), HasSubstr("planned,,,40,36,1,0.9,"));
+  EXPECT_THAT(envelope_to_csv(envelope), HasSubstr(",7.25\n"));
   const std::string svg = envelope_to_svg(envelope);
   EXPECT_THAT(svg, HasSubstr("class=\"p p9\""));
   EXPECT_THAT(svg, HasSubstr("class=\"p none\""));

@@ -79,7 +79,7 @@ Degrader::Degrader(int tile_size_px, int margin_px, const DegradationOptions& op
   if (options.illumination > 0) {
     illumination_ = wave_field(tile_size_px, options.illumination, stream("illumination"));
   }
-  if (options.noise > 0) noise_ = white_field(tile_size_px, stream("noise"));
+  if (options.noise > 0) noise_ = white_field({tile_size_px, tile_size_px}, stream("noise"));
   gamma_ = sign_of(copy, 2) > 0 ? 1 + options.gamma : 1 / (1 + options.gamma);
 }
 

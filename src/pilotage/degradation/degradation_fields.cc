@@ -22,11 +22,11 @@ cv::Mat normalised(const cv::Mat& field) {
 
 }  // namespace
 
-cv::Mat white_field(int size_px, Random random) {
-  cv::Mat field(size_px, size_px, CV_32F);
-  for (int row = 0; row < size_px; ++row) {
+cv::Mat white_field(cv::Size size, Random random) {
+  cv::Mat field(size, CV_32F);
+  for (int row = 0; row < size.height; ++row) {
     float* values = field.ptr<float>(row);
-    for (int col = 0; col < size_px; ++col) values[col] = static_cast<float>(random.normal());
+    for (int col = 0; col < size.width; ++col) values[col] = static_cast<float>(random.normal());
   }
   return field;
 }
@@ -48,7 +48,7 @@ cv::Mat local_strength(const cv::Mat& fine, double sigma_px) {
 }
 
 cv::Mat texture_field(int size_px, double sigma_px, const Random& random) {
-  const cv::Mat field = white_field(size_px, random);
+  const cv::Mat field = white_field({size_px, size_px}, random);
   cv::Mat coarse;
   blur(field, coarse, sigma_px);
   return normalised(field - coarse);

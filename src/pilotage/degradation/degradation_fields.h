@@ -6,10 +6,10 @@
 
 namespace pilotage {
 
-/// Random fields and small filters that degraded copies are made of; CV_32F, size_px × size_px.
+/// Random fields and small filters that degraded copies are made of; CV_32F, size_px × size_px where no size is said.
 
 /// Independent standard normal values, row by row.
-cv::Mat white_field(int size_px, Random random);
+cv::Mat white_field(cv::Size size, Random random);
 
 /// Gaussian blur whose kernel ends at 2.5 sigma (1.2 % of the weight is cut off), mirrored at the borders.
 void blur(const cv::Mat& from, cv::Mat& to, double sigma_px);

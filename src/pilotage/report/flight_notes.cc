@@ -139,7 +139,7 @@ std::string factor_title(const std::string& factor, const std::string& world) {
   if (factor == "fog_visibility_m") return "Fog, visibility (m), in " + where;
   if (factor == "cloud_cover") return "Share of the frame behind clouds, in " + where;
   if (factor == "dark_stops") return "Factors of two less light, in " + where;
-  if (factor == "motion_blur_px") return "Motion blur (px), in " + where;
+  if (factor == "motion_blur_px") return "Motion blur (px of the frame as rendered), in " + where;
   if (factor == "lens_drops") return "Drops on the lens, in " + where;
   if (factor == "jpeg_quality") return "Quality of JPEG, in " + where;
   return valid_utf8(factor) + ", in " + where;
@@ -244,7 +244,7 @@ std::string replay_html(const ReplayNote& note) {
 std::string envelope_html(const EnvelopeNote& note) {
   std::string html =
       "<section aria-labelledby=\"envelope-heading\">\n  <h2 id=\"envelope-heading\">How far the flight may leave its "
-      "plan " +
+      "plan, and how bad its frames may be " +
       kind_mark(NumberKind::kSimulated) +
       "</h2>\n  <p class=\"small\">P of a right fix at the same places and with the same random numbers in every "
       "cell; dark is 1, blank 0; below it the 95 % interval.</p>\n";

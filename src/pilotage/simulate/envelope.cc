@@ -16,10 +16,10 @@
 #include "pilotage/geo/local_frame.h"
 #include "pilotage/select/fix_attempts.h"
 #include "pilotage/select/planned_flight.h"
-#include "pilotage/simulate/bad_frame.h"
 #include "pilotage/simulate/degraded_frame.h"
 #include "pilotage/simulate/rendered_fixes.h"
 #include "pilotage/simulate/rendered_world.h"
+#include "pilotage/simulate/spoilt_frame.h"
 
 namespace pilotage {
 namespace {
@@ -49,7 +49,7 @@ struct EnvelopeRun {
   }
 };
 
-/// Spoils a frame as the cell says (simulate/bad_frame.h); most cells spoil none.
+/// Spoils a frame as the cell says (simulate/spoilt_frame.h); most cells spoil none.
 void spoil(const EnvelopeCell& cell, double height_agl_m, const Random& random, cv::Mat& gray) {
   switch (cell.factor) {
     case EnvelopeFactor::kFog:
@@ -64,7 +64,12 @@ void spoil(const EnvelopeCell& cell, double height_agl_m, const Random& random, 
       return add_drops(gray, static_cast<int>(cell.value), random);
     case EnvelopeFactor::kJpeg:
       return compress(gray, static_cast<int>(cell.value));
-    default:
+    case EnvelopeFactor::kPlanned:
+    case EnvelopeFactor::kHeight:
+    case EnvelopeFactor::kHeading:
+    case EnvelopeFactor::kGsdRatio:
+    case EnvelopeFactor::kAttitudeError:
+    case EnvelopeFactor::kPositionError:
       return;
   }
 }
@@ -87,7 +92,8 @@ PlaceOutcome outcome_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::s
   std::unique_ptr<WorldCamera>& camera = worker.cameras[{cell.world, ratio}];
   if (!camera) camera = std::make_unique<WorldCamera>(run.worlds[cell.world], run.camera_of(ratio));
 
-  Random random(derive_seed(run.seed, 1 + number));
+  const std::uint64_t place_seed = derive_seed(run.seed, 1 + number);
+  Random random(place_seed);
   CameraPose pose{sample.point, varied(EnvelopeFactor::kHeight, sample.agl_m), kNaN, {}};
   pose.attitude.yaw_deg = std::fmod(sample.azimuth_deg + varied(EnvelopeFactor::kHeading, 0) + 360, 360);
   pose.attitude.pitch_deg = options.tilt_sigma_deg * random.normal();
@@ -108,7 +114,7 @@ PlaceOutcome outcome_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::s
   RenderedFrame frame = camera->frame_at(pose);
   if (frame.valid_fraction < kLeastOfFrame) return {};
   if (run.worlds[cell.world].of_the_map) FrameDegrader(options.degradation, random.next()).apply(frame.gray);
-  spoil(cell, pose.height_agl_m, Random(derive_seed(run.seed + 1, number)), frame.gray);
+  spoil(cell, pose.height_agl_m, Random(derive_seed(place_seed, 1)), frame.gray);
   const MatchResult result = match(frame.gray, prior, camera->camera(), worker.map, options.match);
   require_frame_was_tried(result, worker.map.name());
   if (!result.fix) return {Outcome::kRefused};
@@ -125,31 +131,33 @@ std::vector<EnvelopeCell> empty_cells(const EnvelopeOptions& options, std::size_
     cell.world = world;
     cells.push_back(cell);
   };
-  for (std::size_t world = 0; world < worlds; ++world) {
-    add(EnvelopeFactor::kPlanned, 0, world);
-    for (const double value : envelope_values("height_m", options.height_m, {1, 100000})) {
-      add(EnvelopeFactor::kHeight, value, world);
-    }
-  }
-  const auto add_all = [&](EnvelopeFactor factor, const std::string& text, Range range, bool whole = false) {
+  const auto add_all = [&](EnvelopeFactor factor, const std::string& text, Range range, std::size_t world,
+                           bool whole = false) {
+    const std::vector<EnvelopeFactor>& tried = options.factors;
     const std::string name(options_detail::enum_to_name(factor));
-    for (const double value : envelope_values(name, text, range)) {
+    const std::vector<double> values = envelope_values(name, text, range);
+    if (!tried.empty() && std::find(tried.begin(), tried.end(), factor) == tried.end()) return;
+    for (const double value : values) {
       if (whole && value != std::floor(value)) {
         throw UsageError(name + " = \"" + text + "\": " + format_number(value) + " is no whole number");
       }
-      add(factor, value, 0);
+      add(factor, value, world);
     }
   };
-  add_all(EnvelopeFactor::kHeading, options.heading_deg, {-360, 360});
-  add_all(EnvelopeFactor::kGsdRatio, options.gsd_ratio, {0.1, 20});
-  add_all(EnvelopeFactor::kAttitudeError, options.attitude_error_deg, {0, 45});
-  add_all(EnvelopeFactor::kPositionError, options.position_error_m, {0.1, 10000});
-  add_all(EnvelopeFactor::kFog, options.fog_visibility_m, {1, 1e6});
-  add_all(EnvelopeFactor::kClouds, options.cloud_cover, {0, 1});
-  add_all(EnvelopeFactor::kDark, options.dark_stops, {0, 20});
-  add_all(EnvelopeFactor::kMotionBlur, options.motion_blur_px, {0, 1000});
-  add_all(EnvelopeFactor::kDrops, options.lens_drops, {0, 10000}, true);
-  add_all(EnvelopeFactor::kJpeg, options.jpeg_quality, {1, 100}, true);
+  for (std::size_t world = 0; world < worlds; ++world) {
+    add(EnvelopeFactor::kPlanned, 0, world);
+    add_all(EnvelopeFactor::kHeight, options.height_m, {1, 100000}, world);
+  }
+  add_all(EnvelopeFactor::kHeading, options.heading_deg, {-360, 360}, 0);
+  add_all(EnvelopeFactor::kGsdRatio, options.gsd_ratio, {0.1, 20}, 0);
+  add_all(EnvelopeFactor::kAttitudeError, options.attitude_error_deg, {0, 45}, 0);
+  add_all(EnvelopeFactor::kPositionError, options.position_error_m, {0.1, 10000}, 0);
+  add_all(EnvelopeFactor::kFog, options.fog_visibility_m, {1, 1e6}, 0);
+  add_all(EnvelopeFactor::kClouds, options.cloud_cover, {0, 1}, 0);
+  add_all(EnvelopeFactor::kDark, options.dark_stops, {0, 20}, 0);
+  add_all(EnvelopeFactor::kMotionBlur, options.motion_blur_px, {0, kMostMotion_px}, 0);
+  add_all(EnvelopeFactor::kDrops, options.lens_drops, {0, 10000}, 0, true);
+  add_all(EnvelopeFactor::kJpeg, options.jpeg_quality, {1, 100}, 0, true);
   return cells;
 }
 
@@ -300,6 +308,7 @@ Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& sc
   RenderedOptions rendered;
   rendered.frame_width_px = options.frame_width_px;
   EnvelopeRun run{mission, options, seed, {}, rendered_camera(mission, rendered)};
+  envelope.frame_width_px = run.camera.width_px;
   for (const std::string& world : envelope.worlds) run.worlds.push_back(make_rendered_world(mission, world));
   std::vector<std::vector<PlaceOutcome>> outcomes(envelope.cells.size(),
                                                   std::vector<PlaceOutcome>(envelope.places.size()));

@@ -109,6 +109,7 @@ EnvelopeJson envelope_to_json(const Envelope& envelope) {
   const EnvelopeOptions& options = envelope.options;
   EnvelopeJson json = {{"pilotage_envelope", 1},
                        {"seed", envelope.seed},
+                       {"frame_width_px", envelope.frame_width_px},
                        {"planned_height_m", envelope.planned_height_m},
                        {"correct_within_m", options.correct_within_m},
                        {"prior_sigma_m", options.prior_sigma_m},

@@ -13,7 +13,6 @@ namespace pilotage {
 namespace {
 
 constexpr double kLeastMotion_px = 0.1;
-constexpr double kMostMotion_px = 200;
 
 RenderedFrame nothing_seen(const Camera& camera) {
   RenderedFrame frame;

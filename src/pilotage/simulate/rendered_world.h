@@ -61,8 +61,11 @@ class WorldCamera {
 };
 
 /// Smears a frame as the motion of the aircraft does while the shutter is open: the mean of copies along the way that
-/// the middle of the picture moves, half a pixel apart or closer. Motions below a tenth of a pixel change nothing.
+/// the middle of the picture moves, half a pixel apart or closer, about where it is. Motions below a tenth of a pixel
+/// change nothing, longer ones than kMostMotion_px count as so long.
 void blur_by_motion(cv::Mat& gray, const Eigen::Vector2d& motion_px);
+
+inline constexpr double kMostMotion_px = 200;
 
 /// How far the ground in the middle of the image moves across it while the aircraft moves `way_m` (east, north); zero
 /// where the middle shows no ground.

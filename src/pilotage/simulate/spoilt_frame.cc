@@ -1,13 +1,15 @@
-#include "pilotage/simulate/bad_frame.h"
+#include "pilotage/simulate/spoilt_frame.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "pilotage/base/error.h"
+#include "pilotage/degradation/degradation_fields.h"
 
 namespace pilotage {
 namespace {
@@ -16,16 +18,7 @@ constexpr float kFogGray = 200;
 constexpr float kCloudGray = 235;
 constexpr double kDropGain = 1.15;
 
-cv::Mat noise_of(cv::Size size, Random& random) {
-  cv::Mat noise(size, CV_32F);
-  for (int row = 0; row < size.height; ++row) {
-    auto* line = noise.ptr<float>(row);
-    for (int col = 0; col < size.width; ++col) line[col] = static_cast<float>(random.normal());
-  }
-  return noise;
-}
-
-/// The value that a share of a field lies above.
+/// The value that a share of a field lies above; a quantile without a copy that is sorted, of 200,000 values.
 float value_above(const cv::Mat& field, double share) {
   std::vector<float> values(field.begin<float>(), field.end<float>());
   const auto rank = static_cast<std::ptrdiff_t>(std::lround((1 - share) * static_cast<double>(values.size() - 1)));
@@ -39,7 +32,7 @@ void add_fog(cv::Mat& gray, double way_m, double visibility_m, Random random) {
   const double through = std::pow(0.05, way_m / visibility_m);
   cv::Mat seen;
   gray.convertTo(seen, CV_32F, through, (1 - through) * kFogGray);
-  seen += 255 * kSensorNoise * noise_of(gray.size(), random);
+  seen += 255 * kSensorNoise * white_field(gray.size(), random);
   seen.convertTo(gray, CV_8U);
 }
 
@@ -49,11 +42,11 @@ void add_clouds(cv::Mat& gray, double cover, Random random) {
     gray.setTo(kCloudGray);
     return;
   }
-  // Patches of a fifth of the width are smooth on a grid of 64 px.
+  // Patches of a fifth of the width and more are smooth on a grid of 64 px.
   const double reduction = std::max(1.0, gray.cols / 64.0);
   const cv::Size coarse(std::max(1, static_cast<int>(std::lround(gray.cols / reduction))),
                         std::max(1, static_cast<int>(std::lround(gray.rows / reduction))));
-  cv::Mat field = noise_of(coarse, random);
+  cv::Mat field = white_field(coarse, random);
   cv::GaussianBlur(field, field, {}, coarse.width / 12.0, 0, cv::BORDER_REFLECT_101);
   cv::resize(field, field, gray.size(), 0, 0, cv::INTER_CUBIC);
   cv::Scalar mean;

@@ -5,8 +5,8 @@
 #include "pilotage/base/random.h"
 
 // What spoils a frame between the ground and the matcher: weather, light, the lens, the link. Each is a model of one
-// effect in the field's own units, for what the matcher makes of it, not for looks; sources and what each leaves out
-// stand in docs/methods/rendered-flights.md. Frames are CV_8UC1, of any size.
+// effect in the field's own units, for what the matcher makes of it, not for looks; its constants are assumptions, and
+// docs/methods/rendered-flights.md says what each leaves out. Frames are CV_8UC1 of 16 pixels and more to each side.
 
 namespace pilotage {
 
@@ -16,16 +16,17 @@ namespace pilotage {
 /// sensor, kSensorNoise of full scale.
 void add_fog(cv::Mat& gray, double way_m, double visibility_m, Random random);
 
-/// Clouds below the aircraft that hide the share `cover`, 0 … 1, of the frame to a hundredth, with edges that are half
-/// transparent; patches are some fifth of the frame's width across.
+/// Clouds below the aircraft that hide the share `cover`, 0 … 1, of the frame, to a hundredth where what is half hidden
+/// counts as half. Edges are half transparent; patches are a fifth of the frame's width across at a cover of 0.2, and
+/// grow together above.
 void add_clouds(cv::Mat& gray, double cover, Random random);
 
 /// A frame taken with `stops` factors of two less light than a full exposure, gain turned up as much: shot noise of
 /// kFullWell_e electrons at full scale in daylight, read noise of kReadNoise_e electrons.
 void take_in_the_dark(cv::Mat& gray, double stops, Random random);
 
-/// `drops` drops of water on the lens, each a disc of 2 to 6 % of the frame's width, out of focus, through which the
-/// ground is blurred beyond use and a little brighter.
+/// `drops` drops of water on the lens, each a disc of 2 to 6 % of the frame's width with a sharp edge, through which
+/// the ground is blurred by 2 % of the width and a little brighter.
 void add_drops(cv::Mat& gray, int drops, Random random);
 
 /// The frame after a link that compresses it to JPEG of `quality`, 1 … 100.
