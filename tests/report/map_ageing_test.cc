@@ -61,7 +61,8 @@ TEST(MapAgeing, SaysUntilWhen) {
   EXPECT_EQ(report.ageing->flights[1].day, "2027-06-01");
   EXPECT_EQ(report.ageing->flights[0].status, QualityStatus::kGood);
   EXPECT_EQ(report.ageing->flights[1].status, QualityStatus::kBad);
-  EXPECT_THAT(ageing_html(report.ageing), AllOf(HasSubstr("2027-06-01"), HasSubstr("NO-GO"), HasSubstr(">GO</td>")));
+  EXPECT_THAT(ageing_html(report.ageing),
+              AllOf(HasSubstr("2026-06-01<"), HasSubstr("2027-06<"), HasSubstr("NO-GO"), HasSubstr(">GO</td>")));
 }
 
 TEST(MapAgeing, SaysSoWhereItIsNotEnoughOrNeverEnds) {
@@ -69,15 +70,18 @@ TEST(MapAgeing, SaysSoWhereItIsNotEnoughOrNeverEnds) {
   EXPECT_THAT(ageing_sentence(marginal.mission, marginal.selection),
               HasSubstr("; the lower end of its interval is below it already"));
   const ReportInput lost = aged_scene(0.8, 0.7, 3.4, std::nullopt);
-  EXPECT_THAT(ageing_sentence(lost.mission, lost.selection),
-              AllOf(HasSubstr("P is below what was asked for (0.900) on the planned day; with imagery no older than 3 "
-                              "months the stored tiles would be enough"),
-                    Not(HasSubstr("lower end"))));
+  EXPECT_THAT(
+      ageing_sentence(lost.mission, lost.selection),
+      AllOf(HasSubstr("P is below what was asked for (0.900) on the planned day; with imagery no older than 3.4 "
+                      "months the stored tiles would be enough"),
+            Not(HasSubstr("lower end"))));
+  const ReportInput weeks = aged_scene(0.8, 0.7, 0.8, std::nullopt);
+  EXPECT_THAT(ageing_sentence(weeks.mission, weeks.selection), HasSubstr("with imagery no older than 3 weeks"));
   const ReportInput never = aged_scene(0.8, 0.7, std::nullopt, std::nullopt);
   EXPECT_THAT(ageing_sentence(never.mission, never.selection), HasSubstr("however young the imagery"));
   const ReportInput long_lived = aged_scene(0.99, 0.985, kMostAge_months, kMostAge_months);
   EXPECT_THAT(ageing_sentence(long_lived.mission, long_lived.selection),
-              HasSubstr("for as long as anything is known of, imagery 170 months old"));
+              HasSubstr("as far as anything is known, to imagery 170 months old"));
   ReportInput none = aged_scene(0.95, 0.9, 20, 20);
   none.selection.ageing.reset();
   EXPECT_EQ(ageing_sentence(none.mission, none.selection), "");
@@ -101,30 +105,26 @@ TEST(MapAgeing, NamesTheTilesThatGoStaleFirst) {
   ReportInput input = aged_scene(0.95, 0.89, 23, 13);
   const std::vector<std::size_t> stored = stored_under_route(input);
   ASSERT_GT(stored.size(), 9u);
-  for (std::size_t n = 0; n < 8; ++n) input.scores[stored[n]].p_correct_fix = 0.545 - 0.005 * static_cast<double>(n);
+  for (const std::size_t i : stored) input.scores[i].p_correct_fix = 0.9;
+  for (std::size_t n = 0; n < 8; ++n) input.scores[stored[n]].p_correct_fix = 0.545 - 0.01 * static_cast<double>(n);
   const Report report = make_report(input);
   ASSERT_EQ(report.ageing->refresh.size(), kMostStaleTiles);
-  EXPECT_EQ(report.ageing->refresh[0].tile_id, input.mission.ground.tiles[stored[7]].tile_id);
-  EXPECT_LE(report.ageing->refresh[0].half_found_until, report.ageing->refresh[1].half_found_until);
-  EXPECT_EQ(report.ageing->flights[0].tiles_half_found, 8);
-  EXPECT_LT(report.ageing->flights[1].tiles_half_found, 8);
-  EXPECT_EQ(report.ageing->refresh[0].half_found_until, report.tiles[stored[7]].half_found_until);
-  EXPECT_EQ(report.tiles[stored[9]].half_found_until, "") << "found less often than that already";
+  const auto id = [&](std::size_t n) { return input.mission.ground.tiles[stored[n]].tile_id; };
+  EXPECT_EQ(report.ageing->refresh[0].tile_id, id(7)) << "the weakest of those below one half now";
+  EXPECT_EQ(report.ageing->refresh[0].half_found_until, "");
+  EXPECT_EQ(report.ageing->refresh[3].tile_id, id(4)) << "the first to fall below";
+  EXPECT_EQ(report.ageing->refresh[3].half_found_until, report.tiles[stored[4]].half_found_until);
+  EXPECT_EQ(report.ageing->flights[0].tiles_half_found, static_cast<std::int64_t>(stored.size()) - 3);
+  EXPECT_EQ(report.ageing->flights[1].tiles_half_found, static_cast<std::int64_t>(stored.size()) - 8);
+  EXPECT_THAT(ageing_html(report.ageing), HasSubstr("° (now), tile"));
 }
 
-TEST(MapAgeing, OfImageryOlderThanAnythingKnownItSaysNoDayBeforeTheFlight) {
-  ReportInput input = aged_scene(0.95, 0.95, 200, 200);
-  input.mission.ground.imagery.datasets[0].acquired = "2009-10-01";
-  for (ChancesAtAge& at : input.selection.ageing->ages) at.age_months += 188;
-  for (TileScores& score : input.scores) {
-    score.level_age_months = 200;
-    score.p_correct_fix = 0.6;
-  }
-  const Report report = make_report(input);
-  EXPECT_GE(report.ageing->enough_until, "2026-06-01");
-  EXPECT_GE(report.tiles[stored_under_route(input).front()].half_found_until, "2026-06-01");
-  EXPECT_EQ(ageing_row(input.mission, input.selection)->status, QualityStatus::kGood);
-  EXPECT_THAT(report.ageing->refresh, IsEmpty()) << "nothing more is known to change";
+TEST(MapAgeing, OfAFlightBeforeItsImageryTilesSayNothing) {
+  ReportInput input = aged_scene(0.95, 0.89, 23, 13);
+  input.selection.ageing.reset();
+  input.mission.ground.flight_time = "2024-06-01";
+  for (TileScores& score : input.scores) score.p_correct_fix = 0.9;
+  EXPECT_EQ(make_report(input).tiles[stored_under_route(input).front()].half_found_until, "");
 }
 
 TEST(MapAgeing, RefusesASelectionOfAnotherPlan) {

@@ -78,6 +78,27 @@ TEST(Survey, SaysWhatItAssumesAndWhatItDidNotLookAt) {
 }
 
 // Without P the ground is judged by margins, and nobody may read that as how often fixes come.
+TEST(Survey, SaysWhatGoGroundIsLeftLaterWherePCountsTheAge) {
+  SurveyInput input = ten_tiles(7);
+  EXPECT_THAT(make_survey(input).detail, ::testing::Not(::testing::HasSubstr("a year later")));
+  input.area.ground.imagery.datasets.resize(1);
+  input.area.ground.imagery.datasets[0].acquired = "2025-06-01";
+  input.area.ground.flight_time = "2026-06-01";
+  for (std::size_t i = 0; i < 10; ++i) {
+    input.scores[i].p_correct_fix = i < 4 ? 0.9 : i < 7 ? 0.53 : 0.3;
+    input.scores[i].level_sigma = 1;
+    input.scores[i].level_age_months = 12;
+  }
+  const Survey survey = make_survey(input);
+  EXPECT_THAT(survey.detail,
+              ::testing::HasSubstr("; go is 40 % of the area a year later and 40 % two years later (by a rule of"));
+  EXPECT_GT(survey.tiles[5].half_found_until, "2026-06-01");
+  EXPECT_EQ(survey.tiles[9].half_found_until, "");
+  input.area.ground.flight_time = "2024-06-01";
+  EXPECT_THAT(make_survey(input).detail, ::testing::Not(::testing::HasSubstr("a year later")))
+      << "later flights are nearer to the imagery";
+}
+
 TEST(Survey, WithoutAProbabilityNoFixIsPromised) {
   SurveyInput input = ten_tiles(7);
   for (TileScores& tile : input.scores) {

@@ -66,11 +66,10 @@ std::optional<double> counted_age_months(const std::vector<TileScores>& scores, 
 
 std::optional<double> half_found_up_to_months(const TileScores& score) {
   const double p = score.p_correct_fix;
-  if (!counts_age(score) || !(p >= 0.5)) return std::nullopt;
+  if (!counts_age(score) || !(p >= 0.5) || score.level_age_months >= kMostAge_months) return std::nullopt;
   const double logit = logit_of_p(p, score.level_sigma);
-  const double now_months = std::clamp(score.level_age_months, kLeastAge_months, kMostAge_months);
-  const double up_to_months = std::min(kMostAge_months, now_months * std::exp(-logit / kLevelPerAge));
-  return std::max(up_to_months, score.level_age_months);
+  const double now_months = std::max(score.level_age_months, kLeastAge_months);
+  return std::min(kMostAge_months, now_months * std::exp(-logit / kLevelPerAge));
 }
 
 bool is_half_found_later(const TileScores& score, double later_months) {

@@ -42,9 +42,9 @@ void move_to_age(TileScores& score, double age_months);
 std::optional<double> counted_age_months(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
 
 /// The greatest age of the imagery at which P of a tile is one half or more, at least the age that it has now; nothing
-/// where P is less now, or says no age (TileScores::level_age_months). kMostAge_months or more: as far as anything is
-/// known. At one half what is not known of the level does not count: so it is the age that takes from the logit all it
-/// has.
+/// where P is less now, says no age (TileScores::level_age_months), or counts kMostAge_months and more already.
+/// kMostAge_months: as far as anything is known. At one half what is not known of the level does not count: so it is
+/// the age that takes from the logit all it has.
 std::optional<double> half_found_up_to_months(const TileScores& score);
 
 /// Whether it still is, so many months later than now.

@@ -91,7 +91,7 @@ struct ChancesAtAge {
 struct RouteAgeing {
   std::vector<ChancesAtAge> ages;  ///< Ascending; the first is the planned flight's.
   /// The greatest age up to which P is what was asked for: from the planned flight's on, or of younger imagery where it
-  /// is less there. Nothing: at no age. kMostAge_months or more: as far as anything is known.
+  /// is less there. Nothing: at no age. kMostAge_months: as far as anything is known.
   std::optional<double> enough_up_to_months;
   std::optional<double> surely_up_to_months;  ///< The same of the lower end of the interval.
 };

@@ -25,6 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kHoldsGood_months = 6;
+constexpr const char* kHalfFound = "Stored tiles under the route found at least every second time";
 
 /// The day on which the oldest raster is so old.
 std::string day_at_age(UtcTime oldest, double age_months) {
@@ -49,7 +50,7 @@ bool is_enough(const RouteProbability& route) {
 /// "until about 2027-03, when the imagery is 21 months old"
 std::string until_text(const Mission& mission, double up_to_months) {
   if (up_to_months >= kMostAge_months) {
-    return "for as long as anything is known of, imagery " + months_text(kMostAge_months) + " old";
+    return "as far as anything is known, to imagery " + months_text(kMostAge_months) + " old";
   }
   return "until about " + month_of(day_at_age(dated_imagery(mission.ground), up_to_months)) + ", when the imagery is " +
          months_text(up_to_months) + " old";
@@ -60,8 +61,12 @@ std::string enough_text(const Mission& mission, const RouteProbability& route, c
   const auto& up_to_months = ageing.enough_up_to_months;
   if (is_enough(route)) return "P is at least" + asked_for + " " + until_text(mission, up_to_months.value_or(0));
   if (!up_to_months) return "P is below" + asked_for + " with the stored tiles, however young the imagery";
-  return "P is below" + asked_for + " on the planned day; with imagery no older than " +
-         months_text(std::floor(*up_to_months)) + " the stored tiles would be enough";
+  const double tenths = std::floor(*up_to_months * 10) / 10;
+  const std::string age = *up_to_months < 1   ? "3 weeks"
+                          : *up_to_months < 6 ? format_fixed(tenths, 1) + " months"
+                                              : months_text(std::floor(*up_to_months));
+  return "P is below" + asked_for + " on the planned day; with imagery no older than " + age +
+         " the stored tiles would be enough";
 }
 
 std::string surely_text(const Mission& mission, const RouteProbability& route, const RouteAgeing& ageing) {
@@ -84,21 +89,23 @@ std::optional<MapAgeing> map_ageing(const Mission& mission, const Selection& sel
   const UtcTime oldest = dated_imagery(mission.ground);
   MapAgeing ageing;
   ageing.sentence = ageing_sentence(mission, selection);
-  std::vector<std::pair<double, const ReportTile*>> half_found;
+  // By the age up to which they are found every second time; those that are not now count as 0, the weakest first.
+  std::vector<std::pair<double, const ReportTile*>> stale;
   for (const ReportTile& tile : tiles) {
     const bool is_below_route = tile.place.offset_m <= tile.tile.bounds.width_m() / 2;
-    const auto up_to_months = tile.selected && is_below_route ? half_found_up_to_months(tile.score) : std::nullopt;
-    if (up_to_months) half_found.emplace_back(*up_to_months, &tile);
+    if (!tile.selected || !is_below_route || std::isnan(tile.score.p_correct_fix)) continue;
+    stale.emplace_back(half_found_up_to_months(tile.score).value_or(0), &tile);
   }
-  std::sort(half_found.begin(), half_found.end(), [](const auto& a, const auto& b) {
-    return std::tuple(a.first, a.second->tile.tile_id) < std::tuple(b.first, b.second->tile.tile_id);
+  std::sort(stale.begin(), stale.end(), [](const auto& a, const auto& b) {
+    return std::tuple(a.first, a.second->score.p_correct_fix, a.second->tile.tile_id) <
+           std::tuple(b.first, b.second->score.p_correct_fix, b.second->tile.tile_id);
   });
   for (const ChancesAtAge& at : selection.ageing->ages) {
     RouteProbability route = *selection.probability;
     route.p_within_limit = at.p_within_limit;
     route.interval = at.interval;
     const double later_months = at.age_months - selection.ageing->ages.front().age_months;
-    const auto still = std::count_if(half_found.begin(), half_found.end(), [&](const auto& tile) {
+    const auto still = std::count_if(stale.begin(), stale.end(), [&](const auto& tile) {
       return is_half_found_later(tile.second->score, later_months);
     });
     ageing.flights.push_back({day_at_age(oldest, at.age_months), at, judge_route(route), still});
@@ -108,7 +115,7 @@ std::optional<MapAgeing> map_ageing(const Mission& mission, const Selection& sel
   };
   ageing.enough_until = day(selection.ageing->enough_up_to_months);
   ageing.surely_until = day(selection.ageing->surely_up_to_months);
-  for (const auto& [up_to_months, tile] : half_found) {
+  for (const auto& [up_to_months, tile] : stale) {
     if (ageing.refresh.size() == kMostStaleTiles || up_to_months >= kMostAge_months) break;
     ageing.refresh.push_back({tile->tile.tile_id, tile->tile.center, tile->half_found_until});
   }
@@ -126,18 +133,22 @@ std::optional<QualityRow> ageing_row(const Mission& mission, const Selection& se
   const auto& up_to_months = selection.ageing->enough_up_to_months;
   QualityRow row;
   row.name = "map_holds";
-  row.label = "How long the map holds after the flight";
+  row.label = "How long the map holds";
   row.kind = NumberKind::kModelled;
   row.unit = "months";
-  if (up_to_months) row.number = *up_to_months - selection.ageing->ages.front().age_months;
+  const bool enough = is_enough(*selection.probability);
+  if (enough && up_to_months) row.number = *up_to_months - selection.ageing->ages.front().age_months;
   row.value = enough_text(mission, *selection.probability, *selection.ageing);
-  row.threshold = "good from " + months_text(kHoldsGood_months) + " on; " + kAgeRule;
-  const bool has_no_known_end = up_to_months && *up_to_months >= kMostAge_months;
+  row.threshold = "good from " + months_text(kHoldsGood_months) + " after the flight on; " + kAgeRule;
+  const bool has_no_known_end = enough && up_to_months && *up_to_months >= kMostAge_months;
   if (has_no_known_end || row.number >= kHoldsGood_months) return row;
   row.status = QualityStatus::kMarginal;
-  const bool age_is_all = is_enough(*selection.probability) || up_to_months;
-  row.advice = age_is_all ? "Have younger imagery for the flights after that, and prepare again."
-                          : "It is not the age of the imagery alone: see what speaks against the weakest places.";
+  if (enough) {
+    row.advice = "Have younger imagery for the flights after that, and prepare again.";
+  } else {
+    row.advice = up_to_months ? "Have younger imagery, and prepare again."
+                              : "It is not the age of the imagery alone: see what speaks against the weakest places.";
+  }
   return row;
 }
 
@@ -149,28 +160,27 @@ std::string ageing_html(const std::optional<MapAgeing>& ageing) {
   std::string rows;
   for (const LaterFlight& flight : ageing->flights) {
     const ChancesAtAge& at = flight.chances;
-    rows += "<tr>" + heading_html(flight.day) + cell_html("Imagery is then", months_text(at.age_months)) +
+    rows += "<tr>" + heading_html(rows.empty() ? flight.day : month_of(flight.day)) +
+            cell_html("Imagery is then", months_text(at.age_months)) +
             cell_html("P within the limit", probability_text(at.p_within_limit)) +
             cell_html("80 % interval", probability_text(at.interval.low) + " … " + probability_text(at.interval.high)) +
             cell_html("By P alone", std::string(verdict_name(flight.status))) +
-            cell_html("Stored tiles found at least every second time", std::to_string(flight.tiles_half_found)) +
-            "</tr>\n";
+            cell_html(kHalfFound, std::to_string(flight.tiles_half_found)) + "</tr>\n";
   }
   html += table_html("Table of later flights by this map",
-                     {"Flown on", "Imagery is then", "P within the limit", "80 % interval", "By P alone",
-                      "Stored tiles found at least every second time"},
+                     {"Flown on", "Imagery is then", "P within the limit", "80 % interval", "By P alone", kHalfFound},
                      rows);
   if (ageing->refresh.empty()) return html + "</section>\n";
   std::vector<std::string> tiles;
   for (const StaleTile& tile : ageing->refresh) {
+    const std::string until = tile.half_found_until.empty() ? "now" : month_of(tile.half_found_until);
     tiles.push_back("tile " + std::to_string(tile.tile_id) + " at " + format_fixed(tile.center.lat_deg, 5) + "°, " +
-                    format_fixed(tile.center.lon_deg, 5) + "° (" + month_of(tile.half_found_until) + ")");
+                    format_fixed(tile.center.lon_deg, 5) + "° (" + until + ")");
   }
-  return html + "  <p>Under the route, the first to be found less often than every second time: " +
+  return html + "  <p>Under the route, the first to be found less often than every second time, and when: " +
          html_escape(join(tiles, ", ")) +
          ". Look there first when you order new imagery. P counts the age of the oldest raster over all ground: it "
-         "rises "
-         "when that one is replaced.</p>\n</section>\n";
+         "rises when that one is replaced.</p>\n</section>\n";
 }
 
 Json ageing_json(const MapAgeing& ageing) {
@@ -195,7 +205,7 @@ Json ageing_json(const MapAgeing& ageing) {
     json["refresh"].push_back({{"tile_id", tile.tile_id},
                                {"center_lon_deg", degrees(tile.center.lon_deg)},
                                {"center_lat_deg", degrees(tile.center.lat_deg)},
-                               {"half_found_until", tile.half_found_until}});
+                               {"half_found_until", day_json(tile.half_found_until)}});
   }
   return json;
 }

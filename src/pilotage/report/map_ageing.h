@@ -28,17 +28,17 @@ inline constexpr const char* kAgeRule =
 
 /// The flight, some months later.
 struct LaterFlight {
-  std::string day;  ///< "2027-03-14"
+  std::string day;  ///< "2027-03-14"; of later flights about.
   ChancesAtAge chances;
   QualityStatus status = QualityStatus::kGood;  ///< judge_route().
   std::int64_t tiles_half_found = 0;            ///< Stored tiles under the route with a P of at least one half then.
 };
 
-/// A stored tile under the route that is found at least every second time on the planned flight, and not for long.
+/// A stored tile under the route that is found less often than every second time on the planned flight, or soon after.
 struct StaleTile {
   std::int64_t tile_id = 0;
   GeodeticPoint center;
-  std::string half_found_until;  ///< A day.
+  std::string half_found_until;  ///< A day; "" where it is already so.
 };
 
 struct MapAgeing {
@@ -46,18 +46,18 @@ struct MapAgeing {
   std::vector<LaterFlight> flights;  ///< Ascending; the first is the planned one.
   std::string enough_until;          ///< The day up to which P is what was asked for; "" when it never was.
   std::string surely_until;          ///< The same of the lower end of its interval.
-  std::vector<StaleTile> refresh;    ///< Those that fall below one half first, at most kMostStaleTiles.
+  std::vector<StaleTile> refresh;    ///< The weakest of those below one half, then those that fall there first.
 };
 
-inline constexpr std::size_t kMostStaleTiles = 5;
+inline constexpr std::size_t kMostStaleTiles = 5;  ///< In MapAgeing::refresh.
 
 /// Nothing where the selection says nothing of it. `tiles` are the plan's.
 std::optional<MapAgeing> map_ageing(const Mission& mission, const Selection& selection,
                                     const std::vector<ReportTile>& tiles);
 
 /// The day up to which a tile is found at least every second time, "2027-03-14" (that of imagery kMostAge_months old:
-/// as far as anything is known); "" where it is not on the planned flight, or where its P counts no age. `oldest` is
-/// oldest_imagery() of its ground.
+/// as far as anything is known); "" where it is not on the planned flight, where its P counts no age, and where
+/// `oldest` is nothing. `oldest` is oldest_imagery() of its ground.
 std::string half_found_until(std::optional<UtcTime> oldest, const TileScores& score);
 
 /// "P is at least what was asked for (0.900) until about 2027-03, when the imagery is 21 months old; the lower end of

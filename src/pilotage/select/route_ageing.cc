@@ -18,19 +18,27 @@ namespace {
 
 constexpr double kLater_months[] = {6, 12, 24, 48};
 
-/// The age that the P of all stored tiles counts, where it only grows on later flights.
+/// The age that the P of all stored tiles counts, where it only grows on later flights, and something is known of
+/// these.
 std::optional<double> growing_age_months(const Mission& mission, const std::vector<TileScores>& scores,
                                          const std::vector<bool>& stored) {
   constexpr double kSameAge_months = 0.01;
   const auto counted_months = counted_age_months(scores, stored);
   const auto planned_months = imagery_months(mission.ground);
-  if (!counted_months || !planned_months) return std::nullopt;
+  if (!counted_months) return std::nullopt;
+  if (!planned_months) {
+    throw DataError(
+        "the scores count imagery " + format_fixed(*counted_months, 2) +
+        " months old, and the plan does not know when it is flown, or a date of its imagery: score the plan "
+        "again");
+  }
   if (std::abs(*counted_months - *planned_months) > kSameAge_months) {
     throw DataError("the scores count imagery " + format_fixed(*counted_months, 2) +
                     " months old, on the plan's flight it is " + format_fixed(*planned_months, 2) +
                     ": score the plan again");
   }
-  return growing_imagery_months(mission.ground);
+  const auto months = growing_imagery_months(mission.ground);
+  return months && *months < kMostAge_months ? months : std::nullopt;
 }
 
 /// The flight of a selection, predicted with imagery of any age.
@@ -98,7 +106,6 @@ double enough_up_to(const AgedFlight& flight, const std::vector<ChancesAtAge>& a
   for (std::size_t i = 1; i < ages.size(); ++i) {
     if (figure(ages[i]) < asked_for) return age_between(flight, ages[i - 1], ages[i], figure, asked_for);
   }
-  if (ages.back().age_months >= kMostAge_months) return ages.back().age_months;
   const ChancesAtAge most = flight.at(kMostAge_months);
   return figure(most) >= asked_for ? kMostAge_months : age_between(flight, ages.back(), most, figure, asked_for);
 }

@@ -20,9 +20,10 @@ namespace pilotage {
 ///
 /// Where GNSS may be lost anywhere it is lost at the point that is worst on the planned flight.
 ///
-/// Nothing where there is no probability or no level of the place, where the P of a stored tile counts no age, and
-/// where the imagery is younger than the flight: later flights are then nearer to it. Throws DataError when the
-/// selection or the scores are not of the mission, or the scores count another age than the imagery has on its flight.
+/// Nothing where there is no probability or no level of the place, where the P of a stored tile counts no age, where
+/// the imagery is kMostAge_months old already, and where it is younger than the flight: later flights are then nearer
+/// to it. Throws DataError when the selection or the scores are not of the mission, or the scores count another age
+/// than the imagery has on its flight.
 std::optional<RouteAgeing> age_route(const Mission& mission, const std::vector<TileScores>& scores,
                                      const Selection& selection, int threads = 1);
 

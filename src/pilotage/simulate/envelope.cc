@@ -136,7 +136,9 @@ std::vector<EnvelopeCell> empty_cells(const EnvelopeOptions& options, std::size_
     const std::vector<EnvelopeFactor>& tried = options.factors;
     const std::string name(options_detail::enum_to_name(factor));
     const std::vector<double> values = envelope_values(name, text, range);
-    if (!tried.empty() && std::find(tried.begin(), tried.end(), factor) == tried.end()) return;
+    const bool is_named = std::find(tried.begin(), tried.end(), factor) != tried.end();
+    if (!tried.empty() && !is_named) return;
+    if (is_named && values.empty()) throw UsageError("factors names " + name + ", which has no values");
     for (const double value : values) {
       if (whole && value != std::floor(value)) {
         throw UsageError(name + " = \"" + text + "\": " + format_number(value) + " is no whole number");
@@ -326,7 +328,10 @@ Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& sc
     report_progress(progress, "matching", ++done, static_cast<std::int64_t>(total));
   });
   for (std::size_t cell = 0; cell < outcomes.size(); ++cell) count(outcomes[cell], envelope.cells[cell]);
-  for (std::size_t world = 0; world < envelope.worlds.size(); ++world) {
+  const bool varies_height = std::any_of(envelope.cells.begin(), envelope.cells.end(), [](const EnvelopeCell& cell) {
+    return cell.factor == EnvelopeFactor::kHeight;
+  });
+  for (std::size_t world = 0; varies_height && world < envelope.worlds.size(); ++world) {
     envelope.margins.push_back(height_margin(envelope.cells, world, envelope.planned_height_m));
   }
   envelope.notes = envelope_notes(envelope.worlds);

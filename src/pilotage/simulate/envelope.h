@@ -78,7 +78,8 @@ struct EnvelopeOptions {
     fields.path("world", self.world,
                 "The ground that frames show: rasters of other dates. Default: the mission's own imagery, changed as "
                 "`score` changes it.");
-    fields.field("factors", self.factors, "Vary these alone. Default: all that have values.");
+    fields.field("factors", self.factors,
+                 "Vary these alone, whatever values the others have. Default: all that have values.");
     fields.field("height_m", self.height_m,
                  "Heights above the ground, FIRST:LAST:STEP or numbers with commas, in each world; \"\": none.");
     fields.field("heading_deg", self.heading_deg, "Directions of the nose, turned from the course; \"\": none.");
@@ -161,7 +162,7 @@ struct Envelope {
   double planned_height_m = 0;        ///< Median of the places.
   std::vector<EnvelopePlace> places;  ///< Ascending P.
   std::vector<EnvelopeCell> cells;
-  std::vector<HeightMargin> margins;  ///< Of each world.
+  std::vector<HeightMargin> margins;  ///< Of each world, where heights are varied.
   std::vector<std::string> notes;
 };
 

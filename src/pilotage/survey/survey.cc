@@ -127,7 +127,7 @@ std::string detail_of(const Survey& survey) {
 std::vector<ReportTile> tiles_of(const SurveyInput& input) {
   const Ground& ground = input.area.ground;
   const ReasonContext context = reason_context(ground.crs, ground.levels.front());
-  const auto oldest = oldest_imagery(ground);
+  const auto oldest = growing_imagery_months(ground) ? oldest_imagery(ground) : std::nullopt;
   std::vector<ReportTile> tiles;
   for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
     tiles.push_back({ground.tiles[i], {}, input.scores[i], false, "", "", half_found_until(oldest, input.scores[i])});
@@ -246,6 +246,7 @@ Survey make_survey(const SurveyInput& input) {
   survey.statistics = area_statistics(all, cell_km2(ground.levels.front()));
   survey.squares = square_kilometres(table);
   survey.farthest_from_go_m = farthest_from_go_m(table);
+  survey.tiles = tiles_of(input);
 
   const bool known = !std::isnan(survey.statistics.median_p_correct_fix);
   const double share = survey.statistics.share(survey.statistics.tiles.go);
@@ -263,7 +264,6 @@ Survey make_survey(const SurveyInput& input) {
   for (auto& [label, value] : survey.title_block) value = valid_utf8(value);
 
   for (const Measure* measure : heat_maps()) survey.measures.push_back(measure_scale(*measure, input.scores));
-  survey.tiles = tiles_of(input);
   if (input.landmarks) survey.landmarks = add_landmarks(input, survey);
   const Measure& judged_by = survey.measures.front().measure;
   for (std::size_t i = 0; i < survey.tiles.size(); ++i) {
