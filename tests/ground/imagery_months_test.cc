@@ -35,7 +35,8 @@ TEST(ImageryMonths, AreNotKnownWhereAnyDateIsMissing) {
 
 TEST(ImageryMonths, GrowOnlyWhereTheOldestRasterIsTheFarthest) {
   const auto growing = [](std::initializer_list<std::string> acquired) {
-    return growing_imagery_months(ground_of("2026-01-01", acquired));
+    const auto oldest = ageing_imagery(ground_of("2026-01-01", acquired));
+    return oldest ? std::optional(months_between(*oldest, parse_utc_date("2026-01-01")->time)) : std::nullopt;
   };
   EXPECT_NEAR(growing({"2025-01-01", "2025-10-01"}).value(), 12, 0.02);
   EXPECT_NEAR(growing({"2025-01-01", "2026-06-01"}).value(), 12, 0.02);

@@ -41,12 +41,12 @@ std::optional<double> imagery_months(const Ground& ground) {
   return months;
 }
 
-std::optional<double> growing_imagery_months(const Ground& ground) {
+std::optional<UtcTime> ageing_imagery(const Ground& ground) {
   const auto oldest = oldest_imagery(ground);
   const auto farthest_months = imagery_months(ground);
   if (!oldest || !farthest_months) return std::nullopt;
   const double months = months_between(*oldest, parse_utc_date(ground.flight_time)->time);
-  return months >= *farthest_months ? std::optional(months) : std::nullopt;
+  return months >= *farthest_months ? oldest : std::nullopt;
 }
 
 }  // namespace pilotage

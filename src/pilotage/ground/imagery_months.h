@@ -20,7 +20,8 @@ std::optional<UtcTime> oldest_imagery(const Ground& ground);
 /// first. Nothing when the time of the flight or the date of any raster is not known.
 std::optional<double> imagery_months(const Ground& ground);
 
-/// The same where it only grows on later flights: of the raster that is oldest, and before the flight.
-std::optional<double> growing_imagery_months(const Ground& ground);
+/// oldest_imagery() where later flights only get farther from the imagery: the oldest raster is the farthest from the
+/// planned one, and before it. Nothing otherwise.
+std::optional<UtcTime> ageing_imagery(const Ground& ground);
 
 }  // namespace pilotage

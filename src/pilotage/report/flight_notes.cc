@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -130,18 +131,22 @@ std::string inertial_text(JsonObject inertial) {
 
 std::string factor_title(const std::string& factor, const std::string& world) {
   const std::string where = world.empty() ? "the mission's own imagery, changed" : name_as_utf8(world);
-  if (factor == "planned") return "As planned, in " + where;
-  if (factor == "height_m") return "Height above the ground (m), in " + where;
-  if (factor == "heading_deg") return "Nose turned from the course (°), in " + where;
-  if (factor == "gsd_ratio") return "Frame's pixels, times the planned ones, in " + where;
-  if (factor == "attitude_error_deg") return "Error of roll, pitch and yaw (°), in " + where;
-  if (factor == "position_error_m") return "Error of the position told, each axis (m), in " + where;
-  if (factor == "fog_visibility_m") return "Fog, visibility (m), in " + where;
-  if (factor == "cloud_cover") return "Share of the frame behind clouds, in " + where;
-  if (factor == "dark_stops") return "Factors of two less light, in " + where;
-  if (factor == "motion_blur_px") return "Motion blur (px of the frame as rendered), in " + where;
-  if (factor == "lens_drops") return "Drops on the lens, in " + where;
-  if (factor == "jpeg_quality") return "Quality of JPEG, in " + where;
+  constexpr std::pair<const char*, const char*> kTitles[] = {
+      {"planned", "As planned"},
+      {"height_m", "Height above the ground (m)"},
+      {"heading_deg", "Nose turned from the course (°)"},
+      {"gsd_ratio", "Frame's pixels, times the planned ones"},
+      {"attitude_error_deg", "Error of roll, pitch and yaw (°)"},
+      {"position_error_m", "Error of the position told, each axis (m)"},
+      {"fog_visibility_m", "Fog, visibility (m)"},
+      {"cloud_cover", "Share of the frame behind clouds"},
+      {"dark_stops", "Factors of two less light"},
+      {"motion_blur_px", "Motion blur (px of the frame as rendered)"},
+      {"lens_drops", "Drops on the lens"},
+      {"jpeg_quality", "Quality of JPEG"}};
+  for (const auto& [name, title] : kTitles) {
+    if (factor == name) return std::string(title) + ", in " + where;
+  }
   return valid_utf8(factor) + ", in " + where;
 }
 

@@ -128,7 +128,7 @@ std::vector<ReportTile> report_tiles(const ReportInput& input) {
     throw DataError("report: " + std::to_string(input.mission.flight.places.size()) + " places along the route, " +
                     std::to_string(ground.tiles.size()) + " tiles");
   }
-  const auto oldest = growing_imagery_months(ground) ? oldest_imagery(ground) : std::nullopt;
+  const auto oldest = ageing_imagery(ground);
   std::vector<ReportTile> tiles;
   for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
     tiles.push_back({ground.tiles[i], input.mission.flight.places[i], table.scores[i], false, "", "",

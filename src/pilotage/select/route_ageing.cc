@@ -37,8 +37,8 @@ std::optional<double> growing_age_months(const Mission& mission, const std::vect
                     " months old, on the plan's flight it is " + format_fixed(*planned_months, 2) +
                     ": score the plan again");
   }
-  const auto months = growing_imagery_months(mission.ground);
-  return months && *months < kMostAge_months ? months : std::nullopt;
+  const bool is_known_of_later = ageing_imagery(mission.ground) && *planned_months < kMostAge_months;
+  return is_known_of_later ? planned_months : std::nullopt;
 }
 
 /// The flight of a selection, predicted with imagery of any age.

@@ -101,7 +101,7 @@ std::string later_phrase(const Survey& survey) {
     return std::count_if(survey.tiles.begin(), survey.tiles.end(),
                          [&](const ReportTile& tile) { return is_half_found_later(tile.score, months); });
   };
-  if (!growing_imagery_months(survey.area.ground) || later(0) == 0) return "";
+  if (!ageing_imagery(survey.area.ground) || later(0) == 0) return "";
   const auto share = [&](double months) { return percent_text(survey.statistics.share(later(months))); };
   return "; go is " + share(12) + " of the area a year later and " + share(24) + " two years later (" + kAgeRule + ")";
 }
@@ -127,7 +127,7 @@ std::string detail_of(const Survey& survey) {
 std::vector<ReportTile> tiles_of(const SurveyInput& input) {
   const Ground& ground = input.area.ground;
   const ReasonContext context = reason_context(ground.crs, ground.levels.front());
-  const auto oldest = growing_imagery_months(ground) ? oldest_imagery(ground) : std::nullopt;
+  const auto oldest = ageing_imagery(ground);
   std::vector<ReportTile> tiles;
   for (std::size_t i = 0; i < ground.tiles.size(); ++i) {
     tiles.push_back({ground.tiles[i], {}, input.scores[i], false, "", "", half_found_until(oldest, input.scores[i])});
