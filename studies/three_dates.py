@@ -5,9 +5,8 @@ three_dates.py PILOTAGE CUT_FLIGHT_FRAMES --work DIR [--frames 200] [--footprint
 A building site (real/p3): the maps are of 2022-05-31 and 2022-03-30, the frames of 2022-12-14 and 2024-02-01, which took no
 part in either. Printed is what `match` finds by each map: of the later date with all features, with those that the
 earlier one does not contradict (stable), with as many by --features-per-mpx alone, with three times as many; of the earlier
-date; and by the maps of both dates asked one after the other, each with half the rate of false fixes, where the first
-answer counts and two answers more than 12 m apart are none. *Half* are maps of half the features, so that two take as much
-room as one. Tables for docs/methods/registration.md. PILOTAGE_DATA names the folder of the imagery."""
+date; and by the maps of both dates together (`match --also-map`). *Half* are maps of half the features, so that two take as
+much room as one. Tables for docs/methods/several-maps.md. PILOTAGE_DATA names the folder of the imagery."""
 
 import argparse
 import csv
@@ -29,8 +28,6 @@ FEATURES_PER_MPX = 20000
 EARLIER, LATER = "2022-03-30", "2022-05-31"
 FLOWN = ("2022-12-14", "2024-02-01")
 RIGHT_WITHIN_M = 5
-ONE_PLACE_M = 12
-METRES_PER_DEGREE = 111320
 
 
 def rasters_of(work):
@@ -45,20 +42,11 @@ def fixes_of(pilotage, path, folder, *options):
         return list(csv.DictReader(stream))
 
 
-def tally(*answers):
-    """Frames that are right, and false, by the first map that answers."""
-    right = false = 0
-    for rows in zip(*answers):
-        fixes = [row for row in rows if row["lat_deg"]]
-        apart_m = max((abs(float(a["lat_deg"]) - float(b["lat_deg"])) * METRES_PER_DEGREE for a in fixes for b in fixes),
-                      default=0)
-        if not fixes or apart_m > ONE_PLACE_M:
-            continue
-        if float(fixes[0]["error_m"]) <= RIGHT_WITHIN_M:
-            right += 1
-        else:
-            false += 1
-    return right, false
+def tally(rows):
+    """Frames that are right, and false."""
+    errors_m = [float(row["error_m"]) for row in rows if row["lat_deg"]]
+    right = sum(error_m <= RIGHT_WITHIN_M for error_m in errors_m)
+    return right, len(errors_m) - right
 
 
 def measure(options, rasters, footprint_m):
@@ -89,9 +77,8 @@ def measure(options, rasters, footprint_m):
     for name, path in maps.items():
         row(name, *sizes[name], [tally(fixes_of(options.pilotage, path, folders[date])) for date in FLOWN])
     for later, earlier in (("later", "earlier"), ("later, half", "earlier, half")):
-        answers = [tally(*(fixes_of(options.pilotage, maps[name], folders[date], "--max-false-fix-rate", 0.0005)
-                           for name in (later, earlier))) for date in FLOWN]
-        row(f"{later} and {earlier} one after the other", sizes[later][0] + sizes[earlier][0], sizes[later][1] + sizes[earlier][1],
+        answers = [tally(fixes_of(options.pilotage, maps[later], folders[date], "--also-map", maps[earlier])) for date in FLOWN]
+        row(f"{later} and {earlier} together", sizes[later][0] + sizes[earlier][0], sizes[later][1] + sizes[earlier][1],
             answers)
 
 

@@ -1,11 +1,14 @@
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "stage_files.h"
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/simulate/envelope.h"
 #include "pilotage/simulate/envelope_file.h"
 
@@ -16,6 +19,7 @@ struct EnvelopeCommandOptions {
   StageFileOptions files;
   EnvelopeOptions envelope;
   std::string map;
+  std::vector<std::string> also_map;
   std::string csv;
   std::string svg;
 
@@ -24,6 +28,8 @@ struct EnvelopeCommandOptions {
     StageFileOptions::describe(self.files, fields);
     EnvelopeOptions::describe(self.envelope, fields);
     fields.path("map", self.map, "The map; default map.gpkg beside the plan.");
+    fields.path("also_map", self.also_map,
+                "Another map of the ground, such as one of imagery of another date; each is asked. Repeat for more.");
     fields.path("csv", self.csv, "The cells as a table, too (CSV).");
     fields.path("svg", self.svg, "A drawing of the cells, too (SVG).");
   }
@@ -54,10 +60,11 @@ Command make_envelope_command() {
       command, [](const EnvelopeCommandOptions& options, const Invocation& invocation) {
         const std::filesystem::path plan = plan_of(invocation.inputs.front());
         const StageFiles files = read_stage_files(plan.string(), stage_files_beside(plan, options.files));
-        const std::filesystem::path map = map_beside(plan, options.map);
-        const Envelope envelope = make_envelope(
-            files.mission, files.scores, files.selection, [map] { return MapReader::open_unverified(map); },
-            options.envelope, invocation.seed, invocation.threads, invocation.progress);
+        const auto maps = asked_maps(map_beside(plan, options.map), options.also_map);
+        check_one_camera(open_unverified_maps(maps)());
+        Envelope envelope = make_envelope(files.mission, files.scores, files.selection, open_unverified_maps(maps),
+                                          options.envelope, invocation.seed, invocation.threads, invocation.progress);
+        if (const std::string note = several_maps_note(maps); !note.empty()) envelope.notes.push_back(note);
         CommandResult result;
         result.json = envelope_to_json(envelope);
         OutputFile output(invocation.output, invocation.overwrite);

@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "signed_input.h"
+#include "stage_files.h"
 #include "standard_streams.h"
 
 #include "pilotage/base/error.h"
@@ -27,6 +30,7 @@ using Json = nlohmann::ordered_json;
 
 struct MatchCommandOptions {
   std::string frames;
+  std::vector<std::string> also_map;
   TrustOptions trust;
   std::optional<double> prior_lon_deg;
   std::optional<double> prior_lat_deg;
@@ -56,6 +60,9 @@ struct MatchCommandOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("frames", self.frames, "A logged flight instead of one frame: frames.csv.");
+    fields.path("also_map", self.also_map,
+                "Another map of the ground, such as one of imagery of another date; each is asked, at its share of the "
+                "rate of false fixes. Repeat for more.");
     TrustOptions::describe(self.trust, fields);
     fields.field("prior_lon_deg", self.prior_lon_deg, "Where the aircraft believes to be.", Range{-180, 360});
     fields.field("prior_lat_deg", self.prior_lat_deg, "Where the aircraft believes to be.", Range{-90, 90});
@@ -170,10 +177,53 @@ FrameSources sources_of(const MatchCommandOptions& options, const MapReader& map
   return sources;
 }
 
-MapRequirements requirements_of_flight(const MatchCommandOptions& options) {
+/// The maps that are asked, each checked as the first is.
+struct AskedMaps {
+  std::vector<std::filesystem::path> paths;
+  std::vector<std::optional<SignedInput>> inputs;
+  std::vector<MapReader> checked;
+  std::vector<std::string> warnings;
+
+  std::vector<MapReader> open() const {
+    std::vector<MapReader> maps;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      maps.push_back(inputs[i] ? MapReader::open(inputs[i]->map) : MapReader::open_unverified(paths[i]));
+    }
+    return maps;
+  }
+};
+
+AskedMaps open_asked_maps(const MatchCommandOptions& options, const std::string& map) {
   MapRequirements required = requirements_of(options.trust);
   if (names_camera(options.camera) && !options.allow_other_camera) required.camera = make_camera(options.camera);
-  return required;
+  AskedMaps maps;
+  TrustOptions trust = options.trust;
+  maps.inputs.push_back(read_signed_input(trust, map));
+  trust.signature.reset();  // it is of the first; those of the others lie beside them
+  maps.paths = asked_maps(map, options.also_map);
+  for (std::size_t i = 1; i < maps.paths.size(); ++i) {
+    maps.inputs.push_back(read_signed_input(trust, maps.paths[i].string()));
+  }
+  maps.checked = maps.open();
+  // Frames of --from-exif may have another camera than any of the maps.
+  if (!required.camera && !options.allow_other_camera && !options.from_exif) check_one_camera(maps.checked);
+  for (const MapReader& one : maps.checked) {
+    check_purpose(one, required);
+    if (const auto expired = expiry_warning(one, options.trust)) maps.warnings.push_back(*expired);
+  }
+  return maps;
+}
+
+/// Says what was asked, and of a single frame which of them answers.
+void add_maps(const AskedMaps& maps, const std::vector<FrameMatch>& matches, bool single, CommandResult& result) {
+  Json paths = Json::array();
+  for (const std::filesystem::path& path : maps.paths) paths.push_back(path.string());
+  result.json["maps"] = std::move(paths);
+  if (maps.paths.size() > 1 && single) {
+    result.text += "map: " + maps.paths[matches.front().result.map_index].string() + "\n";
+  }
+  for (const std::string& warning : empty_map_warnings(matches, maps.paths)) result.warnings.push_back(warning);
+  result.warnings.insert(result.warnings.end(), maps.warnings.begin(), maps.warnings.end());
 }
 
 FlightFrames one_frame(const MatchCommandOptions& options, const Invocation& invocation, const MapReader& map) {
@@ -211,13 +261,13 @@ struct MatchedFrames {
   std::vector<std::string> warnings;
 };
 
-MatchedFrames match_frames(const MatchCommandOptions& options, const std::function<MapReader()>& open_map,
+MatchedFrames match_frames(const MatchCommandOptions& options, const OpenMaps& open_maps,
                            const std::vector<FlightFrame>& frames, const Invocation& invocation) {
   if (!options.sequential) {
-    return {match_flight(open_map, frames, options.match, invocation.threads, invocation.progress), {}, {}};
+    return {match_flight(open_maps, frames, options.match, invocation.threads, invocation.progress), {}, {}};
   }
   MatchedSequence done =
-      match_sequence(open_map, frames, options.match, make_ins_error_model(options.ins), invocation.progress);
+      match_sequence(open_maps, frames, options.match, make_ins_error_model(options.ins), invocation.progress);
   MatchedFrames matched{std::move(done.matches), done.summary, {}};
   if (!options.ins.grade && !options.ins.name) {
     matched.warnings.push_back(
@@ -269,6 +319,8 @@ Command make_match_command() {
                        "--height-agl-m 120 --yaw-deg 152 --pitch-deg 1.5 --roll-deg -0.8 --camera camera.yaml"},
                       {"A logged flight; judged where the truth is in the table.",
                        "pilotage match map.gpkg --frames frames.csv --camera camera.yaml -o fixes.csv"},
+                      {"Maps of two dates of the ground, each asked.",
+                       "pilotage match map.gpkg --also-map older.gpkg --frames frames.csv -o fixes.csv"},
                       {"Only on a map that this key signed.",
                        "pilotage match map.gpkg --public-key key.pub --frames frames.csv -o fixes.csv"}};
   command.inputs = {.name = "MAP [FRAME]",
@@ -290,21 +342,17 @@ Command make_match_command() {
     if (!options.sequential && (options.ins.grade || options.ins.name)) {
       throw UsageError("--ins-grade and --ins-name are for --sequential");
     }
-    const std::string& path = invocation.inputs.front();
-    const MapRequirements required = requirements_of_flight(options);
-    const std::optional<SignedInput> input = read_signed_input(options.trust, path);
-    const auto open_map = [&] { return input ? MapReader::open(input->map) : MapReader::open_unverified(path); };
-    const MapReader checked = open_map();
-    check_purpose(checked, required);
-    const std::optional<std::string> expired = expiry_warning(checked, options.trust);
-    const FlightFrames frames = single ? one_frame(options, invocation, checked) : whole_flight(options, checked);
-    const MatchedFrames matched = match_frames(options, open_map, frames.frames, invocation);
+    const AskedMaps maps = open_asked_maps(options, invocation.inputs.front());
+    const MapReader& first = maps.checked.front();
+    const FlightFrames frames = single ? one_frame(options, invocation, first) : whole_flight(options, first);
+    const MatchedFrames matched = match_frames(
+        options, [&] { return maps.open(); }, frames.frames, invocation);
     if (!invocation.output.empty()) {
       write_file(invocation.output, fix_table_to_csv(matched.matches, options.timings), invocation.overwrite);
     }
     CommandResult result = single ? frame_result(options, matched.matches.front(), frames)
                                   : flight_result(options, matched, frames, invocation.output);
-    if (expired) result.warnings.push_back(*expired);
+    add_maps(maps, matched.matches, single, result);
     return result;
   });
   return command;

@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "input_guard.h"
@@ -19,6 +22,7 @@
 #include "pilotage/flightlog/fix_table.h"
 #include "pilotage/flightlog/match_flight.h"
 #include "pilotage/flightlog/match_sequence.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/replay/calibration_files.h"
@@ -33,6 +37,7 @@ namespace {
 
 struct ReplayCommandOptions {
   std::string map;
+  std::vector<std::string> also_map;
   std::string plan;
   std::string photos;
   std::string world;
@@ -59,6 +64,8 @@ struct ReplayCommandOptions {
   template <class Self, class Fields>
   static void describe(Self& self, Fields& fields) {
     fields.path("map", self.map, "The map that was flown with; map.gpkg of --plan if not given.");
+    fields.path("also_map", self.also_map,
+                "Another map of the ground that was flown with; each is asked. Repeat for more.");
     fields.path("plan", self.plan,
                 "The folder that prepare wrote: its plan.json and selection.json are held against the "
                 "flight, leg by leg.");
@@ -151,7 +158,7 @@ struct ReplaySetup {
   const ReplayCommandOptions& options;
   const Invocation& invocation;
   const std::optional<PlanFiles>& plan;
-  std::string map;
+  std::vector<std::filesystem::path> maps;
   std::optional<Camera> map_camera;
   InsErrorModel model;
   std::vector<FrameMatch> matches;  ///< Of all logs, for --fixes.
@@ -178,21 +185,23 @@ Camera camera_of_replay(const ReplaySetup& setup) {
 ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames) {
   const ReplayCommandOptions& options = setup.options;
   const Invocation& invocation = setup.invocation;
-  const auto open_map = [&] { return MapReader::open_unverified(setup.map); };
+  const OpenMaps open_maps = open_unverified_maps(setup.maps);
   std::vector<FrameMatch> matches;
   ReplayedFlight flight;
   if (options.sequential) {
-    MatchedSequence done = match_sequence(open_map, frames.frames, options.match, setup.model, invocation.progress);
+    MatchedSequence done = match_sequence(open_maps, frames.frames, options.match, setup.model, invocation.progress);
     flight.notes.push_back("in sequence: " + std::to_string(done.summary.confirmed) +
                            " fixes confirmed by the track, " + std::to_string(done.summary.gate_refusals) +
                            " refused by it");
     if (const std::string warning = rows_jump_warning(done.summary); !warning.empty()) flight.notes.push_back(warning);
     matches = std::move(done.matches);
   } else {
-    matches = match_flight(open_map, frames.frames, options.match, invocation.threads, invocation.progress);
+    matches = match_flight(open_maps, frames.frames, options.match, invocation.threads, invocation.progress);
   }
+  std::vector<std::string> names;
+  for (const std::filesystem::path& map : setup.maps) names.push_back(map.string());
   for (const FrameMatch& match : matches) {
-    if (match.readable()) require_frame_was_tried(match.result, setup.map);
+    if (match.readable()) require_frame_was_tried(match.result, names);
   }
   flight.frames = replayed_frames(matches, frames.frames, options.correct_within_m);
   setup.matches.insert(setup.matches.end(), matches.begin(), matches.end());
@@ -431,14 +440,48 @@ void refuse_shared_evaluation(const ReplayCommandOptions& options, const Invocat
   refuse_shared_files(inputs, outputs);
 }
 
+constexpr const char* kOneMapLearns = "`calibrate` learns from it how often one map is found";
+
+/// What was matched on several maps, now or before, says nothing of how often the first is found.
+void say_of_several_maps(const ReplaySetup& setup, std::vector<ReplayedFlight>& flights) {
+  const ReplayCommandOptions& options = setup.options;
+  if (!options.also_map.empty() && setup.matches.empty()) {
+    throw UsageError("--also-map has no meaning where no frame is matched: fixes.csv says what was asked");
+  }
+  const std::string note = several_maps_note(setup.maps);
+  if (!note.empty()) flights.front().notes.push_back(note);
+  for (const std::string& warning : empty_map_warnings(setup.matches, setup.maps)) {
+    flights.front().notes.push_back(warning);
+  }
+  for (ReplayedFlight& flight : flights) {
+    const bool several = std::any_of(flight.frames.begin(), flight.frames.end(),
+                                     [](const ReplayedFrame& frame) { return frame.map_count > 1; });
+    if (!several) continue;
+    if (!options.evaluation.empty()) {
+      throw UsageError("--evaluation: " + flight.name + " was matched on several maps; " + kOneMapLearns);
+    }
+    if (note.empty()) {
+      flight.notes.push_back(flight.name + ": was matched on several maps; P(correct fix) is of " +
+                             setup.maps.front().string() + " alone");
+    }
+  }
+}
+
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {
   refuse_shared_evaluation(options, invocation);
   const std::string map = map_of(options);
+  if (!options.also_map.empty() && !options.evaluation.empty()) {
+    throw UsageError(std::string("--evaluation and --also-map exclude each other: ") + kOneMapLearns);
+  }
   MapReader reader = MapReader::open_unverified(map);
   const std::optional<PlanFiles> plan = planned_flight_of(options.plan);
-  ReplaySetup setup{options, invocation, plan, map, reader.camera(), make_ins_error_model(options.ins), {}};
+  ReplaySetup setup{
+      options, invocation, plan, asked_maps(map, options.also_map), reader.camera(), make_ins_error_model(options.ins),
+      {}};
+  check_one_camera(open_unverified_maps(setup.maps)());
   std::vector<ReplayedFlight> flights;
   for (const std::string& input : invocation.inputs) flights.push_back(replay_input(setup, input));
+  say_of_several_maps(setup, flights);
   PredictedTiles tiles(reader);
   const auto flown = plan ? std::optional(FlownPlan{plan->mission, plan->selection}) : std::nullopt;
   const auto model = has_inertial_priors(flights) ? std::optional(setup.model) : std::nullopt;

@@ -8,6 +8,7 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/simulate/airsim_frames.h"
 #include "pilotage/simulate/fix_log.h"
@@ -41,6 +42,7 @@ struct SimulateCommandOptions {
 };
 
 void refuse_without_frames(const SimulateCommandOptions& options) {
+  if (!options.rendered.also_map.empty()) throw UsageError("--also-map has no meaning without --fixes rendered");
   for (const auto& [flag, value] :
        {std::pair{"--world", options.rendered.world}, {"--map", options.rendered.map}, {"--log", options.log}}) {
     if (!value.empty()) throw UsageError(std::string(flag) + " has no meaning without --fixes rendered");
@@ -66,11 +68,12 @@ struct Flown {
 
 /// Flies with frames of a source and the matcher on the map.
 Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, const SimulateCommandOptions& options,
-                 const FrameSource& frames, const Invocation& invocation) {
-  const std::filesystem::path map = map_beside(plan, options.rendered.map);
-  RenderedFixes fixes(
-      files.mission, options.simulate, options.rendered, frames, [map] { return MapReader::open_unverified(map); },
-      invocation.threads);
+                 FrameSource frames, const Invocation& invocation) {
+  const auto maps = asked_maps(map_beside(plan, options.rendered.map), options.rendered.also_map);
+  if (const std::string note = several_maps_note(maps); !note.empty()) frames.notes.push_back(note);
+  check_one_camera(open_unverified_maps(maps)());
+  RenderedFixes fixes(files.mission, options.simulate, options.rendered, frames, open_unverified_maps(maps),
+                      invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                                invocation.threads, invocation.progress, fixes.source()),
               "", ""};

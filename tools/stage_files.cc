@@ -1,5 +1,6 @@
 #include "stage_files.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -7,7 +8,9 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/base/output_file.h"
+#include "pilotage/base/text.h"
 #include "pilotage/ground/score_table.h"
+#include "pilotage/mapdb/map_purpose.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 
@@ -66,6 +69,51 @@ std::filesystem::path map_beside(const std::filesystem::path& plan, const std::s
   const std::filesystem::path map = named.empty() ? plan.parent_path() / "map.gpkg" : std::filesystem::path(named);
   need_file(map.string(), "prepare");
   return map;
+}
+
+std::vector<std::filesystem::path> asked_maps(const std::filesystem::path& map, const std::vector<std::string>& also) {
+  std::vector<std::filesystem::path> maps{map};
+  for (const std::string& path : also) {
+    refuse_empty("--also-map", path);
+    need_file(path, "build` or `pilotage prepare");
+    for (const std::filesystem::path& known : maps) {
+      std::error_code ignored;
+      if (!std::filesystem::equivalent(known, path, ignored)) continue;
+      throw UsageError("--also-map " + path + " is the same file as " + known.string() +
+                       ": it would be asked twice, each time at its share of the rate of false fixes");
+    }
+    maps.emplace_back(path);
+  }
+  return maps;
+}
+
+void check_one_camera(std::span<const MapReader> maps) {
+  MapRequirements required;
+  required.camera = maps.front().camera();
+  for (const MapReader& map : maps.subspan(1)) check_purpose(map, required);
+}
+
+std::vector<std::string> empty_map_warnings(std::span<const FrameMatch> matches,
+                                            const std::vector<std::filesystem::path>& maps) {
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; maps.size() > 1 && i < maps.size(); ++i) {
+    const bool holds_something = std::any_of(matches.begin(), matches.end(), [&](const FrameMatch& match) {
+      const std::vector<MatchStatus>& statuses = match.result.map_statuses;
+      return i < statuses.size() && statuses[i] != MatchStatus::kNoMap;
+    });
+    if (holds_something) continue;
+    warnings.push_back(maps[i].string() +
+                       ": holds nothing where any frame looked; asking it costs evidence and time, and gives nothing");
+  }
+  return warnings;
+}
+
+std::string several_maps_note(const std::vector<std::filesystem::path>& maps) {
+  if (maps.size() < 2) return "";
+  std::vector<std::string> others;
+  for (std::size_t i = 1; i < maps.size(); ++i) others.push_back(maps[i].string());
+  return "frames are matched on " + maps.front().string() + " and on " + join(others, ", ") +
+         "; P(correct fix) is of the first alone";
 }
 
 }  // namespace pilotage

@@ -2,12 +2,15 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "command.h"
 
+#include "pilotage/flightlog/frame_match.h"
 #include "pilotage/ground/tile_scores.h"
+#include "pilotage/mapdb/map_reader.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 
@@ -58,5 +61,19 @@ StageFileOptions stage_files_beside(const std::filesystem::path& plan, StageFile
 
 /// The map that is named, or map.gpkg beside the plan. Throws as need_file.
 std::filesystem::path map_beside(const std::filesystem::path& plan, const std::string& named);
+
+/// The maps that frames are matched on: `map`, and those of --also-map. Throws UsageError where one file is named
+/// twice, for it would be asked twice, each time at its share of the rate; as need_file.
+std::vector<std::filesystem::path> asked_maps(const std::filesystem::path& map, const std::vector<std::string>& also);
+
+/// Throws IntegrityError where a further map is for another camera than the first, as check_purpose.
+void check_one_camera(std::span<const MapReader> maps);
+
+/// Of the maps that hold nothing where any of the frames looked: they cost evidence and give none.
+std::vector<std::string> empty_map_warnings(std::span<const FrameMatch> matches,
+                                            const std::vector<std::filesystem::path>& maps);
+
+/// What is to be said beside numbers of flights on several maps that are held against P; "" of one map.
+std::string several_maps_note(const std::vector<std::filesystem::path>& maps);
 
 }  // namespace pilotage

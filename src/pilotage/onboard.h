@@ -50,7 +50,8 @@
 ///  2. Camera is the lens that took the frame. MapReader::camera() is the one the map was planned for; for frames of
 ///     another size ask camera_for_size(). A map serves any camera whose frames show about as much ground.
 ///  3. match() with MatchPrior and MatchOptions gives a MatchResult: a MatchStatus, a Fix exactly when the status is
-///     kFix, a candidate that is never to be used for navigation by itself, and MatchStats. without_prior() is what a
+///     kFix, a candidate that is never to be used for navigation by itself, and MatchStats. Of several maps of the
+///     ground, such as those of imagery of two dates, it asks each and promises the same. without_prior() is what a
 ///     filter takes that gave the prior; agrees_with_track() and false_confirmation_rate() judge a candidate by it.
 ///     NavigationFilter is such a filter: an IMU's increments and fixes, however late, in, place and attitude out.
 ///  4. nav_sat_fix() gives the fields of ROS's sensor_msgs/NavSatFix, mavlink_global_position_sensor() those of

@@ -1,8 +1,12 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "onboard_module.h"
 #include <pybind11/eigen.h>
@@ -74,8 +78,23 @@ Camera own_camera(const SharedMap& map, const cv::Mat& frame) {
   }
 }
 
+/// The map and those beside it. Throws UsageError where one stands there twice, TypeError for None.
+std::vector<SharedMap*> maps_of_call(SharedMap& map, const std::vector<std::shared_ptr<SharedMap>>& also) {
+  std::vector<SharedMap*> maps{&map};
+  for (const std::shared_ptr<SharedMap>& one : also) {
+    if (!one) throw py::type_error("also_maps: None is no Map");
+    if (std::find(maps.begin(), maps.end(), one.get()) != maps.end()) {
+      throw UsageError("also_maps: " + one->reader().name() + " stands there twice");
+    }
+    maps.push_back(one.get());
+  }
+  return maps;
+}
+
 MatchResult match_frame(SharedMap& map, const py::array& frame, const MatchPrior& prior,
-                        const std::optional<Camera>& camera, const py::kwargs& given) {
+                        const std::optional<Camera>& camera, const std::vector<std::shared_ptr<SharedMap>>& also_maps,
+                        const py::kwargs& given) {
+  const std::vector<SharedMap*> maps = maps_of_call(map, also_maps);
   MatchOptions options;
   set_options(list_options(options), given, "match");
   const cv::Mat pixels = pixels_of_frame(frame);
@@ -90,7 +109,8 @@ MatchResult match_frame(SharedMap& map, const py::array& frame, const MatchPrior
     asked = std::chrono::steady_clock::now();
     return PyErr_CheckSignals() == 0;
   };
-  return map.use([&](MapReader& reader) { return match(pixels, prior, lens, reader, options, go_on); });
+  return SharedMap::use_all(
+      maps, [&](std::span<MapReader* const> readers) { return match(pixels, prior, lens, readers, options, go_on); });
 }
 
 /// Reads the attributes that `names` lists, for tables.
@@ -219,6 +239,16 @@ void bind_result(py::module_& module) {
           "candidate", &MatchResult::candidate,
           "The best place even when it is refused, for people and statistics; never to be used for navigation.")
       .def_readonly("stats", &MatchResult::stats)
+      .def_readonly("map_index", &MatchResult::map_index,
+                    "Of the maps that were asked, in their order: the one whose answer this is.")
+      .def_property_readonly(
+          "map_statuses",
+          [](const MatchResult& self) {
+            py::list names;
+            for (const MatchStatus status : self.map_statuses) names.append(std::string(match_status_name(status)));
+            return names;
+          },
+          "What each of them said by itself.")
       .def("__bool__", [](const MatchResult& self) { return self.fix.has_value(); })
       .def("__repr__", [](const MatchResult& self) {
         return "MatchResult('" + std::string(match_status_name(self.status)) + "')";
@@ -239,14 +269,17 @@ void bind_match(py::module_& module) {
       "`camera` is the\n"
       "lens that took it, by default the map's own, scaled to the frame. Pixels are used where they lie; nothing else "
       "may write to\n"
-      "them meanwhile. The interpreter's lock is let go.\n\n"
+      "them meanwhile. The interpreter's lock is let go. `also_maps` are further maps of the ground, such as those of "
+      "imagery of other\n"
+      "dates: each is asked, at its share of the rate of false fixes; MatchResult.map_index says which answers.\n\n"
       "Returns a MatchResult for any frame, prior and camera. Throws TypeError for what is no gray picture or no "
       "option, UsageError for\n"
       "an option outside its range, or where neither the map nor the call names a camera.\n\n"
       "Options:\n" +
       options_docstring(list_options(defaults));
   auto map = py::reinterpret_borrow<py::class_<SharedMap, std::shared_ptr<SharedMap>>>(module.attr("Map"));
-  map.def("match", &match_frame, py::arg("frame"), py::arg("prior"), py::arg("camera") = py::none(), help.c_str());
+  map.def("match", &match_frame, py::arg("frame"), py::arg("prior"), py::arg("camera") = py::none(), py::kw_only(),
+          py::arg("also_maps") = std::vector<std::shared_ptr<SharedMap>>{}, help.c_str());
 }
 
 }  // namespace pilotage::python

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <pybind11/pybind11.h>
 #include <sys/types.h>
@@ -27,20 +32,32 @@ class SharedMap {
   /// in use, which is a UsageError, and so does a process that was forked from the one that opened it.
   template <class Work>
   auto use(const Work& work) {
-    refuse_use();
+    return use_all({this}, [&](std::span<MapReader* const> readers) { return work(*readers.front()); });
+  }
+
+  /// The same with the readers of several maps, in the order given; none may stand there twice.
+  template <class Work>
+  static auto use_all(const std::vector<SharedMap*>& maps, const Work& work) {
+    for (const SharedMap* const map : maps) map->refuse_use();
     const pybind11::gil_scoped_release released;
-    const std::lock_guard lock(mutex_);
-    const Owner owner(owner_);
-    return work(reader_);
+    // Threads that use the same maps in another order must not wait for each other.
+    std::vector<SharedMap*> in_one_order = maps;
+    std::sort(in_one_order.begin(), in_one_order.end(), std::less<>());
+    std::deque<InUse> in_use;
+    for (SharedMap* const map : in_one_order) in_use.emplace_back(*map);
+    std::vector<MapReader*> readers;
+    for (SharedMap* const map : maps) readers.push_back(&map->reader_);
+    return work(std::span<MapReader* const>(readers));
   }
 
  private:
-  struct Owner {
-    explicit Owner(std::atomic<std::thread::id>& of) : owner(of) { owner = std::this_thread::get_id(); }
-    ~Owner() { owner = std::thread::id{}; }
-    Owner(const Owner&) = delete;
-    Owner& operator=(const Owner&) = delete;
+  struct InUse {
+    explicit InUse(SharedMap& of) : lock(of.mutex_), owner(of.owner_) { owner = std::this_thread::get_id(); }
+    ~InUse() { owner = std::thread::id{}; }
+    InUse(const InUse&) = delete;
+    InUse& operator=(const InUse&) = delete;
 
+    std::lock_guard<std::mutex> lock;
     std::atomic<std::thread::id>& owner;
   };
 

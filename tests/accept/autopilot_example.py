@@ -30,6 +30,7 @@ SPEED_MPS = 20
 SPACING_S = 2
 LEAD_S = 6  # of flight before the first frame
 ROUTE = [[16.4856, 55.4990], [16.5014, 55.4990]]  # some 1,000 m eastwards over the sample
+WEST_PX = 2100  # columns of the sample, up to the middle of the route
 GROUND_AMSL_M = 50
 BOOT_S = 100  # by the autopilot's clock, when the flight begins
 WAY_S = 0.003  # of a message from the autopilot

@@ -33,7 +33,9 @@ TEST(FixTable, ColumnsAreThePromisedOnes) {
   EXPECT_EQ(fix_table_to_csv({}),
             "file,time_s,status,reason,lon_deg,lat_deg,east_sigma_m,north_sigma_m,covariance_en_m2,center_lon_deg,"
             "center_lat_deg,center_east_sigma_m,center_north_sigma_m,center_covariance_en_m2,yaw_deg,yaw_sigma_deg,"
-            "pitch_deg,roll_deg,height_agl_m,height_sigma_m,scale,tile_id,map_sigma_m,level,gsd_m,frame_features,map_"
+            "pitch_deg,roll_deg,height_agl_m,height_sigma_m,scale,tile_id,map_sigma_m,map_index,map_statuses,level,gsd_"
+            "m,frame_"
+            "features,map_"
             "features,"
             "support,expected_features,vote_peak,vote_rival,inliers,residual_m,ncc,ncc_rival,chip_pixels,agreement,"
             "confidence,"
@@ -66,6 +68,8 @@ TEST(FixTable, EveryCellHoldsItsOwnNumber) {
                                                     {"height_sigma_m", "1.75"},
                                                     {"scale", "0.9875"},
                                                     {"tile_id", "4711"},
+                                                    {"map_statuses", "no_map;ambiguous;fix"},
+                                                    {"map_index", "2"},
                                                     {"map_sigma_m", "1.125"},
                                                     {"level", "1"},
                                                     {"gsd_m", "0.55"},

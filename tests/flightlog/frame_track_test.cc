@@ -23,7 +23,8 @@ GeodeticPoint place(const Eigen::Vector2d& enu_m) {
 /// A flight to the east at 20 m/s, of which only the answers to the frames count.
 class Flight {
  public:
-  explicit Flight(double rate = 0.001) : track_(options_of(rate), make_ins_error_model({}), {0, 90, 20}) {}
+  explicit Flight(double rate = 0.001, std::size_t maps = 1)
+      : track_(options_of(rate), make_ins_error_model({}), {0, 90, 20}, maps) {}
 
   /// `dt_s` later a frame is taken and answered: the inertial position is wrong by `off_m`, the best place by
   /// `place_off_m` against the truth; evidence of 20 makes a fix by itself.
@@ -43,8 +44,9 @@ class Flight {
     match.frame = track_.with_prior(frame.frame);
     Fix fix;
     fix.position = place(truth_m + place_off_m);
-    fix.covariance_en_m2 = isotropic_covariance_m2(1) + isotropic_covariance_m2(1);
-    fix.map_sigma_m = 1;
+    fix.covariance_en_m2 = isotropic_covariance_m2(1) + isotropic_covariance_m2(map_sigma_m);
+    fix.map_sigma_m = map_sigma_m;
+    fix.map_error_is_shared = map_error_is_shared;
     match.result.candidate = fix;
     match.result.stats.vote_peak = evidence;
     match.result.stats.gsd_m = kGsd_m;
@@ -57,6 +59,9 @@ class Flight {
     return match;
   }
   const SequenceSummary& summary() const { return track_.summary(); }
+
+  double map_sigma_m = 1;
+  bool map_error_is_shared = true;
 
  private:
   static MatchOptions options_of(double rate) {
@@ -92,6 +97,22 @@ TEST(FrameTrack, AWeakPlaceWhereTheTrackSaysIsAFix) {
   EXPECT_EQ(flight.summary().confirmed, 1);
 }
 
+TEST(FrameTrack, TheBestOfSeveralMapsIsConfirmedByChanceAsManyTimesAsOften) {
+  const auto doubt = [](std::size_t maps) {
+    Flight flight(0.001, maps);
+    flight.fly(1, kOff, 20);
+    return 1 - flight.fly(5, kOff, 6).result.stats.confidence;
+  };
+  EXPECT_NEAR(doubt(3), 3 * doubt(1), 1e-12);
+  const auto confirmed = [](std::size_t maps) {
+    Flight flight(0.001, maps);
+    flight.fly(1, kOff, 20);
+    return flight.fly(5, kOff, 4).confirmed;
+  };
+  EXPECT_TRUE(confirmed(1));
+  EXPECT_FALSE(confirmed(50));
+}
+
 TEST(FrameTrack, TwoWeakPlacesConfirmEachOther) {
   Flight flight;
   EXPECT_FALSE(flight.fly(1, kOff, 4).has_fix());
@@ -118,6 +139,16 @@ TEST(FrameTrack, AFixAgainstTheTrackIsRefused) {
   EXPECT_EQ(against.result.status, MatchStatus::kOutsideGate);
   EXPECT_FALSE(against.has_fix());
   EXPECT_EQ(flight.summary().gate_refusals, 1);
+}
+
+TEST(FrameTrack, FixesOfTwoMapsMayLieAsFarApartAsTheirMapsDo) {
+  for (const bool shared : {true, false}) {
+    Flight flight;
+    flight.map_sigma_m = 5;
+    flight.map_error_is_shared = shared;
+    flight.fly(1, kOff, 20);
+    EXPECT_EQ(flight.fly(5, kOff, 20, {10, 0}).has_fix(), !shared);
+  }
 }
 
 TEST(FrameTrack, AfterRefusalsInARowTheRowsCountAlone) {

@@ -51,8 +51,11 @@ TEST(EvaluateMatches, CountsEveryFrameOnce) {
                                   refused(MatchStatus::kNoMap),
                                   refused(MatchStatus::kAmbiguous),
                                   unreadable()};
+  for (FrameMatch& match : matches) match.result.map_statuses.resize(3);
+  matches[1].result.map_index = 2;
   const MatchEvaluation evaluation = evaluate_matches(matches, 5);
   EXPECT_EQ(evaluation.frames, 8);
+  EXPECT_THAT(evaluation.fixes_by_map, ElementsAre(3, 0, 1));
   EXPECT_EQ(evaluation.unreadable, 1);
   EXPECT_EQ(evaluation.accepted, 4);
   EXPECT_THAT(evaluation.refused, ElementsAre(Pair("ambiguous", 2), Pair("no_map", 1), Pair("unreadable", 1)));

@@ -41,12 +41,10 @@ class LoggedFlight {
   }
 
   std::filesystem::path map_path() const { return folder_ / "map.gpkg"; }
-  auto open_map() const {
-    return [path = map_path()] { return MapReader::open_unverified(path); };
-  }
+  OpenMaps open_maps() const { return open_unverified_maps({map_path()}); }
   const std::vector<FlightFrame>& frames() const { return frames_; }
   std::vector<FrameMatch> match(int threads, const Progress& progress = {}) const {
-    return match_flight(open_map(), frames_, {}, threads, progress);
+    return match_flight(open_maps(), frames_, {}, threads, progress);
   }
 
  private:
@@ -95,7 +93,7 @@ TEST(MatchFlight, TheShapeAndTheMemoryCountBeforeAPictureIsRead) {
   cut(frames[0], "other.png", {3000, 3000});
   cut(frames[1], "large.png", {12000, 9000});
   frames.push_back(flight.frames().front());
-  const std::vector<FrameMatch> matches = match_flight(flight.open_map(), frames, {}, 1, {});
+  const std::vector<FrameMatch> matches = match_flight(flight.open_maps(), frames, {}, 1, {});
   EXPECT_THAT(matches[0].problem, HasSubstr("other.png: has 3000 x 3000 px, the camera 80 x 60 px: another shape"));
   EXPECT_EQ(frame_status_name(matches[1]), "too_uncertain") << matches[1].problem;
 }
@@ -104,15 +102,13 @@ TEST(MatchFlight, NotOneReadableFrameIsAnError) {
   const LoggedFlight flight;
   const std::vector<FlightFrame> bad(flight.frames().end() - 2, flight.frames().end());
   try {
-    match_flight(flight.open_map(), bad, {}, 1, {});
+    match_flight(flight.open_maps(), bad, {}, 1, {});
     FAIL();
   } catch (const DataError& error) {
     EXPECT_THAT(error.what(), HasSubstr("not one of 2 frames can be read; the first: "));
     EXPECT_THAT(error.what(), HasSubstr("tall.png: has 60 x 80 px"));
   }
-  EXPECT_THROW(
-      match_flight([&] { return MapReader::open_unverified(flight.map_path() / "x"); }, flight.frames(), {}, 2, {}),
-      DataError);
+  EXPECT_THROW(match_flight(open_unverified_maps({flight.map_path() / "x"}), flight.frames(), {}, 2, {}), DataError);
 }
 
 TEST(MatchFlight, ProgressCountsFramesAndMayStop) {
@@ -162,19 +158,21 @@ TEST(ErrorOfFix, NeesHeedsTheCorrelation) {
   EXPECT_TRUE(std::isnan(error_of_fix(fix, truth, FrameTruth::kNadir).nees));
 }
 
-// A disk that fails is no property of a frame: as a refusal it would stand in a rate that somebody flies by.
+// A disk that fails is no property of a frame: as a refusal it would stand in a rate that somebody flies by. Nor is it
+// where another map has a fix.
 TEST(RequireFrameWasTried, TellsWhatIsNotOfTheFrame) {
+  const std::vector<std::string> maps{"m.gpkg", "older.gpkg"};
   for (int number = 0; number <= static_cast<int>(MatchStatus::kOutOfMemory); ++number) {
     const auto status = static_cast<MatchStatus>(number);
     MatchResult result;
-    result.status = status;
+    result.map_statuses = {MatchStatus::kFix, status};
     if (status == MatchStatus::kMapUnreadable) {
-      EXPECT_THAT([&] { require_frame_was_tried(result, "m.gpkg"); },
-                  ::testing::ThrowsMessage<DataError>(HasSubstr("m.gpkg: a part of it cannot be read")));
+      EXPECT_THAT([&] { require_frame_was_tried(result, maps); },
+                  ::testing::ThrowsMessage<DataError>(HasSubstr("older.gpkg: a part of it cannot be read")));
     } else if (status == MatchStatus::kOutOfMemory) {
-      EXPECT_THROW(require_frame_was_tried(result, "m.gpkg"), std::bad_alloc);
+      EXPECT_THROW(require_frame_was_tried(result, maps), std::bad_alloc);
     } else {
-      EXPECT_NO_THROW(require_frame_was_tried(result, "m.gpkg"));
+      EXPECT_NO_THROW(require_frame_was_tried(result, maps));
     }
   }
 }

@@ -71,6 +71,8 @@ TEST(MatchJson, NumbersStandUnderTheirNames) {
   EXPECT_EQ(json["fix"]["covariance_en_m2"], Json({4, 1.5, 1.5, 9}));
   EXPECT_EQ(json["fix"]["center"]["north_sigma_m"], 5);
   EXPECT_EQ(json["fix"]["error_m"], 2.25);
+  EXPECT_EQ(json["map_index"], 2);
+  EXPECT_EQ(json["map_statuses"], Json({"no_map", "ambiguous", "fix"}));
   EXPECT_EQ(json["taken"][2]["value"], 40.1);
   EXPECT_EQ(json["milliseconds"], 21.5);
   EXPECT_FALSE(to_json(numbered_match(), {}, false).contains("milliseconds"));

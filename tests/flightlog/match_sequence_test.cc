@@ -48,11 +48,9 @@ class TexturedFlight {
     frames_.push_back({(folder_ / name).string(), row, ground_.camera});
   }
   std::vector<FlightFrame>& frames() { return frames_; }
-  std::function<MapReader()> open_map() const {
-    return [path = folder_ / "map.gpkg"] { return MapReader::open_unverified(path); };
-  }
+  OpenMaps open_maps() const { return open_unverified_maps({folder_ / "map.gpkg"}); }
   MatchedSequence match(const MatchOptions& options = {}) const {
-    return match_sequence(open_map(), frames_, options, make_ins_error_model({}), {});
+    return match_sequence(open_maps(), frames_, options, make_ins_error_model({}), {});
   }
 
  private:
@@ -69,7 +67,7 @@ TEST(MatchSequence, PriorsThatAreNoDriftAreUsedAsTheyAre) {
   const MatchedSequence done = flight.match();
   EXPECT_TRUE(done.summary.rows_jump);
   EXPECT_THAT(rows_jump_warning(done.summary), HasSubstr("are not those of one drifting system"));
-  const std::vector<FrameMatch> alone = match_flight(flight.open_map(), flight.frames(), {}, 1, {});
+  const std::vector<FrameMatch> alone = match_flight(flight.open_maps(), flight.frames(), {}, 1, {});
   EXPECT_EQ(fix_table_to_csv(done.matches, false), fix_table_to_csv(alone, false));
   EXPECT_GE(std::count_if(alone.begin(), alone.end(), [](const FrameMatch& match) { return match.has_fix(); }), 20);
 }
@@ -126,7 +124,7 @@ TEST(MatchSequence, WhatASequenceNeedsIsSaid) {
   EXPECT_THAT(error(strict), HasSubstr("max_false_fix_rate = 1e-06 is below 2e-06"));
   flight.frames()[1].frame.time_s = kNaN;
   EXPECT_EQ(error(), "1.png: time_s is not known, which frames in sequence need");
-  EXPECT_TRUE(match_sequence(flight.open_map(), {}, {}, make_ins_error_model({}), {}).matches.empty());
+  EXPECT_TRUE(match_sequence(flight.open_maps(), {}, {}, make_ins_error_model({}), {}).matches.empty());
 }
 
 TEST(MatchSequence, MayBeStopped) {
@@ -134,7 +132,7 @@ TEST(MatchSequence, MayBeStopped) {
   flight.add(0, {1, 1});
   flight.add(0, {1, 1});
   const auto stop = [](std::string_view, std::int64_t done, std::int64_t) { return done < 1; };
-  EXPECT_THROW(match_sequence(flight.open_map(), flight.frames(), {}, make_ins_error_model({}), stop), Interrupted);
+  EXPECT_THROW(match_sequence(flight.open_maps(), flight.frames(), {}, make_ins_error_model({}), stop), Interrupted);
 }
 
 }  // namespace

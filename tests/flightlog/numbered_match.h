@@ -34,6 +34,8 @@ inline FrameMatch numbered_match() {
   match.result.candidate = match.result.fix;
   match.result.stats = {1,    0.55, 1500, 8000, 128.5, 640,  33.5, 7.25, 210, 0.65,
                         0.85, 0.45, 320,  4.5,  0.999, 77.5, 5,    4,    3};
+  match.result.map_index = 2;
+  match.result.map_statuses = {MatchStatus::kNoMap, MatchStatus::kAmbiguous, MatchStatus::kFix};
   match.confirmed = true;
   match.milliseconds = 21.5;
   match.error = FixError{1, -2, 2.25, 3.5};

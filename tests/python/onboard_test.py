@@ -177,6 +177,28 @@ class Matching(InAFolder):
             self.assertEqual(set(result.fix.to_dict()), set(type(result.fix)._fields))
         self.assertGreater(found, 0, "nothing was found: nothing was compared")
 
+    def test_several_maps_are_asked(self):
+        map, other, prior = pilotage.Map(MAP), pilotage.Map(MAP), prior_of(self.rows[0])
+        alone = map.match(self.frames[0], prior)
+        self.assertEqual(alone.map_index, 0)
+        both = map.match(self.frames[0], prior, also_maps=[other])
+        self.assertAlmostEqual(1 - both.stats.confidence, 2 * (1 - alone.stats.confidence), places=9)
+        self.assertEqual(both.stats.vote_peak, alone.stats.vote_peak)
+        self.assertEqual((alone.map_statuses, both.map_statuses), ([alone.status], [alone.status] * 2))
+        with self.assertRaisesRegex(TypeError, "None is no Map"):
+            map.match(self.frames[0], prior, also_maps=[None])
+        for twice in ([map], [other, other]):
+            with self.assertRaisesRegex(pilotage.UsageError, "stands there twice"):
+                map.match(self.frames[0], prior, also_maps=twice)
+        # Threads that ask the same maps in another order do not wait for each other for ever.
+        threads = [threading.Thread(target=lambda a=a, b=b: [a.match(self.frames[0], prior, also_maps=[b]) for _ in range(5)], daemon=True)
+                   for a, b in ((map, other), (other, map))]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(60)
+            self.assertFalse(thread.is_alive())
+
     def test_frames_are_taken_where_they_lie(self):
         map = pilotage.Map(MAP)
         padded = numpy.zeros((562, 1100), numpy.uint8)

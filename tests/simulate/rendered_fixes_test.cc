@@ -36,9 +36,8 @@ struct PlaceWithMap {
   }
 
   RenderedFixes fixes(int threads = 2) const {
-    return RenderedFixes(
-        mission, simulate, options, rendered_frames(world, ground.camera),
-        [path = folder / "map.gpkg"] { return MapReader::open_unverified(path); }, threads);
+    return RenderedFixes(mission, simulate, options, rendered_frames(world, ground.camera),
+                         open_unverified_maps({folder / "map.gpkg"}), threads);
   }
 };
 
@@ -127,9 +126,8 @@ TEST(RenderedFixes, HeightIsHeldOverRisingGround) {
     taker.ground_amsl_m = [center](GeodeticPoint point) { return 100 + (point.lat_deg > center.lat_deg ? 7 : 0); };
     return taker;
   };
-  RenderedFixes fixes(
-      place.mission, place.simulate, place.options, frames,
-      [&] { return MapReader::open_unverified(place.folder / "map.gpkg"); }, 1);
+  RenderedFixes fixes(place.mission, place.simulate, place.options, frames,
+                      open_unverified_maps({place.folder / "map.gpkg"}), 1);
   const DrawnErrors drawn = off_by_six();
   fixes.source().begin_flight(0, 77, 0, {})(try_with(drawn));
   const std::vector<SimulatedTry> tries = fixes.take_tries();

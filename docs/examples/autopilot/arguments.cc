@@ -17,7 +17,8 @@ Pictures come through standard input: binary PGM, 8 bits, one behind the other.
   --link LINK          udp:HOST:PORT, udpin:PORT or serial:DEVICE:BAUD
   --recording FILE     what a flight recorded (.tlog) in place of a link
   --send MESSAGES      gps_input, external_position_estimate, global_position_sensor; several with commas between
-  --public-key KEY     whose signature of the map is trusted; --unverified: any map
+  --also-map MAP       another map of the ground, as of another date: each picture is asked of each; several times for more
+  --public-key KEY     whose signature of the maps is trusted; --unverified: any map
   --record FILE        write what is heard and said (.tlog)
   --system-id N        of the aircraft: whom it hears and speaks to (1)
   --component-id N     of this program (191)
@@ -94,6 +95,7 @@ Arguments read_arguments(int argc, char** argv) {
     };
   };
   const std::map<std::string, Set> options = {
+      {"--also-map", [&](const std::string&, const std::string& word) { arguments.also_map.push_back(word); }},
       {"--link", text(arguments.link)},
       {"--recording", text(arguments.recording)},
       {"--record", text(arguments.record)},

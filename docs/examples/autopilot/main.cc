@@ -47,33 +47,57 @@ std::int64_t now_us() {
   return microseconds_of(CLOCK_MONOTONIC_RAW) + since_1970_us;
 }
 
-pilotage::MapReader open_map(const Arguments& arguments) {
-  if (arguments.unverified) return pilotage::MapReader::open_unverified(arguments.map);
-  pilotage::MapReader map = pilotage::MapReader::open(arguments.map, {arguments.public_key});
+/// Each for the camera that the first was prepared for.
+std::vector<pilotage::MapReader> open_maps(const Arguments& arguments) {
+  std::vector<std::string> paths = arguments.also_map;
+  paths.insert(paths.begin(), arguments.map);
   pilotage::MapRequirements required;
-  required.now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  pilotage::check_purpose(map, required);
-  return map;
+  if (!arguments.unverified) {
+    required.now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  }
+  std::vector<pilotage::MapReader> maps;
+  for (const std::string& path : paths) {
+    maps.push_back(arguments.unverified ? pilotage::MapReader::open_unverified(path)
+                                        : pilotage::MapReader::open(path, {arguments.public_key}));
+    pilotage::check_purpose(maps.back(), required);
+    required.camera = maps.front().camera();
+  }
+  return maps;
 }
 
-/// The matcher, with the camera that the map was prepared for.
+/// Of where they lie: of the worst of them, and of one that does not say it what match() takes; nothing where none
+/// says it.
+std::optional<double> largest_map_sigma_m(std::vector<pilotage::MapReader>& maps) {
+  std::optional<double> largest_m;
+  bool all_say = true;
+  for (pilotage::MapReader& map : maps) {
+    const std::optional<double> sigma_m = map.largest_map_sigma_m();
+    largest_m = std::max(largest_m, sigma_m);
+    all_say = all_say && sigma_m;
+  }
+  return largest_m && !all_say ? std::max(*largest_m, pilotage::kUnknownMapSigma_m) : largest_m;
+}
+
+/// The matcher, with the camera that the maps were prepared for.
 class Matcher {
  public:
-  explicit Matcher(pilotage::MapReader& map) : map_(map) {
-    if (!map.camera()) throw std::runtime_error("the map does not say for which camera it was prepared");
+  explicit Matcher(std::vector<pilotage::MapReader>& maps) : camera_(maps.front().camera()) {
+    if (!camera_) throw std::runtime_error("the map does not say for which camera it was prepared");
+    for (pilotage::MapReader& map : maps) maps_.push_back(&map);
   }
   /// A picture of another shape than the camera's has a status, as match() gives it.
   pilotage::MatchResult operator()(const cv::Mat& frame, const MatchTask& task) const {
-    pilotage::Camera camera = *map_.camera();
+    pilotage::Camera camera = *camera_;
     try {
       camera = pilotage::camera_for_size("picture", camera, frame.cols, frame.rows);
     } catch (const pilotage::DataError&) {
     }
-    return pilotage::match(frame, task.prior, camera, map_, task.options);
+    return pilotage::match(frame, task.prior, camera, maps_, task.options);
   }
 
  private:
-  pilotage::MapReader& map_;
+  std::optional<pilotage::Camera> camera_;
+  std::vector<pilotage::MapReader*> maps_;
 };
 
 /// Pictures from standard input. Without a wait where `blocks` is false.
@@ -288,8 +312,8 @@ void fly_again(const Arguments& arguments, Flight& flight, std::int64_t& clock_u
 }
 
 void run(const Arguments& arguments) {
-  pilotage::MapReader map = open_map(arguments);
-  const Matcher match(map);
+  std::vector<pilotage::MapReader> maps = open_maps(arguments);
+  const Matcher match(maps);
   Record record(arguments.record);
   std::unique_ptr<Link> link;
   if (!arguments.link.empty()) link = std::make_unique<Link>(arguments.link);
@@ -298,7 +322,7 @@ void run(const Arguments& arguments) {
     record(link ? now_us() : recorded_us, frame);
     if (link) link->send(frame);
   };
-  Flight flight(arguments.flight, map.largest_map_sigma_m(), send);
+  Flight flight(arguments.flight, largest_map_sigma_m(maps), send);
   if (link) {
     fly(arguments, flight, *link, record, match);
   } else {

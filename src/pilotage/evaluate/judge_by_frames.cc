@@ -44,9 +44,9 @@ std::vector<TileOutcome> judge_by_frames(const LevelScores& judged, const std::f
   match.chips = options.chips;
   const CrsTransform transform(judged.ground.crs);
   std::vector<TileOutcome> outcomes;
-  const auto open_map = [&] { return MapReader::open_unverified(map); };
-  for (const FrameMatch& matched : match_flight(open_map, with_truth, match, threads, progress)) {
-    if (matched.readable()) require_frame_was_tried(matched.result, map.string());
+  const std::vector<std::string> names{map.string()};
+  for (const FrameMatch& matched : match_flight(open_unverified_maps({map}), with_truth, match, threads, progress)) {
+    if (matched.readable()) require_frame_was_tried(matched.result, names);
     TileOutcome outcome;
     outcome.frame = matched.frame.file;
     outcome.status = frame_status_name(matched);

@@ -138,13 +138,13 @@ std::optional<TileFrame> take_frame(const FrameSetup& setup, const GroundTile& t
   return frame;
 }
 
-TileOutcome judge(const FrameSetup& setup, std::size_t index, std::uint64_t seed, MapReader& map) {
+TileOutcome judge(const FrameSetup& setup, std::size_t index, std::uint64_t seed, std::span<MapReader> maps) {
   TileOutcome outcome;
   outcome.tile = index;
   const auto frame = take_frame(setup, setup.judged.ground.tiles[index], seed);
   if (!frame || frame->picture.valid_fraction < kMinCoveredFraction) return outcome;
-  const MatchResult result = match(frame->picture.gray, frame->prior, setup.camera, map, setup.match);
-  require_frame_was_tried(result, map.name());
+  const MatchResult result = match(frame->picture.gray, frame->prior, setup.camera, pointers_to(maps), setup.match);
+  require_frame_was_tried(result, names_of(maps));
   outcome.status = match_status_name(result.status);
   outcome.evidence = result.stats.vote_peak;
   if (const auto& best = result.fix ? result.fix : result.candidate) {
@@ -162,8 +162,9 @@ std::vector<TileOutcome> judge_by_voting(const LevelScores& judged, std::span<co
                                          int threads, const Progress& progress) {
   const FrameSetup setup = make_setup(judged, place, options, tolerance_m);
   std::vector<TileOutcome> outcomes(tiles.size());
-  for_each_with_reader([&] { return MapReader::open_unverified(map); }, tiles.size(), threads, "evaluating", progress,
-                       [&](std::size_t i, MapReader& reader) { outcomes[i] = judge(setup, tiles[i], seed, reader); });
+  for_each_with_readers(
+      open_unverified_maps({map}), tiles.size(), threads, "evaluating", progress,
+      [&](std::size_t i, std::span<MapReader> maps) { outcomes[i] = judge(setup, tiles[i], seed, maps); });
   return outcomes;
 }
 

@@ -5,6 +5,7 @@
 
 #include "pilotage/base/csv.h"
 #include "pilotage/base/nan.h"
+#include "pilotage/base/text.h"
 
 namespace pilotage {
 namespace {
@@ -72,6 +73,11 @@ std::vector<FixColumn> fix_columns(bool timings) {
   list.of_fix("scale", [](const Fix& fix) { return fix.scale; });
   list.of_fix("tile_id", [](const Fix& fix) { return fix.tile_id ? static_cast<double>(*fix.tile_id) : kNaN; });
   list.of_fix("map_sigma_m", [](const Fix& fix) { return fix.map_sigma_m; });
+  list.text("map_index",
+            [](const FrameMatch& match) { return match.readable() ? std::to_string(match.result.map_index) : ""; });
+  list.text("map_statuses", [](const FrameMatch& match) {
+    return match.readable() ? join(match_status_names(match.result.map_statuses), ";") : "";
+  });
   list.of_stats("level", [](const MatchStats& stats) { return stats.level; });
   list.of_stats("gsd_m", [](const MatchStats& stats) { return stats.gsd_m; });
   list.of_stats("frame_features", [](const MatchStats& stats) { return stats.frame_features; });

@@ -8,6 +8,7 @@
 
 #include "pilotage/base/error.h"
 #include "pilotage/geo/local_frame.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/raster/gdal_gray.h"
 
 namespace pilotage {
@@ -30,6 +31,12 @@ std::string frame_status_name(const FrameMatch& match) {
 
 std::string frame_status_text(const FrameMatch& match) {
   return match.readable() ? std::string(match_status_text(match.result.status)) : match.problem;
+}
+
+std::vector<std::string> match_status_names(std::span<const MatchStatus> statuses) {
+  std::vector<std::string> names;
+  for (const MatchStatus status : statuses) names.emplace_back(match_status_name(status));
+  return names;
 }
 
 Outcome outcome_of_fix(double error_m, double correct_within_m) {
@@ -59,15 +66,18 @@ void set_errors(FrameMatch& match) {
   match.candidate_center_error = error_of(match.result.candidate, frame.true_center, FrameTruth::kCenter);
 }
 
-void require_frame_was_tried(const MatchResult& result, const std::string& map) {
+void require_frame_was_tried(const MatchResult& result, std::span<const std::string> maps) {
+  for (std::size_t i = 0; i < result.map_statuses.size(); ++i) {
+    if (result.map_statuses[i] == MatchStatus::kOutOfMemory) throw std::bad_alloc();
+    if (result.map_statuses[i] != MatchStatus::kMapUnreadable) continue;
+    throw DataError(
+        maps[i] + ": a part of it cannot be read, so that frames over it cannot be judged; pilotage verify says more");
+  }
   if (result.status == MatchStatus::kOutOfMemory) throw std::bad_alloc();
-  if (result.status != MatchStatus::kMapUnreadable) return;
-  throw DataError(map +
-                  ": a part of it cannot be read, so that frames over it cannot be judged; pilotage verify says more");
 }
 
-FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
-                       const MatchOptions& options, const std::function<bool()>& go_on) {
+FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera,
+                       std::span<MapReader> maps, const MatchOptions& options, const std::function<bool()>& go_on) {
   FrameMatch done;
   done.frame = frame;
   cv::Mat picture;
@@ -86,7 +96,7 @@ FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const 
   }
   const MatchPrior prior{frame.prior, frame.prior_covariance_en_m2, frame.height_agl_m, frame.attitude};
   const auto start = std::chrono::steady_clock::now();
-  done.result = match(picture, prior, sized, map, options, go_on);
+  done.result = match(picture, prior, sized, pointers_to(maps), options, go_on);
   done.milliseconds = milliseconds_since(start);
   set_errors(done);
   return done;

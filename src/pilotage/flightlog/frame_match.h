@@ -3,7 +3,9 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "pilotage/match/match.h"
 #include "pilotage/mission/frame_table.h"
@@ -54,20 +56,24 @@ std::string frame_status_name(const FrameMatch& match);
 /// A sentence about it.
 std::string frame_status_text(const FrameMatch& match);
 
+/// match_status_name() of each.
+std::vector<std::string> match_status_names(std::span<const MatchStatus> statuses);
+
 /// `fix` against a true point: its position for FrameTruth::kNadir, its centre for kCenter.
 FixError error_of_fix(const Fix& fix, GeodeticPoint truth, FrameTruth kind);
 
 /// Sets the errors of what `match` holds, where the truth is known.
 void set_errors(FrameMatch& match);
 
-/// Reads the picture `path` (anything GDAL opens; gray as the map's imagery is made gray), and matches it. What cannot
+/// Reads the picture `path` (anything GDAL opens; gray as the maps' imagery is made gray), and matches it. What cannot
 /// be read is a FrameMatch with a problem. Throws nothing but std::bad_alloc and, when `go_on` returns false,
 /// Interrupted.
-FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera, MapReader& map,
-                       const MatchOptions& options, const std::function<bool()>& go_on = {});
+FrameMatch match_frame(const std::string& path, const FrameRecord& frame, const Camera& camera,
+                       std::span<MapReader> maps, const MatchOptions& options, const std::function<bool()>& go_on = {});
 
 /// For who counts answers: map_unreadable and out_of_memory tell of a disk or a machine and nothing of the frame, and
-/// counted as refusals they would make a rate that is wrong. Throws DataError beginning with `map`, or std::bad_alloc.
-void require_frame_was_tried(const MatchResult& result, const std::string& map);
+/// counted as refusals they would make a rate that is wrong, also where another map answers. Throws DataError beginning
+/// with the name of that of the `maps`, which were asked in this order, or std::bad_alloc.
+void require_frame_was_tried(const MatchResult& result, std::span<const std::string> maps);
 
 }  // namespace pilotage

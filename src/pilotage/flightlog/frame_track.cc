@@ -36,8 +36,11 @@ FrameMotion motion_between(const FrameRecord& from, const FrameRecord& to) {
   return motion;
 }
 
-FrameTrack::FrameTrack(const MatchOptions& options, const InsErrorModel& model, const FrameMotion& first)
-    : options_(options), filter_(model, first.heading_deg, first.speed_mps) {
+FrameTrack::FrameTrack(const MatchOptions& options, const InsErrorModel& model, const FrameMotion& first,
+                       std::size_t map_count)
+    : options_(options),
+      map_count_(static_cast<double>(map_count)),
+      filter_(model, first.heading_deg, first.speed_mps) {
   options_.max_false_fix_rate /= 2;
 }
 
@@ -77,11 +80,17 @@ void FrameTrack::judge(const FlightFrame& frame, FrameMatch& match) {
 FrameTrack::MeasuredError FrameTrack::measured_error(const FrameRecord& row, const FrameMatch& match) const {
   const PositionMeasurement alone = without_prior(*match.result.candidate, prior_of(match.frame));
   const Eigen::Vector3d error_m = -LocalFrame(row.prior).enu_from_geodetic(alone.position);
-  return {error_m.head<2>(), covariance_within_map(alone), alone.map_sigma_m};
+  return {error_m.head<2>(), covariance_within_map(alone), match.result.candidate->map_sigma_m};
 }
 
 Eigen::Matrix2d FrameTrack::difference_covariance(const MeasuredError& measured) const {
   return track_->filter.covariance_m2() + measured.covariance_m2;
+}
+
+/// Of candidates of other ground: each map has one that may lie where the track says.
+double FrameTrack::confirmation_rate(const MeasuredError& measured, const MatchStats& stats) const {
+  return std::min(1.0,
+                  map_count_ * false_confirmation_rate(stats.vote_peak, difference_covariance(measured), stats.gsd_m));
 }
 
 /// Whether the filter, as it was flown on, does not let the error be what was measured.
@@ -112,15 +121,13 @@ void FrameTrack::take_fix(const MeasuredError& measured, MatchResult& result) {
 /// Whether a weak candidate lies where the track says, seldom enough by chance.
 bool FrameTrack::confirms(const FlightFrame& frame, const MeasuredError& measured, const MatchStats& stats) const {
   if (!track_ || (!track_->established && shows_ground_of_candidate(frame))) return false;
-  const Eigen::Matrix2d covariance = difference_covariance(measured);
-  if (!agrees_with_track(measured.error_m - track_->filter.error_m(), covariance)) return false;
-  return false_confirmation_rate(stats.vote_peak, covariance, stats.gsd_m) <= options_.max_false_fix_rate;
+  if (!agrees_with_track(measured.error_m - track_->filter.error_m(), difference_covariance(measured))) return false;
+  return confirmation_rate(measured, stats) <= options_.max_false_fix_rate;
 }
 
 void FrameTrack::take_confirmed(const MeasuredError& measured, FrameMatch& match) {
   MatchResult& result = match.result;
-  result.stats.confidence =
-      1 - false_confirmation_rate(result.stats.vote_peak, difference_covariance(measured), result.stats.gsd_m);
+  result.stats.confidence = 1 - confirmation_rate(measured, result.stats);
   result.status = MatchStatus::kFix;
   result.fix = result.candidate;
   match.confirmed = true;

@@ -40,8 +40,8 @@ FrameMotion motion_between(const FrameRecord& from, const FrameRecord& to);
 /// with_prior(), then judge() with the answer to the frame under options().
 class FrameTrack {
  public:
-  /// `first` is how the aircraft flies at the first frame.
-  FrameTrack(const MatchOptions& options, const InsErrorModel& model, const FrameMotion& first);
+  /// `first` is how the aircraft flies at the first frame; each frame is matched on `map_count` maps.
+  FrameTrack(const MatchOptions& options, const InsErrorModel& model, const FrameMotion& first, std::size_t map_count);
 
   /// Those to match with: half the rate of false fixes.
   const MatchOptions& options() const { return options_; }
@@ -75,6 +75,7 @@ class FrameTrack {
 
   MeasuredError measured_error(const FrameRecord& row, const FrameMatch& match) const;
   Eigen::Matrix2d difference_covariance(const MeasuredError& measured) const;
+  double confirmation_rate(const MeasuredError& measured, const MatchStats& stats) const;
   static bool contradicts(const MeasuredError& measured, const DriftFilter& filter);
   void take_fix(const MeasuredError& measured, MatchResult& result);
   bool confirms(const FlightFrame& frame, const MeasuredError& measured, const MatchStats& stats) const;
@@ -85,6 +86,7 @@ class FrameTrack {
   void judge_given_up(const MeasuredError& measured);
 
   MatchOptions options_;
+  double map_count_;
   DriftFilter filter_;  ///< Without any fix: what new tracks begin with.
   std::optional<Track> track_;
   std::optional<DriftFilter> given_up_;  ///< The track before, until a fix says whether it was right.

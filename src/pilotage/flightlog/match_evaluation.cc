@@ -107,6 +107,12 @@ std::string judged_text(const MatchEvaluation& evaluation) {
          ": the aircraft's own place (true_nadir_lon_deg), which tilt moves, is not known\n";
 }
 
+std::string fixes_by_map_text(const std::vector<std::int64_t>& fixes) {
+  std::string text;
+  for (const std::int64_t of_map : fixes) text += (text.empty() ? "" : ", ") + std::to_string(of_map);
+  return "fixes of each map, in the order given: " + text + "\n";
+}
+
 std::string centers_text(const MatchEvaluation::Centers& centers, const std::string& limit) {
   return "at the centre of the image: " + std::to_string(centers.within) + " of " + std::to_string(centers.fixes) +
          " fixes within " + limit + ", median " + format_fixed(centers.median_error_m, 2) + " m, 95 % below " +
@@ -128,8 +134,11 @@ MatchEvaluation evaluate_matches(std::span<const FrameMatch> matches, double cor
   std::vector<double> times_ms;
   for (const FrameMatch& match : matches) {
     if (!match.readable()) ++evaluation.unreadable;
+    const std::size_t maps = match.result.map_statuses.size();
+    if (evaluation.fixes_by_map.size() < maps) evaluation.fixes_by_map.resize(maps);
     if (match.has_fix()) {
       ++evaluation.accepted;
+      if (match.result.map_index < maps) ++evaluation.fixes_by_map[match.result.map_index];
     } else {
       ++evaluation.refused[frame_status_name(match)];
     }
@@ -159,6 +168,7 @@ Json to_json(const MatchEvaluation& evaluation, bool timings) {
   Json json{{"frames", evaluation.frames},
             {"unreadable", evaluation.unreadable},
             {"accepted", evaluation.accepted},
+            {"fixes_by_map", evaluation.fixes_by_map},
             {"refused", Json::object()}};
   for (const auto& [status, count] : evaluation.refused) json["refused"][status] = count;
   if (evaluation.sequence) json["sequence"] = sequence_json(*evaluation.sequence);
@@ -183,6 +193,7 @@ Json to_json(const MatchEvaluation& evaluation, bool timings) {
 
 std::string evaluation_text(const MatchEvaluation& evaluation, bool timings) {
   std::string text = std::to_string(evaluation.frames) + " frames, " + std::to_string(evaluation.accepted) + " fixes\n";
+  if (evaluation.fixes_by_map.size() > 1) text += fixes_by_map_text(evaluation.fixes_by_map);
   for (const auto& [status, count] : evaluation.refused) {
     text += "  " + std::to_string(count) + " " + status + "\n";
   }

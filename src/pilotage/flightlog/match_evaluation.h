@@ -27,6 +27,7 @@ struct MatchEvaluation {
   std::int64_t frames = 0;
   std::int64_t unreadable = 0;
   std::int64_t accepted = 0;                    ///< Frames with a fix.
+  std::vector<std::int64_t> fixes_by_map;       ///< Of these, the answers of each map that was asked.
   std::map<std::string, std::int64_t> refused;  ///< Frames without one, by frame_status_name().
   std::optional<SequenceSummary> sequence;      ///< Of frames that were matched in sequence.
 

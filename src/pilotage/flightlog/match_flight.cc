@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "pilotage/base/error.h"
-#include "pilotage/mapdb/parallel_reading.h"
 
 namespace pilotage {
 
@@ -18,7 +17,7 @@ void require_readable_frame(const std::vector<FrameMatch>& matches) {
   throw DataError("not one of " + std::to_string(matches.size()) + " frames can be read; the first: " + problem);
 }
 
-std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
+std::vector<FrameMatch> match_flight(const OpenMaps& open_maps, const std::vector<FlightFrame>& frames,
                                      const MatchOptions& options, int threads, const Progress& progress) {
   std::vector<FrameMatch> matches(frames.size());
   // A single frame may take long: it asks, too, with what was said last.
@@ -30,12 +29,12 @@ std::vector<FrameMatch> match_flight(const std::function<MapReader()>& open_map,
     done = std::max(done, now_done);
     return !progress || progress("matching", done, total);
   };
-  for_each_with_reader(
-      open_map, frames.size(), threads, "matching",
+  for_each_with_readers(
+      open_maps, frames.size(), threads, "matching",
       [&](std::string_view, std::int64_t now_done, std::int64_t) { return report(now_done); },
-      [&](std::size_t index, MapReader& reader) {
+      [&](std::size_t index, std::span<MapReader> maps) {
         const FlightFrame& frame = frames[index];
-        matches[index] = match_frame(frame.path, frame.frame, frame.camera, reader, options, [&] { return report(0); });
+        matches[index] = match_frame(frame.path, frame.frame, frame.camera, maps, options, [&] { return report(0); });
       });
   require_readable_frame(matches);
   return matches;

@@ -85,6 +85,8 @@ Json to_json(const FrameMatch& match, const std::vector<TakenField>& taken, bool
             {"reason", frame_status_text(match)},
             {"fix", fix_json(match.result.fix, match.error)},
             {"candidate", fix_json(match.result.candidate, match.candidate_error)},
+            {"map_index", match.readable() ? Json(match.result.map_index) : Json()},
+            {"map_statuses", match_status_names(match.result.map_statuses)},
             {"stats", stats_json(match.result.stats)}};
   if (timings) json["milliseconds"] = json_number(match.milliseconds);
   json["taken"] = to_json(taken);

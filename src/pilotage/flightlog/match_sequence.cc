@@ -38,15 +38,15 @@ std::vector<std::size_t> order_of_time(const std::vector<FlightFrame>& frames) {
 
 }  // namespace
 
-MatchedSequence match_sequence(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
+MatchedSequence match_sequence(const OpenMaps& open_maps, const std::vector<FlightFrame>& frames,
                                const MatchOptions& options, const InsErrorModel& model, const Progress& progress) {
   MatchedSequence done;
   if (frames.empty()) return done;
   check_rows(frames, options);
   const std::vector<std::size_t> order = order_of_time(frames);
   const auto row = [&](std::size_t i) -> const FrameRecord& { return frames[order[i]].frame; };
-  FrameTrack track(options, model, motion_between(row(0), row(frames.size() > 1 ? 1 : 0)));
-  MapReader map = open_map();
+  std::vector<MapReader> maps = open_maps();
+  FrameTrack track(options, model, motion_between(row(0), row(frames.size() > 1 ? 1 : 0)), maps.size());
   done.matches.resize(frames.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const auto go_on = [&, i] {
@@ -56,10 +56,10 @@ MatchedSequence match_sequence(const std::function<MapReader()>& open_map, const
     if (i > 0) track.fly_on(motion_between(row(i - 1), row(i)));
     const FlightFrame& frame = frames[order[i]];
     FrameMatch& match = done.matches[order[i]];
-    match = match_frame(frame.path, track.with_prior(frame.frame), frame.camera, map, track.options(), go_on);
+    match = match_frame(frame.path, track.with_prior(frame.frame), frame.camera, maps, track.options(), go_on);
     track.judge(frame, match);
     if (track.summary().rows_jump) {
-      done.matches = match_flight(open_map, frames, options, 1, progress);
+      done.matches = match_flight(open_maps, frames, options, 1, progress);
       break;
     }
     set_errors(match);

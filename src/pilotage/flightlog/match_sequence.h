@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "pilotage/base/progress.h"
@@ -8,7 +7,7 @@
 #include "pilotage/flightlog/frame_match.h"
 #include "pilotage/flightlog/frame_track.h"
 #include "pilotage/ins/ins_error_model.h"
-#include "pilotage/mapdb/map_reader.h"
+#include "pilotage/mapdb/parallel_reading.h"
 
 namespace pilotage {
 
@@ -35,7 +34,7 @@ struct MatchedSequence {
 /// Of MatchOptions::max_false_fix_rate each of the two ways to a fix gets one half. `model` is how the rows' inertial
 /// positions drift, from the first frame on. Throws UsageError when a frame has no finite time_s or prior, and as
 /// match_flight().
-MatchedSequence match_sequence(const std::function<MapReader()>& open_map, const std::vector<FlightFrame>& frames,
+MatchedSequence match_sequence(const OpenMaps& open_maps, const std::vector<FlightFrame>& frames,
                                const MatchOptions& options, const InsErrorModel& model, const Progress& progress);
 
 }  // namespace pilotage

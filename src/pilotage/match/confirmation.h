@@ -15,7 +15,8 @@ bool agrees_with_track(const Eigen::Vector2d& difference_m, const Eigen::Matrix2
 ///   exp(−evidence) · a / A,   a = π χ² √det(covariance), at most A
 /// exp(−evidence) is the rate in a window of the calibrated area A = (2 · kCalibratedHalfWidthPx · gsd_m)²; the places
 /// that deceive lie anywhere in it with the same density, and the ellipse does not know where. So the track may itself
-/// be false: the rate holds as long as the ground behind the track is not the ground of this frame.
+/// be false: the rate holds as long as the ground behind the track is not the ground of this frame. A candidate that is
+/// the best of several maps is there that many times as often.
 double false_confirmation_rate(double evidence, const Eigen::Matrix2d& covariance_m2, double gsd_m);
 
 inline constexpr double kAgreementShare = 0.99;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -61,7 +62,16 @@ bool prior_is_good(const MatchPrior& prior) {
 }
 
 MatchResult refused(MatchStatus status, const MatchStats& stats) {
-  return {status, {}, {}, stats};
+  MatchResult result;
+  result.status = status;
+  result.stats = stats;
+  return result;
+}
+
+/// Another answer speaks against the fix.
+void withdraw_fix(MatchResult& result) {
+  result.status = MatchStatus::kAmbiguous;
+  result.fix.reset();
 }
 
 /// What the ranking found, in the words of the statistics. `searches`: how many searches the best place is the best of.
@@ -277,9 +287,11 @@ MatchResult match_heading(const cv::Mat& frame, const MatchPrior& prior, const C
   stats.inliers = refined->pose.inliers;
   stats.residual_m = refined->pose.residual_m;
   const bool outside_gate = is_outside_gate(refined->fix, prior, options);
-  if (const auto refusal = refusal_of_best(stats, options, near_rival, outside_gate))
-    return {*refusal, {}, refined->fix, stats};
-  return {MatchStatus::kFix, refined->fix, refined->fix, stats};
+  const auto refusal = refusal_of_best(stats, options, near_rival, outside_gate);
+  MatchResult answer = refused(refusal.value_or(MatchStatus::kFix), stats);
+  answer.candidate = refined->fix;
+  if (!refusal) answer.fix = refined->fix;
+  return answer;
 }
 
 /// Headings kHeadingStepDeg apart within two standard deviations of the prior's: first that, then the nearest.
@@ -297,12 +309,22 @@ bool is_elsewhere(const Fix& a, const Fix& b) {
   return LocalFrame(a.center).enu_from_geodetic(b.center).head<2>().norm() > kMinRivalDistance_m;
 }
 
+/// A place elsewhere that another of the `answers` found is a rival of the best one's: it takes a lead over that, too.
+void count_rivals(MatchResult& best, const std::vector<MatchResult>& answers) {
+  for (const MatchResult& other : answers) {
+    if (!best.candidate || !other.candidate || !is_elsewhere(*best.candidate, *other.candidate)) continue;
+    best.stats.vote_rival = std::max(best.stats.vote_rival, other.stats.vote_peak);
+  }
+  if (best.fix && is_ambiguous(best.stats)) withdraw_fix(best);
+}
+
 /// Headings are searched one after the other by features alone, the most promising ones again, each about the heading
 /// that was found there, with chips. The best of all is the answer, and the best elsewhere its rival.
+/// `map_count`: how many are swept so.
 MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                           const MatchOptions& options, const Checkpoint& checkpoint) {
+                           const MatchOptions& options, double map_count, const Checkpoint& checkpoint) {
   const std::vector<double> headings_deg = swept_headings_deg(prior.attitude.yaw_deg, options.yaw_sigma_deg);
-  const auto searches = static_cast<double>(headings_deg.size());
+  const double searches = map_count * static_cast<double>(headings_deg.size());
   MatchOptions about_heading = options;
   about_heading.chips = false;
   about_heading.landmarks = false;
@@ -330,29 +352,18 @@ MatchResult match_by_sweep(const cv::Mat& frame, const MatchPrior& prior, const 
     result = match_heading(frame, turned, camera, map, about_heading, searches, checkpoint);
   }
   std::stable_sort(found.begin(), found.end(), by_evidence);
-  MatchResult& best = found.front();
-  for (const MatchResult& other : found) {
-    if (!best.candidate || !other.candidate || !is_elsewhere(*best.candidate, *other.candidate)) continue;
-    best.stats.vote_rival = std::max(best.stats.vote_rival, other.stats.vote_peak);
-  }
-  if (best.fix && is_ambiguous(best.stats)) {
-    best.status = MatchStatus::kAmbiguous;
-    best.fix.reset();
-  }
-  return best;
+  count_rivals(found.front(), found);
+  return found.front();
 }
 
-}  // namespace
-
-MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
-                  const MatchOptions& options, const std::function<bool()>& go_on) {
-  if (!options_are_good(options)) return refused(MatchStatus::kBadOptions, {});
-  if (!prior_is_good(prior)) return refused(MatchStatus::kBadPrior, {});
+/// What one of `map_count` maps answers.
+MatchResult match_on_map(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
+                         const MatchOptions& options, double map_count, const Checkpoint& checkpoint) {
   try {
-    const Checkpoint checkpoint = checkpoint_of(options, go_on);
     const WatchedMap watched(map, checkpoint);
-    return options.yaw_sigma_deg <= kKnownYawSigmaDeg ? match_heading(frame, prior, camera, map, options, 1, checkpoint)
-                                                      : match_by_sweep(frame, prior, camera, map, options, checkpoint);
+    return options.yaw_sigma_deg <= kKnownYawSigmaDeg
+               ? match_heading(frame, prior, camera, map, options, map_count, checkpoint)
+               : match_by_sweep(frame, prior, camera, map, options, map_count, checkpoint);
   } catch (const OutOfTime&) {
     return refused(MatchStatus::kOutOfTime, {});
   } catch (const DataError&) {
@@ -362,6 +373,81 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
   } catch (
       const cv::Exception& error) {  // OpenCV refuses a picture in its own way, and says so, too, that memory is out
     return refused(error.code == cv::Error::StsNoMem ? MatchStatus::kOutOfMemory : MatchStatus::kBadFrame, {});
+  } catch (const std::bad_alloc&) {
+    return refused(MatchStatus::kOutOfMemory, {});
+  }
+}
+
+/// The map could not be searched: the frame may be on it.
+bool was_not_searched(MatchStatus status) {
+  return status == MatchStatus::kOutOfMemory || status == MatchStatus::kMapUnreadable ||
+         status == MatchStatus::kOutOfTime || status == MatchStatus::kTooUncertain;
+}
+
+/// Whether the lead over rivals is still enough where another map, which is sure of the same place too, sees rivals of
+/// its own: ground that was built twice since the day of the first. What both say for the place is added up, and what
+/// they say for others as if that were one.
+bool leads_on_both(const MatchStats& best, const MatchStats& other) {
+  const double evidence = best.vote_peak + other.vote_peak;
+  const double against = best.vote_rival + other.vote_rival;
+  return evidence - against >= least_lead(evidence, against);
+}
+
+/// Withdraws a fix that another map speaks against.
+void heed_other_maps(MatchResult& best, const std::vector<MatchResult>& answers, double max_false_fix_rate) {
+  bool doubted = false;
+  for (const MatchResult& other : answers) {
+    if (!best.fix || !other.candidate || other.map_index == best.map_index) continue;
+    const bool elsewhere = is_elsewhere(*best.fix, *other.candidate);
+    const bool sure = 1 - other.stats.confidence <= max_false_fix_rate;
+    doubted = doubted || (elsewhere ? other.fix.has_value() : sure && !leads_on_both(best.stats, other.stats));
+  }
+  count_rivals(best, answers);
+  if (best.fix && doubted) withdraw_fix(best);
+}
+
+/// The answer of several maps: what match() says of them.
+MatchResult answer_of_maps(std::vector<MatchResult>& answers, const MatchOptions& options) {
+  std::vector<MatchStatus> statuses;
+  for (MatchResult& answer : answers) {
+    answer.map_index = statuses.size();
+    statuses.push_back(answer.status);
+  }
+  const auto rank = [](const MatchResult& answer) {
+    return std::tuple(answer.fix.has_value(), was_not_searched(answer.status),
+                      answer.candidate ? answer.stats.vote_peak : -1.0, answer.status);
+  };
+  MatchResult& best = *std::max_element(answers.begin(), answers.end(),
+                                        [&](const MatchResult& a, const MatchResult& b) { return rank(a) < rank(b); });
+  heed_other_maps(best, answers, options.max_false_fix_rate);
+  best.map_statuses = std::move(statuses);
+  for (std::optional<Fix>* const place : {&best.fix, &best.candidate}) {
+    if (*place) (*place)->map_error_is_shared = answers.size() == 1;
+  }
+  return best;
+}
+
+}  // namespace
+
+MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
+                  const MatchOptions& options, const std::function<bool()>& go_on) {
+  MapReader* const only = &map;
+  return match(frame, prior, camera, std::span(&only, 1), options, go_on);
+}
+
+MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, std::span<MapReader* const> maps,
+                  const MatchOptions& options, const std::function<bool()>& go_on) {
+  if (!options_are_good(options)) return refused(MatchStatus::kBadOptions, {});
+  if (!prior_is_good(prior)) return refused(MatchStatus::kBadPrior, {});
+  if (maps.empty()) return refused(MatchStatus::kNoMap, {});
+  try {
+    const Checkpoint checkpoint = checkpoint_of(options, go_on);
+    std::vector<MatchResult> answers;
+    for (MapReader* const map : maps) {
+      answers.push_back(
+          match_on_map(frame, prior, camera, *map, options, static_cast<double>(maps.size()), checkpoint));
+    }
+    return answer_of_maps(answers, options);
   } catch (const std::bad_alloc&) {
     return refused(MatchStatus::kOutOfMemory, {});
   }

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
@@ -94,7 +97,7 @@ enum class MatchStatus {
   kMapUnreadable,   ///< The map's file is damaged here.
   kNoGround,        ///< The frame shows no ground: it looks at the sky.
   kTooFewFeatures,  ///< Frame or map has too little texture.
-  kAmbiguous,       ///< Another place in the window looks as good.
+  kAmbiguous,       ///< Another place in the window looks as good, or another map says another place.
   kInconsistent,    ///< The best place explains too little of the frame.
   kOutsideGate,     ///< The best place contradicts the prior position, attitude or height.
   kOutOfMemory,     ///< Memory ran out; the next frame may find some.
@@ -123,6 +126,8 @@ struct Fix {
   /// Of the map's own georeference, each axis; part of both covariances. Of the tile, without one of the tile that lies
   /// worst, then at least 1.
   double map_sigma_m = 0;
+  /// Whether fixes share that error: not where several maps were asked, whose errors are not the same.
+  bool map_error_is_shared = true;
   /// The map's tile under the principal point, or the nearest; none where no feature is stored within the window: a fix
   /// by landmarks.
   std::optional<std::int64_t> tile_id;
@@ -158,6 +163,9 @@ struct MatchResult {
   /// The best place even when it is refused, for people and statistics; never to be used for navigation.
   std::optional<Fix> candidate;
   MatchStats stats;
+  std::size_t map_index = 0;  ///< Of the maps that were asked, in their order: the one whose answer this is.
+  /// What each of them said by itself, in their order; none of options or a prior that are no question to any.
+  std::vector<MatchStatus> map_statuses;
 };
 
 /// Finds the aircraft: the frame is rectified onto the ground with the prior attitude and height, its features are
@@ -178,6 +186,22 @@ struct MatchResult {
 /// rectified (some 10 ms for each megapixel). kOutOfTime is the only answer that depends on how fast the machine is; a
 /// deadline of 0 is past before anything is done.
 MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, MapReader& map,
+                  const MatchOptions& options = {}, const std::function<bool()>& go_on = {});
+
+/// The same where several maps hold the ground, such as maps of its imagery of different dates: each is asked, and
+/// together they give a false fix no more often than max_false_fix_rate says, for of n maps each may do so at a n-th of
+/// that rate. The fix is that of the map with the most evidence for its place. It is withdrawn, kAmbiguous, where
+/// another map has a fix more than 12 m away; where it does not lead another map's place so far away as it must lead a
+/// rival; where another map is sure of the same place, but the lead of both together over their rivals is too small.
+/// Where no map has a fix the answer is that of a map that could not be searched (kOutOfMemory, kMapUnreadable,
+/// kOutOfTime, kTooUncertain), else that with the most evidence, else of the one that came farthest.
+/// docs/methods/several-maps.md.
+///
+/// Maps are asked one after the other: time and evidence are those of all of them, memory that of the one that takes
+/// most. The deadline is one for all, and a fix of a map that was asked before it stands; so with a deadline a fix may
+/// depend, too, on how fast the machine is. Of no map at all the answer is kNoMap. A map that
+/// stands there twice is asked twice; none may be null.
+MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& camera, std::span<MapReader* const> maps,
                   const MatchOptions& options = {}, const std::function<bool()>& go_on = {});
 
 }  // namespace pilotage

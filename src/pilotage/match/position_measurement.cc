@@ -25,7 +25,8 @@ PositionMeasurement without_prior(const Fix& fix, const MatchPrior& prior) {
   const Eigen::Matrix2d covariance =
       information.eigenvectors() * kept.cwiseInverse().asDiagonal() * information.eigenvectors().transpose();
   const Eigen::Vector2d measured_m = covariance * of_fix * off_m;
-  return {at_prior.geodetic_from_enu({measured_m.x(), measured_m.y(), 0}), covariance + map_noise, fix.map_sigma_m};
+  return {at_prior.geodetic_from_enu({measured_m.x(), measured_m.y(), 0}), covariance + map_noise,
+          fix.map_error_is_shared ? fix.map_sigma_m : 0};
 }
 
 Eigen::Matrix2d covariance_within_map(const PositionMeasurement& measurement) {

@@ -14,7 +14,8 @@ struct PositionMeasurement {
   GeodeticPoint position;
   /// With the map's own error, which is not white: frames over the same ground share it.
   Eigen::Matrix2d covariance_en_m2 = Eigen::Matrix2d::Zero();
-  double map_sigma_m = 0;  ///< Of that error, each axis (Fix::map_sigma_m).
+  /// Of that error, each axis, as far as fixes share it: Fix::map_sigma_m, and 0 where several maps were asked.
+  double map_sigma_m = 0;
 };
 
 /// A fix with the prior's position taken out of it again: match() lets the prior position take part, so a filter that

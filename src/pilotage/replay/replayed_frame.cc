@@ -91,6 +91,7 @@ std::vector<ReplayedFrame> replayed_frames(std::span<const FrameMatch> matches, 
       frame.error_m = match.error->error_m;
       frame.nees = match.error->nees;
     }
+    frame.map_count = std::max<std::size_t>(1, match.result.map_statuses.size());
     frame.outcome = outcome_of(frame, match.has_fix(), correct_within_m);
     if (match.has_fix()) frame.inertial_error = inertial_error_of(*match.result.fix, match.frame, row.prior);
     const auto fix = match.has_fix() ? std::optional(match.result.fix->position) : std::nullopt;
@@ -152,6 +153,8 @@ ReadFix read_fix_row(const CsvTable& table, const FixRow& row, const FrameRecord
   if (has_fix && (std::isnan(lon_deg) || std::isnan(lat_deg))) {
     throw DataError(table.where() + "status is \"fix\", but lon_deg or lat_deg is empty");
   }
+  const std::string statuses = row.text("map_statuses");
+  frame.map_count = 1 + static_cast<std::size_t>(std::count(statuses.begin(), statuses.end(), ';'));
   frame.outcome = outcome_of(frame, has_fix, correct_within_m);
   if (has_fix) read.fix = GeodeticPoint{wrap_lon_deg(lon_deg), lat_deg};
   if (record != nullptr) {
@@ -170,6 +173,7 @@ ReadFix read_fix_row(const CsvTable& table, const FixRow& row, const FrameRecord
     fix.covariance_en_m2 << east_m * east_m, shared_m2, shared_m2, north_m * north_m;
     const double map_sigma_m = row.number("map_sigma_m", 0, 100);
     fix.map_sigma_m = std::isnan(map_sigma_m) ? kUnknownMapSigma_m : map_sigma_m;  // older tables do not say
+    fix.map_error_is_shared = frame.map_count == 1;
     set_navigated(frame, truth, fix.position, fix.covariance_en_m2);
     if (frame.prior && fix.covariance_en_m2.allFinite() && fix.covariance_en_m2.determinant() > 0) {
       frame.inertial_error = inertial_error_of(fix, *record, *frame.prior);

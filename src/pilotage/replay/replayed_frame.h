@@ -40,6 +40,7 @@ struct ReplayedFrame {
   /// deviation that is believed, and how far it is from the truth; NaN where that is not known.
   double navigated_sigma_m = std::numeric_limits<double>::quiet_NaN();
   double navigated_error_m = std::numeric_limits<double>::quiet_NaN();
+  std::size_t map_count = 1;           ///< Maps that were asked.
   std::optional<GeodeticPoint> prior;  ///< What the inertial system said.
   std::optional<InertialError> inertial_error;
 

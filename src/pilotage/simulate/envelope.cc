@@ -29,9 +29,9 @@ constexpr double kLeastOfFrame = 0.9;  // that shows imagery
 constexpr double kSureP = 0.5;
 constexpr double kAsGood = 0.9;
 
-/// What a thread keeps: the map, and a camera for each world and GSD ratio.
+/// What a thread keeps: the maps, and a camera for each world and GSD ratio.
 struct EnvelopeWorker {
-  MapReader map;
+  std::vector<MapReader> maps;
   std::map<std::pair<std::size_t, double>, std::unique_ptr<WorldCamera>> cameras;
 };
 
@@ -115,8 +115,8 @@ PlaceOutcome outcome_at(const EnvelopeRun& run, const EnvelopeCell& cell, std::s
   if (frame.valid_fraction < kLeastOfFrame) return {};
   if (run.worlds[cell.world].of_the_map) FrameDegrader(options.degradation, random.next()).apply(frame.gray);
   spoil(cell, pose.height_agl_m, Random(derive_seed(place_seed, 1)), frame.gray);
-  const MatchResult result = match(frame.gray, prior, camera->camera(), worker.map, options.match);
-  require_frame_was_tried(result, worker.map.name());
+  const MatchResult result = match(frame.gray, prior, camera->camera(), pointers_to(worker.maps), options.match);
+  require_frame_was_tried(result, names_of(worker.maps));
   if (!result.fix) return {Outcome::kRefused};
   const double error_m = error_of_fix(*result.fix, pose.position, FrameTruth::kNadir).error_m;
   return {outcome_of_fix(error_m, options.correct_within_m), error_m};
@@ -291,8 +291,8 @@ HeightMargin height_margin(const std::vector<EnvelopeCell>& cells, std::size_t w
 }
 
 Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                       const std::function<MapReader()>& open_map, const EnvelopeOptions& options, std::uint64_t seed,
-                       int threads, const Progress& progress) {
+                       const OpenMaps& open_maps, const EnvelopeOptions& options, std::uint64_t seed, int threads,
+                       const Progress& progress) {
   check_options(options);
   if (options.match.deadline_ms) {
     throw UsageError("match_deadline_ms: what is simulated must not depend on how fast this machine is");
@@ -320,7 +320,7 @@ Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& sc
   const std::size_t total = envelope.cells.size() * envelope.places.size();
   parallel_for(total, threads, [&](std::size_t index, int number) {
     std::unique_ptr<EnvelopeWorker>& worker = workers[static_cast<std::size_t>(number)];
-    if (!worker) worker = std::make_unique<EnvelopeWorker>(EnvelopeWorker{open_map(), {}});
+    if (!worker) worker = std::make_unique<EnvelopeWorker>(EnvelopeWorker{open_maps(), {}});
     const std::size_t cell = index / envelope.places.size();
     const std::size_t place = index % envelope.places.size();
     outcomes[cell][place] = outcome_at(run, envelope.cells[cell], place, envelope.places[place], *worker);

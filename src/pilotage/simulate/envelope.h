@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/base/statistics.h"
 #include "pilotage/ground/tile_scores.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/match/match.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
@@ -178,7 +178,7 @@ HeightMargin height_margin(const std::vector<EnvelopeCell>& cells, std::size_t w
 /// threads. Throws UsageError as envelope_values and for a deadline of the matcher, DataError for imagery, map or
 /// elevation, and where no stored tile lies under the route; Interrupted.
 Envelope make_envelope(const Mission& mission, const std::vector<TileScores>& scores, const Selection& selection,
-                       const std::function<MapReader()>& open_map, const EnvelopeOptions& options, std::uint64_t seed,
-                       int threads, const Progress& progress);
+                       const OpenMaps& open_maps, const EnvelopeOptions& options, std::uint64_t seed, int threads,
+                       const Progress& progress);
 
 }  // namespace pilotage

@@ -48,11 +48,11 @@ struct RenderedRun {
   const SimulateOptions& simulate;
   const RenderedOptions& options;
   FrameSource frames;
-  std::function<MapReader()> open_map;
+  OpenMaps open_maps;
 
   /// What a thread keeps.
   struct Worker {
-    MapReader map;
+    std::vector<MapReader> maps;
     FrameTaker taker;
   };
   std::vector<std::unique_ptr<Worker>> workers;
@@ -60,7 +60,7 @@ struct RenderedRun {
 
   Worker& worker(int number) {
     std::unique_ptr<Worker>& own = workers[static_cast<std::size_t>(number)];
-    if (!own) own = std::make_unique<Worker>(Worker{open_map(), frames.open()});
+    if (!own) own = std::make_unique<Worker>(Worker{open_maps(), frames.open()});
     return *own;
   }
 };
@@ -111,10 +111,10 @@ class RenderedFlight {
     const MatchPrior prior{done.match.frame.prior, done.match.frame.prior_covariance_en_m2,
                            done.match.frame.height_agl_m, done.match.frame.attitude};
     const auto start = std::chrono::steady_clock::now();
-    done.match.result = match(frame.gray, prior, run_->frames.camera, worker.map, options.match, go_on_);
+    done.match.result = match(frame.gray, prior, run_->frames.camera, pointers_to(worker.maps), options.match, go_on_);
     done.match.milliseconds =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    require_frame_was_tried(done.match.result, worker.map.name());
+    require_frame_was_tried(done.match.result, names_of(worker.maps));
     set_errors(done.match);
     const TriedFix answer{true, offered(done.match, prior)};
     run_->tries[flight_].push_back(std::move(done));
@@ -200,9 +200,9 @@ class RenderedFlight {
 }  // namespace
 
 RenderedFixes::RenderedFixes(const Mission& mission, const SimulateOptions& simulate, const RenderedOptions& options,
-                             FrameSource frames, std::function<MapReader()> open_map, int threads)
+                             FrameSource frames, OpenMaps open_maps, int threads)
     : run_(std::make_shared<RenderedRun>(
-          RenderedRun{mission, simulate, options, std::move(frames), std::move(open_map), {}, {}})) {
+          RenderedRun{mission, simulate, options, std::move(frames), std::move(open_maps), {}, {}})) {
   check_options(options);
   if (options.match.deadline_ms) {
     throw UsageError("match_deadline_ms: what is simulated must not depend on how fast this machine is");

@@ -10,7 +10,7 @@
 
 #include "pilotage/flightlog/frame_match.h"
 #include "pilotage/flightlog/match_evaluation.h"
-#include "pilotage/mapdb/map_reader.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/simulate/fix_source.h"
 #include "pilotage/simulate/rendered_options.h"
 #include "pilotage/simulate/rendered_world.h"
@@ -48,10 +48,10 @@ struct RenderedRun;  // hidden: what the flights share
 /// matched with what the flight's filter believes (docs/methods/simulate.md).
 class RenderedFixes {
  public:
-  /// `open_map` gives each thread a reader of its own. Everything given must outlive the object. Throws UsageError for
-  /// options that would make the result depend on the machine.
+  /// Everything given must outlive the object. Throws UsageError for options that would make the result depend on the
+  /// machine.
   RenderedFixes(const Mission& mission, const SimulateOptions& simulate, const RenderedOptions& options,
-                FrameSource frames, std::function<MapReader()> open_map, int threads);
+                FrameSource frames, OpenMaps open_maps, int threads);
 
   FixSource source();
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "pilotage/base/options.h"
 #include "pilotage/match/match.h"
@@ -11,6 +12,7 @@ namespace pilotage {
 struct RenderedOptions {
   std::string world;
   std::string map;
+  std::vector<std::string> also_map;
   int frame_width_px = 640;
   double tilt_sigma_deg = 2;
   double boresight_sigma_deg = 0.3;
@@ -27,6 +29,10 @@ struct RenderedOptions {
         "With rendered fixes: the ground that frames show, a raster of another date. Default: the mission's own "
         "imagery, changed as `score` changes it.");
     fields.path("map", self.map, "With rendered fixes: the map; default map.gpkg beside the plan.");
+    fields.path(
+        "also_map", self.also_map,
+        "With rendered fixes: another map of the ground, such as one of imagery of another date; each is asked. "
+        "Repeat for more.");
     fields.field("frame_width_px", self.frame_width_px,
                  "Frames are rendered so wide, or as wide as the mission's camera if that is less.", Range{16, 10000});
     fields.field("tilt_sigma_deg", self.tilt_sigma_deg, "How far the aircraft rolls and pitches, anew for each frame.",
