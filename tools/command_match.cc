@@ -219,10 +219,13 @@ void add_maps(const AskedMaps& maps, const std::vector<FrameMatch>& matches, boo
   Json paths = Json::array();
   for (const std::filesystem::path& path : maps.paths) paths.push_back(path.string());
   result.json["maps"] = std::move(paths);
-  if (maps.paths.size() > 1 && single) {
-    result.text += "map: " + maps.paths[matches.front().result.map_index].string() + "\n";
+  for (std::size_t i = 0; single && maps.paths.size() > 1 && i < maps.paths.size(); ++i) {
+    const MatchResult& answer = matches.front().result;
+    if (i >= answer.map_statuses.size()) break;
+    result.text += maps.paths[i].string() + ": " + std::string(match_status_name(answer.map_statuses[i])) +
+                   (i == answer.map_index ? " (the answer)\n" : "\n");
   }
-  for (const std::string& warning : empty_map_warnings(matches, maps.paths)) result.warnings.push_back(warning);
+  for (const std::string& warning : warnings_of_maps(matches, maps.paths)) result.warnings.push_back(warning);
   result.warnings.insert(result.warnings.end(), maps.warnings.begin(), maps.warnings.end());
 }
 

@@ -440,6 +440,7 @@ void refuse_shared_evaluation(const ReplayCommandOptions& options, const Invocat
   refuse_shared_files(inputs, outputs);
 }
 
+constexpr const char* kNotHeldAgainstP = ", so no try is held against it";
 constexpr const char* kOneMapLearns = "`calibrate` learns from it how often one map is found";
 
 /// What was matched on several maps, now or before, says nothing of how often the first is found.
@@ -449,8 +450,8 @@ void say_of_several_maps(const ReplaySetup& setup, std::vector<ReplayedFlight>& 
     throw UsageError("--also-map has no meaning where no frame is matched: fixes.csv says what was asked");
   }
   const std::string note = several_maps_note(setup.maps);
-  if (!note.empty()) flights.front().notes.push_back(note);
-  for (const std::string& warning : empty_map_warnings(setup.matches, setup.maps)) {
+  if (!note.empty()) flights.front().notes.push_back(note + kNotHeldAgainstP);
+  for (const std::string& warning : warnings_of_maps(setup.matches, setup.maps)) {
     flights.front().notes.push_back(warning);
   }
   for (ReplayedFlight& flight : flights) {
@@ -461,8 +462,7 @@ void say_of_several_maps(const ReplaySetup& setup, std::vector<ReplayedFlight>& 
       throw UsageError("--evaluation: " + flight.name + " was matched on several maps; " + kOneMapLearns);
     }
     if (note.empty()) {
-      flight.notes.push_back(flight.name + ": was matched on several maps; P(correct fix) is of " +
-                             setup.maps.front().string() + " alone");
+      flight.notes.push_back("was matched on several maps; P(correct fix) is of one" + std::string(kNotHeldAgainstP));
     }
   }
 }

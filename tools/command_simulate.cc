@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "commands.h"
 #include "simulate_serving.h"
@@ -64,6 +65,7 @@ struct Flown {
   Simulation simulation;
   std::string text;
   std::string log;  ///< For --log: the tries as a table.
+  std::vector<std::string> warnings;
 };
 
 /// Flies with frames of a source and the matcher on the map.
@@ -76,11 +78,16 @@ Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, con
                       invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                                invocation.threads, invocation.progress, fixes.source()),
-              "", ""};
+              "",
+              "",
+              {}};
   const std::vector<SimulatedTry> tries = fixes.take_tries();
   const MatchEvaluation matches = evaluate_tries(tries, options.rendered);
   flown.simulation.rendered = rendered_json(options.rendered, matches);
   flown.text = evaluation_text(matches);
+  std::vector<FrameMatch> answers;
+  for (const SimulatedTry& one : tries) answers.push_back(one.match);
+  flown.warnings = warnings_of_maps(answers, maps);
   if (!options.log.empty()) flown.log = fix_log_to_csv(tries);
   return flown;
 }
@@ -106,7 +113,9 @@ Flown fly(const StageFiles& files, const std::filesystem::path& plan, const Simu
   refuse_without_frames(options);
   return {simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                            invocation.threads, invocation.progress),
-          "", ""};
+          "",
+          "",
+          {}};
 }
 
 /// The simulation, and what else is asked for, which all appear at once.
@@ -144,6 +153,7 @@ CommandResult run_simulate(const SimulateCommandOptions& options, const Invocati
   result.json = simulation_to_json(simulation);
   write_outputs(flown, json_text(result.json), files.mission, options, invocation);
   result.text = simulation_text(simulation) + flown.text;
+  result.warnings = std::move(flown.warnings);
   const std::optional<double>& required = options.simulate.require_simulated;
   if (required && simulation.within.interval().low < *required) result.exit_code = kExitGateNotMet;
   return result;

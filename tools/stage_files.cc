@@ -90,20 +90,51 @@ std::vector<std::filesystem::path> asked_maps(const std::filesystem::path& map, 
 void check_one_camera(std::span<const MapReader> maps) {
   MapRequirements required;
   required.camera = maps.front().camera();
-  for (const MapReader& map : maps.subspan(1)) check_purpose(map, required);
+  for (const MapReader& map : maps.subspan(1)) {
+    try {
+      check_purpose(map, required);
+    } catch (const IntegrityError&) {
+      throw IntegrityError(map.name() + ": is for another camera than " + maps.front().name() +
+                           "; frames are matched on all maps, so give maps for one camera");
+    }
+  }
 }
 
-std::vector<std::string> empty_map_warnings(std::span<const FrameMatch> matches,
-                                            const std::vector<std::filesystem::path>& maps) {
+std::vector<std::string> warnings_of_maps(std::span<const FrameMatch> matches,
+                                          const std::vector<std::filesystem::path>& maps) {
   std::vector<std::string> warnings;
-  for (std::size_t i = 0; maps.size() > 1 && i < maps.size(); ++i) {
-    const bool holds_something = std::any_of(matches.begin(), matches.end(), [&](const FrameMatch& match) {
-      const std::vector<MatchStatus>& statuses = match.result.map_statuses;
-      return i < statuses.size() && statuses[i] != MatchStatus::kNoMap;
-    });
-    if (holds_something) continue;
-    warnings.push_back(maps[i].string() +
-                       ": holds nothing where any frame looked; asking it costs evidence and time, and gives nothing");
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    const auto count = [&](auto is_counted) {
+      return std::count_if(matches.begin(), matches.end(), [&](const FrameMatch& match) {
+        const std::vector<MatchStatus>& statuses = match.result.map_statuses;
+        return i < statuses.size() && is_counted(statuses[i]);
+      });
+    };
+    const auto asked = count([](MatchStatus) { return true; });
+    const auto damaged = count([](MatchStatus status) { return status == MatchStatus::kMapUnreadable; });
+    if (damaged > 0) {
+      warnings.push_back(maps[i].string() + ": could not be read for " + std::to_string(damaged) + " of " +
+                         std::to_string(asked) + " frames; pilotage verify says more");
+    }
+    const auto empty = count([](MatchStatus status) { return status == MatchStatus::kNoMap; });
+    if (maps.size() > 1 && asked > 0 && empty == asked) {
+      warnings.push_back(
+          maps[i].string() +
+          ": holds nothing where any frame looked; asking it costs evidence and time, and gives nothing");
+    }
+  }
+  const auto fixes_of = [](const FrameMatch& match) {
+    return std::count(match.result.map_statuses.begin(), match.result.map_statuses.end(), MatchStatus::kFix);
+  };
+  const auto shared =
+      std::count_if(matches.begin(), matches.end(), [&](const auto& match) { return fixes_of(match) > 1; });
+  const auto contradicted = std::count_if(matches.begin(), matches.end(), [&](const FrameMatch& match) {
+    return fixes_of(match) > 1 && match.result.status == MatchStatus::kAmbiguous;
+  });
+  if (contradicted > 1 && 10 * contradicted > shared) {
+    warnings.push_back("of " + std::to_string(shared) + " frames with fixes of several maps " +
+                       std::to_string(contradicted) +
+                       " are contradicted: do the maps lie on each other? pilotage audit compares their imagery");
   }
   return warnings;
 }

@@ -66,12 +66,13 @@ std::filesystem::path map_beside(const std::filesystem::path& plan, const std::s
 /// twice, for it would be asked twice, each time at its share of the rate; as need_file.
 std::vector<std::filesystem::path> asked_maps(const std::filesystem::path& map, const std::vector<std::string>& also);
 
-/// Throws IntegrityError where a further map is for another camera than the first, as check_purpose.
+/// Throws IntegrityError where a further map is for another camera than the first (check_purpose()).
 void check_one_camera(std::span<const MapReader> maps);
 
-/// Of the maps that hold nothing where any of the frames looked: they cost evidence and give none.
-std::vector<std::string> empty_map_warnings(std::span<const FrameMatch> matches,
-                                            const std::vector<std::filesystem::path>& maps);
+/// Of the maps: those that cannot be read, those of several that hold nothing where any of the frames looked, and
+/// several that contradict each other.
+std::vector<std::string> warnings_of_maps(std::span<const FrameMatch> matches,
+                                          const std::vector<std::filesystem::path>& maps);
 
 /// What is to be said beside numbers of flights on several maps that are held against P; "" of one map.
 std::string several_maps_note(const std::vector<std::filesystem::path>& maps);

@@ -169,6 +169,17 @@ TEST(SeveralMaps, ALeadDoesNotSettleAContradiction) {
   EXPECT_EQ(match_on({&few_beside, &maps().right}, frame).status, MatchStatus::kAmbiguous);
 }
 
+TEST(SeveralMaps, MapsThatLieApartByMoreThanTheySayContradictEachOther) {
+  const cv::Mat frame = frame_with_noise(0);
+  const ShotMap near(shifted_ground(7));
+  TexturedGround unsure = shifted_ground(7);
+  unsure.map_sigma_m = 5;
+  const ShotMap unsure_near(unsure);
+  ASSERT_TRUE(match_on({&near}, frame).fix);
+  EXPECT_EQ(match_on({&maps().right, &near}, frame).status, MatchStatus::kAmbiguous);
+  EXPECT_EQ(match_on({&maps().right, &unsure_near}, frame).status, MatchStatus::kFix) << "it says so itself";
+}
+
 TEST(SeveralMaps, GroundThatWasBuiltTwiceSinceOneMapIsAmbiguousOnBoth) {
   Shot west;
   west.east_m = -40;

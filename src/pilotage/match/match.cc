@@ -17,6 +17,7 @@
 #include "pilotage/match/local_map.h"
 #include "pilotage/match/match_confidence.h"
 #include "pilotage/match/place_ranking.h"
+#include "pilotage/match/position_measurement.h"
 #include "pilotage/match/refined_fix.h"
 #include "pilotage/match/relief.h"
 #include "pilotage/match/search_memory.h"
@@ -384,6 +385,13 @@ bool was_not_searched(MatchStatus status) {
          status == MatchStatus::kOutOfTime || status == MatchStatus::kTooUncertain;
 }
 
+/// Whether two fixes of one frame cannot both be right: farther apart than their maps' errors let them be.
+bool contradict(const Fix& a, const Fix& b) {
+  const Eigen::Vector2d apart_m = LocalFrame(a.center).enu_from_geodetic(b.center).head<2>();
+  return mahalanobis_squared(apart_m, a.center_covariance_en_m2 + b.center_covariance_en_m2) >
+         kInnovationGateChiSquared;
+}
+
 /// Whether the lead over rivals is still enough where another map, which is sure of the same place too, sees rivals of
 /// its own: ground that was built twice since the day of the first. What both say for the place is added up, and what
 /// they say for others as if that were one.
@@ -400,7 +408,8 @@ void heed_other_maps(MatchResult& best, const std::vector<MatchResult>& answers,
     if (!best.fix || !other.candidate || other.map_index == best.map_index) continue;
     const bool elsewhere = is_elsewhere(*best.fix, *other.candidate);
     const bool sure = 1 - other.stats.confidence <= max_false_fix_rate;
-    doubted = doubted || (elsewhere ? other.fix.has_value() : sure && !leads_on_both(best.stats, other.stats));
+    doubted = doubted || (other.fix && (elsewhere || contradict(*best.fix, *other.fix))) ||
+              (sure && !elsewhere && !leads_on_both(best.stats, other.stats));
   }
   count_rivals(best, answers);
   if (best.fix && doubted) withdraw_fix(best);

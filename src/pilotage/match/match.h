@@ -191,11 +191,11 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
 /// The same where several maps hold the ground, such as maps of its imagery of different dates: each is asked, and
 /// together they give a false fix no more often than max_false_fix_rate says, for of n maps each may do so at a n-th of
 /// that rate. The fix is that of the map with the most evidence for its place. It is withdrawn, kAmbiguous, where
-/// another map has a fix more than 12 m away; where it does not lead another map's place so far away as it must lead a
-/// rival; where another map is sure of the same place, but the lead of both together over their rivals is too small.
-/// Where no map has a fix the answer is that of a map that could not be searched (kOutOfMemory, kMapUnreadable,
-/// kOutOfTime, kTooUncertain), else that with the most evidence, else of the one that came farthest.
-/// docs/methods/several-maps.md.
+/// another map has a fix more than 12 m away, or farther than their covariances let two right ones be; where it does
+/// not lead another map's place so far away as it must lead a rival; where another map is sure of the same place, but
+/// the lead of both together over their rivals is too small. Where no map has a fix the answer is that of a map that
+/// could not be searched (kOutOfMemory, kMapUnreadable, kOutOfTime, kTooUncertain), else that with the most evidence,
+/// else of the one that came farthest. docs/methods/several-maps.md.
 ///
 /// Maps are asked one after the other: time and evidence are those of all of them, memory that of the one that takes
 /// most. The deadline is one for all, and a fix of a map that was asked before it stands; so with a deadline a fix may

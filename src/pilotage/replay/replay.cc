@@ -70,8 +70,10 @@ void count_try(const Try& one, TryCounts& fixes) {
   }
 }
 
+/// P is of one map: what several found together says nothing of it.
 bool is_predicted(const Try& one) {
-  return one.frame->is_tried() && !one.too_unsure && one.tile && !std::isnan(one.tile->p());
+  return one.frame->is_tried() && one.frame->map_count == 1 && !one.too_unsure && one.tile &&
+         !std::isnan(one.tile->p());
 }
 
 /// What many tries were promised, and gave.

@@ -240,6 +240,13 @@ void add_simulation(ReportInput& input, Simulation simulation, const std::string
                       "; run `pilotage simulate` again");
     }
   }
+  if (simulation.by_frames()) {
+    const auto& matches = simulation.rendered.value("matches", nlohmann::ordered_json::object());
+    if (matches.value("fixes_by_map", nlohmann::ordered_json::array()).size() > 1) {
+      throw DataError(name +
+                      ": flew with several maps, and the plan is of one; run `pilotage simulate` without --also-map");
+    }
+  }
   for (const Simulation& other : input.simulations) {
     if (other.by_frames() != simulation.by_frames()) continue;
     throw DataError(name + ": is the second simulation with " + (other.by_frames() ? "frames" : "drawn fixes") +
