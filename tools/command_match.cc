@@ -223,7 +223,7 @@ void add_maps(const AskedMaps& maps, const std::vector<FrameMatch>& matches, boo
     const MatchResult& answer = matches.front().result;
     if (i >= answer.map_statuses.size()) break;
     result.text += maps.paths[i].string() + ": " + std::string(match_status_name(answer.map_statuses[i])) +
-                   (i == answer.map_index ? " (the answer)\n" : "\n");
+                   (i == answer.map_index && answer.status == answer.map_statuses[i] ? " (the answer)\n" : "\n");
   }
   for (const std::string& warning : warnings_of_maps(matches, maps.paths)) result.warnings.push_back(warning);
   result.warnings.insert(result.warnings.end(), maps.warnings.begin(), maps.warnings.end());

@@ -440,7 +440,6 @@ void refuse_shared_evaluation(const ReplayCommandOptions& options, const Invocat
   refuse_shared_files(inputs, outputs);
 }
 
-constexpr const char* kNotHeldAgainstP = ", so no try is held against it";
 constexpr const char* kOneMapLearns = "`calibrate` learns from it how often one map is found";
 
 /// What was matched on several maps, now or before, says nothing of how often the first is found.
@@ -449,11 +448,6 @@ void say_of_several_maps(const ReplaySetup& setup, std::vector<ReplayedFlight>& 
   if (!options.also_map.empty() && setup.matches.empty()) {
     throw UsageError("--also-map has no meaning where no frame is matched: fixes.csv says what was asked");
   }
-  const std::string note = several_maps_note(setup.maps);
-  if (!note.empty()) flights.front().notes.push_back(note + kNotHeldAgainstP);
-  for (const std::string& warning : warnings_of_maps(setup.matches, setup.maps)) {
-    flights.front().notes.push_back(warning);
-  }
   for (ReplayedFlight& flight : flights) {
     const bool several = std::any_of(flight.frames.begin(), flight.frames.end(),
                                      [](const ReplayedFrame& frame) { return frame.map_count > 1; });
@@ -461,18 +455,26 @@ void say_of_several_maps(const ReplaySetup& setup, std::vector<ReplayedFlight>& 
     if (!options.evaluation.empty()) {
       throw UsageError("--evaluation: " + flight.name + " was matched on several maps; " + kOneMapLearns);
     }
-    if (note.empty()) {
-      flight.notes.push_back("was matched on several maps; P(correct fix) is of one" + std::string(kNotHeldAgainstP));
-    }
+    const std::string note = several_maps_note(setup.maps);
+    flight.notes.push_back((note.empty() ? "was matched on several maps; P(correct fix) is of one" : note) +
+                           ", so no try is held against it");
+  }
+}
+
+void refuse_several_maps(const ReplayCommandOptions& options) {
+  if (options.also_map.empty()) return;
+  if (!options.evaluation.empty()) {
+    throw UsageError(std::string("--evaluation and --also-map exclude each other: ") + kOneMapLearns);
+  }
+  if (options.require_observed_rate) {
+    throw UsageError("--require-observed-rate and --also-map exclude each other: what was promised is of one map");
   }
 }
 
 CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& invocation) {
   refuse_shared_evaluation(options, invocation);
   const std::string map = map_of(options);
-  if (!options.also_map.empty() && !options.evaluation.empty()) {
-    throw UsageError(std::string("--evaluation and --also-map exclude each other: ") + kOneMapLearns);
-  }
+  refuse_several_maps(options);
   MapReader reader = MapReader::open_unverified(map);
   const std::optional<PlanFiles> plan = planned_flight_of(options.plan);
   ReplaySetup setup{
@@ -493,15 +495,16 @@ CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& 
   Replay replay = score_replay(flights, tiles, flown, model, scoring);
   replay.grade_name = grade_name_of(options.ins);
   if (!replay.prediction)
-    replay.notes.emplace_back("no try was over a stored tile with a P, with a prior that P is of");
+    replay.notes.emplace_back("no try by one map was over a stored tile with a P, with a prior that P is of");
   if (options.require_observed_rate && !replay.prediction) {
-    throw DataError("--require-observed-rate: no try was over a stored tile with a P");
+    throw DataError("--require-observed-rate: no try by one map was over a stored tile with a P");
   }
   CommandResult result;
   result.json = replay_to_json(replay);
   write_outputs(replay, json_text(result.json), setup, reader.has_chips() && options.match.chips);
   result.text = replay_text(replay);
   result.warnings = replay.notes;
+  for (const std::string& warning : warnings_of_maps(setup.matches, setup.maps)) result.warnings.push_back(warning);
   if (model && !options.ins.grade && !options.ins.name) {
     result.warnings.push_back("no inertial grade is given (--ins-grade): " + replay.grade_name + " is assumed");
   }

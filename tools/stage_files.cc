@@ -94,8 +94,9 @@ void check_one_camera(std::span<const MapReader> maps) {
     try {
       check_purpose(map, required);
     } catch (const IntegrityError&) {
-      throw IntegrityError(map.name() + ": is for another camera than " + maps.front().name() +
-                           "; frames are matched on all maps, so give maps for one camera");
+      throw IntegrityError(
+          map.name() + ": is for another camera than " + maps.front().name() +
+          "; frames are matched on all maps, so give maps for one camera (or, to match, --allow-other-camera)");
     }
   }
 }
@@ -128,13 +129,13 @@ std::vector<std::string> warnings_of_maps(std::span<const FrameMatch> matches,
   };
   const auto shared =
       std::count_if(matches.begin(), matches.end(), [&](const auto& match) { return fixes_of(match) > 1; });
-  const auto contradicted = std::count_if(matches.begin(), matches.end(), [&](const FrameMatch& match) {
+  const auto withdrawn = std::count_if(matches.begin(), matches.end(), [&](const FrameMatch& match) {
     return fixes_of(match) > 1 && match.result.status == MatchStatus::kAmbiguous;
   });
-  if (contradicted > 1 && 10 * contradicted > shared) {
+  if (10 * withdrawn > shared) {
     warnings.push_back("of " + std::to_string(shared) + " frames with fixes of several maps " +
-                       std::to_string(contradicted) +
-                       " are contradicted: do the maps lie on each other? pilotage audit compares their imagery");
+                       std::to_string(withdrawn) +
+                       " are ambiguous: do the maps lie on each other? pilotage audit compares their imagery");
   }
   return warnings;
 }

@@ -385,11 +385,11 @@ bool was_not_searched(MatchStatus status) {
          status == MatchStatus::kOutOfTime || status == MatchStatus::kTooUncertain;
 }
 
-/// Whether two fixes of one frame cannot both be right: farther apart than their maps' errors let them be.
+/// Whether two fixes of one frame are farther apart than their covariances let two right ones be.
 bool contradict(const Fix& a, const Fix& b) {
   const Eigen::Vector2d apart_m = LocalFrame(a.center).enu_from_geodetic(b.center).head<2>();
-  return mahalanobis_squared(apart_m, a.center_covariance_en_m2 + b.center_covariance_en_m2) >
-         kInnovationGateChiSquared;
+  const Eigen::Matrix2d covariance_m2 = a.center_covariance_en_m2 + b.center_covariance_en_m2;
+  return !(mahalanobis_squared(apart_m, covariance_m2) <= kInnovationGateChiSquared);
 }
 
 /// Whether the lead over rivals is still enough where another map, which is sure of the same place too, sees rivals of
@@ -459,6 +459,8 @@ MatchResult match(const cv::Mat& frame, const MatchPrior& prior, const Camera& c
     return answer_of_maps(answers, options);
   } catch (const std::bad_alloc&) {
     return refused(MatchStatus::kOutOfMemory, {});
+  } catch (const UsageError&) {  // a place that is not on Earth
+    return refused(MatchStatus::kBadPrior, {});
   }
 }
 

@@ -63,7 +63,7 @@ std::string_view match_status_text(MatchStatus status) {
     case MatchStatus::kTooFewFeatures:
       return "the frame or the map has too little texture";
     case MatchStatus::kAmbiguous:
-      return "another place in the window looks as good";
+      return "another place in the window looks as good, or another map says another place";
     case MatchStatus::kInconsistent:
       return "the best place explains too little of the frame";
     case MatchStatus::kOutsideGate:

@@ -70,10 +70,13 @@ void count_try(const Try& one, TryCounts& fixes) {
   }
 }
 
-/// P is of one map: what several found together says nothing of it.
+/// Whether P says something of it: of one map, over a tile that has one.
+bool has_p(const Try& one) {
+  return one.frame->is_tried() && one.frame->map_count == 1 && one.tile && !std::isnan(one.tile->p());
+}
+
 bool is_predicted(const Try& one) {
-  return one.frame->is_tried() && one.frame->map_count == 1 && !one.too_unsure && one.tile &&
-         !std::isnan(one.tile->p());
+  return has_p(one) && !one.too_unsure;
 }
 
 /// What many tries were promised, and gave.
@@ -111,9 +114,8 @@ std::optional<PredictedAgainstFlown> predicted_against_flown(const std::vector<T
   }
   if (predictions.empty()) return std::nullopt;
   PredictedAgainstFlown result;
-  result.too_unsure = std::count_if(tries.begin(), tries.end(), [](const Try& one) {
-    return one.too_unsure && one.frame->is_tried() && one.tile && !std::isnan(one.tile->p());
-  });
+  result.too_unsure =
+      std::count_if(tries.begin(), tries.end(), [](const Try& one) { return has_p(one) && one.too_unsure; });
   result.tries = promised.tries;
   result.observed = {promised.right, promised.tries};
   result.predicted = promised.mean_p();

@@ -84,7 +84,7 @@ struct Replay {
   double median_error_m = std::numeric_limits<double>::quiet_NaN();
   double p95_error_m = std::numeric_limits<double>::quiet_NaN();
   NeesSummary nees;                                 ///< Of right fixes.
-  std::optional<PredictedAgainstFlown> prediction;  ///< Nothing where no try was over a tile with a P.
+  std::optional<PredictedAgainstFlown> prediction;  ///< Nothing where no try by one map was over such a tile.
   std::vector<FlownLeg> legs;                       ///< Of the plan; empty without one.
   std::optional<FlownLine> line;
   std::optional<double> planned_p;
