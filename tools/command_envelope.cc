@@ -8,7 +8,6 @@
 
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/simulate/envelope.h"
 #include "pilotage/simulate/envelope_file.h"
 
@@ -61,8 +60,7 @@ Command make_envelope_command() {
         const std::filesystem::path plan = plan_of(invocation.inputs.front());
         const StageFiles files = read_stage_files(plan.string(), stage_files_beside(plan, options.files));
         const auto maps = asked_maps(map_beside(plan, options.map), options.also_map);
-        check_one_camera(open_unverified_maps(maps)());
-        Envelope envelope = make_envelope(files.mission, files.scores, files.selection, open_unverified_maps(maps),
+        Envelope envelope = make_envelope(files.mission, files.scores, files.selection, open_asked_maps(maps),
                                           options.envelope, invocation.seed, invocation.threads, invocation.progress);
         if (const std::string note = several_maps_note(maps); !note.empty()) envelope.notes.push_back(note);
         CommandResult result;

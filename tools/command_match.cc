@@ -193,7 +193,7 @@ struct AskedMaps {
   }
 };
 
-AskedMaps open_asked_maps(const MatchCommandOptions& options, const std::string& map) {
+AskedMaps read_asked_maps(const MatchCommandOptions& options, const std::string& map) {
   MapRequirements required = requirements_of(options.trust);
   if (names_camera(options.camera) && !options.allow_other_camera) required.camera = make_camera(options.camera);
   AskedMaps maps;
@@ -345,7 +345,7 @@ Command make_match_command() {
     if (!options.sequential && (options.ins.grade || options.ins.name)) {
       throw UsageError("--ins-grade and --ins-name are for --sequential");
     }
-    const AskedMaps maps = open_asked_maps(options, invocation.inputs.front());
+    const AskedMaps maps = read_asked_maps(options, invocation.inputs.front());
     const MapReader& first = maps.checked.front();
     const FlightFrames frames = single ? one_frame(options, invocation, first) : whole_flight(options, first);
     const MatchedFrames matched = match_frames(

@@ -22,7 +22,6 @@
 #include "pilotage/flightlog/fix_table.h"
 #include "pilotage/flightlog/match_flight.h"
 #include "pilotage/flightlog/match_sequence.h"
-#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/mission/plan_file.h"
 #include "pilotage/mission/selection_file.h"
 #include "pilotage/replay/calibration_files.h"
@@ -159,6 +158,7 @@ struct ReplaySetup {
   const Invocation& invocation;
   const std::optional<PlanFiles>& plan;
   std::vector<std::filesystem::path> maps;
+  OpenMaps open_maps;
   std::optional<Camera> map_camera;
   InsErrorModel model;
   std::vector<FrameMatch> matches;  ///< Of all logs, for --fixes.
@@ -185,18 +185,18 @@ Camera camera_of_replay(const ReplaySetup& setup) {
 ReplayedFlight matched_flight(ReplaySetup& setup, const FlightFrames& frames) {
   const ReplayCommandOptions& options = setup.options;
   const Invocation& invocation = setup.invocation;
-  const OpenMaps open_maps = open_unverified_maps(setup.maps);
   std::vector<FrameMatch> matches;
   ReplayedFlight flight;
   if (options.sequential) {
-    MatchedSequence done = match_sequence(open_maps, frames.frames, options.match, setup.model, invocation.progress);
+    MatchedSequence done =
+        match_sequence(setup.open_maps, frames.frames, options.match, setup.model, invocation.progress);
     flight.notes.push_back("in sequence: " + std::to_string(done.summary.confirmed) +
                            " fixes confirmed by the track, " + std::to_string(done.summary.gate_refusals) +
                            " refused by it");
     if (const std::string warning = rows_jump_warning(done.summary); !warning.empty()) flight.notes.push_back(warning);
     matches = std::move(done.matches);
   } else {
-    matches = match_flight(open_maps, frames.frames, options.match, invocation.threads, invocation.progress);
+    matches = match_flight(setup.open_maps, frames.frames, options.match, invocation.threads, invocation.progress);
   }
   std::vector<std::string> names;
   for (const std::filesystem::path& map : setup.maps) names.push_back(map.string());
@@ -477,10 +477,9 @@ CommandResult run_replay(const ReplayCommandOptions& options, const Invocation& 
   refuse_several_maps(options);
   MapReader reader = MapReader::open_unverified(map);
   const std::optional<PlanFiles> plan = planned_flight_of(options.plan);
+  const auto maps = asked_maps(map, options.also_map);
   ReplaySetup setup{
-      options, invocation, plan, asked_maps(map, options.also_map), reader.camera(), make_ins_error_model(options.ins),
-      {}};
-  check_one_camera(open_unverified_maps(setup.maps)());
+      options, invocation, plan, maps, open_asked_maps(maps), reader.camera(), make_ins_error_model(options.ins), {}};
   std::vector<ReplayedFlight> flights;
   for (const std::string& input : invocation.inputs) flights.push_back(replay_input(setup, input));
   say_of_several_maps(setup, flights);

@@ -9,7 +9,6 @@
 #include "pilotage/base/error.h"
 #include "pilotage/base/json_object.h"
 #include "pilotage/base/output_file.h"
-#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/mission/simulation_file.h"
 #include "pilotage/simulate/airsim_frames.h"
 #include "pilotage/simulate/fix_log.h"
@@ -73,8 +72,7 @@ Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, con
                  FrameSource frames, const Invocation& invocation) {
   const auto maps = asked_maps(map_beside(plan, options.rendered.map), options.rendered.also_map);
   if (const std::string note = several_maps_note(maps); !note.empty()) frames.notes.push_back(note);
-  check_one_camera(open_unverified_maps(maps)());
-  RenderedFixes fixes(files.mission, options.simulate, options.rendered, frames, open_unverified_maps(maps),
+  RenderedFixes fixes(files.mission, options.simulate, options.rendered, frames, open_asked_maps(maps),
                       invocation.threads);
   Flown flown{simulate_flights(files.mission, files.scores, files.selection, options.simulate, invocation.seed,
                                invocation.threads, invocation.progress, fixes.source()),
@@ -85,9 +83,7 @@ Flown fly_frames(const StageFiles& files, const std::filesystem::path& plan, con
   const MatchEvaluation matches = evaluate_tries(tries, options.rendered);
   flown.simulation.rendered = rendered_json(options.rendered, matches);
   flown.text = evaluation_text(matches);
-  std::vector<FrameMatch> answers;
-  for (const SimulatedTry& one : tries) answers.push_back(one.match);
-  flown.warnings = warnings_of_maps(answers, maps);
+  flown.warnings = warnings_of_maps(matches_of(tries), maps);
   if (!options.log.empty()) flown.log = fix_log_to_csv(tries);
   return flown;
 }

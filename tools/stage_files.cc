@@ -101,6 +101,12 @@ void check_one_camera(std::span<const MapReader> maps) {
   }
 }
 
+OpenMaps open_asked_maps(const std::vector<std::filesystem::path>& maps) {
+  OpenMaps open_maps = open_unverified_maps(maps);
+  if (maps.size() > 1) check_one_camera(open_maps());
+  return open_maps;
+}
+
 std::vector<std::string> warnings_of_maps(std::span<const FrameMatch> matches,
                                           const std::vector<std::filesystem::path>& maps) {
   std::vector<std::string> warnings;

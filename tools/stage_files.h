@@ -10,7 +10,7 @@
 
 #include "pilotage/flightlog/frame_match.h"
 #include "pilotage/ground/tile_scores.h"
-#include "pilotage/mapdb/map_reader.h"
+#include "pilotage/mapdb/parallel_reading.h"
 #include "pilotage/mission/mission.h"
 #include "pilotage/mission/selection.h"
 
@@ -68,6 +68,9 @@ std::vector<std::filesystem::path> asked_maps(const std::filesystem::path& map, 
 
 /// Throws IntegrityError where a further map is for another camera than the first (check_purpose()).
 void check_one_camera(std::span<const MapReader> maps);
+
+/// open_unverified_maps() of what asked_maps() gave. Throws as check_one_camera of several.
+OpenMaps open_asked_maps(const std::vector<std::filesystem::path>& maps);
 
 /// Of the maps: those that cannot be read, those of several that hold nothing where any of the frames looked, and
 /// several that contradict each other.

@@ -265,10 +265,14 @@ FrameSource rendered_frames(const RenderedWorld& world, const Camera& camera) {
   return frames;
 }
 
-MatchEvaluation evaluate_tries(const std::vector<SimulatedTry>& tries, const RenderedOptions& options) {
+std::vector<FrameMatch> matches_of(const std::vector<SimulatedTry>& tries) {
   std::vector<FrameMatch> matches;
   for (const SimulatedTry& tried : tries) matches.push_back(tried.match);
-  return evaluate_matches(matches, options.correct_within_m);
+  return matches;
+}
+
+MatchEvaluation evaluate_tries(const std::vector<SimulatedTry>& tries, const RenderedOptions& options) {
+  return evaluate_matches(matches_of(tries), options.correct_within_m);
 }
 
 nlohmann::ordered_json rendered_json(const RenderedOptions& options, const MatchEvaluation& matches) {

@@ -62,6 +62,9 @@ class RenderedFixes {
   std::shared_ptr<RenderedRun> run_;
 };
 
+/// What became of their frames.
+std::vector<FrameMatch> matches_of(const std::vector<SimulatedTry>& tries);
+
 /// What the matcher made of all tries: the truth is the point straight below, and `correct_within_m` judges.
 MatchEvaluation evaluate_tries(const std::vector<SimulatedTry>& tries, const RenderedOptions& options);
 
