@@ -260,6 +260,21 @@ TEST(ScoreTiles, OnlyWhatIsAskedForIsMeasured) {
   }
 }
 
+TEST(ScoreTiles, ThePlannersUsualContrastReplacesThatOfTheGrid) {
+  const Raster raster = ground(160, 160, "usual");
+  Request options = options_of(64, 48, 8);
+  options.measures = {ScoreMeasure::kCorrectFix};
+  options.usual_fine_contrast = 10;
+  const std::vector<TileScores> at_10 = score(raster, options);
+  options.usual_fine_contrast = 20;
+  const std::vector<TileScores> at_20 = score(raster, options);
+  ASSERT_GT(at_10[0].fine_contrast, 0);
+  for (std::size_t i = 0; i < at_10.size(); ++i) {
+    EXPECT_NEAR(at_20[i].fine_contrast, at_10[i].fine_contrast / 2, 1e-12);
+    EXPECT_LE(at_20[i].p_correct_fix, at_10[i].p_correct_fix) << "poorer than other ground";
+  }
+}
+
 TEST(ScoreTiles, DegradedCopiesMatchWorseThanCleanOnes) {
   const Raster raster = ground(140, 140, "degraded");
   for (const TileScores& tile : score(raster, options_of(64, 16, 24))) {

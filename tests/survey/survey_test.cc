@@ -53,7 +53,9 @@ TEST(Survey, HeadlineSaysTheShareOfTheAreaAndNoVerdict) {
   EXPECT_EQ(survey.headline, "a fix may be expected over 70 % of the area: 0.03 km² of 0.04 km²");
   EXPECT_THAT(survey.detail, ::testing::StartsWith("marginal 0.00 km² (10 %), no-go 0.01 km² (20 %); median P(correct "
                                                    "fix) 0.90; no place is farther than 180 m from go ground"));
-  EXPECT_THAT(survey_html(survey), ::testing::Not(::testing::HasSubstr("NO-GO")));
+  const std::string html = survey_html(survey);
+  const std::string told = html.substr(0, html.find("<script"));  // a route that is drawn on the page has one
+  EXPECT_THAT(told, ::testing::Not(::testing::HasSubstr("NO-GO")));
 }
 
 TEST(Survey, SaysWhatItAssumesAndWhatItDidNotLookAt) {

@@ -171,6 +171,28 @@ TEST(PlanTiles, CrsIsObeyedOrRefused) {
   EXPECT_THAT(plan_error(options), HasSubstr("is not projected"));
 }
 
+TEST(PlanTiles, MissionsWithOneGridOriginShareTheirTiles) {
+  const TemporaryFolder folder;
+  TileOptions options = make_small_mission(folder.path(), two_legs());
+  options.crs = "EPSG:32633";
+  const GridLevel free = plan_tiles(options).ground.levels.front();
+  const double stride_m = free.matrix.stride_px * free.gsd_m;
+  options.grid_origin_m = {free.matrix.map_from_pixel.origin_x + 0.25 * stride_m - 7 * stride_m,
+                           free.matrix.map_from_pixel.origin_y - 0.5 * stride_m + 3 * stride_m};
+  const Mission mission = plan_tiles(options);
+  expect_sound(mission);
+  const TileMatrix& matrix = mission.ground.levels.front().matrix;
+  const double columns = (matrix.map_from_pixel.origin_x - options.grid_origin_m[0]) / stride_m;
+  const double rows = (matrix.map_from_pixel.origin_y - options.grid_origin_m[1]) / stride_m;
+  EXPECT_NEAR(columns, std::round(columns), 1e-6);
+  EXPECT_NEAR(rows, std::round(rows), 1e-6);
+  options.grid_origin_m = {1, 2, 3};
+  EXPECT_THAT(plan_error(options), HasSubstr("has 3 numbers"));
+  options.grid_origin_m = {1, 2};
+  options.crs.clear();
+  EXPECT_THAT(plan_error(options), HasSubstr("give --crs"));
+}
+
 TEST(PlanTiles, NamesThePartOutsideTheImagery) {
   const TemporaryFolder folder;
   TileOptions options = make_small_mission(folder.path(), {MissionPoint{100, 150, 80}, {900, 150, 80}});

@@ -1,8 +1,11 @@
 #include "pilotage/ground/tile_chances.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "pilotage/base/nan.h"
 #include "pilotage/ground/place_level.h"
 
 namespace pilotage {
@@ -17,6 +20,21 @@ void forget(std::vector<double>& p, const std::vector<bool>& chosen) {
 }
 
 }  // namespace
+
+double judged_margin(const TileScores& score) {
+  return std::isnan(score.degraded.margin) ? score.clean.margin : score.degraded.margin;
+}
+
+bool can_be_matched(const TileScores& score, double min_p_correct_fix, double min_peak_margin) {
+  if (score.status != TileStatus::kScored) return false;
+  if (!std::isnan(score.p_correct_fix)) return score.p_correct_fix >= min_p_correct_fix;
+  const double margin = judged_margin(score);
+  return std::isnan(margin) || margin >= min_peak_margin;
+}
+
+bool any_p_known(const std::vector<TileScores>& scores) {
+  return std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); });
+}
 
 TileChances tile_chances(const std::vector<TileScores>& scores, const std::vector<bool>& counts) {
   std::vector<double> p(scores.size(), 0.0);
@@ -37,6 +55,16 @@ TileChances tile_chances(const std::vector<TileScores>& scores, const std::vecto
     }
   }
   return chances;
+}
+
+double fewest_level_tiles(const std::vector<TileScores>& scores, const std::vector<bool>& counts) {
+  double fewest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    if (!counts[i] || std::isnan(scores[i].p_correct_fix)) continue;
+    if (std::isnan(scores[i].level_tiles)) return kNaN;
+    fewest = std::min(fewest, scores[i].level_tiles);
+  }
+  return std::isinf(fewest) ? kNaN : fewest;
 }
 
 TileChances level_free(std::vector<double> p_of_tile) {

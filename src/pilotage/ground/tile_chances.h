@@ -7,6 +7,12 @@
 
 namespace pilotage {
 
+/// select's is_matchable(): whether a plan may count on the tile.
+bool can_be_matched(const TileScores& score, double min_p_correct_fix, double min_peak_margin);
+
+/// Whether P of a correct fix of any tile is known.
+bool any_p_known(const std::vector<TileScores>& scores);
+
 /// P of a correct fix of each tile, 0 of one that is not counted on: over all that the level of the place may be, and
 /// at each of the levels that a flight is predicted at. All tiles share the level: where one is found less often than
 /// its P says, so are the others (ground/place_level.h).
@@ -21,6 +27,10 @@ struct TileChances {
 
 /// Those of the tiles with `counts`; one without a P counts as certain.
 TileChances tile_chances(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
+
+/// How many tiles of this ground, judged on another date, the level of those with `counts` rests on: the fewest,
+/// because all of a ground are scored by one model; NaN where a P does not say.
+double fewest_level_tiles(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
 
 /// Chances that are the same at any level.
 TileChances level_free(std::vector<double> p_of_tile);

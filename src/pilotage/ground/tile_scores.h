@@ -76,6 +76,9 @@ struct TileScores {
   std::vector<ReasonCode> reasons;  ///< Why P is low, or may be, the strongest first (matchability/reasons.h).
 };
 
+/// R1 − R2 by which a tile is judged: of degraded copies, else of the clean surface, else NaN.
+double judged_margin(const TileScores& score);
+
 }  // namespace pilotage
 
 #pragma GCC visibility pop

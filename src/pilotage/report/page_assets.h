@@ -7,6 +7,7 @@ namespace pilotage::page_assets {
 
 std::string_view page_html();
 std::string_view page_css();
+std::string_view sketch_html();  ///< The section of both pages in which a route is drawn.
 /// The scripts that are joined, in this order, into the page's own.
 std::string_view page_state_js();
 std::string_view page_ground_js();
@@ -15,12 +16,17 @@ std::string_view page_grid_js();
 std::string_view page_map_js();
 std::string_view page_tile_js();
 std::string_view page_panel_js();
+std::string_view page_curve_js();
 std::string_view page_chart_js();
 std::string_view page_seen_js();
 std::string_view page_ins_js();
 std::string_view page_flight_js();
 std::string_view page_verdict_js();
 std::string_view page_what_if_js();
+std::string_view page_geodesic_js();
+std::string_view page_sketch_flight_js();
+std::string_view page_sketch_files_js();
+std::string_view page_sketch_js();
 std::string_view page_start_js();
 std::string_view leaflet_css();
 std::string_view leaflet_js();

@@ -1,8 +1,7 @@
-// The flight with other settings, over the map as it is built: the formulas of src/pilotage/select (route_error.cc,
-// fix_attempts.cc, route_probability.cc, worst_loss.cc) on the same numbers, but for how the many flights that fly alike are
-// flown on (page_ins.js). Long work is done by generators, which yield so that the page stays alive.
-const whatIfData = data.what_if || null;  // null: nothing tells when a flight tries to fix
-let besideLine = null;  // of each sample: the step, then three shares
+// A flight predicted in the page: that of the report with other settings (page_what_if.js), or along a line that is drawn
+// (page_sketch.js). The formulas of src/pilotage/select (route_error.cc, fix_attempts.cc, route_probability.cc, worst_loss.cc),
+// but for how the many flights that fly alike are flown on (page_ins.js). Long work is done by generators, which yield so that
+// the page stays alive.
 
 function numbersOf(base64) {
   const text = atob(base64);
@@ -14,14 +13,18 @@ function alongSamples(runs) {
   for (const [count, value] of runs) for (let i = 0; i < count; ++i) values.push(value);
   return values;
 }
-function readFlight() {
-  const numbers = numbersOf(whatIfData.samples);
-  besideLine = besideLine || numbersOf(whatIfData.beside_line);
+// The flight of the report, of what what_if.cc says of it. Of each sample: distance, azimuth, leg, speed, way over which tries
+// fare alike, P of the tile below (null: none is stored); `beside_line`: the step, then three shares. `chances`: what the P of a
+// route is the mean over; null where the P of tiles are not known.
+function readFlight(told) {
+  const numbers = numbersOf(told.samples);
   const count = numbers.length / 2;
-  const p = alongSamples(whatIfData.tile_runs.map(([count, known]) => [count, known === null ? null : known[0]]));
-  return { count, distance_m: numbers.subarray(0, count), azimuth_deg: numbers.subarray(count), leg: alongSamples(whatIfData.leg_runs),
-    speed_mps: alongSamples(whatIfData.speed_runs), apart_m: alongSamples(whatIfData.apart_runs), p, stored: p.map((known) => known !== null) };
+  return { count, distance_m: numbers.subarray(0, count), azimuth_deg: numbers.subarray(count), leg: alongSamples(told.leg_runs),
+    speed_mps: alongSamples(told.speed_runs), apart_m: alongSamples(told.apart_runs), tile_runs: told.tile_runs,
+    beside_line: numbersOf(told.beside_line), leg_lengths_m: told.leg_lengths_m, denied: told.denied, anywhere: told.anywhere,
+    chances: told.min_route_probability === null ? null : told };
 }
+const pOnLine = (flight) => alongSamples(flight.tile_runs.map(([count, known]) => [count, known === null ? null : known[0]]));
 // The first index from `first` up to `end` at which `values` reach `value`.
 function lowerBound(values, value, first = 0, end = values.length) {
   let low = first, high = end;
@@ -46,22 +49,22 @@ function gnssDenied(flight, stretches) {
   }
   return gnss;
 }
-const plannedGnss = (flight) => (whatIfData.denied.length ? gnssDenied(flight, whatIfData.denied) : gnssEverywhere(flight.count, false));
+const plannedGnss = (flight) => (flight.denied.length ? gnssDenied(flight, flight.denied) : gnssEverywhere(flight.count, false));
 
 // ---- What tries may give (select/fix_attempts.cc, ground/tile_chances.cc) ----
 // Of a sample: what P is off the line by sigma_m, as a share of P on it.
-function shareBesideLine(sample, sigma_m) {
+function shareBesideLine(beside_line, sample, sigma_m) {
   const at = 4 * sample;
-  const step_m = besideLine[at];
+  const step_m = beside_line[at];
   if (step_m === 0) return 1;
-  const [one, two, four] = [besideLine[at + 1], besideLine[at + 2], besideLine[at + 3]];
+  const [one, two, four] = [beside_line[at + 1], beside_line[at + 2], beside_line[at + 3]];
   const quarters = 4 * sigma_m / step_m;
   if (quarters <= 1) return 1 + quarters * (one - 1);
   if (quarters <= 2) return one + (quarters - 1) * (two - one);
   return two + Math.min(1, (quarters - 2) / 2) * (four - two);
 }
 // Those at each level of the place, which all tries share, with how much it counts.
-const levelChances = (flight, interval_s) => whatIfData.level_weights.map((weight, level) =>
+const levelChances = (flight, interval_s) => flight.chances.level_weights.map((weight, level) =>
   ({ weight, chances: routeChances(flight, interval_s, level) }));
 function routeChances(flight, interval_s, level) {
   const flown = [0];
@@ -71,7 +74,7 @@ function routeChances(flight, interval_s, level) {
   }
   const chances = { p: Array(flight.count).fill(0), window: Array(flight.count).fill(0), interval_s };
   let first = 0;
-  for (const [count, known] of whatIfData.tile_runs) {
+  for (const [count, known] of flight.tile_runs) {
     const end = first + count;
     if (known !== null) {
       const p = known[1 + level];
@@ -133,8 +136,14 @@ function flownSteps(path, wind_mps) {
   };
   return { count: index.length, step: (i) => made[index[i]].step, errorAhead_m };
 }
-const flightCases = (path) => whatIfData.cases.map(([level, weight, east_mps, north_mps]) =>
-  ({ level, weight, steps: flownSteps(path, [east_mps, north_mps]) }));
+function flightCases(path) {
+  const inWind = new Map();  // levels share what is flown in one wind
+  return path.flight.chances.cases.map(([level, weight, east_mps, north_mps]) => {
+    const wind = east_mps + ' ' + north_mps;
+    if (!inWind.has(wind)) inWind.set(wind, flownSteps(path, [east_mps, north_mps]));
+    return { level, weight, steps: inWind.get(wind) };
+  });
+}
 
 const heldAt = (path, i, state) => holdWithGnss(state, path.flight.azimuth_deg[i], path.flight.speed_mps[i], path.model);
 const insAtStart = (path) => initialInsState(path.model, path.flight.azimuth_deg[0], path.flight.speed_mps[0]);
@@ -180,7 +189,7 @@ function gapsBetweenFixes(path, errors_m) {
   return gaps;
 }
 function legsOf(path, errors_m) {
-  const legs = whatIfData.leg_lengths_m.map((length_m, leg) => ({ leg, length_m, max_error_m: 0, p_within_limit: null }));
+  const legs = path.flight.leg_lengths_m.map((length_m, leg) => ({ leg, length_m, max_error_m: 0, p_within_limit: null }));
   errors_m.forEach((error_m, i) => {
     const leg = legs[path.flight.leg[i]];
     leg.max_error_m = Math.max(leg.max_error_m, error_m);
@@ -245,7 +254,8 @@ function shareBeyond(radius) {
   return 1 - Math.sqrt(radius * radius - 1) - radius * radius * (Math.PI / 4 - Math.acos(1 / radius));
 }
 function takeFix(path, steps, chances, sample, stretch) {
-  const p = whatIfData.frames_that_come * chances.p[sample];
+  const { frames_that_come, false_fix_rate } = path.flight.chances;
+  const p = frames_that_come * chances.p[sample];
   if (!(p > 0)) return;
   const { time_s } = stretch.instant;
   const fixed = [];
@@ -254,7 +264,7 @@ function takeFix(path, steps, chances, sample, stretch) {
     if (time_s - branch.fixTime_s < chances.interval_s - 1e-9) continue;
     if (branch.window !== chances.window[sample]) Object.assign(branch, { window: chances.window[sample], low: 0, high: 1 });
     const drawn = Math.min(1, Math.max(0, (p - branch.low) / (branch.high - branch.low)));
-    const share = Math.min(1, shareBesideLine(sample, offLine_m(branch.variances_m2)) * drawn);
+    const share = Math.min(1, shareBesideLine(path.flight.beside_line, sample, offLine_m(branch.variances_m2)) * drawn);
     if (share > 0) {
       form = form || fixForm(stretch.span);
       fixed.push({ ...branch, fixSample: sample, fixTime_s: time_s, probability: branch.probability * share,
@@ -263,7 +273,7 @@ function takeFix(path, steps, chances, sample, stretch) {
     const searched_m = 3 / path.model.sigma_multiple *
       Math.hypot(errorOf_m(branch.variances_m2, path.model), path.model.sigma_multiple * path.model.map_sigma_m);
     branch.probability *= (1 - share) *
-      (1 - whatIfData.frames_that_come * whatIfData.false_fix_rate * shareBeyond(path.limit_m / searched_m));
+      (1 - frames_that_come * false_fix_rate * shareBeyond(path.limit_m / searched_m));
     if (1 - drawn >= drawn - share) branch.low = Math.max(branch.low, p);
   }
   stretch.branches = stretch.branches.filter((branch) => !(branch.probability <= 0));
@@ -342,7 +352,7 @@ function worstStretch(flight, losses) {
 }
 function* survivalAlong(path, cases, levels) {
   const { flight } = path;
-  const survival = { p_within_limit: [], legs_p: Array(whatIfData.leg_lengths_m.length).fill(null), at_level: [], worst: null };
+  const survival = { p_within_limit: [], legs_p: Array(flight.leg_lengths_m.length).fill(null), at_level: [], worst: null };
   const losses = [];
   const flights = cases.map(() => firstFlights(path));
   let before = 1;
@@ -439,14 +449,15 @@ function* loseAnywhere(path, cases, levels, interval_s) {
 }
 
 // The flight with `settings` { limit_m, model, speed_mps (null: as planned), interval_s }, as a selection has it.
-function* predictFlight(settings) {
-  const planned = readFlight();
-  const flight = settings.speed_mps === null ? planned : { ...planned, speed_mps: planned.speed_mps.map(() => settings.speed_mps) };
+function* predictFlight(planned, settings) {
+  const p_on_line = pOnLine(planned);
+  const flight = { ...planned, stored: p_on_line.map((p) => p !== null) };
+  if (settings.speed_mps !== null) flight.speed_mps = planned.speed_mps.map(() => settings.speed_mps);
   const path = makePath(flight, settings.model, settings.limit_m, plannedGnss(flight));
-  const chances = whatIfData.min_route_probability === null ? null : levelChances(flight, settings.interval_s);
+  const chances = flight.chances && levelChances(flight, settings.interval_s);
   const cases = chances && flightCases(path);
   const predicted = { max_error_m: settings.limit_m, probability: null, loss: null };
-  if (whatIfData.anywhere) {
+  if (flight.anywhere) {
     predicted.loss = yield* loseAnywhere(path, cases, chances, settings.interval_s);
     path.gnss = gnssDenied(flight, [[predicted.loss.worst.distance_m, Infinity]]);
   }
@@ -454,15 +465,15 @@ function* predictFlight(settings) {
   predicted.gaps = gapsBetweenFixes(path, errors_m);
   predicted.legs = legsOf(path, errors_m);
   predicted.within_limit = errors_m.every((error_m) => error_m <= settings.limit_m);
-  predicted.profile = errors_m.map((error_m, i) => ({ distance_m: flight.distance_m[i], error_m, p_correct_fix: chances ? flight.p[i] || 0 : null,
+  predicted.profile = errors_m.map((error_m, i) => ({ distance_m: flight.distance_m[i], error_m, p_correct_fix: chances ? p_on_line[i] || 0 : null,
     p_within_limit: null }));
   if (!chances) return predicted;
   const survival = yield* survivalAlong(path, cases, chances);
   const p = survival.p_within_limit;
-  predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: whatIfData.min_route_probability, worst: survival.worst,
+  predicted.probability = { p_within_limit: p[p.length - 1], min_p_within_limit: flight.chances.min_route_probability, worst: survival.worst,
     interval: null };
   if (chances.length > 1) {
-    const ends = whatIfData.level_interval.map((level) => survival.at_level[level]);
+    const ends = flight.chances.level_interval.map((level) => survival.at_level[level]);
     const mean = predicted.probability.p_within_limit;
     predicted.probability.interval = { low: Math.min(...ends, mean), high: Math.max(...ends, mean) };
   }
@@ -473,4 +484,20 @@ function* predictFlight(settings) {
     gap.p_first_excess = before - p[lowerBound(flight.distance_m, gap.to_distance_m)];
   }
   return predicted;
+}
+
+// Runs a generator in slices of 30 ms, so that the page stays alive, and tells how far it is; null once `isStale`.
+async function inSlices(work, isStale, tell) {
+  for (;;) {
+    const end = performance.now() + 30;
+    while (performance.now() < end) {
+      for (let i = 0; i < 5; ++i) {
+        const step = work.next();
+        if (step.done) return step.value;
+        if (step.value !== undefined) tell(step.value);
+      }
+    }
+    await new Promise((go) => { setTimeout(go, 0); });
+    if (isStale()) return null;
+  }
 }

@@ -181,6 +181,7 @@ function makeMap() {
   addControls();
   setOpacity();
   map.on('click', (event) => {
+    if (sketchTakes(event)) return;
     const place = L.Projection.SphericalMercator.project(event.latlng);
     const found = tileAt(place.x, place.y, state.level);
     if (found >= 0) showTile(found, false);

@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "pilotage/base/markup.h"
+#include "pilotage/report/number_kind.h"
 #include "pilotage/report/page_assets.h"
+#include "pilotage/report/page_text.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -128,6 +130,10 @@ std::string lat_lon(GeodeticPoint point) {
 
 std::string lat_lon_dms(GeodeticPoint point) {
   return dms(point.lat_deg, 'N', 'S') + " " + dms(point.lon_deg, 'E', 'W');
+}
+
+std::string sketch_section_html() {
+  return fill_template(page_assets::sketch_html(), {{"modelled", kind_mark(NumberKind::kModelled)}});
 }
 
 std::string page_leaflet_css() {

@@ -44,6 +44,9 @@ std::string lat_lon(GeodeticPoint point);
 /// The same in degrees, minutes and seconds.
 std::string lat_lon_dms(GeodeticPoint point);
 
+/// The section in which a route is drawn on the map (page_sketch.js).
+std::string sketch_section_html();
+
 /// Leaflet, without what would make a browser ask for another file.
 std::string page_leaflet_css();
 std::string page_leaflet_js();

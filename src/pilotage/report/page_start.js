@@ -98,8 +98,10 @@ if (flown) {
   makeWhatIf();
 }
 makeButtons();
+makeSketch();
 if (display.drawn) makeMap(); else $('map').append(element('p', display.missing, 'missing'));
+linkSketch();
 window.addEventListener('beforeprint', preparePrint);
 window.addEventListener('afterprint', endPrint);
 // For the browser's console and for tests.
-window.pilotage = { report, display, state, layers, map, placeAlong, toLatLng, tileOutline, whatIf: flown ? whatIf : null };
+window.pilotage = { report, display, state, layers, map, placeAlong, toLatLng, tileOutline, whatIf: flown ? whatIf : null, sketch, sketchData };

@@ -1,5 +1,7 @@
 #include "pilotage/report/page_text.h"
 
+#include <bit>
+#include <cstring>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -57,6 +59,13 @@ std::string base64(std::string_view bytes) {
     result += at + 2 < bytes.size() ? kAlphabet[group & 63] : '=';
   }
   return result;
+}
+
+std::string base64_doubles(const std::vector<double>& numbers) {
+  static_assert(std::endian::native == std::endian::little, "the page reads little-endian numbers");
+  std::string bytes(numbers.size() * sizeof(double), '\0');
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  return base64(bytes);
 }
 
 std::string fill_template(std::string_view page, const std::map<std::string, std::string, std::less<>>& values) {

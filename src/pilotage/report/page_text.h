@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -17,6 +18,9 @@ std::string script_json(const nlohmann::ordered_json& json);
 
 /// RFC 4648 with padding, for data: addresses.
 std::string base64(std::string_view bytes);
+
+/// Of the numbers' bytes, little-endian, so that none of their digits is lost.
+std::string base64_doubles(const std::vector<double>& numbers);
 
 /// Replaces each `{{name}}` of `page` by its value, in one pass: what a value holds is never expanded again. Throws
 /// std::logic_error when a name of the page has no value.

@@ -75,20 +75,22 @@ function gapWords(gap) {
 
 // ---- The verdict ----
 // Rows of the quality table that decide: [name, label, value, status].
-function decidingRows(predicted, model) {
+// `told`: what is known of the flight besides what is predicted: disagreement, others, matchable_fraction, interval_below,
+// max_error_m, assumes.
+function decidingRows(predicted, model, told) {
   const limit_m = predicted.max_error_m;
   const rows = [['largest_error', '', '', predicted.within_limit ? judgeError(predicted.largest_error_m, limit_m) : 2]];
   const gap = longestGap(predicted);
   rows.push(['longest_gap', '', '', gap === null ? 0 : gap.within_limit ? judgeError(gap.error_m, limit_m) : 2]);
   if (predicted.probability) rows.push(['route_probability', '', '', judgeRoute(predicted.probability)]);
-  const apart = whatIfData.disagreement;
+  const apart = told.disagreement;
   if (apart) {
     const together_m = predicted.largest_error_m + apart.largest_m;
     const status = apart.largest_m <= model.sigma_multiple * model.fix_sigma_m ? 0 : together_m <= limit_m ? 1 : 2;
     rows.push(['georeference_disagreement', 'Second date: georeferences apart', 'up to ' + errorWords(apart.largest_m) + ', median ' +
       errorWords(apart.median_m) + '; largest error with it ' + comparisonWords(together_m, limit_m), status]);
   }
-  return rows.concat(whatIfData.others.map((row) => [row.name, row.label, row.value, statusNames.indexOf(row.status)]));
+  return rows.concat(told.others.map((row) => [row.name, row.label, row.value, statusNames.indexOf(row.status)]));
 }
 function headlineWords(predicted) {
   const limit_m = predicted.max_error_m;
@@ -101,7 +103,11 @@ function headlineWords(predicted) {
   return flights + ' within ' + errorWords(limit_m) + ' all the way, ' + (tooOftenLost(predicted) ? 'even ' : '') +
     'if what is assumed holds (P = ' + probabilityComparison(predicted.probability) + ')';
 }
-function detailWords(predicted, rows, verdict) {
+const headlineSentence = (predicted) => {
+  const words = predicted.headline + '.';
+  return words[0].toUpperCase() + words.slice(1);
+};
+function detailWords(predicted, rows, verdict, told) {
   const limit_m = predicted.max_error_m;
   const lost = tooOftenLost(predicted);
   let text = '';
@@ -110,7 +116,7 @@ function detailWords(predicted, rows, verdict) {
     text = 'most are lost from ' + lengthWords(worst.from_distance_m) + ' to ' + lengthWords(worst.to_distance_m) + ' (leg ' + (worst.leg + 1) +
       '), where fixes fail too often; ';
   }
-  text += 'matchable on ' + percentWords(whatIfData.matchable_fraction) + ' of its length';
+  text += 'matchable on ' + percentWords(told.matchable_fraction) + ' of its length';
   const gap = longestGap(predicted);
   const where = lost ? 'if every fix came, ' : '';
   text += gap === null ? '; no gap' : '; longest gap ' + gapWords(gap) + '; ' + where + 'drift there ' + comparisonWords(gap.error_m, limit_m);
@@ -120,35 +126,35 @@ function detailWords(predicted, rows, verdict) {
   for (const [name, label, value, status] of rows) {
     if (verdict === 0 || status !== verdict || name === 'largest_error' || name === 'longest_gap') continue;
     if (name === 'route_probability') {
-      if (verdict === 1) text += '; ' + whatIfData.interval_below;
+      if (verdict === 1) text += '; ' + told.interval_below;
       continue;
     }
     text += '; ' + label + ': ' + value;
   }
   return text;
 }
-function assumptionWords(predicted, settings) {
-  let gnss = whatIfData.assumes.gnss;
+function assumptionWords(predicted, settings, told) {
+  let gnss = told.assumes.gnss;
   if (predicted.loss) {
     const worst = predicted.loss.worst;
     gnss = 'GNSS lost for good at the worst point, ' + lengthWords(worst.distance_m) + ' (leg ' + (worst.leg + 1) + ')' +
       (worst.distance_m > 0 ? ', fixes taken where it is had, too' : '');
   }
-  const limit_default = whatIfData.assumes.limit_default && settings.limit_m === whatIfData.max_error_m;
+  const limit_default = told.assumes.limit_default && settings.limit_m === told.max_error_m;
   return 'assumes: ' + settings.model.text + ', ' + gnss + ', limit ' + errorWords(settings.limit_m) + (limit_default ? ' (default)' : '') +
-    whatIfData.assumes.further;
+    told.assumes.further;
 }
 // Adds statuses, verdict and words to a prediction.
-function judgeFlight(predicted, settings) {
+function judgeFlight(predicted, settings, told) {
   predicted.largest_error_m = Math.max(...[predicted.profile, predicted.gaps].map((all) => all.reduce((most, one) => Math.max(most, one.error_m), 0)));
   predicted.legs.forEach((leg) => { leg.status = judgeLeg(leg, predicted); });
   predicted.gaps.forEach((gap) => { gap.status = judgeGap(gap, predicted); });
-  const rows = decidingRows(predicted, settings.model);
+  const rows = decidingRows(predicted, settings.model, told);
   const verdict = Math.max(...rows.map((row) => row[3]));
   predicted.verdict = verdict;
   predicted.headline = headlineWords(predicted);
-  predicted.detail = detailWords(predicted, rows, verdict);
+  predicted.detail = detailWords(predicted, rows, verdict, told);
   predicted.text = verdictNames[verdict] + ': ' + (predicted.probability ? predicted.headline + '; ' : '') + predicted.detail;
-  predicted.assumptions = assumptionWords(predicted, settings);
+  predicted.assumptions = assumptionWords(predicted, settings, told);
   return predicted;
 }

@@ -1,10 +1,10 @@
 // "What if": limit, inertial system, speed and interval between tries changed here; verdict and chart of the map as it is
 // built. The report's own verdict, map and tables stay, and so does what is printed.
+const whatIfData = data.what_if;  // null: nothing tells when a flight tries to fix
 const whatIf = { predicted: null, run: 0, trusted: null, timer: 0, planned: whatIfData &&
   { limit_m: whatIfData.max_error_m, model: whatIfData.models[0], speed_mps: null, interval_s: whatIfData.fix_interval_s } };
 
 // ---- Chart ----
-const chartNumber = (value) => Math.round(value * 10) / 10;
 const chartX = (distance_m) => axes.left + Math.min(1, Math.max(0, distance_m / axes.distanceM)) * (axes.right - axes.left);
 function chartBand(type, from_m, to_m, top, bottom, title) {
   const x = chartX(from_m);
@@ -15,34 +15,6 @@ function chartBand(type, from_m, to_m, top, bottom, title) {
   band.append(words);
   return band;
 }
-const chartLine = (type, x1, y1, x2, y2) => svgElement('line', { class: type, x1: chartNumber(x1), y1: chartNumber(y1), x2: chartNumber(x2), y2: chartNumber(y2) });
-function chartWords(type, x, y, words) {
-  const text = svgElement('text', { class: type, x: chartNumber(x), y: chartNumber(y) });
-  text.textContent = words;
-  return text;
-}
-// 1, 2 or 5 times a power of ten (tick_step).
-function tickStep(extent, most) {
-  const power = Math.pow(10, Math.floor(Math.log10(extent / most)));
-  return ([1, 2, 5].find((factor) => extent / (factor * power) <= most) || 10) * power;
-}
-// At most `most` samples that draw the same curve (thin_profile).
-function thinProfile(profile, most) {
-  if (profile.length <= most) return profile;
-  const stretches = Math.floor(most / 4);
-  const kept = [];
-  for (let i = 0; i < stretches; ++i) {
-    const first = Math.floor(profile.length * i / stretches), last = Math.floor(profile.length * (i + 1) / stretches);
-    let least = first, largest = first;
-    for (let k = first; k < last; ++k) {
-      if (profile[k].error_m < profile[least].error_m) least = k;
-      if (profile[k].error_m >= profile[largest].error_m) largest = k;
-    }
-    [...new Set([first, least, largest, last - 1])].sort((a, b) => a - b).forEach((k) => kept.push(profile[k]));
-  }
-  return kept;
-}
-const curvePath = (points) => points.map(([x, y], i) => (i ? 'L' : 'M') + chartNumber(x) + ' ' + chartNumber(y)).join('');
 const plannedChart = {};  // what is put back on reset and on paper
 function keepPlannedChart() {
   plannedChart.plot = [...$('chart-plot').childNodes];
@@ -156,10 +128,6 @@ function changesOf(settings) {
   if (settings.interval_s !== planned.interval_s) changes.push('a try every ' + settings.interval_s + ' s instead of every ' + planned.interval_s + ' s');
   return changes;
 }
-const whatIfHeadline = (predicted) => {
-  const words = predicted.headline + '.';
-  return words[0].toUpperCase() + words.slice(1);
-};
 function sayWhatIf(predicted, settings) {
   const changes = changesOf(settings).join('; ');
   $('what-if-verdict').hidden = false;
@@ -167,7 +135,7 @@ function sayWhatIf(predicted, settings) {
   $('what-if-word').textContent = 'What if: ' + verdictNames[predicted.verdict];
   $('what-if-word').className = 'badge ' + statusNames[predicted.verdict];
   $('what-if-changes').textContent = changes;
-  $('what-if-answer').textContent = whatIfHeadline(predicted);
+  $('what-if-answer').textContent = headlineSentence(predicted);
   $('what-if-detail').textContent = predicted.detail;
   $('what-if-assumes').textContent = predicted.assumptions;
   const sun = settings.speed_mps !== null && whatIfData.others.some((row) => row.name === 'flight_sun');
@@ -194,21 +162,6 @@ function forgetWhatIf(words) {
 }
 
 // ---- Work ----
-// Runs a generator in slices, so that the page stays alive; null when another run has begun.
-async function inSlices(work, run) {
-  for (;;) {
-    const end = performance.now() + 30;
-    while (performance.now() < end) {
-      for (let i = 0; i < 5; ++i) {
-        const step = work.next();
-        if (step.done) return step.value;
-        if (step.value !== undefined && !whatIfData.anywhere) $('what-if-progress').value = step.value;
-      }
-    }
-    await new Promise((go) => { setTimeout(go, 0); });
-    if (run !== whatIf.run) return null;
-  }
-}
 // The page's prediction of what is planned is the report's, but for the last digits: else nothing is offered.
 function sameAsReport(predicted) {
   const near = (a, b, share) => Math.abs(a - b) <= share * Math.max(1, Math.abs(b));
@@ -218,20 +171,23 @@ function sameAsReport(predicted) {
 }
 async function askWhatIf() {
   const run = ++whatIf.run;
+  const isStale = () => run !== whatIf.run;
+  const tell = (share) => { if (!whatIfData.anywhere) $('what-if-progress').value = share; };
+  const flight = readFlight(whatIfData);
   const settings = settingsAsked();
   if (settings === null) return forgetWhatIf('A number lies outside what is allowed: limit 1 to 10000 m, speed 0.1 to 1000 m/s, interval 0.01 to 3600 s.');
   if (!changesOf(settings).length) return forgetWhatIf('');
   $('what-if-state').textContent = 'Computing …';
   $('what-if-progress').hidden = false;
   if (whatIf.trusted === null) {
-    const planned = await inSlices(predictFlight(whatIf.planned), run);
+    const planned = await inSlices(predictFlight(flight, whatIf.planned), isStale, tell);
     if (planned === null) return null;
-    whatIf.trusted = sameAsReport(judgeFlight(planned, whatIf.planned));
+    whatIf.trusted = sameAsReport(judgeFlight(planned, whatIf.planned, whatIfData));
   }
   if (!whatIf.trusted) return forgetWhatIf('Not offered: for the settings of the report this page computes other numbers than the report has.');
-  const predicted = await inSlices(predictFlight(settings), run);
+  const predicted = await inSlices(predictFlight(flight, settings), isStale, tell);
   if (predicted === null) return null;
-  whatIf.predicted = judgeFlight(predicted, settings);
+  whatIf.predicted = judgeFlight(predicted, settings, whatIfData);
   $('what-if-state').textContent = '';
   $('what-if-progress').hidden = true;
   sayWhatIf(whatIf.predicted, settings);

@@ -19,6 +19,7 @@
 #include "pilotage/report/error_profile.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/sampled_route.h"
+#include "pilotage/report/sketch.h"
 #include "pilotage/report/title_block.h"
 #include "pilotage/report/verdict.h"
 #include "pilotage/report/what_if.h"
@@ -318,6 +319,8 @@ Report make_report(const ReportInput& input) {
   report.ageing = map_ageing(mission, selection, report.tiles);
   report.weak_places = weak_places(report, selection.advice);
   report.what_if = what_if_data(input, report.quality);
+  report.sketch = valid_utf8_json(sketch_data(input.mission, input.scores, input.selection,
+                                              sketch_mission(input.parameters, input.mission.ground)));
   report.seen = input.seen;
   report.seen.sheet.release();
   report.display = make_display(input, report);

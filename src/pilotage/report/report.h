@@ -153,6 +153,7 @@ struct Report {
   std::optional<EnvelopeNote> envelope;
   std::optional<ReplayNote> replay;
 
+  nlohmann::ordered_json sketch;   ///< What the page predicts a drawn line from (sketch.h). Not part of report.json.
   nlohmann::ordered_json what_if;  ///< What the page predicts other settings from (what_if.h). Not part of report.json.
 
   SeenFrames seen;        ///< As the input's, without its sheet. Not part of report.json.

@@ -286,6 +286,7 @@ std::string report_html(const Report& report) {
   data["report"] = report_json(report);
   data["display"] = display_json(report);
   data["what_if"] = report.what_if;
+  data["sketch"] = report.sketch;
   const std::string verdict(verdict_name(report.verdict));
   return fill_template(
       page_assets::page_html(),
@@ -296,9 +297,12 @@ std::string report_html(const Report& report) {
        {"page_js",
         page_script({page_assets::page_state_js(), page_assets::page_ground_js(), page_assets::page_canvas_js(),
                      page_assets::page_grid_js(), page_assets::page_map_js(), page_assets::page_tile_js(),
-                     page_assets::page_panel_js(), page_assets::page_chart_js(), page_assets::page_seen_js(),
-                     page_assets::page_ins_js(), page_assets::page_flight_js(), page_assets::page_verdict_js(),
-                     page_assets::page_what_if_js(), page_assets::page_start_js()})},
+                     page_assets::page_panel_js(), page_assets::page_curve_js(), page_assets::page_chart_js(),
+                     page_assets::page_seen_js(), page_assets::page_ins_js(), page_assets::page_flight_js(),
+                     page_assets::page_verdict_js(), page_assets::page_what_if_js(), page_assets::page_geodesic_js(),
+                     page_assets::page_sketch_flight_js(), page_assets::page_sketch_files_js(),
+                     page_assets::page_sketch_js(), page_assets::page_start_js()})},
+       {"sketch", sketch_section_html()},
        {"data", script_json(data)},
        {"verdict_status", std::string(status_name(report.verdict))},
        {"verdict_word", verdict},

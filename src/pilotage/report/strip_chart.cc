@@ -267,8 +267,8 @@ double tick_step(double extent, int most) {
 
 std::string strip_chart_svg(const Report& report) {
   const Axes axes = make_axes(report);
-  std::string svg = "<svg id=\"chart\" viewBox=\"0 0 " + kSvg.number(kChartWidth) + " " + kSvg.number(axes.height) +
-                    "\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"" +
+  std::string svg = "<svg id=\"chart\" class=\"strip\" viewBox=\"0 0 " + kSvg.number(kChartWidth) + " " +
+                    kSvg.number(axes.height) + "\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"" +
                     html_escape("Predicted position error along the route. " + report.verdict_text) +
                     "\" data-left=\"" + kSvg.number(kChartLeft) + "\" data-right=\"" + kSvg.number(kChartRight) +
                     "\" data-top=\"" + kSvg.number(kTop) + "\" data-bottom=\"" + kSvg.number(kBottom) +

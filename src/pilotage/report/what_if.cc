@@ -1,9 +1,7 @@
 #include "pilotage/report/what_if.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,12 +10,10 @@
 #include "pilotage/base/utf8.h"
 #include "pilotage/ground/place_level.h"
 #include "pilotage/ground/tile_chances.h"
-#include "pilotage/ins/ins_error_model.h"
-#include "pilotage/ins/ins_products.h"
 #include "pilotage/mission/chances_beside_line.h"
 #include "pilotage/mission/tile_under.h"
-#include "pilotage/mission/wind_cases.h"
 #include "pilotage/report/disagreement.h"
+#include "pilotage/report/page_flight_json.h"
 #include "pilotage/report/page_text.h"
 #include "pilotage/report/verdict.h"
 
@@ -25,14 +21,6 @@ namespace pilotage {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-static_assert(std::endian::native == std::endian::little, "the page reads little-endian numbers");
-
-std::string base64_of(const std::vector<double>& numbers) {
-  std::string bytes(numbers.size() * sizeof(double), '\0');
-  std::memcpy(bytes.data(), numbers.data(), bytes.size());
-  return base64(bytes);
-}
 
 // [number of neighbours with one key, their value] along the samples.
 template <class Key, class Value>
@@ -45,43 +33,6 @@ Json runs_of(std::size_t count, Key key_of, Value value_of) {
     first = end;
   }
   return runs;
-}
-
-Json model_json(const InsOptions& options, const FlightConditions& conditions) {
-  const InsErrorModel model = make_error_model(options, conditions);
-  return {{"text", ins_text(options)},
-          {"accel_bias_mps2", model.accel_bias_mps2},
-          {"gyro_bias_radps", model.gyro_bias_radps},
-          {"velocity_random_walk_mps_rt_s", model.velocity_random_walk_mps_rt_s},
-          {"angle_random_walk_rad_rt_s", model.angle_random_walk_rad_rt_s},
-          {"accel_scale", model.accel_scale},
-          {"gyro_scale", model.gyro_scale},
-          {"bias_correlation_s", model.bias_correlation_s},
-          {"start_velocity_sigma_mps", model.start_velocity_sigma_mps},
-          {"start_tilt_sigma_rad", model.start_tilt_sigma_rad},
-          {"start_heading_sigma_rad", model.start_heading_sigma_rad},
-          {"odometry_drift", model.odometry_drift},
-          {"velocity_aid_sigma_mps", model.velocity_aid_sigma_mps},
-          {"velocity_aid_correlation_s", model.velocity_aid_correlation_s},
-          {"start_sigma_m", model.start_sigma_m},
-          {"fix_sigma_m", model.fix_sigma_m},
-          {"sigma_multiple", model.sigma_multiple},
-          {"map_sigma_m", model.map_sigma_m},
-          {"map_correlation_m", model.map_correlation_m}};
-}
-
-Json models_json(const InsOptions& planned, const FlightConditions& conditions) {
-  Json models = Json::array({model_json(planned, conditions)});
-  models.back()["grade"] = nullptr;
-  for (const auto& [grade, name] : enum_names(InsGrade{})) {
-    if (grade == InsGrade::kCustom) continue;
-    InsOptions options = planned;
-    options.name.reset();
-    options.grade = grade;
-    models.push_back(model_json(options, conditions));
-    models.back()["grade"] = name;
-  }
-  return models;
 }
 
 // Way over which tries fare alike at a sample.
@@ -112,7 +63,7 @@ Json flight_json(const ReportInput& input) {
   };
   const auto same = [&](auto value_of) { return runs_of(samples.size(), value_of, value_of); };
   Json json;
-  json["samples"] = base64_of(numbers);
+  json["samples"] = base64_doubles(numbers);
   json["leg_runs"] = same([&](std::size_t i) { return samples[i].leg; });
   json["speed_runs"] = same([&](std::size_t i) { return samples[i].speed_mps; });
   json["apart_runs"] = same([&](std::size_t i) { return apart_m(mission, samples[i], *input.selection.tries); });
@@ -125,10 +76,7 @@ Json flight_json(const ReportInput& input) {
   json["level_weights"] = Json::array();
   for (const TileChances::AtLevel& level : chances.levels) json["level_weights"].push_back(level.weight);
   json["level_interval"] = Json::array({kLevelLow, kLevelHigh});
-  json["cases"] = Json::array();
-  for (const WindCase& one : wind_cases(mission.flight.conditions.wind_sigma_mps, chances.levels.size())) {
-    json["cases"].push_back({one.level, one.node.weight, one.node.wind_mps.x(), one.node.wind_mps.y()});
-  }
+  json["cases"] = wind_cases_json(mission.flight.conditions, chances.levels.size());
   std::vector<double> p_of_stored = chances.p;
   for (std::size_t i = 0; i < p_of_stored.size(); ++i) {
     if (!stored.contains(mission.ground.tiles[i].tile_id)) p_of_stored[i] = 0;
@@ -139,7 +87,7 @@ Json flight_json(const ReportInput& input) {
     beside_line.push_back(beside.step_m);
     beside_line.insert(beside_line.end(), beside.shares.begin(), beside.shares.end());
   }
-  json["beside_line"] = base64_of(beside_line);
+  json["beside_line"] = base64_doubles(beside_line);
   json["frames_that_come"] = 1 - mission.flight.conditions.dropped_frames;
   json["false_fix_rate"] = input.selection.tries->false_fix_rate;
   json["leg_lengths_m"] = Json::array();
@@ -161,7 +109,7 @@ Json what_if_data(const ReportInput& input, const std::vector<QualityRow>& quali
                                                             [](const auto& s) { return s.speed_mps > 0; });
   if (!selection.tries || !flown) return nullptr;
   Json json = flight_json(input);
-  json["models"] = models_json(flight.ins, flight.conditions);
+  json["models"] = ins_choices_json(flight.ins, flight.conditions);
   json["max_error_m"] = selection.max_error_m;
   json["fix_interval_s"] = selection.tries->interval_s;
   json["min_route_probability"] = selection.probability ? Json(selection.probability->min_p_within_limit) : Json();

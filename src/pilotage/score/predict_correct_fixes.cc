@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pilotage/base/nan.h"
+#include "pilotage/ground/ground_imagery.h"
 #include "pilotage/matchability/fine_contrast.h"
 #include "pilotage/matchability/level_at_age.h"
 #include "pilotage/matchability/matchability_model.h"
@@ -43,7 +44,9 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
   }
   // The map's features are found in 8 bits, and the contrast that they have is what counts.
   const GraySource shown = stretch_to_8bit(source);
-  const double usual = scored.empty() ? 0 : usual_fine_contrast(shown, matrix.tile_size_px);
+  const double usual = scored.empty()                ? 0
+                       : options.usual_fine_contrast ? *options.usual_fine_contrast
+                                                     : usual_fine_contrast(shown, matrix.tile_size_px);
   const std::vector<double> contrasts = measure_fine_contrast(shown, matrix, indices, threads, progress);
   const auto votes = count_self_votes(shown, matrix, indices, options.features, threads, progress);
   for (std::size_t i = 0; i < scored.size(); ++i) {
@@ -57,6 +60,11 @@ void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, c
     scored[i]->level_tiles = static_cast<double>(fix.level_tiles);
     scored[i]->level_age_months = counted_age_months(options).value_or(kNaN);
   }
+}
+
+double usual_fine_contrast_of(const Ground& ground) {
+  const GridLevel& level = ground.levels.front();
+  return usual_fine_contrast(stretch_to_8bit(open_gray(ground, level)), level.matrix.tile_size_px);
 }
 
 }  // namespace pilotage

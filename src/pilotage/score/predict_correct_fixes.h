@@ -6,6 +6,7 @@
 
 #include "pilotage/base/progress.h"
 #include "pilotage/geo/tile_matrix.h"
+#include "pilotage/ground/ground.h"
 #include "pilotage/ground/tile_scores.h"
 #include "pilotage/raster/gray_source.h"
 #include "pilotage/score/score_tiles.h"
@@ -22,5 +23,9 @@ MatchabilityModel model_for(const ScoreOptions& options);
 void predict_correct_fixes(const GraySource& source, const TileMatrix& matrix, const ScoreOptions& options,
                            const MatchabilityModel& model, std::span<const std::int64_t> tile_indices,
                            std::vector<TileScores>& scores, int threads, const Progress& progress);
+
+/// What P of the ground's first level is held against where no option says it (ScoreOptions::usual_fine_contrast), gray
+/// levels; NaN where no window of it counts. Throws as open_gray and usual_fine_contrast.
+double usual_fine_contrast_of(const Ground& ground);
 
 }  // namespace pilotage

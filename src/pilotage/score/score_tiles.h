@@ -44,6 +44,7 @@ struct ScoreOptions {
   double min_valid_fraction = 0.5;
   FlyingMatcher matcher = FlyingMatcher::kFeatures;
   std::string model;
+  std::optional<double> usual_fine_contrast;
   int degraded_copies = 2;
   bool every_lag = false;
   DegradationOptions degradation;
@@ -63,6 +64,12 @@ struct ScoreOptions {
         Range{0.01, 1});
     fields.field("matcher", self.matcher, "What flies, for P(correct fix): a map with or without chips.");
     fields.path("model", self.model, "Parameters of P(correct fix), as `pilotage calibrate` writes them.");
+    fields.field(
+        "usual_fine_contrast", self.usual_fine_contrast,
+        "Fine contrast that ground usually has, in gray levels, which P(correct fix) holds that of a tile "
+        "against; measured over the grid if not given, so that P of a place changes a little with the corridor. "
+        "The page of a survey gives its own to the missions that are sketched on it.",
+        Range{0.01, 255});
     fields.field("degraded_copies", self.degraded_copies, "Degraded copies per tile; scores are their mean.",
                  Range{1, 64});
     fields.field("every_lag", self.every_lag,

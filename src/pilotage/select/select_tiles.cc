@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "pilotage/base/error.h"
-#include "pilotage/base/nan.h"
 #include "pilotage/base/text.h"
-#include "pilotage/ground/place_level.h"
 #include "pilotage/select/budget_tiles.h"
 #include "pilotage/select/byte_budget.h"
 #include "pilotage/select/fix_attempts.h"
@@ -49,18 +46,6 @@ std::vector<bool> sparse_areas(const Mission& mission, const std::vector<bool>& 
 
 std::size_t count_true(const std::vector<bool>& flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
-}
-
-// How many tiles of this ground, judged on another date, the level of the stored tiles rests on: the fewest, because
-// all of a map are scored by one model; NaN where a P does not say.
-double level_tiles(const std::vector<TileScores>& scores, const std::vector<bool>& chosen) {
-  double fewest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (!chosen[i] || std::isnan(scores[i].p_correct_fix)) continue;
-    if (std::isnan(scores[i].level_tiles)) return kNaN;
-    fewest = std::min(fewest, scores[i].level_tiles);
-  }
-  return std::isinf(fewest) ? kNaN : fewest;
 }
 
 // What the selection knows beside the tiles it chooses.
@@ -171,15 +156,8 @@ void add_chances(const Chances& chances, const std::vector<bool>& chosen,
 
 }  // namespace
 
-double judged_margin(const TileScores& score) {
-  return std::isnan(score.degraded.margin) ? score.clean.margin : score.degraded.margin;
-}
-
 bool is_matchable(const TileScores& score, const SelectOptions& options) {
-  if (score.status != TileStatus::kScored) return false;
-  if (!std::isnan(score.p_correct_fix)) return score.p_correct_fix >= options.min_p_correct_fix;
-  const double margin = judged_margin(score);
-  return std::isnan(margin) || margin >= options.min_peak_margin;
+  return can_be_matched(score, options.min_p_correct_fix, options.min_peak_margin);
 }
 
 Selection select_tiles(const Mission& mission, const std::vector<TileScores>& scores, const StoredSize& size,
@@ -196,7 +174,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
   std::vector<bool> chosen = wanted;
   const FixTries tries{options.fix_interval_s, options.fix_decorrelation_m, options.max_false_fix_rate};
   std::optional<Chances> chances;
-  if (std::any_of(scores.begin(), scores.end(), [](const TileScores& s) { return !std::isnan(s.p_correct_fix); })) {
+  if (any_p_known(scores)) {
     const auto attempts = [&](const std::vector<std::optional<std::size_t>>& over) {
       return fix_attempts(mission, over, options.fix_interval_s, options.fix_decorrelation_m);
     };
@@ -264,7 +242,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
                                 " stored tiles have no probability of a correct fix; they were counted as certain");
     }
     add_chances(*chances, chosen, tiles, options, selection);
-    selection.probability->level_tiles = level_tiles(scores, chosen);
+    selection.probability->level_tiles = fewest_level_tiles(scores, chosen);
   } else if (options.advise) {
     selection.notes.push_back("no tile has a probability of a correct fix, so no leg can be advised on");
   }

@@ -12,9 +12,6 @@
 
 namespace pilotage {
 
-/// R1 − R2 by which a tile is judged: of degraded copies, else of the clean surface, else NaN.
-double judged_margin(const TileScores& score);
-
 /// Whether a frame can be expected to match this tile: scored, and its probability of a correct fix, where it is known,
 /// is at least min_p_correct_fix; else its peak stands min_peak_margin above every rival. Judged on degraded copies; on
 /// the clean surface only where no degraded one was computed, because clean uniqueness can point the wrong way

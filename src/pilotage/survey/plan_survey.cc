@@ -126,6 +126,7 @@ SurveyedGround plan_survey(const std::vector<std::string>& imagery, const Survey
 
   const double usable_gsd_m = choose_working_gsd({}, 0, camera_gsd_m, side_m).gsd_m;
   area.warnings = imagery_warnings(infos, usable_gsd_m);
+  area.imagery_infos = infos;
   return area;
 }
 

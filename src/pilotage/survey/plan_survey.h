@@ -6,6 +6,7 @@
 #include "pilotage/base/progress.h"
 #include "pilotage/camera/camera.h"
 #include "pilotage/ground/ground.h"
+#include "pilotage/raster/gdal_imagery.h"
 #include "pilotage/survey/survey_options.h"
 
 namespace pilotage {
@@ -13,6 +14,7 @@ namespace pilotage {
 /// The imagery cut into tiles of a camera's footprint, before any of them is scored.
 struct SurveyedGround {
   Ground ground;  ///< One level that serves one height; its tiles cover the rectangle around all imagery.
+  std::vector<ImageryInfo> imagery_infos;  ///< Of the rasters, as they were named.
   Camera camera;
   std::string camera_name;  ///< As it is sold; "" where it was described otherwise.
   double agl_m = 0;

@@ -21,6 +21,7 @@
 #include "pilotage/report/map_ageing.h"
 #include "pilotage/report/page_parts.h"
 #include "pilotage/report/page_text.h"
+#include "pilotage/report/sketch.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -290,6 +291,8 @@ Survey make_survey(const SurveyInput& input) {
                              {valid_utf8(file.licence.terms), valid_utf8(file.licence.attribution)}});
   }
   survey.parameters = valid_utf8_json(input.parameters);
+  survey.sketch = valid_utf8_json(
+      sketch_data(input.sketched.mission, input.scores, input.sketched.selection, input.sketched.mission_file));
   for (const std::string& text : input.area.warnings) survey.warnings.push_back(valid_utf8(text));
   for (const std::string& text : input.area.notes) survey.notes.push_back(valid_utf8(text));
   survey.display = make_display({ground, input.imagery, input.pictures, input.geodetic_from_map}, survey.tiles);

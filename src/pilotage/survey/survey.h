@@ -15,6 +15,7 @@
 #include "pilotage/report/landmark_classes.h"
 #include "pilotage/report/report.h"
 #include "pilotage/survey/plan_survey.h"
+#include "pilotage/survey/sketched_flight.h"
 #include "pilotage/survey/square_kilometres.h"
 
 // What a survey says of an area. make_survey() computes every number and sentence once; survey_json(), survey_html()
@@ -38,6 +39,7 @@ struct SurveyInput {
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
   std::vector<InputFile> inputs;
   std::string software_version;
+  SketchedFlight sketched;
 };
 
 /// What landmarks promise over the area. Modelled; the headline and the classes of ground do not count it.
@@ -77,6 +79,8 @@ struct Survey {
   std::vector<ImageryDataset> second_dates;
   std::vector<InputFile> inputs;
   nlohmann::ordered_json parameters;
+  nlohmann::ordered_json
+      sketch;  ///< What the page predicts a drawn line from (report/sketch.h). Not part of survey.json.
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
 

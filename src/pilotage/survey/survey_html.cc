@@ -162,6 +162,7 @@ std::string survey_html(const Survey& survey) {
   Json data;
   data["report"] = survey_json(survey);
   data["display"] = survey_display_json(survey);
+  data["sketch"] = survey.sketch;
   std::vector<std::string> assumptions = survey.assumptions;
   for (std::string& phrase : assumptions) phrase = capitalized(phrase) + ".";
   assumptions.push_back("Not looked at: " + survey.not_looked_at + ".");
@@ -174,7 +175,12 @@ std::string survey_html(const Survey& survey) {
        {"page_js",
         page_script({page_assets::page_state_js(), page_assets::page_ground_js(), page_assets::page_canvas_js(),
                      page_assets::page_grid_js(), page_assets::page_map_js(), page_assets::page_tile_js(),
-                     page_assets::page_panel_js(), page_assets::survey_squares_js(), page_assets::page_start_js()})},
+                     page_assets::page_panel_js(), page_assets::survey_squares_js(), page_assets::page_curve_js(),
+                     page_assets::page_ins_js(), page_assets::page_flight_js(), page_assets::page_verdict_js(),
+                     page_assets::page_geodesic_js(), page_assets::page_sketch_flight_js(),
+                     page_assets::page_sketch_files_js(), page_assets::page_sketch_js(),
+                     page_assets::page_start_js()})},
+       {"sketch", sketch_section_html()},
        {"data", script_json(data)},
        {"go_share", html_escape(survey.go_share)},
        {"answer", html_escape(capitalized(survey.headline)) + "."},

@@ -25,16 +25,15 @@
 #include "pilotage/raster/elevation.h"
 #include "pilotage/raster/gdal_io.h"
 #include "pilotage/raster/gray_stretch.h"
-#include "pilotage/raster/map_sigma.h"
 #include "pilotage/raster/mission_crs.h"
 #include "pilotage/route/read_route.h"
 #include "pilotage/route/sample_route.h"
 #include "pilotage/tile/cloud_table.h"
 #include "pilotage/tile/corridor.h"
 #include "pilotage/tile/denied_stretches.h"
+#include "pilotage/tile/map_error.h"
 #include "pilotage/tile/plan_levels.h"
 #include "pilotage/tile/route_cover.h"
-#include "pilotage/tile/tile_map_sigma.h"
 #include "pilotage/tile/working_gsd.h"
 
 namespace pilotage {
@@ -44,6 +43,16 @@ constexpr double kSampleStep_m = 10;
 
 void require(bool given, const char* what) {
   if (!given) throw UsageError(std::string(what) + " is missing; give it as --" + what + ", or in a mission file");
+}
+
+void check_grid_origin(const TileOptions& options) {
+  const std::vector<double>& origin_m = options.grid_origin_m;
+  if (origin_m.empty()) return;
+  if (origin_m.size() != 2 || !std::isfinite(origin_m[0]) || !std::isfinite(origin_m[1])) {
+    throw UsageError("grid_origin_m has " + std::to_string(origin_m.size()) +
+                     " numbers; it is x and y of a corner of a tile, as 412000,6153000");
+  }
+  if (options.crs.empty()) throw UsageError("grid_origin_m is a point of the grid's CRS; give --crs, too");
 }
 
 std::vector<ImageryInfo> inspect_all(const TileOptions& options, const Progress& progress) {
@@ -183,8 +192,9 @@ std::vector<std::vector<GridSample>> runs_of_level(const std::vector<FlightSampl
   return runs;
 }
 
+// The grid begins at whole strides of the tiles from `origin_m`, where one is given; else at whole pixels.
 GridLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size_px, double overlap, double reach_m,
-                     const std::vector<FlightSample>& samples) {
+                     const std::vector<double>& origin_m, const std::vector<FlightSample>& samples) {
   GridLevel level;
   level.gsd_m = gsd_m;
   level.min_agl_m = band.min_agl_m;
@@ -198,8 +208,10 @@ GridLevel make_level(int index, const AglBand& band, double gsd_m, int tile_size
     if (sample.level == index) bounds.extend(sample.point_map_m);
   }
   const Bounds grid = bounds.grown(reach_m + tile_size_px * gsd_m);
-  const double min_x_m = std::floor(grid.min_x_m / gsd_m) * gsd_m;
-  const double max_y_m = std::ceil(grid.max_y_m / gsd_m) * gsd_m;
+  const double step_m = origin_m.empty() ? gsd_m : level.matrix.stride_px * gsd_m;
+  const Eigen::Vector2d origin = origin_m.empty() ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(origin_m[0], origin_m[1]);
+  const double min_x_m = origin.x() + std::floor((grid.min_x_m - origin.x()) / step_m) * step_m;
+  const double max_y_m = origin.y() + std::ceil((grid.max_y_m - origin.y()) / step_m) * step_m;
   level.matrix.map_from_pixel = GeoTransform::north_up(min_x_m, max_y_m, gsd_m);
   level.matrix.grid_width_px = static_cast<std::int64_t>(std::ceil((grid.max_x_m - min_x_m) / gsd_m));
   level.matrix.grid_height_px = static_cast<std::int64_t>(std::ceil((max_y_m - grid.min_y_m) / gsd_m));
@@ -274,8 +286,9 @@ void cut_levels(const TileOptions& options, const std::vector<ImageryInfo>& info
     const int tile_size_px =
         options.tile_size_px.value_or(std::clamp(static_cast<int>(std::lround(side_m / working.gsd_m)), 16, 8192));
     const double radius_m = search_radius_m(mission.flight.max_error_m, 0, bands[i].max_agl_m, tilt_rad);
-    GridLevel level = make_level(static_cast<int>(i), bands[i], working.gsd_m, tile_size_px, options.tile_overlap,
-                                 mission.flight.corridor_half_width_m + radius_m, mission.flight.samples);
+    GridLevel level =
+        make_level(static_cast<int>(i), bands[i], working.gsd_m, tile_size_px, options.tile_overlap,
+                   mission.flight.corridor_half_width_m + radius_m, options.grid_origin_m, mission.flight.samples);
     level.search_radius_px = std::max(1, static_cast<int>(std::ceil(radius_m / working.gsd_m)));
     refuse_too_many_tiles(level, reach_of_tiles_m(level, mission.flight.corridor_half_width_m), mission.flight.samples);
     mission.ground.levels.push_back(level);
@@ -382,80 +395,6 @@ void add_flight_time(const TileOptions& options, Mission& mission) {
   mission.flight.ground_hidden = GroundHidden{fraction, options.clouds};
 }
 
-/// A map is wrong by what the ground control points that place it miss, and by what its change of datum is uncertain,
-/// and so is each fix that is taken on it: the error of a fix along one axis grows by the share of one axis of the
-/// worst raster's.
-void add_map_error(const std::vector<ImageryInfo>& infos, Mission& mission) {
-  double rms_m = 0;
-  std::string from;
-  for (const auto& info : infos) {
-    const double raster_m = placement_rms_m(info);
-    if (raster_m <= rms_m) continue;
-    rms_m = raster_m;
-    from = info.datum_accuracy_m == 0 ? "whose place comes from ground control points"
-           : info.control_points      ? "whose place comes from ground control points and a change of datum"
-                                      : "whose place comes by a change of datum";
-  }
-  if (rms_m == 0) return;
-  double& fix_sigma_m = mission.flight.ins.fix_sigma_m;
-  const double with_map_m = std::hypot(fix_sigma_m, rms_m / std::numbers::sqrt2);
-  mission.notes.push_back("Error of a fix: " + format_fixed(with_map_m, 2) + " m each axis, of which " +
-                          format_fixed(fix_sigma_m, 2) + " m are the matcher's and " +
-                          format_fixed(rms_m / std::numbers::sqrt2, 2) + " m the map's, " + from);
-  fix_sigma_m = with_map_m;
-}
-
-/// The planner's word goes for all tiles, and so into the onboard map; what the imagery says is not asked then.
-void take_given_map_sigma(double map_sigma_m, Mission& mission) {
-  for (ImageryDataset& image : mission.ground.imagery.datasets) {
-    if (image.map_sigma.empty()) continue;
-    mission.notes.push_back("Error of the map: " + format_number(map_sigma_m) + " m each axis as given; " +
-                            name_as_utf8(image.map_sigma) + " is not asked");
-    image.map_sigma.clear();
-  }
-  for (GroundTile& tile : mission.ground.tiles) tile.map_sigma_m = map_sigma_m;
-}
-
-/// How far the imagery may lie off: as the planner says, else as it says itself, tile by tile. Its largest error then
-/// counts all along the route, and is the same all along it: what all frames of a captured map share does not average
-/// out on the way.
-void add_map_sigma(const TileOptions& options, Mission& mission) {
-  FlightConditions& conditions = mission.flight.conditions;
-  conditions.map_sigma_m = options.conditions.map_sigma_m.value_or(kUnknownMapSigma_m);
-  conditions.map_correlation_m = options.conditions.map_correlation_m.value_or(kMapCorrelation_m);
-  if (options.conditions.map_sigma_m) return take_given_map_sigma(*options.conditions.map_sigma_m, mission);
-  std::vector<std::string> rasters;
-  for (const ImageryDataset& image : mission.ground.imagery.datasets) {
-    if (image.map_sigma.empty()) continue;
-    if (!map_sigma_exists(image.map_sigma)) {
-      throw DataError(image.dataset + ": says that its own error stands in " + name_as_utf8(image.map_sigma) +
-                      ", which does not exist; put it there, or give --map-sigma-m");
-    }
-    rasters.push_back(image.map_sigma);
-  }
-  if (rasters.empty()) return;
-  if (!measure_map_sigma(mission.ground)) {
-    for (GroundTile& tile : mission.ground.tiles) tile.map_sigma_m.reset();  // of what is seen nothing is said
-    for (ImageryDataset& image : mission.ground.imagery.datasets) image.map_sigma.clear();
-    return;
-  }
-  double least_m = std::numeric_limits<double>::infinity();
-  double largest_m = 0;
-  for (const GroundTile& tile : mission.ground.tiles) {
-    if (!tile.map_sigma_m) continue;
-    least_m = std::min(least_m, *tile.map_sigma_m);
-    largest_m = std::max(largest_m, *tile.map_sigma_m);
-  }
-  conditions.map_sigma_m = largest_m;
-  conditions.map_correlation_m = options.conditions.map_correlation_m.value_or(kCommonMapCorrelation_m);
-  mission.notes.push_back("Error of the map: " + format_fixed(least_m, 2) + " to " + format_fixed(largest_m, 2) +
-                          " m each axis, tile by tile as " + join(rasters, ", ") + " says" +
-                          (rasters.size() < mission.ground.imagery.datasets.size()
-                               ? ", " + format_number(kUnknownMapSigma_m) + " m of imagery that says nothing"
-                               : "") +
-                          "; along the route the largest counts");
-}
-
 }  // namespace
 
 Mission plan_tiles(const TileOptions& options, const Progress& progress) {
@@ -465,6 +404,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   require(!options.imagery.empty(), "imagery");
   require(!options.route.empty(), "route");
   refuse_imagery_as_elevation(options.elevation, options.imagery);
+  check_grid_origin(options);
 
   Mission mission;
   const auto infos = inspect_all(options, progress);
@@ -489,7 +429,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
         "no inertial grade is given (--ins-grade): tactical is assumed; with a lower grade the aircraft drifts "
         "faster, and the same flight may be lost");
   }
-  add_map_error(infos, mission);
+  add_placement_error(infos, mission);
   mission.flight.max_error_m = options.max_error_m.value_or(kAssumedMaxError_m);
   mission.flight.max_error_assumed = !options.max_error_m;
   mission.flight.autopilot = options.autopilot;
@@ -532,7 +472,7 @@ Mission plan_tiles(const TileOptions& options, const Progress& progress) {
   }
   if (mission.ground.tiles.empty())
     throw DataError("the corridor holds no tile; look at corridor_half_width_m and tile_size_px");
-  add_map_sigma(options, mission);
+  add_map_sigma(options.conditions, mission);
   return mission;
 }
 

@@ -1,0 +1,238 @@
+"""A route drawn on the pages of `survey` and `prepare`, as a planner draws it in a real browser: mouse, keyboard, files. What the page
+predicts is held against `prepare` of what was saved.
+
+sketch_page.py PILOTAGE SOURCE_FOLDER FOLDER_OF_SCREENSHOTS [NUMBER_OF_SKETCHES [SURVEY_FOLDER …]]"""
+
+import json
+import pathlib
+import random
+import sys
+import xml.etree.ElementTree
+
+from acceptance import SKIP, check, main, run
+from browser import Browser, missing_programs
+
+if missing_programs():
+    print(f"skipped: {missing_programs()} not installed: apt-get install chromium chromium-driver")
+    sys.exit(SKIP)
+
+AGREES = 0.01  # of P, page against program
+ANSWERED = """return pilotage.sketch.predicted !== null && !pilotage.sketch.about && document.getElementById('sketch-state').textContent === ''"""
+TOLD = """const { predicted: p, flight: f } = pilotage.sketch; return {p: p.probability.p_within_limit, interval: p.probability.interval,
+verdict: p.verdict, largest_error_m: p.largest_error_m, length_m: f.length_m, matchable: f.matchable_fraction, unknown_m: f.unknown_m,
+word: document.getElementById('sketch-word').textContent, answer: document.getElementById('sketch-answer').textContent,
+assumes: document.getElementById('sketch-assumes').textContent, on_map: document.querySelector('.sketch-on-map').textContent}"""
+POINTS = "return pilotage.sketch.points.map((point) => [point.lng, point.lat, point.agl_m, point.speed_mps])"
+PLACE = """const box = document.getElementById('map').getBoundingClientRect();
+const p = pilotage.map.latLngToContainerPoint(arguments[0]); return [box.left + p.x, box.top + p.y]"""
+FILL = """for (const [name, value] of Object.entries(arguments[0])) document.getElementById('sketch-' + name).value = value;
+pilotage.sketch.points = arguments[1].map(([lng, lat, agl_m, speed_mps]) => ({ lng, lat, agl_m, speed_mps }));
+pilotage.sketch.predicted = null;
+document.getElementById('sketch-limit').dispatchEvent(new Event('input'))"""
+# Instead of a download, which a browser under test asks about.
+KEEP_SAVED = """window.saved = {}; const make = URL.createObjectURL; let last = null;
+URL.createObjectURL = (blob) => { last = blob; return make(blob); };
+HTMLAnchorElement.prototype.click = function () { window.saved[this.download] = last; }"""
+NAMES = {"plan": "sketch.plan", "waypoints": "sketch.waypoints", "kml": "sketch.kml", "geojson": "sketch.geojson", "mission": "sketch_mission.json"}
+
+
+def saved(page, kind, folder):
+    page.run("document.querySelector('[data-save=\"' + arguments[0] + '\"]').click()", kind)
+    path = folder / NAMES[kind]
+    path.write_text(page.run("return window.saved[arguments[0]].text()", NAMES[kind]), encoding="utf-8")
+    return path
+
+
+def count(page):
+    return page.run("return pilotage.sketch.points.length")
+
+
+def answered(page):
+    page.wait(ANSWERED, "the prediction of a sketch")
+    return page.run(TOLD)
+
+
+def place_of(page, share_x, share_y):
+    """On the screen, of a place given by shares of the ground that the page shows, from its south-west corner."""
+    corner = page.run("""const e = pilotage.display.edges_m; const [x, y] = arguments;
+      return pilotage.toLatLng(e[0] + x * (e[2] - e[0]), e[1] + y * (e[3] - e[1]))""", share_x, share_y)
+    return page.run(PLACE, corner)
+
+
+def drag(page, from_, to):
+    (x, y), (u, v) = from_, to
+    moves = [{"type": "pointerMove", "duration": 20, "x": round(x + (u - x) * k / 5), "y": round(y + (v - y) * k / 5)} for k in range(6)]
+    page.pointer([moves[0], {"type": "pointerDown", "button": 0}, *moves[1:], {"type": "pointerUp", "button": 0}])
+
+
+def drawn_by_hand(page):
+    """Mouse and keyboard: each thing that a planner does, and that it can be undone."""
+    check(not page.run("return document.getElementById('sketch').hidden"), "nothing can be sketched")
+    page.run("document.getElementById('map').scrollIntoView({block: 'center'}); document.getElementById('sketch-draw').click()")
+    page.run("document.getElementById('map').scrollIntoView({block: 'center'})")
+    shares = [(0.2, 0.3), (0.5, 0.6), (0.8, 0.35)]
+    for share in shares[:2]:
+        page.click(*place_of(page, *share))
+    check(count(page) == 2, f"two clicks made {count(page)} points")
+    check(page.run("return pilotage.state.tile") == -1, "a click that draws shows a tile, too")
+    page.click(*place_of(page, *shares[2]))
+    page.press("Escape")
+    check(page.run("return document.getElementById('sketch-draw').getAttribute('aria-pressed')") == "false", "Escape does not end the drawing")
+    first = answered(page)
+    check(first["word"] in ("GO", "MARGINAL", "NO-GO") and first["word"] in first["on_map"], f"{first['word']}; on the map: {first['on_map']}")
+    drawn = page.run("return document.querySelector('#sketch-chart .loss').getAttribute('d')")
+    page.click(*place_of(page, 0.5, 0.2))
+    check(count(page) == 3 and page.run("return pilotage.state.tile") >= 0, "after drawing a click does not show a tile")
+    page.press("Escape")  # closes the tile
+
+    before = page.run(POINTS)
+    drag(page, page.run(PLACE, before[1][1::-1]), place_of(page, 0.5, 0.8))
+    moved = page.run(POINTS)
+    check(moved[0] == before[0] and moved[2] == before[2] and moved[1] != before[1], f"a drag made {moved} of {before}")
+    check(answered(page)["length_m"] > first["length_m"], "a longer line is not longer")
+    check(page.run("return document.querySelector('#sketch-chart .loss').getAttribute('d')") != drawn, "the curve is not drawn anew")
+    middle = page.run("""const b = document.querySelector('.sketch-middle').getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]""")
+    drag(page, middle, (middle[0], middle[1] + 60))
+    check(count(page) == 4, f"a leg that is dragged has {count(page) - 2} points inside")
+    answered(page)
+
+    page.run("document.querySelectorAll('.sketch-point')[1].focus()")
+    at = page.run(POINTS)[1]
+    page.press("Right")
+    right = page.run(POINTS)[1]
+    check(right[0] > at[0] and abs(right[1] - at[1]) < 1e-9, f"the right arrow moves {at} to {right}")
+    check(page.run("return document.activeElement.classList.contains('sketch-point')"), "the focus is lost by a move")
+    page.press("\ue017")  # Delete
+    check(count(page) == 3, "Delete takes no point out")
+    page.press("\ue016")  # Insert
+    check(count(page) == 4, "Insert adds no point")
+    for _ in range(3):
+        page.run("document.getElementById('sketch-undo').click()")
+    undone = page.run(POINTS)
+    check(len(undone) == 4 and undone[1] == at, f"three steps back is {undone}, not {at}")
+    page.run("document.activeElement.blur()")
+    page.run("""document.dispatchEvent(new KeyboardEvent('keydown', { key: 'z', ctrlKey: true }))""")
+    check(page.run(POINTS) == moved, "Ctrl+Z does not take the new point back")
+    page.run("document.getElementById('sketch-clear').click()")
+    check(count(page) == 0 and page.run("return document.getElementById('sketch-verdict').hidden"), "Clear leaves something")
+    page.run("document.getElementById('sketch-undo').click()")
+    check(page.run(POINTS) == moved, "Clear cannot be undone")
+    said = answered(page)
+    page.run("const limit = document.getElementById('sketch-limit'); limit.value = '-3'; limit.dispatchEvent(new Event('input'))")
+    page.wait("return document.getElementById('sketch-state').textContent.includes('outside')", "a refusal of -3 m")
+    check(page.run("return document.getElementById('sketch-verdict').hidden"), "-3 m has an answer")
+    page.run("const limit = document.getElementById('sketch-limit'); limit.value = '50'; limit.dispatchEvent(new Event('input'))")
+    check(answered(page) == said, "the same sketch has another answer")
+    # On paper is the survey, not the sketch.
+    page.devtools("Emulation.setEmulatedMedia", media="print")
+    check(not page.run("return document.getElementById('sketch').offsetParent"), "the sketch is on paper")
+    page.devtools("Emulation.setEmulatedMedia", media="")
+
+
+def lines_of(text):
+    """[lng, lat] of a KML's coordinates."""
+    root = xml.etree.ElementTree.fromstring(text)
+    return [[float(value) for value in place.split(",")] for place in next(root.iter("{*}coordinates")).text.split()]
+
+
+def files_say_the_same(page, pilotage, folder):
+    """Each format, read by the program: the same places, heights above ground and speeds."""
+    page.run("document.getElementById('sketch-speed').value = ''")
+    points = [[lng, lat, agl, speed] for (lng, lat, agl, _), speed in zip(page.run(POINTS), (15, 12.5, 20))]
+    page.run(FILL, {"limit": 50}, points)
+    answered(page)
+    for kind in ("plan", "waypoints", "kml", "geojson"):
+        options = {"kml": ["--speed-mps", "15"], "geojson": ["--speed-mps", "15", "--agl-m", f"{points[0][2]}"]}.get(kind, [])
+        told = json.loads(run(pilotage, "inspect", saved(page, kind, folder), "--json", *options, streams="stdout"))
+        vertices = told["vertices"]
+        check(len(vertices) == len(points), f"{kind}: {len(vertices)} points, drawn were {len(points)}")
+        for vertex, (lng, lat, agl, speed) in zip(vertices, points):
+            check(abs(vertex["lon_deg"] - lng) < 2e-8 and abs(vertex["lat_deg"] - lat) < 2e-8, f"{kind}: {vertex}, drawn was {lng}, {lat}")
+            check(abs(vertex["agl_m"] - agl) < 1e-6, f"{kind}: {vertex}, {agl} m above ground")
+            if kind in ("plan", "waypoints") and vertex is not vertices[0]:
+                check(vertex["speed_mps"] == speed, f"{kind}: {vertex}, {speed} m/s")
+
+
+def agrees_with_prepare(page, pilotage, work, draws, number):
+    """P of drawn sketches, and of `prepare` on the mission that the page saves; how far apart they are."""
+    edges = page.run("""const e = pilotage.display.edges_m; return [pilotage.toLatLng(e[0], e[1]), pilotage.toLatLng(e[2], e[3])]""")
+    agl_m = page.run("return pilotage.sketchData.agl_m")
+    apart = []
+    for index in range(number):
+        def inside(name):
+            low, high = edges[0][name], edges[1][name]
+            return draws.uniform(low + 0.06 * (high - low), high - 0.06 * (high - low))
+        speed = draws.choice([10, 15, 20, 25])
+        points = [[inside("lng"), inside("lat"), agl_m, speed] for _ in range(draws.randint(2, 6))]
+        limit_m = draws.choice([30, 40, 50, 60])
+        page.run(FILL, {"limit": limit_m, "ins": str(draws.choice([1, 2, 3])), "speed": speed}, points)
+        told = answered(page)
+        folder = work / f"sketch{index}"
+        folder.mkdir()
+        saved(page, "plan", folder)
+        mission = json.loads(saved(page, "mission", folder).read_text(encoding="utf-8"))
+        check(mission["max_error_m"] == limit_m and mission["route"] == "sketch.plan", f"the mission is {mission}")
+        mission.update({"flights": 0, "outputs": ["json"], "allow_uncovered": True})
+        (folder / NAMES["mission"]).write_text(json.dumps(mission), encoding="utf-8")
+        run(pilotage, "prepare", NAMES["mission"], "-q", "-o", "out", cwd=folder)
+        report = json.loads((folder / "out/report.json").read_text(encoding="utf-8"))
+        p = report["route"]["probability"]["p_within_limit"]
+        apart.append(abs(told["p"] - p))
+        what = f"sketch {index} ({len(points)} points, limit {limit_m} m, {speed} m/s)"
+        print(f"{what}: page {told['p']:.4f}, prepare {p:.4f}, {report['route']['length_m'] / 1000:.2f} km, outside {told['unknown_m']:.0f} m", flush=True)
+        check(abs(told["length_m"] - report["route"]["length_m"]) <= 1e-5 * told["length_m"], f"{what}: {told['length_m']} m long")
+        check(apart[-1] <= AGREES, f"{what}: P {told['p']} on the page, {p} by prepare")
+    return apart
+
+
+def planned_route_is_the_reports(page, out):
+    """The report's own route, sketched: the report's numbers."""
+    report = json.loads((out / "report.json").read_text(encoding="utf-8"))
+    page.open(out / "report.html")
+    page.run("document.getElementById('sketch-planned').click()")
+    told = answered(page)
+    check(abs(told["p"] - report["route"]["probability"]["p_within_limit"]) < 1e-3, f"P {told['p']}, the report has {report['route']['probability']}")
+    check(abs(told["largest_error_m"] - report["route"]["largest_error_m"]) < 1e-2, f"{told['largest_error_m']} m, not {report['route']['largest_error_m']}")
+    check(abs(told["length_m"] - report["route"]["length_m"]) < 0.05, f"{told['length_m']} m long, not {report['route']['length_m']}")
+    check(report["verdict"]["assumptions"] == told["assumes"], f"assumed is {told['assumes']}, by the report {report['verdict']['assumptions']}")
+
+
+def test(pilotage, source, work, rest):
+    if not (source / "maps/sample/ortho.tif").exists():
+        print("skipped: the sample's imagery is not made (target sample_mission)")
+        sys.exit(SKIP)
+    pictures = pathlib.Path(rest[0])
+    pictures.mkdir(parents=True, exist_ok=True)
+    number = int(rest[1]) if len(rest) > 1 else 3
+    surveys = [pathlib.Path(folder).resolve() for folder in rest[2:]]
+    sample = source / "maps/sample"
+    if not surveys:
+        run(pilotage, "survey", sample / "ortho.tif", "--camera", sample / "camera.yaml", "--agl-m", "165", "--elevation", sample / "elevation.tif",
+            "-q", "-o", work / "survey")
+        surveys = [work / "survey"]
+        run(pilotage, "prepare", sample / "mission.json", "-q", "--flights", "0", "--outputs", "html,json", "-o", work / "prepared")
+    draws = random.Random(1)
+    with Browser() as page:
+        for survey in surveys:
+            page.open(survey / "survey.html")
+            page.run(KEEP_SAVED)
+            drawn_by_hand(page)
+            page.screenshot(pictures / "sketch.png")
+            page.full_screenshot(pictures / "sketch_page.png")
+            files_say_the_same(page, pilotage, work)
+            sketches = work / survey.name
+            sketches.mkdir(exist_ok=True)
+            apart = agrees_with_prepare(page, pilotage, sketches, draws, number)
+            print(f"{survey.name}: P differs by {sum(apart) / len(apart):.4f} in the mean, {max(apart):.4f} at most")
+            page.resize(390, 844)
+            width = page.run("return document.documentElement.scrollWidth")
+            check(width == 390, f"at 390 px the page is {width} px wide")
+            page.full_screenshot(pictures / "sketch_phone.png")
+            page.resize(1400, 1000)
+        if not rest[2:]:
+            planned_route_is_the_reports(page, work / "prepared")
+        said = page.console()
+        check(not said, f"the console has: {said}")
+
+
+main(test)
