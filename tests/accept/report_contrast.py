@@ -43,10 +43,14 @@ AXE = """return axe.run(document, {resultTypes: ['violations'], rules: {'color-c
 
 
 # What this page has nothing to fill with: its letters and colours are looked at all the same.
-REVEAL = """for (const name of ['seen', 'what-if', 'what-if-verdict', 'what-if-on-chart']) document.getElementById(name).hidden = false;
+REVEAL = """for (const name of ['seen', 'what-if', 'what-if-verdict', 'what-if-on-chart', 'sketch', 'sketch-planned', 'sketch-verdict', 'sketch-mission']) document.getElementById(name).hidden = false;
 for (const name of ['seen-frame-text', 'seen-found', 'seen-note', 'what-if-changes', 'what-if-answer', 'what-if-detail', 'what-if-state',
-  'what-if-chart-words']) document.getElementById(name).textContent = 'Words to look at';
-document.getElementById('what-if-word').textContent = 'What if: NO-GO'; document.getElementById('what-if-word').className = 'badge bad'"""
+  'what-if-chart-words', 'sketch-notes', 'sketch-state', 'sketch-figures', 'sketch-answer', 'sketch-detail', 'sketch-assumes',
+  'sketch-commands']) document.getElementById(name).textContent = 'Words to look at';
+document.getElementById('what-if-word').textContent = 'What if: NO-GO'; document.getElementById('what-if-word').className = 'badge bad';
+document.getElementById('sketch-word').textContent = 'MARGINAL'; document.getElementById('sketch-word').className = 'badge marginal';
+document.getElementById('sketch-notes').replaceChildren(Object.assign(document.createElement('li'), {textContent: 'Words to look at'}));
+document.getElementById('sketch-chart').setAttribute('aria-label', 'A curve')"""
 
 
 def choose(page, theme):

@@ -7,7 +7,7 @@ import json
 import pathlib
 import random
 import sys
-import xml.etree.ElementTree
+import zipfile
 
 from acceptance import SKIP, check, main, run
 from browser import Browser, missing_programs
@@ -33,14 +33,16 @@ document.getElementById('sketch-limit').dispatchEvent(new Event('input'))"""
 KEEP_SAVED = """window.saved = {}; const make = URL.createObjectURL; let last = null;
 URL.createObjectURL = (blob) => { last = blob; return make(blob); };
 HTMLAnchorElement.prototype.click = function () { window.saved[this.download] = last; }"""
-NAMES = {"plan": "sketch.plan", "waypoints": "sketch.waypoints", "kml": "sketch.kml", "geojson": "sketch.geojson", "mission": "sketch_mission.json"}
+ENDINGS = {"plan": ".plan", "waypoints": ".waypoints", "kml": ".kml", "geojson": ".geojson", "mission": ".json"}
 
 
 def saved(page, kind, folder):
-    page.run("document.querySelector('[data-save=\"' + arguments[0] + '\"]').click()", kind)
-    path = folder / NAMES[kind]
-    path.write_text(page.run("return window.saved[arguments[0]].text()", NAMES[kind]), encoding="utf-8")
-    return path
+    """The file, by the name that the page gives it."""
+    page.run("window.saved = {}; document.querySelector('[data-save=\"' + arguments[0] + '\"]').click()", kind)
+    name = page.run("return Object.keys(window.saved)[0]")
+    check(name.startswith("sketch_") and name.endswith(ENDINGS[kind]), f"{kind} is saved as {name}")
+    (folder / name).write_text(page.run("return window.saved[arguments[0]].text()", name), encoding="utf-8")
+    return folder / name
 
 
 def count(page):
@@ -75,9 +77,14 @@ def drawn_by_hand(page):
         page.click(*place_of(page, *share))
     check(count(page) == 2, f"two clicks made {count(page)} points")
     check(page.run("return pilotage.state.tile") == -1, "a click that draws shows a tile, too")
-    page.click(*place_of(page, *shares[2]))
+    drawing = "return document.getElementById('sketch-draw').getAttribute('aria-pressed') === 'true'"
     page.press("Escape")
-    check(page.run("return document.getElementById('sketch-draw').getAttribute('aria-pressed')") == "false", "Escape does not end the drawing")
+    check(not page.run(drawing), "Escape does not end the drawing")
+    page.run("document.getElementById('sketch-draw').click()")
+    page.run("document.getElementById('map').scrollIntoView({block: 'center'})")
+    for _ in range(2):
+        page.click(*place_of(page, *shares[2]))
+    check(count(page) == 3 and not page.run(drawing), f"a double click made {count(page) - 2} points; drawing goes on: {page.run(drawing)}")
     first = answered(page)
     check(first["word"] in ("GO", "MARGINAL", "NO-GO") and first["word"] in first["on_map"], f"{first['word']}; on the map: {first['on_map']}")
     drawn = page.run("return document.querySelector('#sketch-chart .loss').getAttribute('d')")
@@ -115,7 +122,13 @@ def drawn_by_hand(page):
     check(page.run(POINTS) == moved, "Ctrl+Z does not take the new point back")
     page.run("document.getElementById('sketch-clear').click()")
     check(count(page) == 0 and page.run("return document.getElementById('sketch-verdict').hidden"), "Clear leaves something")
-    page.run("document.getElementById('sketch-undo').click()")
+    page.run("document.querySelector('.sketch-bar button').click(); document.getElementById('map').focus()")
+    page.press("Enter")
+    page.press("Right", "Right", "Enter")
+    check(count(page) == 2, f"by keyboard {count(page)} points are set, not two")
+    page.press("Escape")
+    for _ in range(3):
+        page.run("document.getElementById('sketch-undo').click()")
     check(page.run(POINTS) == moved, "Clear cannot be undone")
     said = answered(page)
     page.run("const limit = document.getElementById('sketch-limit'); limit.value = '-3'; limit.dispatchEvent(new Event('input'))")
@@ -123,16 +136,12 @@ def drawn_by_hand(page):
     check(page.run("return document.getElementById('sketch-verdict').hidden"), "-3 m has an answer")
     page.run("const limit = document.getElementById('sketch-limit'); limit.value = '50'; limit.dispatchEvent(new Event('input'))")
     check(answered(page) == said, "the same sketch has another answer")
+    check("15 m/s (default), a try every 2 s" in said["assumes"], f"assumed is {said['assumes']}")
     # On paper is the survey, not the sketch.
     page.devtools("Emulation.setEmulatedMedia", media="print")
     check(not page.run("return document.getElementById('sketch').offsetParent"), "the sketch is on paper")
+    check(not page.run("return document.querySelector('.sketch-on-map').offsetParent"), "its verdict is on the printed map")
     page.devtools("Emulation.setEmulatedMedia", media="")
-
-
-def lines_of(text):
-    """[lng, lat] of a KML's coordinates."""
-    root = xml.etree.ElementTree.fromstring(text)
-    return [[float(value) for value in place.split(",")] for place in next(root.iter("{*}coordinates")).text.split()]
 
 
 def files_say_the_same(page, pilotage, folder):
@@ -153,6 +162,66 @@ def files_say_the_same(page, pilotage, folder):
                 check(vertex["speed_mps"] == speed, f"{kind}: {vertex}, {speed} m/s")
 
 
+def dropped(page, name, content):
+    """What the page says of a file that is dropped on the map, a sentence each."""
+    page.run("""const [name, bytes] = arguments; document.getElementById('sketch-notes').replaceChildren();
+      const data = new DataTransfer(); data.items.add(new File([new Uint8Array(bytes)], name));
+      document.getElementById('map').dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }))""", name, list(content))
+    page.wait("return document.getElementById('sketch-notes').children.length", f"what {name} is")
+    return page.run("return [...document.querySelectorAll('#sketch-notes li')].map((item) => item.textContent)")
+
+
+DJI = """<?xml version="1.0" encoding="UTF-8"?><kml xmlns="http://www.opengis.net/kml/2.2" xmlns:wpml="http://www.dji.com/wpmz/1.0.2"><Document>
+<Folder><wpml:executeHeightMode>relativeToStartPoint</wpml:executeHeightMode><wpml:autoFlightSpeed>7</wpml:autoFlightSpeed>{marks}</Folder></Document></kml>"""
+
+
+def files_come_back(page, pilotage, source, folder):
+    """What was saved, opened again; other formats; and what cannot be read."""
+    before = page.run(POINTS)
+    for kind in ("plan", "waypoints", "kml", "geojson"):
+        page.run("document.getElementById('sketch-clear').click()")
+        file = next(file for file in folder.glob("sketch_*") if file.suffix == ENDINGS[kind])
+        notes = dropped(page, file.name, file.read_bytes())
+        check(notes[0] == f"{file.name}: {len(before)} points", f"{kind}: {notes}")
+        for was, now in zip(before, page.run(POINTS)):
+            check(abs(was[0] - now[0]) < 2e-8 and abs(was[1] - now[1]) < 2e-8, f"{kind}: {now}, saved was {was}")
+            check(kind not in ("plan", "waypoints") or was is before[0] or was[3] == now[3], f"{kind}: {now[3]} m/s, saved were {was[3]}")
+    # The sample's mission: takeoff from home and the return to it, as the program reads them.
+    plan = source / "maps/sample/route.plan"
+    dropped(page, "route.plan", plan.read_bytes())
+    vertices = json.loads(run(pilotage, "inspect", plan, "--json", streams="stdout"))["vertices"]
+    read = page.run(POINTS)
+    check(len(read) == len(vertices), f"route.plan: {len(read)} points, the program has {len(vertices)}")
+    for point, vertex in zip(read, vertices):
+        check(abs(point[0] - vertex["lon_deg"]) < 1e-9 and abs(point[1] - vertex["lat_deg"]) < 1e-9, f"route.plan: {point}, by the program {vertex}")
+        check(vertex is vertices[0] or point[3] == vertex["speed_mps"], f"route.plan: {point[3]} m/s, by the program {vertex['speed_mps']}")
+    marks = "".join(f"<Placemark><Point><coordinates>{lng},{lat}</coordinates></Point><wpml:index>{i}</wpml:index><wpml:executeHeight>80</wpml:executeHeight>"
+                    f"{'<wpml:waypointSpeed>9</wpml:waypointSpeed>' if i else ''}</Placemark>" for i, (lng, lat, _, _) in enumerate(before))
+    with zipfile.ZipFile(folder / "dji.kmz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("wpmz/template.kml", "<kml/>")
+        archive.writestr("wpmz/waylines.wpml", DJI.format(marks=marks))
+    litchi = "latitude,longitude,altitude(m),curvesize(m),speed(m/s)\n" + "".join(f"{lat},{lng},80,5,9\n" for lng, lat, _, _ in before)
+    gpx = '<gpx xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>' + "".join(
+        f'<trkpt lat="{before[0][1] + 1e-6 * k}" lon="{before[0][0] + 2e-5 * (k % 7)}"/>' for k in range(900)) + "</trkseg></trk></gpx>"
+    for name, content, count_, speed in (("dji.kmz", (folder / "dji.kmz").read_bytes(), 3, 9), ("litchi.csv", litchi.encode(), 3, 9), ("track.gpx", gpx.encode(), None, None)):
+        notes = dropped(page, name, content)
+        read = page.run(POINTS)
+        check(len(read) == count_ if count_ else 2 <= len(read) <= 200, f"{name}: {len(read)} points; {notes}")
+        check(speed is None or read[-1][3] == speed, f"{name}: {read[-1]}")
+        check(name != "track.gpx" or any("thinned from 900 points" in note for note in notes), f"{name}: {notes}")
+        check(any("165 m above ground" in note for note in notes) or page.run("return pilotage.sketchData.agl_m") != 165, f"{name}: {notes}")
+    read = page.run(POINTS)
+    for name, content, said in (("no.plan", b'{"fileType": "Plan"', "no JSON"), ("empty.geojson", b'{"type": "Point", "coordinates": [1, 2]}', "no line"),
+                                ("cut.kmz", (folder / "dji.kmz").read_bytes()[:200], "archive"), ("bad.gpx", b"<gpx><trk>", "XML"),
+                                ("table.csv", b"a,b\n1,2\n", "latitude"), ("patterns.plan", json.dumps({"fileType": "Plan", "version": 1, "mission": {
+                                    "version": 2, "items": [{"type": "ComplexItem", "complexItemType": "survey"}]}}).encode(), "fewer than two")):
+        notes = dropped(page, name, content)
+        check(len(notes) == 1 and notes[0].startswith(f"{name} cannot be read") and said in notes[0], f"{name}: {notes}")
+        check(page.run(POINTS) == read, f"{name} changed the sketch")
+    page.run("document.getElementById('sketch-file').focus()")
+    check(page.run("return document.activeElement.id") == "sketch-file", "files cannot be opened by keyboard")
+
+
 def agrees_with_prepare(page, pilotage, work, draws, number):
     """P of drawn sketches, and of `prepare` on the mission that the page saves; how far apart they are."""
     edges = page.run("""const e = pilotage.display.edges_m; return [pilotage.toLatLng(e[0], e[1]), pilotage.toLatLng(e[2], e[3])]""")
@@ -167,18 +236,22 @@ def agrees_with_prepare(page, pilotage, work, draws, number):
         limit_m = draws.choice([30, 40, 50, 60])
         page.run(FILL, {"limit": limit_m, "ins": str(draws.choice([1, 2, 3])), "speed": speed}, points)
         told = answered(page)
+        what = f"sketch {index} ({len(points)} points, limit {limit_m} m, {speed} m/s)"
         folder = work / f"sketch{index}"
         folder.mkdir()
-        saved(page, "plan", folder)
-        mission = json.loads(saved(page, "mission", folder).read_text(encoding="utf-8"))
-        check(mission["max_error_m"] == limit_m and mission["route"] == "sketch.plan", f"the mission is {mission}")
-        mission.update({"flights": 0, "outputs": ["json"], "allow_uncovered": True})
-        (folder / NAMES["mission"]).write_text(json.dumps(mission), encoding="utf-8")
-        run(pilotage, "prepare", NAMES["mission"], "-q", "-o", "out", cwd=folder)
+        plan, file = saved(page, "plan", folder), saved(page, "mission", folder)
+        mission = json.loads(file.read_text(encoding="utf-8"))
+        check(mission["max_error_m"] == limit_m and mission["route"] == plan.name, f"the mission is {mission}")
+        check(f"pilotage prepare {file.name} " in page.run("return document.getElementById('sketch-commands').textContent"), "the command names another file")
+        mission.update({"flights": 0, "outputs": ["json"]})
+        file.write_text(json.dumps(mission), encoding="utf-8")
+        uncovered = "--allow-uncovered"  # the page says so where a line leaves its tiles
+        said = uncovered in page.run("return document.getElementById('sketch-commands').textContent")
+        check(said == (told["unknown_m"] > 0), f"{what}: {uncovered} said {said}, {told['unknown_m']} m lie outside")
+        run(pilotage, "prepare", file.name, *([uncovered] if said else []), "-q", "-o", "out", cwd=folder)
         report = json.loads((folder / "out/report.json").read_text(encoding="utf-8"))
         p = report["route"]["probability"]["p_within_limit"]
         apart.append(abs(told["p"] - p))
-        what = f"sketch {index} ({len(points)} points, limit {limit_m} m, {speed} m/s)"
         print(f"{what}: page {told['p']:.4f}, prepare {p:.4f}, {report['route']['length_m'] / 1000:.2f} km, outside {told['unknown_m']:.0f} m", flush=True)
         check(abs(told["length_m"] - report["route"]["length_m"]) <= 1e-5 * told["length_m"], f"{what}: {told['length_m']} m long")
         check(apart[-1] <= AGREES, f"{what}: P {told['p']} on the page, {p} by prepare")
@@ -194,7 +267,19 @@ def planned_route_is_the_reports(page, out):
     check(abs(told["p"] - report["route"]["probability"]["p_within_limit"]) < 1e-3, f"P {told['p']}, the report has {report['route']['probability']}")
     check(abs(told["largest_error_m"] - report["route"]["largest_error_m"]) < 1e-2, f"{told['largest_error_m']} m, not {report['route']['largest_error_m']}")
     check(abs(told["length_m"] - report["route"]["length_m"]) < 0.05, f"{told['length_m']} m long, not {report['route']['length_m']}")
-    check(report["verdict"]["assumptions"] == told["assumes"], f"assumed is {told['assumes']}, by the report {report['verdict']['assumptions']}")
+    check(told["assumes"].startswith(report["verdict"]["assumptions"]) and "18 m/s, a try every 2 s" in told["assumes"], f"assumed is {told['assumes']}, by the report {report['verdict']['assumptions']}")
+
+
+def unknown_ground_has_no_verdict(page):
+    """On a report's page, which knows its corridor: beside it P is a bound, and no NO-GO (a planner was told one at P 0.1 where prepare found 0.82)."""
+    points = page.run(POINTS)
+    points[4][0] += 0.002
+    points[4][1] += 0.0025
+    page.run(FILL, {"limit": 60}, points)
+    told = answered(page)
+    check(told["unknown_m"] > 500 and told["word"] == "NOT KNOWN" and "NOT KNOWN" in told["on_map"], f"{told}")
+    check(told["answer"].startswith("P is at least 0.") and "NO-GO" not in told["answer"], told["answer"])
+    check("--allow-uncovered" in page.run("return document.getElementById('sketch-commands').textContent"), "prepare would refuse the line")
 
 
 def test(pilotage, source, work, rest):
@@ -220,6 +305,7 @@ def test(pilotage, source, work, rest):
             page.screenshot(pictures / "sketch.png")
             page.full_screenshot(pictures / "sketch_page.png")
             files_say_the_same(page, pilotage, work)
+            files_come_back(page, pilotage, source, work)
             sketches = work / survey.name
             sketches.mkdir(exist_ok=True)
             apart = agrees_with_prepare(page, pilotage, sketches, draws, number)
@@ -231,6 +317,7 @@ def test(pilotage, source, work, rest):
             page.resize(1400, 1000)
         if not rest[2:]:
             planned_route_is_the_reports(page, work / "prepared")
+            unknown_ground_has_no_verdict(page)
         said = page.console()
         check(not said, f"the console has: {said}")
 

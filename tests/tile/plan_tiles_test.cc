@@ -188,6 +188,8 @@ TEST(PlanTiles, MissionsWithOneGridOriginShareTheirTiles) {
   EXPECT_NEAR(rows, std::round(rows), 1e-6);
   options.grid_origin_m = {1, 2, 3};
   EXPECT_THAT(plan_error(options), HasSubstr("has 3 numbers"));
+  options.grid_origin_m = {1e300, 2};
+  EXPECT_THAT(plan_error(options), HasSubstr("grid_origin_m = 1e+300 is outside"));
   options.grid_origin_m = {1, 2};
   options.crs.clear();
   EXPECT_THAT(plan_error(options), HasSubstr("give --crs"));

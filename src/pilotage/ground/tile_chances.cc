@@ -21,10 +21,6 @@ void forget(std::vector<double>& p, const std::vector<bool>& chosen) {
 
 }  // namespace
 
-double judged_margin(const TileScores& score) {
-  return std::isnan(score.degraded.margin) ? score.clean.margin : score.degraded.margin;
-}
-
 bool can_be_matched(const TileScores& score, double min_p_correct_fix, double min_peak_margin) {
   if (score.status != TileStatus::kScored) return false;
   if (!std::isnan(score.p_correct_fix)) return score.p_correct_fix >= min_p_correct_fix;
@@ -55,6 +51,12 @@ TileChances tile_chances(const std::vector<TileScores>& scores, const std::vecto
     }
   }
   return chances;
+}
+
+std::size_t tiles_without_p(const std::vector<TileScores>& scores, const std::vector<bool>& counts) {
+  std::size_t without = 0;
+  for (std::size_t i = 0; i < scores.size(); ++i) without += counts[i] && std::isnan(scores[i].p_correct_fix) ? 1 : 0;
+  return without;
 }
 
 double fewest_level_tiles(const std::vector<TileScores>& scores, const std::vector<bool>& counts) {

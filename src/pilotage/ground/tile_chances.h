@@ -28,6 +28,9 @@ struct TileChances {
 /// Those of the tiles with `counts`; one without a P counts as certain.
 TileChances tile_chances(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
 
+/// How many of those with `counts` have no P.
+std::size_t tiles_without_p(const std::vector<TileScores>& scores, const std::vector<bool>& counts);
+
 /// How many tiles of this ground, judged on another date, the level of those with `counts` rests on: the fewest,
 /// because all of a ground are scored by one model; NaN where a P does not say.
 double fewest_level_tiles(const std::vector<TileScores>& scores, const std::vector<bool>& counts);

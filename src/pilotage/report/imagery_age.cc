@@ -279,7 +279,11 @@ std::string imagery_age_measured() {
 }
 
 std::string imagery_age_assumptions(const Mission& mission) {
-  const auto age = imagery_age(mission);
+  const Ground& ground = mission.ground;
+  const bool over_ground = mission.flight.samples.empty() && !ground.flight_time.empty() && !ground.tiles.empty();
+  const auto age = over_ground ? imagery_age(ground.imagery.datasets, ground.tiles[ground.tiles.size() / 2].center,
+                                             ground.flight_time)
+                               : imagery_age(mission);
   if (!age) return "";
   std::string text = ", " + imagery_age_phrase(*age);
   if (const auto& hidden = mission.flight.ground_hidden) {

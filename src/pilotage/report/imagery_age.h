@@ -68,7 +68,8 @@ std::string imagery_age_phrase(const ImageryAge& age);
 std::string imagery_age_measured();
 
 /// ", ", imagery_age_phrase() and how often the ground is hidden, for the line of assumptions; "" without a time of
-/// the flight.
+/// the flight. Of a flight without samples (over an area, whose line is still to be drawn) seasons are those of the
+/// middle of its ground.
 std::string imagery_age_assumptions(const Mission& mission);
 
 /// Rows for age and season, for the sun where the hour is known (it decides), and for clouds where a table was given.

@@ -26,6 +26,7 @@ std::string_view page_what_if_js();
 std::string_view page_geodesic_js();
 std::string_view page_sketch_flight_js();
 std::string_view page_sketch_files_js();
+std::string_view page_sketch_read_js();
 std::string_view page_sketch_js();
 std::string_view page_start_js();
 std::string_view leaflet_css();

@@ -96,11 +96,23 @@ function routeChances(flight, interval_s, level) {
 
 // ---- The flight whose every try comes (select/route_error.cc) ----
 const step_s = (flight, i) => (flight.distance_m[i + 1] - flight.distance_m[i]) / flight.speed_mps[i];
+const knownReaches = new Map();  // asked again for every line that is drawn
+function reachOf_s(model, speed_mps, limit_m) {
+  const key = model.text + ' ' + speed_mps + ' ' + limit_m;
+  if (!knownReaches.has(key)) knownReaches.set(key, longestBridgeableGap_s(model, speed_mps, limit_m));
+  return knownReaches.get(key);
+}
 function makePath(flight, model, limit_m, gnss) {
-  const reach_s = longestBridgeableGap_s(model, flight.speed_mps[0], limit_m);
-  const steps = flight.count <= 5000 ? [] : null;  // kept where they are few
-  const make = (i) => makeInsStep(step_s(flight, i), flight.azimuth_deg[i], flight.speed_mps[i], model);
-  const step = (i) => (steps ? steps[i] || (steps[i] = make(i)) : make(i));
+  const reach_s = reachOf_s(model, flight.speed_mps[0], limit_m);
+  // Neighbours on a leg are flown alike but for the last digits.
+  let last = null;
+  const step = (i) => {
+    const time_s = step_s(flight, i), azimuth_deg = flight.azimuth_deg[i], speed_mps = flight.speed_mps[i];
+    if (!last || Math.abs(last.time_s - time_s) > 1e-7 || last.speed_mps !== speed_mps || Math.abs(turnBetween_deg(last.azimuth_deg, azimuth_deg)) > 1e-3) {
+      last = { time_s, azimuth_deg, speed_mps, step: makeInsStep(time_s, azimuth_deg, speed_mps, model) };
+    }
+    return last.step;
+  };
   return { flight, model, limit_m, gnss, horizon_s: Math.min(600, Math.max(1, reach_s)), step };
 }
 // ---- The route in a wind (select/flown_steps.cc) ----
@@ -226,12 +238,12 @@ function groupEnds(fixed, share) {
   }
   return ends;
 }
-function mergeAlike(errorAhead_m, branches) {
+function mergeAlike(errorAhead_m, branches, most = 8) {
   const fixed = branches.map((branch) => ({ branch, error_m: errorAhead_m(branch.covariance) }));
   fixed.sort((a, b) => a.branch.low - b.branch.low || a.branch.high - b.branch.high || a.error_m - b.error_m);
   let share = 0.02;
   let ends = groupEnds(fixed, share);
-  while (ends.length > 8 && share < 1) ends = groupEnds(fixed, share *= 2);
+  while (ends.length > most && share < 1) ends = groupEnds(fixed, share *= 2);
   let first = 0;
   return ends.map((end) => {
     const members = fixed.slice(first, end).map((after) => after.branch);
@@ -277,7 +289,7 @@ function takeFix(path, steps, chances, sample, stretch) {
     if (1 - drawn >= drawn - share) branch.low = Math.max(branch.low, p);
   }
   stretch.branches = stretch.branches.filter((branch) => !(branch.probability <= 0));
-  if (fixed.length) stretch.branches.push(...mergeAlike(steps.errorAhead_m(sample, stretch), fixed));
+  if (fixed.length) stretch.branches.push(...mergeAlike(steps.errorAhead_m(sample, stretch), fixed, path.flight.chances.most_branches));
 }
 // `stretch` is at a span's first sample.
 function takeGnss(path, sample, stretch) {

@@ -132,8 +132,9 @@ std::string lat_lon_dms(GeodeticPoint point) {
   return dms(point.lat_deg, 'N', 'S') + " " + dms(point.lon_deg, 'E', 'W');
 }
 
-std::string sketch_section_html() {
-  return fill_template(page_assets::sketch_html(), {{"modelled", kind_mark(NumberKind::kModelled)}});
+std::string sketch_section_html(const std::string& differs) {
+  return fill_template(page_assets::sketch_html(),
+                       {{"modelled", kind_mark(NumberKind::kModelled)}, {"differs", html_escape(differs)}});
 }
 
 std::string page_leaflet_css() {

@@ -44,8 +44,9 @@ std::string lat_lon(GeodeticPoint point);
 /// The same in degrees, minutes and seconds.
 std::string lat_lon_dms(GeodeticPoint point);
 
-/// The section in which a route is drawn on the map (page_sketch.js).
-std::string sketch_section_html();
+/// The section in which a route is drawn on the map (page_sketch.js). `differs` says how far P of `prepare` lies from
+/// its.
+std::string sketch_section_html(const std::string& differs);
 
 /// Leaflet, without what would make a browser ask for another file.
 std::string page_leaflet_css();

@@ -18,7 +18,7 @@ const gridOf = new Map(report.grid.levels.map((grid) => {
   const index = new Int32Array(columns * rows).fill(-1);
   places.forEach(([c, r, i]) => { index[(r - row) * columns + c - column] = i; });
   const at = (c, r) => (c < column || r < row || c > lastColumn || r > lastRow ? -1 : index[(r - row) * columns + c - column]);
-  return [grid.level, { tile_m: grid.tile_size_px * grid.gsd_m, stride_m: grid.stride_px * grid.gsd_m, at }];
+  return [grid.level, { tile_m: grid.tile_size_px * grid.gsd_m, stride_m: grid.stride_px * grid.gsd_m, at, ends: { column, lastColumn, row, lastRow } }];
 }));
 const columnOf = (i) => valueOf(tiles[i], 'column');
 const rowOf = (i) => valueOf(tiles[i], 'row');
@@ -46,22 +46,29 @@ function besideSample({ tile, level, right, down }, stored) {
   }, 0) / sketchP[tile]);
   return [stride_m, ...shares];
 }
-// The tiles that can be matched and whose centres lie within the corridor (tile/corridor.cc), which `select` stores.
+// The tiles that can be matched and whose centres lie within the corridor (tile/corridor.cc), which `select` stores. Looked at from
+// samples an eighth of its half width apart, which draws its edges to a five-hundredth of it.
 function storedTiles(samples, half_width_m, step_m) {
   const stored = new Set();
-  for (const { tile, level, right, down } of samples) {
-    if (tile < 0) continue;
-    const { stride_m, at } = gridOf.get(level);
-    const reach = Math.hypot(Math.max(half_width_m, Math.SQRT1_2 * stride_m), step_m / 2) / stride_m;  // in steps of the tiles
-    const around = Math.ceil(reach + 0.5);
-    for (let r = -around; r <= around; ++r) {
-      for (let c = -around; c <= around; ++c) {
-        if (Math.hypot(c + 0.5 - right, r + 0.5 - down) > reach) continue;
-        const there = at(columnOf(tile) + c, rowOf(tile) + r);
+  let looked_m = -Infinity;
+  samples.forEach(({ tile, level, right, down, distance_m, leg }, i) => {
+    if (tile < 0) return;
+    const { stride_m, at, ends } = gridOf.get(level);
+    const reach_m = Math.max(half_width_m, Math.SQRT1_2 * stride_m);
+    const apart_m = Math.max(step_m, reach_m / 8);
+    const endsLeg = i + 1 === samples.length || samples[i + 1].leg !== leg || samples[i + 1].tile < 0 || (i > 0 && samples[i - 1].tile < 0);
+    if (distance_m - looked_m < apart_m && !endsLeg) return;
+    looked_m = distance_m;
+    const reach = Math.hypot(reach_m, apart_m / 2) / stride_m;  // in steps of the tiles
+    const column = columnOf(tile) + right - 0.5, row = rowOf(tile) + down - 0.5;
+    for (let r = Math.max(ends.row, Math.ceil(row - reach)); r <= Math.min(ends.lastRow, Math.floor(row + reach)); ++r) {
+      const wide = Math.sqrt(Math.max(0, reach * reach - (r - row) ** 2));
+      for (let c = Math.max(ends.column, Math.ceil(column - wide)); c <= Math.min(ends.lastColumn, Math.floor(column + wide)); ++c) {
+        const there = at(c, r);
         if (there >= 0 && sketchP[there] > 0) stored.add(there);
       }
     }
-  }
+  });
   return stored;
 }
 
@@ -71,6 +78,7 @@ function levelServing(agl_m) {
   const found = sketchData.levels.find(([, , most_m]) => agl_m <= most_m) || sketchData.levels[sketchData.levels.length - 1];
   return found[0];
 }
+const sketchPlane = (point) => L.Projection.SphericalMercator.project(L.latLng(point.lat, point.lng));
 // Samples of a leg every `step_m` at most, both ends among them (route/sample_route.cc).
 function sampleLeg(from, to, step_m) {
   const geodesic = geodesicBetween(from, to);
@@ -79,7 +87,7 @@ function sampleLeg(from, to, step_m) {
   for (let i = 0; i <= steps; ++i) {
     const place = i === 0 ? { ...from, azimuth_deg: geodesic.start_azimuth_deg }
       : i === steps ? { ...to, azimuth_deg: geodesic.end_azimuth_deg } : geodesicDirect(from, geodesic.start_azimuth_deg, geodesic.length_m * i / steps);
-    const { x, y } = L.Projection.SphericalMercator.project(L.latLng(place.lat, place.lng));
+    const { x, y } = sketchPlane(place);
     const level = levelServing(from.agl_m + (to.agl_m - from.agl_m) * i / steps);
     const tile = level === null ? -1 : tileAt(x, y, level);
     const [right, down] = tile < 0 ? [0, 0] : shareOfCell(tile, x, y);
@@ -101,12 +109,13 @@ function legOfSketch(from, to, step_m) {
 // the spread of all. The ends of the 80 % interval are two of them.
 function aboutChances() {
   const calm = (levels) => levels.map((_, i) => [i, 1, 0, 0]);
-  if (sketchData.level_weights.length === 1) return { ...sketchData, cases: calm([0]) };
+  const most_branches = 3;  // of flights that fixed at one place; eight else
+  if (sketchData.level_weights.length === 1) return { ...sketchData, cases: calm([0]), most_branches };
   const [low, high] = sketchData.level_interval;
   const levels = [low, (low + high) / 2, high];
   const outer = 0.5 / sketchData.level_z[high] ** 2;
   return { ...sketchData, level_z: levels.map((level) => sketchData.level_z[level]), level_weights: [outer, 1 - 2 * outer, outer],
-    level_interval: [0, 2], cases: calm(levels) };
+    level_interval: [0, 2], cases: calm(levels), most_branches };
 }
 const sketchAbout = sketchData && aboutChances();
 
@@ -151,7 +160,7 @@ function flightOfSketch(points, { limit_m }, about) {
     leg: all.map((sample) => sample.leg), speed_mps: all.map((sample) => sample.speed_mps),
     apart_m: all.map((sample) => (sketchData.apart_m === null ? gridAt(sample).tile_m : sketchData.apart_m)), tile_runs,
     beside_line: Float64Array.from(all.flatMap((sample) => (sample.stored < 0 ? [0, 0, 0, 0] : besideSample(sample, storedOnes)))), leg_lengths_m: legs.map((leg) => leg.length_m), denied: [],
-    anywhere: false, chances, places: all.map((sample) => [sample.distance_m, sample.x, sample.y]), legs, step_m,
+    anywhere: false, chances, untested: all.some(({ stored }) => stored >= 0 && isUntested.has(stored)), places: all.map((sample) => [sample.distance_m, sample.x, sample.y]), legs, step_m,
     length_m: start_m, unknown_m, matchable_fraction: start_m > 0 ? matchable_m / start_m : 0,
     duration_s: legs.reduce((sum, leg) => sum + leg.length_m / points[leg.points[1]].speed_mps, 0) };
 }

@@ -50,6 +50,7 @@ void add_tiles(const Mission& mission, const std::vector<TileScores>& scores, co
     counts[i] = can_be_matched(scores[i], least.min_p_correct_fix, least.min_peak_margin);
   }
   const TileChances chances = tile_chances(scores, counts);
+  json["without_p"] = tiles_without_p(scores, counts);
   std::vector<std::size_t> order(scores.size());  // the page's: by tile_id
   std::iota(order.begin(), order.end(), 0U);
   const std::vector<GroundTile>& tiles = mission.ground.tiles;
@@ -88,8 +89,9 @@ Json sketch_data(const Mission& mission, const std::vector<TileScores>& scores, 
   json["speed_mps"] = flown ? flight.samples.front().speed_mps : kAssumedSpeed_mps;
   if (flown && !json["points"].empty()) json["agl_m"] = json["points"].back()[2];
   json["min_agl_m"] = flight.min_agl_m;
-  const bool follows_limit = !flown || flight.corridor_half_width_m == flight.max_error_m;
-  json["corridor_half_width_m"] = follows_limit ? Json() : Json(flight.corridor_half_width_m);
+  const bool given = mission_file.is_object() ? mission_file.contains("corridor_half_width_m")
+                                              : flown && flight.corridor_half_width_m != flight.max_error_m;
+  json["corridor_half_width_m"] = given ? Json(flight.corridor_half_width_m) : Json();
   json["levels"] = Json::array();
   for (const GridLevel& level : mission.ground.levels) {
     json["levels"].push_back({level.matrix.level, level.min_agl_m, level.max_agl_m});
@@ -127,6 +129,10 @@ Json sketch_mission(const Json& parameters, const Ground& ground) {
   for (const char* key :
        {"route", "agl_m", "speed_mps", "home_amsl_m", "height_reference", "layer", "feature", "denied"}) {
     mission.erase(key);
+  }
+  // Every tile that can be matched is stored.
+  if (mission.contains("select")) {
+    for (const char* key : {"budget", "sparse"}) mission["select"].erase(key);
   }
   add_grid(ground, mission);
   return mission;

@@ -27,6 +27,7 @@ namespace pilotage {
 ///                 of the place 0 (−∞: not counted on); and [number of tiles, standard deviation of the level]
 ///   level_z, level_weights, level_interval, cases, models, frames_that_come, false_fix_rate, …
 ///                 as in what_if.h; the level z is in standard deviations
+///   without_p     how many of the tiles that count have no P and are taken to be certain
 ///   mission       the mission file of what was planned, without route, for `prepare` and `reroute`; `mission_file` as
 ///                 it is given
 nlohmann::ordered_json sketch_data(const Mission& mission, const std::vector<TileScores>& scores,

@@ -235,9 +235,7 @@ Selection select_tiles(const Mission& mission, const std::vector<TileScores>& sc
         "found; score with the measure correct_fix, or degraded");
   }
   if (chances) {
-    std::size_t without_p = 0;
-    for (std::size_t i = 0; i < chosen.size(); ++i) without_p += chosen[i] && std::isnan(scores[i].p_correct_fix);
-    if (without_p > 0) {
+    if (const std::size_t without_p = tiles_without_p(scores, chosen); without_p > 0) {
       selection.notes.push_back(std::to_string(without_p) +
                                 " stored tiles have no probability of a correct fix; they were counted as certain");
     }

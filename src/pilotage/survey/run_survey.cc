@@ -184,7 +184,7 @@ SurveyResult run_survey(const std::vector<std::string>& imagery, const SurveyOpt
   SurveyOptions described = options;
   input.parameters = options_to_json(list_options(described));
   input.inputs = survey_inputs(input, options);
-  input.sketched = sketched_flight(input.area, input.scores, imagery, options, input.area.warnings);
+  input.sketched = sketched_flight(input.area, input.scores, imagery, options);
   input.software_version = run.software_version;
   report_progress(reporting, "writing the report", 0, 0);
   const Survey survey = make_survey(input);

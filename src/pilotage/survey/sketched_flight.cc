@@ -1,8 +1,11 @@
 #include "pilotage/survey/sketched_flight.h"
 
+#include <algorithm>
+
 #include "pilotage/base/error.h"
 #include "pilotage/base/options_json.h"
 #include "pilotage/ground/tile_chances.h"
+#include "pilotage/raster/elevation.h"
 #include "pilotage/report/sketch.h"
 #include "pilotage/score/predict_correct_fixes.h"
 #include "pilotage/select/select_options.h"
@@ -14,22 +17,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Mission flight_over(const SurveyedGround& area, std::vector<std::string>& warnings) {
+// Whoever surveys for a low flight means to be matched there.
+double lowest_agl_m(const SurveyedGround& area) {
+  return std::min(TileOptions{}.min_agl_m, area.agl_m);
+}
+
+Mission flight_over(const SurveyedGround& area, std::vector<std::string>& notes, std::vector<std::string>& warnings) {
   Mission mission;
   mission.ground = area.ground;
   Flight& flight = mission.flight;
-  flight.camera = area.camera;
-  flight.footprint_width_m = area.footprint_width_m;
-  flight.footprint_height_m = area.footprint_height_m;
   flight.max_error_m = kAssumedMaxError_m;
   flight.max_error_assumed = true;
-  flight.min_agl_m = TileOptions{}.min_agl_m;
+  flight.min_agl_m = lowest_agl_m(area);
+  if (!mission.ground.elevation.empty()) {
+    const Elevation model(mission.ground.elevation);
+    mission.ground.elevation_datum = model.vertical_datum();
+    mission.ground.elevation_datum_assumed = model.datum_assumed();
+  }
   add_placement_error(area.imagery_infos, mission);
   try {
     add_map_sigma({}, mission);
   } catch (const DataError& error) {
-    warnings.push_back(std::string(error.what()) + "; a drawn route takes it to be unknown");
+    warnings.push_back(std::string(error.what()) + "; a route that is drawn takes it to be unknown, prepare does not");
   }
+  for (const std::string& note : mission.notes) notes.push_back("For a route that is drawn: " + note);
   return mission;
 }
 
@@ -42,28 +53,31 @@ Json mission_file(const SurveyedGround& area, const std::vector<std::string>& im
   tile.imagery_date = options.imagery_date;
   tile.flight_time = options.flight_time;
   tile.tile_overlap = options.tile_overlap;
+  tile.min_agl_m = lowest_agl_m(area);
   Json json = options_to_json(list_options(tile));
   add_grid(area.ground, json);
   ScoreOptions score = options.score;
-  const double usual = usual_fine_contrast_of(area.ground);
-  if (!score.usual_fine_contrast && usual > 0) score.usual_fine_contrast = usual;
+  if (!score.usual_fine_contrast) {
+    constexpr double kLeastUsual = 0.01;  // that the option takes
+    if (const double usual = usual_fine_contrast_of(area.ground); usual >= kLeastUsual)
+      score.usual_fine_contrast = usual;
+  }
+  if (score.matcher == FlyingMatcher::kFeaturesAndChips) json["build"] = {{"chips", true}};
   json["score"] = options_to_json(list_options(score));
   return json;
 }
 
 }  // namespace
 
-SketchedFlight sketched_flight(const SurveyedGround& area, const std::vector<TileScores>& scores,
-                               const std::vector<std::string>& imagery, const SurveyOptions& options,
-                               std::vector<std::string>& warnings) {
+SketchedFlight sketched_flight(SurveyedGround& area, const std::vector<TileScores>& scores,
+                               const std::vector<std::string>& imagery, const SurveyOptions& options) {
   SketchedFlight sketched;
-  sketched.mission = flight_over(area, warnings);
+  sketched.mission = flight_over(area, area.notes, area.warnings);
   const SelectOptions select;
   Selection& selection = sketched.selection;
   selection.tries = FixTries{select.fix_interval_s, select.fix_decorrelation_m, select.max_false_fix_rate};
   selection.left_out = LeftOut{select.min_p_correct_fix, select.min_peak_margin, {}};
   selection.max_error_m = sketched.mission.flight.max_error_m;
-  selection.sigma_multiple = sketched.mission.flight.ins.sigma_multiple;
   if (!any_p_known(scores)) return sketched;  // nothing is drawn then
   sketched.mission_file = mission_file(area, imagery, options);
   const double rests_on_tiles = fewest_level_tiles(scores, std::vector<bool>(scores.size(), true));

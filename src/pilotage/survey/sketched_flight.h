@@ -22,9 +22,9 @@ struct SketchedFlight {
   nlohmann::ordered_json mission_file;
 };
 
-/// `scores` are those of the area's tiles. What is wrong with the imagery's own word on its error goes to `warnings`.
-SketchedFlight sketched_flight(const SurveyedGround& area, const std::vector<TileScores>& scores,
-                               const std::vector<std::string>& imagery, const SurveyOptions& options,
-                               std::vector<std::string>& warnings);
+/// `scores` are those of the area's tiles. What was chosen for such a route, and what is wrong with the imagery's own
+/// word on its error, goes to the notes and the warnings of the area.
+SketchedFlight sketched_flight(SurveyedGround& area, const std::vector<TileScores>& scores,
+                               const std::vector<std::string>& imagery, const SurveyOptions& options);
 
 }  // namespace pilotage

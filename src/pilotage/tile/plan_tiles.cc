@@ -48,9 +48,14 @@ void require(bool given, const char* what) {
 void check_grid_origin(const TileOptions& options) {
   const std::vector<double>& origin_m = options.grid_origin_m;
   if (origin_m.empty()) return;
-  if (origin_m.size() != 2 || !std::isfinite(origin_m[0]) || !std::isfinite(origin_m[1])) {
+  if (origin_m.size() != 2) {
     throw UsageError("grid_origin_m has " + std::to_string(origin_m.size()) +
                      " numbers; it is x and y of a corner of a tile, as 412000,6153000");
+  }
+  constexpr double kFarthest_m = 1e8;  // beyond which no CRS reaches
+  for (const double value_m : origin_m) {
+    if (std::abs(value_m) <= kFarthest_m) continue;
+    throw UsageError("grid_origin_m = " + format_number(value_m) + " is outside [-100000000, 100000000]");
   }
   if (options.crs.empty()) throw UsageError("grid_origin_m is a point of the grid's CRS; give --crs, too");
 }

@@ -93,10 +93,9 @@ struct TileOptions {
                  Range{1, 10000});
     fields.field("crs", self.crs,
                  "CRS of the mission grid, projected in metres; chosen with the least distortion if not given.");
-    fields.field(
-        "grid_origin_m", self.grid_origin_m,
-        "A corner of a tile, x and y in the CRS that crs names: missions with the same one, and the same size of "
-        "tiles, share their tiles.");
+    fields.field("grid_origin_m", self.grid_origin_m,
+                 "A corner of a tile, x and y in the CRS that crs names: missions with the same one, and the same size "
+                 "and overlap of tiles, share their tiles.");
     fields.field("gsd_m", self.gsd_m,
                  "Working ground sample distance; chosen from camera, height and imagery if not given.",
                  Range{0.01, 1000});
