@@ -270,6 +270,21 @@ def planned_route_is_the_reports(page, out):
     check(told["assumes"].startswith(report["verdict"]["assumptions"]) and "18 m/s, a try every 2 s" in told["assumes"], f"assumed is {told['assumes']}, by the report {report['verdict']['assumptions']}")
 
 
+def lost_flights_have_cures(page):
+    """The sample's NO-GO: the stretch is on map and chart, and each cure leads to its answer."""
+    check(page.run("return pilotage.map.hasLayer(pilotage.layers.lost)") and page.run("return document.querySelectorAll('#chart .lost').length") == 1,
+          "where flights are lost is not shown")
+    cures = page.run("return [...document.querySelectorAll('.cures li')].map((item) => item.textContent)")
+    check([cure.split(":")[0] for cure in cures] == ["Another line", "A better inertial system", "A second date of this ground"], f"cures: {cures}")
+    page.run("document.querySelector('#cure-ins button').click()")
+    page.wait("return pilotage.whatIf.predicted !== null && document.getElementById('what-if-state').textContent === ''", "P with a better system")
+    planned = page.run("return pilotage.report.route.probability.p_within_limit")
+    check(page.run("return pilotage.whatIf.predicted.probability.p_within_limit") > planned, "a better inertial system does not help")
+    page.run("document.getElementById('sketch-clear').click(); document.getElementById('cure-line').click()")
+    check(count(page) == len(page.run("return pilotage.sketchData.points")), "another line does not begin at the planned one")
+    answered(page)
+
+
 def unknown_ground_has_no_verdict(page):
     """On a report's page, which knows its corridor: beside it P is a bound, and no NO-GO (a planner was told one at P 0.1 where prepare found 0.82)."""
     points = page.run(POINTS)
@@ -304,10 +319,10 @@ def test(pilotage, source, work, rest):
             drawn_by_hand(page)
             page.screenshot(pictures / "sketch.png")
             page.full_screenshot(pictures / "sketch_page.png")
-            files_say_the_same(page, pilotage, work)
-            files_come_back(page, pilotage, source, work)
             sketches = work / survey.name
             sketches.mkdir(exist_ok=True)
+            files_say_the_same(page, pilotage, sketches)
+            files_come_back(page, pilotage, source, sketches)
             apart = agrees_with_prepare(page, pilotage, sketches, draws, number)
             print(f"{survey.name}: P differs by {sum(apart) / len(apart):.4f} in the mean, {max(apart):.4f} at most")
             page.resize(390, 844)
@@ -317,6 +332,7 @@ def test(pilotage, source, work, rest):
             page.resize(1400, 1000)
         if not rest[2:]:
             planned_route_is_the_reports(page, work / "prepared")
+            lost_flights_have_cures(page)
             unknown_ground_has_no_verdict(page)
         said = page.console()
         check(not said, f"the console has: {said}")

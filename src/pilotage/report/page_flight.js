@@ -148,13 +148,16 @@ function flownSteps(path, wind_mps) {
   };
   return { count: index.length, step: (i) => made[index[i]].step, errorAhead_m };
 }
-function flightCases(path) {
+function* flightCases(path) {
   const inWind = new Map();  // levels share what is flown in one wind
-  return path.flight.chances.cases.map(([level, weight, east_mps, north_mps]) => {
+  const cases = [];
+  for (const [level, weight, east_mps, north_mps] of path.flight.chances.cases) {
     const wind = east_mps + ' ' + north_mps;
     if (!inWind.has(wind)) inWind.set(wind, flownSteps(path, [east_mps, north_mps]));
-    return { level, weight, steps: inWind.get(wind) };
-  });
+    cases.push({ level, weight, steps: inWind.get(wind) });
+    yield;
+  }
+  return cases;
 }
 
 const heldAt = (path, i, state) => holdWithGnss(state, path.flight.azimuth_deg[i], path.flight.speed_mps[i], path.model);
@@ -218,7 +221,8 @@ function firstFlights(path) {
   return { instant, branches: [{ fixSample: 0, probability: 1, covariance, fixTime_s: -Infinity, window: -1, low: 0, high: 1 }] };
 }
 function loseFlights(path, sample, stretch) {
-  const least = 1e-9 * totalProbability(stretch.branches);
+  const { least_share = 1e-9 } = path.flight.chances;
+  const least = least_share * totalProbability(stretch.branches);
   const position = spanForm(stretch.span, insPositionRows);
   stretch.branches = stretch.branches.filter((branch) => {
     branch.variances_m2 = formVariances(position, branch.covariance);
@@ -467,7 +471,7 @@ function* predictFlight(planned, settings) {
   if (settings.speed_mps !== null) flight.speed_mps = planned.speed_mps.map(() => settings.speed_mps);
   const path = makePath(flight, settings.model, settings.limit_m, plannedGnss(flight));
   const chances = flight.chances && levelChances(flight, settings.interval_s);
-  const cases = chances && flightCases(path);
+  const cases = chances && (yield* flightCases(path));
   const predicted = { max_error_m: settings.limit_m, probability: null, loss: null };
   if (flight.anywhere) {
     predicted.loss = yield* loseAnywhere(path, cases, chances, settings.interval_s);

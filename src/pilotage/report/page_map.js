@@ -31,6 +31,20 @@ function drawDenied(context, view) {
   display.denied_lines_m.forEach((flat) => strokeLine(context, view, flat, []));
   context.globalAlpha = 1;
 }
+// Where most flights are lost, of a route on which too many are; null else.
+const mostLost = flown && report.route.probability && report.route.probability.p_within_limit < report.route.probability.min_p_within_limit
+  ? report.route.probability.worst : null;
+function drawLost(context, view) {
+  const { from_distance_m, to_distance_m } = mostLost;
+  const line = Array.from({ length: 101 }, (_, k) => placeAlong(from_distance_m + (to_distance_m - from_distance_m) * k / 100)).flat();
+  for (const [color, width] of [['#fff', 34], ['#c3003c', 28]]) {
+    context.globalAlpha = 0.5;
+    context.strokeStyle = color;
+    context.lineWidth = width * lineShare(view);
+    strokeLine(context, view, line, []);
+  }
+  context.globalAlpha = 1;
+}
 // Where 95 of 100 simulated flights are, at marks along the route.
 function drawTruePlaces(context, view) {
   context.strokeStyle = '#8b3a00';
@@ -172,6 +186,7 @@ function makeMap() {
     addLayer('selected', 'outline', drawSelected);
     if (display.denied_lines_m.length) addLayer('denied', 'route', drawDenied);
     if (display.true_place_lines_m.length) addLayer('true-places', 'route', drawTruePlaces);
+    if (mostLost && display.places_m.length) addLayer('lost', 'route', drawLost);
     addLayer('gaps', 'route', drawGaps);
     addLayer('route', 'route', drawRoute);
   }

@@ -498,6 +498,13 @@ function linkSketch() {
   $('sketch-clear').addEventListener('click', () => { setSketch([]); setDrawing(false); sayNotes([]); });
   document.querySelectorAll('[data-save]').forEach((button) => button.addEventListener('click', () => saveSketch(button.dataset.save)));
   linkFiles();
+  if ($('cure-line')) {
+    $('cure-line').hidden = !sketchData.points.length;
+    $('cure-line').addEventListener('click', () => {
+      setSketch(plannedPoints());
+      $('map').scrollIntoView({ block: 'center' });
+    });
+  }
   document.addEventListener('keydown', sketchKeys);
   $('sketch-form').addEventListener('submit', (event) => event.preventDefault());
   for (const name of ['limit', 'ins', 'speed', 'interval']) {

@@ -109,28 +109,47 @@ function legOfSketch(from, to, step_m) {
 // the spread of all. The ends of the 80 % interval are two of them.
 function aboutChances() {
   const calm = (levels) => levels.map((_, i) => [i, 1, 0, 0]);
-  const most_branches = 3;  // of flights that fixed at one place; eight else
-  if (sketchData.level_weights.length === 1) return { ...sketchData, cases: calm([0]), most_branches };
+  const coarse = { most_branches: 3, least_share: 1e-5 };  // of flights that fixed at one place, 8 else; that are followed, 1e-9 else
+  if (sketchData.level_weights.length === 1) return { ...sketchData, cases: calm([0]), ...coarse };
   const [low, high] = sketchData.level_interval;
   const levels = [low, (low + high) / 2, high];
   const outer = 0.5 / sketchData.level_z[high] ** 2;
   return { ...sketchData, level_z: levels.map((level) => sketchData.level_z[level]), level_weights: [outer, 1 - 2 * outer, outer],
-    level_interval: [0, 2], cases: calm(levels), most_branches };
+    level_interval: [0, 2], cases: calm(levels), ...coarse };
 }
 const sketchAbout = sketchData && aboutChances();
 
 const sketchStep_m = 10, mostSketchSamples = 2000;  // every 10 m, as the program looks at a route, up to 20 km
-// As few samples as an answer at once needs: one for each step of the tiles, within bounds.
+// As few samples as an answer at once needs: one for each way over which tries fare alike, within bounds.
 function aboutSamples(length_m) {
-  const stride_m = gridOf.get(sketchData.levels[0][0]).stride_m;
-  return Math.min(800, Math.max(150, length_m / stride_m));
+  const apart_m = sketchData.apart_m === null ? gridOf.get(sketchData.levels[0][0]).tile_m : sketchData.apart_m;
+  return Math.min(500, Math.max(100, length_m / apart_m));
+}
+// Of few samples each stands for the way to the next ones: over the best tile of it, since the tries of that way fare alike.
+function overBestTiles(samples, step_m) {
+  return samples.map((sample, i) => {
+    let best = sample;
+    for (const other of [samples[i - 1], samples[i + 1]]) {
+      if (!other || other.leg !== sample.leg || sample.level === null) continue;
+      const probes = Math.min(4, Math.ceil(step_m / 2 / gridOf.get(sample.level).stride_m));
+      for (let k = 1; k <= probes; ++k) {
+        const share = k / (2 * probes + 1), x = sample.x + share * (other.x - sample.x), y = sample.y + share * (other.y - sample.y);
+        const tile = tileAt(x, y, sample.level);
+        if (tile < 0 || (best.tile >= 0 && sketchP[tile] <= sketchP[best.tile])) continue;
+        const [right, down] = shareOfCell(tile, x, y);
+        best = { ...sample, tile, right, down };
+      }
+    }
+    return best;
+  });
 }
 // `about`: for an answer at once.
 function flightOfSketch(points, { limit_m }, about) {
   const straight_m = points.slice(1).reduce((sum, point, i) => sum + geodesicBetween(points[i], point).length_m, 0);
   const step_m = Math.max(sketchStep_m, straight_m / (about ? aboutSamples(straight_m) : mostSketchSamples));
   const chances = about ? sketchAbout : sketchData;
-  const all = [], legs = [];
+  let all = [];
+  const legs = [];
   let start_m = 0;
   points.slice(1).forEach((to, leg) => {
     const sampled = legOfSketch(points[leg], to, step_m);
@@ -139,6 +158,7 @@ function flightOfSketch(points, { limit_m }, about) {
     legs.push({ length_m: sampled.length_m, points: [leg, leg + 1] });
     start_m += sampled.length_m;
   });
+  if (about) all = overBestTiles(all, step_m);
   const half_width_m = sketchData.corridor_half_width_m === null ? limit_m : sketchData.corridor_half_width_m;
   const storedOnes = storedTiles(all, half_width_m, step_m);
   const tile_runs = [];

@@ -47,7 +47,7 @@ function mapPicture() {
     const to = map.latLngToContainerPoint(bounds.getSouthEast());
     context.drawImage(layers.imagery.getElement(), from.x, from.y, to.x - from.x, to.y - from.y);
   }
-  ['detail', 'heat', 'untested', 'classes', 'refused', 'selected', 'denied', 'true-places', 'gaps', 'route', ...moreLayers.map(([name]) => name), 'grid', 'marks']
+  ['detail', 'heat', 'untested', 'classes', 'refused', 'selected', 'denied', 'true-places', 'lost', 'gaps', 'route', ...moreLayers.map(([name]) => name), 'grid', 'marks']
     .filter((name) => layers[name] && map.hasLayer(layers[name])).forEach((name) => {
     const layer = layers[name];
     const corner = place(layer.corner);

@@ -40,6 +40,8 @@ function plotOf(predicted) {
     const types = gap.status === 2 ? ['gap bad', 'hatch'] : ['gap ' + statusNames[gap.status]];
     for (const type of types) parts.push(chartBand(type, gap.from_distance_m, gap.to_distance_m, axes.top, axes.bottom, title));
   }
+  const worst = predicted.probability && tooOftenLost(predicted) ? predicted.probability.worst : null;
+  if (worst) parts.push(chartBand('lost', worst.from_distance_m, worst.to_distance_m, axes.top, axes.top + 10, 'What if: most flights are lost here'));
   const step_m = tickStep(axes.errorM, 5);
   for (let i = 0; i * step_m <= axes.errorM; ++i) {
     parts.push(chartLine('grid', axes.left, y(i * step_m), axes.right, y(i * step_m)));
@@ -194,10 +196,34 @@ async function askWhatIf() {
   showFlight();
   return null;
 }
+// Better inertial systems than what is planned, by the error that a minute in straight flight leaves.
+function betterSystems() {
+  const drift_m = (model) => positionError_m(insPropagate(initialInsState(model, 0, plannedMps()), makeInsStep(60, 0, plannedMps(), model)), model);
+  const planned_m = drift_m(whatIfData.models[0]);
+  return whatIfData.models.map((model, i) => [i, model]).filter(([i, model]) => i > 0 && drift_m(model) < 0.9 * planned_m);
+}
+const plannedMps = () => whatIfData.speed_runs[0][1];
+function offerCures() {
+  const box = $('cure-ins');
+  if (!box) return;
+  const better = betterSystems();
+  box.append(...better.flatMap(([i, model]) => {
+    const button = element('button', 'P with ' + model.text);
+    button.type = 'button';
+    button.addEventListener('click', () => {
+      $('what-if-ins').value = String(i);
+      askWhatIf();
+      $('what-if').scrollIntoView();
+    });
+    return [button, ' '];
+  }));
+  if (!better.length) box.textContent = 'none of the grades drifts less.';
+}
 function makeWhatIf() {
   keepPlannedChart();
   plannedChart.label = chart.getAttribute('aria-label');
   if (whatIfData === null) return;
+  offerCures();
   whatIfData.models.forEach((model, i) => {
     const option = element('option', i === 0 ? 'as planned: ' + model.text : model.text);
     option.value = String(i);

@@ -80,6 +80,17 @@ std::string places_heading(const Report& report) {
   return weak ? "Where it cannot, why, and what to do" : "Weakest places";
 }
 
+// What the program knows against too many lost flights, each with what finds out how much it helps.
+constexpr const char* kCures =
+    "<ul class=\"cures\">\n"
+    "<li><b>Another line:</b> <button type=\"button\" id=\"cure-line\" hidden>Draw one</button> <code>pilotage reroute "
+    "MISSION -o new.plan</code> looks for the cheapest that is GO.</li>\n"
+    "<li><b>A better inertial system:</b> <span id=\"cure-ins\"></span> <code>pilotage prepare MISSION --ins-grade "
+    "GRADE</code></li>\n"
+    "<li><b>A second date of this ground:</b> <code>pilotage prepare MISSION --second-epoch LATER.tif</code> measures "
+    "how "
+    "often its tiles are found on another day.</li>\n</ul>";
+
 std::string places_html(const Report& report) {
   std::string html;
   for (const WeakPlace& place : report.weak_places) {
@@ -93,6 +104,7 @@ std::string places_html(const Report& report) {
       html += "<p class=\"todo\">" + std::string(good ? "To do better: " : "What to do: ") + html_escape(place.todo) +
               "</p>";
     }
+    if (place.most_lost) html += kCures;
     html += "</li>\n";
   }
   return html.empty() ? "<li class=\"good\"><p>No gap, and no leg beyond 80 % of the limit.</p></li>\n" : html;
@@ -169,6 +181,13 @@ std::string denied_key_html(const Report& report) {
          "y1=\"6\" "
          "x2=\"33\" y2=\"6\"/></svg> " +
          std::string(report.loss_anywhere ? "GNSS lost for good" : "GNSS denied") + "</li>\n  ";
+}
+
+std::string lost_key_html(const Report& report) {
+  if (most_lost(report) == nullptr) return "";
+  return "<li><svg class=\"key\" viewBox=\"0 0 34 12\" aria-hidden=\"true\"><line class=\"lost-key\" x1=\"1\" y1=\"6\" "
+         "x2=\"33\" y2=\"6\"/></svg> " +
+         std::string(kMostLost) + "</li>\n  ";
 }
 
 std::string denied_box_html(const Report& report) {
@@ -334,7 +353,7 @@ std::string report_html(const Report& report) {
        {"ageing", ageing_html(report.ageing)},
        {"imagery_age", imagery_age_html(report.imagery_age)},
        {"landmarks", report.landmarks ? landmark_html(*report.landmarks) : ""},
-       {"denied_key", denied_key_html(report)},
+       {"denied_key", denied_key_html(report) + lost_key_html(report)},
        {"denied_box", denied_box_html(report)},
        {"chart", strip_chart_svg(report)},
        {"heights", height_profile_svg(report.heights, chart_distance_m(report))},

@@ -7,6 +7,7 @@
 #include "pilotage/base/markup.h"
 #include "pilotage/base/svg.h"
 #include "pilotage/base/text.h"
+#include "pilotage/report/report.h"
 #include "pilotage/report/wording.h"
 
 namespace pilotage {
@@ -233,6 +234,20 @@ std::string gap_bands(const Report& report, const Axes& axes) {
   return svg;
 }
 
+// Where most flights are lost, over the gaps: a bar with words where there is room.
+std::string lost_band(const Report& report, const Axes& axes) {
+  const WorstStretch* worst = most_lost(report);
+  if (worst == nullptr) return "";
+  const double x1 = axes.x(worst->from_distance_m);
+  const double x2 = std::max(axes.x(worst->to_distance_m), x1 + 4);
+  std::string svg = band("lost", x1, kTop, x2, kTop + 10,
+                         std::string(kMostLost) + ", P = " + probability_text(worst->p_first_excess) + ": " +
+                             length_text(worst->from_distance_m) + " to " + length_text(worst->to_distance_m));
+  const double width = 7.5 * static_cast<double>(std::string_view(kMostLost).size());
+  if (x2 - x1 >= width) svg += kSvg.text("lost-label", (x1 + x2) / 2, kTop + 26, kMostLost);
+  return svg;
+}
+
 std::string gap_labels(const Report& report, const Axes& axes) {
   std::string svg;
   for (const ReportGap& gap : report.gaps) {
@@ -278,8 +293,8 @@ std::string strip_chart_svg(const Report& report) {
       "<defs><pattern id=\"chart-hatch\" width=\"9\" height=\"9\" patternUnits=\"userSpaceOnUse\" "
       "patternTransform=\"rotate(45)\"><line y2=\"9\"/></pattern></defs>\n";
   // What the page draws anew for other settings (page_what_if.js).
-  svg += "<g id=\"chart-plot\">\n" + denied_bands(report, axes) + gap_bands(report, axes) + error_lines(axes) +
-         error_curve(report, axes);
+  svg += "<g id=\"chart-plot\">\n" + denied_bands(report, axes) + gap_bands(report, axes) + lost_band(report, axes) +
+         error_lines(axes) + error_curve(report, axes);
   if (std::isfinite(report.max_error_m)) {
     const double y = axes.y(report.max_error_m);
     svg += kSvg.line("limit", kChartLeft, y, kChartRight, y);

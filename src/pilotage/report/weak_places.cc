@@ -38,10 +38,11 @@ Ranked gap_place(const Report& report, const ReportGap& entry) {
 
 // What no gap shows: a stretch with tiles, but tiles that are too often not found.
 void add_worst_stretch(const Report& report, std::vector<Ranked>& places) {
-  if (!report.probability || !report.probability->worst) return;
-  if (report.probability->p_within_limit >= report.probability->min_p_within_limit) return;
-  const WorstStretch& worst = *report.probability->worst;
+  const WorstStretch* found = most_lost(report);
+  if (found == nullptr) return;
+  const WorstStretch& worst = *found;
   Ranked ranked;
+  ranked.place.most_lost = true;
   ranked.place.from_distance_m = worst.from_distance_m;
   ranked.place.to_distance_m = worst.to_distance_m;
   ranked.place.status = QualityStatus::kBad;
@@ -89,6 +90,12 @@ void add_legs(const Report& report, std::vector<Ranked>& places) {
 }
 
 }  // namespace
+
+const WorstStretch* most_lost(const Report& report) {
+  if (!report.probability || !report.probability->worst) return nullptr;
+  const bool enough = report.probability->p_within_limit >= report.probability->min_p_within_limit;
+  return enough ? nullptr : &*report.probability->worst;
+}
 
 std::vector<WeakPlace> weak_places(const Report& report, const std::vector<LegAdvice>& advice, std::size_t most) {
   std::vector<Ranked> ranked;
