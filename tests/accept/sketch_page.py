@@ -297,6 +297,29 @@ def unknown_ground_has_no_verdict(page):
     check("--allow-uncovered" in page.run("return document.getElementById('sketch-commands').textContent"), "prepare would refuse the line")
 
 
+def begins_on_one_screen(page, path, pictures):
+    """On a phone: headline and map on the first screen, the page at most six screens long until something is unfolded, nothing lost on paper."""
+    page.resize(390, 844)
+    page.open(path)
+    bottom, height, width = page.run("""return [document.getElementById('map').getBoundingClientRect().bottom, document.documentElement.scrollHeight,
+      document.documentElement.scrollWidth]""")
+    check(bottom <= 844 and height <= 6 * 844 and width == 390, f"{path.name}: the map ends at {bottom} px, the page is {width} × {height} px")
+    page.full_screenshot(pictures / f"{path.stem}_phone_folded.png")
+    shown = """return [...document.querySelectorAll('main > section')].filter((section) => section.offsetParent && section.querySelector('.fold'))
+      .map((section) => [section.querySelector('h2').textContent.trim(), section.querySelector('.fold').getAttribute('aria-expanded'), section.offsetHeight])"""
+    folded = {name: height for name, expanded, height in page.run(shown) if expanded == "false"}
+    check("Inputs" in folded and "Warnings" not in folded, f"{path.name}: folded are {list(folded)}")
+    page.run("[...document.querySelectorAll('.fold[aria-expanded=\"false\"]')].forEach((button) => button.click())")
+    check(all(expanded == "true" and height > folded.get(name, 0) for name, expanded, height in page.run(shown)), f"{path.name}: {page.run(shown)}")
+    page.run("[...document.querySelectorAll('h2 .fold')].forEach((button) => button.click())")
+    page.devtools("Emulation.setEmulatedMedia", media="print")
+    hidden = page.run("""return [...document.querySelectorAll('main > section:not(#sketch, #what-if)')].filter((section) =>
+      [...section.children].every((child) => child.matches('h2') || !child.offsetParent)).map((section) => section.textContent.trim().slice(0, 30))""")
+    check(not hidden, f"{path.name}: folded on paper: {hidden}")
+    page.devtools("Emulation.setEmulatedMedia", media="")
+    page.resize(1400, 1000)
+
+
 def test(pilotage, source, work, rest):
     if not (source / "maps/sample/ortho.tif").exists():
         print("skipped: the sample's imagery is not made (target sample_mission)")
@@ -331,6 +354,8 @@ def test(pilotage, source, work, rest):
             page.full_screenshot(pictures / "sketch_phone.png")
             page.resize(1400, 1000)
         if not rest[2:]:
+            begins_on_one_screen(page, surveys[0] / "survey.html", pictures)
+            begins_on_one_screen(page, work / "prepared/report.html", pictures)
             planned_route_is_the_reports(page, work / "prepared")
             lost_flights_have_cures(page)
             unknown_ground_has_no_verdict(page)

@@ -28,6 +28,7 @@ std::string_view page_sketch_flight_js();
 std::string_view page_sketch_files_js();
 std::string_view page_sketch_read_js();
 std::string_view page_sketch_js();
+std::string_view page_fold_js();
 std::string_view page_start_js();
 std::string_view leaflet_css();
 std::string_view leaflet_js();

@@ -66,17 +66,7 @@ function setAlong(distance, source) {
   const point = toLatLng(...placeAlong(distance));
   if (!map.getBounds().contains(point)) map.panTo(point, { animate: false });
 }
-// On a narrow screen the chart is higher than its width asks for; by how much its letters are to be widened again.
-function fitChart() {
-  for (const drawing of document.querySelectorAll('.chart svg')) {
-    const box = drawing.getBoundingClientRect();
-    const view = drawing.viewBox.baseVal;
-    if (box.width > 0) drawing.style.setProperty('--chart-stretch', String(box.height / view.height / (box.width / view.width)));
-  }
-}
 function linkChart() {
-  fitChart();
-  window.addEventListener('resize', fitChart);
   const follow = (event) => {
     const box = chart.getBoundingClientRect();
     const x = (event.clientX - box.left) / box.width * chart.viewBox.baseVal.width;

@@ -28,3 +28,11 @@ function thinProfile(profile, most) {
   return kept;
 }
 const curvePath = (points) => points.map(([x, y], i) => (i ? 'L' : 'M') + chartNumber(x) + ' ' + chartNumber(y)).join('');
+// On a narrow screen the chart is higher than its width asks for; by how much its letters are to be widened again.
+function fitChart() {
+  for (const drawing of document.querySelectorAll('.chart svg')) {
+    const box = drawing.getBoundingClientRect();
+    const view = drawing.viewBox.baseVal;
+    if (box.width > 0) drawing.style.setProperty('--chart-stretch', String(box.height / view.height / (box.width / view.width)));
+  }
+}

@@ -272,6 +272,7 @@ function answerAbout() {
   return { points, settings, about: step.value };
 }
 function showSketch(predicted, flight, settings, about) {
+  if (!sketch.predicted) unfold($('sketch'));
   sketch.flight = flight;
   sketch.predicted = judgeFlight(predicted, settings, toldOfSketch(flight));
   if (about) {  // its interval is good to judge by, not to be read
@@ -281,6 +282,7 @@ function showSketch(predicted, flight, settings, about) {
   sketch.about = about;
   saySketch(sketch.predicted, flight, about);
   drawSketchChart(sketch.predicted, flight);
+  if (!about) fitChart();
   sayCommands(sketch.predicted, flight);
 }
 // About at once, then in full.

@@ -98,9 +98,12 @@ if (flown) {
   makeWhatIf();
 }
 makeButtons();
+makeFolds();
 makeSketch();
 if (display.drawn) makeMap(); else $('map').append(element('p', display.missing, 'missing'));
 linkSketch();
+fitChart();
+window.addEventListener('resize', fitChart);
 window.addEventListener('beforeprint', preparePrint);
 window.addEventListener('afterprint', endPrint);
 // For the browser's console and for tests.

@@ -213,6 +213,7 @@ function offerCures() {
     button.addEventListener('click', () => {
       $('what-if-ins').value = String(i);
       askWhatIf();
+      unfold($('what-if'));
       $('what-if').scrollIntoView();
     });
     return [button, ' '];

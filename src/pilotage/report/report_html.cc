@@ -322,7 +322,8 @@ std::string report_html(const Report& report) {
                                 page_assets::page_verdict_js(),      page_assets::page_what_if_js(),
                                 page_assets::page_geodesic_js(),     page_assets::page_sketch_flight_js(),
                                 page_assets::page_sketch_files_js(), page_assets::page_sketch_read_js(),
-                                page_assets::page_sketch_js(),       page_assets::page_start_js()})},
+                                page_assets::page_sketch_js(),       page_assets::page_fold_js(),
+                                page_assets::page_start_js()})},
        {"sketch",
         sketch_section_html(
             "A budget, sparse areas and stretches with GNSS of the plan do not count here. prepare cuts its tiles "

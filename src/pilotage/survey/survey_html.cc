@@ -179,7 +179,7 @@ std::string survey_html(const Survey& survey) {
                      page_assets::page_ins_js(), page_assets::page_flight_js(), page_assets::page_verdict_js(),
                      page_assets::page_geodesic_js(), page_assets::page_sketch_flight_js(),
                      page_assets::page_sketch_files_js(), page_assets::page_sketch_read_js(),
-                     page_assets::page_sketch_js(), page_assets::page_start_js()})},
+                     page_assets::page_sketch_js(), page_assets::page_fold_js(), page_assets::page_start_js()})},
        {"sketch",
         sketch_section_html(
             "With mission.json prepare cuts the very tiles of this page, and its P differs by less than 0.01 as a "
