@@ -64,9 +64,6 @@ function fieldText(value, name, unit) {
 function shownText(i) {
   return isDecision() ? className(i) : formatted(measuredValue(i), decimalsNow());
 }
-function lengthText(metres) {
-  return metres >= 999.5 ? (metres / 1000).toFixed(1) + ' km' : metres.toFixed(0) + ' m';
-}
 function element(tag, text, className) {
   const node = document.createElement(tag);
   if (text !== undefined) node.textContent = text;
