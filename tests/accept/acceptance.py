@@ -22,6 +22,13 @@ def need_gdal():
     return gdal
 
 
+def need_sample(source):
+    """Leaves with "skipped" when the sample mission's imagery is not made."""
+    if not (source / "maps/sample/ortho.tif").exists():
+        print("skipped: the sample's imagery is not made (target sample_mission)")
+        sys.exit(SKIP)
+
+
 def real_data(source):
     """The folder of real imagery, $PILOTAGE_DATA or else ../shared/data beside the repository. Without it leaves with "skipped", and
     with a failure when PILOTAGE_DATA names no folder or an empty one: who sets it wants these tests run."""

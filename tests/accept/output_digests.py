@@ -14,7 +14,7 @@ import platform
 import shutil
 import sys
 
-from acceptance import SKIP, check, main, run
+from acceptance import SKIP, check, main, need_sample, run
 
 HELD = pathlib.Path(__file__).with_suffix(".json")
 SAMPLE = ["plan.json", "tiles.csv", "scores.tif", "selection.json", "map.gpkg"]
@@ -54,9 +54,7 @@ def port_digests(pilotage, data, work):
 def test(pilotage, source, work, arguments):
     record = arguments == ["--record"]
     check(record or not arguments, f"{arguments}: only --record is known")
-    if not (source / "maps/sample/ortho.tif").exists():
-        print("skipped: the sample's imagery is not made (target sample_mission)")
-        sys.exit(SKIP)
+    need_sample(source)
     held = {} if record else json.loads(HELD.read_text())
     here = instruction_set()
     if not record and held["instruction_set"] != here:

@@ -7,7 +7,7 @@ import json
 import pathlib
 import sys
 
-from acceptance import SKIP, check, main, need_gdal, run
+from acceptance import SKIP, check, main, need_gdal, need_sample, run
 from browser import Browser, missing_programs
 
 gdal = need_gdal()
@@ -49,9 +49,7 @@ def pictures_are_drawn(page, work):
 
 
 def test(pilotage, source, work, rest):
-    if not (source / "maps/sample/ortho.tif").exists():
-        print("skipped: the sample's imagery is not made (target sample_mission)")
-        sys.exit(SKIP)
+    need_sample(source)
     pictures = pathlib.Path(rest[1])
     pictures.mkdir(parents=True, exist_ok=True)
     gdal.Translate(str(work / "part.tif"), str(source / "maps/sample/ortho.tif"), srcWin=[2400, 1500, 900, 700])

@@ -9,7 +9,7 @@ import random
 import sys
 import zipfile
 
-from acceptance import SKIP, check, main, run
+from acceptance import SKIP, check, main, need_sample, run
 from browser import Browser, missing_programs
 
 if missing_programs():
@@ -321,9 +321,7 @@ def begins_on_one_screen(page, path, pictures):
 
 
 def test(pilotage, source, work, rest):
-    if not (source / "maps/sample/ortho.tif").exists():
-        print("skipped: the sample's imagery is not made (target sample_mission)")
-        sys.exit(SKIP)
+    need_sample(source)
     pictures = pathlib.Path(rest[0])
     pictures.mkdir(parents=True, exist_ok=True)
     number = int(rest[1]) if len(rest) > 1 else 3

@@ -11,7 +11,7 @@ import sys
 import xml.etree.ElementTree
 import zipfile
 
-from acceptance import SKIP, check, main, need_gdal, run
+from acceptance import SKIP, check, main, need_gdal, need_sample, run
 from browser import Browser, missing_programs
 
 gdal = need_gdal()
@@ -188,9 +188,7 @@ def fits_screens_and_paper(page, pictures):
 
 
 def test(pilotage, source, work, rest):
-    if not (source / "maps/sample/ortho.tif").exists():
-        print("skipped: the sample's imagery is not made (target sample_mission)")
-        sys.exit(SKIP)
+    need_sample(source)
     pictures = pathlib.Path(rest[0])
     pictures.mkdir(parents=True, exist_ok=True)
     # The lake and the town of the sample: ground of all classes.

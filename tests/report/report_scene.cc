@@ -252,6 +252,13 @@ ReportInput report_scene(const ReportSceneOptions& options) {
   return input;
 }
 
+ReportInput report_scene_with_tries() {
+  ReportInput input = report_scene({});
+  input.selection.tries = FixTries{2.5, std::nullopt, 0.001};
+  for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = 18;
+  return input;
+}
+
 Report report_with_gap(double drift) {
   ReportSceneOptions options;
   options.matchable_from = 0.3;

@@ -25,6 +25,9 @@ Crs local_crs(const std::string& name);
 /// one gap.
 ReportInput report_scene(const ReportSceneOptions& options);
 
+/// report_scene({}) flown at 18 m/s, a try every 2.5 s.
+ReportInput report_scene_with_tries();
+
 /// The report of a mission with a gap from 30 to 90 % of its route.
 Report report_with_gap(double drift);
 

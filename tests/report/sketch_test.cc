@@ -18,11 +18,9 @@ using ::testing::HasSubstr;
 
 // The page's predictions themselves are held against the program by accept.sketch_page.
 ReportInput scene_to_sketch_on() {
-  ReportInput input = testing::report_scene({});
-  input.selection.tries = FixTries{2.5, std::nullopt, 0.001};
+  ReportInput input = testing::report_scene_with_tries();
   input.selection.left_out = LeftOut{0.2, 0.05, {}};
   input.selection.probability = RouteProbability{0.9, 0.8, 0, 0, {}, {}};
-  for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = 18;
   return input;
 }
 

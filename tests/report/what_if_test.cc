@@ -15,13 +15,6 @@ using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 
 // The page's predictions themselves are held against the program by accept.what_if.
-ReportInput scene_with_tries() {
-  ReportInput input = testing::report_scene({});
-  input.selection.tries = FixTries{2.5, std::nullopt, 0.001};
-  for (FlightSample& sample : input.mission.flight.samples) sample.speed_mps = 18;
-  return input;
-}
-
 std::size_t samples_of(const Json& runs) {
   std::size_t count = 0;
   for (const Json& run : runs) count += run[0].get<std::size_t>();
@@ -29,7 +22,7 @@ std::size_t samples_of(const Json& runs) {
 }
 
 TEST(WhatIf, HasEverySampleOfTheFlight) {
-  const ReportInput input = scene_with_tries();
+  const ReportInput input = testing::report_scene_with_tries();
   const Json json = what_if_data(input, quality_rows(input));
   const std::size_t count = input.mission.flight.samples.size();
   const std::string bytes(2 * sizeof(double) * count, '\0');
@@ -44,13 +37,13 @@ TEST(WhatIf, HasEverySampleOfTheFlight) {
 }
 
 TEST(WhatIf, TilesThatAreNotStoredGiveNoFix) {
-  ReportInput input = scene_with_tries();
+  ReportInput input = testing::report_scene_with_tries();
   input.selection.tile_ids.clear();
   EXPECT_EQ(what_if_data(input, {})["tile_runs"], Json({{input.mission.flight.samples.size(), nullptr}}));
 }
 
 TEST(WhatIf, GradesKeepTheFiguresOfOnesOwn) {
-  ReportInput input = scene_with_tries();
+  ReportInput input = testing::report_scene_with_tries();
   input.mission.flight.ins.name = "VN-100";
   input.mission.flight.ins.gyro_bias_deg_h = 7;
   const Json models = what_if_data(input, {})["models"];
@@ -66,7 +59,7 @@ TEST(WhatIf, GradesKeepTheFiguresOfOnesOwn) {
 }
 
 TEST(WhatIf, IsNotOfferedWhereNothingSaysHowTriesAreMade) {
-  ReportInput input = scene_with_tries();
+  ReportInput input = testing::report_scene_with_tries();
   EXPECT_THAT(report_html(input), HasSubstr("\"fix_interval_s\":2.5"));
   input.mission.flight.samples.back().speed_mps = 0;
   EXPECT_TRUE(what_if_data(input, {}).is_null());

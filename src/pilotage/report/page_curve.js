@@ -6,6 +6,14 @@ function chartWords(type, x, y, words) {
   text.textContent = words;
   return text;
 }
+function chartBand(type, x1, x2, top, bottom, title) {
+  const band = svgElement('rect', { class: type, x: chartNumber(x1), y: chartNumber(top), width: chartNumber(Math.max(x2 - x1, 1)),
+    height: chartNumber(bottom - top) });
+  const words = svgElement('title', {});
+  words.textContent = title;
+  band.append(words);
+  return band;
+}
 // 1, 2 or 5 times a power of ten (tick_step).
 function tickStep(extent, most) {
   const power = Math.pow(10, Math.floor(Math.log10(extent / most)));

@@ -146,8 +146,8 @@ function drawSketch(context, view) {
     strokeLine(context, view, places.flatMap(({ x, y }) => [x, y]), []);
   }
   places.slice(1).forEach((place, i) => {
-    const leg = flight && predicted ? flight.legs.findIndex((one) => one.points[0] === i) : -1;
-    const style = leg < 0 || !predicted.legs[leg] ? { color: '#555', dash: [] } : legStyles[statusNames[predicted.legs[leg].status]];
+    const leg = predicted ? flight.legs.findIndex((one) => one.points[0] === i) : -1;
+    const style = leg < 0 ? { color: '#555', dash: [] } : legStyles[statusNames[predicted.legs[leg].status]];
     context.strokeStyle = style.color;
     context.lineWidth = 3.5;
     strokeLine(context, view, [places[i].x, places[i].y, place.x, place.y], style.dash);
@@ -181,7 +181,7 @@ function sayOnMap(words, type) {
 function sketchChanged() {
   for (const button of [$('sketch-undo'), sketchTools.undo]) button.disabled = !sketch.history.length;
   $('sketch-clear').disabled = !sketch.points.length;
-  if (map) placeMarkers();
+  placeMarkers();
   if (flown) map.getPane('route').style.opacity = sketch.points.length > 1 ? '0.35' : '';  // behind the sketch, which looks alike
   askSketch();
 }
@@ -322,13 +322,10 @@ function drawSketchChart(predicted, flight) {
   const shareY = (share) => shareBottom - share * (shareBottom - shareTop);
   const parts = [];
   for (const gap of predicted.gaps) {
-    const band = svgElement('rect', { class: 'gap ' + statusNames[gap.status], x: chartNumber(x(gap.from_distance_m)), y: top,
-      width: chartNumber(Math.max(1, x(gap.to_distance_m) - x(gap.from_distance_m))), height: bottom - top });
-    const words = svgElement('title', {});
-    words.textContent = 'gap of ' + gapWords(gap) + ', error at its end ' + comparisonWords(gap.error_m, predicted.max_error_m);
-    band.append(words);
-    parts.push(band);
-    if (gap.status === 2) parts.push(chartWords('gap-label', (x(gap.from_distance_m) + x(gap.to_distance_m)) / 2, bottom - 6, '✕ ' + lengthWords(gap.to_distance_m - gap.from_distance_m)));
+    const x1 = x(gap.from_distance_m), x2 = x(gap.to_distance_m);
+    parts.push(chartBand('gap ' + statusNames[gap.status], x1, x2, top, bottom, 'gap of ' + gapWords(gap) + ', error at its end ' +
+      comparisonWords(gap.error_m, predicted.max_error_m)));
+    if (gap.status === 2) parts.push(chartWords('gap-label', (x1 + x2) / 2, bottom - 6, '✕ ' + lengthWords(gap.to_distance_m - gap.from_distance_m)));
   }
   const step_m = tickStep(most_m, 3);
   for (let i = 0; i * step_m <= most_m; ++i) {
@@ -421,7 +418,6 @@ function setDrawing(on) {
   for (const button of [$('sketch-draw'), sketchTools.draw]) button.setAttribute('aria-pressed', String(on));
   $('map').classList.toggle('drawing', on);
   sketchHint.textContent = on ? 'Click for each point; double-click or Escape ends. Drag points and the handles of legs; right-click or a long press takes a point out. By keyboard: arrow keys move the map, Enter sets a point in its middle (+).' : '';
-  if (!map) return;
   if (on) map.doubleClickZoom.disable(); else map.doubleClickZoom.enable();
 }
 // Whether a click on the map is the sketch's. A second one on the last point ends the drawing.

@@ -6,15 +6,6 @@ const whatIf = { predicted: null, run: 0, trusted: null, timer: 0, planned: what
 
 // ---- Chart ----
 const chartX = (distance_m) => axes.left + Math.min(1, Math.max(0, distance_m / axes.distanceM)) * (axes.right - axes.left);
-function chartBand(type, from_m, to_m, top, bottom, title) {
-  const x = chartX(from_m);
-  const band = svgElement('rect', { class: type, x: chartNumber(x), y: chartNumber(top), width: chartNumber(Math.max(chartX(to_m) - x, 1)),
-    height: chartNumber(bottom - top) });
-  const words = svgElement('title', {});
-  words.textContent = title;
-  band.append(words);
-  return band;
-}
 const plannedChart = {};  // what is put back on reset and on paper
 function keepPlannedChart() {
   plannedChart.plot = [...$('chart-plot').childNodes];
@@ -30,7 +21,7 @@ function plotOf(predicted) {
   for (const stretch of shownFlight.denied || []) {
     const words = predicted.loss ? 'GNSS lost for good: the worst point' : 'GNSS denied';
     const x1 = chartX(stretch.from_distance_m), x2 = chartX(stretch.to_distance_m);
-    parts.push(chartBand('denied', stretch.from_distance_m, stretch.to_distance_m, axes.top, axes.bottom, words));
+    parts.push(chartBand('denied', x1, x2, axes.top, axes.bottom, words));
     parts.push(chartLine('denied-edge', x1, axes.top - 2, Math.max(x2, x1 + 1), axes.top - 2));
     if (x2 - x1 >= 7.5 * words.length) parts.push(chartWords('denied-label', (x1 + x2) / 2, axes.top - 5, words));
   }
@@ -38,10 +29,10 @@ function plotOf(predicted) {
     const title = 'What if: gap of ' + lengthWords(gap.to_distance_m - gap.from_distance_m) + ', error at its end ' +
       comparisonWords(gap.error_m, predicted.max_error_m);
     const types = gap.status === 2 ? ['gap bad', 'hatch'] : ['gap ' + statusNames[gap.status]];
-    for (const type of types) parts.push(chartBand(type, gap.from_distance_m, gap.to_distance_m, axes.top, axes.bottom, title));
+    for (const type of types) parts.push(chartBand(type, chartX(gap.from_distance_m), chartX(gap.to_distance_m), axes.top, axes.bottom, title));
   }
   const worst = predicted.probability && tooOftenLost(predicted) ? predicted.probability.worst : null;
-  if (worst) parts.push(chartBand('lost', worst.from_distance_m, worst.to_distance_m, axes.top, axes.top + 10, 'What if: most flights are lost here'));
+  if (worst) parts.push(chartBand('lost', chartX(worst.from_distance_m), chartX(worst.to_distance_m), axes.top, axes.top + 10, 'What if: most flights are lost here'));
   const step_m = tickStep(axes.errorM, 5);
   for (let i = 0; i * step_m <= axes.errorM; ++i) {
     parts.push(chartLine('grid', axes.left, y(i * step_m), axes.right, y(i * step_m)));

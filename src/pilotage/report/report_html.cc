@@ -87,9 +87,8 @@ constexpr const char* kCures =
     "MISSION -o new.plan</code> looks for the cheapest that is GO.</li>\n"
     "<li><b>A better inertial system:</b> <span id=\"cure-ins\"></span> <code>pilotage prepare MISSION --ins-grade "
     "GRADE</code></li>\n"
-    "<li><b>A second date of this ground:</b> <code>pilotage prepare MISSION --second-epoch LATER.tif</code> measures "
-    "how "
-    "often its tiles are found on another day.</li>\n</ul>";
+    "<li><b>A second date of this ground:</b> <code>pilotage prepare MISSION --second-epoch LATER.tif</code> "
+    "measures how often its tiles are found on another day.</li>\n</ul>";
 
 std::string places_html(const Report& report) {
   std::string html;

@@ -83,11 +83,13 @@ Json sketch_data(const Mission& mission, const std::vector<TileScores>& scores, 
   if (!selection.tries || !selection.left_out || !selection.probability) return nullptr;
   const Flight& flight = mission.flight;
   Json json;
-  json["points"] = points_json(flight);
   const bool flown = !flight.samples.empty();
-  json["agl_m"] = flown ? flight.samples.front().agl_m : mission.ground.levels.front().max_agl_m;
+  const Json points = points_json(flight);
+  json["points"] = points;
+  json["agl_m"] = !points.empty() ? points.back()[2]
+                  : flown         ? Json(flight.samples.front().agl_m)
+                                  : Json(mission.ground.levels.front().max_agl_m);
   json["speed_mps"] = flown ? flight.samples.front().speed_mps : kAssumedSpeed_mps;
-  if (flown && !json["points"].empty()) json["agl_m"] = json["points"].back()[2];
   json["min_agl_m"] = flight.min_agl_m;
   const bool given = mission_file.is_object() ? mission_file.contains("corridor_half_width_m")
                                               : flown && flight.corridor_half_width_m != flight.max_error_m;
